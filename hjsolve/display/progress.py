@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
+import threading
 import time
 from collections.abc import Callable
 from typing import Any, Self, TextIO
@@ -17,16 +18,19 @@ _WIDTH = 24
 
 
 class ProgressBar:
-    """A bar on a terminal, drawn when it is first told how far things are.
+    """A bar on a terminal, drawn when it is first told how far things are, or some seconds later.
 
     Args:
         stays: whether the last line stays when all is done.
         shown: True or False; None: only on a terminal.
         stream: where; standard error unless given.
+        after: seconds in which nothing is drawn: what is done in no time needs no bar.
     """
 
-    def __init__(self, *, stays: bool = False, shown: bool | None = None, stream: TextIO | None = None) -> None:
-        self._out = stream or sys.stderr
+    def __init__(
+        self, *, stays: bool = False, shown: bool | None = None, stream: TextIO | None = None, after: float = 0.0
+    ) -> None:
+        self._out, self._from = stream or sys.stderr, time.monotonic() + after
         self._stays, self._shown = stays, self._out.isatty() if shown is None else shown
         self._bar: _RichBar | _Line | None = None
 
@@ -45,11 +49,45 @@ class ProgressBar:
             part: what is done, 0 … 1.
             words: how far that is, or what runs; empty at the end.
         """
-        if not self._shown:
+        if not self._shown or (self._bar is None and time.monotonic() < self._from):
             return
         if self._bar is None:
             self._bar = _bar(self._out, part, words, stays=self._stays)
         self._bar.show(part, words)
+
+
+class Tally:
+    """How many orbits are done, told to a progress bar; threads may count together.
+
+    Args:
+        total: orbits in all.
+        done: orbits that were there before.
+        progress: what is told.
+    """
+
+    def __init__(self, total: int, done: int, progress: Progress) -> None:
+        self._total, self._done, self._progress = total, 0, progress
+        self._lock = threading.Lock()
+        self.add(done)
+
+    def add(self, more: int) -> None:
+        """Count orbits that were added, and tell.
+
+        Args:
+            more: how many.
+        """
+        with self._lock:
+            self._done += more
+            self.tell()
+
+    def tell(self, remark: str = "") -> None:
+        """Tell how far things are.
+
+        Args:
+            remark: what else there is to say.
+        """
+        words = f"{self._done} of {self._total} orbits"
+        self._progress(self._done / max(self._total, 1), f"{words}; {remark}" if remark else words)
 
 
 def _bar(out: TextIO, part: float, words: str, *, stays: bool) -> _RichBar | _Line:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -35,13 +35,17 @@ def dtypes(layout: Layout) -> dict[str, np.dtype[Any]]:
     )
 
 
-def compute_columns(task: EnsembleTask, q: list[Any], rates: list[Any], *, threads: int | None = None) -> Columns:
+def compute_columns(
+    task: EnsembleTask, q: list[Any], rates: list[Any], *, threads: int | None = None,
+    done: Callable[[int], None] = lambda _: None,
+) -> Columns:  # fmt: skip
     """Compute the columns of n orbits.
 
     Args:
         task: what to compute.
         q, rates: for every coordinate of the system, in its order, an array of shape (n,).
         threads: how many; None for the cores that this process may use. The result does not depend on it.
+        done: told how many more orbits are done, by any of the threads.
 
     Returns:
         Column name → array of shape (n,).
@@ -52,7 +56,7 @@ def compute_columns(task: EnsembleTask, q: list[Any], rates: list[Any], *, threa
     stop = threading.Event()
 
     def part(window: slice) -> None:
-        _fill(task, tools, columns, window, [x[window] for x in q], [x[window] for x in rates], stop)
+        _fill(task, tools, columns, window, [x[window] for x in q], [x[window] for x in rates], stop, done)
 
     windows = list(_windows(n, threads or cores()))
     count = min(threads or cores(), len(windows))
@@ -87,7 +91,7 @@ def _windows(n: int, threads: int) -> Iterator[slice]:
 
 def _fill(
     task: EnsembleTask, tools: TaskContext, columns: Columns, window: slice, q: list[Any], rates: list[Any],
-    stop: threading.Event,
+    stop: threading.Event, done: Callable[[int], None],
 ) -> None:  # fmt: skip
     """Compute one chunk into its window of the columns."""
     names = [c.name for c in task.system.coordinates]
@@ -96,6 +100,7 @@ def _fill(
     codes[:] = _at_the_door(tools, places, speeds)
     good = np.flatnonzero(codes == Status.OK)
     if not len(good):
+        done(len(codes))
         return
     places, speeds = ({name: np.ascontiguousarray(x[good]) for name, x in group.items()} for group in (places, speeds))
     if tools.chart is not None:
@@ -111,13 +116,17 @@ def _fill(
         columns[ERROR + name][window][good] = np.where(fine, found.error[name], np.nan)
     codes[good] = np.where(fine, found.status, Status.NOT_CONVERGED)  # what doubles say of the others is not proved
     if not task.fallback:
+        done(len(codes))
         return
-    for k in map(int, np.flatnonzero(~fine)):
+    singly = np.flatnonzero(~fine)
+    done(len(codes) - len(singly))
+    for k in map(int, singly):
         if stop.is_set():
             return
         start = {"q": _picked(places, k), task.kind: _picked(speeds, k)}
         endless = bool(found.status[k] == ENDLESS)
         _one(task, tools, columns, window.start + int(good[k]), start, endless)
+        done(1)
 
 
 def _at_the_door(tools: TaskContext, q: Mapping[str, Any], rates: Mapping[str, Any]) -> Any:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve import arguments, catalog
+from hjsolve.display.progress import ProgressBar, Tally
 from hjsolve.ensembles import engine
 from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.compute import Columns, compute_columns
@@ -24,6 +25,9 @@ from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.solution.quadratures import AS_GIVEN, Solution, refuse_null, solve
+
+_QUIET = 2.0
+"""Seconds until the progress of an ensemble is shown."""
 
 
 def ensemble(
@@ -38,6 +42,7 @@ def ensemble(
     fallback: bool = True,
     compiled: bool | None = None,
     coordinates: str = AS_GIVEN,
+    shown: bool | None = None,
 ) -> Batch:
     """Compute the actions, frequencies, … of many orbits of one system.
 
@@ -63,6 +68,7 @@ def ensemble(
             differ, within the errors.
         coordinates: ``as given``, or ``find`` for others where the given ones do not separate, as of ``solve``: q, p
             and velocity stay those of the system as given, and the columns are those of the separated coordinates.
+        shown: whether progress is shown on standard error from two seconds on; None: on a terminal.
 
     Returns:
         The batch; ``batch.actions["r"]`` has the shape of the initial conditions.
@@ -78,6 +84,7 @@ def ensemble(
         (['ok', 'ok'], [0.136306, 0.049...])
     """
     arguments.refuse_other(fallback, bool, "fallback", "True or False is needed")
+    arguments.refuse_other(shown, (bool, type(None)), "shown", "True, False or None (on a terminal) is needed")
     arguments.refuse_other(compiled, (bool, type(None)), "compiled", "True, False or None (what is faster) is needed")
     solution = _solution(system, coordinates)
     refuse_null(solution)
@@ -93,7 +100,7 @@ def ensemble(
         from hjsolve.ensembles.dask_blocks import lazily
 
         return lazily(task, layout, given)
-    columns = _at_once(task, given, _thread_count(threads))
+    columns = _at_once(task, given, _thread_count(threads), shown)
     return Batch({name: column.reshape(given.shape) for name, column in columns.items()}, layout, given.shape)
 
 
@@ -157,12 +164,12 @@ def _thread_count(threads: Any) -> int | None:
     return None if threads is None else arguments.whole(threads, "threads", 1)
 
 
-def _at_once(task: EnsembleTask, given: InitialConditions, threads: int | None) -> Columns:
+def _at_once(task: EnsembleTask, given: InitialConditions, threads: int | None, shown: bool | None) -> Columns:
     names = [c.name for c in task.system.coordinates]
 
     def flat(array: Any) -> Any:
         return np.broadcast_to(array, given.shape).reshape(-1)
 
-    return compute_columns(
-        task, [flat(given.q[n]) for n in names], [flat(given.rates[n]) for n in names], threads=threads
-    )
+    q, rates = ([flat(group[n]) for n in names] for group in (given.q, given.rates))
+    with ProgressBar(shown=shown, after=_QUIET) as progress:
+        return compute_columns(task, q, rates, threads=threads, done=Tally(math.prod(given.shape), 0, progress).add)

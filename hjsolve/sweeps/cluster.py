@@ -6,20 +6,18 @@ parts on their way. Either way a part is written once, because it is written her
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from hjsolve.arithmetic.number_types import Columns
 from hjsolve.ensembles.task import EnsembleTask
 from hjsolve.errors import ClusterError, InvalidInputError, MissingExtraError
+from hjsolve.sweeps.handing_out import HandingOut, UnfitWorker
 from hjsolve.sweeps.identity import code
 from hjsolve.sweeps.work import SweepWork, columns_of
 
 _PATIENCE = 20.0
 """Seconds until a scheduler that does not answer, or has no worker, is given up."""
-
-_AHEAD = 2
-"""Parts a thread of the cluster holds or waits for: more would only fill memory."""
 
 
 def on_cluster(work: SweepWork, scheduler: str) -> None:
@@ -31,7 +29,8 @@ def on_cluster(work: SweepWork, scheduler: str) -> None:
 
     Raises:
         MissingExtraError: distributed is not installed.
-        ClusterError: the connection was lost, or one part ended several workers; what is written stays.
+        ClusterError: the connection was lost, one part ended several workers, or no worker has memory enough; what is
+            written stays.
     """
     try:
         import distributed
@@ -43,9 +42,7 @@ def on_cluster(work: SweepWork, scheduler: str) -> None:
     with _client(distributed, scheduler) as client:
         _wait_for_workers(distributed, client, scheduler)
         try:
-            _hand_out(distributed, client, work)
-        except distributed.KilledWorker as error:
-            raise ClusterError(f"a part ended several workers; what is written stays ({error})") from error
+            HandingOut(client, work, remote_part).run()
         except (distributed.client.FutureCancelledError, CommClosedError) as error:
             raise ClusterError(f"{scheduler}: was lost; what is written stays, run the same again") from error
 
@@ -66,31 +63,7 @@ def _wait_for_workers(distributed: Any, client: Any, scheduler: str) -> None:
         raise InvalidInputError(f"scheduler: {scheduler} has no worker; start `dask worker {scheduler}`") from error
 
 
-def _hand_out(distributed: Any, client: Any, work: SweepWork) -> None:
-    """Keep every thread of the cluster busy and take in what is done, in whatever order it comes."""
-    waiting: dict[object, tuple[int, Columns]] = {}
-    parts = iter(work.left)
-    done = distributed.as_completed(loop=client.loop)
-    _refill(client, work, parts, waiting, done)
-    for future in done:
-        part, starts = waiting.pop(future)
-        work.keep(part, starts, future.result())
-        del future
-        _refill(client, work, parts, waiting, done)
-
-
-def _refill(
-    client: Any, work: SweepWork, parts: Iterator[int], waiting: dict[object, tuple[int, Columns]], done: Any
-) -> None:
-    room = max(_AHEAD * sum(client.nthreads().values()), 1) - len(waiting)
-    for _, part in zip(range(room), parts, strict=False):
-        starts = work.starts(part)
-        future = client.submit(remote_part, work.task, code(), starts, pure=False)
-        waiting[future] = (part, starts)
-        done.add(future)
-
-
-def remote_part(task: EnsembleTask, expected: Mapping[str, str], starts: Columns) -> Columns:
+def remote_part(task: EnsembleTask, expected: Mapping[str, str], starts: Columns) -> Columns | UnfitWorker:
     """The columns of one part, on a worker.
 
     Args:
@@ -99,11 +72,21 @@ def remote_part(task: EnsembleTask, expected: Mapping[str, str], starts: Columns
         starts: initial conditions, name → array of shape (n,).
 
     Returns:
-        Name of the column → array of shape (n,).
+        Name of the column → array of shape (n,); or that this worker cannot, for want of memory or of what its system
+        refuses (libraries that do not load, a full disk).
 
     Raises:
         ClusterError: the worker's code is not that of the run.
     """
     if code() != dict(expected):
         raise ClusterError(f"a worker has other code ({code()}) than this process ({dict(expected)}); install the same")
-    return columns_of(task, starts, threads=1)
+    try:
+        return columns_of(task, starts, threads=1)
+    except (MemoryError, OSError) as error:
+        return UnfitWorker(_this_worker(), str(error) or "too little memory")
+
+
+def _this_worker() -> str:
+    from distributed import get_worker
+
+    return str(get_worker().address)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hjsolve import arguments
-from hjsolve.display.progress import ProgressBar
+from hjsolve.display.progress import ProgressBar, Tally
 from hjsolve.display.shown import Shown
 from hjsolve.ensembles.layout import wanted
 from hjsolve.ensembles.orbits import task_for
@@ -18,7 +18,7 @@ from hjsolve.scenes import Scene
 from hjsolve.solution.quadratures import solve
 from hjsolve.sweeps.identity import code, sweep_digest
 from hjsolve.sweeps.points import points_of
-from hjsolve.sweeps.work import SweepWork, Tally, columns_of
+from hjsolve.sweeps.work import SweepWork, columns_of
 
 
 @dataclass(frozen=True, repr=False)

@@ -108,7 +108,8 @@ class Folder:
                 missing.append(number)
             elif number not in noted or noted[number].size != size:
                 if self._whole(number):
-                    self.journal.note(_looked_into(number, self.part(number)))
+                    with _told(self.path):
+                        self.journal.note(_looked_into(number, self.part(number)))
                 else:
                     missing.append(number)
         return missing
@@ -130,6 +131,9 @@ class Folder:
             starts: initial conditions, name → array of shape (n,).
             columns: results, name → array of shape (n,).
             kept: columns of the table of starts that are passed on.
+
+        Raises:
+            InvalidInputError: the disk is full, or takes nothing; the parts written before stay.
         """
         begin, end = self.plan.window(number)
         words = pa.DictionaryArray.from_arrays(pa.array(columns[STATUS]), pa.array(WORDS.tolist()))
@@ -137,10 +141,11 @@ class Folder:
         arrays[RECOMPUTED] = columns[RECOMPUTED]
         arrays |= {name: column for name, column in columns.items() if name not in arrays}
         beside = self.path / f"{_WRITING}{number:06d}-{os.getpid()}"
-        pq.write_table(pa.table(arrays), beside)
-        line = NotedPart(number, beside.stat().st_size, _digest(beside), _counts(columns))
-        _moved(beside, self.part(number))
-        self.journal.note(line)
+        with _told(self.path, beside):
+            pq.write_table(pa.table(arrays), beside)
+            line = NotedPart(number, beside.stat().st_size, _digest(beside), _counts(columns))
+            _moved(beside, self.part(number))
+            self.journal.note(line)
 
     def finish(self) -> dict[str, int]:
         """Write the complete manifest.
@@ -174,7 +179,8 @@ def opened(path: Path, plan: SweepPlan) -> Iterator[Folder]:
     """
     if path.exists() and not path.is_dir():
         raise InvalidInputError(f"{path}: is a file; a sweep writes a folder, give another name")
-    path.mkdir(parents=True, exist_ok=True)
+    with _told(path):
+        path.mkdir(parents=True, exist_ok=True)
     with _alone(path):
         if (path / MANIFEST).exists():
             _check(path, plan)
@@ -212,18 +218,40 @@ def _alone(path: Path) -> Iterator[None]:
     except ImportError:  # no such locks on this system
         yield
         return
-    with (path / _LOCK).open("w") as lock:
+    with _told(path):
+        lock = (path / _LOCK).open("w")
+    with lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
             raise InvalidInputError(f"{path}: another process writes this sweep; wait for it, or stop it") from error
+        except OSError as error:
+            raise InvalidInputError(
+                f"{path}: its disk has no locks ({error.strerror}), so two runs could not be kept apart; use another"
+            ) from error
         yield
+
+
+@contextlib.contextmanager
+def _told(path: Path, beside: Path | None = None) -> Iterator[None]:
+    """Tell in one line what the disk refuses; a file on its way is taken away."""
+    try:
+        yield
+    except OSError as error:
+        if beside is not None:
+            with contextlib.suppress(OSError):
+                beside.unlink(missing_ok=True)
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        raise InvalidInputError(
+            f"{path}: cannot be written ({reason}); the parts that are there stay, and the same call goes on with them"
+        ) from error
 
 
 def _write_manifest(path: Path, content: Mapping[str, object]) -> None:
     beside = path / f"{_WRITING}manifest-{os.getpid()}"
-    beside.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
-    _moved(beside, path / MANIFEST)
+    with _told(path, beside):
+        beside.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+        _moved(beside, path / MANIFEST)
 
 
 def _moved(beside: Path, place: Path) -> None:

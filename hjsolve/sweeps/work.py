@@ -6,36 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from hjsolve.arithmetic.number_types import Columns, Reals
-from hjsolve.display.progress import Progress
+from hjsolve.display.progress import Tally
 from hjsolve.ensembles.compute import compute_columns
 from hjsolve.ensembles.task import EnsembleTask
 from hjsolve.sweeps.points import SweepPoints
 
 if TYPE_CHECKING:
     from hjsolve.sweeps.folder import Folder
-
-
-class Tally:
-    """How many orbits are done, told to a progress bar.
-
-    Args:
-        total: orbits in all.
-        done: orbits that were there before.
-        progress: what is told.
-    """
-
-    def __init__(self, total: int, done: int, progress: Progress) -> None:
-        self._total, self._done, self._progress = total, 0, progress
-        self.add(done)
-
-    def add(self, more: int) -> None:
-        """Count orbits that were added, and tell.
-
-        Args:
-            more: how many.
-        """
-        self._done += more
-        self._progress(self._done / max(self._total, 1), f"{self._done} of {self._total} orbits")
 
 
 @dataclass(frozen=True, eq=False)
