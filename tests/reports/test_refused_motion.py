@@ -26,6 +26,6 @@ def test_coordinates_that_are_found_are_named(tmp_path: Path) -> None:
     assert "How it moves" not in text  # no initial data
 
 
-@pytest.mark.parametrize("name", ["asymmetric-body", "crossed-fields-symmetric-gauge", "p6-3-new-variables"])
+@pytest.mark.parametrize("name", [pytest.param("asymmetric-body", marks=pytest.mark.nightly), "crossed-fields-symmetric-gauge", "p6-3-new-variables"])
 def test_every_refused_entry_has_its_report(name: str, tmp_path: Path) -> None:
     assert "In which coordinates" in hjsolve.report(name, tmp_path / "r.md").read_text(encoding="utf-8")

@@ -372,13 +372,20 @@ def test_report_refuses_what_it_cannot_tell_about(tmp_path: Path) -> None:
         hjsolve.report({}, tmp_path / "p.html")  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("name", hjsolve.catalog.ids("separable"))
+LONG = {"neumann", "garnier", "triaxial-geodesics", "two-centres-space", "stark", "kepler-prolate", "kuzmin-kutuzov"}
+"""Reports whose map and wavefronts take seconds: whole ones at night."""
+
+
+@pytest.mark.parametrize(("name", "brief"), [
+    *((name, name in LONG) for name in hjsolve.catalog.ids("separable")),
+    *(pytest.param(name, False, marks=pytest.mark.nightly) for name in sorted(LONG)),
+])  # fmt: skip
 @pytest.mark.slow
-def test_every_entry_of_the_catalog_can_be_reported(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_entry_of_the_catalog_can_be_reported(name: str, brief: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("hjsolve.reports.sections.closed_forms.SECONDS", 0.2)
     entry = hjsolve.catalog.describe(name)
     for motion in entry.motions:
-        page = write_html(document(gather(name, motion=motion)))
+        page = write_html(document(gather(name, motion=motion), brief=brief))
         ET.fromstring(page.partition("\n")[2])
         assert "nan" not in re.sub(r"<style>.*?</style>", "", page, flags=re.DOTALL).lower().replace("dominant", "")
 
