@@ -246,7 +246,7 @@ def fresh() -> Iterator[str]:
 
 
 def others(count: int, repeats: int) -> Iterator[str]:
-    """Unbounded orbits, and Kerr's frequencies."""
+    """Unbounded orbits, Kerr's frequencies, and profiles of galaxies as they are typed."""
     yield from head("what | orbits | µs an orbit | statuses")
     for what, call, number in _others(count):
         seconds, given = in_turn({"ours": call}, repeats)
@@ -272,6 +272,35 @@ def _others(count: int) -> Iterator[tuple[str, Call, int]]:
         lambda: hjsolve.ensemble(kerr, q, p, parameters={"a": "9/10"}, want="frequencies", threads=1, fallback=False),
         n,
     )
+    for name, potential in PROFILES.items():
+        yield f"{name}, frequencies", _in_a_disc(potential), 200
+
+
+PROFILES = {
+    "Dehnen's cusp, c = 3/2": "G*M/a/(2 - c)*((R/(R + a))**(2 - c) - 1)",
+    "Jaffe": "G*M/a*log(R/(R + a))",
+    "an exponential of a root": "-G*M/R*(1 - exp(-(R/a)**(1/3)))",
+    "three parts": "-G*M/(R + a) - G*M/20*log(1 + R/20)/R + G*M/9/a*log(R/(R + 2))",
+}
+"""In kpc, km/s and solar masses; about every fifth orbit runs away."""
+
+
+def _in_a_disc(potential: str) -> Call:
+    """200 stars in a plane, in a system that is new at every call: what it takes to know the potential counts."""
+    rng, numbers = np.random.default_rng(77), {"G": "4.30091e-6", "M": "6e10", "a": "3", "c": "3/2"}
+    R, outward, along = rng.uniform(2, 12, 200), rng.normal(0, 30, 200), rng.normal(190, 30, 200)
+    call = iter(range(1, 1000))
+
+    def ours() -> hjsolve.Batch:
+        fresh = {**numbers, "a": f"3.{next(call)}"}
+        known = {name: value for name, value in fresh.items() if name != "c" or "c)" in potential}
+        system = hjsolve.System({"R": "0<R", "phi": "angle"}, "(dot(R)**2 + R**2*dot(phi)**2)/2", potential, known)
+        velocity = {"R": outward, "phi": along / R}
+        return hjsolve.ensemble(
+            system, q={"R": R, "phi": 0.0}, velocity=velocity, want="frequencies", threads=1, fallback=False
+        )
+
+    return ours
 
 
 def write(part: str, lines: list[str]) -> None:

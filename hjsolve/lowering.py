@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 
 import sympy as sp
@@ -274,6 +274,23 @@ class _Writer:
             return self._emit("power", (root,), (int(exponent.p),))
         logarithm = self._emit("log", (self.slot(base),))
         return self._emit("exp", (self._emit("mul", (self.slot(exponent), logarithm)),))
+
+
+def with_plain_exponents(e: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
+    """Write xᶜ with the number of c where xᶜ is then a power or a root.
+
+    The tape of a power with a letter in the exponent goes by exp(c log x), of which all arithmetics know less.
+
+    Args:
+        e: any formula.
+        values: parameter → exact number.
+    """
+
+    def plain(power: sp.Pow) -> sp.Expr:
+        exponent = power.exp.subs(values)
+        return power.base**exponent if (2 * exponent).is_Integer else power
+
+    return e.replace(lambda x: x.is_Pow and not x.exp.is_number, plain)
 
 
 @lru_cache(maxsize=256)

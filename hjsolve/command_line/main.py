@@ -48,7 +48,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             top.print_help()
             return BAD_INPUT
         status = _run(top.parse_args(given))
-        sys.stdout.flush()
+        if sys.stdout is not None:  # it is where the stream is closed, as by >&- or without a console
+            sys.stdout.flush()
     except SystemExit as exit_request:  # argparse after --help and --version
         return exit_request.code if isinstance(exit_request.code, int) else ANSWER
     except KeyboardInterrupt:
@@ -106,7 +107,8 @@ def _run(options: argparse.Namespace) -> int:
 
 def _complain(message: str, status: int) -> int:
     told = _ENDLESS_WORD.sub(lambda word: f"{word[0][:60]}...{word[0][-20:]}", message)
-    print(f"hjsolve: {told}", file=sys.stderr)
+    if sys.stderr is not None:
+        print(f"hjsolve: {told}", file=sys.stderr)
     return status
 
 

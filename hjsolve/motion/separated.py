@@ -13,7 +13,7 @@ from hjsolve.arithmetic.floats import bits_for
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.display.shown import Shown
 from hjsolve.errors import NotConvergedError
-from hjsolve.lowering import momentum_squared_tapes
+from hjsolve.lowering import momentum_squared_tapes, with_plain_exponents
 from hjsolve.motion import quantities
 from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, sign, to_bits
 from hjsolve.one_coordinate.allowed_regions import forbidden
@@ -117,7 +117,8 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Coordin
         initial: the exact initial data and constants.
         name: of the separated coordinate.
     """
-    coordinate, F = solution.system.coordinate(name), solution.momentum_squared[name]
+    coordinate = solution.system.coordinate(name)
+    F = with_plain_exponents(solution.momentum_squared[name], initial.values)
     constants = tuple(solution.constants[c].symbol for c in solution.constants)
     parameters = tuple(p.symbol for p in solution.system.parameters)
     exact = [initial.constants[c] for c in solution.constants] + [initial.values[s] for s in parameters]

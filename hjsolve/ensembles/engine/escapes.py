@@ -10,6 +10,7 @@ apart, and its slope does not vanish in the cell next to it. What is not proved 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 import numpy as np
 
@@ -19,12 +20,12 @@ from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.number_types import Integers, Mask, Mpf, Reals, Which
 from hjsolve.arithmetic.sign_at_infinity import sign_beyond_for_all
-from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Separated
+from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
 from hjsolve.ensembles.engine.orbit_regions import LocatedRegions
 from hjsolve.ensembles.engine.radicand_views import DirectEvaluation, Knowns
 
 _INTERVALS = Intervals(Float64())
-_FAR = (24, 80)
+_FAR = (6, 24, 80)
 """Powers of two, over the size of the orbit, at which the expansion at infinity is asked to hold."""
 
 _RATIO = 4.0
@@ -39,8 +40,6 @@ _TRIES = 10
 
 _MIXED = 0.5
 _BITS = 256
-_PAIR = 2.0**-100
-"""Relative uncertainty of a parameter in two doubles, where it is not a double."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +50,7 @@ class EscapeRoute:
         formula: of p² as a function of x.
         knowns: constants and parameters.
         parameters: in two doubles.
+        exact: the same as fractions.
         side: +1 or −1, in which direction of x infinity lies.
         start: x of the turning point, or of the orbit where there is none on the other side.
         error: how far the turning point may be from there; 0 where there is none.
@@ -60,6 +60,7 @@ class EscapeRoute:
     formula: LoweredFormula
     knowns: Knowns
     parameters: tuple[Pair, ...]
+    exact: tuple[Fraction, ...]
     side: int
     start: Reals
     error: Reals
@@ -72,7 +73,8 @@ class EscapeRoute:
             index: which, positions or a mask.
         """
         arrays = (self.start[index], self.error[index], self.size[index])
-        return EscapeRoute(self.formula, self.knowns.take(index), self.parameters, self.side, *arrays)
+        known = self.knowns.take(index), self.parameters, self.exact
+        return EscapeRoute(self.formula, *known, self.side, *arrays)
 
     def numbers(self, index: Integers) -> list[Interval]:
         """Return enclosures of the constants of some orbits, and of the parameters.
@@ -118,15 +120,27 @@ class EscapeRoute:
         first = self.formula.squared.run(jets, [jets.variable(x), *known])[0].first
         return Interval(0.0 * x.low, 0.0 * x.low) if first is None else first
 
+    def about_middle(self, index: Integers, x: Interval) -> Reals:
+        """Return a lower bound of F over cells by its mean value form, F(m) + F′·(x − m).
 
-def escaping(
-    coordinate: Separated, parameters: tuple[Pair, ...], found: LocatedRegions, q: Reals
-) -> tuple[Mask, tuple[Reals, Reals]]:
+        Where large terms nearly cancel, F = 2E + 1 − √(x/(x + a)) far out, the plain enclosure is useless.
+
+        Args:
+            index: the orbit of every cell.
+            x: the cells.
+        """
+        middle = 0.5 * (x.low + x.high)
+        point = Interval(middle, middle)
+        away = _INTERVALS.mul(self.slope(index, x), _INTERVALS.sub(x, point))
+        return _INTERVALS.add(self.radicand(index, point), away).low
+
+
+def escaping(coordinate: Separated, model: Model, found: LocatedRegions, q: Reals) -> tuple[Mask, tuple[Reals, Reals]]:
     """Prove that a coordinate runs away, of those that met no end on a side.
 
     Args:
         coordinate: which.
-        parameters: in two doubles.
+        model: with the parameters.
         found: its regions, an end of each being NaN.
         q: where the orbits start, shape (n,).
 
@@ -142,7 +156,7 @@ def escaping(
         view, x = ((region.above, region.upper), (region.below, region.lower))[k]
         if formula is None and len(index) and isinstance(view, DirectEvaluation):
             outward = (2 * k - 1) * view.sign
-            way = _from_turning_point(view.take(index), parameters, x[index], q[index], outward)
+            way = _from_turning_point(view.take(index), model, x[index], q[index], outward)
             proved[index] = _free(way)
             errors[1 - k][index] = way.error + 2 * EPS * (np.abs(view.place(x)) + np.abs(x))[index]
     both = np.flatnonzero(endless[0] & endless[1])
@@ -150,16 +164,16 @@ def escaping(
         view = region.below
         assert isinstance(view, DirectEvaluation)
         size = 1.0 + np.abs(q)
-        ways = [EscapeRoute(view.formula, view.knowns, parameters, side, q, 0.0 * q, size) for side in (-1, 1)]
+        known = view.knowns, model.numbers, model.exact
+        ways = [EscapeRoute(view.formula, *known, side, q, 0.0 * q, size) for side in (-1, 1)]
         proved[both] = _free(ways[0].take(both)) & _free(ways[1].take(both))
     return proved, errors
 
 
-def _from_turning_point(
-    view: DirectEvaluation, parameters: tuple[Pair, ...], x: Reals, q: Reals, outward: int
-) -> EscapeRoute:
+def _from_turning_point(view: DirectEvaluation, model: Model, x: Reals, q: Reals, outward: int) -> EscapeRoute:
     size = np.maximum(np.abs(x), np.abs(q - view.place(x)))
-    way = EscapeRoute(view.formula, view.knowns, parameters, outward, x, np.zeros_like(x), size)
+    known = view.knowns, model.numbers, model.exact
+    way = EscapeRoute(view.formula, *known, outward, x, np.zeros_like(x), size)
     with np.errstate(all="ignore"):
         here = way.radicand(np.arange(len(x)), Interval(x, x))
         error = 2 * np.maximum(-here.low, here.high) / np.abs(view.jet(x)[1]) + 4 * EPS * np.abs(x) + 1e-300
@@ -227,6 +241,7 @@ def _positive(way: EscapeRoute, begin: Reals, far: Reals) -> Mask:
     for _ in range(_HALVINGS):
         cell = _cell(way.start[orbit] + side * near, way.start[orbit] + side * away)
         bad = ~(way.radicand(orbit, cell).low > 0)
+        bad[bad] = ~(way.about_middle(orbit[bad], Interval(cell.low[bad], cell.high[bad])) > 0)
         orbit, near, away = orbit[bad], near[bad], away[bad]
         lost |= np.bincount(orbit, minlength=n) > _CROWD
         kept = ~lost[orbit]
@@ -242,10 +257,11 @@ def _positive(way: EscapeRoute, begin: Reals, far: Reals) -> Mask:
 
 # ------------------------------------------------------------------------------------------------ to infinity
 def _beyond(way: EscapeRoute, far: Reals) -> Mask:
-    """Whether F > 0 wherever side·x ≥ far."""
-    proved = np.zeros(len(far), dtype=bool)
-    if len(far):
-        _for_box(way, far, np.arange(len(far)), proved)
+    """Whether F > 0 wherever side·x ≥ far: over one endless cell, or by expansions."""
+    proved = way.radicand(np.arange(len(far)), _cell(way.side * far, np.full_like(far, way.side * np.inf))).low > 0
+    left = np.flatnonzero(~proved)
+    if len(left):
+        _for_box(way, far, left, proved)
     return proved
 
 
@@ -293,8 +309,5 @@ def _box(way: EscapeRoute, index: Integers) -> list[tuple[Mpf, Mpf]]:
     convert = Multi(_BITS).convert
     known = way.constants(index)
     boxes = [(convert(float(np.min(c.low))), convert(float(np.max(c.high)))) for c in known]
-    for pair in way.parameters:
-        value = convert(pair.high) + convert(pair.low)
-        reach = abs(value) * _PAIR if pair.low else 0 * value
-        boxes.append((value - reach, value + reach))
-    return boxes
+    # sharp, as for single motions: log R of two terms with one factor G cancels whatever G is, in a range it would not
+    return boxes + [(convert(number),) * 2 for number in way.exact]

@@ -12,18 +12,21 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 import sympy as sp
+from mpmath import frexp, ldexp
 
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.errors import InvalidInputError
-from hjsolve.lowering import lower
+from hjsolve.lowering import lower, with_plain_exponents
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.solution.quadratures import Solution
 
 _HIGHEST_DEGREE = 4
 """Of p² in the constants, which is 2 wherever H is quadratic in the momenta."""
+_BITS = 256
+"""Of a parameter that is no fraction."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +85,7 @@ class Model:
         rule: tape of the constants; inputs all q, all p, parameters.
         shift: tape of Pᵢ − pᵢ, same inputs.
         numbers: parameters in two doubles.
+        exact: the same as fractions, of what is none 256 bits.
     """
 
     names: tuple[str, ...]
@@ -92,6 +96,7 @@ class Model:
     rule: Tape
     shift: Tape
     numbers: tuple[Pair, ...]
+    exact: tuple[Fraction, ...]
 
 
 def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Model:
@@ -105,7 +110,7 @@ def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Mo
     parameters = [p.symbol for p in system.parameters]
     constants = [c.symbol for c in solution.constants.values()]
     start = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates] + parameters
-    rule = lower([c.expression for c in solution.constants.values()], start)
+    rule = lower([with_plain_exponents(c.expression, values) for c in solution.constants.values()], start)
     momenta = {c.momentum: c.momentum for c in system.coordinates}
     shift = lower([solution.shift[n].subs(momenta) for n in solution.coordinates], start)
     names = tuple(c.name for c in system.coordinates)
@@ -121,13 +126,21 @@ def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Mo
         c.name for c in system.coordinates if c.name not in solution.coordinates and c.domain.kind == "angle"
     )
     numbers = tuple(_pair(values[s]) for s in parameters)
-    return Model(names, angles, separated, tuple(solution.constants), ignorable, rule, shift, numbers)
+    exact = tuple(_fraction(values[s]) for s in parameters)
+    return Model(names, angles, separated, tuple(solution.constants), ignorable, rule, shift, numbers, exact)
 
 
 def _pair(value: sp.Expr) -> Pair:
     bits = to_bits(value)(160)
     high = float(bits)
     return Pair(high, float(bits - high))
+
+
+def _fraction(value: sp.Expr) -> Fraction:
+    if isinstance(value, sp.Rational):
+        return Fraction(int(value.p), int(value.q))
+    mantissa, power = frexp(to_bits(value)(_BITS))
+    return Fraction(int(ldexp(mantissa, _BITS))) * Fraction(2) ** (int(power) - _BITS)
 
 
 def _separated(
@@ -139,7 +152,7 @@ def _separated(
     values: Mapping[sp.Symbol, sp.Expr],
 ) -> Separated:
     coordinate = solution.system.coordinate(name)
-    q, F = coordinate.symbol, solution.momentum_squared[name]
+    q, F = coordinate.symbol, with_plain_exponents(solution.momentum_squared[name], values)
     kernels = [sp.diff(F, c) / 2 for c in constants]
     parts = _parts(F, constants)
 

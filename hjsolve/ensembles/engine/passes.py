@@ -164,7 +164,7 @@ def run_escapes(model: Model, names: dict[str, tuple[str, ...]], starts: Starts)
             if "turning_points" in names:
                 _ends(columns, coordinate, found)
             out = found.take(np.flatnonzero(left[found.index] & (found.status == Status.UNBOUNDED)))
-            proved, errors = escaping(coordinate, model.numbers, out, start.q[k, out.index])
+            proved, errors = escaping(coordinate, model, out, start.q[k, out.index])
             endless[k, out.index] = proved
             if "turning_points" in names:
                 for side, error in zip(("lower", "upper"), errors, strict=True):

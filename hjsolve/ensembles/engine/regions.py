@@ -176,9 +176,12 @@ def _near(group: Group) -> LocatedRegions:
         _end(view, zero, P, side * first, bend, side, size, floor) for side, floor in zip((-1, 1), floors, strict=True)
     ]
     far = (ends[0] < _FAR * floors[0]) | (ends[1] > _FAR * floors[1])
+    crest = P * P + np.where(bend < 0, first * first / (-4 * bend), np.inf)
     # the uncertainty of the slopes is known at the start: it has to hold at the turning points, too
     for end in ends:
         far |= ~(second_slope(coordinate.plain, knowns, q + end)[1] <= _ALIKE * uncertainty)
+        # and where p² is not known from zero nothing turns: far out the roundings of what runs away change its sign
+        far |= ~(view.errors(end, kernels=False)[0] <= np.minimum(crest, P * P + np.abs(first * end)))
     ends[0] = np.where(far, np.nan, ends[0])
     region = _region(view, view, ends[0], ends[1], P, -ends[0], ends[1])
     status = np.where(np.isfinite(region.width) & (region.width > 0), Status.OK, Status.UNBOUNDED)

@@ -165,16 +165,23 @@ def finished(
     """
     entries = [[shortest_form(reader, x) for x in row] for row in matrix.rows]
     if len(names) == 1:
-        column = (_as_written(reader, potential, matrix.rows[0][0]),)
+        column = (_as_written(reader, potential, matrix.rows[0][0], entries[0][0]),)
     else:
         column = tuple(shortest_form(reader, x) for x in matrix.column)
     return Stackel(tuple(names), sp.ImmutableMatrix(entries), column, tuple(metric))
 
 
-def _as_written(reader: Reader, potential: sp.Expr, factor: Element) -> sp.Expr:
-    """V times a factor, term by term; U·((x − c)² + …) too where that is shorter than what it is multiplied out."""
+def _as_written(reader: Reader, potential: sp.Expr, factor: Element, weight: sp.Expr) -> sp.Expr:
+    """V times a factor, term by term; U·((x − c)² + …) too where that is shorter than what it is multiplied out.
+
+    A term stays as it is where no other form is as short: (x/(x + a))²⁻ᶜ is in the field x²/(x + a)²·(x/(x + a))⁻ᶜ.
+    """
     terms = sp.Add.make_args(potential)
     sums = [a for a in potential.args if a.is_Add] if potential.is_Mul else []
     ways = [terms, [potential / sums[0] * term for term in sums[0].args]] if len(sums) == 1 else [terms]
-    written = [sp.Add(*(shortest_form(reader, reader.element(v) * factor) for v in way)) for way in ways]
+    written = [sp.Add(*(_term(reader, v, factor, weight) for v in way)) for way in ways]
     return min(written, key=length_of)
+
+
+def _term(reader: Reader, v: sp.Expr, factor: Element, weight: sp.Expr) -> sp.Expr:
+    return min(shortest_form(reader, reader.element(v) * factor), v * weight, key=length_of)
