@@ -11,7 +11,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
-from hjsolve.arithmetic.number_types import AtTimes, Numbers, Reals
+from hjsolve.arithmetic.number_types import AtTimes, Elementwise, Numbers, Reals
 from hjsolve.errors import InternalError, InvalidInputError, NotConvergedError, NotSeparableError
 from hjsolve.motion import quantities
 from hjsolve.motion.exact_numbers import to_bits
@@ -287,7 +287,7 @@ def folded(way: Continuation, initial: Initial, state: State, solution: Solution
     return State(state.t, ordered(q), ordered(p), ordered(v), turns, state.status, errors)
 
 
-def _either_side(begin: sp.Expr, odd: Any, like: Any) -> Any:
+def _either_side(begin: sp.Expr, odd: Elementwise, like: Elementwise) -> AtTimes:
     """An angle that stands still, and half a turn on where an odd number of poles was passed."""
     many = np.asarray(like).dtype == object
     π = multiprecision(256).pi if many else np.pi
@@ -295,10 +295,11 @@ def _either_side(begin: sp.Expr, odd: Any, like: Any) -> Any:
     low = start if many else float(start)
     high = _principal(low + π, π)
     low = _principal(low, π)
-    return np.where(odd, high, low) if np.shape(odd) else (high if odd else low)
+    side: AtTimes = np.where(odd, high, low) if np.shape(odd) else (high if odd else low)
+    return side
 
 
-def _half_a_turn_on(angle: Any, odd: Any) -> tuple[Any, Any]:
+def _half_a_turn_on(angle: Elementwise, odd: Elementwise) -> tuple[Elementwise, Elementwise]:
     """Angles in (−π, π] that go on by π where an odd number of poles was passed, and the whole turns that makes."""
     some = np.ravel(np.asarray(angle, dtype=object))[:1]
     context = next((x.context for x in some if hasattr(x, "context")), None)
