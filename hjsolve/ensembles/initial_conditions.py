@@ -113,13 +113,17 @@ def _doubles(value: Any, source: str) -> Any:
 
 
 def _as_numpy(value: Any, source: str) -> Any:
-    """A numpy array of what other libraries call an array: by ``__array__``, or by DLPack where that is refused."""
+    """A numpy array of what other libraries call an array: by ``__array__``, or by DLPack where the type has none.
+
+    A ``RuntimeError`` of ``__array__`` is final: torch's DLPack hands out the memory of a tensor with a negative bit
+    (``z.conj().imag``) as if there was none.
+    """
     shared = hasattr(value, "__dlpack__") and hasattr(value, "__dlpack_device__")
     try:
         if not shared or hasattr(value, "__array__"):
             return np.asarray(value)
     except (TypeError, RuntimeError) as error:
-        if not shared:
+        if not shared or isinstance(error, RuntimeError):
             raise InvalidInputError(f"{source}: {_kind(value)} gives no numpy array: {error}") from error
     except ValueError as error:
         raise InvalidInputError(f"{source}: is no array: its rows have different lengths") from error

@@ -9,9 +9,9 @@ import queue
 import statistics
 import time
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Protocol
 
 from hjsolve.arithmetic.number_types import Columns
 from hjsolve.errors import ClusterError
@@ -50,6 +50,24 @@ class UnfitWorker:
     reason: str
 
 
+class _Future(Protocol):
+    """What is used of a future of dask."""
+
+    @property
+    def key(self) -> str: ...
+    def result(self) -> Columns | UnfitWorker: ...
+    def cancel(self) -> object: ...
+    def add_done_callback(self, call: Callable[[_Future], object], /) -> None: ...
+
+
+class _Client(Protocol):
+    """What is used of a client of dask."""
+
+    def nthreads(self) -> Mapping[str, int]: ...
+    def processing(self) -> Mapping[str, Iterable[object]]: ...
+    def submit(self, function: Callable[..., object], /, *arguments: object, **options: object) -> _Future: ...
+
+
 @dataclass
 class HeldPart:
     """A part that workers have.
@@ -64,7 +82,7 @@ class HeldPart:
     part: int
     starts: Columns
     since: float
-    futures: dict[str, Any] = field(default_factory=dict)
+    futures: dict[str, _Future] = field(default_factory=dict)
 
 
 class HandingOut:
@@ -76,12 +94,12 @@ class HandingOut:
         remote: what a worker calls with the task, the versions of the code and the starts.
     """
 
-    def __init__(self, client: Any, work: SweepWork, remote: Callable[..., Columns | UnfitWorker]) -> None:
+    def __init__(self, client: _Client, work: SweepWork, remote: Callable[..., Columns | UnfitWorker]) -> None:
         self._client, self._work, self._remote = client, work, remote
         self._parts = iter(work.left)
         self._held: dict[int, HeldPart] = {}
         self._owner: dict[str, int] = {}
-        self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._done: queue.SimpleQueue[_Future] = queue.SimpleQueue()
         self._unfit: dict[str, str] = {}
         self._stuck: dict[int, int] = {}
         self._took: deque[float] = deque(maxlen=_RECENT)
@@ -103,7 +121,7 @@ class HandingOut:
                 self._take(future)
             self._refill()
 
-    def _take(self, future: Any) -> None:
+    def _take(self, future: _Future) -> None:
         """Keep a part that is done; what comes of a part that is kept already is dropped."""
         number = self._owner.pop(future.key, None)
         if number is None:
@@ -162,7 +180,7 @@ class HandingOut:
     def _submit(self, held: HeldPart, workers: Iterable[str]) -> None:
         """Hand a part out, to some workers if they are still there, to any where none is named."""
         names = sorted(workers)
-        where = {"workers": names, "allow_other_workers": True} if names else {}
+        where: dict[str, object] = {"workers": names, "allow_other_workers": True} if names else {}
         future = self._client.submit(self._remote, self._work.task, code(), held.starts, pure=False, **where)
         held.futures[future.key] = future
         self._owner[future.key] = held.part

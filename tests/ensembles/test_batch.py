@@ -138,3 +138,15 @@ def test_arrays_come_in_by_dlpack(kind: type[Foreign]) -> None:
     assert same(batch(kind(values)), batch(values.astype(float)))
     with pytest.raises(InvalidInputError, match=r"q\[r\].*bring it there first"):
         batch(kind(values, far=True))
+
+
+class Negated(Foreign):
+    """As a tensor of torch with its negative bit set: DLPack gives the memory, whose sign is the other one."""
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        raise RuntimeError("negative bit set; use resolve_neg()")
+
+
+def test_an_array_that_says_no_is_not_read_past_that() -> None:
+    with pytest.raises(InvalidInputError, match=r"q\[r\].*gives no numpy array: negative bit set; use resolve_neg\(\)"):
+        batch(Negated([0.9, 1.25]))

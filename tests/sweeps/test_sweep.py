@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import io
 import json
 import sys
@@ -18,7 +17,7 @@ from hjsolve.command_line.main import main
 dataset = pytest.importorskip("pyarrow.dataset", reason="needs the extra cluster")
 pq = pytest.importorskip("pyarrow.parquet", reason="needs the extra cluster")
 
-from tests.sweeps.conftest import SCENE, parts, start, start_slowly, wait_until  # noqa: E402
+from tests.sweeps.conftest import SCENE, parts, start_slowly, wait_until  # noqa: E402
 
 
 def rows(out: Path) -> dict[str, Any]:
@@ -227,69 +226,6 @@ def test_two_writers_do_not_meet(scene: Path, tmp_path: Path) -> None:
     assert process.wait() == 0
     assert hjsolve.sweep(scene, out).kept == 6
     process.communicate()
-
-
-FULL = """
-import resource, sys
-import hjsolve
-hjsolve.sweep(sys.argv[1], sys.argv[2] + "/first")
-resource.setrlimit(resource.RLIMIT_FSIZE, (3000, resource.RLIM_INFINITY))
-try:
-    hjsolve.sweep(sys.argv[1], sys.argv[2] + "/second")
-except hjsolve.InvalidInputError as error:
-    print(error, file=sys.stderr, end="")
-"""
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="no such limits")
-def test_a_disk_that_takes_no_more_is_told_and_nothing_is_left_half(
-    scene: Path, tmp_path: Path, undisturbed: Path
-) -> None:
-    """The system refuses bytes beyond 3000 a file: the manifest is shorter, a part longer."""
-    process = start("-c", FULL, str(scene), str(tmp_path))
-    words = process.communicate()[1].decode()
-    assert process.returncode == 0
-    assert (
-        words
-        == f"{tmp_path / 'second'}: cannot be written (File too large); the parts that are there stay, and the same call goes on with them"
-    )
-    assert {path.name for path in (tmp_path / "second").iterdir()} == {"_manifest.json", "_lock"}
-    assert hjsolve.sweep(scene, tmp_path / "second").kept == 0
-    assert parts(tmp_path / "second") == parts(undisturbed)
-
-
-def test_a_journal_that_cannot_be_written_loses_no_part(
-    scene: Path, tmp_path: Path, undisturbed: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from hjsolve.sweeps.journal import Journal
-
-    def full(_: Journal, noted: Any) -> None:
-        raise OSError(errno.ENOSPC, "")
-
-    with monkeypatch.context() as patched:
-        patched.setattr(Journal, "note", full)
-        with pytest.raises(hjsolve.InvalidInputError, match=r"cannot be written \(No space left on device\)"):
-            hjsolve.sweep(scene, tmp_path / "out")
-    assert len(parts(tmp_path / "out")) == 1
-    assert hjsolve.sweep(scene, tmp_path / "out").kept == 1
-    assert parts(tmp_path / "out") == parts(undisturbed)
-
-
-def test_a_place_where_no_folder_can_be_is_told(scene: Path) -> None:
-    with pytest.raises(hjsolve.InvalidInputError, match=r"cannot be written \(Not a directory\)"):
-        hjsolve.sweep(scene, scene / "out")
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="no such locks")
-def test_a_disk_without_locks_is_refused(scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import fcntl
-
-    def unlocked(*_: Any) -> None:
-        raise OSError(errno.ENOLCK, "No locks available")
-
-    monkeypatch.setattr(fcntl, "flock", unlocked)
-    with pytest.raises(hjsolve.InvalidInputError, match="two runs could not be kept apart"):
-        hjsolve.sweep(scene, tmp_path / "out")
 
 
 FAULTS = {
