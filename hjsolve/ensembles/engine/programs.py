@@ -132,7 +132,7 @@ def _kind(argument: Any) -> Hashable:
         return argument.dtype, argument.ndim, argument.flags.num
     if isinstance(argument, tuple):
         return type(argument), *map(_kind, argument)
-    return type(argument)
+    return (type(argument),)
 
 
 @dataclass(frozen=True)
