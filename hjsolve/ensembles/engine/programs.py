@@ -127,7 +127,7 @@ class Loop:
 
 
 def _kind(argument: Any) -> Hashable:
-    """What numba's type of an argument depends on; numba takes a hundred times as long to tell the type itself."""
+    """What numba's type of an argument depends on; to make the type itself takes numba several times as long."""
     if isinstance(argument, ndarray):
         return argument.dtype, argument.ndim, argument.flags.num
     if isinstance(argument, tuple):
