@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from hjsolve.arithmetic.python_source import PythonSource
 from hjsolve.arithmetic.second_differences import SecondDifference, in_doubles
 from hjsolve.ensembles.engine.lowered_solution import lowered_model
 from hjsolve.ensembles.engine.program_texts import small_text, start_text, view_text
-from hjsolve.ensembles.engine.programs import compiled, sides
+from hjsolve.ensembles.engine.programs import Loop, compiled, sides
 from hjsolve.ensembles.engine.regions import has_slopes
 from hjsolve.motion.initial_data import parameter_values
 
@@ -67,3 +68,26 @@ def test_a_program_computes_what_its_tape_computes(name: str) -> None:
             expected = coordinate.plain.squared.run(slopes, inputs)[0].second
             known = np.array([*constants, 0.7, 0.0, 0.0, 0.0, 0.0])
             assert np.isclose(programs.small().value(x, known), expected, rtol=1e-13, atol=0)
+
+
+class _Row(NamedTuple):
+    values: Any
+    scale: float
+
+
+def _weighted(row: Any, weights: Any, out: Any) -> None:
+    for j in range(out.shape[0]):
+        out[j] = row.scale * row.values[j] * weights[j]
+
+
+def test_a_loop_is_used_for_the_arguments_it_was_compiled_for() -> None:
+    """What is remembered of a call never serves arguments of another type: strides, item sizes, tuples, read-only."""
+    numba = pytest.importorskip("numba")
+    loop, x = Loop(numba.njit(_weighted), ()), np.arange(1.0, 13.0)
+    frozen = x.copy()
+    frozen.setflags(write=False)
+    kinds = [x, x[::2], x[::-1], frozen, x.astype(np.float32), x.astype(np.int32), x.reshape(6, 2)[:, 1], x > 5]
+    for values, weights, scale in [*((v, x, 2.0) for v in kinds), *((x, w, 3) for w in kinds[1:3])] * 2:
+        out = np.empty(6)
+        loop(_Row(values, scale), weights, out)
+        assert (out == float(scale) * values[:6].astype(float) * weights[:6]).all()

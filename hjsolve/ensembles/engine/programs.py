@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -17,6 +17,8 @@ from pickle import PickleError
 from threading import RLock
 from types import ModuleType
 from typing import Any
+
+from numpy import ndarray
 
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.ensembles.engine.compiled_types import signatures
@@ -95,13 +97,22 @@ class Loop:
     Attributes:
         dispatcher: numba's.
         programs: the names of the programs that it takes first.
+        entries: what ``_kind`` says of the other arguments → machine code for them.
     """
 
     dispatcher: Any
     programs: tuple[str, ...]
+    entries: dict[Hashable, Function] = field(default_factory=dict, compare=False)
 
     def __call__(self, *arguments: Any) -> None:
         """Run the loop; it is compiled when it is first used in a process, or read from disk."""
+        kind = _kind(arguments[len(self.programs) :])
+        entry = self.entries.get(kind)
+        if entry is None:
+            entry = self.entries[kind] = self._entry(arguments)
+        entry(*arguments)
+
+    def _entry(self, arguments: tuple[Any, ...]) -> Function:
         from numba import typeof
         from numba.core.errors import NumbaExperimentalFeatureWarning
 
@@ -111,7 +122,17 @@ class Loop:
             with _ONE_AT_A_TIME, warnings.catch_warnings():
                 warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
                 self.dispatcher.compile(types)
-        self.dispatcher.overloads[types].entry_point(*arguments)
+        entry: Function = self.dispatcher.overloads[types].entry_point
+        return entry
+
+
+def _kind(argument: Any) -> Hashable:
+    """What numba's type of an argument depends on; to make the type itself takes numba several times as long."""
+    if isinstance(argument, ndarray):
+        return argument.dtype, argument.ndim, argument.flags.num
+    if isinstance(argument, tuple):
+        return type(argument), *map(_kind, argument)
+    return (type(argument),)
 
 
 @dataclass(frozen=True)
