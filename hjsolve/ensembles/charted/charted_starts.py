@@ -8,18 +8,17 @@ turning point), û is moved a little into the motion, and p̂² = F(û) is had w
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from hjsolve.arithmetic.double_double import DoubleDouble
-from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.jet import Jet, Jets
-from hjsolve.arithmetic.number_types import Elementwise, Reals
+from hjsolve.arithmetic.number_types import Reals
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.ensembles.charted.chart_map import ChartMap
+from hjsolve.ensembles.charted.exact_starts import exact_point, exact_starts, in_order_of_chart
 from hjsolve.ensembles.charted.inverse_arrays import inverse_arrays
 from hjsolve.ensembles.engine.columns import Columns, blank, put
 from hjsolve.ensembles.engine.engine import Engine
@@ -51,16 +50,18 @@ class ChartedStarts(Starts):
         chart: the map.
         off: bounds on what û is off from u, shape (coordinates, n).
         rates: bounds on dχ/du of the phases χ of the separated coordinates, shape (coordinates, n); else 0.
+        compiled: whether momenta to 32 digits are worked out by numba.
     """
 
     chart: ChartMap | None = None
     off: Reals = field(default_factory=_none)
     rates: Reals = field(default_factory=_none)
+    compiled: bool = False
 
     def precise(self) -> Starts:
         """Return the same with momenta in two doubles."""
         assert self.chart is not None
-        return in_two_doubles(self.chart, self)
+        return in_two_doubles(self.chart, self, compiled=self.compiled)
 
 
 def charted_starts(chart: ChartMap, x: Reals, rates: Reals) -> ChartedStarts:
@@ -103,6 +104,7 @@ def run_charted(engine: Engine, chart: ChartMap, q: Mapping[str, Reals], rates: 
         Columns of shape (n,); orbits that the map is singular for, or loses too much of, are not ``OK``.
     """
     starts = charted_starts(chart, np.stack(list(q.values())), np.stack(list(rates.values())))
+    starts = replace(starts, compiled=engine.compiled)
     known = np.flatnonzero(np.isfinite(starts.q).all(axis=0) & np.isfinite(starts.uncertainty).all(axis=0))
     columns = blank(engine.names, starts.q.shape[1])
     if not len(known):
@@ -128,7 +130,7 @@ def _shake(chart: ChartMap, engine: Engine, columns: Columns, starts: Starts, of
         if len(again):
             assert starts.velocity is not None
             q, given, n = starts.q[:, again], starts.velocity[:, again], len(off)
-            exact, _ = _exact_point(chart, q, given[:n], given[n:])
+            exact = exact_point(chart, q, given[:n], given[n:])
             near = np.stack([np.abs((u.high - row) + u.low) for u, row in zip(exact, q, strict=True)])
             shaken[again] = np.sum(near * rates[:, again], axis=0)
         errors *= 1 + shaken / _LEAST
@@ -179,18 +181,11 @@ def _inside(chart: ChartMap, u: list[Reals]) -> list[Reals]:
     return u
 
 
-def _given(chart: ChartMap, rows: Reals) -> list[Reals]:
-    """Rows of the system in the order of the chart."""
-    found = list(rows)
-    for row, k in zip(rows, chart.order, strict=True):
-        found[k] = row
-    return found
-
-
 def _momenta(chart: ChartMap, q: Reals, loss: Reals, rates: Reals) -> tuple[Reals, Reals]:
     """p_u at û as if X(û) were the place, and a bound on what it is off from p_u at u."""
     shape, order = q.shape[1:], list(chart.order)
-    inputs = [WithErrorBound(a, e) for a, e in zip(_given(chart, q), _given(chart, loss), strict=True)]
+    known = zip(in_order_of_chart(chart, q), in_order_of_chart(chart, loss), strict=True)
+    inputs = [WithErrorBound(a, e) for a, e in known]
     inputs += [WithErrorBound(x) for x in rates]
     found = chart.lifted.run(RunningError(Float64()), [*inputs, *_numbers(chart)])
     values = np.stack([np.broadcast_to(r.value, shape) for r in found])
@@ -224,71 +219,31 @@ def _phase_rate(unitless: bool, u: Reals, p: Reals, slope: Reals, bend: Reals) -
     return middle + end + (1.0 if unitless else 0.0)
 
 
-def _rounding(chart: ChartMap, q: Reals, x: Reals, rates: Reals) -> tuple[Reals, list[Elementwise]]:
-    """What doubles lose of p_u and of the constants at u; two doubles lose 2^−44 of it at most."""
-    order = list(chart.order)
-    inputs = [WithErrorBound(row) for row in (*_given(chart, q), *x)]
-    steps = chart.step.run(RunningError(Float64()), [*inputs, *_numbers(chart)])
-    place = _bounds(steps, q.shape[1:])[order]
-    p, lost = _momenta(chart, q, place, rates)
-    known = [WithErrorBound(a, e) for a, e in zip((*q, *p), (*place, *lost), strict=True)]
-    constants = chart.model.rule.run(RunningError(Float64()), [*known, *_parameters(chart)])
-    return lost, [0.0 if c.error is None else c.error for c in constants]
-
-
-def in_two_doubles(chart: ChartMap, starts: Starts) -> Starts:
+def in_two_doubles(chart: ChartMap, starts: Starts, *, compiled: bool) -> Starts:
     """Return starts with momenta at û to 32 digits, the constants being those of the exact initial data.
 
     Args:
         chart: the map.
         starts: made by it.
+        compiled: whether by numba.
     """
     assert starts.velocity is not None
     q, n = starts.q, len(starts.q)
-    x, rates = starts.velocity[:n], starts.velocity[n:]
     with np.errstate(all="ignore"):
-        u, momenta = _exact_point(chart, q, x, rates)
-        constants = chart.model.rule.run(DoubleDouble(), [*u, *momenta, *chart.model.numbers])
-        lost, uncertainties = _rounding(chart, q, x, rates)
-        high, low = (np.stack([np.broadcast_to(part, q.shape[1:]) for part in parts]) for parts in zip(*momenta))
+        exact = exact_starts(chart, q, starts.velocity[:n], starts.velocity[n:], compiled=compiled)
+        high, low, lost = exact.high.copy(), exact.low.copy(), exact.lost
         spread = _SAFETY * lost
-        for k, formula in _separated(chart):
+        for row, (k, _) in enumerate(_separated(chart)):
             still = (high[k] == 0) & (low[k] == 0) & (lost[k] == 0) & (starts.p[k] == 0)
             sign = np.where(high[k] < 0, -1.0, 1.0)
-            root, error = _root_of(chart, formula, q[k], constants, uncertainties)
-            spread[k] = np.where(still, 0.0, error)
-            high[k], low[k] = np.where(still, 0.0, sign * root.high), np.where(still, 0.0, sign * root.low)
+            root = exact.roots[row]
+            spread[k] = np.where(still, 0.0, _SAFETY * exact.doubts[row] / (2 * root))
+            high[k], low[k] = np.where(still, 0.0, sign * root), np.where(still, 0.0, sign * exact.roots_low[row])
         uncertainty = np.abs(low) + _FINER * spread
         known = np.isfinite(uncertainty) & np.isfinite(high) & np.isfinite(low)
         uncertainty, spread = np.where(known, uncertainty, np.inf), np.where(known, spread, np.inf)
         high, low = np.where(known, high, starts.p), np.where(known, low, 0.0)
     return replace(starts, p=high, low=low, spread=spread, uncertainty=uncertainty)
-
-
-def _exact_point(chart: ChartMap, q: Reals, x: Reals, rates: Reals) -> tuple[list[Pair], list[Pair]]:
-    """The exact place and momenta, u and p_u, in two doubles, by Newton's method from û."""
-    arithmetic, order, numbers = DoubleDouble(), list(chart.order), list(chart.numbers)
-
-    def exactly(rows: Iterable[Reals]) -> list[Pair]:
-        return [Pair(row, 0.0 * row) for row in rows]
-
-    u = exactly(_given(chart, q))
-    for _ in range(2):
-        steps = chart.step.run(arithmetic, [*u, *exactly(x), *numbers])
-        u = [arithmetic.add(a, b) for a, b in zip(u, steps, strict=True)]
-    momenta = chart.lifted.run(arithmetic, [*u, *exactly(rates), *numbers])
-    return [u[k] for k in order], [momenta[k] for k in order]
-
-
-def _root_of(
-    chart: ChartMap, formula: LoweredFormula, q: Reals, constants: list[Pair], uncertainties: list[Elementwise]
-) -> tuple[Pair, Reals]:
-    """√F(û) in two doubles, and a bound on what doubles lose of it."""
-    F = formula.squared.run(DoubleDouble(), [Pair(q, 0.0 * q), *constants, *chart.model.numbers])[0]
-    root = DoubleDouble().unary("sqrt", F)
-    known = [WithErrorBound(q), *(WithErrorBound(c.high, e) for c, e in zip(constants, uncertainties, strict=True))]
-    error = formula.squared.run(RunningError(Float64()), [*known, *_parameters(chart)])[0].error
-    return root, _SAFETY * (0.0 if error is None else error) / (2 * root.high)
 
 
 def _derivatives(chart: ChartMap, formula: LoweredFormula, q: Reals, constants: list[Reals]) -> tuple[Reals, Reals]:

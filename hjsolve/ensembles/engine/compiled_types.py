@@ -179,4 +179,5 @@ def signatures() -> dict[str, Any]:
         "relative": types.void(row, row, row, row),
         "bounds": types.void(block, row, row, row),
         "slope": types.void(row, block, row),
+        "exact_starts": types.void(block, block, block, block),
     }

@@ -31,7 +31,8 @@ from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model
 from hjsolve.ensembles.engine.radicand_views import has_chords
 
-_OWN = 4
+OWN = 4
+"""Units of rounding of a compiled elementary function."""
 _PLACE = f"({2 * UNIT!r})"
 _ROUNDED = f"({6 * UNIT!r})"
 _OFFSETS = f"({16 * UNIT!r})"
@@ -89,7 +90,15 @@ def _plain(name: str, unpack: str, run: Callable[[PythonSource], Sequence[str]],
     return f"{head}\n{unpack}{body}"
 
 
-def _loop(head: str, before: str, over: str, lines: list[str]) -> str:
+def loop(head: str, before: str, over: str, lines: list[str]) -> str:
+    """Return the text of a function that is one loop.
+
+    Args:
+        head: its name and arguments.
+        before: lines before the loop, indented.
+        over: what the loop runs over.
+        lines: what it does.
+    """
     return f"def {head}:\n{before}    for {over}:\n" + "".join(f"        {line}\n" for line in lines)
 
 
@@ -98,7 +107,7 @@ def _slopes_text(constants: int, run: Callable[[PythonSource], Sequence[str]]) -
     value, slope = run(source)
     lines = ["x = place[i]", *(f"c{j} = C[{j}, i]" for j in range(constants)), *source.lines]
     lines += [f"f[i] = {value}", f"d[i] = {slope}"]
-    return _loop("slopes(place, C, f, d)", "", "i in range(place.shape[0])", lines)
+    return loop("slopes(place, C, f, d)", "", "i in range(place.shape[0])", lines)
 
 
 _FILL = "fill(buffer, b, s, W, near, far, derivative, start, stop, c)"
@@ -130,7 +139,7 @@ def _filled(source: PythonSource, unpack: str, places: list[str], square: str, w
     sliced = [f"{name} = {name}[start:stop]" for name in ("near", "far", "derivative")]
     sliced += [f"b{k} = buffer[{k}, start:stop]" for k in range(len(rows))]
     before = unpack + "".join(f"    {line}\n" for line in (*fixed, *sliced))
-    return _loop(_FILL, before, "j in range(near.shape[0])", lines)
+    return loop(_FILL, before, "j in range(near.shape[0])", lines)
 
 
 def _divided(lines: list[str]) -> tuple[list[str], list[str]]:
@@ -150,7 +159,7 @@ def _divided(lines: list[str]) -> tuple[list[str], list[str]]:
 def _relative_text(formula: LoweredFormula, unpack: str, names: list[str], numbers: tuple[float, ...]) -> str:
     """Bounds on the relative error of F[b, b + d]."""
     source = PythonSource()
-    chords = FirstDifferences(RunningError(source, own=_OWN), WithErrorBound("d"))
+    chords = FirstDifferences(RunningError(source, own=OWN), WithErrorBound("d"))
     place = source.add("b", "d")
     inputs = [
         chords.variable(WithErrorBound("b"), WithErrorBound(place, source.mul(_PLACE, source.unary("abs", place))))
@@ -160,7 +169,7 @@ def _relative_text(formula: LoweredFormula, unpack: str, names: list[str], numbe
     slope = formula.squared.run(chords, inputs)[0].slope
     error = "(0.0)" if slope.error is None else slope.error
     lines = ["b = base[g]", "d = offset[g]", *source.lines, f"out[g] = abs({error}) / abs({slope.value})"]
-    return _loop("relative(out, base, offset, c)", unpack, "g in range(out.shape[0])", lines)
+    return loop("relative(out, base, offset, c)", unpack, "g in range(out.shape[0])", lines)
 
 
 def _rounded(numbers: tuple[float, ...]) -> list[WithErrorBound]:
@@ -171,7 +180,7 @@ def _doubtful(tape: Tape, source: PythonSource, place: str, constants: int, numb
     """Lines that work out a tape's results with running errors, the constants being uncertain where the mask is 1."""
     inputs = [WithErrorBound(place, source.mul(_PLACE, source.unary("abs", place)))]
     inputs += [*(WithErrorBound(f"c{j}", f"e{j}") for j in range(constants)), *_rounded(numbers)]
-    results = tape.run(RunningError(source, own=_OWN), inputs)
+    results = tape.run(RunningError(source, own=OWN), inputs)
     lines = [f"out[{k}, g] = {'(0.0)' if r.error is None else r.error}" for k, r in enumerate(results)]
     return [*lines, f"out[{len(results)}, g] = {results[0].value}"]
 
@@ -180,7 +189,7 @@ def _uncertainties_text(tape: Tape, constants: int, numbers: tuple[float, ...]) 
     source = PythonSource()
     results = _doubtful(tape, source, "x", constants, numbers)
     lines = ["x = place[g]", *(f"e{j} = mask[g] * s{j}" for j in range(constants)), *source.lines, *results]
-    return _loop("uncertainties(out, place, mask, c, e)", _both(constants), "g in range(place.shape[0])", lines)
+    return loop("uncertainties(out, place, mask, c, e)", _both(constants), "g in range(place.shape[0])", lines)
 
 
 def _both(constants: int) -> str:
@@ -239,7 +248,7 @@ def _small_relative_text(formula: LoweredFormula, unpack: str, known: list[str])
     error = source.div(source.add(doubt, source.mul(_OFFSETS, terms)), source.unary("abs", slope))
     lines = ["b = base[g]", "d = offset[g]", "origin = start0 + b", "span = width0 if d > 0.0 else -width0"]
     lines += [*source.lines, f"out[g] = {error}"]
-    return _loop("relative(out, base, offset, c)", unpack, "g in range(out.shape[0])", lines)
+    return loop("relative(out, base, offset, c)", unpack, "g in range(out.shape[0])", lines)
 
 
 def _taken(values: PythonSource, source: PythonSource, result: str) -> list[str]:
@@ -281,7 +290,7 @@ def _square(source: PythonSource, second: str) -> str:
 def _bounds_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ...]) -> str:
     """½F″ at some places, and three times its running error; see ``radicand_views.second_slope``."""
     source = PythonSource()
-    jets = Jets(RunningError(source, own=_OWN))
+    jets = Jets(RunningError(source, own=OWN))
     known = [*(WithErrorBound(f"c{j}", f"s{j}") for j in range(constants)), *_rounded(numbers)]
     place = WithErrorBound("x", source.mul(f"({UNIT!r})", source.unary("abs", "x")))
     bend = formula.squared.run(jets, [jets.variable(place), *(Jet(k) for k in known)])[0].second
@@ -291,7 +300,7 @@ def _bounds_text(formula: LoweredFormula, constants: int, numbers: tuple[float, 
         size = source.mul(f"({4 * UNIT!r})", source.unary("abs", bend.value))
         error = source.mul("(1.5)", size if bend.error is None else source.add(bend.error, size))
     lines = ["x = place[g]", *source.lines, f"out[0, g] = {half}", f"out[1, g] = {error}"]
-    return _loop("bounds(out, place, c, e)", _both(constants), "g in range(place.shape[0])", lines)
+    return loop("bounds(out, place, c, e)", _both(constants), "g in range(place.shape[0])", lines)
 
 
 def _small_uncertainties_text(
@@ -309,7 +318,7 @@ def _small_uncertainties_text(
         results = [results[0], *weights, f"out[{1 + len(weights)}, g] = {value}"]
     lines = ["x = place[g]", *(f"e{j} = mask[g] * s{j}" for j in range(constants)), *source.lines, *results]
     extra = "".join(f"    {name} = c[{constants + k}]\n" for k, name in enumerate(_MORE))
-    return _loop("uncertainties(out, place, mask, c, e)", _both(constants) + extra, "g in range(place.shape[0])", lines)
+    return loop("uncertainties(out, place, mask, c, e)", _both(constants) + extra, "g in range(place.shape[0])", lines)
 
 
 def start_text(model: Model) -> str:
@@ -326,7 +335,7 @@ def start_text(model: Model) -> str:
     rounded = [WithErrorBound(f"({x.high!r})", f"({abs(x.high) * UNIT!r})") for x in model.numbers]
     given = [WithErrorBound(x) for x in places]
     given += [WithErrorBound(x, f"spread[{k}, i]") for k, x in enumerate(momenta)]
-    errors = [r.error or "(0.0)" for r in model.rule.run(RunningError(source, own=_OWN), [*given, *rounded])]
+    errors = [r.error or "(0.0)" for r in model.rule.run(RunningError(source, own=OWN), [*given, *rounded])]
     pairs = PairSource(source)
     inputs = [NamedPair(x, "(0.0)") for x in places]
     inputs += [NamedPair(x, f"low[{k}, i]") for k, x in enumerate(momenta)]
@@ -340,7 +349,7 @@ def start_text(model: Model) -> str:
         lines += [f"C[{j}, i] = {value.high}", f"L[{j}, i] = {value.low}"]
         lines += [f"E[{j}, i] = abs_({value.low}) + ({2.0**-44!r}) * {error}"]
     lines += [f"P[{k}, i] = {value}" for k, value in enumerate(shell)]
-    return _loop("start(q, p, low, spread, C, L, E, P)", "", "i in range(q.shape[1])", lines)
+    return loop("start(q, p, low, spread, C, L, E, P)", "", "i in range(q.shape[1])", lines)
 
 
 def _slope_text(formula: LoweredFormula, constants: int, numbers: tuple[Pair, ...]) -> str:
@@ -353,7 +362,7 @@ def _slope_text(formula: LoweredFormula, constants: int, numbers: tuple[Pair, ..
     result = "(0.0)" if first is None else first.high
     lines = ["x = place[i]", *(f"c{j} = C[{j}, i]" for j in range(constants))]
     lines += [f"e{j} = C[{constants + j}, i]" for j in range(constants)]
-    return _loop(
+    return loop(
         "slope(place, C, d)", "", "i in range(place.shape[0])",
         [*lines, *needed(source.lines, [result]), f"d[i] = {result}"],
     )  # fmt: skip

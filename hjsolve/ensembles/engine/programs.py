@@ -270,6 +270,18 @@ def _made(model: Model, kernels: bool) -> Compiled:
     return Compiled(_module(start_text(model), ("start",), False)["start"], _loops(), parts)
 
 
+def program(text: str, name: str) -> Function:
+    """Compile a function, once in a process, or read it from disk.
+
+    Args:
+        text: of our own making.
+        name: of the function in it, one of ``compiled_types.signatures``.
+    """
+    with _ONE_AT_A_TIME:
+        made: Function = _module(text, (name,), False)[name]
+        return made
+
+
 def compiled(model: Model, *, kernels: bool) -> Compiled:
     """Compile the programs of a system, once in a process.
 

@@ -1,0 +1,171 @@
+"""Momenta of starts to 32 digits: what ``charted_starts`` needs of the map in two doubles, by numpy or compiled.
+
+The exact place u is had by Newton's method from û, p_u and the constants there, then √F(û), all in two doubles; bounds
+on what doubles lose of them come from a running error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hjsolve.arithmetic.double_double import DoubleDouble
+from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.number_types import Reals
+from hjsolve.arithmetic.pair_source import NamedPair, PairSource, needed, written
+from hjsolve.arithmetic.python_source import PythonSource
+from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.ensembles.charted.chart_map import ChartMap
+from hjsolve.ensembles.engine.program_texts import OWN, loop
+from hjsolve.ensembles.engine.programs import program
+
+_UNIT = 2.0**-53
+_NEWTON = 2
+
+
+class ExactStarts(NamedTuple):
+    """Of n orbits, rows in the order of the system.
+
+    Attributes:
+        high, low: the momenta p_u at the exact place, shape (coordinates, n).
+        lost: bounds on what doubles lose of them, the same shape.
+        roots, roots_low: √F(û) of the separated coordinates, shape (separated, n).
+        doubts: bounds on what doubles lose of F(û), the same shape.
+    """
+
+    high: Reals
+    low: Reals
+    lost: Reals
+    roots: Reals
+    roots_low: Reals
+    doubts: Reals
+
+
+def exact_starts(chart: ChartMap, q: Reals, x: Reals, rates: Reals, *, compiled: bool) -> ExactStarts:
+    """Work them out.
+
+    Args:
+        chart: the map.
+        q: û, in the order of the system, shape (coordinates, n).
+        x, rates: in the user's coordinates.
+        compiled: whether by numba.
+    """
+    if compiled:
+        n, m = len(q), len(chart.model.separated)
+        out = np.empty((3 * n + 3 * m, q.shape[1]))
+        _compiled(chart)(*map(np.ascontiguousarray, (q, x, rates)), out)
+        return ExactStarts(*np.split(out, np.cumsum([n, n, n, m, m])))
+    _, momenta, constants, roots = _exactly(
+        chart, DoubleDouble(), chart.numbers, chart.model.numbers,
+        *([Pair(row, 0.0 * row) for row in block] for block in (q, x, rates)),
+    )  # fmt: skip
+    lost, doubts = _rounding(
+        chart, RunningError(Float64()), _rounded(chart.numbers), _rounded(chart.model.numbers), list(q), list(x),
+        list(rates), [c.high for c in constants],
+    )  # fmt: skip
+    blocks = [p.high for p in momenta], [p.low for p in momenta], lost, [r.high for r in roots], [r.low for r in roots]
+    return ExactStarts(*(np.stack([np.broadcast_to(r, q.shape[1:]) for r in rows]) for rows in (*blocks, doubts)))
+
+
+def exact_point(chart: ChartMap, q: Reals, x: Reals, rates: Reals) -> list[Pair]:
+    """The exact places u in two doubles, in the order of the system.
+
+    Args:
+        chart: the map.
+        q: û, in the order of the system, shape (coordinates, n).
+        x, rates: in the user's coordinates.
+    """
+    blocks = ([Pair(row, 0.0 * row) for row in block] for block in (q, x, rates))
+    return _exactly(chart, DoubleDouble(), chart.numbers, chart.model.numbers, *blocks)[0]
+
+
+# ------------------------------------------------------------------------------- formulas, in numbers or in names
+def _exactly(
+    chart: ChartMap, pairs: Any, numbers: Sequence[Any], parameters: Sequence[Any], q: list[Any], x: list[Any],
+    rates: list[Any],
+) -> tuple[list[Any], list[Any], list[Any], list[Any]]:  # fmt: skip
+    """u, p_u, the constants and √F(û), in an arithmetic of two doubles."""
+    u = in_order_of_chart(chart, q)
+    for _ in range(_NEWTON):
+        u = [pairs.add(a, b) for a, b in zip(u, chart.step.run(pairs, [*u, *x, *numbers]), strict=True)]
+    lifted = chart.lifted.run(pairs, [*u, *rates, *numbers])
+    places, momenta = [u[k] for k in chart.order], [lifted[k] for k in chart.order]
+    constants = chart.model.rule.run(pairs, [*places, *momenta, *parameters])
+    squares = [c.plain.squared.run(pairs, [q[c.index], *constants, *parameters])[0] for c in chart.model.separated]
+    return places, momenta, constants, [pairs.unary("sqrt", F) for F in squares]
+
+
+def _rounding(
+    chart: ChartMap, errors: RunningError[Any], numbers: list[Any], parameters: list[Any], q: list[Any], x: list[Any],
+    rates: list[Any], constants: list[Any],
+) -> tuple[list[Any], list[Any]]:  # fmt: skip
+    """What doubles lose of p_u and of F(û); two doubles lose 2⁻⁴⁴ of it at most."""
+    given = [WithErrorBound(row) for row in (*in_order_of_chart(chart, q), *x)]
+    steps = [r.error for r in chart.step.run(errors, [*given, *numbers])]
+    inputs = [WithErrorBound(a, e) for a, e in zip(in_order_of_chart(chart, q), steps, strict=True)]
+    lifted = chart.lifted.run(errors, [*inputs, *(WithErrorBound(row) for row in rates), *numbers])
+    momenta, places = [lifted[k] for k in chart.order], [inputs[k] for k in chart.order]
+    uncertain = [r.error for r in chart.model.rule.run(errors, [*places, *momenta, *parameters])]
+    known = [WithErrorBound(c, e) for c, e in zip(constants, uncertain, strict=True)]
+    squares = [
+        c.plain.squared.run(errors, [WithErrorBound(q[c.index]), *known, *parameters])[0]
+        for c in chart.model.separated
+    ]
+    nothing = errors.plain.rational(0, 1)
+    return [_or(p.error, nothing) for p in momenta], [_or(F.error, nothing) for F in squares]
+
+
+def _or(error: Any, nothing: Any) -> Any:
+    return nothing if error is None else error
+
+
+def in_order_of_chart(chart: ChartMap, rows: Sequence[Any]) -> list[Any]:
+    """Rows of the system in the order of the chart.
+
+    Args:
+        chart: the map.
+        rows: one for each coordinate.
+    """
+    found = list(rows)
+    for row, k in zip(rows, chart.order, strict=True):
+        found[k] = row
+    return found
+
+
+def _rounded(numbers: Sequence[Pair]) -> list[Any]:
+    return [WithErrorBound(x.high, _UNIT * abs(x.high) if x.low else None) for x in numbers]
+
+
+# ------------------------------------------------------------------------------------------------------- compiled
+@lru_cache(maxsize=64)
+def _compiled(chart: ChartMap) -> Callable[..., None]:
+    return program(_text(chart), "exact_starts")
+
+
+def _text(chart: ChartMap) -> str:
+    """The text of a function that fills the rows of ``ExactStarts`` one below the other."""
+    source = PythonSource()
+    n, own = len(chart.order), len(chart.order)
+    blocks = [[f"{name}[{k}, i]" for k in range(count)] for name, count in (("q", n), ("x", n), ("rates", own))]
+    _, momenta, constants, roots = _exactly(
+        chart, PairSource(source), [*map(written, chart.numbers)], [*map(written, chart.model.numbers)],
+        *([NamedPair(name, "(0.0)") for name in block] for block in blocks),
+    )  # fmt: skip
+    lost, doubts = _rounding(
+        chart, RunningError(source, own=OWN), _literals(chart.numbers), _literals(chart.model.numbers), *blocks,
+        [c.high for c in constants],
+    )  # fmt: skip
+    results = [
+        *(p.high for p in momenta), *(p.low for p in momenta), *lost,
+        *(r.high for r in roots), *(r.low for r in roots), *doubts,
+    ]  # fmt: skip
+    lines = [*needed(source.lines, results), *(f"out[{k}, i] = {name}" for k, name in enumerate(results))]
+    return loop("exact_starts(q, x, rates, out)", "", "i in range(q.shape[1])", lines)
+
+
+def _literals(numbers: Sequence[Pair]) -> list[WithErrorBound[str]]:
+    return [WithErrorBound(f"({x.high!r})", f"({abs(x.high) * _UNIT!r})" if x.low else None) for x in numbers]

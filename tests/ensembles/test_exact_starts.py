@@ -1,0 +1,48 @@
+"""Momenta of starts in x, y, z to 32 digits: compiled they are those of numpy, and bounds are no less."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import hjsolve
+from hjsolve.ensembles.charted import chart_map
+from hjsolve.ensembles.charted.charted_starts import charted_starts
+from hjsolve.ensembles.charted.exact_starts import exact_starts
+from hjsolve.ensembles.engine import build
+from hjsolve.motion.initial_data import parameter_values
+
+SPACE = {"x": "line", "y": "line", "z": "line"}
+CENTRES = "-1/sqrt((x - 1)**2 + (y - 2)**2) - 3/sqrt((x - 3)**2 + (y + 1)**2)"
+GARNIER = "(x**2 + y**2 + z**2)**2 + x**2 + 2*y**2 + 7*z**2/3"
+
+
+@pytest.mark.parametrize(("coordinates", "potential", "kind"), [
+    ({"x": "line", "y": "line"}, CENTRES, "velocity"),
+    (SPACE, "-1/sqrt(x**2 + y**2 + z**2) + x/7 + z/5", "p"),
+    pytest.param(SPACE, GARNIER, "velocity", marks=pytest.mark.nightly),
+])  # fmt: skip
+def test_compiled_starts_are_those_of_numpy(coordinates: dict[str, str], potential: str, kind: str) -> None:
+    pytest.importorskip("numba")
+    kinetic = "(" + " + ".join(f"dot({name})**2" for name in coordinates) + ")/2"
+    solution = hjsolve.solve(hjsolve.System(coordinates, kinetic, potential), coordinates="find")
+    model = build(solution, frozenset({"actions"}), compiled=False).model
+    chart = chart_map(solution, model, parameter_values(solution.system, {}), kind)
+    dice = np.random.default_rng(8)
+    x, rates = dice.uniform(-1, 1, (2, len(coordinates), 500))
+    starts = charted_starts(chart, x, rates)
+    with np.errstate(all="ignore"):
+        plain, fast = (exact_starts(chart, starts.q, x, rates, compiled=c) for c in (False, True))
+    assert np.isfinite(plain.high).all(axis=0).mean() > 0.9
+    for high, low in (("high", "low"), ("roots", "roots_low")):
+        a, b = getattr(plain, high), getattr(fast, high)
+        assert np.array_equal(np.isnan(a), np.isnan(b))
+        known = np.isfinite(a)
+        apart = np.abs((a - b) + (getattr(plain, low) - getattr(fast, low)))[known]
+        lost = (plain.lost if high == "high" else plain.doubts / (2 * plain.roots))[known]
+        assert (apart <= 2.0**-44 * lost).all()
+    for name in ("lost", "doubts"):
+        a, b = getattr(plain, name), getattr(fast, name)
+        known = np.isfinite(a)
+        assert (b[known] >= a[known] * (1 - 1e-6)).all()
+        assert (b[known] <= 8 * a[known]).all()
