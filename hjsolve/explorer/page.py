@@ -23,13 +23,13 @@ margin:0 auto;padding:1.2rem;align-items:start}
 .explorer .fields{display:flex;flex-direction:column;gap:.35rem}
 .explorer .portraits{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,22rem),1fr));gap:1rem}
 .explorer .start{display:grid;grid-template-columns:auto 1fr 1fr;gap:.2rem .7rem;align-items:center}
-.explorer .problem{color:#b8402a;white-space:pre-wrap;overflow-wrap:anywhere}
+.explorer .problem{color:var(--red);white-space:pre-wrap;overflow-wrap:anywhere}
 .explorer .problem:empty{display:none}
-.explorer .lead.yes{border-left:3px solid #2e7044;padding-left:.8rem}
-.explorer .lead.no{border-left:3px solid #b8402a;padding-left:.8rem}
-.explorer .lead.open{border-left:3px solid #8a6100;padding-left:.8rem}
+.explorer .lead.yes{border-left:3px solid var(--green);padding-left:.8rem}
+.explorer .lead.no{border-left:3px solid var(--red);padding-left:.8rem}
+.explorer .lead.open{border-left:3px solid var(--amber);padding-left:.8rem}
 .explorer .waiting{opacity:.45}
-.explorer .hint{color:#666b72;font-size:.85rem}
+.explorer .hint{color:var(--soft);font-size:.85rem}
 .explorer .drag svg{cursor:crosshair;touch-action:none}
 .explorer h1{font-size:1.3rem;line-height:1.3;font-weight:600;margin:0}
 """

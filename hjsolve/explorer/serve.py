@@ -52,11 +52,12 @@ def serve_explorer(
         ExplorerPage(pool, question)
 
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=[HOST, "localhost"])
+    app.on_startup(pool.begin)
     app.on_shutdown(pool.end)
     print(f"hjsolve explore: http://{HOST}:{chosen} (Ctrl-C ends it)", flush=True)
     ui.run(
         host=HOST, port=chosen, title="hjsolve explore", show=show, reload=False, show_welcome_message=False,
-        uvicorn_logging_level="error",
+        uvicorn_logging_level="error", dark=None,
     )  # fmt: skip
 
 

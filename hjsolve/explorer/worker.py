@@ -43,14 +43,18 @@ class Worker:
         if not here.poll(_BEGINNING) or here.recv() != "ready":
             self.end()
 
+    def ready(self) -> None:
+        """Start the process where there is none."""
+        if self._process is None or not self._process.is_alive():
+            self.begin()
+
     def ask(self, question: PageQuestion) -> PageAnswer:
         """Answer, or say which limit it went over.
 
         Args:
             question: what was typed.
         """
-        if self._process is None or not self._process.is_alive():
-            self.begin()
+        self.ready()
         connection = self._connection
         if connection is None:
             return PageAnswer(problem="the process that computes could not be started")
@@ -82,8 +86,27 @@ class Workers:
     def __init__(self, count: int, seconds: float, megabytes: int):
         self._all = [Worker(seconds, megabytes) for _ in range(count)]
         self._free: asyncio.Queue[Worker] = asyncio.Queue()
+        self._beginning = set[asyncio.Task[None]]()
         for worker in self._all:
             self._free.put_nowait(worker)
+
+    async def begin(self) -> None:
+        """Start the processes, so that the first question does not wait for them."""
+        for _ in self._all:
+            self._return(self._free.get_nowait())
+
+    def _return(self, worker: Worker) -> None:
+        """Let a process take questions again, as soon as it is there."""
+
+        async def ready() -> None:
+            try:
+                await asyncio.to_thread(worker.ready)
+            finally:
+                self._free.put_nowait(worker)
+
+        task = asyncio.create_task(ready())
+        self._beginning.add(task)
+        task.add_done_callback(self._beginning.discard)
 
     async def ask(self, question: PageQuestion) -> PageAnswer:
         """Answer as soon as a process is free.
@@ -95,7 +118,7 @@ class Workers:
         try:
             return await asyncio.to_thread(worker.ask, question)
         finally:
-            self._free.put_nowait(worker)
+            self._return(worker)
 
     def end(self) -> None:
         """End all processes."""

@@ -174,3 +174,22 @@ def test_nothing_is_fetched_from_elsewhere(page: Page, address: str) -> None:
     assert fetched
     assert all(name.startswith((address, address.replace("http", "ws"), "data:", "blob:")) for name in fetched)
     assert not [entry for entry in page.driver.get_log("browser") if entry["level"] == "SEVERE"]
+
+
+def test_it_is_dark_where_the_browser_is(page: Page) -> None:
+    look = (
+        "return [document.querySelector('.explorer h1'), document.body].map((e, k) => "
+        "getComputedStyle(e)[k ? 'backgroundColor' : 'color'].match(/[0-9]+/g).slice(0, 3).map(Number))"
+    )
+
+    def turned(scheme: str) -> tuple[int, int]:
+        feature = {"name": "prefers-color-scheme", "value": scheme}
+        page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [feature]})
+        time.sleep(0.5)
+        ink, paper = page.driver.execute_script(look)
+        return sum(ink), sum(paper)
+
+    ink, paper = turned("dark")
+    assert ink > 500 > 150 > paper
+    ink, paper = turned("light")
+    assert ink < 200

@@ -208,7 +208,7 @@ def test_the_command_prints_the_table_and_writes_figure_and_rows(tmp_path: Path,
     [
         (["no-such-system"], "no catalog entry"), (["pendulum", "--digits", "many"], "20,30,50"),
         (["pendulum", "--digits", "5"], "whole numbers from 16"), (["pendulum", "--seconds", "-1"], "positive"),
-        (["pendulum", "-o", "cost.pdf"], "suffix"),
+        (["pendulum", "-o", "cost.docx"], "suffix"),
     ],
 )  # fmt: skip
 def test_the_command_refuses_in_one_line(arguments: list[str], words: str, capsys: Any) -> None:

@@ -93,7 +93,8 @@ _DARK = (
 )
 NOTEBOOK_CSS = (
     f".hjsolve{{{_LIGHT};color:var(--ink);max-width:54rem;font:14px/1.5 system-ui,sans-serif}}"
-    f"[data-jp-theme-light=false] .hjsolve,.vscode-dark .hjsolve,[theme=dark] .hjsolve{{{_DARK}}}"
+    f"[data-jp-theme-light=false] .hjsolve,.vscode-dark .hjsolve,[theme=dark] .hjsolve,"
+    f".body--dark .hjsolve{{{_DARK}}}"
     """
 .hjsolve p{margin:.5em 0}
 .hjsolve code{background:var(--wash);padding:.05em .3em;border-radius:3px}
