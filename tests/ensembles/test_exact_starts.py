@@ -8,7 +8,7 @@ import pytest
 import hjsolve
 from hjsolve.ensembles.charted import chart_map
 from hjsolve.ensembles.charted.charted_starts import charted_starts
-from hjsolve.ensembles.charted.exact_starts import exact_starts
+from hjsolve.ensembles.charted.momenta_to_32_digits import exact_starts
 from hjsolve.ensembles.engine import build
 from hjsolve.motion.initial_data import parameter_values
 

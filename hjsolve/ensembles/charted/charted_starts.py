@@ -18,8 +18,8 @@ from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.ensembles.charted.chart_map import ChartMap
-from hjsolve.ensembles.charted.exact_starts import exact_point, exact_starts, in_order_of_chart
 from hjsolve.ensembles.charted.inverse_arrays import inverse_arrays
+from hjsolve.ensembles.charted.momenta_to_32_digits import exact_point, exact_starts, in_order_of_chart
 from hjsolve.ensembles.engine.columns import Columns, blank, put
 from hjsolve.ensembles.engine.engine import Engine
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula

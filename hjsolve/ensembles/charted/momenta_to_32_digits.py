@@ -6,23 +6,25 @@ on what doubles lose of them come from a running error.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import Float64
-from hjsolve.arithmetic.number_types import Reals
+from hjsolve.arithmetic.number_types import Elementwise, N, Reals
 from hjsolve.arithmetic.pair_source import NamedPair, PairSource, needed, written
 from hjsolve.arithmetic.python_source import PythonSource
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.arithmetic.tape import Arithmetic
 from hjsolve.ensembles.charted.chart_map import ChartMap
 from hjsolve.ensembles.engine.program_texts import OWN, loop
 from hjsolve.ensembles.engine.programs import program
 
+T = TypeVar("T")
 _UNIT = 2.0**-53
 _NEWTON = 2
 
@@ -64,8 +66,8 @@ def exact_starts(chart: ChartMap, q: Reals, x: Reals, rates: Reals, *, compiled:
         *([Pair(row, 0.0 * row) for row in block] for block in (q, x, rates)),
     )  # fmt: skip
     lost, doubts = _rounding(
-        chart, RunningError(Float64()), _rounded(chart.numbers), _rounded(chart.model.numbers), list(q), list(x),
-        list(rates), [c.high for c in constants],
+        chart, RunningError(Float64()), _rounded(chart.numbers), _rounded(chart.model.numbers),
+        (list(q), list(x), list(rates)), [c.high for c in constants],
     )  # fmt: skip
     blocks = [p.high for p in momenta], [p.low for p in momenta], lost, [r.high for r in roots], [r.low for r in roots]
     return ExactStarts(*(np.stack([np.broadcast_to(r, q.shape[1:]) for r in rows]) for rows in (*blocks, doubts)))
@@ -85,9 +87,9 @@ def exact_point(chart: ChartMap, q: Reals, x: Reals, rates: Reals) -> list[Pair]
 
 # ------------------------------------------------------------------------------- formulas, in numbers or in names
 def _exactly(
-    chart: ChartMap, pairs: Any, numbers: Sequence[Any], parameters: Sequence[Any], q: list[Any], x: list[Any],
-    rates: list[Any],
-) -> tuple[list[Any], list[Any], list[Any], list[Any]]:  # fmt: skip
+    chart: ChartMap, pairs: Arithmetic[N], numbers: Sequence[N], parameters: Sequence[N], q: list[N], x: list[N],
+    rates: list[N],
+) -> tuple[list[N], list[N], list[N], list[N]]:  # fmt: skip
     """u, p_u, the constants and √F(û), in an arithmetic of two doubles."""
     u = in_order_of_chart(chart, q)
     for _ in range(_NEWTON):
@@ -100,12 +102,13 @@ def _exactly(
 
 
 def _rounding(
-    chart: ChartMap, errors: RunningError[Any], numbers: list[Any], parameters: list[Any], q: list[Any], x: list[Any],
-    rates: list[Any], constants: list[Any],
-) -> tuple[list[Any], list[Any]]:  # fmt: skip
+    chart: ChartMap, errors: RunningError[N], numbers: list[WithErrorBound[N]], parameters: list[WithErrorBound[N]],
+    given: tuple[list[N], list[N], list[N]], constants: list[N],
+) -> tuple[list[N], list[N]]:  # fmt: skip
     """What doubles lose of p_u and of F(û); two doubles lose 2⁻⁴⁴ of it at most."""
-    given = [WithErrorBound(row) for row in (*in_order_of_chart(chart, q), *x)]
-    steps = [r.error for r in chart.step.run(errors, [*given, *numbers])]
+    q, x, rates = given
+    start = [WithErrorBound(row) for row in (*in_order_of_chart(chart, q), *x)]
+    steps = [r.error for r in chart.step.run(errors, [*start, *numbers])]
     inputs = [WithErrorBound(a, e) for a, e in zip(in_order_of_chart(chart, q), steps, strict=True)]
     lifted = chart.lifted.run(errors, [*inputs, *(WithErrorBound(row) for row in rates), *numbers])
     momenta, places = [lifted[k] for k in chart.order], [inputs[k] for k in chart.order]
@@ -116,27 +119,25 @@ def _rounding(
         for c in chart.model.separated
     ]
     nothing = errors.plain.rational(0, 1)
-    return [_or(p.error, nothing) for p in momenta], [_or(F.error, nothing) for F in squares]
+    lost, doubts = ([nothing if r.error is None else r.error for r in found] for found in (momenta, squares))
+    return lost, doubts
 
 
-def _or(error: Any, nothing: Any) -> Any:
-    return nothing if error is None else error
-
-
-def in_order_of_chart(chart: ChartMap, rows: Sequence[Any]) -> list[Any]:
+def in_order_of_chart(chart: ChartMap, rows: Iterable[T]) -> list[T]:
     """Rows of the system in the order of the chart.
 
     Args:
         chart: the map.
         rows: one for each coordinate.
     """
-    found = list(rows)
-    for row, k in zip(rows, chart.order, strict=True):
+    own = list(rows)
+    found = own.copy()
+    for row, k in zip(own, chart.order, strict=True):
         found[k] = row
     return found
 
 
-def _rounded(numbers: Sequence[Pair]) -> list[Any]:
+def _rounded(numbers: Sequence[Pair]) -> list[WithErrorBound[Elementwise]]:
     return [WithErrorBound(x.high, _UNIT * abs(x.high) if x.low else None) for x in numbers]
 
 
@@ -149,15 +150,15 @@ def _compiled(chart: ChartMap) -> Callable[..., None]:
 def _text(chart: ChartMap) -> str:
     """The text of a function that fills the rows of ``ExactStarts`` one below the other."""
     source = PythonSource()
-    n, own = len(chart.order), len(chart.order)
-    blocks = [[f"{name}[{k}, i]" for k in range(count)] for name, count in (("q", n), ("x", n), ("rates", own))]
+    n = len(chart.order)
+    q, x, rates = ([f"{name}[{k}, i]" for k in range(n)] for name in ("q", "x", "rates"))
     _, momenta, constants, roots = _exactly(
         chart, PairSource(source), [*map(written, chart.numbers)], [*map(written, chart.model.numbers)],
-        *([NamedPair(name, "(0.0)") for name in block] for block in blocks),
+        *([NamedPair(name, "(0.0)") for name in block] for block in (q, x, rates)),
     )  # fmt: skip
     lost, doubts = _rounding(
-        chart, RunningError(source, own=OWN), _literals(chart.numbers), _literals(chart.model.numbers), *blocks,
-        [c.high for c in constants],
+        chart, RunningError(source, own=OWN), _literals(chart.numbers), _literals(chart.model.numbers),
+        (q, x, rates), [c.high for c in constants],
     )  # fmt: skip
     results = [
         *(p.high for p in momenta), *(p.low for p in momenta), *lost,
