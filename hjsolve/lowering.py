@@ -15,6 +15,8 @@ _FUNCTIONS = {
 }
 
 _LARGEST_POWER = 6
+_OF_A_DOUBLE = 1000
+"""Binary digits of a numerator or denominator that is a double; longer ones are not taken apart."""
 
 
 def lower(expressions: Sequence[sp.Expr], arguments: Sequence[sp.Symbol]) -> Tape:
@@ -233,7 +235,7 @@ class _Writer:
         e = together
         above, below = [], []
         for factor in e.args:
-            if factor.is_Rational:
+            if factor.is_Rational and max(abs(factor.p), factor.q).bit_length() <= _OF_A_DOUBLE:
                 above.append(sp.Integer(factor.p))
                 below.append(sp.Integer(factor.q))
             elif isinstance(factor, sp.Pow) and isinstance(factor.base, sp.cosh) and factor.exp.is_negative:

@@ -24,6 +24,8 @@ from hjsolve.lowering import lower
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 
 _DIGITS = 60
+_MODERATE = 400
+"""Binary digits before and after the point from which on coefficients are divided by a power of two."""
 _LOW_ENOUGH, _HIGHEST = 6, 24
 """Degree in t up to which no other variable is tried, and above which doubles tell little in Bernstein's form."""
 
@@ -189,7 +191,13 @@ def _numerator(s: Substitution, x: sp.Symbol, y: sp.Symbol) -> sp.Expr | None:
     if content.has(s.x):
         rest, own = _of_one_sign(content, s)
         top, kept, sign = sp.cancel(top / content), kept * rest, sign * own
-    return sp.expand(sign * top * kept)
+    return _of_moderate_size(sp.expand(sign * top * kept), (s.x, x, y))
+
+
+def _of_moderate_size(N: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> sp.Expr:
+    """N over a power of two: exact constants of many digits leave coefficients beyond all doubles."""
+    largest = max((mpmath.mag(mpmath.mpf(sp.N(c, _DIGITS))) for c in sp.Poly(N, *symbols).coeffs()), default=0)
+    return N if abs(largest) < _MODERATE else sp.expand(N * sp.Integer(2) ** -int(largest))
 
 
 def _of_one_sign(factors: sp.Expr, s: Substitution) -> tuple[sp.Expr, int]:
