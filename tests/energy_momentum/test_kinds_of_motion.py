@@ -37,6 +37,7 @@ def test_random_points_have_the_kinds_of_motions_started_there(name: str) -> Non
 
 
 @pytest.mark.nightly
+@pytest.mark.timeout(3000)
 def test_ten_thousand_random_points_have_the_kinds_of_motions() -> None:
     assert benchmark().main(10_000, 3) == 0
 
