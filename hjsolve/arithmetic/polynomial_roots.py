@@ -40,7 +40,7 @@ def real_roots(coefficients: Sequence[Doubles]) -> tuple[Doubles, Booleans]:
 
 
 def _real_roots(given: list[Doubles]) -> tuple[Doubles, Booleans]:
-    unit = _unit(given)
+    unit = size_of_roots(given)
     degree = len(given) - 1
     monic = [c / given[0] * unit**-k for k, c in enumerate(given)][1:]
     unsure = ~np.isfinite(sum(abs(c) for c in monic))
@@ -66,8 +66,12 @@ def _real_roots(given: list[Doubles]) -> tuple[Doubles, Booleans]:
     return np.where(there, roots * unit, np.inf), unsure
 
 
-def _unit(coefficients: Sequence[Doubles]) -> Doubles:
-    """The geometric mean λ of the sizes of the roots: x/λ is about 1."""
+def size_of_roots(coefficients: Sequence[Doubles]) -> Doubles:
+    """Return the geometric mean λ of the sizes of the roots: x/λ is about 1; 1 where a root is 0.
+
+    Args:
+        coefficients: of the highest power first, arrays of one shape.
+    """
     ratio = abs(coefficients[-1] / np.where(coefficients[0] == 0, 1.0, coefficients[0]))
     return np.where((ratio > 0) & np.isfinite(ratio), ratio, 1.0) ** (1 / (len(coefficients) - 1))
 

@@ -17,7 +17,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from hjsolve.arithmetic.polynomial_roots import real_roots
+from hjsolve.arithmetic.polynomial_roots import real_roots, size_of_roots
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.regions import RootInterval
 from hjsolve.functions import modules
@@ -196,9 +196,7 @@ def roots_of(polynomial: sp.Poly, symbols: Sequence[sp.Symbol]) -> RootsOfPolyno
 
 def _of_size_one(coefficients: list[Doubles]) -> tuple[list[Doubles], Doubles]:
     """The polynomial in x/λ, whose roots are about 1 in size; and λ."""
-    degree, last = len(coefficients) - 1, coefficients[-1]
-    ratio = abs(last / np.where(coefficients[0] == 0, 1.0, coefficients[0]))
-    unit = np.where((ratio > 0) & np.isfinite(ratio), ratio, 1.0) ** (1 / degree)
+    degree, unit = len(coefficients) - 1, size_of_roots(coefficients)
     return [c * unit ** (degree - k) for k, c in enumerate(coefficients)], unit
 
 

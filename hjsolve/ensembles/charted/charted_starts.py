@@ -19,14 +19,14 @@ from hjsolve.arithmetic.number_types import Reals
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.ensembles.charted.chart_map import ChartMap
 from hjsolve.ensembles.charted.inverse_arrays import inverse_arrays
-from hjsolve.ensembles.charted.momenta_to_32_digits import exact_point, exact_starts, in_order_of_chart
+from hjsolve.ensembles.charted.momenta_to_32_digits import exact_point, exact_starts, in_order_of_chart, rounded
 from hjsolve.ensembles.engine.columns import Columns, blank, put
 from hjsolve.ensembles.engine.engine import Engine
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.status import UNDECIDED, Status
 
-_UNIT, _FINER = 2.0**-53, 2.0**-44
+_FINER = 2.0**-44
 _SAFETY = 2
 _STEPS = {"ellipsoidal": 3, "paraboloidal": 3, "conical": 3}
 """Newton steps by kind, where it is not one."""
@@ -144,14 +144,6 @@ def _separated(chart: ChartMap) -> list[tuple[int, LoweredFormula]]:
     return [(c.index, c.plain) for c in chart.model.separated]
 
 
-def _numbers(chart: ChartMap) -> list[WithErrorBound[Reals]]:
-    return [WithErrorBound(x.high, _UNIT * abs(x.high) if x.low else None) for x in chart.numbers]
-
-
-def _parameters(chart: ChartMap) -> list[WithErrorBound[Reals]]:
-    return [WithErrorBound(x.high, _UNIT * abs(x.high) if x.low else None) for x in chart.model.numbers]
-
-
 def _bounds(results: list[WithErrorBound[Reals]], shape: tuple[int, ...]) -> Reals:
     return np.stack([np.broadcast_to(0.0 if r.error is None else r.error, shape) for r in results])
 
@@ -164,7 +156,7 @@ def _places(chart: ChartMap, x: Reals) -> tuple[Reals, Reals]:
     for _ in range(_STEPS.get(chart.kind, 1)):
         u = [a + b for a, b in zip(u, chart.step.run(Float64(), [*u, *x, *plain]), strict=True)]
     exact = [WithErrorBound(value) for value in (*u, *x)]
-    steps = chart.step.run(RunningError(Float64()), [*exact, *_numbers(chart)])
+    steps = chart.step.run(RunningError(Float64()), [*exact, *rounded(chart.numbers)])
     loss = _SAFETY * (np.abs(np.stack([np.broadcast_to(s.value, shape) for s in steps])) + _bounds(steps, shape))
     q = np.where((loss < _CONVERGED * (1 + np.abs(u))).all(axis=0), np.stack(u), np.nan)
     order = list(chart.order)
@@ -187,7 +179,7 @@ def _momenta(chart: ChartMap, q: Reals, loss: Reals, rates: Reals) -> tuple[Real
     known = zip(in_order_of_chart(chart, q), in_order_of_chart(chart, loss), strict=True)
     inputs = [WithErrorBound(a, e) for a, e in known]
     inputs += [WithErrorBound(x) for x in rates]
-    found = chart.lifted.run(RunningError(Float64()), [*inputs, *_numbers(chart)])
+    found = chart.lifted.run(RunningError(Float64()), [*inputs, *rounded(chart.numbers)])
     values = np.stack([np.broadcast_to(r.value, shape) for r in found])
     return values[order], _bounds(found, shape)[order]
 

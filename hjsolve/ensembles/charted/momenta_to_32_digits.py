@@ -66,7 +66,7 @@ def exact_starts(chart: ChartMap, q: Reals, x: Reals, rates: Reals, *, compiled:
         *([Pair(row, 0.0 * row) for row in block] for block in (q, x, rates)),
     )  # fmt: skip
     lost, doubts = _rounding(
-        chart, RunningError(Float64()), _rounded(chart.numbers), _rounded(chart.model.numbers),
+        chart, RunningError(Float64()), rounded(chart.numbers), rounded(chart.model.numbers),
         (list(q), list(x), list(rates)), [c.high for c in constants],
     )  # fmt: skip
     blocks = [p.high for p in momenta], [p.low for p in momenta], lost, [r.high for r in roots], [r.low for r in roots]
@@ -137,7 +137,12 @@ def in_order_of_chart(chart: ChartMap, rows: Iterable[T]) -> list[T]:
     return found
 
 
-def _rounded(numbers: Sequence[Pair]) -> list[WithErrorBound[Elementwise]]:
+def rounded(numbers: Sequence[Pair]) -> list[WithErrorBound[Elementwise]]:
+    """Return numbers in two doubles as doubles with bounds on their errors.
+
+    Args:
+        numbers: the pairs.
+    """
     return [WithErrorBound(x.high, _UNIT * abs(x.high) if x.low else None) for x in numbers]
 
 
