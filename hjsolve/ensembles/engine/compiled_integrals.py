@@ -13,11 +13,9 @@ from numba import njit
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.ensembles.engine.compiled_phase import phase, running_weights
 from hjsolve.ensembles.engine.compiled_rule import REDUCING, Fill, choose, dot, shifted_action
-from hjsolve.ensembles.engine.compiled_types import Modes, Motions, Results, Scratch, Tables
+from hjsolve.ensembles.engine.compiled_types import FARTHEST, VECTOR, Modes, Motions, Results, Scratch, Tables
 from hjsolve.ensembles.engine.elementary import INLINED
 
-_VECTOR = 8
-_FARTHEST = 6
 Uncertainties = Callable[[Reals, Reals, Reals, Reals, Reals], None]
 Relative = Callable[[Reals, Reals, Reals, Reals], None]
 
@@ -71,60 +69,69 @@ def _swing(g: Reals, slopes: Reals, n: int) -> float:
 
 
 @njit(**INLINED)
-def _seen(uncertainties: Uncertainties, relative: Relative, b: float, s: float, W: float, places: Reals,
-          span: tuple[int, int, int], c: Reals, e: Reals, work: Scratch, modes: Modes) -> float:  # fmt: skip
-    """Rounding errors at some places of one view, and F's at the turning point where that is used.
+def _placed(work: Scratch, at: int, b: float, s: float, W: float, places: Reals, span: tuple[int, int, int],
+            which: int, kernels: bool) -> int:  # fmt: skip
+    """Write into ``lanes``, from one on, where a view is looked at; return the first lane after them.
 
-    They are left in ``bounds``: F and the kernels, then F's relative error or its rounding without the constants. The
-    lanes are the places, the farthest one, and the turning point.
+    Samples, the farthest place and the turning point; with kernels the former once more, the constants being certain.
     """
-    lanes, bounds, (start, count, farthest) = work.lanes, work.bounds, span
-    x, mask, rows = lanes[0], lanes[1], work.noise.shape[0]
+    lanes, (start, count, farthest) = work.lanes, span
+    tip = at + count + 1
+    after = tip + 1 + (count + 1 if kernels else 0)
+    for g in range(at, after):
+        lanes[1, g], lanes[2, g], lanes[4, g], lanes[5, g] = 0.0, b, 0.0, 0.0
     for g in range(count + 1):
-        x[g], mask[g] = b + s * W * places[start + g if g < count else farthest], 1.0
-    x[count + 1], mask[count + 1] = b, 0.0
-    total, end = count + 2, 0.0
-    if modes.kernels:
-        for g in range(count + 1):
-            x[count + 2 + g], mask[count + 2 + g] = x[g], 0.0
-        total = 2 * count + 3
-    while total % _VECTOR:
-        x[total], mask[total] = x[0], 0.0
-        total += 1
-    uncertainties(bounds, x[:total], mask[:total], c, e)
-    last = bounds[rows + 1]
-    if modes.chords:  # F less its rounding at the turning point, which shifts it as a constant does
-        end = abs(bounds[rows, count + 1]) + bounds[0, count + 1]
-        for g in range(total):
-            lanes[2, g], lanes[3, g] = b, x[g] - b
-        relative(last[:total], lanes[2, :total], lanes[3, :total], c)
-    else:
-        for g in range(count + 1):
-            last[g] = bounds[0, count + 2 + g] if modes.kernels else bounds[0, g]
-    return end
+        place = start + g if g < count else farthest
+        lanes[0, at + g], lanes[1, at + g] = b + s * W * places[which, place], 1.0
+        lanes[4, at + g], lanes[5, at + g] = W * places[2, place], places[3, place]
+        if kernels:
+            lanes[0, tip + 1 + g] = lanes[0, at + g]
+    lanes[0, tip] = b
+    for g in range(at, after):
+        lanes[3, g] = lanes[0, g] - b
+    return after
 
 
 @njit(**INLINED)
-def _noted(work: Scratch, span: tuple[int, int, int], both: tuple[int, int], places: Reals, W: float, end: float,
-           modes: Modes) -> None:  # fmt: skip
+def _looked(uncertainties: Uncertainties, relative: Relative, total: int, c: Reals, e: Reals, work: Scratch,
+            chords: bool) -> None:  # fmt: skip
+    """Leave F, bounds on the errors of F and of the kernels, and F's relative one, of the lanes in ``bounds``."""
+    lanes, bounds, rows, stop = work.lanes, work.bounds, work.noise.shape[0], total
+    while stop % VECTOR:
+        for k in range(lanes.shape[0]):
+            lanes[k, stop] = lanes[k, 0]
+        stop += 1
+    uncertainties(bounds, lanes[0, :stop], lanes[1, :stop], c, e)
+    if chords:
+        relative(bounds[rows + 1, :stop], lanes[2, :stop], lanes[3, :stop], c)
+    for g in range(stop):  # r, and sin²χ/F
+        F = max(abs(bounds[rows, g]), 1e-300)
+        lanes[4, g] /= np.sqrt(F)
+        lanes[5, g] /= F
+
+
+@njit(**INLINED)
+def _noted(work: Scratch, at: int, span: tuple[int, int, int], both: tuple[int, int], modes: Modes) -> float:
     """Note what one view says of its samples; and of all between which both are used, by its farthest place.
 
     F and its errors vary along the motion like F/sin²χ, and errors of kernels like 1/r: so they are noted by these.
+    Returns what F is at the turning point, which is left out where F comes from chords.
     """
-    bounds, noise, drift, rows = work.bounds, work.noise, work.drift, work.noise.shape[0]
-    start, count, farthest = span
+    bounds, lanes, noise, drift, rows = work.bounds, work.lanes, work.noise, work.drift, work.noise.shape[0]
+    start, count, _ = span
+    tip = at + count + 1
+    end = abs(bounds[rows, tip]) + bounds[0, tip] if modes.chords else 0.0
     for g in range(count + 1):
         first, last = (start + g, start + g) if g < count else both
-        at = start + g if g < count else farthest
-        x, y, derivative, square = places[0, at], places[1, at], places[2, at], places[3, at]
-        F = max(abs(bounds[rows, g]), 1e-300)
-        r, share = derivative * W * np.sqrt(x * y / F), square / F
-        own = bounds[rows + 1, g] * (1.0 if modes.chords else share)
-        moved = (end + bounds[0, g] - bounds[0, count + 2 + g]) * share if modes.kernels else bounds[0, g]
+        r, share, here = lanes[4, at + g], lanes[5, at + g], bounds[0, at + g]
+        again = bounds[0, tip + 1 + g] if modes.kernels else here
+        own = bounds[rows + 1, at + g] if modes.chords else again * share
+        moved = (end + here - again) * share if modes.kernels else here
         for to in range(first, last + 1):
             for k in range(1, rows):
-                noise[k, to] = max(noise[k, to], bounds[k, g] * r)
+                noise[k, to] = max(noise[k, to], bounds[k, at + g] * r)
             noise[0, to], drift[to] = max(noise[0, to], own), max(drift[to], moved)
+    return end
 
 
 @njit(**INLINED)
@@ -132,30 +139,39 @@ def _samples(below: tuple[Uncertainties, Relative], above: tuple[Uncertainties, 
              tables: Tables, work: Scratch, modes: Modes) -> tuple[float, float]:  # fmt: skip
     """Bounds on the errors of F and of the kernels at a few places, each seen as the nodes beside it.
 
-    Returns F's error at either turning point, where F comes from chords.
+    Returns F's error at either turning point, where F comes from chords. Programs that are the same work out both
+    views at once: as one vector they take half the time.
     """
     m, share = motions.first[i], motions.share[i]
     samples, places = tables.samples[m], tables.places[m]
     inside, first, last = tables.spans[m, share, 0], tables.spans[m, share, 1], tables.spans[m, share, 2]
     c, e, W = motions.known[i], motions.uncertainty[i], motions.width[i]
-    work.noise[:] = 0.0
-    work.drift[:] = 0.0
-    farthest = places.shape[1] - _FARTHEST + 2 * share
-    span = (0, inside, farthest)
-    lower = _seen(below[0], below[1], motions.lower[i], motions.signs[0], W, places[0], span, c, e, work, modes)
-    _noted(work, span, (first, last), places, W, lower, modes)
-    if inside == samples:
-        return lower, lower
-    span = (inside, samples - inside, farthest + 1)
-    upper = _seen(above[0], above[1], motions.upper[i], motions.signs[1], W, places[1], span, c, e, work, modes)
-    _noted(work, span, (first, last), places, W, upper, modes)
-    return lower, upper
+    for g in range(samples):
+        work.drift[g] = 0.0
+        for k in range(work.noise.shape[0]):
+            work.noise[k, g] = 0.0
+    farthest = places.shape[1] - FARTHEST + 2 * share
+    near, far, both = (0, inside, farthest), (inside, samples - inside, farthest + 1), (first, last)
+    middle = _placed(work, 0, motions.lower[i], motions.signs[0], W, places, near, 0, modes.kernels)
+    one_sided = inside == samples
+    if one_sided or not modes.alike:
+        _looked(below[0], below[1], middle, c, e, work, modes.chords)
+        lower = _noted(work, 0, near, both, modes)
+        if one_sided:
+            return lower, lower
+        total = _placed(work, 0, motions.upper[i], motions.signs[1], W, places, far, 1, modes.kernels)
+        _looked(above[0], above[1], total, c, e, work, modes.chords)
+        return lower, _noted(work, 0, far, both, modes)
+    total = _placed(work, middle, motions.upper[i], motions.signs[1], W, places, far, 1, modes.kernels)
+    _looked(below[0], below[1], total, c, e, work, modes.chords)
+    return _noted(work, 0, near, both, modes), _noted(work, middle, far, both, modes)
 
 
 @njit(**INLINED)
 def integrals(fill_below: Fill, fill_above: Fill, uncertainties_below: Uncertainties,
               uncertainties_above: Uncertainties, relative_below: Relative, relative_above: Relative,
-              motions: Motions, tables: Tables, modes: Modes, results: Results) -> None:  # fmt: skip
+              motions: Motions, tables: Tables, modes: Modes, results: Results, work: Scratch,
+              steady: Reals) -> None:  # fmt: skip
     """The integrals of one coordinate of many orbits.
 
     Args:
@@ -165,16 +181,10 @@ def integrals(fill_below: Fill, fill_above: Fill, uncertainties_below: Uncertain
         tables: of nodes.
         modes: what is wanted.
         results: arrays filled here.
+        work: see ``compiled_types.scratch``.
+        steady: as many zeros as there are constants.
     """
-    constants, widest = results.means.shape[0], tables.low.shape[2]
-    rows = constants if modes.kernels else 0
-    most = tables.places.shape[2] - _FARTHEST
-    lanes = _VECTOR * ((2 * most + 2 + _VECTOR) // _VECTOR)
-    work = Scratch(
-        np.empty((3 + rows, widest)), np.empty(widest), np.empty((3, widest)), np.empty((1 + rows, most)),
-        np.empty(most), np.empty((6, 1 + rows)), np.empty((4, lanes)), np.empty((3 + rows, lanes)),
-    )  # fmt: skip
-    steady = np.zeros(constants)
+    constants, buffer, found = results.means.shape[0], work.buffer, work.found
     for i in range(motions.width.shape[0]):
         if not motions.width[i] > 0.0 or motions.least[i] < 0:
             continue
@@ -190,7 +200,7 @@ def integrals(fill_below: Fill, fill_above: Fill, uncertainties_below: Uncertain
         size, m = choose(fill_below, fill_above, motions, i, tables, work, modes)
         if size < 0:
             continue
-        found, buffer, n, symmetry = work.found, work.buffer, tables.counts[size], tables.maps[m, 6]
+        n, symmetry = tables.counts[size], tables.maps[m, 6]
         results.chosen[0, i], results.chosen[1, i] = size, m
         results.good[i], results.action[i], results.action_error[i] = True, found[0, 0], found[1, 0]
         if modes.kernels:

@@ -18,7 +18,7 @@ from numba.extending import intrinsic
 from hjsolve.arithmetic.error_free import exact
 from hjsolve.ensembles.engine.elementary import acosh_, asin_, asinh_, atan_, atanh_, log_, power_of_two
 
-_EXACTLY: dict[str, Any] = {"error_model": "numpy", "nogil": True, "forceinline": True}
+_EXACTLY: dict[str, Any] = {"error_model": "numpy", "nogil": True, "forceinline": True, "_nrt": False}
 _LN2 = (0.6931471805599453, 2.3190468138462996e-17)
 _HALF_PI = (1.5707963267948966, 6.123233995736766e-17)
 _HALVINGS = 5

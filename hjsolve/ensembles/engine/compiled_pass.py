@@ -15,7 +15,7 @@ import numpy as np
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.clearance import Clearance
-from hjsolve.ensembles.engine.compiled_types import Clearances, Modes, Motions, Results
+from hjsolve.ensembles.engine.compiled_types import Clearances, Modes, Motions, Results, scratch
 from hjsolve.ensembles.engine.constants import InitialConstants, momentum_errors
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
@@ -120,9 +120,8 @@ class CompiledCoordinate:
         if has_slopes(self.coordinate.plain):
             view, walk = self.programs.below, self._walk(0, np.ascontiguousarray(self.constants.T))
             uncertainty = np.ascontiguousarray(self.uncertainty.T)
-            self.loops.crests(
-                view.bend, view.uncertainties, walk, uncertainty, len(self.constants) if kernels else 0, found
-            )
+            out = np.empty((2 + (len(self.constants) if kernels else 0), 1))
+            self.loops.crests(view.bend, view.uncertainties, walk, uncertainty, found, np.empty((2, 1)), out)
         return found
 
     def _walk(self, upper: int, known: Reals) -> Any:
@@ -142,10 +141,10 @@ class CompiledCoordinate:
             modes: what is wanted.
         """
         known, n = np.ascontiguousarray(self.constants.T), len(self.q)
-        places, bends, distances = np.empty((2, n)), np.empty((2, 2, n)), []
+        places, bends, work, distances = np.empty((2, n)), np.empty((2, 2, n)), np.empty((5, n)), []
         for upper, view in enumerate((self.programs.below, self.programs.above)):
             walk = self._walk(upper, known)
-            self.loops.ends(view.value, view.bend, view.slopes, walk, places[upper], bends[upper])
+            self.loops.ends(view.value, view.bend, view.slopes, walk, places[upper], bends[upper], work)
             distances.append(walk.side * (places[upper] - walk.start))
         below, above = sides(self.coordinate)
         width = distances[0] + distances[1]
@@ -184,7 +183,9 @@ class CompiledCoordinate:
         return sums
 
     def _integrated(self, motions: Motions, modes: Modes, programs: tuple[Any, Any]) -> tuple[Sums, Integers]:
-        below, above = programs
+        (below, above), tables = programs, node_maps().tables
+        rows = len(self.constants) if modes.kernels else 0
+        modes = modes._replace(alike=below.uncertainties is above.uncertainties)
         sums = empty(len(self.constants), len(motions.width))
         chosen = np.zeros((2, len(motions.width)), dtype=np.int64)
         results = Results(
@@ -193,7 +194,7 @@ class CompiledCoordinate:
         )  # fmt: skip
         self.loops.integrals(
             below.fill, above.fill, below.uncertainties, above.uncertainties, below.relative, above.relative, motions,
-            node_maps().tables, modes, results,
+            tables, modes, results, scratch(tables, rows), np.zeros(len(self.constants)),
         )  # fmt: skip
         return sums, chosen
 
@@ -213,8 +214,8 @@ class CompiledCoordinate:
         for k, formula in enumerate((self.coordinate.lower, self.coordinate.upper)):
             if formula is not None:
                 floors[k] = -formula.sign * offset(formula, self.q)
-        places = np.empty((2, n))
-        self.loops.small_ends(made.value, made.bounds, known, uncertainty, floors, places)
+        places, work = np.empty((2, n)), (np.empty(3), np.empty((2, 3)))
+        self.loops.small_ends(made.value, made.bounds, known, uncertainty, floors, places, *work)
         low, high = places
         width = high - low
         with np.errstate(invalid="ignore"):
@@ -283,7 +284,7 @@ def librations(orbits: CompiledCoordinate, small: Mask, modes: Modes) -> Sums:
     Args:
         orbits: what is known of them.
         small: True where the motion is seen from the start.
-        modes: what is wanted; ``chords`` and ``shifts`` are not looked at.
+        modes: what is wanted; ``chords``, ``shifts`` and ``alike`` are not looked at.
 
     Returns:
         The sums, good only where this pass was enough.

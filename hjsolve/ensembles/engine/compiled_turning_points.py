@@ -86,7 +86,8 @@ def _bracket(value: Value, walk: SearchSide, x0: float, step: float, c: Reals) -
 
 
 @njit(**INLINED)
-def ends(value: Value, bend: Bend, slopes: Slopes, walk: SearchSide, places: Reals, bends: Reals) -> None:
+def ends(value: Value, bend: Bend, slopes: Slopes, walk: SearchSide, places: Reals, bends: Reals,
+         work: Reals) -> None:  # fmt: skip
     """Turning points on one side: brackets orbit by orbit, then Newton's method for all at once.
 
     Args:
@@ -94,9 +95,10 @@ def ends(value: Value, bend: Bend, slopes: Slopes, walk: SearchSide, places: Rea
         walk: the starts.
         places: where the results go, shape (n,); NaN where there is none.
         bends: F′ and ½F″ there, shape (2, n).
+        work: scratch, shape (5, n).
     """
     n, side, floor = places.shape[0], walk.side, walk.floor
-    inner, outer, moved, f, d = np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    inner, outer, moved, f, d = work[0], work[1], work[2], work[3], work[4]
     for i in range(n):
         x0, c, P = walk.start[i], walk.known[i], walk.momentum[i]
         _, first, second = bend(x0, c)
@@ -106,7 +108,8 @@ def ends(value: Value, bend: Bend, slopes: Slopes, walk: SearchSide, places: Rea
             size = min(size, 0.2) if math.isfinite(walk.reach) else size
             step = _first_step(P, side * first, 0.5 * second, size)
             inner[i], outer[i] = _bracket(value, walk, x0, step, c)
-    places[:] = outer
+    for i in range(n):
+        places[i] = outer[i]
     for _ in range(_SWEEPS):
         slopes(places, walk.columns, f, d)
         _improved(places, inner, outer, moved, f, d)
@@ -159,23 +162,23 @@ def _finish(bend: Bend, x: float, x0: float, span: tuple[float, float], c: Reals
 
 
 @njit(**INLINED)
-def crests(
-    bend: Bend, uncertainties: Uncertainties, walk: SearchSide, uncertainty: Reals, kernels: int, small: Reals
-) -> None:
+def crests(bend: Bend, uncertainties: Uncertainties, walk: SearchSide, uncertainty: Reals, small: Reals, place: Reals,
+           out: Reals) -> None:  # fmt: skip
     """The error of p² at the start over about how large p² becomes; see ``regions.hopeless_in_doubles``.
 
     Args:
         bend, uncertainties: programs of the view.
         walk: the starts; P₀ and constants.
         uncertainty: bounds on the errors of the constants, shape (n, constants).
-        kernels: how many kernels the second program knows.
         small: where the results go, shape (n,).
+        place: scratch, one place and what counts the constants there, shape (2, 1).
+        out: scratch, errors and F, shape (2 + kernels of the second program, 1).
     """
-    out, place, mask = np.empty((2 + kernels, 4)), np.empty(4), np.ones(4)
+    place[1, 0] = 1.0
     for i in range(small.shape[0]):
         c, P = walk.known[i], walk.momentum[i]
-        place[:] = walk.start[i]
-        uncertainties(out, place, mask, c, uncertainty[i])
+        place[0, 0] = walk.start[i]
+        uncertainties(out, place[0], place[1], c, uncertainty[i])
         _, first, second = bend(walk.start[i], c)
         crest = P * P + (first * first / (-2.0 * second) if second < 0.0 else np.inf)
         small[i] = out[0, 0] / crest
@@ -212,7 +215,8 @@ def _small_end(value: Value, c: Reals, side: float, start: tuple[float, float, f
 
 
 @njit(**INLINED)
-def small_ends(value: Value, bounds: Bounds, known: Reals, uncertainty: Reals, floors: Reals, places: Reals) -> None:
+def small_ends(value: Value, bounds: Bounds, known: Reals, uncertainty: Reals, floors: Reals, places: Reals,
+               place: Reals, out: Reals) -> None:  # fmt: skip
     """Turning points of small motions as offsets from the start; NaN where the motion is not as small as that.
 
     Args:
@@ -222,9 +226,9 @@ def small_ends(value: Value, bounds: Bounds, known: Reals, uncertainty: Reals, f
         uncertainty: bounds on the errors of the constants, shape (n, constants).
         floors: distances of the ends of the domain, shape (2, n), the first negative.
         places: where the results go, shape (2, n).
+        place, out: scratch, shapes (3,) and (2, 3).
     """
     m = known.shape[1] - 5
-    out, place = np.empty((2, 4)), np.empty(4)
     for i in range(known.shape[0]):
         c = known[i]
         q, square, first = c[m], c[m + 1], c[m + 2]
@@ -232,7 +236,7 @@ def small_ends(value: Value, bounds: Bounds, known: Reals, uncertainty: Reals, f
         if bend < 0.0 and (square > 0.0 or first != 0.0):
             low = _small_end(value, c, -1.0, (square, first, bend))
             high = _small_end(value, c, 1.0, (square, first, bend))
-        place[0], place[1], place[2], place[3] = q, q + low, q + high, q
+        place[0], place[1], place[2] = q, q + low, q + high
         bounds(out, place, c, uncertainty[i])
         c[m + 3], c[m + 4] = max(out[1, 0], out[1, 1], out[1, 2]), high - low
         # the uncertainty of the slopes is known at the start: it has to hold at the turning points, too

@@ -7,7 +7,15 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+
+VECTOR = 8
+"""Lanes of a vector of doubles."""
+
+FARTHEST = 6
+"""Columns at the end of ``Tables.places``: the farthest places of either view in three shares."""
 
 
 class Tables(NamedTuple):
@@ -19,8 +27,8 @@ class Tables(NamedTuple):
         low, high: (q − a)/W and (b − q)/W at the nodes, shape (maps, sizes, widest).
         derivative: |dq/dχ| over the root of (q − a)(b − q), the same shape.
         split: how many nodes are seen from the lower end, shape (maps, sizes, 3); see ``node_maps.views``.
-        places: (q − a)/W, (b − q)/W, ``derivative`` and sin²χ where errors are looked at, equally spaced in χ; and for
-            every share the farthest that nodes are seen, from below and from above; shape (maps, 4, most + 6).
+        places: (q − a)/W, (b − q)/W, |dq/dχ|/W and sin²χ where errors are looked at, equally spaced in χ; and for every
+            share the farthest that nodes are seen, from below and from above; shape (maps, 4, most + 6).
         samples: how many of them, shape (maps,).
         spans: how many of them are seen from below, and the first and last beside which nodes are seen in both ways,
             shape (maps, 3, 3).
@@ -102,8 +110,9 @@ class Scratch(NamedTuple):
         drift: what the constants add to the first, times sin²χ/F; without kernels the first as it is; shape (samples,).
         found: mean, its error, last coefficient, rounding, and sizes of the last coefficients and of those before, of
             every integrand, shape (6, 1 + kernels).
-        lanes: where errors are looked at, and which of them count the constants, shape (2, lanes).
-        bounds: what is found there, shape (2 + kernels, lanes).
+        lanes: where errors are looked at, which of them count the constants, the turning point and the distance from
+            it, r (|dq/dχ| at first) and sin²χ/F (sin²χ at first); shape (6, lanes).
+        bounds: what is found there: errors of F and of the kernels, F, F's own error; shape (3 + kernels, lanes).
     """
 
     buffer: Reals
@@ -116,6 +125,22 @@ class Scratch(NamedTuple):
     bounds: Reals
 
 
+def scratch(tables: Tables, kernels: int) -> Scratch:
+    """Return arrays to work in.
+
+    Args:
+        tables: of nodes.
+        kernels: how many are wanted.
+    """
+    widest, most, rows = tables.low.shape[2], tables.places.shape[2] - FARTHEST, 1 + kernels
+    lanes = VECTOR * ((2 * most + 6 + VECTOR) // VECTOR)
+    shapes = {
+        "buffer": (2 + rows, widest), "shares": (widest,), "rows": (3, widest), "noise": (rows, most), "drift": (most,),
+        "found": (6, rows), "lanes": (6, lanes), "bounds": (2 + rows, lanes),
+    }  # fmt: skip
+    return Scratch(**{name: np.empty(shape) for name, shape in shapes.items()})
+
+
 class Modes(NamedTuple):
     """What is wanted.
 
@@ -124,12 +149,14 @@ class Modes(NamedTuple):
         kernels: ∂J/∂c are wanted.
         oscillations: the phase and the running integrals are, too.
         shifts: the errors of the constants are counted apart; not of small motions, where slopes have them.
+        alike: both halves are seen by the same programs.
     """
 
     chords: bool
     kernels: bool
     oscillations: bool
     shifts: bool
+    alike: bool
 
 
 class Strips(NamedTuple):

@@ -14,7 +14,9 @@ from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True, "_nrt": False}
+"""Without numba's memory: views of arrays are not counted, which would take as long as the arithmetic. So nothing is
+allocated in compiled code; scratch arrays come in."""
 INLINED: dict[str, Any] = OPTIONS | {"forceinline": True}
 """For functions that bundles of arrays are passed to."""
 _EXP = tuple(1.0 / math.factorial(k) for k in range(13))

@@ -16,7 +16,7 @@ import numpy as np
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Elementwise, Integers, Mask, Reals
 from hjsolve.ensembles.engine import nodes
-from hjsolve.ensembles.engine.compiled_types import Strips, Tables
+from hjsolve.ensembles.engine.compiled_types import VECTOR, Strips, Tables
 from hjsolve.ensembles.engine.nodes import EVEN, MOST, WARPS
 from hjsolve.ensembles.engine.strips_of_analyticity import SAFETY, across, covered_strip
 
@@ -29,7 +29,6 @@ SAMPLES, STRETCHED_SAMPLES = 4, 12
 _WIDEST = COUNTS[-1]
 _WARPED = 5
 _MARGIN = 0.04
-_VECTOR = 8
 _FROM_MIDDLE, _FROM_BELOW, _FROM_ABOVE = 0, 1, 2
 _TALL = 100.0
 """How much larger p² may be next to one end than next to the other before that end is only seen from close by."""
@@ -214,7 +213,7 @@ def _rows(key: NodeMap) -> dict[str, Elementwise]:
         for k, row in enumerate(np.split(values[: -len(among)], np.cumsum(COUNTS)[:-1])):
             part[k, : len(row)] = row
     places = np.zeros((4, STRETCHED_SAMPLES + len(farthest)))
-    seen = np.stack([x, y, derivative, np.sin(χ.high) ** 2])[:, -len(among) :]
+    seen = np.stack([x, y, derivative * np.sqrt(x * y), np.sin(χ.high) ** 2])[:, -len(among) :]
     places[:, :samples], places[:, STRETCHED_SAMPLES:] = seen[:, :samples], seen[:, samples:]
     return {
         "maps": np.array([*WARPS[key.node_map], quarter, complement, d, c, key.symmetry]),
@@ -241,9 +240,9 @@ def _divided(key: NodeMap) -> tuple[Integers, Reals]:
         middle = _half_way(key, key.dividing(share))
         for k, count in enumerate(COUNTS):
             part = middle / np.pi * count
-            whole = {_FROM_MIDDLE: np.rint, _FROM_BELOW: np.ceil, _FROM_ABOVE: np.floor}[share](part / _VECTOR)
-            rounded = _VECTOR * int(whole)
-            fits = _VECTOR <= rounded <= count - _VECTOR and not (key.node_map and not key.level)
+            whole = {_FROM_MIDDLE: np.rint, _FROM_BELOW: np.ceil, _FROM_ABOVE: np.floor}[share](part / VECTOR)
+            rounded = VECTOR * int(whole)
+            fits = VECTOR <= rounded <= count - VECTOR and not (key.node_map and not key.level)
             split[k, share] = rounded if fits else min(max(round(part), 1), count - 1)
         last = (split[:, share] - 0.5) * np.pi / COUNTS
         farthest[2 * share] = max(last.max(), middle)

@@ -118,7 +118,7 @@ def run_compiled(
     columns = blank(names, count)
     start = compiled_pass.begin_compiled(model, made, starts)
     kernels, oscillations = bool(TIMED & names.keys()), "angles" in names
-    modes = Modes(chords=False, kernels=kernels, oscillations=oscillations, shifts=False)
+    modes = Modes(chords=False, kernels=kernels, oscillations=oscillations, shifts=False, alike=False)
     status = np.full(count, UNDECIDED if "turning_points" in names else Status.OK, dtype=np.uint8)
     sums = []
     for k in range(len(model.separated)):

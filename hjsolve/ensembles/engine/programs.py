@@ -35,11 +35,11 @@ _ONE_AT_A_TIME = RLock()
 _MADE = 64
 
 _LOOPS = {
-    "crests": (("bend", "uncertainties"), 4),
-    "ends": (("value", "bend", "slopes"), 3),
-    "small_ends": (("value", "bounds"), 4),
+    "crests": (("bend", "uncertainties"), 5),
+    "ends": (("value", "bend", "slopes"), 4),
+    "small_ends": (("value", "bounds"), 6),
     "glances": ((), 7),
-    "integrals": (("fill", "fill", "uncertainties", "uncertainties", "relative", "relative"), 4),
+    "integrals": (("fill", "fill", "uncertainties", "uncertainties", "relative", "relative"), 6),
 }
 """Our loops: the programs that they take first, and the number of their other arguments."""
 
