@@ -22,6 +22,7 @@ from hjsolve.ensembles.engine.radicand_views import (
     View,
     second_slope,
 )
+from hjsolve.ensembles.engine.slow_places import level_of, other_gaps, slow_places
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.status import EQUILIBRIUM, UNDECIDED, Status
 from hjsolve.ensembles.engine.turning_points import bracket, first_step, kept_inside, refine
@@ -362,30 +363,19 @@ def _stretched(region: OrbitRegions) -> OrbitRegions:
 
 
 def _rotation(group: Group, values: Reals, grid: Reals) -> LocatedRegions:
-    """The slow place: the first least value on a grid, improved by Newton's method on F′."""
+    """Motions that go round and round, seen from where they are slow."""
     q, P = group.q, group.P
     raw: DirectEvaluation | DoubleDoubleEvaluation = DirectEvaluation(group.coordinate.plain, group.knowns)
-    least = values.min(axis=1, keepdims=True)
-    slow = grid[np.argmax(values <= least + 1e-9 * np.abs(values).max(axis=1, keepdims=True), axis=1)]
-    going = np.ones(len(q), dtype=bool)
-    for _ in range(8):
-        _, first, second = raw.jet(slow)
-        step = first / second
-        going &= (second > 0) & (np.abs(step) < 0.2)
-        slow = np.where(going, slow - step, slow)
+    slow, gap = slow_places(raw, values, grid)
+    level = level_of(gap, other_gaps(values, grid, slow))
     left = q - slow
     if group.depth > 1:
         assert isinstance(raw, DirectEvaluation)
         raw = DoubleDoubleEvaluation(raw, group.pairs, group.numbers, Pair(slow, 0.0 * slow))
         slow = 0.0 * slow
-    value, _, second = raw.jet(slow)
-    gap = np.sqrt(2 * value / second)
-    complement = np.where(going & np.isfinite(gap), (gap / 2) ** 2 / (1 + (gap / 2) ** 2), 1.0)
-    level = np.where(complement < 0.125, np.rint(-np.log2(complement) / 2), 0)
     zero = np.zeros_like(q)
     region = OrbitRegions(
-        raw, raw, slow, slow, zero + 2 * np.pi, zero, zero, np.clip(level, 0, MOST).astype(int),
-        np.zeros(len(q), dtype=int), P, left, zero,
+        raw, raw, slow, slow, zero + 2 * np.pi, zero, zero, level, np.zeros(len(q), dtype=int), P, left, zero,
         turning=False,
     )  # fmt: skip
     good = np.isfinite(P) & (P != 0) & (not group.coordinate.shifted)
