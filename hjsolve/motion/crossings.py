@@ -24,8 +24,12 @@ from hjsolve.motion.positions import constant_index, principal_values
 from hjsolve.motion.shapes import shaped
 from hjsolve.motion.state_at import state_at_times
 from hjsolve.motion.times import exact_numbers, read_times, whole_numbers
+from hjsolve.one_coordinate.anomaly import Rotation, TwoBarrierAnomaly
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic
+from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.one_coordinate.open_branch import farthest
+from hjsolve.one_coordinate.resting_motion import AtRest
+from hjsolve.one_coordinate.stretched_anomaly import Stretched
 from hjsolve.time_law.open_motion import DecoupledStep
 from hjsolve.time_law.phase_reduction import turns_and_rest
 from hjsolve.time_law.torus import mean_rate, oscillation
@@ -302,6 +306,21 @@ def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
     return result
 
 
+def _begin_of_angle(course: Periodic | AtRest) -> float:
+    """The phase from which an angle is counted: of a rotation that of the place opposite to its highest barrier."""
+    if not isinstance(course, Periodic):
+        return 0.0
+    anomaly = course.anomaly.inner if isinstance(course.anomaly, Stretched) else course.anomaly
+    if not isinstance(anomaly, Rotation | TwoBarrierAnomaly):
+        return 0.0
+    arithmetic = Multi(160)
+    return float(course.anomaly.phase(arithmetic.convert(anomaly.slow) + arithmetic.pi(), 1, arithmetic))
+
+
+def _ripple(series: FourierSeries, phase: float) -> float:
+    return float(series.oscillation(np.array([phase]))[0]) if len(series.cosines) and phase else 0.0
+
+
 def angle_variables(motion: SeparatedMotion, t: object) -> dict[str, Numbers | float | Mpf]:
     """Return θ = θ₀ + Ω (t − t₀) in (−π, π]; see ``Motion.angles``.
 
@@ -312,20 +331,22 @@ def angle_variables(motion: SeparatedMotion, t: object) -> dict[str, Numbers | f
     torus = motion.torus
     shape, floats, exact = read_times(t)
     phases = phases_at(motion, floats, exact)
+    begins = [_begin_of_angle(course) for course in torus.courses] if torus is not None else []
     result = {}
     for name, frequency in motion.frequencies.items():
         if torus is None:
             continue
         if name in motion.located:
             k = list(motion.solution.coordinates).index(name)
-            rate, start = torus.rates[k], torus.starts[k]
+            rate, start = torus.rates[k], torus.starts[k] - begins[k]
+            start -= sum(_ripple(torus.oscillations[k][i], begin) for i, begin in enumerate(begins))
         else:
             j = constant_index(motion, name)
             rate = mean_rate(torus, j)
             start = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(160)
             for i, course in enumerate(torus.courses):
                 series = oscillation(torus, i, j)
-                start -= float(series.oscillation(np.array([float(course.start)]))[0]) if len(series.cosines) else 0
+                start -= _ripple(series, float(course.start)) - _ripple(series, begins[i])
         whole, rest = turns_and_rest(split(rate / (2 * multiprecision(160).pi)), phases.time)
         whole_numbers(whole)
         direction = 1 if float(frequency.value) * float(rate) > 0 else -1

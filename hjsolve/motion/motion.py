@@ -227,7 +227,8 @@ class Motion(ShownMotion):
     def angles(self, t: object) -> dict[str, Numbers | float | Mpf]:
         """Return the angle variables θ = θ₀ + Ω (t − t₀), in (−π, π], of every coordinate that has a frequency.
 
-        θ of a libration is zero when all coordinates stand at their lower turning points.
+        All θ are zero where librations stand at their lower turning points and rotations opposite to their highest
+        barrier, where p² is least; of equal barriers the first from 0 upwards counts.
 
         Args:
             t: a time or an array of times.

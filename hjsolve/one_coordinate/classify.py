@@ -7,9 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
-import numpy as np
-
-from hjsolve.arithmetic.floats import Float64, Multi, bits_for, multiprecision
+from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Numeric
 from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.errors import NotConvergedError
@@ -21,6 +19,7 @@ from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
 from hjsolve.one_coordinate.open_branch import Branch
 from hjsolve.one_coordinate.ray import Ray
+from hjsolve.one_coordinate.slow_place import slow_place
 from hjsolve.one_coordinate.turning_points import End, first_end
 
 _NEAREST = 200
@@ -233,7 +232,7 @@ def _outside(start: CoordinateStart, end: Mpf, width: Mpf, side: int, bits: int)
 def _rotation(start: CoordinateStart, direction: int, digits: int) -> Periodic:
     bits = bits_for(digits, 128) + start.radicand.guard
     arithmetic = Multi(bits)
-    slow, gap = _slow_place(start, bits)
+    slow, gap = slow_place(start, bits)
     anomaly: Rotation = rotation_anomaly(slow, direction, gap, arithmetic)
     phase = anomaly.phase(arithmetic.convert(start.place(bits)), direction, arithmetic)
     whole = arithmetic.context.nint((start.place(bits) - anomaly.place(phase, arithmetic).q) / (2 * arithmetic.pi()))
@@ -248,25 +247,6 @@ def _rotation(start: CoordinateStart, direction: int, digits: int) -> Periodic:
         anomaly = rotation_anomaly(arithmetic.convert(slow), direction, gap, arithmetic)
     maps = itertools.chain([anomaly], over_other_near_zeros(start, anomaly, gap, bits))
     return over_the_best_map(start, "rotation", maps, digits, bits)
-
-
-def _slow_place(start: CoordinateStart, bits: int) -> tuple[Mpf, Mpf | None]:
-    """Where p² is least on the circle, whatever the initial place, and how far from the real axis its zero lies."""
-    context = multiprecision(bits)
-    grid = 2 * np.pi * np.arange(96) / 96
-    inputs = [float(x) for x in start.radicand.inputs(bits)]
-    values = np.broadcast_to(start.radicand.squared.run(Float64(), [grid, *inputs])[0], grid.shape)
-    q = context.convert(grid[int(np.argmin(values))])
-    for _ in range(60):
-        value, slope, bend = start.radicand.jet(q, bits)
-        if not bend > 0 or abs(slope / bend) > 0.1:
-            return q, None
-        q -= slope / bend
-        if abs(slope / bend) < context.mpf(2) ** (16 - bits // 2):
-            break
-    value, _, bend = start.radicand.jet(q, bits)
-    gap = (2 * value / bend) ** 0.5
-    return q, gap
 
 
 def _open(start: CoordinateStart, forward: int, lower: End, upper: End, digits: int) -> Unbounded:

@@ -10,6 +10,7 @@ import numpy as np
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.arithmetic.reproducible_products import rowwise
+from hjsolve.ensembles.engine.turned_circle import half_turns, moved_back
 
 if TYPE_CHECKING:
     from hjsolve.ensembles.engine.nodes import Nodes
@@ -95,8 +96,16 @@ def phase_of_rotation(region: OrbitRegions, table: Nodes) -> tuple[Reals, Reals]
     """
     left = np.sign(region.momentum) * region.left
     left = left - 2 * np.pi * np.rint(left / (2 * np.pi))
+    bound = 16 * EPS * np.pi**2 / (2 * table.quarter * table.high.min())
+    if table.slow == 2:
+        m = region.near_lower
+        left, whole = half_turns(moved_back(left, m))
+        bound = 2 * bound * np.maximum(m, 1 / m)
     χ = _anomaly(np.where(left > 0, -1, 1) * np.cos(left / 2), np.abs(np.sin(left / 2)), table)
-    return χ, 16 * EPS * np.pi**2 / (2 * table.quarter * table.high.min()) + 0.0 * left
+    if table.slow == 2:
+        χ = 0.5 * (χ + whole + np.where(left > 0, 2 * np.pi, 0.0))
+        χ = χ - np.where(χ > np.pi, 2 * np.pi, 0.0)
+    return χ, bound + 0.0 * left
 
 
 def _place(x: Reals, y: Reals, d: Reals, table: Nodes) -> Reals:

@@ -10,7 +10,7 @@ nodes which they do not show is proved (``resolution``); a region that holds a p
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +23,7 @@ from hjsolve.ensembles.engine.initial_phase import EndNodes, phase_of_libration,
 from hjsolve.ensembles.engine.orbit_regions import OrbitRegions
 from hjsolve.ensembles.engine.radicand_views import View
 from hjsolve.ensembles.engine.resolution import least
+from hjsolve.ensembles.engine.turned_circle import moved
 
 _SAFETY = 1.5
 _GOAL = 4e-16
@@ -250,8 +251,12 @@ def _librating(region: OrbitRegions, table: tables.Nodes) -> tuple[Reals, Reals,
 def _rotating(region: OrbitRegions, table: tables.Nodes) -> tuple[Reals, Reals, Reals]:
     half = len(table.χ) // 2
     direction = np.sign(region.momentum)[:, None]
-    q = region.lower[:, None] + direction * table.low
-    scale = (2 * table.quarter / np.pi * table.high) ** 2 + 0.0 * q
+    angle, speed = table.low, 2 * table.quarter / np.pi * table.high
+    if table.slow == 2:
+        angle, factor = moved(angle, region.near_lower[:, None])
+        speed = speed * factor
+    q = region.lower[:, None] + direction * angle
+    scale = speed**2 + 0.0 * q
     return q[:, :half], q[:, half:], scale
 
 
@@ -353,10 +358,15 @@ def _running(
     )
     angle = table.symmetry * terms * phase[:, None]
     sine, cosine = np.sin(angle), np.cos(angle)
-    weights, delta = rowwise(sine / terms, table.cosines), 1 + 2 * rowwise(cosine, table.cosines)
+    delta = 1 + 2 * rowwise(cosine, table.cosines)
+    if table.slow == 2:  # angles begin opposite to the slower place, where χ is not zero
+        begin, uncertain = phase_of_rotation(replace(region, left=region.near_upper), table)
+        phase, rounding = phase - begin, rounding + uncertain
+        sine, cosine = sine - np.sin(terms * begin[:, None]), cosine - np.cos(terms * begin[:, None]) + 1
+    weights = rowwise(sine / terms, table.cosines)
     if not region.turning:
         weights += rowwise((1 - cosine) / terms, table.sines)
-        delta += 2 * rowwise(sine, table.sines)
+        delta += 2 * rowwise(np.sin(angle), table.sines)
     sums.oscillations[:] = 2 / (count * table.symmetry) * np.einsum("knj,nj->kn", values, weights)
     sums.speeds[:] = np.einsum("knj,nj->kn", values, delta) / count
     sums.oscillation_errors[:] = 4 * noise

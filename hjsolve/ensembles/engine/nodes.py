@@ -51,6 +51,7 @@ class Nodes:
         node_map: γ₁, γ₂.
         cosines, sines: cos kχ and sin kχ, shape (terms, count), k = 1, 2, …
         last: rows of the series that tell whether the nodes suffice; middle: rows half way.
+        slow: how many slow places of a rotation there are, 1 or 2; see ``turned_circle``.
     """
 
     χ: Reals
@@ -65,6 +66,7 @@ class Nodes:
     sines: Reals
     last: slice
     middle: slice
+    slow: int = 1
 
 
 @cache
@@ -111,22 +113,25 @@ def _places(χ: Pair, level: int, node_map: int) -> tuple[float, float, Reals, R
 
 
 @cache
-def rotation_nodes(count: int, level: int) -> Nodes:
+def rotation_nodes(count: int, level: int, slow: int = 1) -> Nodes:
     """Return the nodes of a whole turn; k′² = 4^−level.
 
     Args:
-        count: nodes in a whole turn.
+        count: nodes in a whole turn, a multiple of four.
         level: l in k′² = 4^−l.
+        slow: how many slow places there are, 1 or 2; with two of them ``low`` is θ of ``turned_circle``.
     """
-    χ = equal_anomalies(count, count // 2)
-    complement, quarter, sn, cn, dn = _functions(χ, level)
+    χ, turn = equal_anomalies(count, count // 2), equal_anomalies(count // slow, count // 2 // slow)
+    complement, quarter, sn, cn, dn = _functions(turn, level)
+    angle_of_turn = 2 * np.arctan2(-cn.high, sn.high)
+    low = angle_of_turn if slow == 1 else np.concatenate([0.5 * (angle_of_turn + side * np.pi) for side in (-1, 1)])
     terms = np.arange(1, count // 2)[:, None]
     exact = (terms * (2 * np.arange(count) + 1)) % (2 * count)
     angle = exact * (np.pi / count)
     half = count // 2
     return Nodes(
-        χ.high, 2 * np.arctan2(-cn.high, sn.high), dn.high, 1, complement, quarter, np.ones(count), WARPS[0],
-        np.cos(angle), np.sin(angle), slice(-3, None), slice(half // 2 - 2, half // 2 + 1),
+        χ.high, low, np.tile(dn.high, slow), 1, complement, quarter, np.ones(count), WARPS[0],
+        np.cos(angle), np.sin(angle), slice(-3, None), slice(half // 2 - 2, half // 2 + 1), slow,
     )  # fmt: skip
 
 
@@ -137,9 +142,9 @@ def node_table(turning: bool, count: int, level: int, node_map: int) -> Nodes:
         turning: True for librations.
         count: nodes in half a period.
         level: l in k′² = 4^−l.
-        node_map: place in the table of crowdings; of librations only.
+        node_map: place in the table of crowdings; for rotations 1 where there are two slow places.
     """
-    return libration_nodes(count, level, node_map) if turning else rotation_nodes(2 * count, level)
+    return libration_nodes(count, level, node_map) if turning else rotation_nodes(2 * count, level, 1 + node_map)
 
 
 def _twice(x: Pair) -> Pair:

@@ -14,12 +14,14 @@ class OrbitRegions:
 
     Attributes:
         below, above: views of F used in the lower and in the upper half.
-        lower, upper: offsets of the turning points in those views; for a rotation ``lower`` is the slow place.
+        lower, upper: offsets of the turning points in those views; for a rotation ``lower`` is the slow place, or
+            half way between two.
         width: b − a.
         near_lower, near_upper, level: ρ_d, ρ_c and the modulus 4^−level (int array); see ``one_coordinate/anomaly``.
-        node_map: which of ``nodes.WARPS`` (int array).
+            for rotations with two slow places m of ``turned_circle``, and the place opposite to the slower one.
+        node_map: which of ``nodes.WARPS`` (int array); for rotations 1 where there are two slow places.
         momentum: P₀ (signed).
-        left, right: q₀ − a and b − q₀; for a rotation ``left`` is q₀ less the slow place.
+        left, right: q₀ − a and b − q₀; for a rotation ``left`` is q₀ − ``lower``.
         turning: False for rotations.
     """
 

@@ -22,7 +22,7 @@ from hjsolve.ensembles.engine.radicand_views import (
     View,
     second_slope,
 )
-from hjsolve.ensembles.engine.slow_places import level_of, other_gaps, slow_places
+from hjsolve.ensembles.engine.slow_places import slow_places
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.status import EQUILIBRIUM, UNDECIDED, Status
 from hjsolve.ensembles.engine.turning_points import bracket, first_step, kept_inside, refine
@@ -365,19 +365,17 @@ def _stretched(region: OrbitRegions) -> OrbitRegions:
 def _rotation(group: Group, values: Reals, grid: Reals) -> LocatedRegions:
     """Motions that go round and round, seen from where they are slow."""
     q, P = group.q, group.P
-    raw: DirectEvaluation | DoubleDoubleEvaluation = DirectEvaluation(group.coordinate.plain, group.knowns)
-    slow, gap = slow_places(raw, values, grid)
-    level = level_of(gap, other_gaps(values, grid, slow))
-    left = q - slow
+    plain = DirectEvaluation(group.coordinate.plain, group.knowns)
+    raw: View = plain
+    slow = slow_places(plain, values, grid)
+    base, left = slow.centre, q - slow.centre
     if group.depth > 1:
-        assert isinstance(raw, DirectEvaluation)
-        raw = DoubleDoubleEvaluation(raw, group.pairs, group.numbers, Pair(slow, 0.0 * slow))
-        slow = 0.0 * slow
+        raw, base = DoubleDoubleEvaluation(plain, group.pairs, group.numbers, Pair(base, 0.0 * base)), 0.0 * base
     zero = np.zeros_like(q)
     region = OrbitRegions(
-        raw, raw, slow, slow, zero + 2 * np.pi, zero, zero, level, np.zeros(len(q), dtype=int), P, left, zero,
+        raw, raw, base, base, zero + 2 * np.pi, slow.ratio, slow.opposite, slow.level, slow.several, P, left, zero,
         turning=False,
     )  # fmt: skip
-    good = np.isfinite(P) & (P != 0) & (not group.coordinate.shifted)
+    good = np.isfinite(P) & (P != 0) & (slow.least > 0) & (not group.coordinate.shifted)
     status = np.where(good, Status.OK, UNDECIDED).astype(np.uint8)
     return LocatedRegions(group.index, region, status, np.zeros(len(q), dtype=bool))

@@ -23,6 +23,7 @@ from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.nodes import COUNTS, Nodes, node_table
 from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DoubleDoubleEvaluation, Knowns, View
 from hjsolve.ensembles.engine.strips_of_analyticity import SAFETY, CoveredStrip, across, covered_strip
+from hjsolve.ensembles.engine.turned_circle import moved_disks, reach
 
 if TYPE_CHECKING:
     from hjsolve.ensembles.engine.orbit_regions import OrbitRegions
@@ -144,8 +145,9 @@ def _disks(region: OrbitRegions, orbits: Integers, table: Nodes, over: CoveredSt
     """The disks that cover the strip, seen from the lower and from the upper end; where one view has all, no second."""
     with np.errstate(all="ignore"):
         if not region.turning:
-            offset = region.lower[:, None] + np.sign(region.momentum)[:, None] * over.low
-            return _Disks(orbits, offset, over.spread + 0.0 * np.real(offset)), None
+            angle, spread = (over.low, over.spread) if table.slow == 1 else _moved(region.near_lower[:, None], over)
+            offset = region.lower[:, None] + np.sign(region.momentum)[:, None] * angle
+            return _Disks(orbits, offset, spread + 0.0 * np.real(offset)), None
         W = region.width[:, None]
         low, high, spread = _within(region, table, over)
         half = len(over.low) if table.symmetry == 2 else len(over.low) // 2
@@ -155,6 +157,12 @@ def _disks(region: OrbitRegions, orbits: Integers, table: Nodes, over: CoveredSt
             return _Disks(orbits, np.concatenate([lower, upper], axis=1), W * spread), None
         rest = _Disks(orbits, upper, W * spread[:, half:]) if half < len(over.low) else None
         return _Disks(orbits, lower, W * spread[:, :half]), rest
+
+
+def _moved(m: Reals, over: CoveredStrip) -> tuple[Complexes, Reals]:
+    """The middles and radii of rotations with two slow places."""
+    angle, spread = moved_disks(over.low, over.near_low, m)
+    return angle, np.where(reach(m) > over.tip, SAFETY * spread, np.inf)  # else q = ∞ lies in the strip
 
 
 def _within(region: OrbitRegions, table: Nodes, over: CoveredStrip) -> tuple[Complexes, Complexes, Reals]:

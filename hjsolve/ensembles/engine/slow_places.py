@@ -1,92 +1,139 @@
-"""Where a rotation is slow, and how much its nodes crowd there.
+"""Where a rotation is slow, and how its nodes crowd there.
 
 p² of a rotation has pairs of zeros beside the real line, slow ± i·gap. Elliptic anomalies, q = slow + 2 am − π, carry
-one such pair far away and leave fewer nodes for the rest of the turn; where p² has a second slow place both count.
+one such pair far away and leave fewer nodes for the rest of the turn; where p² has two slow places, see also
+``turned_circle``.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.nodes import MOST
 from hjsolve.ensembles.engine.radicand_views import DirectEvaluation
+from hjsolve.ensembles.engine.turned_circle import reach
+from hjsolve.one_coordinate.slow_place import EQUAL_BARRIERS, barrier_order
 
 _FARTHEST_STEP = 0.2
-_OTHER = 3
+_AWAY = 3
 """Points of the grid from the slow place on at which another one may be."""
 
 
-def slow_places(raw: DirectEvaluation, values: Reals, grid: Reals) -> tuple[Reals, Reals]:
-    """Return where p² is least, its first least value on a grid being improved by Newton's method on F′; and the gap.
+@dataclass(frozen=True)
+class SlowPlaces:
+    """How the nodes of n rotations crowd; arrays (n,).
+
+    Attributes:
+        centre: the slow place, or half way between two.
+        opposite: the place opposite to the slower one, less the centre.
+        level: l in k′ = 2^−l.
+        several: 1 where nodes crowd at two places (int array).
+        ratio: m of ``turned_circle`` there, else 0.
+        least: the least p²; where it is not positive the motion does not go round.
+    """
+
+    centre: Reals
+    opposite: Reals
+    level: Integers
+    several: Integers
+    ratio: Reals
+    least: Reals
+
+
+def slow_places(raw: DirectEvaluation, values: Reals, grid: Reals) -> SlowPlaces:
+    """Find where p² is least, by Newton's method on F′ from the least values on a grid, and choose the anomaly.
 
     Args:
         raw: p² of n orbits.
         values: of it on the grid, shape (n, points).
         grid: angles, equally spaced over a turn.
-
-    Returns:
-        The places, and the distances √(2F/F″) of the zeros of p² from the real line, NaN where there are none near.
     """
-    least = values.min(axis=1, keepdims=True)
-    slow = grid[np.argmax(values <= least + 1e-9 * np.abs(values).max(axis=1, keepdims=True), axis=1)]
-    going = np.ones(len(slow), dtype=bool)
+    bottom = values.min(axis=1, keepdims=True)
+    first = np.argmax(values <= bottom + 1e-9 * np.abs(values).max(axis=1, keepdims=True), axis=1)
+    slow, gap, least = _refined(raw, grid[first])
+    second, there = _second(values, grid, slow)
+    other, far, lowest = _refined(raw, grid[second])
+    far, lowest = np.where(there & np.isfinite(far), far, np.inf), np.where(there, lowest, np.inf)
+    alike = np.abs(lowest - least) <= EQUAL_BARRIERS * np.abs(values).max(axis=1)
+    swapped = np.isfinite(far) & np.where(alike, barrier_order(other) < barrier_order(slow), lowest < least)
+    slow, other = np.where(swapped, other, slow), np.where(swapped, slow, other)
+    gap, far = np.where(swapped, far, gap), np.where(swapped, np.nan_to_num(gap, nan=np.inf), far)
+    level, width = _one(gap, far)
+    between = (other - slow + np.pi) % (2 * np.pi) - np.pi
+    ratio = np.tan(0.25 * np.abs(between))
+    deeper, wider = _two(np.fmin(gap, far) / np.sin(0.5 * np.abs(between)), ratio)
+    both = np.isfinite(far) & (wider > width)
+    half = np.where(both, 0.5 * between, 0.0)
+    return SlowPlaces(
+        centre=slow + half,
+        opposite=np.pi - half,
+        level=np.where(both, deeper, level),
+        several=both.astype(int),
+        ratio=np.where(both, ratio, 0.0),
+        least=np.fmin(least, lowest),
+    )
+
+
+def _refined(raw: DirectEvaluation, place: Reals) -> tuple[Reals, Reals, Reals]:
+    """A place where F is least, the distance √(2F/F″) of zeros from the real line, NaN for none near, and F."""
+    going = np.ones(len(place), dtype=bool)
     with np.errstate(all="ignore"):
         for _ in range(8):
-            _, first, second = raw.jet(slow)
+            _, first, second = raw.jet(place)
             step = first / second
             going &= (second > 0) & (np.abs(step) < _FARTHEST_STEP)
-            slow = np.where(going, slow - step, slow)
-        value, _, second = raw.jet(slow)
+            place = np.where(going, place - step, place)
+        value, _, second = raw.jet(place)
         gap = np.sqrt(2 * value / second)
-    return slow, np.where(going & np.isfinite(gap), gap, np.nan)
+    return place, np.where(going & np.isfinite(gap), gap, np.nan), value
 
 
-def other_gaps(values: Reals, grid: Reals, slow: Reals) -> Reals:
-    """Return √(2F/F″) of the least of all slow places but one, from three points of a grid; infinite for none.
-
-    Args:
-        values: of p², shape (n, points).
-        grid: angles, equally spaced over a turn.
-        slow: the place that does not count, shape (n,).
-    """
+def _second(values: Reals, grid: Reals, slow: Reals) -> tuple[Integers, Mask]:
+    """The point of the grid at the bottom of the narrowest of all other valleys, and whether there is one."""
     before, after = np.roll(values, 1, axis=1), np.roll(values, -1, axis=1)
-    spacing = 2 * np.pi / len(grid)
-    away = np.abs((grid - slow[:, None] + np.pi) % (2 * np.pi) - np.pi) > _OTHER * spacing
+    away = np.abs((grid - slow[:, None] + np.pi) % (2 * np.pi) - np.pi) > _AWAY * 2 * np.pi / len(grid)
+    bend = before - 2 * values + after
     with np.errstate(all="ignore"):
-        bend, slope = before - 2 * values + after, 0.5 * (after - before)
-        bottom = np.maximum(values - 0.5 * slope**2 / bend, 0.0)
-        gaps = spacing * np.sqrt(2 * bottom / bend)
-    return np.where(away & (values <= before) & (values <= after) & (bend > 0), gaps, np.inf).min(axis=1)
+        gaps = values / bend - 0.125 * ((after - before) / bend) ** 2
+    gaps = np.where(away & (values <= before) & (values <= after) & (bend > 0), gaps, np.inf)
+    point = gaps.argmin(axis=1)
+    return point, np.isfinite(gaps[np.arange(len(gaps)), point])
 
 
-def level_of(gap: Reals, other: Reals) -> Integers:
-    """Return l of k′ = 2^−l with which elliptic anomalies take fewest nodes.
+def _one(gap: Reals, other: Reals) -> tuple[Integers, Reals]:
+    """The level with which nodes that crowd at one place are fewest, and half the width of the strip in χ.
 
     Without a second slow place the zeros of p² go where dn has its poles. With one the best level is that at which the
     narrowest strip, of the zeros beside either place or of the poles, is widest.
-
-    Args:
-        gap: distance of the zeros of p² at the slow place, NaN for none; shape (n,).
-        other: the same at the second slow place, infinite for none.
     """
     complement = np.where(np.isfinite(gap), (gap / 2) ** 2 / (1 + (gap / 2) ** 2), 1.0)
     level = np.clip(np.where(complement < 0.125, np.rint(-np.log2(complement) / 2), 0), 0, MOST).astype(int)
-    several = np.flatnonzero((level > 0) & np.isfinite(other))
-    if len(several):
+    faster, poles = _levels()
+    width = poles[level]
+    some = np.flatnonzero((level > 0) & np.isfinite(other))
+    if len(some):
+        strip = np.minimum(np.minimum(gap[some, None] * 2.0 ** np.arange(MOST + 1), other[some, None]) / faster, poles)
+        level[some], width[some] = strip.argmax(axis=1), strip.max(axis=1)
+    return level, width
+
+
+def _two(gap: Reals, ratio: Reals) -> tuple[Integers, Reals]:
+    """The same for nodes that crowd at two places; the gap is the smaller one, in θ."""
+    with np.errstate(all="ignore"):
+        wanted = np.rint(-np.log2(0.5 * np.nan_to_num(gap, nan=1.0, posinf=1.0)))
+        level = np.clip(wanted, 0, MOST).astype(int)
         faster, poles = _levels()
-        near, far = gap[several, None], other[several, None]
-        strip = np.minimum(np.minimum(near * 2.0 ** np.arange(MOST + 1), far) / faster, poles)
-        level[several] = np.minimum(level[several], strip.argmax(axis=1))
-    return level
+        return level, np.minimum(0.5 * poles[level], reach(ratio) / faster[level])
 
 
 @cache
 def _levels() -> tuple[Reals, Reals]:
-    """2K/π, by which q runs faster than χ far from the slow place, and π K′/K, where dn has its poles, of all levels."""
-    small = 2.0 ** -np.arange(MOST + 1)
+    """Of all levels 2K/π, by which q runs faster than χ far from the slow place, and π K′/K, where dn has its poles."""
+    small: Reals = 2.0 ** -np.arange(MOST + 1, dtype=float)
     complement, large = _mean(small), _mean(np.sqrt(np.maximum(1 - small**2, 0.0)))
     with np.errstate(divide="ignore"):
         return 1 / complement, np.pi * complement / large

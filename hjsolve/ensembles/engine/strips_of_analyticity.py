@@ -9,7 +9,7 @@ of the rectangle, because the map from χ to q is analytic in it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -41,7 +41,7 @@ class CoveredStrip:
         low, high: sn² and cn² at the middles, complex; for rotations the angle 2 am − π and nothing of use.
         near_low, near_high: the same at the corners, shape (count, 4).
         spread: radius of the disks, in units of b − a where neither ρ_d nor ρ_c is used; in q for rotations.
-        tip: cn² at χ = π + ia, where q first becomes infinite if it does.
+        tip: cn² at χ = π + ia, where q first becomes infinite if it does; for two slow places |Im θ| there.
         inside: True where sn and cn have no poles in the strip.
     """
 
@@ -97,10 +97,16 @@ def covered_strip(table: Nodes, turning: bool) -> CoveredStrip:
     edge = [x * δ + y * 1j * ε for x, y in _CORNERS]
     low, high = _places(middles, table, turning)
     near_low, near_high = _places(middles[:, None] + np.array(edge), table, turning)
-    spread = SAFETY * np.abs(near_low - low[:, None]).max(axis=1)
+    apart = near_low - low[:, None]
+    if table.slow == 2:  # up to whole turns
+        apart -= 2 * np.pi * np.rint(apart.real / (2 * np.pi))
+    spread = SAFETY * np.abs(apart).max(axis=1)
     tip = _goal(np.array([np.pi + 1j * a]), table)
     other = np.inf if table.complement == 1.0 else quarter_period(1 - table.complement, Float64())
-    inside = abs(tip[0].imag) * table.quarter / np.pi < _INSIDE * other
+    inside = table.slow * abs(tip[0].imag) * table.quarter / np.pi < _INSIDE * other
+    if table.slow == 2:
+        height = float(abs(_places(tip, table, False)[0][0].imag))
+        return CoveredStrip(low, high, near_low, near_high, spread, height, bool(inside))
     end = float(np.real(_places(np.array([np.pi + 1j * a]), table, True)[1][0])) if inside else -np.inf
     return CoveredStrip(low, high, near_low, near_high, spread, end, bool(inside))
 
@@ -113,6 +119,10 @@ def _goal(χ: Complexes, table: Nodes) -> Complexes:
 
 def _places(χ: Complexes, table: Nodes, turning: bool) -> tuple[Complexes, Complexes]:
     """sn² and cn² at complex anomalies; for rotations 2 am − π, to be continued from middle to edge, and cn²."""
+    if table.slow == 2:
+        side = np.where(np.real(χ) > np.pi, 1, -1)
+        angle, high = _places(2 * χ - (1 + side) * np.pi, replace(table, slow=1), turning)
+        return 0.5 * (angle + side * np.pi), high
     u = _goal(χ, table) * (table.quarter / np.pi) if table.complement < 1 else 0.5 * _goal(χ, table)
     sn, cn, _ = jacobi_complex(u, table.complement, table.quarter)
     if turning:
