@@ -13,13 +13,13 @@ from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.anomaly import Rotation, libration_anomaly, rotation_anomaly
 from hjsolve.one_coordinate.anomaly_choice import over_near_zeros, over_other_near_zeros, over_the_best_map
+from hjsolve.one_coordinate.barriers import slow_place
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
 from hjsolve.one_coordinate.coordinate_motion import Anomaly, AtRest, CoordinateMotion, Periodic, Unbounded
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
 from hjsolve.one_coordinate.open_branch import Branch
 from hjsolve.one_coordinate.ray import Ray
-from hjsolve.one_coordinate.slow_place import slow_place
 from hjsolve.one_coordinate.turning_points import End, first_end
 
 _NEAREST = 200

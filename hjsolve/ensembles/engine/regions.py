@@ -22,7 +22,7 @@ from hjsolve.ensembles.engine.radicand_views import (
     View,
     second_slope,
 )
-from hjsolve.ensembles.engine.slow_places import slow_places
+from hjsolve.ensembles.engine.rotation_anomalies import slow_places
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.status import EQUILIBRIUM, UNDECIDED, Status
 from hjsolve.ensembles.engine.turning_points import bracket, first_step, kept_inside, refine

@@ -35,8 +35,8 @@ def moved_back(q: Reals, m: Reals) -> Reals:
 def moved_disks(middles: Complexes, edges: Complexes, m: Reals) -> tuple[Complexes, Reals]:
     """Return the places of the middles of some disks, their real parts in (−π, π], and radii that hold their edges.
 
-    On the unit circle, E = exp(iθ), the transformation is Z = ((1 + m) E + 1 − m)/((1 − m) E + 1 + m); where Z of an edge
-    is (1 + δ) times that of the middle, the two are |log(1 + δ)| ≤ −log(1 − |δ|) apart.
+    On the unit circle, E = exp(iθ), the transformation is Z = ((1 + m) E + 1 − m)/((1 − m) E + 1 + m); where Z of an
+    edge is (1 + δ) times that of the middle, the two are |log(1 + δ)| ≤ −log(1 − |δ|) apart.
 
     Args:
         middles: θ, shape (disks,).

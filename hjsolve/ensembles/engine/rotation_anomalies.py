@@ -16,7 +16,7 @@ from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.nodes import MOST
 from hjsolve.ensembles.engine.radicand_views import DirectEvaluation
 from hjsolve.ensembles.engine.turned_circle import reach
-from hjsolve.one_coordinate.slow_place import EQUAL_BARRIERS, barrier_order
+from hjsolve.one_coordinate.barriers import EQUAL_BARRIERS, barrier_order
 
 _FARTHEST_STEP = 0.2
 _AWAY = 3
