@@ -205,10 +205,14 @@ def _rule(task: _Task, seen: _Seen, constants: int, *, kernels: bool, oscillatio
     sums.action[:], sums.action_error[:], sums.good[:] = mean[0], mean_error[0], good
     if kernels:
         sums.means[:], sums.mean_errors[:] = mean[1:], mean_error[1:]
-    if oscillations:
+    if oscillations and good.any():  # the others come again with more nodes
+        chosen = np.flatnonzero(good)
+        own, noise_there = region.take(chosen), (tail[1:] + 0.5 * rounding[1:])[:, chosen]
         with np.errstate(all="ignore"):
-            ends = _ends(region, table, uncertainties[0] / F)
-            _running(region, table, values[1:], ratio, sums, tail[1:] + 0.5 * rounding[1:], ends)
+            ends = _ends(own, table, uncertainties[0][chosen] / F[chosen])
+            part = _running(own, table, np.ascontiguousarray(values[1:, chosen]), ratio[chosen], noise_there, ends)
+        for name, value in part.items():
+            getattr(sums, name)[..., chosen] = value
     return sums, more
 
 
@@ -312,14 +316,13 @@ def _evaluated(view: View, blocks: list[_Block], kernels: bool) -> list[list[Rea
     ]
     some = np.concatenate(chosen)
     bounds = _bounds(seen.take(some), x[some], [v[some] for v in values])
-    ends = np.cumsum([len(c) for c in chosen])[:-1]
+    begins = np.cumsum([0, *(len(c) for c in chosen)])
     found = []
     for k, block in enumerate(blocks):
         own = [v[starts[k] : starts[k + 1]].reshape(block.x.shape) for v in values]
         few = block.few
-        found.append(
-            own + _uncertainties(block, few, [np.split(e, ends)[k].reshape(len(block.x), len(few)) for e in bounds])
-        )
+        parts = [e[begins[k] : begins[k + 1]].reshape(len(block.x), len(few)) for e in bounds]
+        found.append(own + _uncertainties(block, few, parts))
     return found
 
 
@@ -348,9 +351,9 @@ def _uncertainties(block: _Block, few: Integers, bounds: list[Reals]) -> list[Re
 
 
 def _running(
-    region: OrbitRegions, table: tables.Nodes, values: Reals, ratio: Reals, sums: Sums, noise: Reals, ends: EndNodes
-) -> None:
-    """Phase of the start, and the integrals from χ = 0 to it less their mean growth."""
+    region: OrbitRegions, table: tables.Nodes, values: Reals, ratio: Reals, noise: Reals, ends: EndNodes
+) -> dict[str, Reals]:
+    """The phase of the start, integrals from χ = 0 to it less their mean growth, and bounds, by name in ``Sums``."""
     count = len(table.χ)
     terms = np.arange(1, len(table.cosines) + 1)
     phase, rounding = (
@@ -367,7 +370,10 @@ def _running(
     if not region.turning:
         weights += rowwise((1 - cosine) / terms, table.sines)
         delta += 2 * rowwise(np.sin(angle), table.sines)
-    sums.oscillations[:] = 2 / (count * table.symmetry) * np.einsum("knj,nj->kn", values, weights)
-    sums.speeds[:] = np.einsum("knj,nj->kn", values, delta) / count
-    sums.oscillation_errors[:] = 4 * noise
-    sums.phase[:], sums.phase_error[:] = phase, rounding
+    return {
+        "oscillations": 2 / (count * table.symmetry) * np.einsum("knj,nj->kn", values, weights),
+        "speeds": np.einsum("knj,nj->kn", values, delta) / count,
+        "oscillation_errors": 4 * noise,
+        "phase": phase,
+        "phase_error": rounding,
+    }

@@ -14,6 +14,7 @@ from hjsolve.ensembles.engine.escapes import escaping
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty, integrate
 from hjsolve.ensembles.engine.orbit_regions import LocatedRegions, OrbitRegions
+from hjsolve.ensembles.engine.outlook import beyond_doubles
 from hjsolve.ensembles.engine.programs import Compiled
 from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DirectEvaluation, second_slope
 from hjsolve.ensembles.engine.regions import ill_known, locate_regions
@@ -62,9 +63,15 @@ def run_pass(
     sums: list[Sums] = []
     directions = np.ones((len(model.separated), count))
     spared, small = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
+    located = [locate_regions(model, coordinate, start, k, depth) for k, coordinate in enumerate(model.separated)]
+    if depth == 0:
+        for found in (one for parts in located for one in parts):
+            status[found.index[beyond_doubles(found, kernels=kernels)]] = UNDECIDED
+    repeated = (status == Status.OK) & (_seen_as_before(located, count) if depth == 2 else False)
+    status[repeated] = Status.NOT_CONVERGED
     for k, coordinate in enumerate(model.separated):
         total = empty(len(model.constants), count)
-        for found in locate_regions(model, coordinate, start, k, depth):
+        for found in located[k]:
             left = status[found.index] == Status.OK  # what is lost in one coordinate is lost
             _integrated(total, found, left, len(model.constants), kernels=kernels, oscillations=oscillations)
             fresh = np.where(
@@ -89,12 +96,20 @@ def run_pass(
     spoilt = spared & ~small & (claimed > _SPOILT)
     columns.vague[:] |= spoilt | (claimed > _WIDE)
     if depth == 2:
-        again = np.flatnonzero(spoilt)
+        again = np.flatnonzero(spoilt | repeated)
         if len(again):
             part = run_pass(model, names, starts.take(again), depth=3, tolerance=tolerance)
             fine = part.status == Status.OK
             put(columns, again[fine], part.take(fine))
     return columns
+
+
+def _seen_as_before(located: list[list[LocatedRegions]], count: int) -> Mask:
+    """Tell which orbits have p² in doubles everywhere, as it is written: a third pass would repeat the second one."""
+    plain = np.ones(count, dtype=bool)
+    for found in (one for parts in located for one in parts):
+        plain[found.index] &= isinstance(found.region.below, DirectEvaluation)
+    return plain
 
 
 def run_compiled(

@@ -292,7 +292,7 @@ def _libration(group: Group) -> LocatedRegions:
         same = np.abs(left - right - 2 * q) <= 1e-13 * region.width
         region = replace(region, node_map=np.where(same, EVEN, 0))
     if group.depth:
-        region = _stretched(region)
+        region = stretched(region)
     status = np.where(np.isfinite(region.width) & (region.width > 0), Status.OK, Status.UNBOUNDED)
     status = np.where(outside | ~np.isfinite(P), Status.FORBIDDEN, status)
     return LocatedRegions(group.index, region, status.astype(np.uint8), np.zeros(len(q), dtype=bool))
@@ -340,8 +340,12 @@ def _region(below: View, above: View, lower: Reals, upper: Reals, P: Reals, left
     return OrbitRegions(below, above, lower, upper, left + right, zero, zero, none, none, P, left, right)
 
 
-def _stretched(region: OrbitRegions) -> OrbitRegions:
-    """Choose the anomaly: W·|S′/S| at an end is W over the distance of the zero or pole next to it."""
+def stretched(region: OrbitRegions) -> OrbitRegions:
+    """Choose the anomaly: W·|S′/S| at an end is W over the distance of the zero or pole next to it.
+
+    Args:
+        region: of librations, p² not being seen from the start.
+    """
     nearby = []
     for view, x, side in ((region.below, region.lower, 1), (region.above, region.upper, -1)):
         assert not isinstance(view, DifferenceEvaluation)

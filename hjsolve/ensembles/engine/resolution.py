@@ -33,6 +33,8 @@ _UNKNOWN, _CAUTIOUS, _HOPELESS = 0.3, 0.7, 2.0
 anomalies, and where nothing is known, as if the share were 0.3 at least. Twice as many as there are is too many."""
 _SMALL = 0.03
 """Motions smaller than this, in units of the distance from the origin, get a disk of their own if it must be."""
+_NODES = 1 << 20
+"""Of all orbits that are looked at together: about two disks a node, with a few complex numbers each."""
 _ALONG = np.linspace(-0.5, 0.5, 5)
 
 
@@ -74,8 +76,8 @@ def least(region: OrbitRegions, first: int) -> Reals:
     needed, hint = np.full(len(region.width), np.inf), np.full(len(region.width), float(first))
     codes = region.level * 8 + region.node_map
     for count in COUNTS:
-        left = np.flatnonzero(np.isinf(needed) & (hint <= count))
-        if len(left):
+        chosen = np.flatnonzero(np.isinf(needed) & (hint <= count))
+        for left in np.array_split(chosen, len(chosen) * count // _NODES + 1) if len(chosen) else []:
             share = _shares(region.take(left), count, codes[left])
             needed[left[share >= 1]] = count
             floor = np.where((share > 0) & (region.level[left] == 0), 0.0, _UNKNOWN)
