@@ -74,7 +74,7 @@ def state_in(chart: Chart, values: Mapping[sp.Symbol, sp.Expr], state: State, re
     @cache
     def errors() -> Errors:
         bounds = _bounds(chart, tape, values, state, found)
-        return Errors(group(bounds, 0), group(bounds, 1), group(bounds, 2))
+        return Errors(group(bounds, 0), group(bounds, 2), group(bounds, 1))
 
     return State(state.t, group(q, 0), group(q, 2), group(q, 1), {}, state.status, errors)
 
