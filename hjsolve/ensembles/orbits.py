@@ -131,8 +131,8 @@ def task_for(
     """
     if solution.chart is not None and isinstance(solution.chart.outer, SphereMap):
         raise InvalidInputError(
-            "coordinates: ensembles are not started in the angles of a sphere where other coordinates were found; start "
-            "each motion by solution.motion(q=…, velocity=…), or the ensemble in find_coordinates(…).webs[k].system"
+            "coordinates: ensembles are not started in the angles of a sphere where other coordinates were found; "
+            "start each motion by solution.motion(q=…, velocity=…), or them all in the system of a web found"
         )
     exact = parameter_values(solution.system, _numbers(parameters))
     values = tuple((symbol.name, exact[symbol]) for symbol in sorted(exact, key=lambda s: s.name))
