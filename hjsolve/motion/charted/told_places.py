@@ -8,12 +8,14 @@ of φ and of the velocities along the two coordinates; at the pole itself they a
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 import numpy as np
 
-from hjsolve.arithmetic.number_types import Numbers, Reals
+from hjsolve.arithmetic.number_types import Mpf, Numbers, Reals
 from hjsolve.coordinates.charts.outer_map import OuterMap, SphereMap
 
+Row = TypeVar("Row", Numbers, Reals)
 _LOST = 8
 """Where the error across the axis is more than its 8th part of the distance from it, nothing is known of the angle."""
 _ROUNDINGS = 8
@@ -44,11 +46,8 @@ def told(outer: OuterMap, found: Sequence[Numbers]) -> list[Numbers]:
     return [*_ordered(outer, q), *rates, *p, *found[7:]]
 
 
-def _in_many_digits(outer: SphereMap, *point: object) -> list[object]:
-    context = next((x.context for x in point if hasattr(x, "context")), None)
-    if context is None:
-        return [np.nan, np.nan]
-    X, Y, Z = point
+def _in_many_digits(outer: SphereMap, X: Mpf, Y: Mpf, Z: Mpf) -> list[Mpf]:
+    context = X.context
     ρ, height = context.hypot(X, Y), outer.sense * Z
     return [context.atan2(height, ρ) if outer.latitude else context.atan2(ρ, height), context.atan2(Y, X)]
 
@@ -79,6 +78,6 @@ def bounds_told(outer: OuterMap, points: Sequence[Reals], bounds: Sequence[Reals
     return [*_ordered(outer, [δu, np.where(lost, np.inf, δφ)]), *rates, *p, *bounds[7:]]
 
 
-def _ordered(outer: SphereMap, pair: list[Numbers]) -> list[Numbers]:
+def _ordered(outer: SphereMap, pair: list[Row]) -> list[Row]:
     """Along the meridian and about the axis, in the user's order."""
     return pair if outer.meridian == 0 else pair[::-1]
