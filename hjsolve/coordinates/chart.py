@@ -2,20 +2,24 @@
 
     x = origin + frame · X(u),     T = m/2 Σ h_k²(u) u̇_k²
 
-u are the separated coordinates, X those of the web in its own frame, x the user's.
+u are the separated coordinates, X those of the web in its own frame, x the user's; on a sphere x is the unit vector of
+the user's angles (``charts.outer_map``), and X(u) that of the web's.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import sympy as sp
 
+from hjsolve.coordinates.charts.outer_map import OuterMap, flat_map, sphere_map
 from hjsolve.coordinates.charts.transform import Cartesian, chart_and_axes, web_of
 from hjsolve.coordinates.charts.validity import valid_everywhere
-from hjsolve.coordinates.find import cartesian_form, find_coordinates
-from hjsolve.coordinates.results import Vector, Web
+from hjsolve.coordinates.curved.sphere import OnSphere, charts_on_sphere
+from hjsolve.coordinates.find import cartesian_form, find_coordinates, sphere_below
+from hjsolve.coordinates.results import SeparableCoordinates, Vector, Web
 from hjsolve.coordinates.small_oscillations import normal_modes
 from hjsolve.coordinates.superintegrable import independent_integrals, told_of_modes, webs_in_words
 from hjsolve.display.shown import Shown
@@ -54,6 +58,7 @@ class Chart(Shown):
         scale: h_k²(u) of T = m/2 Σ h_k² u̇_k², without differences that cancel.
         mass: m.
         lengths: named constants of X(u).
+        outer: how x is tied to the user's coordinates: the identity in flat space, two angles on a sphere.
         independent: number of independent integrals quadratic in the momenta, energy included, that were found; more
             than coordinates: frequencies obey relations with whole numbers (``superintegrable.py``). 0: not counted.
     """
@@ -73,6 +78,7 @@ class Chart(Shown):
     scale: Vector = field(repr=False)
     mass: sp.Expr = field(repr=False)
     lengths: Mapping[str, sp.Expr] = field(repr=False)
+    outer: OuterMap = field(repr=False)
     independent: int = 0
 
 
@@ -91,6 +97,12 @@ def find_chart(system: System, refused: object, *, budget: float = 20.0) -> Char
         NotSeparableError: there are none, or none could be certified; the error carries the verdict.
     """
     why = "the given coordinates do not separate"
+    try:
+        sphere = sphere_below(system)
+    except InvalidSystemError as reason:
+        raise NotSeparableError(f"{why}, and others are not looked for: {reason}", refused) from None
+    if sphere is not None:
+        return _chart_on_sphere(sphere, why, refused, budget)
     for c in system.coordinates:
         if c.domain.kind != "line":
             raise NotSeparableError(
@@ -114,9 +126,33 @@ def find_chart(system: System, refused: object, *, budget: float = 20.0) -> Char
     except InvalidSystemError as reason:
         raise NotSeparableError(f"{why}, and others are not looked for: {reason}", refused) from None
     cartesian = cartesian_form(system)
+    return _simplest(found, cartesian, partial(_charted, cartesian=cartesian, budget=budget), why, refused)
+
+
+def _chart_on_sphere(given: OnSphere, why: str, refused: object, budget: float) -> Chart:
+    """The simplest web on a sphere."""
+    sphere = given.sphere
+    outer = sphere_map(sphere.system, sphere.mass, sphere.normal)
+    if outer is None:
+        raise NotSeparableError(
+            f"{why}, and on a sphere others are looked for only where T and V are given in an angle from the pole or "
+            "the equator with its whole domain, 0 < theta < pi or -pi/2 < b < pi/2, and an angle about the axis; "
+            "find_coordinates lists them all the same",
+            refused,
+        )
+    found = find_coordinates(sphere.system, special=False, budget=budget)
+    charted = partial(_charted_on_sphere, given=given, outer=outer)
+    return _simplest(found, given.space, charted, why, refused)
+
+
+def _simplest(
+    found: SeparableCoordinates, cartesian: Cartesian, charted: Callable[[Web, str], Chart | None], why: str,
+    refused: object,
+) -> Chart:  # fmt: skip
+    """The chart of the web whose equations are the simplest of those that can be certified."""
     several = f", the simplest of {len(found.webs)} webs" if len(found.webs) > 1 else ", the only web"
     for web in sorted(found.webs, key=_cost):
-        chart = _charted(web, cartesian, f"{why}; {web.kind} coordinates do{several}", budget)
+        chart = charted(web, f"{why}; {web.kind} coordinates do{several}{_freedom(web)}")
         if chart is not None:
             independent = independent_integrals(found, cartesian)
             more = webs_in_words(found, cartesian, web.kind, independent)
@@ -134,7 +170,7 @@ def _cost(web: Web) -> tuple[int, bool, int]:
     return _BY_COST.index(web.kind), web.freedom > 0, size
 
 
-def _charted(web: Web, cartesian: Cartesian, reason: str, budget: float) -> Chart | None:
+def _charted(web: Web, reason: str, *, cartesian: Cartesian, budget: float) -> Chart | None:
     """The chart of a web, in coordinates without ends; None where ``separate`` does not certify it."""
     if web.kind in _WITHOUT_ENDS:
         web = web_of(web, cartesian, budget=budget, covering=True)
@@ -151,10 +187,25 @@ def _charted(web: Web, cartesian: Cartesian, reason: str, budget: float) -> Char
     frame = cartesian.stretch * sp.Matrix([list(axis) for axis in axes]).T
     origin = cartesian.stretch * sp.Matrix(web.centre)
     return Chart(
-        web.kind, web.coordinates, web.transformation, web.remark, reason + _freedom(web), cartesian.system,
+        web.kind, web.coordinates, web.transformation, web.remark, reason, cartesian.system,
         there, replace(web.verdict, system=there), tuple(origin), sp.ImmutableMatrix(frame), tuple(own.values()),
         tuple(x.xreplace(own) for x in local.place), tuple(h.xreplace(own) for h in local.scale), cartesian.mass,
-        web.lengths,
+        web.lengths, flat_map(cartesian.system),
+    )  # fmt: skip
+
+
+def _charted_on_sphere(web: Web, reason: str, *, given: OnSphere, outer: OuterMap) -> Chart | None:
+    """The chart of a web on a sphere; None where ``separate`` does not certify it, or it covers one octant alone."""
+    local = next(charts_on_sphere(web, given))
+    if not isinstance(web.verdict, Separation) or tuple(s.name for s in local.symbols) != web.coordinates:
+        return None
+    own = dict(zip(local.symbols, (web.system.symbols[name] for name in web.coordinates), strict=True))
+    frame = sp.ImmutableMatrix(sp.Matrix([list(axis) for axis in web.axes]).T)
+    return Chart(
+        web.kind, web.coordinates, web.transformation, web.remark, reason, given.sphere.system, web.system,
+        web.verdict, web.centre, frame, tuple(own.values()),
+        tuple(x.xreplace(own) for x in local.place), tuple(h.xreplace(own) for h in local.scale), given.sphere.mass,
+        web.lengths, outer,
     )  # fmt: skip
 
 
@@ -188,5 +239,5 @@ def _modal(system: System, reason: str, budget: float) -> Chart:
         "normal modes", names, modes.transformation, remark, reason, system, there,
         replace(modes.verdict, system=there),
         tuple(modes.equilibrium.values()), modes.matrix, symbols, symbols, tuple(mode.mass for mode in modes.modes),
-        sp.S.One, {},
+        sp.S.One, {}, flat_map(system),
     )  # fmt: skip

@@ -11,8 +11,8 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.coordinates.charts.named_constants import Values, restored, with_named_constants
 from hjsolve.coordinates.charts.transform import Cartesian, web_of
-from hjsolve.coordinates.curved.embedding import Sphere, sphere_of
-from hjsolve.coordinates.curved.sphere import on_sphere, sphere_kernel, webs_on_sphere
+from hjsolve.coordinates.curved.embedding import sphere_of
+from hjsolve.coordinates.curved.sphere import OnSphere, on_sphere, sphere_kernel, webs_on_sphere
 from hjsolve.coordinates.killing.killing_tensors import (
     Kernel,
     concircular_basis,
@@ -84,7 +84,7 @@ def find_coordinates(
     """
     system = system_of(system, "find_coordinates")
     start, budget = time.monotonic(), arguments.seconds(budget, "budget")
-    sphere = _sphere(system)
+    sphere = sphere_below(system)
     if sphere is not None:
         return _on_sphere(sphere, start, special=special, budget=budget)
     cartesian = cartesian_form(system)
@@ -106,20 +106,27 @@ def find_coordinates(
     )
 
 
-def _sphere(system: System) -> Sphere | None:
-    """The sphere that a natural system of two coordinates moves on, if it does on one."""
+def sphere_below(system: System) -> OnSphere | None:
+    """Return the sphere that a natural system of two coordinates moves on; None where it does on none.
+
+    Args:
+        system: any.
+
+    Raises:
+        InvalidSystemError: the curvature is constant and negative, or the coordinates or V are not read here.
+    """
     if len(system.coordinates) != 2 or any(linear_terms(system)) or kinetic_rest(system) != 0:
         return None
-    return sphere_of(system, sign_by(_sign_values(system)))
+    sphere = sphere_of(system, sign_by(_sign_values(system)))
+    return None if sphere is None else on_sphere(sphere, _sign_values(system))
 
 
-def _on_sphere(sphere: Sphere, start: float, *, special: bool, budget: float) -> SeparableCoordinates:
-    given = on_sphere(sphere, _sign_values(sphere.system))
+def _on_sphere(given: OnSphere, start: float, *, special: bool, budget: float) -> SeparableCoordinates:
     full, basis = sphere_kernel(given)
     geometries, webs = webs_on_sphere(given, budget=budget)
     values = _special_values(given.space, basis, full) if special and full.pivots else ()
     return SeparableCoordinates(
-        sphere.system,
+        given.sphere.system,
         full.dimension,
         full.dimension,
         _combined(full, basis),

@@ -52,7 +52,7 @@ def webs_in_words(found: SeparableCoordinates, cartesian: Cartesian, chosen: str
         chosen: kind of the web taken.
         independent: from ``independent_integrals``.
     """
-    n = len(cartesian.X)
+    n = len(cartesian.system.coordinates)
     if len(found.webs) < 2 and not any(web.freedom for web in found.webs) and independent <= n:
         return ""
     kinds = [web.kind + (" (a family)" if web.freedom else "") for web in found.webs]

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve import arguments, catalog
+from hjsolve.coordinates.charts.outer_map import SphereMap
 from hjsolve.display.progress import ProgressBar, Tally
 from hjsolve.ensembles import engine
 from hjsolve.ensembles.batch import Batch
@@ -128,6 +129,11 @@ def task_for(
         InvalidInputError: an unknown parameter, or one with several values.
         MissingValueError: a parameter without a value.
     """
+    if solution.chart is not None and isinstance(solution.chart.outer, SphereMap):
+        raise InvalidInputError(
+            "coordinates: ensembles are not started in the angles of a sphere where other coordinates were found; "
+            "start each motion by solution.motion(q=…, velocity=…), or them all in the system of a web found"
+        )
     exact = parameter_values(solution.system, _numbers(parameters))
     values = tuple((symbol.name, exact[symbol]) for symbol in sorted(exact, key=lambda s: s.name))
     found = None if solution.chart is None else solution

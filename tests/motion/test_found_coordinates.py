@@ -235,3 +235,14 @@ def test_potentials_of_space_that_separate_nowhere_are_refused_with_what_was_loo
     with pytest.raises(hjsolve.NotSeparableError, match=says) as caught:
         hjsolve.solve(system, coordinates="find")
     assert caught.value.verdict.pair
+
+
+def test_momenta_of_a_heavy_body_have_the_errors_of_momenta() -> None:
+    """p = 1000 v, and so are their errors; claims of the one for the other were a thousand times too small."""
+    light = hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", PLANE["elliptic"])
+    heavy = hjsolve.System({"x": "line", "y": "line"}, "500*(dot(x)**2 + dot(y)**2)", f"1000*({PLANE['elliptic']})")
+    q, v = start(2, "heavy")
+    one, other = (hjsolve.solve(s, coordinates="find").motion(q=q, velocity=v).at(3) for s in (light, heavy))
+    for name in "xy":
+        assert other.error.p[name] == pytest.approx(1000 * other.error.velocity[name], rel=0.5)
+        assert abs(other.p[name] - 1000 * one.p[name]) <= other.error.p[name] + 1000 * one.error.p[name]

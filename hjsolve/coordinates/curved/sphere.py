@@ -93,11 +93,17 @@ def webs_on_sphere(given: OnSphere, *, budget: float) -> tuple[list[Geometry], t
 
 def _web(geometry: Geometry, given: OnSphere, budget: float) -> Web:
     """The web in coordinates of the whole sphere, or where these do not do, of one octant."""
-    webs = [web for local in _charts(geometry, given) if (web := _transformed(geometry, local, given, budget))]
+    webs = [web for local in charts_on_sphere(geometry, given) if (web := _transformed(geometry, local, given, budget))]
     return next((web for web in webs if web.certified), webs[-1])
 
 
-def _charts(geometry: Geometry, given: OnSphere) -> Iterator[SeparableChart]:
+def charts_on_sphere(geometry: Geometry | Web, given: OnSphere) -> Iterator[SeparableChart]:
+    """The charts of a web on the unit sphere, that of the whole sphere first.
+
+    Args:
+        geometry: kind and constants of the web.
+        given: the system.
+    """
     symbol = symbol_maker(given.space)
     for make in (covering_chart, chart) if geometry.kind == "conical" else (chart,):
         local = make(geometry.kind, geometry.lengths, 3, symbol)

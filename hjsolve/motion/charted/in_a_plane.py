@@ -135,4 +135,5 @@ def _plane(chart: Chart, kept: tuple[int, ...]) -> Chart | None:
         {c.name: e for c, e in zip(original.coordinates, told, strict=True)}, chart.remark,
         f"{chart.reason}; the motion stays where {', '.join(f'{s.name} = 0' for s in across)} and passes a focus",
         original, system, separation, chart.origin, frame, own, own, (sp.S.One,) * len(own), chart.mass, {},
+        chart.outer,
     )  # fmt: skip

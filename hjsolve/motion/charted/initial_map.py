@@ -99,11 +99,11 @@ def point_in_frame(chart: Chart, value: Callable[[sp.Expr], Mpf], c: Context) ->
     Raises:
         InvalidInputError: the web is none with these values of the parameters.
     """
-    old = chart.original.coordinates
+    outer = chart.outer
     try:
         frame = c.matrix([[value(e) for e in row] for row in chart.frame.tolist()])
-        moved = c.matrix([value(x.symbol) - value(o) for x, o in zip(old, chart.origin, strict=True)])
-        X, P = c.lu_solve(frame, moved), frame.T * c.matrix([value(x.momentum) for x in old])
+        moved = c.matrix([value(x) - value(o) for x, o in zip(outer.place, chart.origin, strict=True)])
+        X, P = c.lu_solve(frame, moved), frame.T * c.matrix([value(e) for e in outer.momentum])
         lengths = {name: value(length) for name, length in chart.lengths.items()}
     except (InvalidInputError, ZeroDivisionError):
         raise _other_parameters(chart) from None
@@ -122,13 +122,13 @@ def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr
         return to_bits(e.xreplace(given))(bits)
 
     X, P, lengths = point_in_frame(chart, value, c)
-    u = _inside(chart, inverse_chart(chart.kind, X, P, lengths, c))
+    n = len(chart.symbols)
+    u = _inside(chart, inverse_chart(chart.kind, X, P, lengths, c)[-n:])  # on a sphere without r
     _refuse_singular(chart, given, u, field)
     fixed = {s.symbol: value(s.symbol) for s in chart.system.parameters}
     J = sp.Matrix(chart.place).jacobian(chart.symbols)
     slopes = tape_of(tuple(J), (*chart.symbols, *fixed)).run(field, [*u, *fixed.values()])
-    n = len(u)
-    lifted = [c.fsum(slopes[i * n + k] * P[i] for i in range(n)) for k in range(n)]
+    lifted = [c.fsum(slopes[i * n + k] * P[i] for i in range(len(P))) for k in range(n)]
     momenta = [q.momentum for q in solution.system.coordinates]
     formulas = tuple(constant.expression for constant in solution.constants.values())
     try:

@@ -1,4 +1,4 @@
-"""States carried back: x = origin + frame·X(u), ẋ = frame·Σ (∂X/∂u_k) p_k/(m h_k²), p = M ẋ, errors carried along.
+"""States carried back: x = origin + frame·X(u), ẋ = frame·Σ (∂X/∂u_k) p_k/(m h_k²), then q, q̇, p by the outer map.
 
 The velocity of the separated coordinates is not used: next to a focus p_k and h_k² are small and well known, and their
 quotient is not. Errors of u and p_u, and the rounding of every operation, are carried through the formulas to first
@@ -18,7 +18,7 @@ from hjsolve.arithmetic.number_types import AtTimes, Mpf, Numbers, Reals
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.coordinates.chart import Chart
-from hjsolve.mechanics.system import mass_matrix
+from hjsolve.motion.charted.told_places import bounds_told, told
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.positions import tape_of
 from hjsolve.motion.shapes import shaped
@@ -32,7 +32,7 @@ _LOST = 8
 
 
 def formulas_of(chart: Chart, resting: tuple[str, ...] = ()) -> tuple[sp.Expr, ...]:
-    """Return x, then ẋ, then p of the user's coordinates, then h_k², in u, p_u and the parameters.
+    """Return the point x, then q̇, then p of the user's coordinates, then h_k², in u, p_u and the parameters.
 
     Args:
         chart: how the coordinates are tied together.
@@ -45,7 +45,8 @@ def formulas_of(chart: Chart, resting: tuple[str, ...] = ()) -> tuple[sp.Expr, .
     x = [o + row for o, row in zip(chart.origin, _times(chart.frame, chart.place), strict=True)]
     v = _times(chart.frame, local)
     scale = [h for h, m in zip(chart.scale, moving, strict=True) if m]
-    return (*x, *v, *_times(mass_matrix(chart.original), v), *scale)
+    rates, lifted = chart.outer.rates(x, v)
+    return (*x, *rates, *lifted, *scale)
 
 
 def _times(matrix: sp.MatrixBase, vector: Sequence[sp.Expr]) -> list[sp.Expr]:
@@ -65,7 +66,7 @@ def state_in(chart: Chart, values: Mapping[sp.Symbol, sp.Expr], state: State, re
     shape = np.shape(state.status)
     tape = _tape(chart, resting)
     found = _evaluated(chart, tape, values, state)
-    n = len(names)
+    n, q = len(names), told(chart.outer, found)
 
     def group(columns: Sequence[Numbers], k: int) -> dict[str, AtTimes]:
         return {name: shaped(columns[k * n + i], shape) for i, name in enumerate(names)}
@@ -73,9 +74,9 @@ def state_in(chart: Chart, values: Mapping[sp.Symbol, sp.Expr], state: State, re
     @cache
     def errors() -> Errors:
         bounds = _bounds(chart, tape, values, state, found)
-        return Errors(group(bounds, 0), group(bounds, 1), group(bounds, 2))
+        return Errors(group(bounds, 0), group(bounds, 2), group(bounds, 1))
 
-    return State(state.t, group(found, 0), group(found, 2), group(found, 1), {}, state.status, errors)
+    return State(state.t, group(q, 0), group(q, 2), group(q, 1), {}, state.status, errors)
 
 
 def _inputs(chart: Chart, group: Mapping[str, AtTimes], other: Mapping[str, AtTimes]) -> list[Numbers]:
@@ -125,11 +126,13 @@ def _bounds(
     with np.errstate(all="ignore"):
         outputs = tape.run(field, inputs)
         result = [np.broadcast_to(0.0 if x.error is None else _SAFETY * x.error, places[0].shape) for x in outputs]
-        n = len(chart.original.coordinates)
+        n, k = len(chart.original.coordinates), len(chart.outer.place)
         lost = np.zeros(places[0].shape, dtype=bool)
-        for h, error in zip(outputs[3 * n :], result[3 * n :], strict=True):
+        for h, error in zip(outputs[k + 2 * n :], result[k + 2 * n :], strict=True):
             lost |= ~(_LOST * error < h.value)
-    return [*result[:n], *(np.where(lost & (places[0] == places[0]), np.inf, e) for e in result[n : 3 * n])]
+        velocities = [np.where(lost & (places[0] == places[0]), np.inf, e) for e in result[k : k + 2 * n]]
+        points = [np.asarray(x, dtype=float) for x in found[:k]]
+        return bounds_told(chart.outer, points, [*result[:k], *velocities], bits)
 
 
 def _tape(chart: Chart, resting: tuple[str, ...]) -> Made:
