@@ -127,7 +127,7 @@ class Engine:
 
     def _deeper(self, columns: Columns, orbits: Any, starts: Starts, depth: int, made: Compiled | None = None) -> None:
         """Run a pass over some orbits, and keep what it makes good."""
-        size = CHUNK if depth <= 1 else CHUNK // 4
+        size = CHUNK if depth <= 0 else CHUNK // 2 if depth == 1 else CHUNK // 4
         tolerance = FAST if depth < 0 else GOOD if depth == 0 else TOLERANCE
         for first in range(0, len(orbits), size):
             index = orbits[first : first + size]
