@@ -155,6 +155,8 @@ def _product(expression: sp.Mul) -> Box:
     top = [sp.Integer(coefficient.p)] if coefficient.p != 1 or not above else []
     bottom = [sp.Integer(coefficient.q)] if coefficient.q != 1 else []
     loose = [f for f in above if isinstance(f, sp.Integral)]
+    if loose and not bottom + below:  # a sum before an integral keeps its parentheses
+        return _side_by_side([*top, *above], [])
     fraction = _side_by_side(top + [f for f in above if f not in loose], bottom + below)
     return row(fraction, *map(box, loose)) if loose else fraction
 
