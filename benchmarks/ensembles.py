@@ -1,6 +1,7 @@
 """What many orbits cost: the whole public call, over all kinds of orbits, hjsolve and galpy's C taking turns.
 
-    python -m benchmarks.ensembles [PART …] [--orbits N] [--repeats N] [--write]    PART: families velocity fresh others
+    python -m benchmarks.ensembles [PART …] [--orbits N] [--repeats N] [--write]    PART: families loops velocity fresh
+    others
 
 Times are processor time of the process (one thread), medians of the second and later calls of all contestants in turn;
 a busy machine changes the ratios little. Every sample ends with 40 orbits of the same family whose actions and
@@ -19,13 +20,16 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 
 import hjsolve
 from benchmarks import galaxy_families as stars
+from hjsolve.ensembles.engine.programs import Loop
 
 WANTS = (("actions",), ("actions", "frequencies"), ("actions", "frequencies", "angles"))
 SHORT = {WANTS[0]: "actions", WANTS[1]: "+ frequencies", WANTS[2]: "+ angles"}
@@ -267,11 +271,10 @@ def _others(count: int) -> Iterator[tuple[str, Call, int]]:
     Δ = r**2 - 2 * r + 0.81
     E = np.sqrt((1 - 2 / r) * (1 + spin**2 / r**2))
     p = {"t": -E, "r": 0.02 * rng.normal(size=n) * r**2 / Δ, "theta": rng.uniform(0.3, 1.5, n), "phi": spin}
-    yield (
-        "Kerr (a = 0.9), frequencies",
-        lambda: hjsolve.ensemble(kerr, q, p, parameters={"a": "9/10"}, want="frequencies", threads=1, fallback=False),
-        n,
-    )
+    how = {"parameters": {"a": "9/10"}, "want": "frequencies", "threads": 1, "fallback": False}
+    for engine, compiled in (("numpy", False), ("compiled", True)):
+        call = partial(hjsolve.ensemble, kerr, q, p, compiled=compiled, **how)
+        yield f"Kerr (a = 0.9), frequencies, {engine}", call, n
     for name, potential in PROFILES.items():
         yield f"{name}, frequencies", _in_a_disc(potential), 200
 
@@ -320,10 +323,52 @@ def surroundings() -> str:
     return f"load {os.getloadavg()[0]:.0f} on {os.cpu_count()} cores"
 
 
+_LOOPS = ("crests", "small_ends", "ends", "glances", "integrals")
+
+
+def loops(count: int) -> Iterator[str]:
+    """Where the time of compiled calls goes: every loop again alone, the least of ten times; and all the rest."""
+    solution = stars.galaxy()
+    yield from head(f"orbits | wanted | {' | '.join(_LOOPS)} | all the rest")
+    for family in (*stars.FAMILIES, "disc and halo"):
+        rows = stars.prolate(sample(family, count)[0])
+        for want in WANTS:
+            call, seen = our_call(solution, rows, want=want, compiled=True), []
+            call()
+            with mock.patch.object(Loop, "__call__", noted(seen)):
+                call()
+            spent = dict.fromkeys(_LOOPS, 0.0)
+            for loop, given in seen:
+                spent[loop.dispatcher.py_func.__name__.removeprefix("front_")] += least(partial(loop, *given), 10)
+            rest = least(call, 5) - sum(spent.values())
+            yield row(family, SHORT[want], *(f"{1e6 * x / count:.2f}" for x in (*spent.values(), rest)))
+
+
+def noted(seen: list[tuple[Any, Any]]) -> Any:
+    """Loops that run as ever, and whose arguments are kept."""
+    run = Loop.__call__
+
+    def noting(loop: Loop, *given: Any) -> None:
+        seen.append((loop, given))
+        run(loop, *given)
+
+    return noting
+
+
+def least(call: Call, repeats: int) -> float:
+    """The least processor time of some calls, in seconds."""
+    times = []
+    for _ in range(repeats):
+        begin = time.process_time()
+        call()
+        times.append(time.process_time() - begin)
+    return min(times)
+
+
 def main() -> None:
     """Run the parts that are asked for."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("parts", nargs="*", metavar="PART", help="families, velocity, fresh, others; all of them")
+    parser.add_argument("parts", nargs="*", metavar="PART", help="families, loops, velocity, fresh, others; or all")
     parser.add_argument("--orbits", type=int, default=20_000)
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--write", action="store_true", help="put the tables into docs/ensembles.md")
@@ -331,6 +376,7 @@ def main() -> None:
     count, repeats = given.orbits, given.repeats
     parts: dict[str, Callable[[], Iterator[str]]] = {
         "families": lambda: families(count, repeats),
+        "loops": lambda: loops(count),
         "velocity": lambda: velocity(count, repeats),
         "fresh": fresh,
         "others": lambda: others(count, repeats),
