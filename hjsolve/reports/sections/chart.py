@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from itertools import combinations
-
 from hjsolve.coordinates.chart import Chart
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Note, Paragraph, Section
 from hjsolve.reports.formulas.layout import Glyph
 from hjsolve.reports.formulas.names import name_box
+from hjsolve.reports.sections.resonances import frequency_relations
 from hjsolve.reports.sections.system_and_verdict import formula
-
-_MOST = 12
-"""Largest whole number of a relation between frequencies that is looked for."""
 
 
 def chart_section(chart: Chart, motion: Motion | None = None) -> Section:
@@ -34,7 +30,7 @@ def chart_section(chart: Chart, motion: Motion | None = None) -> Section:
     ]
     if chart.remark:
         blocks.append(Note((chart.remark,)))
-    relations = () if motion is None or chart.independent <= len(chart.coordinates) else _relations(motion)
+    relations = () if motion is None or chart.independent <= len(chart.coordinates) else frequency_relations(motion)
     if relations:
         blocks.append(Paragraph((f"Of this motion, to all digits known: {', '.join(relations)}.",)))
     blocks.append(
@@ -46,17 +42,3 @@ def chart_section(chart: Chart, motion: Motion | None = None) -> Section:
         )
     )
     return Section("chart", f"Coordinates found: {chart.kind}", tuple(blocks))
-
-
-def _relations(motion: Motion) -> tuple[str, ...]:
-    """Relations k Ω = l Ω′ between the frequencies that hold within their errors, k and l the smallest ones."""
-    found = []
-    for (one, a), (other, b) in combinations(motion.frequencies.items(), 2):
-        pairs = ((k, n - k) for n in range(2, 2 * _MOST + 1) for k in range(max(1, n - _MOST), min(_MOST, n - 1) + 1))
-        for k, m in pairs:
-            off = abs(k * abs(float(a.value)) - m * abs(float(b.value)))
-            if off <= k * float(a.error) + m * float(b.error):
-                left, right = (f"{n} " if n > 1 else "" for n in (k, m))
-                found.append(f"{left}Ω_{one} = {right}Ω_{other}")
-                break
-    return tuple(found)
