@@ -265,18 +265,44 @@ def _others(count: int) -> Iterator[tuple[str, Call, int]]:
     )  # speeds of 1.2 times the speed of escape
     for number in (40, 4000):
         yield "unbounded, actions", our_call(stars.galaxy(), stars.prolate(rows[:number]), want="actions"), number
-    kerr, n = hjsolve.solve(hjsolve.catalog.load("kerr")), min(count, 2000)
-    r, spin = rng.uniform(8, 14, n), rng.uniform(2.9, 3.6, n)
-    q = {"t": 0.0, "r": r, "theta": np.full(n, np.pi / 2), "phi": 0.0}
-    Δ = r**2 - 2 * r + 0.81
-    E = np.sqrt((1 - 2 / r) * (1 + spin**2 / r**2))
-    p = {"t": -E, "r": 0.02 * rng.normal(size=n) * r**2 / Δ, "theta": rng.uniform(0.3, 1.5, n), "phi": spin}
+    kerr, n = hjsolve.solve(hjsolve.catalog.load("kerr")), min(count, 20_000)
     how = {"parameters": {"a": "9/10"}, "want": "frequencies", "threads": 1, "fallback": False}
-    for engine, compiled in (("numpy", False), ("compiled", True)):
-        call = partial(hjsolve.ensemble, kerr, q, p, compiled=compiled, **how)
-        yield f"Kerr (a = 0.9), frequencies, {engine}", call, n
+    for family, (q, p) in (("", _about_kerr(rng, n)), (" next to the separatrix", _about_kerr(rng, n, barely=True))):
+        for engine, compiled in (("numpy", False), ("compiled", True)):
+            call = partial(hjsolve.ensemble, kerr, q, p, compiled=compiled, **how)
+            yield f"Kerr (a = 0.9){family}, frequencies, {engine}", call, n
     for name, potential in PROFILES.items():
         yield f"{name}, frequencies", _in_a_disc(potential), 200
+
+
+def _about_kerr(rng: np.random.Generator, n: int, *, barely: bool = False) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Starts of bound orbits about a black hole of spin 0.9, in the equator; some only just bound away from it.
+
+    E of a turning point r of given L and Q solves R(r) = 0, R of Carter (1968); the separatrix has that of the barrier.
+    """
+    a, r, L = 0.9, rng.uniform(8, 14, n), rng.uniform(2.9, 3.6, n)
+    upward = rng.uniform(0.3, 1.5, n)
+
+    def turning(r: Any, L: Any, Q: Any) -> Any:
+        Δ = r**2 - 2 * r + a**2
+        square, twice = (r**2 + a**2) ** 2 - a**2 * Δ, 2 * a * L * r
+        return (twice + np.sqrt(twice**2 - square * (a**2 * L**2 - Δ * (r**2 + L**2 + Q)))) / square
+
+    Δ = r**2 - 2 * r + a**2
+    if barely:  # the innermost stable circle has r = 2.32, L = 2.1; unbound orbits go over barriers of L > 2.63
+        L, upward = rng.uniform(2.25, 2.5, n), rng.uniform(0.1, 0.4, n)
+        barrier = turning(np.linspace(1.45, 2.3, 1000)[:, None], L, upward**2).max(axis=0)
+        places = np.linspace(2.3, 12.0, 1000)[:, None]
+        r = places[turning(places, L, upward**2).argmin(axis=0), 0]
+        E, Δ = barrier * (1 - 10 ** rng.uniform(-8, -4, n)), r**2 - 2 * r + a**2
+        R = (E * (r**2 + a**2) - a * L) ** 2 - Δ * (r**2 + (L - a * E) ** 2 + upward**2)
+        keep = (R > 0) & (E < 1)
+        r, L, upward, E, R, Δ = (x[keep] for x in (r, L, upward, E, R, Δ))
+        pr = np.sqrt(R) / Δ
+    else:
+        E, pr = np.sqrt((1 - 2 / r) * (1 + L**2 / r**2)), 0.02 * rng.normal(size=n) * r**2 / Δ
+    q = {"t": 0.0, "r": r, "theta": np.full(len(r), np.pi / 2), "phi": 0.0}
+    return q, {"t": -E, "r": pr, "theta": upward, "phi": L}
 
 
 PROFILES = {

@@ -144,7 +144,7 @@ class CompiledCoordinate:
         places, bends, work, distances = np.empty((2, n)), np.empty((2, 2, n)), np.empty((5, n)), []
         for upper, view in enumerate((self.programs.below, self.programs.above)):
             walk = self._walk(upper, known)
-            self.loops.ends(view.value, view.bend, view.slopes, walk, places[upper], bends[upper], work)
+            self.loops.ends(view.bend, view.slopes, walk, places[upper], bends[upper], work)
             distances.append(walk.side * (places[upper] - walk.start))
         below, above = sides(self.coordinate)
         width = distances[0] + distances[1]

@@ -19,6 +19,7 @@ from hjsolve.ensembles.engine.elementary import INLINED
 _SWEEPS = 5
 _STEPS = 110
 _STRIDE = 0.2
+_HALVINGS = 40
 _FIXED = 40
 _ALIKE = 2.0
 _FAR = 0.5
@@ -65,18 +66,38 @@ def _first_step(P: float, outward: float, bend: float, size: float) -> float:
 
 
 @njit(**INLINED)
-def _bracket(value: Value, walk: SearchSide, x0: float, step: float, c: Reals) -> tuple[float, float]:
+def _below_zero(bend: Bend, side: float, near: float, far: float, c: Reals) -> float:
+    """A place with F < 0 in a valley of F, by bisection of F′; NaN where there is none."""
+    for _ in range(_HALVINGS):
+        x = 0.5 * (near + far)
+        f, slope, _ = bend(x, c)
+        if f < 0.0:
+            return x
+        if side * slope < 0.0:
+            near = x
+        else:
+            far = x
+    return np.nan
+
+
+@njit(**INLINED)
+def _bracket(bend: Bend, walk: SearchSide, x0: float, step: float, c: Reals) -> tuple[float, float]:
     """SearchSide outward: the last place with F ≥ 0 and the first with F < 0; see ``turning_points.bracket``."""
     inner, side, floor = x0, walk.side, walk.floor
+    falling = True  # also from the top of F, where F′ is what rounding leaves
     for _ in range(_STEPS):
         x = inner + side * step
         if side * (x - floor) > -0.25 * side * (floor - inner):
             x = floor + 0.25 * (inner - floor)
-        f = value(x, c)
+        f, slope, _ = bend(x, c)
         if f < 0.0:
             return inner, x
         if f >= 0.0:
-            inner = x
+            if falling and side * slope > 0.0:
+                bottom = _below_zero(bend, side, inner, x, c)
+                if math.isfinite(bottom):
+                    return inner, bottom
+            inner, falling = x, side * slope < 0.0
             step = min(1.6 * step, _STRIDE) if math.isfinite(walk.reach) else 1.6 * step
             if abs(x - x0) > walk.reach:
                 break
@@ -86,12 +107,12 @@ def _bracket(value: Value, walk: SearchSide, x0: float, step: float, c: Reals) -
 
 
 @njit(**INLINED)
-def ends(value: Value, bend: Bend, slopes: Slopes, walk: SearchSide, places: Reals, bends: Reals,
+def ends(bend: Bend, slopes: Slopes, walk: SearchSide, places: Reals, bends: Reals,
          work: Reals) -> None:  # fmt: skip
     """Turning points on one side: brackets orbit by orbit, then Newton's method for all at once.
 
     Args:
-        value, bend, slopes: programs of the view.
+        bend, slopes: programs of the view.
         walk: the starts.
         places: where the results go, shape (n,); NaN where there is none.
         bends: F′ and ½F″ there, shape (2, n).
@@ -107,7 +128,7 @@ def ends(value: Value, bend: Bend, slopes: Slopes, walk: SearchSide, places: Rea
             size = min(abs(x0) if x0 != 0.0 else 1.0, side * (floor - x0))
             size = min(size, 0.2) if math.isfinite(walk.reach) else size
             step = _first_step(P, side * first, 0.5 * second, size)
-            inner[i], outer[i] = _bracket(value, walk, x0, step, c)
+            inner[i], outer[i] = _bracket(bend, walk, x0, step, c)
     for i in range(n):
         places[i] = outer[i]
     for _ in range(_SWEEPS):

@@ -36,7 +36,7 @@ _MADE = 64
 
 _LOOPS = {
     "crests": (("bend", "uncertainties"), 5),
-    "ends": (("value", "bend", "slopes"), 4),
+    "ends": (("bend", "slopes"), 4),
     "small_ends": (("value", "bounds"), 6),
     "glances": ((), 7),
     "integrals": (("fill", "fill", "uncertainties", "uncertainties", "relative", "relative"), 6),

@@ -192,7 +192,7 @@ def _near(group: Group) -> LocatedRegions:
 
 def _end(
     view: View, start: Reals, P: Reals, outward: Reals, bend: Reals, side: int, size: Reals, floor: Reals,
-    reach: float = np.inf,
+    reach: float = np.inf, careful: bool = False,
 ) -> Reals:  # fmt: skip
     """Offset of the turning point on one side; ``side`` and ``outward`` in terms of the view's offset."""
     step = first_step(P, outward, bend, size)
@@ -216,7 +216,12 @@ def _end(
     def value(x: Reals, index: Integers) -> Reals:
         return view.take(index).value(x)
 
-    inner, outer = bracket(value, moved, step, side, floor=floor, reach=reach)
+    def slope(x: Reals, index: Integers) -> Reals:
+        some = view.take(index)
+        assert not isinstance(some, DifferenceEvaluation)
+        return some.jet(x)[1]
+
+    inner, outer = bracket(value, moved, step, side, floor=floor, reach=reach, slope=slope if careful else None)
     away = np.flatnonzero(inner != moved)
     below[away] = np.maximum(value(inner[away], away), 5e-324) if len(away) else below[away]
     return refine(value, inner, outer, below)
@@ -281,7 +286,7 @@ def _libration(group: Group) -> LocatedRegions:
         size = np.minimum(length, distance)
         reach = 2 * np.pi if coordinate.periodic else np.inf
         size = np.minimum(size, 0.2) if coordinate.periodic else size
-        end = _end(view, start, P, side * first, bend, step_side, size, floor, reach)
+        end = _end(view, start, P, side * first, bend, step_side, size, floor, reach, careful=group.depth > 0)
         end = np.where(step_side * (end - floor) < 0, end, np.nan)  # a start that rounds to the end of the domain
         seen.append((view, start, end, step_side * (end - start)))
     (below, _, lower, left), (above, _, upper, right) = seen

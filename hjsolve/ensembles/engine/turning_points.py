@@ -2,8 +2,8 @@
 
 Chandrupatla, Advances in Engineering Software 28 (1997) 145: inverse quadratic steps where they are safe, bisection
 elsewhere, so a sign change is never lost. Which sign change it is cannot be proved in doubles: a pair of zeros between
-two trials goes unseen. It leaves a place where p² < 0, or a function with a kink, between the turning points, and the
-quadrature refuses those (``midpoint_rule``).
+two trials goes unseen, if F does not fall at the one and rise at the other. It leaves a place where p² < 0, or a
+function with a kink, between the turning points, and the quadrature refuses those (``midpoint_rule``).
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ Function = Callable[[Reals, Integers], Reals]
 
 _STEPS = 110
 _STRIDE = 0.2
+_HALVINGS = 40
 
 
 def first_step(momentum: Reals, slope: Reals, bend: Reals, size: Reals) -> Reals:
@@ -41,8 +42,9 @@ def first_step(momentum: Reals, slope: Reals, bend: Reals, size: Reals) -> Reals
 
 
 def bracket(
-    function: Function, start: Reals, step: Reals, side: int, *, floor: Reals, reach: float
-) -> tuple[Reals, Reals]:
+    function: Function, start: Reals, step: Reals, side: int, *, floor: Reals, reach: float,
+    slope: Function | None = None,
+) -> tuple[Reals, Reals]:  # fmt: skip
     """Walk from the start until F < 0.
 
     Args:
@@ -52,18 +54,27 @@ def bracket(
         side: +1 or −1.
         floor: an end of the domain that x may come near to only in ever smaller steps, shape (n,); infinite for none.
         reach: longest distance to walk.
+        slope: F′; where it is given, a valley between two trials is looked into.
 
     Returns:
         The last place with F ≥ 0 and the first with F < 0; NaN where there was none.
     """
     inner, outer, step = start.copy(), np.full(start.shape, np.nan), step.copy()
     index = np.arange(len(start))
+    falling = np.ones(len(start), dtype=bool)  # also from the top of F, where F′ is what rounding leaves
     for _ in range(_STEPS):
         x = inner[index] + side * step[index]
         x = kept_inside(x, inner[index], floor[index])
         f = function(x, index)
         negative = f < 0
         outer[index[negative]] = x[negative]
+        if slope is not None:
+            steep = side * slope(x, index)
+            some = np.flatnonzero((f >= 0) & falling[index] & (steep > 0))
+            bottom = _below_zero(function, slope, inner[index[some]], x[some], index[some], side)
+            outer[index[some]] = bottom
+            falling[index] = steep < 0
+            f[some[np.isfinite(bottom)]] = -1.0
         lost = ~np.isfinite(f)
         step[index[lost]] *= 0.25
         onward = (f >= 0) & (np.abs(x - start[index]) < reach)
@@ -73,6 +84,22 @@ def bracket(
         if not len(index):
             break
     return inner, outer
+
+
+def _below_zero(function: Function, slope: Function, near: Reals, far: Reals, index: Integers, side: int) -> Reals:
+    """Places with F < 0 in valleys of F, by bisection of F′; NaN where there are none."""
+    found, near, far = np.full(len(near), np.nan), near.copy(), far.copy()
+    left = np.arange(len(near))
+    for _ in range(_HALVINGS):
+        if not len(left):
+            break
+        x = 0.5 * (near[left] + far[left])
+        below = function(x, index[left]) < 0
+        found[left[below]] = x[below]
+        down = side * slope(x, index[left]) < 0
+        near[left[down]], far[left[~down]] = x[down], x[~down]
+        left = left[~below]
+    return found
 
 
 def kept_inside(x: Reals, inner: Reals, floor: Reals) -> Reals:
