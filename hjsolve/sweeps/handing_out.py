@@ -55,7 +55,7 @@ class _Future(Protocol):
 
     @property
     def key(self) -> str: ...
-    def result(self) -> Columns | UnfitWorker: ...
+    def result(self, timeout: float) -> Columns | UnfitWorker: ...
     def cancel(self) -> object: ...
     def add_done_callback(self, call: Callable[[_Future], object], /) -> None: ...
 
@@ -102,6 +102,7 @@ class HandingOut:
         self._done: queue.SimpleQueue[_Future] = queue.SimpleQueue()
         self._unfit: dict[str, str] = {}
         self._stuck: dict[int, int] = {}
+        self._patience: dict[str, float] = {}
         self._took: deque[float] = deque(maxlen=_RECENT)
         self._alone_since: float | None = None
 
@@ -128,8 +129,14 @@ class HandingOut:
             return
         held = self._held[number]
         del held.futures[future.key]
+        patience = self._patience.pop(future.key, _LOOK)
         try:
-            columns = future.result()
+            columns = future.result(timeout=patience)
+        except TimeoutError:  # its worker is gone since, with what it had, or the way here is slow
+            self._owner[future.key], held.futures[future.key] = number, future
+            self._patience[future.key] = 2 * patience
+            self._look_around()
+            self._done.put(future)
         except MemoryError:  # not in our call: the starts did not fit
             self._stuck[number] = self._stuck.get(number, 0) + 1
             self._again(held)
