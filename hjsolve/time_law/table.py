@@ -54,6 +54,11 @@ class InterpolationTable:
         places = np.linspace(self.edges[0], self.edges[-1], _CELLS * (len(self.edges) - 1) + 1)
         return np.clip(np.searchsorted(self.edges, places, side="right") - 1, 0, len(self.edges) - 2)
 
+    @cached_property
+    def by_panel(self) -> tuple[Reals, ...]:
+        """For each quantity its coefficients, those of a panel side by side; shape (panels, degree + 1)."""
+        return tuple(np.ascontiguousarray(rows.T) for rows in self.coefficients)
+
     def panels(self, u: Reals) -> Integers:
         """Return the panel of each argument (not negative where the table is folded).
 
@@ -104,8 +109,7 @@ class InterpolationTable:
         if compiled := kernels(len(θ)):
             for quantity, result in zip(quantities, results, strict=True):
                 parity = 0 if not self.even else 1 if self.even[quantity] else -1
-                rows = np.ascontiguousarray(self.coefficients[quantity].T)
-                compiled.look_up(θ, self.edges, self.guide, rows, parity, result)
+                compiled.look_up(θ, self.edges, self.guide, self.by_panel[quantity], parity, result)
             return results
         for begin in range(0, len(θ), CHUNK):
             part = slice(begin, begin + CHUNK)

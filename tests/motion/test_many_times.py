@@ -1,0 +1,61 @@
+"""Many times at once are read from a table in blocks: the same bits as a few at a time, whatever has ended meanwhile."""
+
+import numpy as np
+import pytest
+
+import hjsolve
+from hjsolve.errors import InvalidInputError
+
+FEW, MANY = 5_000, 70_001
+"""Both are read from the table; only the second takes more than one block."""
+
+
+def ellipse():
+    kepler = hjsolve.solve(hjsolve.catalog.load("kepler-planar"))
+    return kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": 1.2}, t0="1/3"), 300.0
+
+
+def rotating_pendulum():
+    pendulum = hjsolve.solve(hjsolve.catalog.load("pendulum"))
+    return pendulum.motion(q={"theta": 0}, velocity={"theta": 5}), 300.0
+
+
+def thrown_out_of_its_domain():
+    return hjsolve.solve(hjsolve.System({"x": "0 < x"}, "dot(x)**2/2", "x")).motion(q={"x": 1}, velocity={"x": 1}), 5.0
+
+
+@pytest.mark.parametrize("make", [ellipse, rotating_pendulum, thrown_out_of_its_domain])
+def test_blocks_change_no_bit(make):
+    motion, reach = make()
+    times = np.random.default_rng(7).uniform(-reach, reach, MANY)
+    whole = motion.at(times)
+    parts = [motion.at(times[begin : begin + FEW]) for begin in range(0, MANY, FEW)]
+    parts[-1] = motion.at(times[-FEW:])
+    for group in ("q", "p", "velocity", "turns"):
+        for name, values in getattr(whole, group).items():
+            first = np.concatenate([getattr(part, group)[name] for part in parts[:-1]])
+            assert np.array_equal(values[: len(first)], first, equal_nan=True), (group, name)
+            assert np.array_equal(values[-FEW:], getattr(parts[-1], group)[name], equal_nan=True), (group, name)
+    assert list(whole.status[-FEW:]) == list(parts[-1].status)
+
+
+def test_what_has_ended_is_told_among_many():
+    motion, _ = thrown_out_of_its_domain()
+    times = np.linspace(-4, 4, MANY)
+    state = motion.at(times)
+    end, begin = 1 + np.sqrt(3), 1 - np.sqrt(3)
+    inside = (times > begin) & (times < end)
+    assert np.array_equal(state.status == "ok", inside)
+    assert set(state.status[~inside]) == {"reaches_boundary"}
+    assert np.array_equal(np.isnan(state.q["x"]), ~inside)
+    exact = 1 + times - times**2 / 2
+    assert np.all(np.abs(state.q["x"] - exact)[inside] <= state.error.q["x"][inside])
+
+
+def test_one_time_too_long_among_many_is_refused():
+    motion, _ = ellipse()
+    for far in (1e291, 1e20):
+        times = np.linspace(0, 1, MANY)
+        times[MANY // 2] = far
+        with pytest.raises(InvalidInputError, match="t: "):
+            motion.at(times)
