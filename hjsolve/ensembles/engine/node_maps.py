@@ -113,6 +113,7 @@ class NodeMaps:
         """Begin with the maps that stretch nothing, in the order of ``WARPS``."""
         self._lock = Lock()
         self._places: dict[NodeMap, int] = {}
+        self._by_kind = np.full((len(WARPS), 2 * MOST + 1, 2 * MOST + 1), -1, dtype=np.int64)
         self.tables, none = _shared_tables(), np.empty(0)
         self.strips = Strips(none, none, none, none, np.full((3, 0, len(COUNTS)), -1))
         self._add([NodeMap(node_map) for node_map in range(len(WARPS))])
@@ -123,24 +124,28 @@ class NodeMaps:
         Args:
             maps: as ``fitting`` returns them.
         """
-        with self._lock:
-            kinds, back = np.unique(maps, axis=0, return_inverse=True)
-            keys = [NodeMap(*map(int, kind)) for kind in kinds]
-            fresh = [key for key in keys if key not in self._places]
-            if fresh:
-                self._add(fresh)
-            return np.array([self._places[key] for key in keys], dtype=np.int64)[back.reshape(-1)]
+        kinds = tuple(maps.T)
+        places = self._by_kind[kinds]
+        if (places < 0).any():
+            with self._lock:
+                wanted = [NodeMap(*map(int, kind)) for kind in np.unique(maps[places < 0], axis=0)]
+                self._add([key for key in wanted if key not in self._places])
+            places = self._by_kind[kinds]
+        return places
 
     def _add(self, keys: list[NodeMap]) -> None:
+        if not keys:
+            return
         rows = [_rows(key) for key in keys]
         grown = {name: _joined(getattr(self.tables, name), np.stack([row[name] for row in rows])) for name in rows[0]}
         self.tables = self.tables._replace(**grown)
         begin = len(self._places)
-        self._places |= {key: begin + k for k, key in enumerate(keys)}
         shape = (len(keys), len(COUNTS))
         plain = [[across(n, WARPS[k.node_map], k.symmetry) if k.level == 0 else np.inf for n in COUNTS] for k in keys]
         counts = np.concatenate([self.strips.counts, np.full((3, *shape), -1)], axis=1)
         self.strips = self.strips._replace(enough=_joined(self.strips.enough, np.array(plain)), counts=counts)
+        for k, key in enumerate(keys):  # last, for whoever looks without the lock
+            self._places[key] = self._by_kind[key] = begin + k
 
     def cover(self, map_: int, size: int) -> None:
         """Work out the disks over the strip of a map and a size, where that was not done yet.
