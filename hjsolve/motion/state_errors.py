@@ -26,6 +26,8 @@ _LEAST = 2.0**-1074
 """The smallest double: what is too small for doubles is not exactly zero."""
 _TABLE = 1e-14
 """Relative accuracy of a table, above the phases' own."""
+_ANGLE = 5e-15
+"""The same of an angle that is put together from a table and an even growth, above the size of π and its own."""
 
 
 def errors_of_state(
@@ -161,7 +163,7 @@ def table_errors(
     for c, force in zip(system.coordinates, forces, strict=True):
         index = 0 if c.name == separated else table.waves[c.name][0]
         inner = _TABLE * table.table.sizes(index, θ)
-        inner = inner if c.name == separated else np.maximum(inner, _TABLE * (np.pi + np.abs(q[c.name])))
+        inner = inner if c.name == separated else np.maximum(inner, _ANGLE * (np.pi + np.abs(q[c.name])))
         dq[c.name] = np.abs(v[c.name]) * delay + inner
         own = _TABLE * table.table.sizes(1, θ) if c.name == separated else 2 * EPS * np.abs(p[c.name])
         moved, shift = _shifted(motion, c.name, q)

@@ -55,13 +55,12 @@ def state_from_table(
         InvalidInputError: a time too long for two doubles.
     """
     start = to_bits(motion.t0)
-    elapsed = None if floats is not None else halves(relative_exact(exact, start, 256))
-    given = floats if floats is not None else np.arange(len(exact))
-    if floats is not None:
-        extremes = relative(np.array([floats.min(), floats.max()]) if len(floats) else floats, start)
+    if floats is None:
+        times = TableTimes(motion, len(exact), None, halves(relative_exact(exact, start, 256)))
+        extremes = times.elapsed
     else:
-        assert elapsed is not None
-        extremes = elapsed
+        times = TableTimes(motion, len(floats), floats)
+        extremes = relative(np.array([floats.min(), floats.max()]) if len(floats) else floats, start)
     within_doubles(extremes)
     table = dense_output(
         motion, 2 * max(-float(np.min(extremes[0], initial=0.0)), float(np.max(extremes[0], initial=1e-290)))
@@ -70,7 +69,7 @@ def state_from_table(
         return None
     _, whole, ended = table.argument(motion, extremes)
     whole_numbers(whole)
-    return _state(motion, table, t, TableTimes(motion, table, given, elapsed), bool(ended.any()), shape)
+    return _state(motion, table, t, times, bool(ended.any()), shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,46 +78,40 @@ class TableTimes:
 
     Attributes:
         motion: the motion.
-        table: its table.
-        given: times as doubles, shape (m,); only their number counts where ``known`` is there.
-        known: t − t₀ as two doubles, shape (m,), where the times are no doubles.
+        size: how many they are.
+        given: t, shape (m,); None where they are no doubles.
+        known: t − t₀ as two doubles, shape (m,), where they are none.
     """
 
     motion: SeparatedMotion
-    table: DenseOutput
-    given: Numbers
-    known: tuple[Reals, Reals] | None
+    size: int
+    given: Reals | None
+    known: tuple[Reals, Reals] | None = None
 
     def _within(self, part: slice) -> tuple[Reals, Reals]:
-        if self.known is not None:
-            return self.known[0][part], self.known[1][part]
-        return relative(self.given[part], to_bits(self.motion.t0))
+        if self.given is not None:
+            return relative(self.given[part], to_bits(self.motion.t0))
+        assert self.known is not None
+        return self.known[0][part], self.known[1][part]
 
     @cached_property
     def elapsed(self) -> tuple[Reals, Reals]:
         """Times after t₀ as two doubles, shape (m,)."""
         return self._within(slice(None))
 
-    @cached_property
-    def arguments(self) -> tuple[Reals, Reals, Mask]:
-        """Arguments of the table, whole turns, and where the motion has ended; shape (m,)."""
-        return self.table.argument(self.motion, self.elapsed)
-
-    def values(self, quantity: int) -> Reals:
-        """Return a quantity of the table, shape (m,).
+    def values(self, table: DenseOutput, quantity: int) -> Reals:
+        """Return a quantity of a table, shape (m,).
 
         Args:
+            table: of the motion.
             quantity: its position in the table.
         """
-        table = self.table.table
-        if "arguments" in self.__dict__:
-            return table.evaluate([quantity], self.arguments[0])[0]
-        result = np.empty(len(self.given))
-        kernels(len(result))  # what decides whether numba is worth loading is all of them, not a block
-        for begin in range(0, len(result), _BLOCK):
+        result = np.empty(self.size)
+        kernels(self.size)  # what decides whether numba is worth loading is all of them, not a block
+        for begin in range(0, self.size, _BLOCK):
             part = slice(begin, begin + _BLOCK)
-            θ, _, _ = self.table.argument(self.motion, self._within(part))
-            result[part] = table.evaluate([quantity], θ)[0]
+            θ, _, _ = table.argument(self.motion, self._within(part))
+            result[part] = table.table.evaluate([quantity], θ)[0]
         return result
 
 
@@ -130,19 +123,24 @@ def _state(
     angles = tuple(c.name for c in system.coordinates if c.domain.kind == "angle")
     names = tuple(c.name for c in system.coordinates)
 
+    @cache
+    def arguments() -> tuple[Reals, Reals, Mask]:
+        """Arguments of the table, whole turns, and where the motion has ended."""
+        return table.argument(motion, times.elapsed)
+
     def beyond_the_end(values: Numbers) -> Numbers:
-        return np.where(times.arguments[2], np.nan, values) if ends else values
+        return np.where(arguments()[2], np.nan, values) if ends else values
 
     def place(name: str) -> tuple[Numbers, Numbers]:
         """A coordinate in its principal value, and the whole turns of an angle."""
         value: Numbers
         count: Numbers
         if name == separated:
-            course, whole = motion.located[name].course, times.arguments[1]
-            value, count = times.values(0), course.direction * whole if course.rotates else 0.0 * whole
+            course, whole = motion.located[name].course, arguments()[1]
+            value, count = times.values(table, 0), course.direction * whole if course.rotates else 0.0 * whole
         else:
             index, begin = table.waves[name]
-            wave = times.values(index) - begin
+            wave = times.values(table, index) - begin
             coordinate = system.coordinate(name)
             gauge = gauge_angle(motion, coordinate.momentum, q) if motion.solution.shift_potential != 0 else 0.0
             rate = 0 if motion.torus is None else mean_rate(motion.torus, constant_index(motion, name))
@@ -157,12 +155,12 @@ def _state(
     places = OnDemand(names, place)
 
     def position(name: str) -> Numbers:
-        return beyond_the_end(times.values(0)) if name == separated and name not in angles else places[name][0]
+        return beyond_the_end(times.values(table, 0)) if name == separated and name not in angles else places[name][0]
 
     q = OnDemand(names, position)
 
     def momentum(name: str) -> Numbers:
-        shell = {separated: times.values(1)} if name == separated else {}
+        shell = {separated: times.values(table, 1)} if name == separated else {}
         return canonical_momenta(motion, q, shell, [name])[name]
 
     p = OnDemand(names, momentum)
@@ -171,7 +169,7 @@ def _state(
         value = evaluate_along(motion, (velocities(system)[name],), q, p)[0]
         if table.ends is None or not sharp().any():
             return value
-        near = times.arguments[0][sharp()]
+        near = arguments()[0][sharp()]
         return velocities_from_pairs(motion, *table.places(motion, near), q, {name: value}, sharp())[name]
 
     @cache
@@ -179,7 +177,7 @@ def _state(
         return badly_rounded(motion, q, p)
 
     def errors() -> Errors:
-        groups = table_errors(motion, table, times.arguments[0], q, p, v, None if table.ends is None else sharp())
+        groups = table_errors(motion, table, arguments()[0], q, p, v, None if table.ends is None else sharp())
         return Errors(*({n: shaped(values, shape) for n, values in group.items()} for group in groups))
 
     def view(source: Mapping[str, Numbers], chosen: tuple[str, ...]) -> OnDemand[AtTimes]:
@@ -188,7 +186,7 @@ def _state(
     counts = OnDemand(angles, lambda name: shaped(whole_numbers(places[name][1]), shape))
     v = OnDemand(names, velocity)
     if ends:
-        status = end_statuses(motion, times.elapsed, times.arguments[2])
+        status = end_statuses(motion, times.elapsed, arguments()[2])
     else:
-        status = np.broadcast_to(np.array("ok"), (len(times.given),))
+        status = np.broadcast_to(np.array("ok"), (times.size,))
     return State(t, view(q, names), view(p, names), view(v, names), counts, shaped(status, shape), errors)
