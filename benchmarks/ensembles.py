@@ -267,7 +267,7 @@ def _others(count: int) -> Iterator[tuple[str, Call, int]]:
         yield "unbounded, actions", our_call(stars.galaxy(), stars.prolate(rows[:number]), want="actions"), number
     kerr, n = hjsolve.solve(hjsolve.catalog.load("kerr")), min(count, 20_000)
     how = {"parameters": {"a": "9/10"}, "want": "frequencies", "threads": 1, "fallback": False}
-    for family, (q, p) in (("", _about_kerr(rng, n)), (" next to the separatrix", _about_kerr(rng, n, barely=True))):
+    for family, (q, p) in (("", about_kerr(rng, n)), (" next to the separatrix", about_kerr(rng, n, barely=True))):
         for engine, compiled in (("numpy", False), ("compiled", True)):
             call = partial(hjsolve.ensemble, kerr, q, p, compiled=compiled, **how)
             yield f"Kerr (a = 0.9){family}, frequencies, {engine}", call, n
@@ -275,7 +275,7 @@ def _others(count: int) -> Iterator[tuple[str, Call, int]]:
         yield f"{name}, frequencies", _in_a_disc(potential), 200
 
 
-def _about_kerr(rng: np.random.Generator, n: int, *, barely: bool = False) -> tuple[dict[str, Any], dict[str, Any]]:
+def about_kerr(rng: np.random.Generator, n: int, *, barely: bool = False) -> tuple[dict[str, Any], dict[str, Any]]:
     """Starts of bound orbits about a black hole of spin 0.9, in the equator; some only just bound away from it.
 
     E of a turning point r of given L and Q solves R(r) = 0, R of Carter (1968); the separatrix has that of the barrier.

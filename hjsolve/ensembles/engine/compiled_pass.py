@@ -8,37 +8,38 @@ seen from the start, by second differences. The constants are known to 32 digits
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.double_double import DoubleDouble
+from hjsolve.arithmetic.error_free import Pair, two_sum
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.clearance import Clearance
-from hjsolve.ensembles.engine.compiled_types import Clearances, Modes, Motions, Results, scratch
+from hjsolve.ensembles.engine.compiled_resolution import ResolutionProof, least_at_a_glance
+from hjsolve.ensembles.engine.compiled_types import Modes, Motions, Results, scratch
 from hjsolve.ensembles.engine.constants import InitialConstants, momentum_errors
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
 from hjsolve.ensembles.engine.node_maps import COUNTS, fitting, node_maps, views
 from hjsolve.ensembles.engine.nodes import EVEN, WARPS
-from hjsolve.ensembles.engine.programs import Compiled, CoordinatePrograms, Loops, sides
+from hjsolve.ensembles.engine.programs import Compiled, CoordinatePrograms, ExactPrograms, Loops, sides
 from hjsolve.ensembles.engine.radicand_views import Knowns
 from hjsolve.ensembles.engine.regions import has_slopes, offset
-from hjsolve.ensembles.engine.resolution import room
 from hjsolve.ensembles.engine.starts import Starts
-
-_NOT_COVERED, _UNTOLD = -3, -2
-_FIRST = 64
-"""Orbits for which a table of clearances is filled before the others are looked at again."""
 
 _NEAR = 3.0
 _STRETCHED = 16.0
 """(1 + ρ_d)(1 + ρ_c) from which on nodes are stretched; below, crowded ones do as well."""
 
-_NARROW = 0.03
-_ALONG = np.linspace(-0.5, 0.5, 5)
-_HELD = COUNTS.index(40)
-"""Size of the tables for which a small motion gets a disk of its own."""
+_NEWTON = 4
+_STANDING = 2.0**-60
+"""Last step of Newton's method, over the distance of the zero of p² next to it, with which a turning point is known.
+
+What is left of it does as many times that to an integral as there are nodes.
+"""
+
+_SMALL = 5e-13
+"""Relative errors up to which an integral stays as it is, where others are made better."""
 
 
 def begin_compiled(model: Model, made: Compiled, starts: Starts) -> InitialConstants:
@@ -140,6 +141,48 @@ class CompiledCoordinate:
         Args:
             modes: what is wanted.
         """
+        motions, ends = self._between()
+        programs = self.programs.below, self.programs.above
+        sums = self._resolved(motions, motions, modes, programs)
+        again = np.flatnonzero(~sums.good & (motions.width > 0) & ~ends.even)
+        if len(again):  # a zero and a pole beyond an end may hide each other: both ends as if they were like the worse
+            first, share = ends.take(again).maps(motions.width[again], alike=True)
+            part = _taken(motions, again)._replace(first=first, share=share)
+            sums.put(again, self._resolved(part, part, modes, programs))
+        return sums
+
+    def exactly(self, modes: Modes) -> Sums:
+        """Integrate the same with p² to 32 digits, next to turning points to 32 digits: for close zeros of p².
+
+        Args:
+            modes: what is wanted; ``chords`` and ``shifts`` are not looked at.
+        """
+        placed, ends = self._between()
+        programs, C = self.programs.exact(), np.concatenate([self.constants, self.low])
+        bases, distances, bends = [], [], ends.bends.copy()
+        for k, (formula, x) in enumerate(zip(sides(self.coordinate), (placed.lower, placed.upper), strict=True)):
+            base, slope, step = _refined(programs[k], x, C)
+            s, e = two_sum(self.q, -formula.origin.high)
+            here = Pair(formula.sign * s, formula.sign * (e - formula.origin.low))
+            with np.errstate(invalid="ignore"):
+                scale = np.fmin(placed.width, np.abs(slope / bends[k, 1]))
+                known = (np.abs(step) <= _STANDING * scale) & (slope * bends[k, 0] > 0)
+                distances.append(np.where(known, np.abs(DoubleDouble().sub(here, base).high), np.nan))
+            bases += [base.high, base.low]
+            bends[k, 0] = slope
+        left, right = distances
+        first, share = ends._replace(bends=bends).maps(left + right)
+        lost = np.maximum(self.uncertainty - np.abs(self.low), 0.0) * 2.0**44  # by doubles, of the constants
+        motions = placed._replace(
+            left=left, right=right, width=left + right, lower=0.0 * left, upper=0.0 * right, first=first, share=share,
+            known=np.ascontiguousarray(np.stack([*C, *bases], axis=1)),
+            uncertainty=np.ascontiguousarray((self.uncertainty + lost).T),
+        )  # fmt: skip
+        placed = placed._replace(width=motions.width, first=first, share=share)
+        return self._resolved(motions, placed, modes._replace(chords=False, shifts=False), programs)
+
+    def _between(self) -> tuple[Motions, _Ends]:
+        """The motions between their turning points, in doubles."""
         known, n = np.ascontiguousarray(self.constants.T), len(self.q)
         places, bends, work, distances = np.empty((2, n)), np.empty((2, 2, n)), np.empty((5, n)), []
         for upper, view in enumerate((self.programs.below, self.programs.above)):
@@ -149,33 +192,26 @@ class CompiledCoordinate:
         below, above = sides(self.coordinate)
         width = distances[0] + distances[1]
         even = self.coordinate.even & (np.abs(distances[0] - distances[1] - 2 * self.q) <= 1e-13 * width)
-        signs = np.array([float(below.sign), -float(above.sign)])
-        nearby, slopes = _nearby(width, bends, signs), (bends[0, 0], bends[1, 0])
-        first, share = _maps(nearby, slopes, even)
+        ends = _Ends(bends, np.array([float(below.sign), -float(above.sign)]), even)
+        first, share = ends.maps(width)
         motions = Motions(
             momentum=self.P, left=distances[0], right=distances[1], width=width, lower=places[0], upper=places[1],
-            signs=signs, known=known, uncertainty=np.ascontiguousarray(self.uncertainty.T), first=first,
+            signs=ends.signs, known=known, uncertainty=np.ascontiguousarray(self.uncertainty.T), first=first,
             least=np.zeros(n, dtype=np.int64), share=share,
         )  # fmt: skip
-        sums = self._resolved(motions, modes)
-        again = np.flatnonzero(~sums.good & (width > 0) & ~even)
-        if len(again):  # a zero and a pole beyond an end may hide each other: both ends as if they were like the worse
-            largest = np.maximum(*nearby)[again]
-            first, share = _maps((largest, largest), (slopes[0][again], slopes[1][again]), even[again])
-            sums.put(again, self._resolved(_taken(motions, again)._replace(first=first, share=share), modes))
-        return sums
+        return motions, ends
 
-    def _resolved(self, motions: Motions, modes: Modes) -> Sums:
-        """Integrate with as many nodes as are proved to resolve every motion."""
+    def _resolved(self, motions: Motions, placed: Motions, modes: Modes, programs: tuple[Any, Any]) -> Sums:
+        """Integrate with as many nodes as are proved to resolve every motion, which lies where ``placed`` says."""
         below, above = sides(self.coordinate)
-        proof, n = _Proof(self.loops, motions, below.clearance, above.clearance), len(motions.width)
+        proof, n = ResolutionProof(self.loops, placed, below.clearance, above.clearance), len(motions.width)
         span = np.stack([np.zeros(n, dtype=np.int64), np.full(n, len(COUNTS))])
         least = proof.least(np.arange(n), motions.first, span)
         if modes.oscillations:  # coefficients as they are, not nearly squared: never enough, of stretched maps by far
             most = len(COUNTS) - 1
             least = np.where(least < 0, least, np.minimum(least + np.where(motions.first < len(WARPS), 1, 2), most))
         motions.least[:] = least
-        sums, chosen = self._integrated(motions, modes, (self.programs.below, self.programs.above))
+        sums, chosen = self._integrated(motions, modes, programs)
         crowded = np.flatnonzero(sums.good & (chosen[1] != motions.first))
         if len(crowded):
             size, map_ = chosen[:, crowded]
@@ -219,7 +255,7 @@ class CompiledCoordinate:
         low, high = places
         width = high - low
         with np.errstate(invalid="ignore"):
-            least = _least_at_a_glance(plain.clearance, tuple(self.constants), self.q + 0.5 * (low + high), width)
+            least = least_at_a_glance(plain.clearance, tuple(self.constants), self.q + 0.5 * (low + high), width)
         motions = Motions(
             momentum=self.P, left=-low, right=high, width=width, lower=low, upper=high, signs=np.array([1.0, -1.0]),
             known=known, uncertainty=uncertainty, first=np.zeros(n, dtype=np.int64), least=least,
@@ -229,48 +265,54 @@ class CompiledCoordinate:
         if len(some):
             placed = motions._replace(lower=self.q + low, upper=self.q + high)
             span = np.stack([np.zeros(len(some), dtype=np.int64), np.full(len(some), len(COUNTS))])
-            proof = _Proof(self.loops, placed, plain.clearance, plain.clearance)
+            proof = ResolutionProof(self.loops, placed, plain.clearance, plain.clearance)
             least[some] = proof.least(some, motions.first[some], span)
         return self._integrated(motions, modes, (made, made))[0]
 
 
-def _least_at_a_glance(clearance: Clearance, constants: tuple[Reals, ...], middle: Reals, width: Reals) -> Integers:
-    """The first size that one disk about the middle of a motion proves to be enough, −1 for none."""
-    known = np.nan_to_num(room(clearance, middle, width), nan=-1.0)
-    enough = node_maps().strips.enough[0]
-    least = np.searchsorted(-enough, -known)
-    some = np.flatnonzero((least > _HELD) & (width < _NARROW * np.abs(middle)))
-    if len(some):  # cells are too large for it
-        x, W = middle[some, None], width[some, None]
-        chosen = tuple(c[some] for c in constants)
-        held = clearance.holds(chosen, x, 0.5 * enough[_HELD] * W, x + W * _ALONG)
-        least[some[held]] = _HELD
-    least[least == len(COUNTS)] = -1
-    return least
+class _Ends(NamedTuple):
+    """Turning points of n motions.
+
+    Attributes:
+        bends: F′ and ½F″ of the lower and of the upper one, shape (2, 2, n).
+        signs: how offsets grow away from them, shape (2,).
+        even: True where the motion is even about its middle.
+    """
+
+    bends: Reals
+    signs: Reals
+    even: Mask
+
+    def take(self, index: Integers) -> _Ends:
+        return _Ends(self.bends[..., index], self.signs, self.even[index])
+
+    def maps(self, width: Reals, *, alike: bool = False) -> tuple[Integers, Integers]:
+        """The maps of the motions, and how much is seen from below; ``alike``: both ends as if like the worse one."""
+        found = []
+        with np.errstate(all="ignore"):
+            for (first, bend), sign in zip(self.bends, self.signs, strict=True):
+                # W·|S′/S| at an end is W over the distance of the zero or pole next to it: 1 + ρ_d and 1 + ρ_c
+                ρ = np.abs(width * bend / (sign * first) + 1)
+                found.append(1 + np.where(np.isfinite(ρ) & (ρ > _NEAR), ρ, 0.0))
+            lower, upper = (np.maximum(*found),) * 2 if alike else found
+            stretched = np.where(self.even, np.maximum(lower, upper) ** 2, lower * upper) >= _STRETCHED
+            index = np.where(self.even, EVEN, 0)
+            some = np.flatnonzero(stretched)
+            if len(some):
+                index[some] = node_maps().index(fitting(lower[some], upper[some], self.even[some]))
+            share = np.where(~self.even, views(self.bends[0, 0], self.bends[1, 0], (lower, upper)), 0)
+        return index, share
 
 
-def _nearby(width: Reals, bends: Reals, signs: Reals) -> tuple[Reals, Reals]:
-    """1 + ρ_d and 1 + ρ_c: W·|S′/S| at an end is W over the distance of the zero or pole next to it."""
-    found = []
-    with np.errstate(all="ignore"):
-        for (first, bend), sign in zip(bends, signs, strict=True):
-            ρ = np.abs(width * bend / (sign * first) + 1)
-            found.append(1 + np.where(np.isfinite(ρ) & (ρ > _NEAR), ρ, 0.0))
-    lower, upper = found
-    return lower, upper
-
-
-def _maps(nearby: tuple[Reals, Reals], slopes: tuple[Reals, Reals], even: Mask) -> tuple[Integers, Integers]:
-    """The maps of some motions, and how much is seen from below."""
-    lower, upper = nearby
-    stretched = np.where(even, np.maximum(lower, upper) ** 2, lower * upper) >= _STRETCHED
-    index = np.where(even, EVEN, 0)
-    some = np.flatnonzero(stretched)
-    if len(some):
-        index[some] = node_maps().index(fitting(lower[some], upper[some], even[some]))
-    with np.errstate(all="ignore"):
-        share = np.where(~even, views(*slopes, nearby), 0)
-    return index, share
+def _refined(program: ExactPrograms, x: Reals, C: Reals) -> tuple[Pair, Reals, Reals]:
+    """Turning points to 32 digits by Newton's method, F′ there, and the last step."""
+    base, f, d = Pair(x, 0.0 * x), np.empty_like(x), np.empty_like(x)
+    for _ in range(_NEWTON):
+        program.exact_slopes(base.high, base.low, C, f, d)
+        with np.errstate(all="ignore"):
+            step = f / d
+            base = DoubleDouble().sub(base, Pair(step, 0.0 * step))
+    return base, d, step
 
 
 def _taken(motions: Motions, index: Integers) -> Motions:
@@ -278,13 +320,14 @@ def _taken(motions: Motions, index: Integers) -> Motions:
     return Motions(**arrays, signs=motions.signs)
 
 
-def librations(orbits: CompiledCoordinate, small: Mask, modes: Modes) -> Sums:
+def librations(orbits: CompiledCoordinate, small: Mask, modes: Modes, *, exact: bool) -> Sums:
     """Integrate one coordinate of many orbits.
 
     Args:
         orbits: what is known of them.
         small: True where the motion is seen from the start.
         modes: what is wanted; ``chords``, ``shifts`` and ``alike`` are not looked at.
+        exact: whether those whose errors are not small get p² to 32 digits.
 
     Returns:
         The sums, good only where this pass was enough.
@@ -297,73 +340,17 @@ def librations(orbits: CompiledCoordinate, small: Mask, modes: Modes) -> Sums:
     if len(wide):
         some = orbits.take(wide)
         chords = some.programs.below.chords and some.programs.above.chords
-        sums.put(wide, some.wide(modes._replace(chords=chords, shifts=True)))
+        part = some.wide(modes._replace(chords=chords, shifts=True))
+        sums.put(wide, part)
+        rough = np.flatnonzero(part.good & _rough(part, modes)) if exact else wide[:0]
+        if len(rough):
+            better = some.take(rough).exactly(modes)
+            fine = np.flatnonzero(better.good)
+            sums.put(wide[rough[fine]], better.take(fine))
     return sums
 
 
-@dataclass(frozen=True)
-class _Proof:
-    """How many nodes resolve motions between turning points, by glances at the tables of clearances.
-
-    Attributes:
-        loops: ours.
-        motions: of n orbits.
-        below, above: clearances in the views of the lower and of the upper half.
-    """
-
-    loops: Loops
-    motions: Motions
-    below: Clearance
-    above: Clearance
-
-    def least(self, left: Integers, maps: Integers, span: Integers) -> Integers:
-        """The first size that is proved to resolve some orbits, −1 for none; the tables grow until they tell for all.
-
-        Args:
-            left: which orbits.
-            maps: how their nodes are placed.
-            span: the sizes to look at, first and end, shape (2, len(left)).
-        """
-        least = np.full(len(left), -1, dtype=np.int64)
-        if self.below.table() is None or self.above.table() is None:
-            return least
-        lower, W = self.motions.lower[left], self.motions.width[left]
-        known = room(self.below, lower + 0.5 * self.motions.signs[0] * W, W)
-        todo, block = np.flatnonzero(W > 0), _FIRST
-        while len(todo):
-            found, part = np.empty(len(todo), dtype=np.int64), np.ascontiguousarray(span[:, todo])
-            some = self._taken(left[todo], maps[todo])
-            low, high = (Clearances(*side.table()) for side in (self.below, self.above))  # type: ignore[misc]
-            self.loops.glances(some, known[todo], part, node_maps().strips, low, high, found)
-            least[todo], span[0, todo] = found, part[0]
-            bare = found == _NOT_COVERED
-            for map_, size in set(zip(some.first[bare].tolist(), part[0, bare].tolist(), strict=True)):
-                node_maps().cover(map_, size)
-            untold = todo[found == _UNTOLD][:block]
-            self._fill(left[untold], maps[untold], span[0, untold])
-            todo = todo[(found == _UNTOLD) | (found == _NOT_COVERED)]
-            block *= 4
-        return least
-
-    def _taken(self, index: Integers, maps: Integers) -> Motions:
-        all_ = self.motions
-        others = {"signs", "first", "known", "uncertainty"}
-        arrays = {name: getattr(all_, name)[index] for name in all_._fields if name not in others}
-        return Motions(**arrays, signs=all_.signs, first=maps, known=all_.known[:0], uncertainty=all_.uncertainty[:0])
-
-    def _fill(self, some: Integers, maps: Integers, sizes: Integers) -> None:
-        """Complete the tables for some orbits."""
-        strips, motions = node_maps().strips, self.motions
-        codes = maps * len(COUNTS) + sizes
-        for code in np.unique(codes):
-            part = some[codes == code]
-            count, below, start = strips.counts[:, code // len(COUNTS), code % len(COUNTS)]
-            window, W = slice(start, start + count), motions.width[part, None]
-            z = strips.along[window] + 1j * strips.away[window]
-            self.below.radius(motions.lower[part, None] + W * _seen(z[:below], motions.signs[0]))
-            if below < count:
-                self.above.radius(motions.upper[part, None] + W * _seen(z[below:], motions.signs[1]))
-
-
-def _seen(z: Any, sign: float) -> Any:
-    return sign * z.real + 1j * z.imag
+def _rough(sums: Sums, modes: Modes) -> Mask:
+    """Tell which errors are not small."""
+    found: Mask = sums.action_error > _SMALL * np.abs(sums.action)
+    return found | ((sums.mean_errors > _SMALL * np.abs(sums.means)).any(axis=0) if modes.kernels else False)

@@ -69,6 +69,14 @@ class Sums:
             mine, theirs = getattr(self, name), getattr(other, name)
             mine[..., index] = theirs
 
+    def take(self, index: Which) -> Sums:
+        """Return the results of some of the orbits.
+
+        Args:
+            index: which, positions or a mask.
+        """
+        return Sums(**{name: getattr(self, name)[..., index] for name in self.__dataclass_fields__})
+
 
 def empty(constants: int, count: int) -> Sums:
     """Return sums that hold nothing: nan, and ``good`` nowhere true.

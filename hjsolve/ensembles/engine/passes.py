@@ -113,7 +113,7 @@ def _seen_as_before(located: list[list[LocatedRegions]], count: int) -> Mask:
 
 
 def run_compiled(
-    model: Model, names: dict[str, tuple[str, ...]], starts: Starts, *, made: Compiled, tolerance: float
+    model: Model, names: dict[str, tuple[str, ...]], starts: Starts, *, made: Compiled, tolerance: float, exact: bool
 ) -> Columns:
     """Compute everything for those orbits that are easy librations, with 32-digit constants; as ``run_pass``.
 
@@ -123,6 +123,7 @@ def run_compiled(
         starts: of n orbits.
         made: the compiled programs.
         tolerance: largest claimed error of an orbit that is ``OK``.
+        exact: whether p² is had to 32 digits where doubles do not know it well.
 
     Returns:
         Columns; ``vague`` where only the claim was too large.
@@ -138,7 +139,7 @@ def run_compiled(
     sums = []
     for k in range(len(model.separated)):
         one = compiled_pass.CompiledCoordinate.of(model, made, start, k)
-        total = compiled_pass.librations(one, one.smallness(kernels=kernels) > _SEEN_FROM_START, modes)
+        total = compiled_pass.librations(one, one.smallness(kernels=kernels) > _SEEN_FROM_START, modes, exact=exact)
         status[~total.good] = UNDECIDED
         total.phase_error[:] += start.rounding[k]
         sums.append(total)

@@ -37,7 +37,7 @@ _PLACE = f"({2 * UNIT!r})"
 _ROUNDED = f"({6 * UNIT!r})"
 _OFFSETS = f"({16 * UNIT!r})"
 """Roundings of distances from the turning points and of what they are multiplied with."""
-_NO_RELATIVE = "def relative(out, base, offset, c):\n    out[:] = 0.0\n"
+NO_RELATIVE = "def relative(out, base, offset, c):\n    out[:] = 0.0\n"
 
 _MORE = ("start0", "square0", "first0", "doubt0", "width0")
 """What programs of small motions know after the constants: q₀, P₀², F′₀, a bound on errors of F[q, q, q + x], and W."""
@@ -65,7 +65,7 @@ def view_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ...
         parts = squared.run(jets, inputs)[0]
         return ["(0.0)" if part is None else part for part in parts[: order + 1]]
 
-    unpack = _unpacked(names)
+    unpack = unpacked(names)
     return "\n".join(
         (
             _plain("value", unpack, lambda s: squared.run(s, ["x", *names, *literals])[:1], single=True),
@@ -73,12 +73,18 @@ def view_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ...
             _slopes_text(constants, lambda s: jet(s, 1)),
             _fill_text(formula, unpack, names + literals, kernels),
             _uncertainties_text(formula.full if kernels else squared, constants, numbers),
-            _relative_text(formula, unpack, names, numbers) if has_chords(formula) else _NO_RELATIVE,
+            _relative_text(formula, unpack, names, numbers) if has_chords(formula) else NO_RELATIVE,
         )
     )
 
 
-def _unpacked(names: list[str], array: str = "c") -> str:
+def unpacked(names: list[str], array: str = "c") -> str:
+    """Return lines that give the numbers of an array their names.
+
+    Args:
+        names: in order.
+        array: its name.
+    """
     return "".join(f"    {name} = {array}[{j}]\n" for j, name in enumerate(names))
 
 
@@ -124,10 +130,19 @@ def _fill_text(formula: LoweredFormula, unpack: str, known: list[str], kernels: 
         _, *weights = formula.full.run(source, ["x", *known])
     else:
         square, *weights = (formula.full if kernels else formula.squared).run(source, ["x", *known])
-    return _filled(source, unpack, ["d = s * W * near[j]", "x = b + d"], square, weights)
+    return filled(source, unpack, ["d = s * W * near[j]", "x = b + d"], square, weights)
 
 
-def _filled(source: PythonSource, unpack: str, places: list[str], square: str, weights: list[str]) -> str:
+def filled(source: PythonSource, unpack: str, places: list[str], square: str, weights: list[str]) -> str:
+    """Return the text of ``fill``.
+
+    Args:
+        source: the program that works out F and the kernels.
+        unpack: lines before the loop.
+        places: lines that make the place.
+        square: F.
+        weights: the kernels.
+    """
     fixed, moving = _divided([*places, *source.lines])
     rows = [square + " * r", "r", square, *(f"{w} * r" for w in weights)]
     lines = [
@@ -176,8 +191,16 @@ def _rounded(numbers: tuple[float, ...]) -> list[WithErrorBound]:
     return [WithErrorBound(f"({x!r})", f"({abs(x) * UNIT!r})") for x in numbers]
 
 
-def _doubtful(tape: Tape, source: PythonSource, place: str, constants: int, numbers: tuple[float, ...]) -> list[str]:
-    """Lines that work out a tape's results with running errors, the constants being uncertain where the mask is 1."""
+def doubtful(tape: Tape, source: PythonSource, place: str, constants: int, numbers: tuple[float, ...]) -> list[str]:
+    """Return lines that fill ``out`` with the errors of a tape's results, and at last the first result itself.
+
+    Args:
+        tape: of F, and of kernels after it.
+        source: the program so far, which grows.
+        place: where, a name.
+        constants: how many there are; e0, e1, … bound their errors.
+        numbers: values of the parameters.
+    """
     inputs = [WithErrorBound(place, source.mul(_PLACE, source.unary("abs", place)))]
     inputs += [*(WithErrorBound(f"c{j}", f"e{j}") for j in range(constants)), *_rounded(numbers)]
     results = tape.run(RunningError(source, own=OWN), inputs)
@@ -187,13 +210,13 @@ def _doubtful(tape: Tape, source: PythonSource, place: str, constants: int, numb
 
 def _uncertainties_text(tape: Tape, constants: int, numbers: tuple[float, ...]) -> str:
     source = PythonSource()
-    results = _doubtful(tape, source, "x", constants, numbers)
+    results = doubtful(tape, source, "x", constants, numbers)
     lines = ["x = place[g]", *(f"e{j} = mask[g] * s{j}" for j in range(constants)), *source.lines, *results]
     return loop("uncertainties(out, place, mask, c, e)", _both(constants), "g in range(place.shape[0])", lines)
 
 
 def _both(constants: int) -> str:
-    return _unpacked([f"c{j}" for j in range(constants)]) + _unpacked([f"s{j}" for j in range(constants)], "e")
+    return unpacked([f"c{j}" for j in range(constants)]) + unpacked([f"s{j}" for j in range(constants)], "e")
 
 
 def small_text(formula: LoweredFormula, constants: int, pairs: tuple[Pair, ...], kernels: bool) -> str:
@@ -211,23 +234,23 @@ def small_text(formula: LoweredFormula, constants: int, pairs: tuple[Pair, ...],
     """
     numbers = tuple(float(pair.high) for pair in pairs)
     names, literals = [f"c{j}" for j in range(constants)], [f"({x!r})" for x in numbers]
-    unpack = _unpacked([*names, *_MORE])
+    unpack = unpacked([*names, *_MORE])
     values = PythonSource()
     second = _second(formula, values, names + literals)
-    filled = PythonSource()
+    source = PythonSource()
     if kernels:
-        square = filled.mul("d", _from_end(formula, filled, names + literals)[0])
-        _, *weights = formula.full.run(filled, [filled.add("start0", "x"), *names, *literals])
+        square = source.mul("d", _from_end(formula, source, names + literals)[0])
+        _, *weights = formula.full.run(source, [source.add("start0", "x"), *names, *literals])
     else:
-        square, weights = _square(filled, _second(formula, filled, names + literals)), []
+        square, weights = _square(source, _second(formula, source, names + literals)), []
     ends = ["origin = start0 + b", "span = s * W"] if kernels else []
     return "\n".join(
         (
             _plain("value", unpack, lambda s: _taken(values, s, second), single=True),
             _bounds_text(formula, constants, numbers),
-            _filled(filled, unpack, [*ends, "d = s * W * near[j]", "x = b + d"], square, weights),
+            filled(source, unpack, [*ends, "d = s * W * near[j]", "x = b + d"], square, weights),
             _small_uncertainties_text(formula, constants, numbers, kernels),
-            _small_relative_text(formula, unpack, names + literals) if kernels else _NO_RELATIVE,
+            _small_relative_text(formula, unpack, names + literals) if kernels else NO_RELATIVE,
             _slope_text(formula, constants, pairs),
         )
     )
@@ -314,7 +337,7 @@ def _small_uncertainties_text(
     own = source.add(rounding, source.mul(source.mul("x", "x"), "doubt0"))
     results = [f"out[0, g] = {own}", f"out[1, g] = {value}"]
     if kernels:
-        weights = _doubtful(formula.full, source, source.add("start0", "x"), constants, numbers)[1:-1]
+        weights = doubtful(formula.full, source, source.add("start0", "x"), constants, numbers)[1:-1]
         results = [results[0], *weights, f"out[{1 + len(weights)}, g] = {value}"]
     lines = ["x = place[g]", *(f"e{j} = mask[g] * s{j}" for j in range(constants)), *source.lines, *results]
     extra = "".join(f"    {name} = c[{constants + k}]\n" for k, name in enumerate(_MORE))

@@ -22,6 +22,7 @@ from numpy import ndarray
 
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.ensembles.engine.compiled_types import signatures
+from hjsolve.ensembles.engine.exact_texts import EXACT, exact_text
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
 from hjsolve.ensembles.engine.program_cache import fingerprint, is_cached, path_for
 from hjsolve.ensembles.engine.program_texts import SMALL, VIEW, small_text, start_text, view_text
@@ -91,6 +92,21 @@ class SmallPrograms:
 
 
 @dataclass(frozen=True)
+class ExactPrograms:
+    """Compiled functions of one view that knows p² to 32 digits; see ``exact_texts``.
+
+    Attributes:
+        exact_slopes: F and F′.
+        fill, uncertainties, relative: as of a view.
+    """
+
+    exact_slopes: Function
+    fill: Function
+    uncertainties: Function
+    relative: Function
+
+
+@dataclass(frozen=True)
 class Loop:
     """One of our loops.
 
@@ -153,11 +169,13 @@ class CoordinatePrograms:
     Attributes:
         below, above: of the views of the lower and of the upper half.
         small: makes those of small motions.
+        exact: makes those that know p² to 32 digits, of the lower and of the upper half.
     """
 
     below: ViewPrograms
     above: ViewPrograms
     small: Callable[[], SmallPrograms]
+    exact: Callable[[], tuple[ExactPrograms, ExactPrograms]]
 
 
 @dataclass(frozen=True)
@@ -256,7 +274,18 @@ def _programs(coordinate: Separated, model: Model, kernels: bool) -> CoordinateP
         with _ONE_AT_A_TIME:
             return _small(coordinate.plain, len(model.constants), model.numbers, kernels)
 
-    return CoordinatePrograms(below, above, small)
+    def exact() -> tuple[ExactPrograms, ExactPrograms]:
+        with _ONE_AT_A_TIME:
+            texts = (_exact_text(formula, model, kernels, k == 1) for k, formula in enumerate(sides(coordinate)))
+            lower, upper = (ExactPrograms(**_module(text, EXACT, False)) for text in texts)
+            return lower, upper
+
+    return CoordinatePrograms(below, above, small, exact)
+
+
+@lru_cache(maxsize=_MADE)
+def _exact_text(formula: LoweredFormula, model: Model, kernels: bool, upper: bool) -> str:
+    return exact_text(formula, len(model.constants), model.numbers, kernels, upper)
 
 
 @lru_cache(maxsize=_MADE)
@@ -305,3 +334,14 @@ def is_kept(model: Model, *, kernels: bool) -> bool:
     fronts = ("front_ends", "front_glances", "front_integrals")
     others = is_cached(start_text(model), ("start",)) and is_cached(_FRONTS, fronts)
     return available() and others and all(is_cached(text, VIEW) for text in texts)
+
+
+def exact_is_kept(model: Model, *, kernels: bool) -> bool:
+    """Tell whether the machine code of all programs with p² to 32 digits is on disk.
+
+    Args:
+        model: the lowered solution.
+        kernels: whether ∂J/∂c are wanted.
+    """
+    seen = [(formula, k == 1) for c in model.separated for k, formula in enumerate(sides(c))]
+    return all(is_cached(_exact_text(formula, model, kernels, upper), EXACT) for formula, upper in seen)

@@ -1,0 +1,107 @@
+"""How many nodes resolve motions of the compiled pass: proved by clearances, before any node is looked at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.ensembles.engine.clearance import Clearance
+from hjsolve.ensembles.engine.compiled_types import Clearances, Motions
+from hjsolve.ensembles.engine.node_maps import COUNTS, node_maps
+from hjsolve.ensembles.engine.programs import Loops
+from hjsolve.ensembles.engine.resolution import room
+
+_NOT_COVERED, _UNTOLD = -3, -2
+_FIRST = 64
+"""Orbits for which a table of clearances is filled before the others are looked at again."""
+
+_NARROW = 0.03
+_ALONG = np.linspace(-0.5, 0.5, 5)
+_HELD = COUNTS.index(40)
+"""Size of the tables for which a small motion gets a disk of its own."""
+
+
+def least_at_a_glance(clearance: Clearance, constants: tuple[Reals, ...], middle: Reals, width: Reals) -> Integers:
+    """The first size that one disk about the middle of a motion proves to be enough, −1 for none."""
+    known = np.nan_to_num(room(clearance, middle, width), nan=-1.0)
+    enough = node_maps().strips.enough[0]
+    least = np.searchsorted(-enough, -known)
+    some = np.flatnonzero((least > _HELD) & (width < _NARROW * np.abs(middle)))
+    if len(some):  # cells are too large for it
+        x, W = middle[some, None], width[some, None]
+        chosen = tuple(c[some] for c in constants)
+        held = clearance.holds(chosen, x, 0.5 * enough[_HELD] * W, x + W * _ALONG)
+        least[some[held]] = _HELD
+    least[least == len(COUNTS)] = -1
+    return least
+
+
+@dataclass(frozen=True)
+class ResolutionProof:
+    """How many nodes resolve motions between turning points, by glances at the tables of clearances.
+
+    Attributes:
+        loops: ours.
+        motions: of n orbits.
+        below, above: clearances in the views of the lower and of the upper half.
+    """
+
+    loops: Loops
+    motions: Motions
+    below: Clearance
+    above: Clearance
+
+    def least(self, left: Integers, maps: Integers, span: Integers) -> Integers:
+        """The first size that is proved to resolve some orbits, −1 for none; the tables grow until they tell for all.
+
+        Args:
+            left: which orbits.
+            maps: how their nodes are placed.
+            span: the sizes to look at, first and end, shape (2, len(left)).
+        """
+        least = np.full(len(left), -1, dtype=np.int64)
+        if self.below.table() is None or self.above.table() is None:
+            return least
+        lower, W = self.motions.lower[left], self.motions.width[left]
+        known = room(self.below, lower + 0.5 * self.motions.signs[0] * W, W)
+        todo, block = np.flatnonzero(W > 0), _FIRST
+        while len(todo):
+            found, part = np.empty(len(todo), dtype=np.int64), np.ascontiguousarray(span[:, todo])
+            some = self._taken(left[todo], maps[todo])
+            low, high = (Clearances(*side.table()) for side in (self.below, self.above))  # type: ignore[misc]
+            self.loops.glances(some, known[todo], part, node_maps().strips, low, high, found)
+            least[todo], span[0, todo] = found, part[0]
+            bare = found == _NOT_COVERED
+            for map_, size in set(zip(some.first[bare].tolist(), part[0, bare].tolist(), strict=True)):
+                node_maps().cover(map_, size)
+            untold = todo[found == _UNTOLD][:block]
+            self._fill(left[untold], maps[untold], span[0, untold])
+            todo = todo[(found == _UNTOLD) | (found == _NOT_COVERED)]
+            block *= 4
+        return least
+
+    def _taken(self, index: Integers, maps: Integers) -> Motions:
+        all_ = self.motions
+        others = {"signs", "first", "known", "uncertainty"}
+        arrays = {name: getattr(all_, name)[index] for name in all_._fields if name not in others}
+        return Motions(**arrays, signs=all_.signs, first=maps, known=all_.known[:0], uncertainty=all_.uncertainty[:0])
+
+    def _fill(self, some: Integers, maps: Integers, sizes: Integers) -> None:
+        """Complete the tables for some orbits."""
+        strips, motions = node_maps().strips, self.motions
+        codes = maps * len(COUNTS) + sizes
+        for code in np.unique(codes):
+            part = some[codes == code]
+            count, below, start = strips.counts[:, code // len(COUNTS), code % len(COUNTS)]
+            window, W = slice(start, start + count), motions.width[part, None]
+            z = strips.along[window] + 1j * strips.away[window]
+            self.below.radius(motions.lower[part, None] + W * _seen(z[:below], motions.signs[0]))
+            if below < count:
+                self.above.radius(motions.upper[part, None] + W * _seen(z[below:], motions.signs[1]))
+
+
+def _seen(z: Any, sign: float) -> Any:
+    return sign * z.real + 1j * z.imag
