@@ -27,6 +27,8 @@ from hjsolve.ensembles.engine.turned_circle import moved
 
 _SAFETY = 1.5
 _GOAL = 4e-16
+_HOPELESS = 2.0
+"""How many times the largest number of nodes may seem to be needed where that is tried all the same."""
 _PLACES = 5
 _ELEMENTS = 1 << 18
 _FEW = 1 << 13
@@ -120,6 +122,8 @@ def integrate(region: OrbitRegions, constants: int, *, kernels: bool, oscillatio
         for together in _companies(tasks):
             for task, seen in zip(together, _integrands(region, together, kernels), strict=True):
                 result, more = _rule(task, seen, constants, kernels=kernels, oscillations=oscillations)
+                if task.count < tables.COUNTS[-1]:  # coefficients promise little: the largest rule is tried once
+                    more = np.where(more < _HOPELESS * tables.COUNTS[-1], np.minimum(more, tables.COUNTS[-1]), more)
                 needed[task.orbits] = np.where(result.good, np.inf, more)
                 sums.put(task.orbits, result)
 
@@ -157,6 +161,11 @@ class _Task:
             return _Task(orbits, own, table, _librating(own, table) if region.turning else _rotating(own, table))
 
     @property
+    def count(self) -> int:
+        """How many nodes there are in half a period."""
+        return len(self.table.χ) if self.region.turning else len(self.table.χ) // 2
+
+    @property
     def smooth(self) -> bool:
         """Whether nodes are nowhere crowded."""
         return self.table.complement == 1.0 and self.table.node_map == (0.0, 0.0)
@@ -182,8 +191,7 @@ def _companies(tasks: list[_Task]) -> Iterator[list[_Task]]:
 
 def _rule(task: _Task, seen: _Seen, constants: int, *, kernels: bool, oscillations: bool) -> tuple[Sums, Reals]:
     """Apply the rule with a number of nodes; also return how many would be needed."""
-    region, table = task.region, task.table
-    count = len(table.χ) if region.turning else len(table.χ) // 2
+    region, table, count = task.region, task.table, task.count
     with np.errstate(all="ignore"):
         F, ratio, weights, uncertainties, drift = seen
         n = len(F)

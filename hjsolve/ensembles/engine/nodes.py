@@ -22,7 +22,7 @@ from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Mask, Reals
 
-COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512)
+COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 768, 1024)
 """Numbers of nodes in use, over half a period (librations) or over a period (rotations, twice as many)."""
 
 MOST = 44
@@ -81,13 +81,18 @@ def libration_nodes(count: int, level: int, node_map: int = 0) -> Nodes:
     symmetry = 2 if node_map >= EVEN else 1
     χ = equal_anomalies(count, symmetry * count)
     complement, quarter, low, high, derivative = _places(χ, level, node_map)
-    terms = np.arange(1, count)[:, None]
-    exact = (terms * (2 * np.arange(count) + 1)) % (4 * count)
-    angle = exact * (np.pi / (2 * count))
     return Nodes(
-        χ.high, low, high, symmetry, complement, quarter, derivative, WARPS[node_map], np.cos(angle), np.sin(angle),
+        χ.high, low, high, symmetry, complement, quarter, derivative, WARPS[node_map], *_series(count, count, 2 * count),
         slice(-5, None), slice(count // 2 - 4, count // 2 + 1),
     )  # fmt: skip
+
+
+@cache
+def _series(count: int, terms: int, parts: int) -> tuple[Reals, Reals]:
+    """Cosines and sines of kχ for k < terms, at χ = (j + ½) 2π/(2 parts), j < count; one pair for all maps."""
+    exact = (np.arange(1, terms)[:, None] * (2 * np.arange(count) + 1)) % (2 * parts)
+    angle = exact * (np.pi / parts)
+    return np.cos(angle), np.sin(angle)
 
 
 def libration_places(χ: Pair, level: int, node_map: int) -> tuple[float, float, Reals, Reals, Reals]:
@@ -125,13 +130,10 @@ def rotation_nodes(count: int, level: int, slow: int = 1) -> Nodes:
     complement, quarter, sn, cn, dn = _functions(turn, level)
     angle_of_turn = 2 * np.arctan2(-cn.high, sn.high)
     low = angle_of_turn if slow == 1 else np.concatenate([0.5 * (angle_of_turn + side * np.pi) for side in (-1, 1)])
-    terms = np.arange(1, count // 2)[:, None]
-    exact = (terms * (2 * np.arange(count) + 1)) % (2 * count)
-    angle = exact * (np.pi / count)
     half = count // 2
     return Nodes(
         χ.high, low, np.tile(dn.high, slow), 1, complement, quarter, np.ones(count), WARPS[0],
-        np.cos(angle), np.sin(angle), slice(-3, None), slice(half // 2 - 2, half // 2 + 1), slow,
+        *_series(count, half, count), slice(-3, None), slice(half // 2 - 2, half // 2 + 1), slow,
     )  # fmt: skip
 
 
