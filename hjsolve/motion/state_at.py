@@ -20,7 +20,7 @@ from hjsolve.motion.separated import SeparatedMotion, separated_motion
 from hjsolve.motion.shapes import shaped
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.state_errors import errors_of_state
-from hjsolve.motion.state_from_table import state_from_table
+from hjsolve.motion.state_from_table import tabulated_state
 from hjsolve.motion.tabulated import FEWEST, needs_table
 from hjsolve.motion.times import read_times, whole_numbers
 
@@ -35,7 +35,7 @@ def state_at_times(motion: SeparatedMotion, t: object, digits: int | None = None
     """
     shape, floats, exact = read_times(t)
     if motion.digits <= FLOAT_DIGITS and (needs_table(motion) or (floats is not None and len(floats) >= FEWEST)):
-        tabulated = state_from_table(motion, t, floats, exact, shape)
+        tabulated = tabulated_state(motion, t, floats, exact, shape)
         if tabulated is not None:
             return tabulated
     phases = phases_at(motion, floats, exact)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 
@@ -35,7 +35,7 @@ _BLOCK = 32_768
 """How many times are worked on at once: memory that is touched for the first time costs more than the arithmetic."""
 
 
-def state_from_table(
+def tabulated_state(
     motion: SeparatedMotion,
     t: object,
     floats: Reals | None,
@@ -69,7 +69,7 @@ def state_from_table(
         return None
     _, whole, ended = table.argument(motion, extremes)
     whole_numbers(whole)
-    return _state(motion, table, t, times, bool(ended.any()), shape)
+    return _state(_Quantities(motion, table, times, bool(ended.any())), t, shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,78 +115,116 @@ class TableTimes:
         return result
 
 
-def _state(
-    motion: SeparatedMotion, table: DenseOutput, t: object, times: TableTimes, ends: bool, shape: tuple[int, ...] | None
-) -> State:
-    system = motion.solution.system
-    separated = motion.solution.coordinates[0]
-    angles = tuple(c.name for c in system.coordinates if c.domain.kind == "angle")
-    names = tuple(c.name for c in system.coordinates)
+@dataclass(frozen=True, eq=False)
+class _Quantities:
+    """What a state is made of, each worked out when it is first read.
 
-    @cache
-    def arguments() -> tuple[Reals, Reals, Mask]:
+    Attributes:
+        motion: the motion.
+        table: its table.
+        times: when.
+        ends: whether the motion has ended at some of them.
+    """
+
+    motion: SeparatedMotion
+    table: DenseOutput
+    times: TableTimes
+    ends: bool
+
+    @cached_property
+    def arguments(self) -> tuple[Reals, Reals, Mask]:
         """Arguments of the table, whole turns, and where the motion has ended."""
-        return table.argument(motion, times.elapsed)
+        return self.table.argument(self.motion, self.times.elapsed)
 
-    def beyond_the_end(values: Numbers) -> Numbers:
-        return np.where(arguments()[2], np.nan, values) if ends else values
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        return tuple(c.name for c in self.motion.solution.system.coordinates)
 
-    def place(name: str) -> tuple[Numbers, Numbers]:
-        """A coordinate in its principal value, and the whole turns of an angle."""
+    @cached_property
+    def angles(self) -> tuple[str, ...]:
+        return tuple(c.name for c in self.motion.solution.system.coordinates if c.domain.kind == "angle")
+
+    @property
+    def separated(self) -> str:
+        return self.motion.solution.coordinates[0]
+
+    @cached_property
+    def places(self) -> OnDemand[tuple[Numbers, Numbers]]:
+        """Coordinates in their principal values, and the whole turns of angles."""
+        return OnDemand(self.names, self._place)
+
+    @cached_property
+    def q(self) -> OnDemand[Numbers]:
+        return OnDemand(self.names, self._position)
+
+    @cached_property
+    def p(self) -> OnDemand[Numbers]:
+        return OnDemand(self.names, self._momentum)
+
+    @cached_property
+    def velocity(self) -> OnDemand[Numbers]:
+        return OnDemand(self.names, self._velocity)
+
+    @cached_property
+    def sharp(self) -> Mask | None:
+        """Where velocities come from distances to the turning points; None where these are not held."""
+        return None if self.table.ends is None else badly_rounded(self.motion, self.q, self.p)
+
+    def _until_the_end(self, values: Numbers) -> Numbers:
+        return np.where(self.arguments[2], np.nan, values) if self.ends else values
+
+    def _position(self, name: str) -> Numbers:
+        if name == self.separated and name not in self.angles:
+            return self._until_the_end(self.times.values(self.table, 0))
+        return self.places[name][0]
+
+    def _place(self, name: str) -> tuple[Numbers, Numbers]:
+        motion = self.motion
         value: Numbers
         count: Numbers
-        if name == separated:
-            course, whole = motion.located[name].course, arguments()[1]
-            value, count = times.values(table, 0), course.direction * whole if course.rotates else 0.0 * whole
+        if name == self.separated:
+            course, whole = motion.located[name].course, self.arguments[1]
+            value, count = self.times.values(self.table, 0), course.direction * whole if course.rotates else 0.0 * whole
         else:
-            index, begin = table.waves[name]
-            wave = times.values(table, index) - begin
-            coordinate = system.coordinate(name)
-            gauge = gauge_angle(motion, coordinate.momentum, q) if motion.solution.shift_potential != 0 else 0.0
+            index, begin = self.table.waves[name]
+            wave = self.times.values(self.table, index) - begin
+            coordinate = motion.solution.system.coordinate(name)
+            gauge = gauge_angle(motion, coordinate.momentum, self.q) if motion.solution.shift_potential != 0 else 0.0
             rate = 0 if motion.torus is None else mean_rate(motion.torus, constant_index(motion, name))
             initial = to_bits(motion.initial.values[coordinate.symbol])
-            value, count = grown(initial, rate, times.elapsed, None, name in angles, wave + gauge)
-        value = beyond_the_end(value)
-        if name not in angles:
+            value, count = grown(initial, rate, self.times.elapsed, None, name in self.angles, wave + gauge)
+        value = self._until_the_end(value)
+        if name not in self.angles:
             return value, count
         value, more = principal_values(value)
         return value, count + more
 
-    places = OnDemand(names, place)
+    def _momentum(self, name: str) -> Numbers:
+        shell = {name: self.times.values(self.table, 1)} if name == self.separated else {}
+        return canonical_momenta(self.motion, self.q, shell, [name])[name]
 
-    def position(name: str) -> Numbers:
-        return beyond_the_end(times.values(table, 0)) if name == separated and name not in angles else places[name][0]
-
-    q = OnDemand(names, position)
-
-    def momentum(name: str) -> Numbers:
-        shell = {separated: times.values(table, 1)} if name == separated else {}
-        return canonical_momenta(motion, q, shell, [name])[name]
-
-    p = OnDemand(names, momentum)
-
-    def velocity(name: str) -> Numbers:
-        value = evaluate_along(motion, (velocities(system)[name],), q, p)[0]
-        if table.ends is None or not sharp().any():
+    def _velocity(self, name: str) -> Numbers:
+        motion, sharp = self.motion, self.sharp
+        value = evaluate_along(motion, (velocities(motion.solution.system)[name],), self.q, self.p)[0]
+        if sharp is None or not sharp.any():
             return value
-        near = arguments()[0][sharp()]
-        return velocities_from_pairs(motion, *table.places(motion, near), q, {name: value}, sharp())[name]
+        near = self.table.places(motion, self.arguments[0][sharp])
+        return velocities_from_pairs(motion, *near, self.q, {name: value}, sharp)[name]
 
-    @cache
-    def sharp() -> Mask:
-        return badly_rounded(motion, q, p)
+
+def _state(found: _Quantities, t: object, shape: tuple[int, ...] | None) -> State:
+    def view(source: Mapping[str, Numbers]) -> OnDemand[AtTimes]:
+        return OnDemand(found.names, lambda name: shaped(source[name], shape))
 
     def errors() -> Errors:
-        groups = table_errors(motion, table, arguments()[0], q, p, v, None if table.ends is None else sharp())
+        groups = table_errors(
+            found.motion, found.table, found.arguments[0], found.q, found.p, found.velocity, found.sharp
+        )  # fmt: skip
         return Errors(*({n: shaped(values, shape) for n, values in group.items()} for group in groups))
 
-    def view(source: Mapping[str, Numbers], chosen: tuple[str, ...]) -> OnDemand[AtTimes]:
-        return OnDemand(chosen, lambda name: shaped(source[name], shape))
-
-    counts = OnDemand(angles, lambda name: shaped(whole_numbers(places[name][1]), shape))
-    v = OnDemand(names, velocity)
-    if ends:
-        status = end_statuses(motion, times.elapsed, arguments()[2])
+    turns = OnDemand(found.angles, lambda name: shaped(whole_numbers(found.places[name][1]), shape))
+    if found.ends:
+        status = end_statuses(found.motion, found.times.elapsed, found.arguments[2])
     else:
-        status = np.broadcast_to(np.array("ok"), (times.size,))
-    return State(t, view(q, names), view(p, names), view(v, names), counts, shaped(status, shape), errors)
+        status = np.broadcast_to(np.array("ok"), (found.times.size,))
+    return State(t, view(found.q), view(found.p), view(found.velocity), turns, shaped(status, shape), errors)

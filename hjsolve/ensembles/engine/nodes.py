@@ -82,8 +82,8 @@ def libration_nodes(count: int, level: int, node_map: int = 0) -> Nodes:
     χ = equal_anomalies(count, symmetry * count)
     complement, quarter, low, high, derivative = _places(χ, level, node_map)
     return Nodes(
-        χ.high, low, high, symmetry, complement, quarter, derivative, WARPS[node_map], *_series(count, count, 2 * count),
-        slice(-5, None), slice(count // 2 - 4, count // 2 + 1),
+        χ.high, low, high, symmetry, complement, quarter, derivative, WARPS[node_map],
+        *_series(count, count, 2 * count), slice(-5, None), slice(count // 2 - 4, count // 2 + 1),
     )  # fmt: skip
 
 
