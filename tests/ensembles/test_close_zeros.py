@@ -55,7 +55,6 @@ def test_compiled_loops_alone_know_them_to_the_last_digits(make, seed, monkeypat
         raise AssertionError("a pass by numpy")
 
     system, q, p = make(seed)
-    monkeypatch.setattr(engines, "WORTH_COMPILING", 1)
     monkeypatch.setattr(engines, "run_pass", never)
     parameters = {"a": "9/10"} if "r" in q else {}
     batch = hjsolve.ensemble(system, q, p, want=WANT, parameters=parameters, compiled=True, fallback=False)

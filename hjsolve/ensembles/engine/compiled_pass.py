@@ -22,7 +22,7 @@ from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
 from hjsolve.ensembles.engine.node_maps import COUNTS, fitting, node_maps, views
 from hjsolve.ensembles.engine.nodes import EVEN, WARPS
-from hjsolve.ensembles.engine.programs import Compiled, CoordinatePrograms, ExactPrograms, Loops, sides
+from hjsolve.ensembles.engine.programs import Compiled, CoordinatePrograms, ExactPrograms, Loops, ViewPrograms, sides
 from hjsolve.ensembles.engine.radicand_views import Knowns
 from hjsolve.ensembles.engine.regions import has_slopes, offset
 from hjsolve.ensembles.engine.starts import Starts
@@ -158,10 +158,11 @@ class CompiledCoordinate:
             modes: what is wanted; ``chords`` and ``shifts`` are not looked at.
         """
         placed, ends = self._between()
-        programs, C = self.programs.exact(), np.concatenate([self.constants, self.low])
+        programs, views = self.programs.exact(), (self.programs.below, self.programs.above)
+        C = np.concatenate([self.constants, self.low])
         bases, distances, bends = [], [], ends.bends.copy()
         for k, (formula, x) in enumerate(zip(sides(self.coordinate), (placed.lower, placed.upper), strict=True)):
-            base, slope, step = _refined(programs[k], x, C)
+            base, slope, step = _refined((programs[k], views[k]), x, C)
             s, e = two_sum(self.q, -formula.origin.high)
             here = Pair(formula.sign * s, formula.sign * (e - formula.origin.low))
             with np.errstate(invalid="ignore"):
@@ -304,15 +305,18 @@ class _Ends(NamedTuple):
         return index, share
 
 
-def _refined(program: ExactPrograms, x: Reals, C: Reals) -> tuple[Pair, Reals, Reals]:
-    """Turning points to 32 digits by Newton's method, F′ there, and the last step."""
-    base, f, d = Pair(x, 0.0 * x), np.empty_like(x), np.empty_like(x)
+def _refined(programs: tuple[ExactPrograms, ViewPrograms], x: Reals, C: Reals) -> tuple[Pair, Reals, Reals]:
+    """Turning points to 32 digits by Newton's method with F′ in doubles, F′ there, and the last step."""
+    (exact, view), f, slope = programs, np.empty_like(x), np.empty_like(x)
+    view.slopes(x, C[: len(C) // 2], f, slope)
+    base = Pair(x, 0.0 * x)
     for _ in range(_NEWTON):
-        program.exact_slopes(base.high, base.low, C, f, d)
+        exact.exact_squares(base.high, base.low, C, f)
         with np.errstate(all="ignore"):
-            step = f / d
+            step = f / slope
             base = DoubleDouble().sub(base, Pair(step, 0.0 * step))
-    return base, d, step
+            view.slopes(base.high, C[: len(C) // 2], f, slope)
+    return base, slope, step
 
 
 def _taken(motions: Motions, index: Integers) -> Motions:

@@ -206,6 +206,6 @@ def signatures() -> dict[str, Any]:
         "relative": types.void(row, row, row, row),
         "bounds": types.void(block, row, row, row),
         "slope": types.void(row, block, row),
-        "exact_slopes": types.void(row, row, block, row, row),
+        "exact_squares": types.void(row, row, block, row),
         "exact_starts": types.void(block, block, block, block),
     }

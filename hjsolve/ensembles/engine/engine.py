@@ -12,7 +12,7 @@ from hjsolve.arithmetic.number_types import Integers
 from hjsolve.ensembles.engine.columns import QUANTITIES, Columns, blank, put
 from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model
 from hjsolve.ensembles.engine.passes import TIMED, TOLERANCE, run_compiled, run_escapes, run_pass, worst
-from hjsolve.ensembles.engine.programs import Compiled, available, compiled, exact_is_kept, is_kept
+from hjsolve.ensembles.engine.programs import Compiled, available, compiled, is_kept
 from hjsolve.ensembles.engine.regions import hopeless_in_doubles
 from hjsolve.ensembles.engine.starts import MomentumRule, Starts, from_velocities, given_momenta
 from hjsolve.ensembles.engine.status import ENDLESS, Status
@@ -25,9 +25,6 @@ CHUNK = 16384
 
 FAST = 1e-11
 """Largest claimed relative error with which the compiled pass lets an orbit go; the true one is fifty times less."""
-
-WORTH_COMPILING = 10_000
-"""Orbits for which programs with p² to 32 digits are compiled, for some seconds; fewer use them if they are on disk."""
 
 GOOD = 3e-12
 """The same where p² is taken as written, in numpy's first pass and in the second one: true errors stay below 1e-13."""
@@ -84,7 +81,7 @@ class Engine:
         constants and slopes for small amplitudes. Orbits that it leaves go through a second one by numpy, with all of
         these, and if errors come out too large (a separatrix) through a third one with 32-digit radicands, if it is
         doubles that do not know them. Where compiled loops fail by their claims alone these come at once, compiled
-        too where there are many or the programs are on disk.
+        too.
 
         Args:
             starts: of n orbits.
@@ -99,12 +96,9 @@ class Engine:
             return columns
         everything = np.arange(count)
         if self.compiled:
-            kernels = bool(TIMED & self.want)
-            made = compiled(self.model, kernels=kernels)
+            made = compiled(self.model, kernels=bool(TIMED & self.want))
             self._deeper(columns, everything, starts, -2, made)
-            vague = np.count_nonzero(columns.vague)
-            if vague >= WORTH_COMPILING or (vague and exact_is_kept(self.model, kernels=kernels)):
-                self._deeper(columns, everything[columns.vague], starts, -1, made)
+            self._deeper(columns, everything[columns.vague], starts, -1, made)
             self._deeper(columns, everything[columns.vague], starts, 3)
         if not self.compiled or any(c.periodic for c in self.model.separated):
             left = everything[columns.status != Status.OK]

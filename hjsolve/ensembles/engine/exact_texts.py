@@ -3,7 +3,7 @@
 Offsets d are distances from the turning point, in doubles; the turning point b and the constants come in two doubles,
 all in one row of known numbers: the constants, their low parts, and high and low of the lower and the upper b.
 
-    exact_slopes(place, low, C, f, d)            F and F′ of many orbits at places in two doubles; C as of ``slope``
+    exact_squares(place, low, C, f)              F of many orbits at places in two doubles; C as of ``slope``
     fill, uncertainties, relative                as of a view (``program_texts``), at b + d; the last one is not used
 """
 
@@ -11,13 +11,12 @@ from __future__ import annotations
 
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import UNIT
-from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.pair_source import NamedPair, PairSource, needed, written
 from hjsolve.arithmetic.python_source import PythonSource
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.program_texts import NO_RELATIVE, doubtful, filled, loop, unpacked
 
-EXACT = ("exact_slopes", "fill", "uncertainties", "relative")
+EXACT = ("exact_squares", "fill", "uncertainties", "relative")
 """The functions of a view to 32 digits."""
 
 _RELATIVE, _FINER = f"({4 * UNIT!r})", f"({2.0**-44!r})"
@@ -43,7 +42,7 @@ def exact_text(
     unpack = unpacked(row) + f"    base, base_low = {end}, {end}_low\n"
     return "\n".join(
         (
-            _slopes_text(formula, constants, known),
+            _squares_text(formula, constants, known),
             _fill_text(formula, unpack, known, kernels),
             _uncertainties_text(formula, unpack, known, constants, tuple(float(x.high) for x in numbers), kernels),
             NO_RELATIVE,
@@ -51,15 +50,13 @@ def exact_text(
     )
 
 
-def _slopes_text(formula: LoweredFormula, constants: int, known: list[NamedPair]) -> str:
+def _squares_text(formula: LoweredFormula, constants: int, known: list[NamedPair]) -> str:
     source = PythonSource()
-    jets = Jets(PairSource(source))
-    jet = formula.squared.run(jets, [jets.variable(NamedPair("x", "e")), *(Jet(k) for k in known)])[0]
-    results = ["(0.0)" if part is None else part.high for part in (jet.value, jet.first)]
+    square = formula.squared.run(PairSource(source), [NamedPair("x", "e"), *known])[0].high
     lines = ["x = place[i]", "e = low[i]", *(f"c{j} = C[{j}, i]" for j in range(constants))]
     lines += [f"l{j} = C[{constants + j}, i]" for j in range(constants)]
-    lines += [*needed(source.lines, results), f"f[i] = {results[0]}", f"d[i] = {results[1]}"]
-    return loop("exact_slopes(place, low, C, f, d)", "", "i in range(place.shape[0])", lines)
+    lines += [*needed(source.lines, [square]), f"f[i] = {square}"]
+    return loop("exact_squares(place, low, C, f)", "", "i in range(place.shape[0])", lines)
 
 
 def _square(formula: LoweredFormula, source: PythonSource, known: list[NamedPair]) -> tuple[str, str]:

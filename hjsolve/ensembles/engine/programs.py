@@ -96,11 +96,11 @@ class ExactPrograms:
     """Compiled functions of one view that knows p² to 32 digits; see ``exact_texts``.
 
     Attributes:
-        exact_slopes: F and F′.
+        exact_squares: F of many orbits.
         fill, uncertainties, relative: as of a view.
     """
 
-    exact_slopes: Function
+    exact_squares: Function
     fill: Function
     uncertainties: Function
     relative: Function
@@ -276,16 +276,12 @@ def _programs(coordinate: Separated, model: Model, kernels: bool) -> CoordinateP
 
     def exact() -> tuple[ExactPrograms, ExactPrograms]:
         with _ONE_AT_A_TIME:
-            texts = (_exact_text(formula, model, kernels, k == 1) for k, formula in enumerate(sides(coordinate)))
+            known = len(model.constants), model.numbers, kernels
+            texts = (exact_text(formula, *known, k == 1) for k, formula in enumerate(sides(coordinate)))
             lower, upper = (ExactPrograms(**_module(text, EXACT, False)) for text in texts)
             return lower, upper
 
     return CoordinatePrograms(below, above, small, exact)
-
-
-@lru_cache(maxsize=_MADE)
-def _exact_text(formula: LoweredFormula, model: Model, kernels: bool, upper: bool) -> str:
-    return exact_text(formula, len(model.constants), model.numbers, kernels, upper)
 
 
 @lru_cache(maxsize=_MADE)
@@ -334,14 +330,3 @@ def is_kept(model: Model, *, kernels: bool) -> bool:
     fronts = ("front_ends", "front_glances", "front_integrals")
     others = is_cached(start_text(model), ("start",)) and is_cached(_FRONTS, fronts)
     return available() and others and all(is_cached(text, VIEW) for text in texts)
-
-
-def exact_is_kept(model: Model, *, kernels: bool) -> bool:
-    """Tell whether the machine code of all programs with p² to 32 digits is on disk.
-
-    Args:
-        model: the lowered solution.
-        kernels: whether ∂J/∂c are wanted.
-    """
-    seen = [(formula, k == 1) for c in model.separated for k, formula in enumerate(sides(c))]
-    return all(is_cached(_exact_text(formula, model, kernels, upper), EXACT) for formula, upper in seen)
