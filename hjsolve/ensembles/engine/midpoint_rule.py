@@ -31,6 +31,8 @@ _HOPELESS = 2.0
 """How many times the largest number of nodes may seem to be needed where that is tried all the same."""
 _PLACES = 5
 _ELEMENTS = 1 << 18
+_MANY, _FINE = 512, 5e-13
+"""Beyond so many nodes p² is small somewhere: what doubles do not know to this is for engines with more digits."""
 _FEW = 1 << 13
 """Nodes of all orbits of a task below which it shares its evaluations with others."""
 
@@ -214,6 +216,8 @@ def _rule(task: _Task, seen: _Seen, constants: int, *, kernels: bool, oscillatio
     fits = (alias <= goal) | (tail <= 0.5 * rounding)
     if oscillations:
         fits &= tail <= np.maximum(4e-15 * size, rounding)
+    if count > _MANY:
+        fits &= mean_error <= _FINE * size
     real = np.all(F > 0, axis=1) & np.isfinite(mean).all(axis=0)
     good = np.all(fits | (size == 0), axis=0) & real
     more = np.where(real, np.clip(more, count + 1, 3 * count), 2 * count)
