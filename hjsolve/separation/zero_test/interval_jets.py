@@ -60,6 +60,16 @@ def enclose_condition(
     return finite(value)
 
 
+def has_jets(x: sp.Expr, pair: tuple[sp.Symbol, sp.Symbol]) -> bool:
+    """Whether every function of an expression that depends on two coordinates has a jet; if not, no point has one.
+
+    Args:
+        x: the expression.
+        pair: symbols of the coordinates.
+    """
+    return all(f.func in _DERIVATIVES or not _moves(f, pair) for f in x.atoms(sp.Function))
+
+
 @lru_cache(maxsize=16384)
 def _moves(x: sp.Expr, pair: tuple[sp.Symbol, sp.Symbol]) -> bool:
     """Whether an expression depends on one of two coordinates; asked of the same parts at every point."""
@@ -172,6 +182,7 @@ class JetWalk:
 _Derivatives: TypeAlias = tuple[sp.Expr, sp.Expr]
 _U = sp.Dummy("u", real=True)
 _KNOWN: tuple[Callable[[sp.Expr], sp.Expr], ...] = (
-    sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.exp, sp.log, sp.atan, sp.asin, sp.acos, sp.asinh, sp.atanh,
+    sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.exp, sp.log, sp.atan, sp.asin, sp.acos,
+    sp.asinh, sp.acosh, sp.atanh,
 )  # fmt: skip
 _DERIVATIVES: dict[object, _Derivatives] = {h: (h(_U).diff(_U), h(_U).diff(_U, 2)) for h in _KNOWN}
