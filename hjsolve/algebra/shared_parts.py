@@ -51,7 +51,7 @@ def derivatives(V: sp.Expr, x: tuple[sp.Symbol, ...]) -> tuple[sp.Expr, ...]:
         V: potential V(x).
         x: Cartesian coordinates, two or three.
     """
-    slope, done = {q: _each_part_once(_slope_by(q)) for q in x}, _each_part_once(_rebuilt)
+    slope, done = {q: slope_by(q) for q in x}, _each_part_once(_rebuilt)
     first = [done(slope[q](V)) for q in x]
     second = [done(slope[x[b]](first[a])) for a, b in combinations_with_replacement(range(len(x)), 2)]
     return (*first, *second)
@@ -72,8 +72,12 @@ def _each_part_once(rule: _OfParts) -> Callable[[sp.Expr], sp.Expr]:
     return value
 
 
-def _slope_by(q: sp.Symbol) -> _OfParts:
-    """∂/∂q, by the rules of sympy's own ``diff``."""
+def slope_by(q: sp.Symbol) -> Callable[[sp.Expr], sp.Expr]:
+    """Return ∂/∂q, by the rules of sympy's own ``diff``; it remembers every part that it has met.
+
+    Args:
+        q: what is differentiated by.
+    """
 
     def rule(e: sp.Expr, slope: Callable[[sp.Expr], sp.Expr]) -> sp.Expr:
         if not _is_composed(e):
@@ -89,7 +93,7 @@ def _slope_by(q: sp.Symbol) -> _OfParts:
             return e * (inner[1] * sp.log(e.base) + inner[0] * e.exp / e.base)
         return e.fdiff() * inner[0]
 
-    return rule
+    return _each_part_once(rule)
 
 
 def _rebuilt(e: sp.Expr, done: Callable[[sp.Expr], sp.Expr]) -> sp.Expr:

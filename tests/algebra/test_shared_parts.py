@@ -1,17 +1,14 @@
-"""Derivatives and numbers of a potential, part by part, against sympy's own; and the algebra of a point."""
+"""Derivatives and numbers of a potential, part by part, against sympy's own."""
 
 from __future__ import annotations
 
 from itertools import combinations_with_replacement
-from random import Random
 
 import mpmath
 import pytest
 import sympy as sp
-from sympy.polys.rings import PolyElement
 
-from hjsolve.coordinates.killing.radical_algebra import PointAlgebra, collected_generators, prepared
-from hjsolve.coordinates.killing.shared_parts import common_parts, derivatives, holds, parts
+from hjsolve.algebra.shared_parts import common_parts, derivatives, holds, parts
 
 x, y = sp.symbols("x y", real=True)
 k, c = sp.symbols("k c", real=True)
@@ -57,25 +54,3 @@ def test_named_parts_put_back_give_the_expressions():
         place = [mpmath.mpf(p) / 7 for p in (3, 2, 11)]
         for a, b in zip(direct(*place), shared(*place), strict=True):
             assert abs(a - b) < mpmath.mpf(10) ** -55 * abs(a)
-
-
-@pytest.mark.parametrize("name", ["two centres", "lens"])
-def test_an_element_with_a_parameter_times_its_inverse_is_one(name):
-    V = prepared([POTENTIALS[name]], (x, y))
-    algebra = PointAlgebra(collected_generators(V, (x, y)), Random(1))
-    value = algebra.evaluate(V[0])
-    field = algebra.field
-    assert any(isinstance(number, PolyElement) for number in value.values())
-    one = algebra.multiply(value, algebra.inverse(value))
-    assert {key: field.convert(number) for key, number in one.items()} == {(): field.one}
-
-
-def test_the_value_at_a_point_is_that_of_the_expression_there():
-    V = k * (x + sp.sqrt(x**2 + y**2)) ** 2 / (c + y * sp.sqrt(x**2 + y**2)) + x / 3
-    algebra = PointAlgebra(collected_generators([V], (x, y)), Random(2))
-    r = sp.sqrt(x**2 + y**2)
-    ((key, _),) = algebra.evaluate(r).items()
-    numbers = {name: algebra.field.to_sympy(algebra.field.convert(a)) for name, a in algebra.evaluate(V).items()}
-    assert numbers.keys() == {(), key}
-    there = V.xreplace(algebra.plain)
-    assert sp.simplify(numbers[()] + numbers[key] * r.xreplace(algebra.plain) - there) == 0

@@ -12,7 +12,7 @@ from sympy.polys.constructor import construct_domain
 from sympy.polys.domains.domain import Domain
 from sympy.polys.fields import FracElement
 
-from hjsolve.coordinates.killing.shared_parts import holds
+from hjsolve.algebra.shared_parts import holds
 
 
 class FieldElement(Protocol):

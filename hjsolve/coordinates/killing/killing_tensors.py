@@ -24,6 +24,7 @@ from sympy.polys.domains.domain import Domain
 from sympy.polys.fields import FracElement
 from sympy.polys.rings import PolyElement
 
+from hjsolve.algebra.shared_parts import derivatives
 from hjsolve.coordinates.killing.constant_field import EquationTable, FieldElement, Ground, Rows
 from hjsolve.coordinates.killing.fraction_free_elimination import echelon_over_ring
 from hjsolve.coordinates.killing.numerical_rank import rank_in_numbers, reconstructed_kernel
@@ -35,7 +36,6 @@ from hjsolve.coordinates.killing.radical_algebra import (
     collected_generators,
     prepared,
 )
-from hjsolve.coordinates.killing.shared_parts import derivatives
 from hjsolve.errors import InternalError
 
 _POINTS_WITHOUT_NEWS = 4

@@ -13,8 +13,8 @@ import mpmath
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from hjsolve.algebra.shared_parts import common_parts, derivatives
 from hjsolve.coordinates.killing.constant_field import EquationTable
-from hjsolve.coordinates.killing.shared_parts import common_parts, derivatives
 
 
 def _concrete(V: sp.Expr) -> sp.Expr:

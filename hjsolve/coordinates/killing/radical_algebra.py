@@ -23,6 +23,7 @@ from sympy.core.function import AppliedUndef
 from sympy.polys.domains.domain import Domain
 from sympy.polys.rings import PolyElement
 
+from hjsolve.algebra.shared_parts import holds, parts
 from hjsolve.coordinates.killing.constant_field import (
     FieldElement,
     Ground,
@@ -30,7 +31,6 @@ from hjsolve.coordinates.killing.constant_field import (
     ground_field,
     numerator_alone,
 )
-from hjsolve.coordinates.killing.shared_parts import holds, parts
 from hjsolve.errors import InvalidSystemError
 
 Key = tuple[tuple[int, int, int], ...]
