@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
+from functools import cache
 
 import sympy as sp
 
@@ -24,6 +25,7 @@ from hjsolve.algebra.logarithms import Logarithms
 from hjsolve.algebra.poly import Budget, Poly, WorkLimitError
 from hjsolve.algebra.relations import dependent
 from hjsolve.algebra.roots import root
+from hjsolve.algebra.shared_parts import slope_by
 from hjsolve.algebra.signs import Bounds, atom_bounds
 
 TRIGONOMETRIC = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
@@ -62,6 +64,7 @@ class Reader:
         self.bounds = dict(bounds or {})
         self._read: dict[sp.Expr, Element] = {}
         self._derivatives: dict[tuple[int, sp.Symbol], Element] = {}
+        self._slope_by = cache(slope_by)
         self._written: dict[int, sp.Expr] = {}
         self._units: dict[tuple[str, sp.Expr], Fraction] = {}
         self._exponential: set[sp.Expr] = set()
@@ -332,7 +335,7 @@ class Reader:
         if (k, symbol) not in self._derivatives:
             atom = self.field.generators[k].atom
             depends = symbol in atom.free_symbols
-            self._derivatives[k, symbol] = self.element(atom.diff(symbol)) if depends else self.field.zero
+            self._derivatives[k, symbol] = self.element(self._slope_by(symbol)(atom)) if depends else self.field.zero
         return self._derivatives[k, symbol]
 
     def write(self, x: Element) -> sp.Expr:

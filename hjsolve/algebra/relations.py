@@ -24,6 +24,7 @@ from hjsolve.algebra.one_variable import vanishes
 from hjsolve.algebra.poly import WorkLimitError
 from hjsolve.algebra.reading import FieldReader
 from hjsolve.algebra.several_variables import constant_zero
+from hjsolve.algebra.shared_parts import common_parts
 from hjsolve.algebra.signs import Bounds
 
 DIGITS, MAX_DENOMINATOR, MAX_BASIS, MAX_NEIGHBOURS = 60, 720, 20, 5
@@ -177,7 +178,8 @@ def _combination(
     with mpmath.workdps(DIGITS):
         if not symbols:
             return _integer_relation(g, basis)
-        f = sp.lambdify(symbols, [*(t.expression for t in basis), g], "mpmath")
+        named, left = common_parts([*(t.expression for t in basis), g])
+        f = sp.lambdify(symbols, left, "mpmath", cse=lambda _: (named, left))
         rows = []
         for place in places:
             try:

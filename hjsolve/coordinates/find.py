@@ -201,7 +201,7 @@ def _is_resolved(found: Found) -> bool:
     return all(web.certified for web in found[1]) and not any(g.kind == "unresolved" for g in found[0])
 
 
-def _with_constants(reduced: Kernel, cartesian: Cartesian, budget: float) -> Found:
+def _with_constants(reduced: Kernel, cartesian: Cartesian, budget: float | None) -> Found:
     """Find the webs with the constants as they are; sympy may have no normal form of them, or no end."""
     try:
         geometries = _geometries(reduced, cartesian)
@@ -217,7 +217,7 @@ def _with_letters(
     generic = _concircular_kernel(lettered, check=False)
     if generic.dimension != reduced.dimension:
         return None
-    geometries, webs = _with_constants(generic, lettered, budget)
+    geometries, webs = _with_constants(generic, lettered, None)
     return geometries, tuple(restored(web, values, cartesian, budget=budget) for web in webs)
 
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import mpmath
 import pytest
 import sympy as sp
 
 from hjsolve.algebra.reader import Reader
+from hjsolve.mechanics.system import System
 from hjsolve.separation import Obstruction, Separation, region_of, separate
 from hjsolve.separation.forms import levi_civita
 from hjsolve.separation.obstruction import obstruction
 from hjsolve.separation.zero_test.interval_evaluation import enclose
+from hjsolve.separation.zero_test.interval_jets import has_jets
 from tests.support.random_staeckel import case
 from tests.support.separation_cases import REFUSED, SEPARABLE, decided
 
@@ -145,6 +148,28 @@ def test_a_residual_too_large_to_expand_is_written_out_and_still_has_a_witness(n
     assert isinstance(verdict, Obstruction)
     assert (verdict.pair, verdict.part) == (pair, part)
     assert verdict.witness.excludes_zero
+
+
+def _not_needed(*_):
+    raise AssertionError("this is not needed here")
+
+
+def test_a_potential_with_an_area_function_is_enclosed_by_jets(monkeypatch):
+    monkeypatch.setattr(obstruction, "EXPANSION_TERMS", 0)
+    monkeypatch.setattr(obstruction, "find_witness_of_products", _not_needed)
+    system = System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "acosh(2 + x**2 + x*y + y**2)")
+    witness = separate(system).witness
+    mixed = system.potential.diff(system.symbols["x"], system.symbols["y"])
+    value = mixed.xreplace({system.symbols[name]: v for name, v in witness.point.items()}).evalf(30)
+    assert witness.excludes_zero
+    with mpmath.workdps(30):
+        assert witness.lower <= mpmath.mpf(value) <= witness.upper
+
+
+def test_a_function_has_jets_where_it_is_known_or_does_not_move():
+    moving, still = x * sp.exp(sp.acosh(2 + y)), sp.besselj(0, z)
+    assert has_jets(moving + still, (x, y))
+    assert not has_jets(moving + still, (y, z))
 
 
 @pytest.mark.parametrize("n", [2, 3])

@@ -8,7 +8,7 @@ on the domain.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import sympy as sp
 
@@ -28,6 +28,7 @@ class ChangeOfVariables:
     mapping: Mapping[sp.Symbol, sp.Expr]
     sign: Callable[[sp.Expr], int]
     assumed: set[sp.Expr]
+    _visited: dict[sp.Expr, sp.Expr] = field(default_factory=dict)
 
     def carry(self, expression: sp.Expr) -> sp.Expr:
         """Return the expression in the new coordinates; its polynomial terms are brought together and reduced.
@@ -60,6 +61,11 @@ class ChangeOfVariables:
         )
 
     def _visit(self, node: sp.Expr) -> sp.Expr:
+        if node not in self._visited:
+            self._visited[node] = self._carried(node)
+        return self._visited[node]
+
+    def _carried(self, node: sp.Expr) -> sp.Expr:
         if node in self.mapping:
             return self.mapping[node]
         if not node.args or not node.free_symbols & set(self.mapping):

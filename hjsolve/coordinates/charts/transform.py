@@ -55,13 +55,13 @@ def chart_and_axes(
     return _adapted(make(geometry.kind, geometry.lengths, n, symbol), geometry, cartesian)
 
 
-def web_of(geometry: Geometry | Web, cartesian: Cartesian, *, budget: float, covering: bool = False) -> Web:
+def web_of(geometry: Geometry | Web, cartesian: Cartesian, *, budget: float | None, covering: bool = False) -> Web:
     """Build the transformed system of a web and let ``separate`` judge it.
 
     Args:
         geometry: kind, centre, axes and constants of the web.
         cartesian: the system in Cartesian coordinates of equal mass.
-        budget: seconds for ``separate``.
+        budget: seconds for ``separate``; None where the verdict is another's to find (``restored``), and is None here.
         covering: in coordinates without ends (``covering``) instead of the usual ones.
     """
     n = len(cartesian.x)
@@ -101,7 +101,7 @@ def web_of(geometry: Geometry | Web, cartesian: Cartesian, *, budget: float, cov
         names,
         transformation,
         transformed,
-        separate(transformed, budget=budget),
+        None if budget is None else separate(transformed, budget=budget),
         remark_of(geometry, local, carrier.assumed),
     )
 

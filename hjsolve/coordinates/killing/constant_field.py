@@ -10,6 +10,9 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.polys.constructor import construct_domain
 from sympy.polys.domains.domain import Domain
+from sympy.polys.fields import FracElement
+
+from hjsolve.algebra.shared_parts import holds
 
 
 class FieldElement(Protocol):
@@ -45,13 +48,21 @@ class Ground:
         """The algebraic numbers of the field."""
         return self.field.domain if self.parameters else self.field
 
+    @property
+    def plain(self) -> Domain:
+        """What numbers are computed with: rational ones as they are, until they meet a parameter; else the field."""
+        return self.numbers if self.numbers.is_QQ else self.field
+
     def convert(self, constant: sp.Expr) -> FieldElement:
-        """Return the field element of an expression without coordinates.
+        """Return the element of an expression without coordinates; a number or a polynomial where it is one.
 
         Args:
             constant: an expression in the parameters and opaque constants.
         """
-        return self.field.from_sympy(sp.together(constant.xreplace(dict(self.opaque))))
+        if constant.is_Rational:
+            return self.plain.from_sympy(constant)
+        element = self.field.from_sympy(sp.together(constant.xreplace(dict(self.opaque))))
+        return numerator_alone(element) if self.numbers.is_QQ else element
 
     def restore(self, element: FieldElement) -> sp.Expr:
         """Return the expression of a field element.
@@ -63,6 +74,15 @@ class Ground:
         return expression.xreplace({dummy: constant for constant, dummy in self.opaque.items()})
 
 
+def numerator_alone(element: FieldElement) -> FieldElement:
+    """Return a quotient of polynomials whose denominator is 1 as a polynomial, which needs no cancelling.
+
+    Args:
+        element: of any field.
+    """
+    return element.numer if isinstance(element, FracElement) and element.denom == 1 else element
+
+
 def ground_field(expressions: Iterable[sp.Expr], coordinates: Sequence[sp.Symbol]) -> Ground:
     """Find the field that the constants of some expressions live in.
 
@@ -70,20 +90,24 @@ def ground_field(expressions: Iterable[sp.Expr], coordinates: Sequence[sp.Symbol
         expressions: whatever will be computed with.
         coordinates: the symbols that are no constants.
     """
-    inside = set(coordinates)
+    inside = tuple(coordinates)
     parameters: set[sp.Symbol] = set()
     numbers: set[sp.Expr] = set()
     opaque: dict[sp.Expr, sp.Symbol] = {}
 
     compound = (AppliedUndef, sp.Subs, sp.Derivative, sp.Add, sp.Mul)
+    seen: set[sp.Expr] = set()
 
     def visit(node: sp.Expr) -> None:
+        if node in seen:
+            return
+        seen.add(node)
         if node.is_Symbol:
             if node not in inside:
                 parameters.add(node)
         elif node.is_Rational:
             return
-        elif node.free_symbols & inside or isinstance(node, compound) or (node.is_Pow and node.exp.is_Integer):
+        elif holds(node, inside) or isinstance(node, compound) or (node.is_Pow and node.exp.is_Integer):
             for argument in node.args:
                 visit(argument)
         elif not node.free_symbols and node.is_algebraic and node.is_real:

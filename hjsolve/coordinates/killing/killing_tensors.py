@@ -24,9 +24,10 @@ from sympy.polys.domains.domain import Domain
 from sympy.polys.fields import FracElement
 from sympy.polys.rings import PolyElement
 
+from hjsolve.algebra.shared_parts import derivatives
 from hjsolve.coordinates.killing.constant_field import EquationTable, FieldElement, Ground, Rows
 from hjsolve.coordinates.killing.fraction_free_elimination import echelon_over_ring
-from hjsolve.coordinates.killing.numerical_rank import derivatives, rank_in_numbers, reconstructed_kernel
+from hjsolve.coordinates.killing.numerical_rank import rank_in_numbers, reconstructed_kernel
 from hjsolve.coordinates.killing.radical_algebra import (
     Element,
     Key,
@@ -195,6 +196,7 @@ def _rows_at(
 ) -> Rows:
     """Return the linear equations that one point gives."""
     field, numbers = ground.field, ground.numbers
+    zero = ground.plain.zero
     monomials: dict[tuple[int, ...], FieldElement] = {}
     rows: Rows = []
     for equation in table:
@@ -209,9 +211,9 @@ def _rows_at(
                         monomials[exponents] = reduce(mul, (q**e for q, e in zip(x, exponents, strict=True)))
                     number += coefficient * monomials[exponents]
                 for key, value in elements[slot].items():
-                    row = parts.setdefault(key, [field.zero] * width)
+                    row = parts.setdefault(key, [zero] * width)
                     row[column] += value * number
-        rows.extend(parts.values())
+        rows.extend([field.convert(entry) for entry in row] for row in parts.values())
     return rows
 
 

@@ -7,25 +7,14 @@ numerical rank bounds the dimension of the kernel from above; where the two meet
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from itertools import combinations_with_replacement
 from random import Random
 
 import mpmath
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from hjsolve.algebra.shared_parts import common_parts, derivatives
 from hjsolve.coordinates.killing.constant_field import EquationTable
-
-
-def derivatives(V: sp.Expr, x: Sequence[sp.Symbol]) -> list[sp.Expr]:
-    """Return the first and second derivatives of V, in the order of the slots.
-
-    Args:
-        V: potential V(x).
-        x: Cartesian coordinates, two or three.
-    """
-    first = [sp.diff(V, q).doit() for q in x]
-    return first + [sp.diff(first[a], x[b]).doit() for a, b in combinations_with_replacement(range(len(x)), 2)]
 
 
 def _concrete(V: sp.Expr) -> sp.Expr:
@@ -48,7 +37,8 @@ def _numerical_rows(V: sp.Expr, x: Sequence[sp.Symbol], table: EquationTable, wi
     random = Random(7)  # noqa: S311
     parameters = sorted(V.free_symbols - set(x), key=str)
     values = {p: sp.Rational(random.randint(3, 90), 37) * (-1 if p.is_negative else 1) for p in parameters}
-    functions = sp.lambdify(list(x), [d.xreplace(values) for d in derivatives(V, x)], "mpmath", cse=True)
+    named, left = common_parts([d.xreplace(values) for d in derivatives(V, tuple(x))])
+    functions = sp.lambdify(list(x), left, "mpmath", cse=lambda _: (named, left))
     rows: list[list[mpmath.mpf]] = []
     while len(rows) < width + 8:
         point = [mpmath.mpf(random.randint(-99, 99) * 2 + 1) / 83 for _ in x]

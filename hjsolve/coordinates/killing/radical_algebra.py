@@ -10,7 +10,7 @@ random numbers at every point.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
@@ -20,11 +20,21 @@ from random import Random
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
+from sympy.polys.domains.domain import Domain
+from sympy.polys.rings import PolyElement
 
-from hjsolve.coordinates.killing.constant_field import FieldElement, Ground, Rows, ground_field
+from hjsolve.algebra.shared_parts import holds, parts
+from hjsolve.coordinates.killing.constant_field import (
+    FieldElement,
+    Ground,
+    Rows,
+    ground_field,
+    numerator_alone,
+)
 from hjsolve.errors import InvalidSystemError
 
-Key = tuple[tuple[int, Fraction], ...]
+Key = tuple[tuple[int, int, int], ...]
+"""A monomial in the radicals: g_i^(p/q) as (i, p, q), 0 < p < q, in the order of i."""
 Element = dict[Key, FieldElement]
 _HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
 _CIRCULAR = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
@@ -43,11 +53,12 @@ def _prepare(expression: sp.Expr, coordinates: Sequence[sp.Symbol]) -> sp.Expr:
     """Rewrite hyperbolic functions by exponentials, circular ones by sin and cos; sign u = |u|/u; split off phases."""
     if expression.has(sp.Piecewise, sp.Heaviside, sp.floor, sp.Min, sp.Max):
         raise InvalidSystemError("find_coordinates: the potential must be one analytic expression, not piecewise")
-    for function in _HYPERBOLIC:
+    for function in _held(expression, _HYPERBOLIC):
         expression = expression.replace(function, lambda u, f=function: f(u).rewrite(sp.exp))
-    for function in _CIRCULAR[2:]:
+    for function in _held(expression, _CIRCULAR[2:]):
         expression = expression.replace(function, lambda u, f=function: f(u).rewrite(sp.cos, sp.sin).rewrite(sp.sin))
-    expression = expression.replace(sp.DiracDelta, lambda *_: sp.S.Zero)
+    if _held(expression, [sp.DiracDelta]):
+        expression = expression.replace(sp.DiracDelta, lambda *_: sp.S.Zero)
 
     def split(function: sp.Function) -> sp.Expr:
         def apart(argument: sp.Expr) -> sp.Expr:
@@ -65,9 +76,15 @@ def _prepare(expression: sp.Expr, coordinates: Sequence[sp.Symbol]) -> sp.Expr:
 
         return apart
 
-    for function in (sp.exp, sp.sin, sp.cos):
+    for function in _held(expression, [sp.exp, sp.sin, sp.cos]):
         expression = expression.replace(function, split(function))
-    return expression.replace(sp.sign, lambda u: sp.Abs(u) / u)
+    return expression.replace(sp.sign, lambda u: sp.Abs(u) / u) if _held(expression, [sp.sign]) else expression
+
+
+def _held(expression: sp.Expr, functions: Iterable[type[sp.Function]]) -> list[type[sp.Function]]:
+    """Those of some functions that an expression holds."""
+    every = parts([expression])
+    return [function for function in functions if any(isinstance(part, function) for part in every)]
 
 
 @dataclass(frozen=True)
@@ -92,7 +109,7 @@ def collected_generators(expressions: Sequence[sp.Expr], coordinates: Sequence[s
         for coefficient, monomial in _terms(argument):
             found[kind, monomial] = lcm(found.get((kind, monomial), 1), int(coefficient.q))
 
-    for node in sp.preorder_traversal(sp.Tuple(*expressions)):
+    for node in parts(expressions):
         if isinstance(node, sp.exp):
             note("exp", node.args[0])
         elif isinstance(node, sp.sin | sp.cos):
@@ -104,23 +121,30 @@ def collected_generators(expressions: Sequence[sp.Expr], coordinates: Sequence[s
     return Generators(tuple(coordinates), ground_field(expressions, coordinates), found)
 
 
+def _is_constant(node: sp.Expr, coordinates: tuple[sp.Symbol, ...]) -> bool:
+    return not holds(node, coordinates) and not isinstance(node, AppliedUndef | sp.Subs | sp.Derivative)
+
+
 class PointAlgebra:
     """Evaluation of expressions at one point; every result is an element {monomial in the radicals: field element}."""
 
     def __init__(self, made_of: Generators, random: Random):
-        self.made_of, self.random, self.field = made_of, random, made_of.ground.field
+        self.made_of, self.random = made_of, random
+        self.field, self.numbers = made_of.ground.field, made_of.ground.plain
         self.plain = {q: self._rational() for q in made_of.coordinates}
-        self.point = {q: self.field.convert(value) for q, value in self.plain.items()}
+        self.point = {q: self.numbers.convert(value) for q, value in self.plain.items()}
         self.roots: dict[sp.Expr, int] = {}
         self.radicands: list[Element] = []
         self.values: dict[sp.Expr, Element] = {}
         self.free: dict[tuple[str, sp.Expr], FieldElement] = {}
+        self._products: dict[tuple[Key, Key], Element] = {}
+        self._inverses: dict[sp.Expr, Element] = {}
 
     def _rational(self) -> sp.Rational:
         return sp.Rational(self.random.randint(-40, 40) * 2 + 1, self.random.choice((1, 2, 3)))
 
     def _number(self) -> FieldElement:
-        return self.field.convert(self._rational())
+        return self.numbers.convert(self._rational())
 
     def _transcendental(self, kind: str, argument: sp.Expr) -> FieldElement:
         if (kind, argument) not in self.free:
@@ -144,21 +168,12 @@ class PointAlgebra:
         """
         total = dict(a)
         for key, value in b.items():
-            new = total.get(key, self.field.zero) + value
+            new = total.get(key, self.numbers.zero) + value
             if new:
                 total[key] = new
             else:
                 total.pop(key, None)
         return total
-
-    def scale(self, number: FieldElement, a: Element) -> Element:
-        """Return number·a for a field element.
-
-        Args:
-            number: an element of the field.
-            a: an element of the algebra.
-        """
-        return {key: number * value for key, value in a.items()} if number else {}
 
     def multiply(self, a: Element, b: Element) -> Element:
         """Return a·b, reduced by g^q = ρ.
@@ -168,16 +183,27 @@ class PointAlgebra:
         """
         total: Element = {}
         for (k1, v1), (k2, v2) in product(a.items(), b.items()):
-            total = self.add(total, self.scale(v1 * v2, self._monomial(k1, k2)))
+            number = v1 * v2
+            for key, value in self._monomial(k1, k2).items():
+                term = number * value
+                new = total[key] + term if key in total else term
+                if new:
+                    total[key] = new
+                else:
+                    total.pop(key, None)
         return total
 
     def _monomial(self, first: Key, second: Key) -> Element:
-        exponents = dict(first)
-        for index, exponent in second:
+        """The product of two monomials in the radicals."""
+        if (first, second) not in self._products:
+            self._products[first, second] = self._reduced(first, second)
+        return self._products[first, second]
+
+    def _reduced(self, first: Key, second: Key) -> Element:
+        exponents = _exponents(first)
+        for index, exponent in _exponents(second).items():
             exponents[index] = exponents.get(index, Fraction(0)) + exponent
-        key = tuple(sorted((i, e) for i, e in exponents.items() if e and e < 1))
-        key += tuple((i, e - 1) for i, e in exponents.items() if e > 1)
-        result: Element = {tuple(sorted(key)): self.field.one}
+        result: Element = {_key({i: e - 1 if e >= 1 else e for i, e in exponents.items()}): self.numbers.one}
         for index, exponent in exponents.items():
             if exponent >= 1:
                 result = self.multiply(self.radicands[index], result)
@@ -192,12 +218,12 @@ class PointAlgebra:
         """
         if n < 0:
             return self.power(self.inverse(a), -n)
-        result = self.constant(self.field.one)
+        result: Element | None = None
         while n:
             if n & 1:
-                result = self.multiply(result, a)
+                result = a if result is None else self.multiply(result, a)
             a, n = (self.multiply(a, a) if n > 1 else a), n >> 1
-        return result
+        return self.constant(self.numbers.one) if result is None else result
 
     def inverse(self, a: Element) -> Element:
         """Return 1/a by linear algebra over the field in the smallest subalgebra that holds a.
@@ -212,27 +238,27 @@ class PointAlgebra:
             raise ZeroDivisorError
         if len(a) == 1:
             ((key, value),) = a.items()
-            result = self.constant(self.field.one / value)
-            for index, exponent in key:
-                result = self.multiply(result, {((index, 1 - exponent),): self.field.one})
+            result = self.constant(_quotient(self.numbers.one, value, self.field))
+            for index, exponent in _exponents(key).items():
+                result = self.multiply(result, {_key({index: 1 - exponent}): self.numbers.one})
                 result = self.multiply(result, self.inverse(self.radicands[index]))
             return result
         basis = self._subalgebra(a)
-        columns = [self.multiply(a, {key: self.field.one}) for key in basis]
-        rows = [[column.get(key, self.field.zero) for column in columns] for key in basis]
-        solution = _solve(rows, [self.field.one if key == () else self.field.zero for key in basis])
+        columns = [self.multiply(a, {key: self.numbers.one}) for key in basis]
+        rows = [[column.get(key, self.numbers.zero) for column in columns] for key in basis]
+        solution = _solve(rows, [self.numbers.one if key == () else self.numbers.zero for key in basis], self.field)
         return {key: value for key, value in zip(basis, solution, strict=True) if value}
 
     def _subalgebra(self, a: Element) -> list[Key]:
         denominators: dict[int, int] = {}
         queue = list(a)
         while queue:
-            for index, exponent in queue.pop():
+            for index, _, q in queue.pop():
                 if index not in denominators:
                     queue.extend(self.radicands[index])
-                denominators[index] = lcm(denominators.get(index, 1), exponent.denominator)
+                denominators[index] = lcm(denominators.get(index, 1), q)
         grids = [[(i, Fraction(e, q)) for e in range(q)] for i, q in sorted(denominators.items())]
-        return [tuple((i, e) for i, e in combination if e) for combination in product(*grids)]
+        return [_key(dict(combination)) for combination in product(*grids)]
 
     # ---- evaluation -------------------------------------------------------------------------------------------
     def evaluate(self, expression: sp.Expr) -> Element:
@@ -252,7 +278,7 @@ class PointAlgebra:
             return reduce(self.add, map(self.evaluate, node.args))
         if node.is_Mul:
             return reduce(self.multiply, map(self.evaluate, node.args))
-        if not node.free_symbols & set(self.point) and not isinstance(node, AppliedUndef | sp.Subs | sp.Derivative):
+        if _is_constant(node, self.made_of.coordinates):
             return self.constant(self.made_of.ground.convert(node))
         if node.is_Pow and node.exp.is_Rational:
             return self._root(node.base, Fraction(int(node.exp.p), int(node.exp.q)))
@@ -269,7 +295,7 @@ class PointAlgebra:
             factor = (
                 self._root(node.base, Fraction(int(whole[0].p), int(whole[0].q)))
                 if whole
-                else self.constant(self.field.one)
+                else self.constant(self.numbers.one)
             )
             return self.multiply(factor, self._product("power", terms))
         if isinstance(node, sp.sin | sp.cos):
@@ -278,17 +304,17 @@ class PointAlgebra:
         return self.constant(self._transcendental("other", node))
 
     def _product(self, kind: str, terms: list[tuple[sp.Rational, sp.Expr]]) -> Element:
-        value = self.field.one
+        value = self.numbers.one
         for coefficient, monomial in terms:
             base = self._transcendental(kind, monomial)
             value *= base ** int(coefficient * self.made_of.denominators[kind, monomial])
         return self.constant(value)
 
     def _circle(self, terms: list[tuple[sp.Rational, sp.Expr]]) -> tuple[FieldElement, FieldElement]:
-        cosine, sine = self.field.one, self.field.zero
+        cosine, sine = self.numbers.one, self.numbers.zero
         for coefficient, monomial in terms:
             t = self._transcendental("angle", monomial)
-            one = self.field.one
+            one = self.numbers.one
             c, s = (one - t * t) / (one + t * t), 2 * t / (one + t * t)
             turns = int(coefficient * self.made_of.denominators["angle", monomial])
             for _ in range(abs(turns)):
@@ -301,17 +327,36 @@ class PointAlgebra:
 
     def _root(self, base: sp.Expr, exponent: Fraction) -> Element:
         whole = floor(exponent)
-        result = self.power(self.evaluate(base), whole)
+        result = self.power(self._inverse_of(base) if whole < 0 else self.evaluate(base), abs(whole))
         if exponent == whole:
             return result
         if base not in self.roots:
             radicand = self.evaluate(base)
             self.roots[base] = len(self.radicands)
             self.radicands.append(radicand)
-        return self.multiply(result, {((self.roots[base], exponent - whole),): self.field.one})
+        return self.multiply(result, {_key({self.roots[base]: exponent - whole}): self.numbers.one})
+
+    def _inverse_of(self, base: sp.Expr) -> Element:
+        if base not in self._inverses:
+            self._inverses[base] = self.inverse(self.evaluate(base))
+        return self._inverses[base]
 
 
-def _solve(rows: Rows, right: list[FieldElement]) -> list[FieldElement]:
+def _exponents(key: Key) -> dict[int, Fraction]:
+    return {index: Fraction(p, q) for index, p, q in key}
+
+
+def _key(exponents: Mapping[int, Fraction]) -> Key:
+    return tuple(sorted((i, e.numerator, e.denominator) for i, e in exponents.items() if e))
+
+
+def _quotient(a: FieldElement, b: FieldElement, field: Domain) -> FieldElement:
+    """Return a/b; a polynomial in the parameters is a polynomial again where the denominator is a number."""
+    quotient = a / (field.convert(b) if isinstance(b, PolyElement) else b)
+    return numerator_alone(quotient)
+
+
+def _solve(rows: Rows, right: list[FieldElement], field: Domain) -> list[FieldElement]:
     """Solve a square linear system over a field by elimination."""
     size = len(rows)
     table = [[*row, value] for row, value in zip(rows, right, strict=True)]
@@ -320,7 +365,8 @@ def _solve(rows: Rows, right: list[FieldElement]) -> list[FieldElement]:
         if pivot is None:
             raise ZeroDivisorError
         table[column], table[pivot] = table[pivot], table[column]
-        table[column] = [entry / table[column][column] for entry in table[column]]
+        lead = table[column][column]
+        table[column] = [_quotient(entry, lead, field) for entry in table[column]]
         for r in range(size):
             if r != column and table[r][column]:
                 factor = table[r][column]

@@ -23,7 +23,7 @@ from hjsolve.separation.obstruction import advice
 from hjsolve.separation.verdicts import Obstruction, Undecided
 from hjsolve.separation.zero_test.interval_elements import find_witness_of_products
 from hjsolve.separation.zero_test.interval_evaluation import UNKNOWNS, Region, Witness, search
-from hjsolve.separation.zero_test.interval_jets import enclose_condition
+from hjsolve.separation.zero_test.interval_jets import enclose_condition, has_jets
 from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, not_zero
 
 EXPANSION_SECONDS, EXPANSION_TERMS = 0.2, 20_000
@@ -129,7 +129,7 @@ def _enclosed(setting: Setting, condition: Condition) -> Witness | None:
     f = shell.potential if condition.about is None else shell.inverse_metric[condition.about]
     gi, gj = shell.inverse_metric[i], shell.inverse_metric[j]
     whole = sp.Tuple(f, gi, gj)
-    if whole.atoms(*UNKNOWNS):
+    if whole.atoms(*UNKNOWNS) or not has_jets(whole, pair):
         return None
 
     def enclosure(point: Mapping[sp.Expr, sp.Rational], precision: int) -> tuple[mpmath.mpf, mpmath.mpf]:

@@ -7,7 +7,7 @@ millions; its value at a point costs no more than a few evaluations of the shell
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import TypeAlias
 
 import mpmath
@@ -60,6 +60,16 @@ def enclose_condition(
     return finite(value)
 
 
+def has_jets(x: sp.Expr, pair: tuple[sp.Symbol, sp.Symbol]) -> bool:
+    """Whether every function of an expression that depends on two coordinates has a jet; if not, no point has one.
+
+    Args:
+        x: the expression.
+        pair: symbols of the coordinates.
+    """
+    return all(f.func in _KNOWN or not _moves(f, pair) for f in x.atoms(sp.Function))
+
+
 @lru_cache(maxsize=16384)
 def _moves(x: sp.Expr, pair: tuple[sp.Symbol, sp.Symbol]) -> bool:
     """Whether an expression depends on one of two coordinates; asked of the same parts at every point."""
@@ -96,10 +106,10 @@ class JetWalk:
         if x.is_Pow and x.base is not sp.E:
             return self._jet(sp.exp(x.exp * sp.log(x.base), evaluate=False))
         argument = x.exp if x.is_Pow else x.args[0]
-        derivatives = _DERIVATIVES.get(sp.exp if x.is_Pow else x.func)
-        if derivatives is None:
+        function = sp.exp if x.is_Pow else x.func
+        if function not in _KNOWN:
             raise NoEnclosureError(f"no jet of {x.func}")
-        return self._composed(x, self(argument), argument, derivatives)
+        return self._composed(x, self(argument), argument, _derivatives(function))
 
     def _power(self, x: sp.Expr) -> Jet:
         u, n = self(x.base), x.exp
@@ -172,6 +182,12 @@ class JetWalk:
 _Derivatives: TypeAlias = tuple[sp.Expr, sp.Expr]
 _U = sp.Dummy("u", real=True)
 _KNOWN: tuple[Callable[[sp.Expr], sp.Expr], ...] = (
-    sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.exp, sp.log, sp.atan, sp.asin, sp.acos, sp.asinh, sp.atanh,
+    sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.exp, sp.log, sp.atan, sp.asin, sp.acos,
+    sp.asinh, sp.acosh, sp.atanh,
 )  # fmt: skip
-_DERIVATIVES: dict[object, _Derivatives] = {h: (h(_U).diff(_U), h(_U).diff(_U, 2)) for h in _KNOWN}
+
+
+@cache
+def _derivatives(h: Callable[[sp.Expr], sp.Expr]) -> _Derivatives:
+    """h′ and h″ of a known function; worked out when it is first met."""
+    return h(_U).diff(_U), h(_U).diff(_U, 2)
