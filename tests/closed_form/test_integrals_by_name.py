@@ -18,6 +18,7 @@ from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.regions import middle_of, root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
+from tests.support.gauss import gauss
 
 STEP = sp.Rational(1, 10**4)
 ENTRIES = {
@@ -113,7 +114,7 @@ def _integral(integrand: Callable[[mpmath.mpf], mpmath.mpf], low: mpmath.mpf, hi
     """With ever shorter pieces towards the lower end, where a turning point may be near."""
     for pieces in (0, 10):
         cuts = [low, *(low + (high - low) / 8**k for k in range(pieces, 0, -1)), high]
-        value, error = mpmath.quad(integrand, cuts, error=True, method="gauss-legendre")
+        value, error = mpmath.quad(integrand, cuts, error=True, method=gauss)
         if error <= mpmath.mpf(10) ** -42 * abs(value):
             return value
     raise AssertionError(f"the reference itself is not known well enough: {value} ± {error}")
