@@ -28,15 +28,17 @@ _IDS = sorted((path.stem for path in _CATALOG.glob("*/*.toml")), key=len, revers
 
 
 def scope_of(nodeid: str) -> str:
-    """What a test shares with others: an entry of the catalog, a system of the laws, the book's results, the reports, or nothing."""
+    """What a test shares with others: an entry of the catalog or its forms, a system of the laws, the book, the reports, or nothing."""
     file, _, parameter = nodeid.partition("[")
     if "/catalog/test_book_" in file:
         return "book"
     if file.startswith("tests/reports/test_reports.py") and "every_entry" not in file:
         return "reports"
-    if not re.match(r"tests/(catalog|laws)/", file):
+    if not (shared := re.match(r"tests/(catalog|laws|closed_form)/", file)):
         return nodeid
     entry = next((name for name in _IDS if re.match(rf"{re.escape(name)}(?![a-z])", parameter)), None)
+    if shared[1] == "closed_form":
+        return f"forms of {entry}" if entry else nodeid
     return entry or (parameter or nodeid)
 
 

@@ -14,6 +14,8 @@ from tests.conftest import scope_of
     ("tests/laws/test_liouville.py::test_z[top, C52]", "top, C52]"),
     ("tests/catalog/test_book_chapter_1.py::test_r[C09 (1-78): Each]", "book"),
     ("tests/catalog/test_book_table.py::test_the_page_is_current", "book"),
+    ("tests/closed_form/test_borders.py::test_v[pendulum-10]", "forms of pendulum"),
+    ("tests/closed_form/test_elliptic_forms.py::test_v[1]", "tests/closed_form/test_elliptic_forms.py::test_v[1]"),
     ("tests/command_line/test_command_line.py::test_w[pendulum]", "tests/command_line/test_command_line.py::test_w[pendulum]"),
 ])  # fmt: skip
 def test_tests_of_one_entry_share_a_process(nodeid: str, scope: str) -> None:
