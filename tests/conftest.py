@@ -24,19 +24,33 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 _CATALOG = Path(__file__).resolve().parents[1] / "catalog"
+_COMPILED = re.compile(
+    r"tests/ensembles/.*(::test_.*compiled|[\[-]True\b)|tests/ensembles/test_(compiled_pairs|programs)\.py"
+)
+_REPORTS = re.compile(
+    r"tests/reports/test_(reports\.py(?!.*every_entry)|abbreviations|closed_form_sections)|tests/regressions/test_00(35|37|39)_"
+)
 _IDS = sorted((path.stem for path in _CATALOG.glob("*/*.toml")), key=len, reverse=True)
 
 
 def scope_of(nodeid: str) -> str:
-    """What a test shares with others: an entry of the catalog, a system of the laws, the book's results, the reports, or nothing."""
+    """What a test shares with others; itself where that is nothing.
+
+    An entry of the catalog, or its closed forms; a system of the laws; the book's results; the reports; the loops that
+    numba compiles, half a minute where they are not on disk yet: two processes that begin together would both do it.
+    """
     file, _, parameter = nodeid.partition("[")
+    if _COMPILED.match(nodeid):
+        return "compiled loops"
     if "/catalog/test_book_" in file:
         return "book"
-    if file.startswith("tests/reports/test_reports.py") and "every_entry" not in file:
+    if _REPORTS.match(nodeid):
         return "reports"
-    if not re.match(r"tests/(catalog|laws)/", file):
+    if not (shared := re.match(r"tests/(catalog|laws|closed_form)/", file)):
         return nodeid
     entry = next((name for name in _IDS if re.match(rf"{re.escape(name)}(?![a-z])", parameter)), None)
+    if shared[1] == "closed_form":
+        return f"forms of {entry}" if entry else nodeid
     return entry or (parameter or nodeid)
 
 

@@ -58,13 +58,11 @@ def waves(values: list[Mpf], *, even: bool, bits: int) -> tuple[list[Mpf], list[
     re, im = _transformed(fixed, [0] * nodes, 1, _roots(nodes, work), work)
     turn, top = (4, nodes) if even else (2, (nodes + 1) // 2)
     # the values stand at midpoints: coefficient k is turned by half a step, k times
-    x, y = _root(turn * nodes, work)
-    c, s = x, y  # e^{−iπk/(2N)} or e^{−iπk/N}, step by step
     cosines, sines = [], []
-    for k in range(1, top):
+    for k, (c, s) in enumerate(_turns(turn * nodes, top, work), 1):
         cosines.append(re[k] * c - im[k] * s)
-        sines.append(-re[k] * s - im[k] * c)
-        c, s = (c * x - s * y) >> work, (c * y + s * x) >> work
+        if not even:
+            sines.append(-re[k] * s - im[k] * c)
     scale = 2 * largest / nodes
 
     def numbers(parts: list[int]) -> list[Mpf]:
@@ -96,6 +94,17 @@ def _root(order: int, work: int) -> tuple[int, int]:
     context = multiprecision(work + _GUARD)
     c, s = context.cos_sin(2 * context.pi / order)
     return int(context.nint(context.ldexp(c, work))), -int(context.nint(context.ldexp(s, work)))
+
+
+@lru_cache(maxsize=64)
+def _turns(order: int, top: int, work: int) -> list[tuple[int, int]]:
+    """Powers 1 … top − 1 of e^{−2πi/order}, step by step."""
+    x, y = _root(order, work)
+    powers, c, s = [], x, y
+    for _ in range(1, top):
+        powers.append((c, s))
+        c, s = (c * x - s * y) >> work, (c * y + s * x) >> work
+    return powers
 
 
 @lru_cache(maxsize=64)

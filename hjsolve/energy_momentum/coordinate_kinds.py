@@ -254,10 +254,10 @@ class Regions:
         polynomial = self.coordinate.polynomial
         assert polynomial is not None
         low, high = self.low[index].copy(), self.high[index].copy()
-        before = self.sign[point] * (-1.0) ** rank
+        before, value = self.sign[point] * (-1.0) ** rank, polynomial.values(self.x[point], self.y[point])
         for _ in range(54):
             middle = (low + high) / 2
-            same = polynomial.value(self.x[point], self.y[point], middle)[0] * before > 0
+            same = value(middle) * before > 0
             low, high = np.where(same, middle, low), np.where(same, high, middle)
         return polynomial.places((low + high) / 2)
 

@@ -85,8 +85,20 @@ def bernstein_value(coefficients: Reals, errors: Reals, place: Reals) -> tuple[R
     Returns:
         The values and bounds on their errors, shape (m,).
     """
-    (left, _), (uncertainty, _) = _divided(coefficients, errors, place)
-    return left[:, -1], uncertainty[:, -1]
+    return at_place(coefficients, place), at_place(_widened(coefficients, errors), place)
+
+
+def at_place(coefficients: Reals, place: Reals) -> Reals:
+    """Evaluate polynomials in Bernstein form by de Casteljau's scheme, without bounds on the errors.
+
+    Args:
+        coefficients: Bernstein coefficients of degree n, shape (m, n + 1).
+        place: one of (0, 1) for each, shape (m,).
+    """
+    row, s = coefficients, place[:, None]
+    while row.shape[1] > 1:
+        row = (1 - s) * row[:, :-1] + s * row[:, 1:]
+    return row[:, 0]
 
 
 def _signs(b: Reals, e: Reals) -> NDArray[np.int64]:
@@ -106,8 +118,12 @@ def _variations(b: Reals, e: Reals) -> tuple[NDArray[np.int64], NDArray[np.bool_
 
 def _divided(b: Reals, e: Reals, share: Reals) -> tuple[tuple[Reals, Reals], tuple[Reals, Reals]]:
     """Both parts of each polynomial, and of the bounds on their errors."""
-    n = b.shape[1] - 1
-    return _parts(b, share), _parts(e + 4 * (n + 1) * EPS * np.abs(b).max(axis=1, keepdims=True), share)
+    return _parts(b, share), _parts(_widened(b, e), share)
+
+
+def _widened(b: Reals, e: Reals) -> Reals:
+    """The bounds on the errors with what de Casteljau's scheme rounds."""
+    return e + 4 * b.shape[1] * EPS * np.abs(b).max(axis=1, keepdims=True)
 
 
 def _parts(b: Reals, share: Reals) -> tuple[Reals, Reals]:

@@ -8,6 +8,7 @@ coefficients there are, for all points (x, y) at once, one matrix times the mono
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -19,7 +20,7 @@ from hjsolve.arithmetic.floats import EPS, Float64
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.closed_form.substitutions import Substitution, known_substitutions
 from hjsolve.display.shown import Shown
-from hjsolve.energy_momentum.isolation import IsolatedRoots, Reals, bernstein_value, isolated_roots
+from hjsolve.energy_momentum.isolation import IsolatedRoots, Reals, at_place, bernstein_value, isolated_roots
 from hjsolve.lowering import lower
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 
@@ -104,6 +105,23 @@ class MomentumPolynomial(Shown):
             here = (s >= k) & ((s < k + 1) | (k == len(self.pieces) - 1))
             value[here], error[here] = bernstein_value(*self._coefficients(piece, x[here], y[here]), s[here] - k)
         return value, error
+
+    def values(self, x: Reals, y: Reals) -> Callable[[Reals], Reals]:
+        """Return N at many points as a function of the places s; the coefficients there are worked out once.
+
+        Args:
+            x, y: values of the two constants, shape (m,).
+        """
+        tables = [self._coefficients(piece, x, y)[0] for piece in self.pieces]
+
+        def at(s: Reals) -> Reals:
+            value = np.empty(len(s))
+            for k, table in enumerate(tables):
+                here = (s >= k) & ((s < k + 1) | (k == len(tables) - 1))
+                value[here] = at_place(table[here], s[here] - k)
+            return value
+
+        return at
 
     def shares(self, q: Reals) -> Reals:
         """Return s of places q.

@@ -14,6 +14,7 @@ from sympy.core.function import ArgumentIndexError
 from sympy.core.sorting import ordered
 
 from hjsolve.functions.carlson import CarlsonRD
+from hjsolve.functions.many_digits import remembered
 from hjsolve.functions.printing import Printable
 
 Parts = tuple[sp.Expr, sp.Expr]
@@ -29,6 +30,7 @@ def _rc_imaginary(x: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpf:
     return mpmath.im(_rc(x, a, b))
 
 
+@remembered
 def _rc(x: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpc:
     if mpmath.im(x) != 0 or mpmath.im(a) != 0 or mpmath.im(b) != 0 or x < 0:
         raise ValueError("R_C(x, a + ib) needs x ≥ 0 and real a, b")
@@ -43,6 +45,7 @@ def _rj_imaginary(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf, a: mpmath.mpf, b:
     return mpmath.im(_rj(x, y, z, a, b))
 
 
+@remembered
 def _rj(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpc:
     if any(mpmath.im(v) != 0 for v in (x, y, z, a, b)) or min(x, y, z) < 0:
         raise ValueError("R_J(x, y, z, a + ib) needs x, y, z ≥ 0 and real a, b")

@@ -5,7 +5,9 @@ Real formulas for real arguments; a value is worked out at two precisions and gi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from functools import lru_cache, wraps
+from typing import Any
 
 import mpmath
 import sympy as sp
@@ -13,9 +15,30 @@ from mpmath import mp
 
 _GUARD = 24
 _DOUBLINGS = 6
+_REMEMBERED = 512
+"""How many values are kept: sympy asks for those of one sum over and over while it looks for cancellation."""
 
 
-def evaluated(value: Callable[..., mpmath.mpf], arguments: Sequence[sp.Expr], bits: int) -> sp.Expr | None:
+def remembered(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of mpmath's numbers that keeps its last values, each with the precision it was worked out at.
+
+    Args:
+        function: of numbers and of mpmath's present precision, and of nothing else.
+    """
+
+    @lru_cache(_REMEMBERED, typed=True)
+    def at(_bits: int, *numbers: mpmath.mpf) -> Any:
+        return function(*numbers)
+
+    @wraps(function)
+    def now(*numbers: mpmath.mpf) -> Any:
+        return at(mp.prec, *numbers)
+
+    return now
+
+
+@lru_cache(_REMEMBERED)
+def evaluated(value: Callable[..., mpmath.mpf], arguments: tuple[sp.Expr, ...], bits: int) -> sp.Expr | None:
     """The value of a function at numbers, right to a number of bits.
 
     The working precision is doubled until two values agree: an argument of 10⁹ periods costs digits, and so does a
@@ -48,6 +71,7 @@ def evaluated(value: Callable[..., mpmath.mpf], arguments: Sequence[sp.Expr], bi
     return None
 
 
+@lru_cache(_REMEMBERED)
 def _number(argument: sp.Expr, bits: int) -> mpmath.mpf | mpmath.mpc | None:
     """A sympy number as one of mpmath's, with so many bits."""
     if not argument.is_number:
@@ -194,6 +218,7 @@ def _real(u: mpmath.mpf, m: mpmath.mpf) -> bool:
     return mp.im(u) == 0 and mp.im(m) == 0
 
 
+@remembered
 def _jacobi(u: mpmath.mpf, m: mpmath.mpf) -> tuple[mpmath.mpf, ...]:
     """am, sn, cn, dn, ℰ; parameters beyond 0 … 1 by DLMF 22.17.2–22.17.8."""
     if not _real(u, m):

@@ -22,6 +22,7 @@ from tests.support.entries import described as entry
 from tests.support.entries import motion as motion_of
 from tests.support.entries import solution
 from tests.support.entries import state as state_of
+from tests.support.gauss import gauss
 
 IDS = catalog.ids("separable")
 MOTIONS = [(name, motion) for name in IDS for motion in entry(name).motions]
@@ -89,13 +90,13 @@ def cycle(F: sp.Expr, q: sp.Symbol, constant: sp.Symbol | None, numbers: Any, en
         return root if constant is None else slope(x) / (2 * root)
 
     if ends is None:
-        return mp.quad(integrand, mp.linspace(-mp.pi, mp.pi, 5), method="gauss-legendre") / (2 * mp.pi)
+        return mp.quad(integrand, mp.linspace(-mp.pi, mp.pi, 5), method=gauss) / (2 * mp.pi)
     middle, half = (ends[0] + ends[1]) / 2, (ends[1] - ends[0]) / 2
 
     def regular(χ: mpmath.mpf) -> mpmath.mpf:
         return integrand(middle - half * mp.cos(χ)) * half * mp.sin(χ)
 
-    return mp.quad(regular, mp.linspace(0, mp.pi, 3), method="gauss-legendre") / mp.pi
+    return mp.quad(regular, mp.linspace(0, mp.pi, 3), method=gauss) / mp.pi
 
 
 @pytest.mark.parametrize(("name", "motion"), MOTIONS)

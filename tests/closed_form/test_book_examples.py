@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from functools import cache
 
 import pytest
 import sympy as sp
@@ -11,13 +10,9 @@ import sympy as sp
 import hjsolve
 from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.forms import RegimeForms
+from tests.support.entries import forms
 
 t, t_0 = sp.symbols("t t_0", real=True)
-
-
-@cache
-def forms(name: str) -> tuple[RegimeForms, ...]:
-    return hjsolve.closed_forms(name)
 
 
 def regime(name: str, **kinds: str) -> RegimeForms:

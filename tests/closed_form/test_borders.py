@@ -20,6 +20,7 @@ from hjsolve.closed_form.regions import middle_of, root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.strata import special_strata
 from hjsolve.closed_form.workshop import Workshop, workshop_of
+from tests.support.entries import forms
 
 STEPS = [sp.Rational(sign, 10**k) for k in (1, 5, 12) for sign in (-1, 1)] + [sp.S.Zero]
 
@@ -33,14 +34,14 @@ STEPS = [sp.Rational(sign, 10**k) for k in (1, 5, 12) for sign in (-1, 1)] + [sp
 ])  # fmt: skip
 def test_the_right_form_or_none_on_both_sides_of_every_border(name: str, fewest: int) -> None:
     solution = hjsolve.solve(name)
-    forms, shop, compared = hjsolve.closed_forms(solution), workshop_of(solution), 0
+    found, shop, compared = forms(name), workshop_of(solution), 0
     for sample in _across_borders(shop):
-        holding = [form for form in forms if form.regime.holds(sample.values) and _on_its_piece(form, sample)]
+        holding = [form for form in found if form.regime.holds(sample.values) and _on_its_piece(form, sample)]
         kinds = {tuple(form.regime.kinds.items()) for form in holding}
         assert len(kinds) <= 1, (sample, kinds)
         for form in holding:
             compared += _compared(form, sample)
-        for form in forms:
+        for form in found:
             if form not in holding and form.periods and not form.regime.holds(sample.values):
                 with pytest.raises(hjsolve.InvalidInputError, match="regime"):
                     _evaluated(form, sample.values)

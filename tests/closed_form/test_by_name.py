@@ -15,6 +15,7 @@ import sympy as sp
 import hjsolve
 from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.forms import RegimeForms
+from tests.support.entries import forms
 
 t, t_0 = sp.symbols("t t_0", real=True)
 TIMES = ("0.3", "2.5", "17")
@@ -124,6 +125,6 @@ def test_schwarzschilds_orbit() -> None:
 @pytest.mark.parametrize(("name", "count"), [("kepler-parabolic", 6), ("liouville-p5-6", 8)])
 def test_every_general_regime_has_its_orbit(name: str, count: int) -> None:
     """The pieces of a regime are tried at one motion, whichever motions they were found with."""
-    found = [form for form in hjsolve.closed_forms(name) if not form.regime.special]
+    found = [form for form in forms(name) if not form.regime.special]
     assert len(found) >= count
     assert all(set(form.orbit) == set(form.solution.coordinates) for form in found)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import random
-from functools import cache
 
 import mpmath
 import numpy as np
@@ -14,22 +13,17 @@ import sympy as sp
 import hjsolve
 from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.curves import W
-from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.pieces import piece
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.verification import flaw
 from hjsolve.closed_form.workshop import workshop_of
+from tests.support.entries import forms
 
 NUMBERS = [
     "kepler-planar", "kepler-spherical", "kepler-parabolic", "isochrone", "isotropic-oscillator-polar", "morse",
     "poeschl-teller", "smorodinsky-winternitz", "anisotropic-oscillator", "charge-in-uniform-field", "calogero-moser",
     "oscillator-on-moving-plane", "spring-in-moving-frame", "sphere-geodesics",
 ]  # fmt: skip
-
-
-@cache
-def forms(name: str) -> tuple[RegimeForms, ...]:
-    return hjsolve.closed_forms(name)
 
 
 def _of_the_catalog(name: str) -> list[Sample]:

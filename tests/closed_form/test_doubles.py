@@ -13,6 +13,7 @@ import sympy as sp
 import hjsolve
 from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.doubles import region_test
+from tests.support.entries import forms
 
 ENTRIES = ["pendulum", "double-well", "spherical-pendulum", "bead-on-turning-wire", "cone", "ladder"]
 
@@ -28,7 +29,7 @@ def _spread(value: sp.Expr, draw: random.Random) -> float:
 @pytest.mark.parametrize("name", ENTRIES)
 def test_arrays_of_constants_are_sorted_as_by_fifty_digits(name: str) -> None:
     draw, inside, outside = random.Random(name), 0, 0
-    for form in hjsolve.closed_forms(name):
+    for form in forms(name):
         key = next(iter({**form.periods, **form.turning_points}), None)
         key = (
             f"periods.{key}"
@@ -66,7 +67,7 @@ def test_arrays_of_constants_are_sorted_as_by_fifty_digits(name: str) -> None:
 
 def test_a_polynomial_without_doubt_is_decided_in_doubles() -> None:
     """The test of a region settles nearly all of a spread of energies; the separatrix itself is not certain."""
-    form = next(f for f in hjsolve.closed_forms("pendulum") if f.regime.kinds["theta"] == "libration")
+    form = next(f for f in forms("pendulum") if f.regime.kinds["theta"] == "libration")
     symbols = sorted(form.regime.example, key=str)
     ((curve, region),) = form.regime.regions
     test = region_test(curve, region, symbols)
@@ -82,7 +83,7 @@ def test_a_polynomial_without_doubt_is_decided_in_doubles() -> None:
 @pytest.mark.parametrize("name", ["pendulum", "double-well", "spherical-pendulum"])
 def test_a_period_takes_about_a_microsecond(name: str) -> None:
     """Of the first kind, with roots in radicals or of a cubic, in units of 100 sines of the same array."""
-    form = hjsolve.closed_forms(name)[0]
+    form = forms(name)[0]
     key = next(iter(form.periods))
     function = form.lambdify("numpy")[f"periods.{key}"]
     example = {s.name: float(v) for s, v in form.regime.example.items()}

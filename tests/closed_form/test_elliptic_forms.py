@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import random
-from functools import cache
 
 import numpy as np
 import pytest
@@ -12,8 +11,8 @@ import sympy as sp
 
 import hjsolve
 from hjsolve.closed_form.closed_forms import own_form
-from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.functions import JacobiSN
+from tests.support.entries import forms
 
 t, t_0 = sp.symbols("t t_0", real=True)
 
@@ -62,11 +61,6 @@ def test_every_integral_of_these_regimes_has_a_form(name: str, kind: str) -> Non
     for form in own:
         assert [k for k in form.why_not if not k.startswith(("inverse", "energy"))] == []
         assert form.time_law is not None
-
-
-@cache
-def forms(name: str) -> tuple[RegimeForms, ...]:
-    return hjsolve.closed_forms(name)
 
 
 def test_pendulum_is_the_printed_one() -> None:

@@ -7,21 +7,15 @@ import re
 import shutil
 import subprocess
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 
 import pytest
 import sympy as sp
 
-import hjsolve
 from hjsolve.closed_form.forms import RegimeForms
+from tests.support.entries import forms
 
 ENTRIES = ["kepler-planar", "pendulum", "double-well", "spherical-pendulum", "isochrone", "cone"]
-
-
-@cache
-def forms(name: str) -> tuple[RegimeForms, ...]:
-    return hjsolve.closed_forms(name)
 
 
 def _places(form: RegimeForms, count: int) -> Iterator[dict[sp.Symbol, sp.Expr]]:

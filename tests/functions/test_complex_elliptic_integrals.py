@@ -23,6 +23,7 @@ from hjsolve.functions.elliptic import (
     inverse_between,
 )
 from tests.functions.test_elliptic_integrals import exact, number, random_integral, random_place
+from tests.support.gauss import gauss
 
 X = sp.Symbol("x", real=True)
 FIRST = PartialFractions(((0, sp.S.One),))
@@ -62,8 +63,8 @@ def by_quadrature(R, P, low, high, ends):
 
     f, to = (infinite, 1) if low is None or high is None else (finite, mp.pi)
     pieces = mp.linspace(0, to, 25)
-    total = mp.quad(f, pieces, method="gauss-legendre", maxdegree=8)
-    return total, mp.quad(lambda t: abs(f(t)), pieces, method="gauss-legendre", maxdegree=3)
+    total = mp.quad(f, pieces, method=gauss, maxdegree=8)
+    return total, mp.quad(lambda t: abs(f(t)), pieces, method=gauss, maxdegree=3)
 
 
 def complex_poles(rng):

@@ -20,6 +20,7 @@ from hjsolve.functions.elliptic import (
     legendre_complete,
     legendre_incomplete,
 )
+from tests.support.gauss import gauss
 
 X, U = sp.symbols("x u", real=True)
 FIRST = PartialFractions(((0, sp.S.One),))
@@ -102,8 +103,8 @@ def by_quadrature(R, P, low, high, ends):
         return rational(R, x) * 2 / (1 - t) ** 2 / mp.sqrt(rest(x))
 
     if low is None or high is None:
-        return mp.quad(to_infinity, mp.linspace(0, 1, 33), method="gauss-legendre", maxdegree=8)
-    return mp.quad(between, mp.linspace(0, mp.pi, 17), method="gauss-legendre", maxdegree=8)
+        return mp.quad(to_infinity, mp.linspace(0, 1, 33), method=gauss, maxdegree=8)
+    return mp.quad(between, mp.linspace(0, mp.pi, 17), method=gauss, maxdegree=8)
 
 
 def agree(value, truth, digits=30):

@@ -11,6 +11,7 @@ import hjsolve
 from hjsolve.mechanics.system import hamiltonian
 from tests.reference.taylor import Flow
 from tests.support import entries
+from tests.support.gauss import gauss
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
 
@@ -91,7 +92,7 @@ def along_branch(solution, fine, term, values):
 
     root = sp.N((values[coordinate.momentum] + solution.shift[coordinate.name]).subs(values), 20)
     factor = mpf(str(sp.N((term / integral).subs(values), 40)))
-    total = mp.quad(over_anomaly, [0, mp.pi / 2, mp.pi], method="gauss-legendre")
+    total = mp.quad(over_anomaly, [0, mp.pi / 2, mp.pi], method=gauss)
     return factor * total * (-1 if root < 0 else 1)
 
 

@@ -22,6 +22,7 @@ from hjsolve.reports.sections.prose import typeset_prose
 from hjsolve.solution.laws import check
 from hjsolve.solution.quadratures import Solution
 from tests.support import entries
+from tests.support.reports import report_of
 
 RELATIVITY = {"mass": "m0", "light": "c"}
 POSITIVE = {"m0": parameter("m0", 1, assume="positive"), "c": parameter("c", 2, assume="positive"), "k": "0.3"}
@@ -70,7 +71,7 @@ def test_reports_and_the_command_line_say_whether_the_solution_solves(capsys: py
     out = capsys.readouterr().out
     assert "Does it solve?" in out
     assert out.count("proved, exactly") == 4
-    assert "laws" in [section.key for section in document(gather("kepler-planar")).sections]
+    assert "laws" in [section.key for section in report_of("kepler-planar").sections]
 
 
 # ------------------------------------------------------------------------------------------------ the headline
@@ -165,7 +166,7 @@ def test_no_raw_formula_is_left_in_the_prose_of_an_entry(name: str) -> None:
 
 
 def test_ignorable_orbit_equations_cite_their_own_equation() -> None:
-    blocks = json.loads(json_text(document(gather("kepler-spherical"))))["sections"]["orbit"]["blocks"]
+    blocks = json.loads(json_text(report_of("kepler-spherical")))["sections"]["orbit"]["blocks"]
     tags = [block["tag"] for block in blocks if block["kind"] == "formula"]
     assert tags == ["Greenwood (5-70)", "Greenwood (5-83)"]
 
@@ -173,7 +174,7 @@ def test_ignorable_orbit_equations_cite_their_own_equation() -> None:
 def test_capital_momenta_stand_only_where_they_differ_and_are_explained() -> None:
     plain = text_page(document(gather("kepler-planar", initial=None)))
     assert "Pᵣ" not in plain
-    shifted = text_page(document(gather("bead-on-turning-wire")))
+    shifted = text_page(report_of("bead-on-turning-wire"))
     assert "P_θ²" in shifted
     assert "P = p + gradient" in shifted
 

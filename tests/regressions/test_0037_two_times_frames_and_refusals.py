@@ -21,7 +21,9 @@ from hjsolve.reports.content import document, gather
 from hjsolve.reports.formats.json_format import json_text
 from hjsolve.reports.formats.text import text_page
 from hjsolve.reports.sections.moving_frame import principal_function
+from hjsolve.reports.write import write_document
 from tests.support import entries
+from tests.support.reports import report_of
 
 FRAMED = ["spring-moving-anchor", "spring-turning-anchor", "oscillator-drifting-gauge"]
 OUTSIDE = hjsolve.catalog.ids("outside")
@@ -33,7 +35,7 @@ def test_the_parameter_of_a_path_is_not_called_t_where_t_is_a_coordinate() -> No
     solution = entries.solution("kerr")
     names = {s.name for s in solution.time_law.lhs.free_symbols}
     assert names == {"tau", "tau_0"}
-    whole = document(gather("kerr"))
+    whole = report_of("kerr")
     shown = text_page(whole)
     assert "τ − τ₀ = " in shown
     assert "Initial data at τ = 0" in shown
@@ -64,7 +66,7 @@ def test_every_name_for_the_parameter_may_be_taken() -> None:
 
 def test_the_ordinary_time_keeps_its_letter() -> None:
     assert {s.name for s in entries.solution("pendulum").time_law.lhs.free_symbols} == {"t", "t_0"}
-    assert "The coordinates against time" in json_text(document(gather("pendulum")))
+    assert "The coordinates against time" in json_text(report_of("pendulum"))
 
 
 @pytest.mark.parametrize("name", ["kerr", "schwarzschild"])
@@ -101,9 +103,9 @@ def test_commands_tell_the_system_as_it_is_posed(name: str, command: str, capsys
 
 
 def test_reports_tell_the_frame_too() -> None:
-    keys = [section.key for section in document(gather("spring-moving-anchor")).sections]
+    keys = [section.key for section in report_of("spring-moving-anchor").sections]
     assert keys.index("frame") == keys.index("system") + 1
-    assert "frame" not in [section.key for section in document(gather("pendulum")).sections]
+    assert "frame" not in [section.key for section in report_of("pendulum").sections]
 
 
 # ------------------------------------------------------------------------------------------------ no T and V
@@ -173,7 +175,7 @@ def test_drawings_that_fall_short_leave_the_numbers(tmp_path: Path, monkeypatch:
 # ------------------------------------------------------------------------------------------------ literature
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_labels_are_resolved_in_every_format(suffix: str, tmp_path: Path) -> None:
-    page = hjsolve.report("henon-heiles", tmp_path / f"page{suffix}").read_text(encoding="utf-8")
+    page = write_document(report_of("henon-heiles"), tmp_path / f"page{suffix}").read_text(encoding="utf-8")
     assert "Classical Dynamics" in page
     assert "The labels at the formulas are its equation numbers" in page
     assert "Astronomical Journal" in page

@@ -29,6 +29,7 @@ from hjsolve.reports.sections.rounded_numbers import terminating
 from hjsolve.reports.sections.solution import solution_sections
 from hjsolve.reports.sections.system_and_verdict import exactly
 from tests.support import entries
+from tests.support.reports import report_of
 
 
 # ------------------------------------------------------------------------------------------------ numbers
@@ -48,7 +49,7 @@ def test_what_does_not_end_soon_is_no_exact_decimal(value: sp.Expr) -> None:
 
 
 def test_numbers_that_are_known_exactly_carry_no_error() -> None:
-    page = json.loads(json_text(document(gather("kepler-planar"))))["sections"]["numbers"]["blocks"]
+    page = json.loads(json_text(report_of("kepler-planar")))["sections"]["numbers"]["blocks"]
     tables = {block["caption"]: block["rows"] for block in page if block["kind"] == "table"}
     energy = tables["Constants of the motion"][0][1]
     assert (energy["value"], energy["error"]) == ("-0.28", "0")
@@ -69,7 +70,7 @@ def test_only_the_turning_point_of_the_start_is_exact() -> None:
 # ------------------------------------------------------------------------------------------------ the verdict
 @pytest.mark.parametrize(("name", "verdict", "sign"), [("pendulum", "yes", "✓ "), ("henon-heiles", "no", "✗ ")])
 def test_a_verdict_is_told_by_a_sign_and_a_colour(name: str, verdict: str, sign: str) -> None:
-    whole = document(gather(name))
+    whole = report_of(name)
     assert (whole.verdict, whole.sign) == (verdict, sign)
     page = html_page(whole)
     assert f'class="answer {verdict}"' in page
@@ -137,7 +138,7 @@ def test_the_meaning_of_a_constant_stands_before_its_long_formula() -> None:
 
 @pytest.mark.parametrize("name", ["kerr", "kuzmin-kutuzov"])
 def test_tex_has_one_environment_for_each_broken_formula(name: str) -> None:
-    page = tex(document(gather(name)))
+    page = tex(report_of(name))
     assert page.count(r"\begin{aligned}") == page.count(r"\end{aligned}") > 2
     assert page.count("{") - page.count(r"\{") == page.count("}") - page.count(r"\}")
 

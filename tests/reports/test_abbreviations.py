@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Callable
 
 import pytest
 import sympy as sp
 
-import hjsolve
+from hjsolve.reports.document import Document
+from hjsolve.reports.formats.html import html_page
+from hjsolve.reports.formats.latex_document import tex
+from hjsolve.reports.formats.text import text_page
 from hjsolve.reports.formulas.abbreviations import abbreviated, abbreviating, letters_for_sums
 from hjsolve.reports.formulas.from_sympy import box, constants_outside
 from hjsolve.reports.formulas.one_line_text import plain
+from tests.support.reports import report_of
 
 r, θ, a, M, v = sp.symbols("r theta a M v", real=True)
 Σ, Δ = r**2 + a**2 * sp.cos(θ) ** 2, r**2 - 2 * M * r + a**2
@@ -49,8 +53,8 @@ def test_a_letter_stays_under_the_integral_over_what_it_contains_and_gives_no_do
         assert "Δ" not in plain(box(sp.Derivative(v * Δ**2, r)))
 
 
-@pytest.mark.parametrize(("suffix", "sum_"), [(".txt", "Σ = "), (".tex", r"\Sigma="), (".html", ">Σ<")])
-def test_kerrs_report_defines_its_letters_once(suffix: str, sum_: str, tmp_path: Path) -> None:
-    text = hjsolve.report("kerr", tmp_path / f"kerr{suffix}", brief=True).read_text(encoding="utf-8")
+@pytest.mark.parametrize(("written", "sum_"), [(text_page, "Σ = "), (tex, r"\Sigma="), (html_page, ">Σ<")])
+def test_kerrs_report_defines_its_letters_once(written: Callable[[Document], str], sum_: str) -> None:
+    text = written(report_of("kerr", brief=True))
     assert sum_ in text.replace("\n", "")
     assert text.count("in everything that follows") == 1

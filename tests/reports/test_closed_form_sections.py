@@ -7,11 +7,11 @@ import time
 import pytest
 
 import hjsolve
-from hjsolve.reports.content import document, gather
 from hjsolve.reports.document import Section
 from hjsolve.reports.formats.text import text_page
 from hjsolve.reports.sections import closed_forms
 from hjsolve.reports.sections.closed_forms import closed_form_report
+from tests.support.reports import report_of
 
 
 def _motion(name: str) -> hjsolve.Motion:
@@ -23,7 +23,7 @@ def _text(sections: list[Section]) -> str:
 
 
 def test_the_motions_own_regime_is_shown_after_its_integrals() -> None:
-    page = text_page(document(gather("kepler-planar")))
+    page = text_page(report_of("kepler-planar"))
     assert page.index("Time law") < page.index("Closed forms") < page.index("E < 0") < page.index("Kepler's equation")
     assert "hjsolve solve kepler-planar --closed" in page.replace("\n", " ")
 

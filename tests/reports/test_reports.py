@@ -26,28 +26,23 @@ from hjsolve.reports.formats.json_format import json_text
 from hjsolve.reports.formats.latex_document import tex
 from hjsolve.reports.formats.markdown import markdown_page
 from hjsolve.reports.formats.text import text_page
+from tests.support.reports import material, report_of
 
 SEPARABLE = [
-    "kepler-planar",
-    "pendulum",
-    "spherical-pendulum",
-    "lagrange-top",
-    "kepler-parabolic",
-    "spherical-staeckel",
-    "projectile",
-]
+    "kepler-planar", "pendulum", "spherical-pendulum", "lagrange-top", "kepler-parabolic", "spherical-staeckel", "projectile",
+]  # fmt: skip
 REFUSED = ["henon-heiles", "double-pendulum"]
-SECTIONS = ["system", "reduction", "test", "forms", "characteristic-function", "time-law", "closed-forms", "motion", "numbers", "how"]
+SECTIONS = ["system", "reduction", "test", "forms", "characteristic-function", "time-law", "closed-forms", "motion", "numbers", "how"]  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def materials() -> dict[str, Material]:
-    return {name: gather(name) for name in [*SEPARABLE, *REFUSED]}
+    return {name: material(name) for name in [*SEPARABLE, *REFUSED]}
 
 
 @pytest.fixture(scope="module")
-def documents(materials: dict[str, Material]) -> dict[str, Document]:
-    return {name: document(material) for name, material in materials.items()}
+def documents() -> dict[str, Document]:
+    return {name: report_of(name) for name in [*SEPARABLE, *REFUSED]}
 
 
 # ------------------------------------------------------------------------------------------------ the document

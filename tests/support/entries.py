@@ -1,4 +1,4 @@
-"""Entries of the catalog, their systems, verdicts, solutions and motions: made once a process and shared by all tests.
+"""Entries of the catalog, their systems, verdicts, solutions, closed forms and motions: made once a process and shared by all tests.
 
 All of them are frozen values, so sharing them changes no test.
 """
@@ -8,8 +8,10 @@ from __future__ import annotations
 import functools
 from typing import Any
 
+import hjsolve
 from hjsolve import catalog
 from hjsolve.catalog import Entry
+from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.mechanics.system import System
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
 from hjsolve.solution.quadratures import Solution, solve
@@ -62,6 +64,12 @@ def solution(name: str, effects: tuple[str, ...] = ()) -> Solution:
     """Its solution by quadratures."""
     found = verdict(name, effects)
     return solve(found if isinstance(found, Separation) else loaded(name, effects))
+
+
+@functools.cache
+def forms(name: str) -> tuple[RegimeForms, ...]:
+    """The closed forms of its regimes."""
+    return hjsolve.closed_forms(name)
 
 
 @functools.cache
