@@ -344,13 +344,12 @@ def librations(orbits: CompiledCoordinate, small: Mask, modes: Modes, *, exact: 
     if len(wide):
         some = orbits.take(wide)
         chords = some.programs.below.chords and some.programs.above.chords
-        part = some.wide(modes._replace(chords=chords, shifts=True))
-        sums.put(wide, part)
-        rough = np.flatnonzero(part.good & _rough(part, modes)) if exact else wide[:0]
-        if len(rough):
-            better = some.take(rough).exactly(modes)
-            fine = np.flatnonzero(better.good)
-            sums.put(wide[rough[fine]], better.take(fine))
+        sums.put(wide, some.wide(modes._replace(chords=chords, shifts=True)))
+    rough = np.flatnonzero(sums.good & _rough(sums, modes)) if exact else wide[:0]
+    if len(rough):
+        better = orbits.take(rough).exactly(modes)
+        fine = np.flatnonzero(better.good)
+        sums.put(rough[fine], better.take(fine))
     return sums
 
 
