@@ -37,7 +37,7 @@ PARTS = {
 }  # fmt: skip
 
 
-NIGHTLY = ("schwarzschild", "two-centres-plane", "two-centres-space")
+NIGHTLY = ("kerr", "schwarzschild", "two-centres-plane", "two-centres-space")
 
 
 @pytest.mark.parametrize(
