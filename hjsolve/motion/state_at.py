@@ -11,10 +11,7 @@ from hjsolve.arithmetic.number_types import AtTimes, Numbers
 from hjsolve.motion.endings import end_statuses
 from hjsolve.motion.near_poles import badly_rounded, sharpened_velocities
 from hjsolve.motion.phases import Phases, courses_of, phases_at
-from hjsolve.motion.positions import (
-    coordinate_velocities,
-    positions_at,
-)
+from hjsolve.motion.positions import coordinate_velocities, positions_at
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.separated import SeparatedMotion, separated_motion
 from hjsolve.motion.shapes import shaped

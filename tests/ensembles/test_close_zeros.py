@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import hjsolve
+from benchmarks.kerr_orbits import about_kerr
 from hjsolve.ensembles.engine import engine as engines
 from hjsolve.ensembles.engine.programs import available
 
@@ -39,8 +40,6 @@ def in_a_box(seed: int) -> tuple[hjsolve.System, dict[str, np.ndarray], dict[str
 
 def about_a_black_hole(seed: int) -> tuple[hjsolve.System, dict[str, np.ndarray], dict[str, np.ndarray]]:
     """Orbits of Kerr's a = 9/10 in the well outside the barrier, 1e-8 … 1e-4 of E below it (Carter 1968)."""
-    from benchmarks.ensembles import about_kerr
-
     q, p = about_kerr(np.random.default_rng(seed), 4 * COUNT, barely=True)
     rows = {n: np.broadcast_to(x, q["r"].shape)[:COUNT] for n, x in q.items()}
     momenta = {n: np.broadcast_to(x, q["r"].shape)[:COUNT] for n, x in p.items()}

@@ -128,7 +128,10 @@ class Engine:
         return np.concatenate(found)
 
     def _deeper(self, columns: Columns, orbits: Any, starts: Starts, depth: int, made: Compiled | None = None) -> None:
-        """Run a pass over some orbits, and keep what it makes good."""
+        """Run a pass over some orbits, and keep what it makes good.
+
+        Depths are those of ``run_pass``; −2 is the compiled pass, −1 the same with p² to 32 digits.
+        """
         size = CHUNK if depth <= 0 else CHUNK // 2 if depth == 1 else CHUNK // 4
         tolerance = FAST if depth < 0 else GOOD if depth == 0 else TOLERANCE
         for first in range(0, len(orbits), size):
