@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -55,6 +55,7 @@ class PairSource:
     """
 
     source: PythonSource
+    _near: dict[NamedPair, tuple[NamedPair, NamedPair]] = field(default_factory=dict)
 
     def _called(self, name: str, *values: NamedPair, results: int = 2) -> tuple[str, ...]:
         return self.source.called(name, *(part for value in values for part in value), results=results)
@@ -79,6 +80,18 @@ class PairSource:
         if _ZERO in (x, y):
             return y if x == _ZERO else x
         return NamedPair(*self._called("pair_add", x, y))
+
+    def displaced(self, x: NamedPair, step: NamedPair) -> NamedPair:
+        """Write the line with x + step; sines and the like of the sum will be had from those of x.
+
+        Args:
+            x: names of variables, or literals.
+            step: not more than 2⁻³⁴; where it is more they will be NaN.
+        """
+        base, way = self._near.get(x, (x, _ZERO))
+        total = self.add(x, step)
+        self._near[total] = base, self.add(way, step)
+        return total
 
     def sub(self, x: NamedPair, y: NamedPair) -> NamedPair:
         """Write the lines with x − y.
@@ -139,7 +152,11 @@ class PairSource:
             return self._negative(x)
         if name in _PAIRED:
             function, place = _PAIRED[name]
-            return NamedPair(*self._called(function, x, results=4)[place : place + 2])
+            base, way = self._near.get(x, (x, _ZERO))
+            found = self._called(function, base, results=4)
+            if way != _ZERO:
+                found = self._called(f"{function}_near", NamedPair(*found[:2]), NamedPair(*found[2:]), way, results=4)
+            return NamedPair(*found[place : place + 2])
         return NamedPair(*self._called(f"pair_{name}", x))
 
 

@@ -6,6 +6,7 @@ import os
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ CHUNK = 65536
 """Orbits that one thread treats at a time: passes for few hard orbits cost less together."""
 
 _FEWEST = 1024
+_ROOM = 31 << 20
 
 Columns = dict[str, Any]
 
@@ -50,6 +52,7 @@ def compute_columns(
     Returns:
         Column name → array of shape (n,).
     """
+    _keep_memory()
     n, tools = len(q[0]), tools_of(task)
     columns: Columns = {name: _empty(n, dtype) for name, dtype in dtypes(tools.layout).items()}
 
@@ -72,6 +75,16 @@ def compute_columns(
                 stop.set()
                 pool.shutdown(wait=False, cancel_futures=True)
     return columns
+
+
+@cache
+def _keep_memory() -> None:
+    """Let the C library keep what is freed: it raises its limit (glibc, to 32 MB at most) when a large array goes.
+
+    Else temporary arrays of all sizes are given back to the system and come again page by page, which can take longer
+    than the arithmetic. The array is never touched.
+    """
+    np.empty(_ROOM, dtype=np.uint8)
 
 
 def cores() -> int:

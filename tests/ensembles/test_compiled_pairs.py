@@ -52,6 +52,23 @@ def test_small_sines_keep_their_digits() -> None:
                 assert abs(mpmath.mpf(high) + mpmath.mpf(low) - rule(x)) <= mpmath.mpf(2) ** -98 * abs(mpmath.mpf(x))
 
 
+@pytest.mark.parametrize("name", ["sincos", "sinhcosh"])
+def test_functions_nearby_have_a_hundred_bits_or_are_nan(name: str) -> None:
+    rng = np.random.default_rng(7)
+    with mpmath.workprec(400):
+        for x in (*map(float, rng.uniform(-9, 9, 30)), 1e-9, -1e-14, 1.5707963267948966):
+            at = PAIRS[f"pair_{name}"](x, 0.0)
+            for d in map(float, 2.0 ** rng.uniform(-90, -34, 9) * rng.choice([-1, 1], 9)):
+                low = d * 2.0**-55
+                found = PAIRS[f"pair_{name}_near"](*at, d, low)
+                for k, rule in enumerate(RULES[name]):
+                    expected = rule(mpmath.mpf(x) + mpmath.mpf(d) + mpmath.mpf(low))
+                    error = mpmath.mpf(found[2 * k]) + mpmath.mpf(found[2 * k + 1]) - expected
+                    size = abs(expected) + abs(rule(mpmath.mpf(x))) if name == "sinhcosh" or k == 0 else 1
+                    assert abs(error) <= mpmath.mpf(2) ** -98 * size, (x, d)
+            assert np.isnan(PAIRS[f"pair_{name}_near"](*at, 2.0**-33, 0.0)).all()
+
+
 @pytest.mark.parametrize("name", ["add", "mul", "div"])
 def test_operations_have_a_hundred_bits(name: str) -> None:
     rng = np.random.default_rng(6)

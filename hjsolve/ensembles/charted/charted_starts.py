@@ -10,29 +10,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import Float64
-from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.number_types import Reals
-from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.ensembles.charted.chart_map import ChartMap
-from hjsolve.ensembles.charted.inverse_arrays import inverse_arrays
-from hjsolve.ensembles.charted.momenta_to_32_digits import exact_point, exact_starts, in_order_of_chart, rounded
+from hjsolve.ensembles.charted.momenta_to_32_digits import exact_point, exact_starts
+from hjsolve.ensembles.charted.places_and_momenta import SeparatedStarts, carried
 from hjsolve.ensembles.engine.columns import Columns, blank, put
 from hjsolve.ensembles.engine.engine import Engine
-from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.status import UNDECIDED, Status
 
 _FINER = 2.0**-44
 _SAFETY = 2
-_STEPS = {"ellipsoidal": 3, "paraboloidal": 3, "conical": 3}
-"""Newton steps by kind, where it is not one."""
-_CONVERGED, _PHASE, _PART = 1e-6, 2.0, 16.0
+_PHASE, _PART = 2.0, 16.0
 _LEAST, _MOST = 2.0**-49 * np.pi, 1e-9
 """What the engine counts at least for a phase (``initial_phase``: 8 ε π), and the largest error of an angle let go."""
+_BLOCK = 16384
+"""Orbits worked on together."""
 _NEAR, _FAR = 64.0, 2.0**16
 """A start is next to a turning point where p² is less than so many times what δu does to it; then it is moved by so
 many δu."""
@@ -50,7 +47,7 @@ class ChartedStarts(Starts):
         chart: the map.
         off: bounds on what û is off from u, shape (coordinates, n).
         rates: bounds on dχ/du of the phases χ of the separated coordinates, shape (coordinates, n); else 0.
-        compiled: whether momenta to 32 digits are worked out by numba.
+        compiled: whether momenta to 32 digits are worked out by numba, too.
     """
 
     chart: ChartMap | None = None
@@ -64,32 +61,43 @@ class ChartedStarts(Starts):
         return in_two_doubles(self.chart, self, compiled=self.compiled)
 
 
-def charted_starts(chart: ChartMap, x: Reals, rates: Reals) -> ChartedStarts:
+def charted_starts(chart: ChartMap, x: Reals, rates: Reals, *, compiled: bool = False) -> ChartedStarts:
     """Carry places and momenta or velocities to the separated coordinates.
 
     Args:
         chart: the map.
         x, rates: in the user's coordinates, shape (coordinates, n).
+        compiled: whether by numba.
 
     Returns:
         Starts with rows in the order of the system; NaN where the coordinates are singular or could not be had.
     """
+    windows = [slice(first, first + _BLOCK) for first in range(0, max(x.shape[1], 1), _BLOCK)]
+    parts = [_block(chart, x[:, window], rates[:, window], compiled) for window in windows]
+    names = ("q", "p", "uncertainty", "low", "spread", "velocity", "off", "rates")
+    joined: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts], axis=1) for name in names}
+    return replace(parts[0], **joined)
+
+
+def _block(chart: ChartMap, x: Reals, rates: Reals, compiled: bool) -> ChartedStarts:
+    """The same for orbits whose arrays fit into the processor's cache together."""
     with np.errstate(all="ignore"):
-        q, loss = _places(chart, x)
-        p, p_loss = _momenta(chart, q, loss, rates)
-        moved, slope, bend = _moved(chart, q, p, p_loss, loss)
-        q, loss = q + moved, loss + np.abs(moved)
-        spread, rates_of_phases = _SAFETY * p_loss, np.zeros_like(q)
-        for k, _ in _separated(chart):
-            shift = np.abs(slope[k]) * loss[k]
+        found = carried(chart, x, rates, compiled=compiled)
+        moved, p = _moved(chart, found)
+        q, loss = found.q + moved, found.loss + np.abs(moved)
+        spread, rates_of_phases = _SAFETY * found.p_loss, np.zeros_like(q)
+        for row, k in enumerate(_separated(chart)):
+            slope, unitless = found.slope[row], chart.unitless[chart.order[k]]
+            shift = np.abs(slope) * loss[k]
             spread[k] += np.where(shift > 0, _SAFETY * shift / (2 * np.abs(p[k])), 0.0)
-            unitless = chart.unitless[chart.order[k]]
-            phase = _PHASE * _phase_rate(unitless, q[k], p[k], slope[k], bend[k])
+            phase = _PHASE * _phase_rate(unitless, q[k], p[k], slope, found.bend[row])
             rates_of_phases[k] = np.where(p[k] == 0, 0.0, phase)
     fine = np.isfinite(q).all(axis=0) & np.isfinite(p).all(axis=0)
     q, p = np.where(fine, q, np.nan), np.where(fine, p, np.nan)
-    given = np.concatenate([x, rates])
-    return ChartedStarts(q, p, spread, np.zeros_like(p), spread, given, chart=chart, off=loss, rates=rates_of_phases)
+    return ChartedStarts(
+        q, p, spread, np.zeros_like(p), spread, np.concatenate([x, rates]), chart=chart, off=loss,
+        rates=rates_of_phases, compiled=compiled,
+    )  # fmt: skip
 
 
 def run_charted(engine: Engine, chart: ChartMap, q: Mapping[str, Reals], rates: Mapping[str, Reals]) -> Columns:
@@ -103,8 +111,8 @@ def run_charted(engine: Engine, chart: ChartMap, q: Mapping[str, Reals], rates: 
     Returns:
         Columns of shape (n,); orbits that the map is singular for, or loses too much of, are not ``OK``.
     """
-    starts = charted_starts(chart, np.stack(list(q.values())), np.stack(list(rates.values())))
-    starts = replace(starts, compiled=engine.compiled)
+    given = (np.stack(list(group.values())) for group in (q, rates))
+    starts = charted_starts(chart, *given, compiled=engine.compiled)
     known = np.flatnonzero(np.isfinite(starts.q).all(axis=0) & np.isfinite(starts.uncertainty).all(axis=0))
     columns = blank(engine.names, starts.q.shape[1])
     if not len(known):
@@ -140,63 +148,20 @@ def _shake(chart: ChartMap, engine: Engine, columns: Columns, starts: Starts, of
         columns.status[(columns.status == Status.OK) & ~(errors.max(axis=0) <= _MOST)] = UNDECIDED
 
 
-def _separated(chart: ChartMap) -> list[tuple[int, LoweredFormula]]:
-    return [(c.index, c.plain) for c in chart.model.separated]
+def _separated(chart: ChartMap) -> list[int]:
+    return [c.index for c in chart.model.separated]
 
 
-def _bounds(results: list[WithErrorBound[Reals]], shape: tuple[int, ...]) -> Reals:
-    return np.stack([np.broadcast_to(0.0 if r.error is None else r.error, shape) for r in results])
-
-
-def _places(chart: ChartMap, x: Reals) -> tuple[Reals, Reals]:
-    """û and a bound on its error: by the inverse formulas, then Newton's method, whose last step tells the error."""
-    shape, plain = x.shape[1:], [n.high for n in chart.numbers]
-    X = [np.broadcast_to(value, shape) for value in chart.local.run(Float64(), [*x, *plain])]
-    u = _inside(chart, [np.asarray(value) for value in inverse_arrays(chart.kind, X, chart.lengths)])
-    for _ in range(_STEPS.get(chart.kind, 1)):
-        u = [a + b for a, b in zip(u, chart.step.run(Float64(), [*u, *x, *plain]), strict=True)]
-    exact = [WithErrorBound(value) for value in (*u, *x)]
-    steps = chart.step.run(RunningError(Float64()), [*exact, *rounded(chart.numbers)])
-    loss = _SAFETY * (np.abs(np.stack([np.broadcast_to(s.value, shape) for s in steps])) + _bounds(steps, shape))
-    q = np.where((loss < _CONVERGED * (1 + np.abs(u))).all(axis=0), np.stack(u), np.nan)
-    order = list(chart.order)
-    return q[order], loss[order]
-
-
-def _inside(chart: ChartMap, u: list[Reals]) -> list[Reals]:
-    """(−u, −v) for (u, v) where one of them has to be positive; NaN on the edge, where V has a crease."""
-    for k, (positive, half) in enumerate(chart.edges):
-        if positive and chart.kind.startswith(("elliptic", "parabolic")):
-            edge = (u[k] == 0) | (half & (np.abs(u[k]) >= np.pi))
-            sign = np.where(edge, np.nan, np.where(u[k] < 0, -1.0, 1.0))
-            return [sign * u[0], sign * u[1], *u[2:]]
-    return u
-
-
-def _momenta(chart: ChartMap, q: Reals, loss: Reals, rates: Reals) -> tuple[Reals, Reals]:
-    """p_u at û as if X(û) were the place, and a bound on what it is off from p_u at u."""
-    shape, order = q.shape[1:], list(chart.order)
-    known = zip(in_order_of_chart(chart, q), in_order_of_chart(chart, loss), strict=True)
-    inputs = [WithErrorBound(a, e) for a, e in known]
-    inputs += [WithErrorBound(x) for x in rates]
-    found = chart.lifted.run(RunningError(Float64()), [*inputs, *rounded(chart.numbers)])
-    values = np.stack([np.broadcast_to(r.value, shape) for r in found])
-    return values[order], _bounds(found, shape)[order]
-
-
-def _moved(chart: ChartMap, q: Reals, p: Reals, p_loss: Reals, loss: Reals) -> tuple[Reals, Reals, Reals]:
-    """How far û is moved into the motion, and F′ and F″ there; p changes with it, in place."""
-    numbers = [n.high for n in chart.model.numbers]
-    constants = chart.model.rule.run(Float64(), [*q, *p, *numbers])
-    moved, slope, bend = (np.zeros_like(q) for _ in range(3))
-    for k, formula in _separated(chart):
-        slope[k], bend[k] = _derivatives(chart, formula, q[k], constants)
-        step = np.maximum(loss[k], np.spacing(np.abs(q[k])))
-        resting = (p[k] == 0) & (p_loss[k] == 0) & (slope[k] == 0)
-        near = (p[k] ** 2 < _NEAR * np.abs(slope[k]) * step) & ~resting
-        moved[k] = np.where(near, _FAR * np.sign(slope[k]) * step, 0.0)
-        p[k] = np.where(near, np.where(p[k] < 0, -1.0, 1.0) * np.sqrt(p[k] ** 2 + slope[k] * moved[k]), p[k])
-    return moved, slope, bend
+def _moved(chart: ChartMap, found: SeparatedStarts) -> tuple[Reals, Reals]:
+    """How far û is moved into the motion, and the momenta there."""
+    moved, p = np.zeros_like(found.q), found.p.copy()
+    for row, k in enumerate(_separated(chart)):
+        slope, step = found.slope[row], np.maximum(found.loss[k], np.spacing(np.abs(found.q[k])))
+        resting = (p[k] == 0) & (found.p_loss[k] == 0) & (slope == 0)
+        near = (p[k] ** 2 < _NEAR * np.abs(slope) * step) & ~resting
+        moved[k] = np.where(near, _FAR * np.sign(slope) * step, 0.0)
+        p[k] = np.where(near, np.where(p[k] < 0, -1.0, 1.0) * np.sqrt(p[k] ** 2 + slope * moved[k]), p[k])
+    return moved, p
 
 
 def _phase_rate(unitless: bool, u: Reals, p: Reals, slope: Reals, bend: Reals) -> Reals:
@@ -225,7 +190,7 @@ def in_two_doubles(chart: ChartMap, starts: Starts, *, compiled: bool) -> Starts
         exact = exact_starts(chart, q, starts.velocity[:n], starts.velocity[n:], compiled=compiled)
         high, low, lost = exact.high.copy(), exact.low.copy(), exact.lost
         spread = _SAFETY * lost
-        for row, (k, _) in enumerate(_separated(chart)):
+        for row, k in enumerate(_separated(chart)):
             still = (high[k] == 0) & (low[k] == 0) & (lost[k] == 0) & (starts.p[k] == 0)
             sign = np.where(high[k] < 0, -1.0, 1.0)
             root = exact.roots[row]
@@ -236,11 +201,3 @@ def in_two_doubles(chart: ChartMap, starts: Starts, *, compiled: bool) -> Starts
         uncertainty, spread = np.where(known, uncertainty, np.inf), np.where(known, spread, np.inf)
         high, low = np.where(known, high, starts.p), np.where(known, low, 0.0)
     return replace(starts, p=high, low=low, spread=spread, uncertainty=uncertainty)
-
-
-def _derivatives(chart: ChartMap, formula: LoweredFormula, q: Reals, constants: list[Reals]) -> tuple[Reals, Reals]:
-    """F′ and F″ in doubles."""
-    jets, numbers = Jets(Float64()), [n.high for n in chart.model.numbers]
-    jet = formula.squared.run(jets, [jets.variable(q), *(Jet(v) for v in (*constants, *numbers))])[0]
-    first, second = (np.broadcast_to(0.0 if d is None else d, q.shape) for d in (jet.first, jet.second))
-    return first, second

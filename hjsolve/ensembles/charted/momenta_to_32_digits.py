@@ -16,17 +16,19 @@ from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Elementwise, N, Reals
-from hjsolve.arithmetic.pair_source import NamedPair, PairSource, needed, written
+from hjsolve.arithmetic.pair_source import NamedPair, PairSource, written
 from hjsolve.arithmetic.python_source import PythonSource
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Arithmetic
 from hjsolve.ensembles.charted.chart_map import ChartMap
-from hjsolve.ensembles.engine.program_texts import OWN, loop
+from hjsolve.ensembles.engine.orbit_vectors import run_in_vectors, vector_text
+from hjsolve.ensembles.engine.program_texts import OWN
 from hjsolve.ensembles.engine.programs import program
 
 T = TypeVar("T")
 _UNIT = 2.0**-53
 _NEWTON = 2
+_DOUBLES = DoubleDouble()
 
 
 class ExactStarts(NamedTuple):
@@ -58,12 +60,14 @@ def exact_starts(chart: ChartMap, q: Reals, x: Reals, rates: Reals, *, compiled:
     """
     if compiled:
         n, m = len(q), len(chart.model.separated)
-        out = np.empty((3 * n + 3 * m, q.shape[1]))
-        _compiled(chart)(*map(np.ascontiguousarray, (q, x, rates)), out)
-        return ExactStarts(*np.split(out, np.cumsum([n, n, n, m, m])))
+        made = run_in_vectors(_compiled(chart), np.concatenate([q, x, rates]), 3 * (n + m))
+        far = np.flatnonzero(~np.isfinite(made).all(axis=0))
+        if len(far):  # where û is not so near to u, or there is no number
+            made[:, far] = np.concatenate(exact_starts(chart, q[:, far], x[:, far], rates[:, far], compiled=False))
+        return ExactStarts(*np.split(made, np.cumsum([n, n, n, m, m])))
     _, momenta, constants, roots = _exactly(
-        chart, DoubleDouble(), chart.numbers, chart.model.numbers,
-        *([Pair(row, 0.0 * row) for row in block] for block in (q, x, rates)),
+        chart, _DOUBLES, chart.numbers, chart.model.numbers,
+        *([Pair(row, 0.0 * row) for row in block] for block in (q, x, rates)), moved=_DOUBLES.add,
     )  # fmt: skip
     lost, doubts = _rounding(
         chart, RunningError(Float64()), rounded(chart.numbers), rounded(chart.model.numbers),
@@ -82,18 +86,18 @@ def exact_point(chart: ChartMap, q: Reals, x: Reals, rates: Reals) -> list[Pair]
         x, rates: in the user's coordinates.
     """
     blocks = ([Pair(row, 0.0 * row) for row in block] for block in (q, x, rates))
-    return _exactly(chart, DoubleDouble(), chart.numbers, chart.model.numbers, *blocks)[0]
+    return _exactly(chart, _DOUBLES, chart.numbers, chart.model.numbers, *blocks, moved=_DOUBLES.add)[0]
 
 
 # ------------------------------------------------------------------------------- formulas, in numbers or in names
 def _exactly(
     chart: ChartMap, pairs: Arithmetic[N], numbers: Sequence[N], parameters: Sequence[N], q: list[N], x: list[N],
-    rates: list[N],
+    rates: list[N], *, moved: Callable[[N, N], N],
 ) -> tuple[list[N], list[N], list[N], list[N]]:  # fmt: skip
-    """u, p_u, the constants and √F(û), in an arithmetic of two doubles."""
+    """u, p_u, the constants and √F(û), in an arithmetic of two doubles; ``moved`` adds a small step to a place."""
     u = in_order_of_chart(chart, q)
     for _ in range(_NEWTON):
-        u = [pairs.add(a, b) for a, b in zip(u, chart.step.run(pairs, [*u, *x, *numbers]), strict=True)]
+        u = [moved(a, b) for a, b in zip(u, chart.step.run(pairs, [*u, *x, *numbers]), strict=True)]
     lifted = chart.lifted.run(pairs, [*u, *rates, *numbers])
     places, momenta = [u[k] for k in chart.order], [lifted[k] for k in chart.order]
     constants = chart.model.rule.run(pairs, [*places, *momenta, *parameters])
@@ -153,25 +157,29 @@ def _compiled(chart: ChartMap) -> Callable[..., None]:
 
 
 def _text(chart: ChartMap) -> str:
-    """The text of a function that fills the rows of ``ExactStarts`` one below the other."""
+    """The text of a function that makes the rows of ``ExactStarts``; functions of u are had from those of û."""
     source = PythonSource()
-    n = len(chart.order)
-    q, x, rates = ([f"{name}[{k}, i]" for k in range(n)] for name in ("q", "x", "rates"))
+    pairs, n = PairSource(source), len(chart.order)
+    q, x, rates = ([f"g{first + k}" for k in range(n)] for first in (0, n, 2 * n))
     _, momenta, constants, roots = _exactly(
-        chart, PairSource(source), [*map(written, chart.numbers)], [*map(written, chart.model.numbers)],
-        *([NamedPair(name, "(0.0)") for name in block] for block in (q, x, rates)),
+        chart, pairs, [*map(written, chart.numbers)], [*map(written, chart.model.numbers)],
+        *([NamedPair(name, "(0.0)") for name in block] for block in (q, x, rates)), moved=pairs.displaced,
     )  # fmt: skip
     lost, doubts = _rounding(
-        chart, RunningError(source, own=OWN), _literals(chart.numbers), _literals(chart.model.numbers),
+        chart, RunningError(source, own=OWN), literals(chart.numbers), literals(chart.model.numbers),
         (q, x, rates), [c.high for c in constants],
     )  # fmt: skip
     results = [
         *(p.high for p in momenta), *(p.low for p in momenta), *lost,
         *(r.high for r in roots), *(r.low for r in roots), *doubts,
     ]  # fmt: skip
-    lines = [*needed(source.lines, results), *(f"out[{k}, i] = {name}" for k, name in enumerate(results))]
-    return loop("exact_starts(q, x, rates, out)", "", "i in range(q.shape[1])", lines)
+    return vector_text("exact_starts", 3 * n, source, results)
 
 
-def _literals(numbers: Sequence[Pair]) -> list[WithErrorBound[str]]:
+def literals(numbers: Sequence[Pair]) -> list[WithErrorBound[str]]:
+    """Return the literals of the same.
+
+    Args:
+        numbers: the pairs.
+    """
     return [WithErrorBound(f"({x.high!r})", f"({abs(x.high) * _UNIT!r})" if x.low else None) for x in numbers]

@@ -22,6 +22,7 @@ _EXACTLY: dict[str, Any] = {"error_model": "numpy", "nogil": True, "forceinline"
 _LN2 = (0.6931471805599453, 2.3190468138462996e-17)
 _HALF_PI = (1.5707963267948966, 6.123233995736766e-17)
 _HALVINGS = 5
+_NEAR = 2.0**-34
 _SMALLER = 2.0**-_HALVINGS
 
 _EXP = tuple((float(c.high), float(c.low)) for c in (exact(Fraction(1, math.factorial(k))) for k in range(7)))
@@ -31,6 +32,7 @@ _TURN = tuple(
 )
 _TURN_REST = tuple((-1.0) ** (k // 2) / math.factorial(k) for k in range(16, 30))
 Two = tuple[float, float]
+Four = tuple[float, float, float, float]
 
 
 def _fused(_context: object, _a: object, _b: object, _c: object) -> Any:
@@ -156,7 +158,7 @@ def pair_exp(x: float, x_low: float) -> Two:
 
 
 @njit(**_EXACTLY)
-def pair_sinhcosh(x: float, x_low: float) -> tuple[float, float, float, float]:
+def pair_sinhcosh(x: float, x_low: float) -> Four:
     """Return sinh x and cosh x, |x| ≤ 708; sinh with its relative accuracy for small x.
 
     Args:
@@ -191,7 +193,7 @@ def _series(first: int, r: float, r_low: float, s: float, s_low: float) -> Two:
 
 
 @njit(**_EXACTLY)
-def pair_sincos(x: float, x_low: float) -> tuple[float, float, float, float]:
+def pair_sincos(x: float, x_low: float) -> Four:
     """Return sin x and cos x; |x| should stay below about 10⁶.
 
     Args:
@@ -210,6 +212,42 @@ def pair_sincos(x: float, x_low: float) -> tuple[float, float, float, float]:
     up = -1.0 if turns >= 2 else 1.0
     along = -1.0 if (turns == 1) | (turns == 2) else 1.0
     return up * first, up * first_low, along * second, along * second_low
+
+
+@njit(**_EXACTLY)
+def _near(s: float, s_low: float, c: float, c_low: float, d: float, d_low: float, bend: float, sign: float) -> Two:
+    """S + sign·c d + bend·s d²/2 + sign·bend·c d³/6; NaN where d is too large for this series."""
+    d = sign * (d if abs(d) <= _NEAR else np.nan)
+    p, low = pair_mul(c, c_low, d, sign * d_low)
+    half = 0.5 * bend * d * d
+    p, low = pair_add(p, low, half * (s + c * d * (1.0 / 3.0)), 0.0)
+    return pair_add(s, s_low, p, low)
+
+
+@njit(**_EXACTLY)
+def pair_sincos_near(s: float, s_low: float, c: float, c_low: float, d: float, d_low: float) -> Four:
+    """Return sin(x + d) and cos(x + d), |d| ≤ 2⁻³⁴.
+
+    Args:
+        s, s_low, c, c_low: sin x and cos x.
+        d, d_low: the difference.
+    """
+    sine, sine_low = _near(s, s_low, c, c_low, d, d_low, -1.0, 1.0)
+    cosine, cosine_low = _near(c, c_low, s, s_low, d, d_low, -1.0, -1.0)
+    return sine, sine_low, cosine, cosine_low
+
+
+@njit(**_EXACTLY)
+def pair_sinhcosh_near(s: float, s_low: float, c: float, c_low: float, d: float, d_low: float) -> Four:
+    """Return sinh(x + d) and cosh(x + d), |d| ≤ 2⁻³⁴.
+
+    Args:
+        s, s_low, c, c_low: sinh x and cosh x.
+        d, d_low: the difference.
+    """
+    sine, sine_low = _near(s, s_low, c, c_low, d, d_low, 1.0, 1.0)
+    cosine, cosine_low = _near(c, c_low, s, s_low, d, d_low, 1.0, 1.0)
+    return sine, sine_low, cosine, cosine_low
 
 
 @njit(**_EXACTLY)
@@ -351,8 +389,9 @@ def pair_atanh(x: float, x_low: float) -> Two:
 PAIRS: dict[str, Any] = {
     f.__name__: f
     for f in (
-        pair_add, pair_mul, pair_div, pair_abs, pair_sqrt, pair_exp, pair_sinhcosh, pair_sincos, pair_tan, pair_tanh,
-        pair_sech, pair_log, pair_asin, pair_acos, pair_atan, pair_asinh, pair_acosh, pair_atanh,
+        pair_add, pair_mul, pair_div, pair_abs, pair_sqrt, pair_exp, pair_sinhcosh, pair_sincos, pair_sinhcosh_near,
+        pair_sincos_near, pair_tan, pair_tanh, pair_sech, pair_log, pair_asin, pair_acos, pair_atan, pair_asinh,
+        pair_acosh, pair_atanh,
     )
 }  # fmt: skip
 """What generated programs call."""

@@ -22,6 +22,7 @@ from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
 from hjsolve.ensembles.engine.node_maps import COUNTS, fitting, node_maps, views
 from hjsolve.ensembles.engine.nodes import EVEN, WARPS
+from hjsolve.ensembles.engine.orbit_vectors import run_in_vectors
 from hjsolve.ensembles.engine.programs import Compiled, CoordinatePrograms, ExactPrograms, Loops, ViewPrograms, sides
 from hjsolve.ensembles.engine.radicand_views import Knowns
 from hjsolve.ensembles.engine.regions import has_slopes, offset
@@ -51,12 +52,11 @@ def begin_compiled(model: Model, made: Compiled, starts: Starts) -> InitialConst
         starts: of n orbits.
     """
     starts = starts.precise()
-    q, count, m = starts.q, starts.q.shape[1], len(model.constants)
-    C, L, E = (np.empty((m, count)) for _ in range(3))
-    P = np.empty((len(model.separated), count))
-    made.start(q, starts.p, starts.low, starts.spread, C, L, E, P)
+    m, given = len(model.constants), np.concatenate([starts.q, starts.p, starts.low, starts.spread])
+    rows = run_in_vectors(made.start, given, 3 * m + len(model.separated))
+    C, L, E, P = np.split(rows, [m, 2 * m, 3 * m])
     numbers = tuple(pair.high for pair in model.numbers)
-    places = q[[c.index for c in model.separated]]
+    places = starts.q[[c.index for c in model.separated]]
     knowns = Knowns(tuple(C), tuple(E), numbers)
     return InitialConstants(places, P, starts, knowns, tuple(map(Pair, C, L)), momentum_errors(model, starts))
 

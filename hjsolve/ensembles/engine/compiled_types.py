@@ -206,6 +206,8 @@ def signatures() -> dict[str, Any]:
         "relative": types.void(row, row, row, row),
         "bounds": types.void(block, row, row, row),
         "slope": types.void(row, block, row),
+        "start": types.void(block, block, row),
+        "carried": types.void(block, block, row),
+        "exact_starts": types.void(block, block, row),
         "exact_squares": types.void(row, row, block, row),
-        "exact_starts": types.void(block, block, block, block),
     }

@@ -29,6 +29,7 @@ from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.second_differences import SecondDifference, SecondDifferences
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model
+from hjsolve.ensembles.engine.orbit_vectors import vector_text
 from hjsolve.ensembles.engine.radicand_views import has_chords
 
 OWN = 4
@@ -345,34 +346,33 @@ def _small_uncertainties_text(
 
 
 def start_text(model: Model) -> str:
-    """Return the text of a function: constants in two doubles, their uncertainties and the shell momenta.
+    """Return the text of ``start(given, made, cell)``; see ``orbit_vectors``.
 
-    Momenta come in two doubles; ``spread`` bounds the errors they had in one, of which 2⁻⁴⁴ count.
+    Rows given: q, p, the low parts of p, and bounds on the errors that p has in doubles, of which 2⁻⁴⁴ count. Rows
+    made: the constants, their low parts, their uncertainties, and the shell momenta.
 
     Args:
         model: the lowered solution.
     """
     n = len(model.names)
     source = PythonSource()
-    places, momenta = [f"q[{k}, i]" for k in range(n)], [f"p[{k}, i]" for k in range(n)]
+    rows = [f"g{k}" for k in range(4 * n)]
+    places, momenta, low, spread = (rows[k : k + n] for k in range(0, 4 * n, n))
     rounded = [WithErrorBound(f"({x.high!r})", f"({abs(x.high) * UNIT!r})") for x in model.numbers]
-    given = [WithErrorBound(x) for x in places]
-    given += [WithErrorBound(x, f"spread[{k}, i]") for k, x in enumerate(momenta)]
+    given = [*map(WithErrorBound, places), *map(WithErrorBound, momenta, spread)]
     errors = [r.error or "(0.0)" for r in model.rule.run(RunningError(source, own=OWN), [*given, *rounded])]
     pairs = PairSource(source)
     inputs = [NamedPair(x, "(0.0)") for x in places]
-    inputs += [NamedPair(x, f"low[{k}, i]") for k, x in enumerate(momenta)]
-    inputs += [written(x) for x in model.numbers]
+    inputs += [*map(NamedPair, momenta, low), *map(written, model.numbers)]
     constants = model.rule.run(pairs, inputs)
     shifts = model.shift.run(pairs, inputs)
     shell = [pairs.add(inputs[n + c.index], shift).high for c, shift in zip(model.separated, shifts, strict=True)]
-    results = [*errors, *(part for c in constants for part in c), *shell]
-    lines = needed(source.lines, results)
-    for j, (value, error) in enumerate(zip(constants, errors, strict=True)):
-        lines += [f"C[{j}, i] = {value.high}", f"L[{j}, i] = {value.low}"]
-        lines += [f"E[{j}, i] = abs_({value.low}) + ({2.0**-44!r}) * {error}"]
-    lines += [f"P[{k}, i] = {value}" for k, value in enumerate(shell)]
-    return loop("start(q, p, low, spread, C, L, E, P)", "", "i in range(q.shape[1])", lines)
+    uncertain = [
+        source.add(source.unary("abs", value.low), source.mul(f"({2.0**-44!r})", error))
+        for value, error in zip(constants, errors, strict=True)
+    ]
+    results = [*(c.high for c in constants), *(c.low for c in constants), *uncertain, *shell]
+    return vector_text("start", len(rows), source, results)
 
 
 def _slope_text(formula: LoweredFormula, constants: int, numbers: tuple[Pair, ...]) -> str:

@@ -15,7 +15,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from pickle import PickleError
 from threading import RLock
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 from numpy import ndarray
@@ -233,7 +233,19 @@ def _functions(text: str, names: Sequence[str], path: Path | None, *, loops: boo
     for key in names:
         space[key].__qualname__ = f"{key}_{name}"  # machine code of two programs must not share names
         space[key] = njit(known.get(key), cache=path is not None, **OPTIONS)(space[key])
+        if key in known:
+            _remember_addresses(space[key], known[key])
     return {key: space[key] for key in names}
+
+
+def _remember_addresses(dispatcher: Any, signature: Any) -> None:
+    """Let numba know at once where a program is: it asks twice whenever a loop takes it, for 50 µs each time."""
+    found = dispatcher.get_compile_result(signature)
+    names = found.fndesc.llvm_cfunc_wrapper_name, found.fndesc.llvm_func_name
+    places = {name: found.library.get_pointer_to_function(name) for name in names}
+    library = SimpleNamespace(get_pointer_to_function=places.__getitem__)
+    known = SimpleNamespace(fndesc=found.fndesc, library=library, signature=found.signature)
+    dispatcher.get_compile_result = lambda _: known
 
 
 def _our_loops() -> dict[str, Any]:

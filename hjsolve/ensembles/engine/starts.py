@@ -88,8 +88,9 @@ class Starts:
         Args:
             index: which, positions or a mask.
         """
-        arrays = {name: getattr(self, name)[:, index] for name in ("q", "p", "uncertainty", "low", "spread")}
-        return replace(self, velocity=None if self.velocity is None else self.velocity[:, index], **arrays)
+        some = np.flatnonzero(index) if index.dtype == bool else index
+        arrays = {name: getattr(self, name).take(some, axis=1) for name in ("q", "p", "uncertainty", "low", "spread")}
+        return replace(self, velocity=None if self.velocity is None else self.velocity.take(some, axis=1), **arrays)
 
     def precise(self) -> Starts:
         """Return the same with momenta in two doubles."""
