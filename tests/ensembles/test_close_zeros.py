@@ -46,7 +46,10 @@ def about_a_black_hole(seed: int) -> tuple[hjsolve.System, dict[str, np.ndarray]
     return hjsolve.catalog.load("kerr"), rows, momenta
 
 
-@pytest.mark.parametrize(("make", "seed"), [(in_a_box, 1), (in_a_box, 7), (about_a_black_hole, 1)])
+@pytest.mark.parametrize(("make", "seed"), [
+    (in_a_box, 7), pytest.param(in_a_box, 1, marks=pytest.mark.nightly),
+    pytest.param(about_a_black_hole, 1, marks=pytest.mark.nightly),
+])  # fmt: skip
 def test_compiled_loops_alone_know_them_to_the_last_digits(make, seed, monkeypatch) -> None:
     """Nothing is left to numpy's passes; claims are small, and hold against motions in 30 digits."""
 

@@ -102,7 +102,7 @@ def test_nothing_is_kept_where_nothing_can_be(tmp_path: Path, monkeypatch: pytes
 
 def test_what_cannot_be_read_is_compiled_in_memory(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("numba")
-    text, kept = "def start(q):\n    return q + 1\n", []
+    text, kept = "def successor(q):\n    return q + 1\n", []
     made = programs._functions
 
     def broken(text: str, names: tuple[str, ...], path: Path | None, *, loops: bool) -> dict[str, programs.Function]:
@@ -112,7 +112,7 @@ def test_what_cannot_be_read_is_compiled_in_memory(folder: Path, monkeypatch: py
         return made(text, names, path, loops=loops)
 
     monkeypatch.setattr(programs, "_functions", broken)
-    assert programs._module(text, ("start",), False)["start"](2) == 3
+    assert programs._module(text, ("successor",), False)["successor"](2) == 3
     assert kept == [True, False]
 
 

@@ -49,7 +49,9 @@ def test_only_known_codes_are_written() -> None:
         PythonSource().unary("__import__", "x")
 
 
-@pytest.mark.parametrize("name", ["two-centres-plane", "spherical-staeckel", "oscillator-tan"])
+@pytest.mark.parametrize("name", [
+    "two-centres-plane", "oscillator-tan", pytest.param("spherical-staeckel", marks=pytest.mark.nightly),
+])  # fmt: skip
 def test_a_program_computes_what_its_tape_computes(name: str) -> None:
     pytest.importorskip("numba")
     solution = hjsolve.solve(hjsolve.catalog.load(name))

@@ -62,7 +62,7 @@ def test_random_motions_agree_with_the_equations_in_space_within_their_errors(na
     solution = hjsolve.solve(system, coordinates="find")
     assert solution.chart.kind == kind
     dice = Random(name)
-    for _ in range(3):
+    for _ in range(3 if name == "neumann" else 1):  # the series of the other takes ten seconds
         q = {"theta": f"{dice.uniform(0.2, 2.9):.3f}", "phi": f"{dice.uniform(-3, 3):.3f}"}
         velocity = {"theta": f"{dice.uniform(-1, 1):.3f}", "phi": f"{dice.uniform(-1, 1):.3f}"}
         motion = solution.motion(q=q, velocity=velocity)

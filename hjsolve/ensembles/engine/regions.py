@@ -25,7 +25,7 @@ from hjsolve.ensembles.engine.radicand_views import (
 from hjsolve.ensembles.engine.rotation_anomalies import slow_places
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.status import EQUILIBRIUM, UNDECIDED, Status
-from hjsolve.ensembles.engine.turning_points import bracket, first_step, kept_inside, refine
+from hjsolve.ensembles.engine.turning_points import STEPS, bracket, first_step, kept_inside, refine
 
 _SMALL = 3e-14
 _CLEAR = 1e-12
@@ -36,6 +36,9 @@ _LOST, _LOST_ACTIONS = 2e-13, 4e-12
 
 _TINY = 1e-4
 """With 32 digits a motion is small only where doubles hardly see it."""
+
+_FEW = 16
+"""Steps outward in which a small motion turns; each is 1.6 times the last one."""
 
 _NEAR = 3.0
 _FAR = 0.5
@@ -174,7 +177,8 @@ def _near(group: Group) -> LocatedRegions:
     ]
     size = np.minimum(np.abs(q) + 1.0, np.minimum(-floors[0], floors[1]))
     ends = [
-        _end(view, zero, P, side * first, bend, side, size, floor) for side, floor in zip((-1, 1), floors, strict=True)
+        _end(view, zero, P, side * first, bend, side, size, floor, steps=_FEW)
+        for side, floor in zip((-1, 1), floors, strict=True)
     ]
     far = (ends[0] < _FAR * floors[0]) | (ends[1] > _FAR * floors[1])
     crest = P * P + np.where(bend < 0, first * first / (-4 * bend), np.inf)
@@ -192,7 +196,7 @@ def _near(group: Group) -> LocatedRegions:
 
 def _end(
     view: View, start: Reals, P: Reals, outward: Reals, bend: Reals, side: int, size: Reals, floor: Reals,
-    reach: float = np.inf, careful: bool = False,
+    reach: float = np.inf, careful: bool = False, steps: int = STEPS,
 ) -> Reals:  # fmt: skip
     """Offset of the turning point on one side; ``side`` and ``outward`` in terms of the view's offset."""
     step = first_step(P, outward, bend, size)
@@ -221,7 +225,8 @@ def _end(
         assert not isinstance(some, DifferenceEvaluation)
         return some.jet(x)[1]
 
-    inner, outer = bracket(value, moved, step, side, floor=floor, reach=reach, slope=slope if careful else None)
+    derivative = slope if careful else None
+    inner, outer = bracket(value, moved, step, side, floor=floor, reach=reach, slope=derivative, steps=steps)
     away = np.flatnonzero(inner != moved)
     below[away] = np.maximum(value(inner[away], away), 5e-324) if len(away) else below[away]
     return refine(value, inner, outer, below)

@@ -18,9 +18,9 @@ from hjsolve.arithmetic.number_types import Integers, Reals
 Function = Callable[[Reals, Integers], Reals]
 """(x, index of the orbits) ↦ F, arrays of shape (m,)."""
 
-_STEPS = 110
+STEPS = 110
 _STRIDE = 0.2
-_HALVINGS = 40
+_HALVINGS, _SURE = 40, 10
 
 
 def first_step(momentum: Reals, slope: Reals, bend: Reals, size: Reals) -> Reals:
@@ -43,7 +43,7 @@ def first_step(momentum: Reals, slope: Reals, bend: Reals, size: Reals) -> Reals
 
 def bracket(
     function: Function, start: Reals, step: Reals, side: int, *, floor: Reals, reach: float,
-    slope: Function | None = None,
+    slope: Function | None = None, steps: int = STEPS,
 ) -> tuple[Reals, Reals]:  # fmt: skip
     """Walk from the start until F < 0.
 
@@ -55,6 +55,7 @@ def bracket(
         floor: an end of the domain that x may come near to only in ever smaller steps, shape (n,); infinite for none.
         reach: longest distance to walk.
         slope: F′; where it is given, a valley between two trials is looked into.
+        steps: how many at most.
 
     Returns:
         The last place with F ≥ 0 and the first with F < 0; NaN where there was none.
@@ -62,7 +63,7 @@ def bracket(
     inner, outer, step = start.copy(), np.full(start.shape, np.nan), step.copy()
     index = np.arange(len(start))
     falling = np.ones(len(start), dtype=bool)  # also from the top of F, where F′ is what rounding leaves
-    for _ in range(_STEPS):
+    for _ in range(steps):
         x = inner[index] + side * step[index]
         x = kept_inside(x, inner[index], floor[index])
         f = function(x, index)
@@ -87,18 +88,22 @@ def bracket(
 
 
 def _below_zero(function: Function, slope: Function, near: Reals, far: Reals, index: Integers, side: int) -> Reals:
-    """Places with F < 0 in valleys of F, by bisection of F′; NaN where there are none."""
+    """Places with F < 0 in valleys of F, by bisection of F′; NaN where there are none.
+
+    After some halvings a valley has none if its sides would end above zero though they went on twice as steep.
+    """
     found, near, far = np.full(len(near), np.nan), near.copy(), far.copy()
     left = np.arange(len(near))
-    for _ in range(_HALVINGS):
+    for halving in range(_HALVINGS):
         if not len(left):
             break
         x = 0.5 * (near[left] + far[left])
-        below = function(x, index[left]) < 0
+        value, steep = function(x, index[left]), side * slope(x, index[left])
+        below, down = value < 0, steep < 0
         found[left[below]] = x[below]
-        down = side * slope(x, index[left]) < 0
         near[left[down]], far[left[~down]] = x[down], x[~down]
-        left = left[~below]
+        above = (value > 2 * np.abs(steep * (far[left] - near[left]))) & (halving >= _SURE)
+        left = left[~below & ~above]
     return found
 
 
