@@ -2,13 +2,15 @@
 
     python benchmarks/charted_ensembles.py [ORBITS] [NAME …]
 
-For every system: random starts in x, y, z; the processor time of the map to the separated coordinates, of the ensemble
-in x, y, z, and of the ensemble of the same orbits in the separated coordinates, in µs an orbit, in numpy and compiled
-(where numba is there), and how many orbits the doubles of each make good. One thread, no fallback.
+For every system: random starts in x, y, z; the processor time of the ensemble in x, y, z, of the ensemble of the same
+orbits in the separated coordinates, their difference, and the map alone, in µs an orbit, in numpy and compiled (where
+numba is there), medians of nine calls of each in turn; and how many orbits the doubles of each make good. One thread,
+no fallback.
 """
 
 from __future__ import annotations
 
+import statistics
 import sys
 import time
 from collections.abc import Callable
@@ -31,14 +33,15 @@ _NAMES = (
 _WANT = ("actions", "frequencies")
 
 
-def _least(run: Callable[[], Any], count: int, repeats: int = 3) -> tuple[float, Any]:
-    """The least processor time in µs an orbit, and the result."""
-    times, result = [], run()
-    for _ in range(repeats):
-        begin = time.process_time()
-        result = run()
-        times.append(time.process_time() - begin)
-    return min(times) / count * 1e6, result
+def _in_turn(calls: list[Callable[[], Any]], count: int, repeats: int = 9) -> tuple[list[float], list[Any]]:
+    """Median processor times in µs an orbit of calls that take turns, after one that does not count; their results."""
+    given, times = [call() for call in calls], [[0.0] * repeats for _ in calls]
+    for k in range(repeats):
+        for call, own in zip(calls, times, strict=True):
+            begin = time.process_time()
+            call()
+            own[k] = time.process_time() - begin
+    return [statistics.median(own) / count * 1e6 for own in times], given
 
 
 def measure(name: str, count: int) -> str:
@@ -53,16 +56,20 @@ def measure(name: str, count: int) -> str:
     engine = build(solution, frozenset(_WANT), compiled=False)
     chart = chart_map(solution, engine.model, parameter_values(solution.system, {}), "velocity")
     x, w = np.stack(list(q.values())), np.stack(list(v.values()))
-    map_cost, starts = _least(lambda: charted_starts(chart, x, w), count)
+    starts = charted_starts(chart, x, w)
     own, given = hjsolve.solve(solution.system), engine.model.names
-    row = f"{name} | {solution.chart.kind} | {map_cost:.2f}"
+    there = {"q": dict(zip(given, starts.q, strict=True)), "p": dict(zip(given, starts.p, strict=True))}
+    row = f"{name} | {solution.chart.kind}"
     for compiled in (False, True) if available() else (False,):
         options = {"want": _WANT, "fallback": False, "compiled": compiled, "threads": 1}
-        there = {"q": dict(zip(given, starts.q, strict=True)), "p": dict(zip(given, starts.p, strict=True))}
-        with_map, mine = _least(lambda o=options: hjsolve.ensemble(solution, q=q, velocity=v, **o), count)
-        without, theirs = _least(lambda o=options, t=there: hjsolve.ensemble(own, **t, **o), count)
-        good = [int(np.count_nonzero(b.codes == 0)) for b in (mine, theirs)]
-        row += f" | {with_map:.1f} ({good[0]}) | {without:.1f} ({good[1]})"
+        calls = [
+            lambda o=options: hjsolve.ensemble(solution, q=q, velocity=v, **o),
+            lambda o=options: hjsolve.ensemble(own, **there, **o),
+            lambda c=compiled: charted_starts(chart, x, w, compiled=c),
+        ]
+        (mine, theirs, map_cost), batches = _in_turn(calls, count)
+        good = [int(np.count_nonzero(b.codes == 0)) for b in batches[:2]]
+        row += f" | {mine:.1f} ({good[0]}) | {theirs:.1f} ({good[1]}) | {mine - theirs:.1f} | {map_cost:.2f}"
     return row
 
 
@@ -70,7 +77,8 @@ def main() -> None:
     """Print the table."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 20_000
     chosen = [n for n in (*PLANE, *SPACE) if any(a in n for a in sys.argv[2:])] or _NAMES
-    print("system | web | map µs | numpy, x y z µs (good) | numpy, separated | compiled, x y z | compiled, separated")
+    columns = "x y z, µs (good) | separated (good) | x y z add | of it the map"
+    print(f"system | web | numpy: {columns} | compiled: {columns}")
     for name in chosen:
         print(measure(name, count), flush=True)
 
