@@ -207,6 +207,7 @@ def signatures() -> dict[str, Any]:
         "bounds": types.void(block, row, row, row),
         "slope": types.void(row, block, row),
         "start": types.void(block, block, row),
+        "momenta": types.void(block, block, row),
         "carried": types.void(block, block, row),
         "exact_starts": types.void(block, block, row),
         "exact_squares": types.void(row, row, block, row),

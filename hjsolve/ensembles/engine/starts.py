@@ -6,7 +6,9 @@ two doubles, and nothing is rounded.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -14,8 +16,12 @@ from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import UNIT, Float64
 from hjsolve.arithmetic.number_types import Elementwise, Reals, Which
+from hjsolve.arithmetic.pair_source import NamedPair, PairSource, written
+from hjsolve.arithmetic.python_source import PythonSource
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
+from hjsolve.ensembles.engine.orbit_vectors import run_in_vectors, vector_text
+from hjsolve.ensembles.engine.programs import program
 
 _FINER = 2.0**-44
 
@@ -27,10 +33,12 @@ class MomentumRule:
     Attributes:
         tape: inputs all q, all v, parameters.
         numbers: the parameters in two doubles.
+        compiled: whether momenta in two doubles are worked out by numba.
     """
 
     tape: Tape
     numbers: tuple[Pair, ...]
+    compiled: bool = False
 
     def rounded(self, q: Reals, velocity: Reals) -> tuple[Reals, Reals]:
         """Return p in doubles and bounds on its errors, arrays like q.
@@ -51,10 +59,22 @@ class MomentumRule:
         Args:
             q, velocity: of all coordinates, shape (coordinates, n).
         """
+        if self.compiled:
+            high, low = np.split(run_in_vectors(_program(self), np.concatenate([q, velocity]), 2 * len(q)), 2)
+            return high, low
         inputs = [Pair(x, 0.0 * x) for x in (*q, *velocity)]
         with np.errstate(all="ignore"):
             found = self.tape.run(DoubleDouble(), [*inputs, *self.numbers])
         return _rows([x.high for x in found], q), _rows([x.low for x in found], q)
+
+
+@lru_cache(maxsize=64)
+def _program(rule: MomentumRule) -> Callable[..., None]:
+    source, given = PythonSource(), len(rule.tape.inputs) - len(rule.numbers)
+    inputs = [*(NamedPair(f"g{k}", "(0.0)") for k in range(given)), *map(written, rule.numbers)]
+    found = rule.tape.run(PairSource(source), inputs)
+    results = [*(p.high for p in found), *(p.low for p in found)]
+    return program(vector_text("momenta", given, source, results), "momenta")
 
 
 def _rows(parts: list[Elementwise], like: Reals) -> Reals:
