@@ -46,3 +46,27 @@ def test_compiled_starts_are_those_of_numpy(coordinates: dict[str, str], potenti
         known = np.isfinite(a)
         assert (b[known] >= a[known] * (1 - 1e-6)).all()
         assert (b[known] <= 8 * a[known]).all()
+    whole = charted_starts(chart, x, rates, compiled=True)
+    assert (np.isfinite(starts.q) == np.isfinite(whole.q)).all()
+    for name, bound in (("q", "off"), ("p", "spread")):
+        a, b = (np.nan_to_num(getattr(s, name)) for s in (starts, whole))
+        claims = [np.nan_to_num(getattr(s, bound)) for s in (starts, whole)]
+        calm = starts.off < 1e-12  # the others were moved into their motions
+        assert (np.abs(a - b) <= claims[0] + claims[1])[calm].all()
+
+
+def test_places_far_from_the_true_ones_are_left_to_numpy() -> None:
+    """Beyond 2⁻³⁴ sines are not had from those nearby: the numbers are numpy's, to the bit."""
+    pytest.importorskip("numba")
+    kinetic = "(dot(x)**2 + dot(y)**2)/2"
+    system = hjsolve.System({"x": "line", "y": "line"}, kinetic, CENTRES)
+    solution = hjsolve.solve(system, coordinates="find")
+    model = build(solution, frozenset({"actions"}), compiled=False).model
+    chart = chart_map(solution, model, parameter_values(solution.system, {}), "velocity")
+    x, rates = np.random.default_rng(9).uniform(-1, 1, (2, 2, 40))
+    q = charted_starts(chart, x, rates).q.copy()
+    q[0, ::2] += 2.0**-20
+    with np.errstate(all="ignore"):
+        plain, fast = (exact_starts(chart, q, x, rates, compiled=c) for c in (False, True))
+    for a, b in zip(plain, fast, strict=True):
+        assert a[:, ::2].tobytes() == b[:, ::2].tobytes()

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -28,8 +27,6 @@ _SAFETY = 2
 _PHASE, _PART = 2.0, 16.0
 _LEAST, _MOST = 2.0**-49 * np.pi, 1e-9
 """What the engine counts at least for a phase (``initial_phase``: 8 ε π), and the largest error of an angle let go."""
-_BLOCK = 16384
-"""Orbits worked on together."""
 _NEAR, _FAR = 64.0, 2.0**16
 """A start is next to a turning point where p² is less than so many times what δu does to it; then it is moved by so
 many δu."""
@@ -72,15 +69,6 @@ def charted_starts(chart: ChartMap, x: Reals, rates: Reals, *, compiled: bool = 
     Returns:
         Starts with rows in the order of the system; NaN where the coordinates are singular or could not be had.
     """
-    windows = [slice(first, first + _BLOCK) for first in range(0, max(x.shape[1], 1), _BLOCK)]
-    parts = [_block(chart, x[:, window], rates[:, window], compiled) for window in windows]
-    names = ("q", "p", "uncertainty", "low", "spread", "velocity", "off", "rates")
-    joined: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts], axis=1) for name in names}
-    return replace(parts[0], **joined)
-
-
-def _block(chart: ChartMap, x: Reals, rates: Reals, compiled: bool) -> ChartedStarts:
-    """The same for orbits whose arrays fit into the processor's cache together."""
     with np.errstate(all="ignore"):
         found = carried(chart, x, rates, compiled=compiled)
         moved, p = _moved(chart, found)
