@@ -8,7 +8,7 @@ import pytest
 
 import hjsolve
 from hjsolve.ensembles.engine import nodes, turned_circle
-from hjsolve.ensembles.engine.strips_of_analyticity import covered_strip
+from hjsolve.ensembles.engine.strips_of_analyticity import covered_turn
 
 COUNT = 24
 
@@ -74,9 +74,9 @@ def test_orbits_about_two_centres() -> None:
 def test_the_strip_lies_in_its_disks(ratio: float) -> None:
     """Random points of the strip, carried over by 20 digits of the map itself."""
     table = nodes.rotation_nodes(128, 4, 2)
-    over, m = covered_strip(table, turning=False), np.array([[ratio]])
+    over, m = covered_turn(table), np.array([[ratio]])
     assert over.inside
-    centres, spread = turned_circle.moved_disks(over.low, over.near_low, m)
+    centres, spread = turned_circle.moved_disks(over.angle, over.edges, m)
     dice = np.random.default_rng(1)
     for x, y in zip(dice.uniform(0, 2 * np.pi, 50), dice.uniform(-1, 1, 50) * 36 / 128, strict=True):
         turn = 2 * (x % np.pi) + 2j * abs(y)

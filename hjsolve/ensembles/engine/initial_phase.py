@@ -9,7 +9,6 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Reals
-from hjsolve.arithmetic.reproducible_products import rowwise
 from hjsolve.ensembles.engine.turned_circle import half_turns, moved_back
 
 if TYPE_CHECKING:
@@ -80,7 +79,7 @@ def _from_momentum(
     d, c = (region.near_lower[part], region.near_upper[part]) if table.complement < 1 else (0.0 * x, 0.0 * x)
     χ = _place(x, y, d, table)
     terms = np.arange(1, len(table.cosines) + 1)
-    weights = (1 + 2 * rowwise(np.cos(table.symmetry * terms * χ[:, None]), table.cosines)) / len(table.χ)
+    weights = (1 + 2 * table.cosine_sums(np.cos(table.symmetry * terms * χ[:, None]))) / len(table.χ)
     r = np.einsum("nj,nj->n", ratio[part], weights)
     small = (P * r / W) ** 2 / _stretch(table, χ, x, y, d, c) / np.maximum(x, y)
     lower = x < y

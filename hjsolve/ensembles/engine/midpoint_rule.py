@@ -381,12 +381,12 @@ def _running(
     )
     angle = table.symmetry * terms * phase[:, None]
     sine, cosine = np.sin(angle), np.cos(angle)
-    delta = 1 + 2 * rowwise(cosine, table.cosines)
+    delta = 1 + 2 * table.cosine_sums(cosine)
     if table.slow == 2:  # angles begin opposite to the slower place, where χ is not zero
         begin, uncertain = phase_of_rotation(replace(region, left=region.near_upper), table)
         phase, rounding = phase - begin, rounding + uncertain
         sine, cosine = sine - np.sin(terms * begin[:, None]), cosine - np.cos(terms * begin[:, None]) + 1
-    weights = rowwise(sine / terms, table.cosines)
+    weights = table.cosine_sums(sine / terms)
     if not region.turning:
         weights += rowwise((1 - cosine) / terms, table.sines)
         delta += 2 * rowwise(np.sin(angle), table.sines)

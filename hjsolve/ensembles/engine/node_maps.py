@@ -18,7 +18,7 @@ from hjsolve.arithmetic.number_types import Elementwise, Integers, Mask, Reals
 from hjsolve.ensembles.engine import nodes
 from hjsolve.ensembles.engine.compiled_types import VECTOR, Strips, Tables
 from hjsolve.ensembles.engine.nodes import EVEN, MOST, WARPS
-from hjsolve.ensembles.engine.strips_of_analyticity import SAFETY, across, covered_strip
+from hjsolve.ensembles.engine.strips_of_analyticity import across, covered_strip, disks
 
 COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128, 160, 192, 256, 320, 384)
 """Numbers of nodes: whole vectors of eight."""
@@ -279,17 +279,8 @@ def _disks(key: NodeMap, count: int) -> tuple[Reals, Reals, Reals, int]:
     An infinite radius says that the strip holds a pole of the map.
     """
     table = nodes.libration_nodes(count, key.level, key.node_map)
-    over = covered_strip(table, turning=True)
-    if key.level == 0:
-        low, high, spread = over.low, over.high, over.spread
-    else:
-        d = 2.0**key.lower - 1
-        low, high = key.stretched(over.low, over.high)
-        near, _ = key.stretched(over.near_low, over.near_high)
-        spread = SAFETY * np.abs(near - low[:, None]).max(axis=1)
-        if not (over.inside and 1 + d * over.tip > 0):
-            spread = np.full(len(low), np.inf)
+    low, high, radii = disks(covered_strip(table), 2.0**key.lower - 1)
     below = (low.real <= 0.5) | (key.symmetry == 2)
     order = np.argsort(~below, kind="stable")
     seen = np.where(below, low, high)[order]
-    return seen.real, np.abs(seen.imag), spread[order], int(below.sum())
+    return seen.real, np.abs(seen.imag), radii[order], int(below.sum())

@@ -14,13 +14,14 @@ keeps the symmetries of χ = 0 and π, with γ such that du/dχ is least at χ =
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Mask, Reals
+from hjsolve.arithmetic.reproducible_products import rowwise
 
 COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 768, 1024)
 """Numbers of nodes in use, over half a period (librations) or over a period (rotations, twice as many)."""
@@ -67,6 +68,24 @@ class Nodes:
     last: slice
     middle: slice
     slow: int = 1
+
+    def cosine_sums(self, terms: Reals) -> Reals:
+        """Return Σ cₖ cos kχ at the nodes, shape (n, count); half of them are enough.
+
+        cos k(π − χ) is cos kχ for even k and −cos kχ for odd k, and cos k(2π − χ), for rotations, is cos kχ.
+
+        Args:
+            terms: cₖ, k = 1, 2, …, shape (n, terms).
+        """
+        odd, even = (rowwise(terms[:, k::2], half) for k, half in enumerate(self._halves))
+        first = even + odd
+        return np.concatenate([first, (first if self.low[0] < 0 else even - odd)[:, ::-1]], axis=1)
+
+    @cached_property
+    def _halves(self) -> tuple[Reals, Reals]:
+        """The first half of cos kχ for odd and for even k; in columns, as ``rowwise`` wants them."""
+        first = self.cosines[:, : len(self.χ) // 2]
+        return np.asfortranarray(first[0::2]), np.asfortranarray(first[1::2])
 
 
 @cache

@@ -22,15 +22,25 @@ from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.nodes import COUNTS, Nodes, node_table
 from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DoubleDoubleEvaluation, Knowns, View
-from hjsolve.ensembles.engine.strips_of_analyticity import SAFETY, CoveredStrip, across, covered_strip
+from hjsolve.ensembles.engine.strips_of_analyticity import (
+    SAFETY,
+    CoveredStrip,
+    CoveredTurn,
+    across,
+    covered_strip,
+    covered_turn,
+    disks,
+)  # fmt: skip
 from hjsolve.ensembles.engine.turned_circle import moved_disks, reach
 
 if TYPE_CHECKING:
     from hjsolve.ensembles.engine.orbit_regions import OrbitRegions
 
-_UNKNOWN, _CAUTIOUS, _HOPELESS = 0.3, 0.7, 2.0
+_UNKNOWN, _CAUTIOUS, _HOPELESS = 0.4, 0.7, 2.0
 """The nodes needed grow nearly like the share of the radius that is missing, at least with this power; for stretched
-anomalies, and where nothing is known, as if the share were 0.3 at least. Twice as many as there are is too many."""
+anomalies, and where nothing is known, as if the share were 0.4 at least. Twice as many as there are is too many."""
+_CLOSE = 0.5
+"""A share of a coarse cover from which on a finer one may be enough."""
 _SMALL = 0.03
 """Motions smaller than this, in units of the distance from the origin, get a disk of their own if it must be."""
 _NODES = 1 << 20
@@ -78,7 +88,9 @@ def least(region: OrbitRegions, first: int) -> Reals:
     for count in COUNTS:
         chosen = np.flatnonzero(np.isinf(needed) & (hint <= count))
         for left in np.array_split(chosen, len(chosen) * count // _NODES + 1) if len(chosen) else []:
-            share = _shares(region.take(left), count, codes[left])
+            share = _shares(region.take(left), count, codes[left], coarse=True)
+            close = np.flatnonzero((share >= _CLOSE) & (share < 1) & (region.level[left] > 0))
+            share[close] = _shares(region.take(left[close]), count, codes[left[close]], coarse=False)
             needed[left[share >= 1]] = count
             floor = np.where((share > 0) & (region.level[left] == 0), 0.0, _UNKNOWN)
             guess = count * np.fmax(share, np.fmax(floor, 1e-3)) ** -_CAUTIOUS
@@ -86,7 +98,7 @@ def least(region: OrbitRegions, first: int) -> Reals:
     return needed
 
 
-def _shares(region: OrbitRegions, count: int, codes: Integers) -> Reals:
+def _shares(region: OrbitRegions, count: int, codes: Integers, *, coarse: bool) -> Reals:
     """The least radius that is known over the one that is needed; only whether it is below 1 is exact."""
     share = np.zeros(len(region.width))
     below: list[_Disks] = []
@@ -96,26 +108,30 @@ def _shares(region: OrbitRegions, count: int, codes: Integers) -> Reals:
         if region.turning and table.complement == 1.0:
             share[part] = _at_a_glance(region.take(part), table)
             part = part[~(share[part] >= 1)]
-        over = covered_strip(table, region.turning)
-        if over.inside and len(part):
+        if not len(part):
+            continue
+        if region.turning:
             share[part] = np.inf
-            low, high = _disks(region.take(part), part, table, over)
+            low, high = _disks(region.take(part), part, table, covered_strip(table, coarse=coarse))
             below.append(low)
             above += [] if high is None else [high]
-    for view, disks in ((region.below, below), (region.above, above)):
-        _looked_up(view, disks, share)
+        elif covered_turn(table).inside:
+            share[part] = np.inf
+            below.append(_turned(region.take(part), part, table, covered_turn(table)))
+    for view, seen in ((region.below, below), (region.above, above)):
+        _looked_up(view, seen, share)
     return share
 
 
-def _looked_up(view: View, disks: list[_Disks], share: Reals) -> None:
+def _looked_up(view: View, seen: list[_Disks], share: Reals) -> None:
     """Lower the shares to what is known of some disks, by one look at the table."""
-    if not disks:
+    if not seen:
         return
     formula, _, base = _seen(view)
-    places = [d.centres + (base[d.orbits] if np.ndim(base) else base) for d in disks]
+    places = [d.centres + (base[d.orbits] if np.ndim(base) else base) for d in seen]
     found = formula.clearance.radius(np.concatenate([x.ravel() for x in places]))
     ends = np.cumsum([x.size for x in places])
-    for one, known in zip(disks, np.split(found, ends[:-1]), strict=True):
+    for one, known in zip(seen, np.split(found, ends[:-1]), strict=True):
         with np.errstate(all="ignore"):
             least_share = (known.reshape(one.centres.shape) / one.radii).min(axis=1)
         share[one.orbits] = np.minimum(share[one.orbits], least_share)
@@ -145,38 +161,24 @@ def _seen(view: View) -> tuple[LoweredFormula, Knowns, Elementwise]:
 
 def _disks(region: OrbitRegions, orbits: Integers, table: Nodes, over: CoveredStrip) -> tuple[_Disks, _Disks | None]:
     """The disks that cover the strip, seen from the lower and from the upper end; where one view has all, no second."""
+    W, half = region.width[:, None], len(over.above) if table.symmetry == 2 else len(over.above) // 2
+    low, high, radii = disks(over, 0.0 * W if table.complement == 1.0 else region.near_lower[:, None])
     with np.errstate(all="ignore"):
-        if not region.turning:
-            angle, spread = (over.low, over.spread) if table.slow == 1 else _moved(region.near_lower[:, None], over)
-            offset = region.lower[:, None] + np.sign(region.momentum)[:, None] * angle
-            return _Disks(orbits, offset, spread + 0.0 * np.real(offset)), None
-        W = region.width[:, None]
-        low, high, spread = _within(region, table, over)
-        half = len(over.low) if table.symmetry == 2 else len(over.low) // 2
         lower = region.lower[:, None] + region.below.sign * W * low[:, :half]
         upper = region.upper[:, None] - region.above.sign * W * high[:, half:]
         if region.below is region.above:
-            return _Disks(orbits, np.concatenate([lower, upper], axis=1), W * spread), None
-        rest = _Disks(orbits, upper, W * spread[:, half:]) if half < len(over.low) else None
-        return _Disks(orbits, lower, W * spread[:, :half]), rest
+            return _Disks(orbits, np.concatenate([lower, upper], axis=1), W * radii), None
+        rest = _Disks(orbits, upper, W * radii[:, half:]) if half < len(over.above) else None
+        return _Disks(orbits, lower, W * radii[:, :half]), rest
 
 
-def _moved(m: Reals, over: CoveredStrip) -> tuple[Complexes, Reals]:
-    """The middles and radii of rotations with two slow places."""
-    angle, spread = moved_disks(over.low, over.near_low, m)
-    return angle, np.where(reach(m) > over.tip, SAFETY * spread, np.inf)  # else q = ∞ lies in the strip
-
-
-def _within(region: OrbitRegions, table: Nodes, over: CoveredStrip) -> tuple[Complexes, Complexes, Reals]:
-    """(q − a)/W and (b − q)/W of the centres, and the radii over W."""
-    if table.complement == 1.0:
-        one = np.ones((len(region.width), 1))
-        return over.low * one, over.high * one, over.spread * one
-    d = region.near_lower[:, None]
-    below = 1 + d * over.high
-    low, high = over.low / below, (1 + d) * over.high / below
-    spread = np.zeros(low.shape)
-    for near_low, near_high in zip(over.near_low.T, over.near_high.T, strict=True):
-        np.maximum(spread, np.abs(near_low / (1 + d * near_high) - low), out=spread)
-    spread *= SAFETY
-    return low, high, np.where(1 + d * over.tip > 0, spread, np.inf)  # else q = ∞ lies in the strip
+def _turned(region: OrbitRegions, orbits: Integers, table: Nodes, over: CoveredTurn) -> _Disks:
+    """The disks that cover the strip of rotations."""
+    angle, spread = over.angle, over.spread
+    with np.errstate(all="ignore"):
+        if table.slow == 2:
+            m = region.near_lower[:, None]
+            angle, spread = moved_disks(over.angle, over.edges, m)
+            spread = np.where(reach(m) > over.height, SAFETY * spread, np.inf)  # else q = ∞ lies in the strip
+        offset = region.lower[:, None] + np.sign(region.momentum)[:, None] * angle
+        return _Disks(orbits, offset, spread + 0.0 * np.real(offset))

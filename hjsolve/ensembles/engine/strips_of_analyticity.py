@@ -16,41 +16,63 @@ import numpy as np
 
 from hjsolve.arithmetic.elliptic import quarter_period
 from hjsolve.arithmetic.floats import Float64
-from hjsolve.arithmetic.number_types import Complexes, Reals
-from hjsolve.ensembles.engine.nodes import Nodes
+from hjsolve.arithmetic.number_types import Complexes, Mask, Reals
+from hjsolve.ensembles.engine.nodes import EVEN, WARPS, Nodes
 from hjsolve.one_coordinate.complex_anomaly import jacobi_complex
 
 EXPONENT = 36.0
 """exp(−36) = 2.3e-16: what is missed of a function is at most 2 M exp(−36), M being ``clearance.GROWTH`` times what the
 function is on the real axis at the very most, and then only if it is as large all along the strip."""
 
-_ROWS, _STRETCHED_ROWS = 2, 4
-"""Rectangles above each other; four times as many nodes as rectangles in a row, or twice as many."""
+_PLAIN, _STRETCHED, _COARSE = (2, 2), (4, 4), (2, 3)
+"""Rectangles above each other, and in a row for eight nodes; coarse covers of stretched strips have fewer."""
 _LEAST = 4
 SAFETY = 1.05
 """Only the corners of a rectangle are looked at: they are farthest away, or nearly."""
+_LARGEST, _TALLEST = 1.5, 1.9
+"""Radii of rectangles in u that are too large; heights, over K′, up to which sn is worked out."""
+_SLOPES = ((1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 _INSIDE = 0.98
 _CORNERS = [(x, y) for x in (-1, 1) for y in (-1, 1)]
 
 
 @dataclass(frozen=True, eq=False)
 class CoveredStrip:
-    """Rectangles that cover a strip over half a period (a whole turn for rotations), from left to right; (count,).
+    """Rectangles that cover a strip over half a period between turning points, from left to right; arrays (count,).
+
+    A place is x = n/T with T = n + (1 + ρ_d) m, where (n, m) is (sn², cn²), (1, cn²/sn²) or (sn²/cn², 1): one of these
+    functions f is small on the rectangle and changes by Δ along it. Then T changes by (slope ρ_d + more) Δ, and
+    x′ − x is ±(1 + ρ_d) Δ/(T T′).
 
     Attributes:
-        low, high: sn² and cn² at the middles, complex; for rotations the angle 2 am − π and nothing of use.
-        near_low, near_high: the same at the corners, shape (count, 4).
-        spread: radius of the disks, in units of b − a where neither ρ_d nor ρ_c is used; in q for rotations.
-        tip: cn² at χ = π + ia, where q first becomes infinite if it does; for two slow places |Im θ| there.
-        inside: True where sn and cn have no poles in the strip.
+        above, below: n and m at the middles, complex.
+        reach: a bound on |Δ|; infinite where the rectangle is too large, or too far away, for any of this.
+        slope, more: see there.
     """
 
-    low: Complexes
-    high: Complexes
-    near_low: Complexes
-    near_high: Complexes
+    above: Complexes
+    below: Complexes
+    reach: Reals
+    slope: Reals
+    more: Reals
+
+
+@dataclass(frozen=True, eq=False)
+class CoveredTurn:
+    """Rectangles that cover a strip over a whole turn of rotations, from left to right.
+
+    Attributes:
+        angle: 2 am − π at the middles, or θ of ``turned_circle``; complex, shape (count,).
+        edges: the same at the corners, shape (count, 4).
+        spread: radius of the disks, shape (count,).
+        height: |Im θ| of the strip where there are two slow places.
+        inside: True where am has no singularity in the strip.
+    """
+
+    angle: Complexes
+    edges: Complexes
     spread: Reals
-    tip: float
+    height: float
     inside: bool
 
 
@@ -81,34 +103,103 @@ def across(count: int, node_map: tuple[float, float], symmetry: int) -> float:
 
 
 @cache
-def covered_strip(table: Nodes, turning: bool) -> CoveredStrip:
-    """Return the strip over which functions are to be known for a table of nodes.
+def covered_strip(table: Nodes, *, coarse: bool = False) -> CoveredStrip:
+    """Return the strip over which functions are to be known for a table of nodes between turning points.
+
+    Of the three functions f that one is taken whose disks are smallest for typical motions with these nodes.
 
     Args:
         table: of nodes.
-        turning: True between two turning points, False for a rotation.
+        coarse: whether by fewer and larger disks, where anomalies are stretched.
     """
-    nodes = len(table.χ) if turning else len(table.χ) // 2
-    a, length = half_width(nodes, table.symmetry), np.pi / table.symmetry if turning else 2 * np.pi
-    rows = _ROWS if table.complement == 1.0 else _STRETCHED_ROWS
-    count = 2 * max(_LEAST, len(table.χ) * rows // 16)
-    δ, ε = 0.5 * length / count, 0.5 * a / rows
-    middles = (np.arange(1, 2 * count, 2)[:, None] * δ + 1j * ε * np.arange(1, 2 * rows, 2)).ravel()
-    edge = [x * δ + y * 1j * ε for x, y in _CORNERS]
-    low, high = _places(middles, table, turning)
-    near_low, near_high = _places(middles[:, None] + np.array(edge), table, turning)
-    apart = near_low - low[:, None]
+    shape = _PLAIN if table.complement == 1.0 else _COARSE if coarse else _STRETCHED
+    middles, corners = _rectangles(table, half_width(len(table.χ), table.symmetry), np.pi / table.symmetry, shape)
+    with np.errstate(all="ignore"):
+        (w, c), (near_w, near_c) = _squares(middles, table), _squares(corners, table)
+        f = np.stack([w, c / w, w / c])
+        apart = np.stack([near_w, near_c / near_w, near_w / near_c]) - f[:, :, None]
+        reach = np.where(_without_poles(w, c, middles, corners, table), SAFETY * np.abs(apart).max(axis=2), np.inf)
+    one = np.ones(len(w))
+    charts = [
+        CoveredStrip(n, m, r, slope * one, more * one)
+        for n, m, r, (slope, more) in zip((w, one, f[2]), (c, f[1], one), reach, _SLOPES, strict=True)
+    ]
+    best = np.argmin([disks(chart, _typical(table))[2] for chart in charts], axis=0)
+    rows = (np.stack([getattr(chart, name) for chart in charts]) for name in CoveredStrip.__dataclass_fields__)
+    return CoveredStrip(*(row[best, np.arange(len(w))] for row in rows))
+
+
+def _without_poles(w: Complexes, c: Complexes, middles: Complexes, corners: Complexes, table: Nodes) -> Mask:
+    """Tell in which rectangles sn², cn²/sn² and sn²/cn² have no poles, shape (3, count).
+
+    About a zero or a pole of sn or cn these functions, or their reciprocals, are at most tan² |u|, times k′² for cn:
+    their series is majorized by that of the tangent, because f′² = (1 ± f²)(1 ± m f²) with m ≤ 1 for sn and sd.
+    """
+    if table.complement == 1.0:
+        return np.stack([np.full(len(w), known) for known in (True, False, False)])
+    scale, other = table.quarter / np.pi, quarter_period(1 - table.complement, Float64())
+    u, edges = scale * _goal(middles, table), scale * _goal(corners, table)
+    radius = SAFETY * np.abs(edges - u[:, None]).max(axis=1)
+    far = (radius > _LARGEST) | (np.abs(edges.imag).max(axis=1) > _TALLEST * other)
+    tangent = np.where(far, np.inf, np.tan(np.minimum(radius, _LARGEST)) ** 2)
+    return np.stack([tangent * np.abs(w) < 1, np.abs(w) > tangent, np.abs(c) > table.complement * tangent])
+
+
+def _typical(table: Nodes) -> float:
+    """ρ_d of motions that these nodes are made for."""
+    place = WARPS.index(table.node_map)
+    share = (place - 1) / 4 if 1 <= place < EVEN else 0.5
+    return float(table.complement**-share - 1)
+
+
+def disks(over: CoveredStrip, d: Reals | float) -> tuple[Complexes, Complexes, Reals]:
+    """Return disks that hold the rectangles: (q − a)/W and (b − q)/W of the centres, and the radii over W.
+
+    Args:
+        over: the rectangles.
+        d: ρ_d, of a shape that broadcasts with them.
+
+    Returns:
+        Complex places, and radii, infinite where a rectangle may hold q = ∞.
+    """
+    with np.errstate(all="ignore"):
+        above, below = over.above, (1 + d) * over.below
+        re, im = above.real + below.real, above.imag + below.imag
+        size = np.sqrt(re * re + im * im)
+        nearest = size - (over.slope * d + over.more) * over.reach
+        radii = np.where(nearest > 0, (1 + d) * over.reach / (size * nearest), np.inf)
+        inverse = np.empty(size.shape, dtype=complex)
+        inverse.real, inverse.imag = re / size**2, -im / size**2
+        return above * inverse, below * inverse, radii
+
+
+@cache
+def covered_turn(table: Nodes) -> CoveredTurn:
+    """Return the strip over which functions are to be known for a table of nodes of rotations.
+
+    Args:
+        table: of nodes.
+    """
+    a = half_width(len(table.χ) // 2, table.symmetry)
+    middles, corners = _rectangles(table, a, 2 * np.pi, _PLAIN if table.complement == 1.0 else _STRETCHED)
+    angle, edges = _turns(middles, table), _turns(corners, table)
+    apart = edges - angle[:, None]
     if table.slow == 2:  # up to whole turns
         apart -= 2 * np.pi * np.rint(apart.real / (2 * np.pi))
-    spread = SAFETY * np.abs(apart).max(axis=1)
-    tip = _goal(np.array([np.pi + 1j * a]), table)
+    tip = np.array([np.pi + 1j * a])
     other = np.inf if table.complement == 1.0 else quarter_period(1 - table.complement, Float64())
-    inside = table.slow * abs(tip[0].imag) * table.quarter / np.pi < _INSIDE * other
-    if table.slow == 2:
-        height = float(abs(_places(tip, table, False)[0][0].imag))
-        return CoveredStrip(low, high, near_low, near_high, spread, height, bool(inside))
-    end = float(np.real(_places(np.array([np.pi + 1j * a]), table, True)[1][0])) if inside else -np.inf
-    return CoveredStrip(low, high, near_low, near_high, spread, end, bool(inside))
+    inside = table.slow * a * table.quarter / np.pi < _INSIDE * other
+    height = float(abs(_turns(tip, table)[0].imag))
+    return CoveredTurn(angle, edges, SAFETY * np.abs(apart).max(axis=1), height, bool(inside))
+
+
+def _rectangles(table: Nodes, a: float, length: float, shape: tuple[int, int]) -> tuple[Complexes, Complexes]:
+    """Middles and corners of rectangles, shapes (count,) and (count, 4)."""
+    rows, columns = shape
+    count = 2 * max(_LEAST, len(table.χ) * columns // 16)
+    δ, ε = 0.5 * length / count, 0.5 * a / rows
+    middles = (np.arange(1, 2 * count, 2)[:, None] * δ + 1j * ε * np.arange(1, 2 * rows, 2)).ravel()
+    return middles, middles[:, None] + np.array([x * δ + y * 1j * ε for x, y in _CORNERS])
 
 
 def _goal(χ: Complexes, table: Nodes) -> Complexes:
@@ -117,14 +208,22 @@ def _goal(χ: Complexes, table: Nodes) -> Complexes:
     return χ + γ * np.sin(χ) + 0.5 * δ * np.sin(2 * χ)
 
 
-def _places(χ: Complexes, table: Nodes, turning: bool) -> tuple[Complexes, Complexes]:
-    """sn² and cn² at complex anomalies; for rotations 2 am − π, to be continued from middle to edge, and cn²."""
+def _squares(χ: Complexes, table: Nodes) -> tuple[Complexes, Complexes]:
+    """sn² and cn² at complex anomalies."""
+    sn, cn, _ = _sines(χ, table)
+    return sn * sn, cn * cn
+
+
+def _sines(χ: Complexes, table: Nodes) -> tuple[Complexes, Complexes, Complexes]:
+    u = _goal(χ, table) * (table.quarter / np.pi) if table.complement < 1 else 0.5 * _goal(χ, table)
+    return jacobi_complex(u, table.complement, table.quarter)
+
+
+def _turns(χ: Complexes, table: Nodes) -> Complexes:
+    """2 am − π at complex anomalies, to be continued from middle to edge; θ where there are two slow places."""
     if table.slow == 2:
         side = np.where(np.real(χ) > np.pi, 1, -1)
-        angle, high = _places(2 * χ - (1 + side) * np.pi, replace(table, slow=1), turning)
-        return 0.5 * (angle + side * np.pi), high
-    u = _goal(χ, table) * (table.quarter / np.pi) if table.complement < 1 else 0.5 * _goal(χ, table)
-    sn, cn, _ = jacobi_complex(u, table.complement, table.quarter)
-    if turning:
-        return sn * sn, cn * cn
-    return -2j * np.log(cn + 1j * sn) - np.pi, cn * cn
+        angle = _turns(2 * χ - (1 + side) * np.pi, replace(table, slow=1))
+        return np.asarray(0.5 * (angle + side * np.pi))
+    sn, cn, _ = _sines(χ, table)
+    return np.asarray(-2j * np.log(cn + 1j * sn) - np.pi)
