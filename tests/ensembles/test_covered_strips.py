@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hjsolve.ensembles.engine.nodes import libration_nodes
-from hjsolve.ensembles.engine.strips_of_analyticity import _squares, covered_strip, disks, half_width
+from hjsolve.ensembles.engine.strips_of_analyticity import covered_strip, disks, half_width, squares
 
 _POINTS = 4000
 
@@ -28,7 +28,7 @@ def test_every_place_of_the_strip_lies_in_a_disk(level: int, node_map: int, coun
     table = libration_nodes(count, level, node_map)
     over = covered_strip(table, coarse=coarse)
     χ = dice.uniform(0, np.pi, _POINTS) + 1j * half_width(count, 1) * dice.uniform(0, 1, _POINTS)
-    sn2, cn2 = _squares(χ, table)
+    sn2, cn2 = squares(χ, table)
     for d in _lower_parts(level, dice):
         low, high, radii = disks(over, d)
         x, y = sn2 / (1 + d * cn2), (1 + d) * cn2 / (1 + d * cn2)

@@ -18,7 +18,7 @@ from hjsolve.arithmetic.number_types import Elementwise, Integers, Mask, Reals
 from hjsolve.ensembles.engine import nodes
 from hjsolve.ensembles.engine.compiled_types import VECTOR, Strips, Tables
 from hjsolve.ensembles.engine.nodes import EVEN, MOST, WARPS
-from hjsolve.ensembles.engine.strips_of_analyticity import across, covered_strip, disks
+from hjsolve.ensembles.engine.strips_of_analyticity import across, covered_strip, disks, squares
 
 COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128, 160, 192, 256, 320, 384)
 """Numbers of nodes: whole vectors of eight."""
@@ -266,10 +266,10 @@ def _spans(key: NodeMap, equal: Reals, share: int, below: float, above: float) -
 
 
 def _half_way(key: NodeMap, goal: float) -> float:
-    """χ where (q − a)/W has some value, nearly."""
+    """χ where (q − a)/W has some value, nearly: doubles are enough."""
     χ = np.linspace(0.0, np.pi, 514)[1:-1]
-    _, _, sn2, cn2, _ = nodes.libration_places(Pair(χ, 0.0 * χ), key.level, key.node_map)
-    x, y = key.stretched(sn2, cn2)
+    table = nodes.libration_nodes(COUNTS[0], key.level, key.node_map)
+    x, y = key.stretched(*(square.real for square in squares(χ.astype(complex), table)))
     return float(np.interp(np.log(goal / (1.0 - goal)), np.log(x / y), χ))
 
 

@@ -115,7 +115,7 @@ def covered_strip(table: Nodes, *, coarse: bool = False) -> CoveredStrip:
     shape = _PLAIN if table.complement == 1.0 else _COARSE if coarse else _STRETCHED
     middles, corners = _rectangles(table, half_width(len(table.χ), table.symmetry), np.pi / table.symmetry, shape)
     with np.errstate(all="ignore"):
-        (w, c), (near_w, near_c) = _squares(middles, table), _squares(corners, table)
+        (w, c), (near_w, near_c) = squares(middles, table), squares(corners, table)
         f = np.stack([w, c / w, w / c])
         apart = np.stack([near_w, near_c / near_w, near_w / near_c]) - f[:, :, None]
         reach = np.where(_without_poles(w, c, middles, corners, table), SAFETY * np.abs(apart).max(axis=2), np.inf)
@@ -208,8 +208,13 @@ def _goal(χ: Complexes, table: Nodes) -> Complexes:
     return χ + γ * np.sin(χ) + 0.5 * δ * np.sin(2 * χ)
 
 
-def _squares(χ: Complexes, table: Nodes) -> tuple[Complexes, Complexes]:
-    """sn² and cn² at complex anomalies."""
+def squares(χ: Complexes, table: Nodes) -> tuple[Complexes, Complexes]:
+    """Return sn² and cn² at complex anomalies, in doubles.
+
+    Args:
+        χ: anomalies of nodes as they are crowded, any shape.
+        table: of nodes.
+    """
     sn, cn, _ = _sines(χ, table)
     return sn * sn, cn * cn
 
