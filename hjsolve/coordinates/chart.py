@@ -157,8 +157,14 @@ def _simplest(
             independent = independent_integrals(found, cartesian)
             more = webs_in_words(found, cartesian, web.kind, independent)
             return replace(chart, remark=_remarks(chart.remark, more), independent=independent)
-    lacking = "\nNone of these could be certified on all of its domain." if found.webs else ""
-    raise NotSeparableError(f"{why}. {found.advice}{lacking}", refused)
+    if not found.webs:
+        raise NotSeparableError(f"{why}. {found.advice}", refused)
+    names = "; ".join(map(str, found.webs))
+    raise NotSeparableError(
+        f"{why}. There may be others ({names}), but in the time that a web may take none of them could be certified on "
+        "all of its domain; find_coordinates takes a longer budget, and where the processor is busy a second try may do",
+        refused,
+    )
 
 
 def _remarks(*parts: str) -> str:

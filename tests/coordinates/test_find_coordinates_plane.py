@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 import sympy as sp
 
-from hjsolve import InvalidSystemError, Obstruction, Separation, System, find_coordinates
+from hjsolve import InvalidSystemError, NotSeparableError, Obstruction, Separation, System, find_coordinates
+from hjsolve.coordinates.chart import find_chart
 from hjsolve.coordinates.charts.transform import web_of
 from hjsolve.coordinates.find import cartesian_form
 from hjsolve.coordinates.killing.killing_tensors import concircular_basis, kernel, killing_basis, killing_tensor
@@ -251,3 +252,19 @@ def test_what_is_not_supported_is_said(coordinates: dict[str, str], kinetic: str
     with pytest.raises(InvalidSystemError, match="find_coordinates") as refusal:
         find_coordinates(System(coordinates, kinetic, potential))
     assert says in str(refusal.value)
+
+
+def test_a_web_without_time_to_be_certified_is_not_called_none() -> None:
+    """The words of the refusal neither deny the web nor say that the system separates."""
+    system = System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "x/sqrt(x**2 + y**2) + x**2 - y**2")
+    two = System(
+        {"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2",
+        "-1/sqrt((x - 1)**2 + y**2) - 2/sqrt((x + 1)**2 + y**2)",
+    )  # fmt: skip
+    with pytest.raises(NotSeparableError) as refusal:
+        find_chart(two, None, budget=1e-9)
+    assert "none of them could be certified" in str(refusal.value)
+    assert "elliptic" in str(refusal.value)
+    with pytest.raises(NotSeparableError) as none:
+        find_chart(system, None)
+    assert "certified" not in str(none.value)

@@ -22,7 +22,10 @@ QUANTITIES = (
     "actions.u", "actions.w", "frequencies.u", "frequencies.w", "frequencies.phi", "angles.u", "angles.w", "angles.phi",
 )  # fmt: skip
 WANTED = [("actions",), ("actions", "frequencies"), ("actions", "frequencies", "angles")]
-CASES = [(want, False) for want in WANTED] + [(want, True) for want in WANTED[1:]]
+CASES = [
+    *((want, False) for want in WANTED), pytest.param(WANTED[1], True, marks=pytest.mark.nightly), (WANTED[2], True),
+]  # fmt: skip
+"""The last one has the programs of the one before it, which compiles others for half a minute."""
 
 
 @cache

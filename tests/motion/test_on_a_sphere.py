@@ -56,7 +56,7 @@ def assert_within_errors(state, x, p) -> None:
             assert abs(mp.mpf(getattr(state, group)[name]) - value) <= getattr(state.error, group)[name]
 
 
-@pytest.mark.parametrize("name", WEBS)
+@pytest.mark.parametrize("name", ["neumann", pytest.param("kepler", marks=pytest.mark.nightly)])
 def test_random_motions_agree_with_the_equations_in_space_within_their_errors(name: str) -> None:
     kind, system, V = turned(name, 3)
     solution = hjsolve.solve(system, coordinates="find")
