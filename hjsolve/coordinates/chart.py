@@ -161,8 +161,9 @@ def _simplest(
         raise NotSeparableError(f"{why}. {found.advice}", refused)
     names = "; ".join(map(str, found.webs))
     raise NotSeparableError(
-        f"{why}. There may be others ({names}), but in the time that a web may take none of them could be certified on "
-        "all of its domain; find_coordinates takes a longer budget, and where the processor is busy a second try may do",
+        f"{why}. There may be others ({names}), but in the time that a web may take none of them could be certified "
+        "on all of its domain; find_coordinates takes a longer budget, and where the processor is busy a second try "
+        "may do",
         refused,
     )
 

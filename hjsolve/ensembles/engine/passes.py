@@ -13,11 +13,13 @@ from hjsolve.ensembles.engine.constants import InitialConstants, initial_constan
 from hjsolve.ensembles.engine.escapes import escaping
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty, integrate
+from hjsolve.ensembles.engine.orbit_groups import group_of
 from hjsolve.ensembles.engine.orbit_regions import LocatedRegions, OrbitRegions
 from hjsolve.ensembles.engine.outlook import beyond_doubles
 from hjsolve.ensembles.engine.programs import Compiled
 from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DirectEvaluation, second_slope
 from hjsolve.ensembles.engine.regions import ill_known, locate_regions
+from hjsolve.ensembles.engine.rotations import going_round
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.status import UNDECIDED, Status
 
@@ -115,7 +117,9 @@ def _seen_as_before(located: list[list[LocatedRegions]], count: int) -> Mask:
 def run_compiled(
     model: Model, names: dict[str, tuple[str, ...]], starts: Starts, *, made: Compiled, tolerance: float, exact: bool
 ) -> Columns:
-    """Compute everything for those orbits that are easy librations, with 32-digit constants; as ``run_pass``.
+    """Compute everything for easy librations by compiled loops, with 32-digit constants; as ``run_pass``.
+
+    A coordinate that goes round is integrated by numpy.
 
     Args:
         model: the lowered solution.
@@ -136,14 +140,21 @@ def run_compiled(
     kernels, oscillations = bool(TIMED & names.keys()), "angles" in names
     modes = Modes(chords=False, kernels=kernels, oscillations=oscillations, shifts=False, alike=False)
     status = np.full(count, UNDECIDED if "turning_points" in names else Status.OK, dtype=np.uint8)
+    directions = np.ones((len(model.separated), count))
     sums = []
     for k in range(len(model.separated)):
         one = compiled_pass.CompiledCoordinate.of(model, made, start, k)
         total = compiled_pass.librations(one, one.smallness(kernels=kernels) > _SEEN_FROM_START, modes, exact=exact)
+        left = np.flatnonzero((status == Status.OK) & ~total.good)
+        if model.separated[k].periodic and len(left):
+            found = going_round(group_of(model, model.separated[k], start, k, 1, left))
+            everyone = np.ones(len(found.index), dtype=bool)
+            _integrated(total, found, everyone, len(model.constants), kernels=kernels, oscillations=oscillations)
+            directions[k, found.index] = np.sign(start.P[k, found.index])
         status[~total.good] = UNDECIDED
         total.phase_error[:] += start.rounding[k]
         sums.append(total)
-    _results(model, names, columns, sums, np.ones((len(sums), count)), start)
+    _results(model, names, columns, sums, directions, start)
     if oscillations and any(c.shifted for c in model.separated):
         status[status == Status.OK] = UNDECIDED
     resolved = status == Status.OK

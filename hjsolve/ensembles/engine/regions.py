@@ -2,29 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair, two_sum
-from hjsolve.arithmetic.number_types import Integers, Mask, Reals, Which
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.arithmetic.second_differences import FUNCTIONS
 from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants, slope
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
 from hjsolve.ensembles.engine.nodes import EVEN, MOST
+from hjsolve.ensembles.engine.orbit_groups import Group, group_of
 from hjsolve.ensembles.engine.orbit_regions import LocatedRegions, OrbitRegions
 from hjsolve.ensembles.engine.radicand_views import (
     DifferenceEvaluation,
     DirectEvaluation,
     DoubleDoubleEvaluation,
-    Knowns,
     View,
     second_slope,
 )
-from hjsolve.ensembles.engine.rotation_anomalies import slow_places
+from hjsolve.ensembles.engine.rotations import rotation, turn
 from hjsolve.ensembles.engine.starts import Starts
-from hjsolve.ensembles.engine.status import EQUILIBRIUM, UNDECIDED, Status
+from hjsolve.ensembles.engine.status import EQUILIBRIUM, Status
 from hjsolve.ensembles.engine.turning_points import STEPS, bracket, first_step, kept_inside, refine
 
 _SMALL = 3e-14
@@ -46,46 +46,10 @@ _ALIKE = 2.0
 """How much larger the uncertainty of ½F″ may be at the turning points of a small motion; three times of it count."""
 
 _WARPED = 5
-_GRID = 32
 _NEWTON, _CHORD = 2, 3
 """Steps that improve a turning point in 32 digits: with slopes of their own, and with the last one, for a third of the
 price. A step with relative error ρ of its slope leaves ρ of the error; Newton's ρ falls from step to step."""
 _ARITHMETIC = frozenset({"add", "sub", "mul", "div", "power", "rational", "pi"})
-
-
-@dataclass(frozen=True)
-class Group:
-    """Some orbits of one coordinate.
-
-    Attributes:
-        coordinate: which.
-        index: which orbits.
-        knowns, pairs, numbers: constants and parameters, in doubles and in two doubles.
-        q, P, first, bend: the start, F′ and ½F″ there.
-        depth: 0 in doubles; 1 with small amplitudes seen from the start and poles from their place; 2 with 32
-            digits where doubles do not know p² well; 3 with 32 digits.
-    """
-
-    coordinate: Separated
-    index: Integers
-    knowns: Knowns
-    pairs: tuple[Pair, ...]
-    numbers: tuple[Pair, ...]
-    q: Reals
-    P: Reals
-    first: Reals
-    bend: Reals
-    depth: int
-
-    def take(self, index: Which) -> Group:
-        """Return some of them.
-
-        Args:
-            index: which, positions or a mask.
-        """
-        arrays = {name: getattr(self, name)[index] for name in ("index", "q", "P", "first", "bend")}
-        pairs = tuple(Pair(c.high[index], c.low[index]) for c in self.pairs)
-        return replace(self, knowns=self.knowns.take(index), pairs=pairs, **arrays)
 
 
 def locate_regions(
@@ -100,18 +64,13 @@ def locate_regions(
         k: row of the coordinate.
         depth: see ``Group``.
     """
-    q, P = start.q[k], start.P[k]
     with np.errstate(all="ignore"):
-        raw = DirectEvaluation(coordinate.plain, start.knowns)
-        _, first, second = raw.jet(q)
-        everything = np.arange(len(q))
-        pairs = start.pairs or ()
-        group = Group(
-            coordinate, everything, start.knowns, pairs, model.numbers, q, P, first, 0.5 * second, depth
-        )  # fmt: skip
-        found, left = [], np.ones(len(q), dtype=bool)
+        group = group_of(model, coordinate, start, k, depth)
+        found, left = [], np.ones(len(group.q), dtype=bool)
         if depth and has_slopes(coordinate.plain):
-            noise, crest = _noise_and_crest(raw, q, P, first, second)
+            noise, crest = _noise_and_crest(
+                DirectEvaluation(coordinate.plain, start.knowns), group.q, group.P, group.first, 2 * group.bend
+            )
             small = np.flatnonzero(noise > (_SMALL if depth < 2 else _TINY) * crest)
             if len(small):
                 near = _near(group.take(small))
@@ -236,15 +195,13 @@ def _wide(group: Group) -> list[LocatedRegions]:
     """Motions whose amplitude is not small: rotations first, then librations."""
     if not group.coordinate.periodic:
         return _librations(group)
-    raw = DirectEvaluation(group.coordinate.plain, group.knowns)
-    grid = np.pi * (1 + 2 * np.arange(_GRID) / _GRID)
-    values = raw.value(grid + np.zeros((len(group.q), 1)))
+    values = turn(group)
     going = (values > 0).all(axis=1)
     found = []
     if not going.all():
         found += _librations(group.take(np.flatnonzero(~going)))
     if going.any():
-        found.append(_rotation(group.take(np.flatnonzero(going)), values[going], grid))
+        found.append(rotation(group.take(np.flatnonzero(going)), values[going]))
     return found
 
 
@@ -374,22 +331,3 @@ def stretched(region: OrbitRegions) -> OrbitRegions:
     node_map = np.where(level >= _WARPED, 1 + np.rint(4 * np.nan_to_num(where)), 0).astype(int)
     node_map = np.where(even, EVEN + (level >= _WARPED), node_map)
     return replace(region, near_lower=d, near_upper=c, level=level, node_map=node_map)
-
-
-def _rotation(group: Group, values: Reals, grid: Reals) -> LocatedRegions:
-    """Motions that go round and round, seen from where they are slow."""
-    q, P = group.q, group.P
-    plain = DirectEvaluation(group.coordinate.plain, group.knowns)
-    raw: View = plain
-    slow = slow_places(plain, values, grid)
-    base, left = slow.centre, q - slow.centre
-    if group.depth > 1:
-        raw, base = DoubleDoubleEvaluation(plain, group.pairs, group.numbers, Pair(base, 0.0 * base)), 0.0 * base
-    zero = np.zeros_like(q)
-    region = OrbitRegions(
-        raw, raw, base, base, zero + 2 * np.pi, slow.ratio, slow.opposite, slow.level, slow.several, P, left, zero,
-        turning=False,
-    )  # fmt: skip
-    good = np.isfinite(P) & (P != 0) & (slow.least > 0) & (not group.coordinate.shifted)
-    status = np.where(good, Status.OK, UNDECIDED).astype(np.uint8)
-    return LocatedRegions(group.index, region, status, np.zeros(len(q), dtype=bool))

@@ -23,7 +23,6 @@ from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.nodes import COUNTS, Nodes, node_table
 from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DoubleDoubleEvaluation, Knowns, View
 from hjsolve.ensembles.engine.strips_of_analyticity import (
-    SAFETY,
     CoveredStrip,
     CoveredTurn,
     across,
@@ -31,7 +30,7 @@ from hjsolve.ensembles.engine.strips_of_analyticity import (
     covered_turn,
     disks,
 )  # fmt: skip
-from hjsolve.ensembles.engine.turned_circle import moved_disks, reach
+from hjsolve.ensembles.engine.turned_circle import moved_disks
 
 if TYPE_CHECKING:
     from hjsolve.ensembles.engine.orbit_regions import OrbitRegions
@@ -115,9 +114,9 @@ def _shares(region: OrbitRegions, count: int, codes: Integers, *, coarse: bool) 
             low, high = _disks(region.take(part), part, table, covered_strip(table, coarse=coarse))
             below.append(low)
             above += [] if high is None else [high]
-        elif covered_turn(table).inside:
+        elif (turn := covered_turn(table, coarse=coarse)).inside:
             share[part] = np.inf
-            below.append(_turned(region.take(part), part, table, covered_turn(table)))
+            below.append(_turned(region.take(part), part, table, turn))
     for view, seen in ((region.below, below), (region.above, above)):
         _looked_up(view, seen, share)
     return share
@@ -174,11 +173,8 @@ def _disks(region: OrbitRegions, orbits: Integers, table: Nodes, over: CoveredSt
 
 def _turned(region: OrbitRegions, orbits: Integers, table: Nodes, over: CoveredTurn) -> _Disks:
     """The disks that cover the strip of rotations."""
-    angle, spread = over.angle, over.spread
-    with np.errstate(all="ignore"):
-        if table.slow == 2:
-            m = region.near_lower[:, None]
-            angle, spread = moved_disks(over.angle, over.edges, m)
-            spread = np.where(reach(m) > over.height, SAFETY * spread, np.inf)  # else q = ∞ lies in the strip
-        offset = region.lower[:, None] + np.sign(region.momentum)[:, None] * angle
-        return _Disks(orbits, offset, spread + 0.0 * np.real(offset))
+    angle, radii = moved_disks(over.angle, over.reach, region.near_lower[:, None]) if table.slow == 2 else (
+        over.angle, over.reach
+    )  # fmt: skip
+    offset = region.lower[:, None] + np.sign(region.momentum)[:, None] * angle
+    return _Disks(orbits, offset, radii + 0.0 * np.real(offset))

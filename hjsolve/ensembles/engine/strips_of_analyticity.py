@@ -59,20 +59,16 @@ class CoveredStrip:
 
 @dataclass(frozen=True, eq=False)
 class CoveredTurn:
-    """Rectangles that cover a strip over a whole turn of rotations, from left to right.
+    """Rectangles that cover a strip over a whole turn of rotations, from left to right; arrays (count,).
 
     Attributes:
-        angle: 2 am − π at the middles, or θ of ``turned_circle``; complex, shape (count,).
-        edges: the same at the corners, shape (count, 4).
-        spread: radius of the disks, shape (count,).
-        height: |Im θ| of the strip where there are two slow places.
+        angle: 2 am − π at the middles, complex; where there are two slow places exp(iθ) of ``turned_circle``.
+        reach: bounds on how far that is at the corners from the middle.
         inside: True where am has no singularity in the strip.
     """
 
     angle: Complexes
-    edges: Complexes
-    spread: Reals
-    height: float
+    reach: Reals
     inside: bool
 
 
@@ -112,8 +108,8 @@ def covered_strip(table: Nodes, *, coarse: bool = False) -> CoveredStrip:
         table: of nodes.
         coarse: whether by fewer and larger disks, where anomalies are stretched.
     """
-    shape = _PLAIN if table.complement == 1.0 else _COARSE if coarse else _STRETCHED
-    middles, corners = _rectangles(table, half_width(len(table.χ), table.symmetry), np.pi / table.symmetry, shape)
+    a, length = half_width(len(table.χ), table.symmetry), np.pi / table.symmetry
+    middles, corners = _rectangles(table, a, length, _shape(table, coarse))
     with np.errstate(all="ignore"):
         (w, c), (near_w, near_c) = squares(middles, table), squares(corners, table)
         f = np.stack([w, c / w, w / c])
@@ -174,23 +170,24 @@ def disks(over: CoveredStrip, d: Reals | float) -> tuple[Complexes, Complexes, R
 
 
 @cache
-def covered_turn(table: Nodes) -> CoveredTurn:
+def covered_turn(table: Nodes, *, coarse: bool = False) -> CoveredTurn:
     """Return the strip over which functions are to be known for a table of nodes of rotations.
 
     Args:
         table: of nodes.
+        coarse: whether by fewer and larger disks, where anomalies are stretched.
     """
     a = half_width(len(table.χ) // 2, table.symmetry)
-    middles, corners = _rectangles(table, a, 2 * np.pi, _PLAIN if table.complement == 1.0 else _STRETCHED)
-    angle, edges = _turns(middles, table), _turns(corners, table)
-    apart = edges - angle[:, None]
-    if table.slow == 2:  # up to whole turns
-        apart -= 2 * np.pi * np.rint(apart.real / (2 * np.pi))
-    tip = np.array([np.pi + 1j * a])
+    middles, corners = _rectangles(table, a, 2 * np.pi, _shape(table, coarse))
+    place = _turns if table.slow == 1 else _half_turns
+    angle, edges = place(middles, table), place(corners, table)
     other = np.inf if table.complement == 1.0 else quarter_period(1 - table.complement, Float64())
     inside = table.slow * a * table.quarter / np.pi < _INSIDE * other
-    height = float(abs(_turns(tip, table)[0].imag))
-    return CoveredTurn(angle, edges, SAFETY * np.abs(apart).max(axis=1), height, bool(inside))
+    return CoveredTurn(angle, SAFETY * np.abs(edges - angle[:, None]).max(axis=1), bool(inside))
+
+
+def _shape(table: Nodes, coarse: bool) -> tuple[int, int]:
+    return _PLAIN if table.complement == 1.0 else _COARSE if coarse else _STRETCHED
 
 
 def _rectangles(table: Nodes, a: float, length: float, shape: tuple[int, int]) -> tuple[Complexes, Complexes]:
@@ -225,10 +222,13 @@ def _sines(χ: Complexes, table: Nodes) -> tuple[Complexes, Complexes, Complexes
 
 
 def _turns(χ: Complexes, table: Nodes) -> Complexes:
-    """2 am − π at complex anomalies, to be continued from middle to edge; θ where there are two slow places."""
-    if table.slow == 2:
-        side = np.where(np.real(χ) > np.pi, 1, -1)
-        angle = _turns(2 * χ - (1 + side) * np.pi, replace(table, slow=1))
-        return np.asarray(0.5 * (angle + side * np.pi))
+    """2 am − π at complex anomalies, to be continued from middle to edge."""
     sn, cn, _ = _sines(χ, table)
     return np.asarray(-2j * np.log(cn + 1j * sn) - np.pi)
+
+
+def _half_turns(χ: Complexes, table: Nodes) -> Complexes:
+    """exp(iθ) at complex anomalies, θ = am or am − π at twice the speed; one function all along."""
+    right = np.real(χ) > np.pi
+    sn, cn, _ = _sines(2 * χ - np.where(right, 2 * np.pi, 0.0), replace(table, slow=1))
+    return np.where(right, 1, -1) * (cn + 1j * sn)

@@ -32,27 +32,29 @@ def moved_back(q: Reals, m: Reals) -> Reals:
     return 2 * np.arctan2(np.sin(0.5 * q), m * np.cos(0.5 * q))
 
 
-def moved_disks(middles: Complexes, edges: Complexes, m: Reals) -> tuple[Complexes, Reals]:
-    """Return the places of the middles of some disks, their real parts in (−π, π], and radii that hold their edges.
+def moved_disks(E: Complexes, reach: Reals, m: Reals) -> tuple[Complexes, Reals]:
+    """Return the places q of the middles of some disks, their real parts in (−π, π], and radii that hold the disks.
 
-    On the unit circle, E = exp(iθ), the transformation is Z = ((1 + m) E + 1 − m)/((1 − m) E + 1 + m); where Z of an
-    edge is (1 + δ) times that of the middle, the two are |log(1 + δ)| ≤ −log(1 − |δ|) apart.
+    With E = exp(iθ) the transformation is Z = exp(iq) = N/T, N = (1 + m) E + 1 − m, T = (1 − m) E + 1 + m, so that
+    Z′ − Z = 4m (E′ − E)/(T T′); where Z′ is (1 + δ) Z, the places are |log(1 + δ)| ≤ −log(1 − |δ|) apart.
 
     Args:
-        middles: θ, shape (disks,).
-        edges: θ, shape (disks, points).
+        E: exp(iθ) at the middles, shape (disks,).
+        reach: bounds on |E′ − E|, the same shape.
         m: of the transformations, shape (n, 1).
+
+    Returns:
+        Shape (n, disks); radii are infinite where q = ∞ may lie in the disk.
     """
-
-    def turned(θ: Complexes) -> Complexes:
-        E = np.exp(1j * θ)
-        return np.asarray(((1 + m) * E + (1 - m)) / ((1 - m) * E + (1 + m)))
-
-    middle = turned(middles)
-    farthest = np.zeros(middle.shape)
-    for edge in edges.T:
-        np.maximum(farthest, np.abs(turned(edge) / middle - 1), out=farthest)
-    return -1j * np.log(middle), np.where(farthest < 1, -np.log1p(-np.minimum(farthest, 0.999)), np.inf)
+    a, b, square, x, y = 1 + m, 1 - m, E.real**2 + E.imag**2, E.real, E.imag
+    N, T = a * a * square + 2 * a * b * x + b * b, b * b * square + 2 * a * b * x + a * a
+    nearest = np.sqrt(T) - np.abs(b) * reach
+    with np.errstate(all="ignore"):
+        δ = np.where(nearest > 0, 4 * m * reach / (np.sqrt(N) * nearest), 1.0)
+        places = np.empty(δ.shape, dtype=complex)
+        places.real = np.arctan2(4 * m * y, a * b * (square + 1) + (a * a + b * b) * x)
+        places.imag = 0.5 * np.log(T / N)
+        return places, np.where(δ < 1, -np.log1p(-np.minimum(δ, 0.999)), np.inf)
 
 
 def reach(m: Reals) -> Reals:
