@@ -65,9 +65,11 @@ def run_pass(
     sums: list[Sums] = []
     directions = np.ones((len(model.separated), count))
     spared, small = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
-    located = [locate_regions(model, coordinate, start, k, depth) for k, coordinate in enumerate(model.separated)]
-    if depth == 0:
-        for found in (one for parts in located for one in parts):
+    located = []
+    for k, coordinate in enumerate(model.separated):
+        index = None if depth else np.flatnonzero(status == Status.OK)
+        located.append(locate_regions(model, coordinate, start, k, depth, index))
+        for found in located[k] if depth == 0 else ():
             status[found.index[beyond_doubles(found, kernels=kernels)]] = UNDECIDED
     repeated = (status == Status.OK) & (_seen_as_before(located, count) if depth == 2 else False)
     status[repeated] = Status.NOT_CONVERGED

@@ -53,7 +53,7 @@ _ARITHMETIC = frozenset({"add", "sub", "mul", "div", "power", "rational", "pi"})
 
 
 def locate_regions(
-    model: Model, coordinate: Separated, start: InitialConstants, k: int, depth: int
+    model: Model, coordinate: Separated, start: InitialConstants, k: int, depth: int, index: Integers | None = None
 ) -> list[LocatedRegions]:
     """Find where one coordinate moves.
 
@@ -63,13 +63,14 @@ def locate_regions(
         start: of n orbits.
         k: row of the coordinate.
         depth: see ``Group``.
+        index: which of the orbits; None for all.
     """
     with np.errstate(all="ignore"):
-        group = group_of(model, coordinate, start, k, depth)
+        group = group_of(model, coordinate, start, k, depth, index)
         found, left = [], np.ones(len(group.q), dtype=bool)
         if depth and has_slopes(coordinate.plain):
             noise, crest = _noise_and_crest(
-                DirectEvaluation(coordinate.plain, start.knowns), group.q, group.P, group.first, 2 * group.bend
+                DirectEvaluation(coordinate.plain, group.knowns), group.q, group.P, group.first, 2 * group.bend
             )
             small = np.flatnonzero(noise > (_SMALL if depth < 2 else _TINY) * crest)
             if len(small):
