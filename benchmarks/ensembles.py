@@ -38,6 +38,8 @@ COLUMNS = (("actions", "u"), ("actions", "w"), ("frequencies", "u"), ("frequenci
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "ensembles.md"
 _ALONE = 6
 """Orbits of the disc and halo whose references are computed here; their limit is 1e-12."""
+_DISC = 5
+"""How many times as many orbits the disc and halo have."""
 Call = Callable[[], Any]
 
 
@@ -98,9 +100,9 @@ def by_single_motions(rows: Any) -> dict[str, Any]:
 
 
 def sample(family: str, count: int) -> tuple[Any, dict[str, Any]]:
-    """Cylindrical rows, those with references at the end, and the references."""
+    """Cylindrical rows, those with references at the end, and the references; of a disc and halo five times as many."""
     if family not in stars.FAMILIES:
-        return stars.disc_and_halo(count), {}
+        return stars.disc_and_halo(_DISC * count), {}
     data = known()
     chosen = data["family"] == stars.FAMILIES.index(family)
     rows = np.concatenate([stars.family(family, count - chosen.sum()), data["cylindrical"][chosen]])
@@ -129,6 +131,11 @@ def quality(batch: hjsolve.Batch, references: dict[str, Any]) -> tuple[float, fl
     return tuple(np.max(found, axis=0)) if found else (np.nan,) * 3
 
 
+def worth(batch: hjsolve.Batch, references: dict[str, Any]) -> tuple[str, ...]:
+    """Error over limit, error over claim, the largest claim, and how many orbits are ok, in per cent."""
+    return *(f"{x:.1g}" for x in quality(batch, references)), f"{100 * batch.summary().get('ok', 0) / len(batch):.2f}"
+
+
 def galpy_quality(found: Any, references: dict[str, Any]) -> tuple[float, float]:
     """Median relative error of galpy's actions, and the share of orbits that are lost (NaN, or 9999.99)."""
     values = np.stack([np.asarray(x, float) for x in found])
@@ -154,11 +161,11 @@ def row(*cells: str) -> str:
 
 
 def families(count: int, repeats: int) -> Iterator[str]:
-    """Times and errors of all kinds of orbits; numpy's passes do a quarter of them."""
+    """Times and errors of all kinds of orbits."""
     solution, rule = stars.galaxy(), galpy_rule()
     yield from head(
         "orbits | wanted | `fast`, µs | numpy, µs | galpy C, µs | `fast`/galpy | error/limit | error/claim "
-        "| largest claim | ok, % | galpy: error of J, lost"
+        "| largest claim | ok, % | numpy: the same four | galpy: error of J, lost"
     )
     for family in (*stars.FAMILIES, "disc and halo"):
         rows, references = sample(family, count)
@@ -167,28 +174,24 @@ def families(count: int, repeats: int) -> Iterator[str]:
             carried[-40:] = references["prolate"]
         ours_alone = references or by_single_motions(carried[-_ALONE:])
         for want in WANTS:
-            part = carried[-len(carried) // 4 :]
             calls = {
                 "ours": our_call(solution, carried, want=want, compiled=True),
-                "numpy": our_call(solution, part, want=want, compiled=False),
+                "numpy": our_call(solution, carried, want=want, compiled=False),
             }
             if rule is not None:
                 calls["galpy"] = galpy_call(rule, want, rows)
             with np.errstate(all="ignore"):
                 seconds, given = in_turn(calls, repeats)
-            batch = given["ours"]
-            ours, theirs = (1e6 * seconds.get(name, np.nan) / len(rows) for name in ("ours", "galpy"))
-            plain = 1e6 * seconds["numpy"] / len(part)
-            errors = " | ".join(f"{x:.1g}" for x in quality(batch, ours_alone))
+            ours, plain, theirs = (1e6 * seconds.get(name, np.nan) / len(rows) for name in ("ours", "numpy", "galpy"))
+            compiled_ones, plain_ones = (worth(given[name], ours_alone) for name in ("ours", "numpy"))
             rival = "{:.0e}, {:.0%}".format(*galpy_quality(given["galpy"], references)) if rule is not None else "–"
-            good = 100 * batch.summary().get("ok", 0) / len(rows)
             times = (f"{x:.1f}" for x in (ours, plain, theirs))
-            yield row(family, SHORT[want], *times, f"{ours / theirs:.2f}", errors, f"{good:.2f}", rival)
+            yield row(family, SHORT[want], *times, f"{ours / theirs:.2f}", *compiled_ones, ", ".join(plain_ones), rival)
 
 
 def velocity(count: int, repeats: int) -> Iterator[str]:
     """Velocities instead of momenta, of the disc and halo, in the potential as it is typed."""
-    solution, rows = stars.galaxy(), stars.prolate(stars.disc_and_halo(count))
+    solution, rows = stars.galaxy(), stars.prolate(stars.disc_and_halo(_DISC * count))
     q = {"u": rows[:, 0], "w": rows[:, 1], "phi": 0.3}
     rates = dict(zip(("u", "w", "phi"), stars.velocities(rows).T[2:], strict=True))
     yield from head("wanted | engine | `p=`, µs | `velocity=`, µs | ratio | claim, `p=` | claim, `velocity=` | ok, %")
@@ -200,13 +203,13 @@ def velocity(count: int, repeats: int) -> Iterator[str]:
                 "v": lambda how=how: hjsolve.ensemble(solution, q, velocity=rates, **how),
             }
             seconds, given = in_turn(calls, repeats)
-            one, other = (1e6 * seconds[name] / count for name in "pv")
+            one, other = (1e6 * seconds[name] / len(rows) for name in "pv")
             claims = [
                 np.nanmax(np.abs(batch.error[quantity][name] / getattr(batch, quantity)[name]))
                 for batch in given.values()
                 for quantity, name in (("actions", "u"),)
             ]
-            good = 100 * given["v"].summary().get("ok", 0) / count
+            good = 100 * given["v"].summary().get("ok", 0) / len(rows)
             engine = "compiled" if compiled else "numpy"
             numbers = (f"{one:.1f}", f"{other:.1f}", f"{other / one:.2f}", f"{claims[0]:.0e}", f"{claims[1]:.0e}")
             yield row(SHORT[want], engine, *numbers, f"{good:.2f}")
@@ -338,7 +341,7 @@ def loops(count: int) -> Iterator[str]:
             for loop, given in seen:
                 spent[loop.dispatcher.py_func.__name__.removeprefix("front_")] += least(partial(loop, *given), 10)
             rest = least(call, 5) - sum(spent.values())
-            yield row(family, SHORT[want], *(f"{1e6 * x / count:.2f}" for x in (*spent.values(), rest)))
+            yield row(family, SHORT[want], *(f"{1e6 * x / len(rows):.2f}" for x in (*spent.values(), rest)))
 
 
 def noted(seen: list[tuple[Any, Any]]) -> Any:
@@ -385,7 +388,7 @@ def main() -> None:
         for line in parts[part]():
             print(line, flush=True)
             lines.append(line)
-        orbits = "" if part == "fresh" else f"{count} orbits, medians of {repeats}; "
+        orbits = "" if part == "fresh" else f"{count} orbits (disc and halo {_DISC * count}), medians of {repeats}; "
         lines += ["", f"{orbits}{before} before, {surroundings()} after."]
         print(*lines[-2:], "", sep="\n", flush=True)
         if given.write:

@@ -25,7 +25,7 @@ from hjsolve.ensembles.engine.radicand_views import (
 from hjsolve.ensembles.engine.rotations import rotation, turn
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.status import EQUILIBRIUM, Status
-from hjsolve.ensembles.engine.turning_points import STEPS, bracket, first_step, kept_inside, refine
+from hjsolve.ensembles.engine.turning_points import Walk, both_ends
 
 _SMALL = 3e-14
 _CLEAR = 1e-12
@@ -136,10 +136,11 @@ def _near(group: Group) -> LocatedRegions:
         for side, formula in ((-1, coordinate.lower), (1, coordinate.upper))
     ]
     size = np.minimum(np.abs(q) + 1.0, np.minimum(-floors[0], floors[1]))
-    ends = [
-        _end(view, zero, P, side * first, bend, side, size, floor, steps=_FEW)
+    walks = (
+        Walk(view, zero, P, side * first, bend, np.full(len(q), side), size, floor)
         for side, floor in zip((-1, 1), floors, strict=True)
-    ]
+    )
+    ends = list(both_ends(*walks, steps=_FEW))
     far = (ends[0] < _FAR * floors[0]) | (ends[1] > _FAR * floors[1])
     crest = P * P + np.where(bend < 0, first * first / (-4 * bend), np.inf)
     # the uncertainty of the slopes is known at the start: it has to hold at the turning points, too
@@ -152,44 +153,6 @@ def _near(group: Group) -> LocatedRegions:
     status = np.where(np.isfinite(region.width) & (region.width > 0), Status.OK, Status.UNBOUNDED)
     status = np.where(rest, np.where(bend < 0, Status.OK, EQUILIBRIUM), status)
     return LocatedRegions(group.index, region, status.astype(np.uint8), rest & (bend < 0))
-
-
-def _end(
-    view: View, start: Reals, P: Reals, outward: Reals, bend: Reals, side: int, size: Reals, floor: Reals,
-    reach: float = np.inf, careful: bool = False, steps: int = STEPS,
-) -> Reals:  # fmt: skip
-    """Offset of the turning point on one side; ``side`` and ``outward`` in terms of the view's offset."""
-    step = first_step(P, outward, bend, size)
-    below = P * P
-    rising = (outward > 0) & (bend < 0)
-    inner = start.copy()
-    crest = np.where(rising, np.minimum(outward / (-2 * bend), 0.5 * step), 0.0)
-    for _ in range(12):
-        todo = np.flatnonzero(crest > 0)
-        if not len(todo):
-            break
-        x = start[todo] + side * crest[todo]
-        x = kept_inside(x, start[todo], floor[todo])
-        f = view.take(todo).value(x)
-        up = f > below[todo]
-        inner[todo[up]], below[todo[up]] = x[up], f[up]
-        crest[todo] = np.where(up, 0.0, 0.25 * crest[todo])
-        step[todo[up]] = np.maximum(step[todo[up]] - np.abs(x[up] - start[todo[up]]), 0.25 * step[todo[up]])
-    moved = inner.copy()
-
-    def value(x: Reals, index: Integers) -> Reals:
-        return view.take(index).value(x)
-
-    def slope(x: Reals, index: Integers) -> Reals:
-        some = view.take(index)
-        assert not isinstance(some, DifferenceEvaluation)
-        return some.jet(x)[1]
-
-    derivative = slope if careful else None
-    inner, outer = bracket(value, moved, step, side, floor=floor, reach=reach, slope=derivative, steps=steps)
-    away = np.flatnonzero(inner != moved)
-    below[away] = np.maximum(value(inner[away], away), 5e-324) if len(away) else below[away]
-    return refine(value, inner, outer, below)
 
 
 def _wide(group: Group) -> list[LocatedRegions]:
@@ -234,25 +197,27 @@ def ill_known(region: OrbitRegions) -> Mask:
 def _libration(group: Group) -> LocatedRegions:
     coordinate, knowns, q, P = group.coordinate, group.knowns, group.q, group.P
     first, bend = group.first, group.bend
-    seen: list[tuple[View, Reals, Reals, Reals]] = []
+    walks: list[Walk] = []
     plain = DirectEvaluation(coordinate.plain, knowns)
     scale = np.sqrt(np.abs(P * P / bend))
     length = np.where(q != 0, np.abs(q), np.where(np.isfinite(scale) & (scale > 0), scale, 1.0))
     outside = np.zeros(len(q), dtype=bool)
+    reach = 2 * np.pi if coordinate.periodic else np.inf
     for side, formula in ((-1, coordinate.lower), (1, coordinate.upper)):
         view = plain if formula is None or not group.depth else DirectEvaluation(formula, knowns)
         start = offset(view.formula, q)
-        distance = np.inf if formula is None else offset(formula, q)
+        distance = np.full(len(q), np.inf) if formula is None else offset(formula, q)
         outside |= distance <= 0
-        step_side = side * view.sign
-        floor = start + step_side * distance
+        step_side = np.full(len(q), side * view.sign)
         size = np.minimum(length, distance)
-        reach = 2 * np.pi if coordinate.periodic else np.inf
         size = np.minimum(size, 0.2) if coordinate.periodic else size
-        end = _end(view, start, P, side * first, bend, step_side, size, floor, reach, careful=group.depth > 0)
-        end = np.where(step_side * (end - floor) < 0, end, np.nan)  # a start that rounds to the end of the domain
-        seen.append((view, start, end, step_side * (end - start)))
-    (below, _, lower, left), (above, _, upper, right) = seen
+        walks.append(Walk(view, start, P, side * first, bend, step_side, size, start + step_side * distance))
+    seen = []
+    for walk, end in zip(walks, both_ends(*walks, reach=reach, careful=group.depth > 0), strict=True):
+        # a start that rounds to the end of the domain
+        inside = np.where(walk.side * (end - walk.floor) < 0, end, np.nan)
+        seen.append((walk.view, inside, walk.side * (inside - walk.start)))
+    (below, lower, left), (above, upper, right) = seen
     region = _region(below, above, lower, upper, P, left, right)
     if group.depth > 1:
         region = _fine(group, region)

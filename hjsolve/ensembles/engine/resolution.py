@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 _UNKNOWN, _CAUTIOUS, _HOPELESS = 0.4, 0.7, 2.0
 """The nodes needed grow nearly like the share of the radius that is missing, at least with this power; for stretched
 anomalies, and where nothing is known, as if the share were 0.4 at least. Twice as many as there are is too many."""
+_CROWDED = 28, 7
+"""Nodes that stretched anomalies mostly need, and how many more for each level; fewer are not tried."""
 _CLOSE = 0.5
 """A share of a coarse cover from which on a finer one may be enough."""
 _SMALL = 0.03
@@ -82,7 +84,8 @@ def least(region: OrbitRegions, first: int) -> Reals:
         region: where the orbits move.
         first: number of nodes to begin with, one of ``COUNTS``.
     """
-    needed, hint = np.full(len(region.width), np.inf), np.full(len(region.width), float(first))
+    needed, mostly = np.full(len(region.width), np.inf), _CROWDED[0] + _CROWDED[1] * region.level
+    hint = np.where(region.level > 0, np.maximum(first, mostly), float(first))
     codes = region.level * 8 + region.node_map
     for count in COUNTS:
         chosen = np.flatnonzero(np.isinf(needed) & (hint <= count))

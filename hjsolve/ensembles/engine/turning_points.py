@@ -9,11 +9,13 @@ function with a kink, between the turning points, and the quadrature refuses tho
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, View
 
 Function = Callable[[Reals, Integers], Reals]
 """(x, index of the orbits) ↦ F, arrays of shape (m,)."""
@@ -21,6 +23,91 @@ Function = Callable[[Reals, Integers], Reals]
 STEPS = 110
 _STRIDE = 0.2
 _HALVINGS, _SURE = 40, 10
+
+
+@dataclass(frozen=True)
+class Walk:
+    """The way from the start to the turning point on one side, arrays (n,); all in terms of the view's offset.
+
+    Attributes:
+        view: of p².
+        start: where it begins.
+        P, outward, bend: the momentum there, dF/dd outward, ½F″.
+        side: +1 or −1.
+        size: a length typical of the coordinate.
+        floor: an end of the domain; infinite for none.
+    """
+
+    view: View
+    start: Reals
+    P: Reals
+    outward: Reals
+    bend: Reals
+    side: Integers
+    size: Reals
+    floor: Reals
+
+    def and_then(self, other: Walk) -> Walk:
+        """Return both walks, where they have the same view, as one: numpy's price is by the call.
+
+        Args:
+            other: walks of the same orbits.
+        """
+        twice = np.tile(np.arange(len(self.P)), 2)
+        names = ("start", "P", "outward", "bend", "side", "size", "floor")
+        return Walk(self.view.take(twice), *(np.concatenate([getattr(w, n) for w in (self, other)]) for n in names))
+
+
+def both_ends(
+    lower: Walk, upper: Walk, *, reach: float = np.inf, careful: bool = False, steps: int = STEPS
+) -> tuple[Reals, Reals]:
+    """Return offsets of the turning points, NaN where there is none.
+
+    Args:
+        lower, upper: the walks to them.
+        reach: longest distance to walk.
+        careful: whether valleys between two trials are looked into.
+        steps: how many at most.
+    """
+    if lower.view is not upper.view:
+        return _end(lower, reach, careful, steps), _end(upper, reach, careful, steps)
+    found = _end(lower.and_then(upper), reach, careful, steps)
+    return found[: len(found) // 2], found[len(found) // 2 :]
+
+
+def _end(walk: Walk, reach: float, careful: bool, steps: int) -> Reals:
+    """Offset of the turning point at the end of a walk."""
+    view, start, side, floor = walk.view, walk.start, walk.side, walk.floor
+    step, below = first_step(walk.P, walk.outward, walk.bend, walk.size), walk.P * walk.P
+    rising = (walk.outward > 0) & (walk.bend < 0)
+    inner = start.copy()
+    crest = np.where(rising, np.minimum(walk.outward / (-2 * walk.bend), 0.5 * step), 0.0)
+    for _ in range(12):
+        todo = np.flatnonzero(crest > 0)
+        if not len(todo):
+            break
+        x = start[todo] + side[todo] * crest[todo]
+        x = kept_inside(x, start[todo], floor[todo])
+        f = view.take(todo).value(x)
+        up = f > below[todo]
+        inner[todo[up]], below[todo[up]] = x[up], f[up]
+        crest[todo] = np.where(up, 0.0, 0.25 * crest[todo])
+        step[todo[up]] = np.maximum(step[todo[up]] - np.abs(x[up] - start[todo[up]]), 0.25 * step[todo[up]])
+    moved = inner.copy()
+
+    def value(x: Reals, index: Integers) -> Reals:
+        return view.take(index).value(x)
+
+    def slope(x: Reals, index: Integers) -> Reals:
+        some = view.take(index)
+        assert not isinstance(some, DifferenceEvaluation)
+        return some.jet(x)[1]
+
+    derivative = slope if careful else None
+    inner, outer = bracket(value, moved, step, side, floor=floor, reach=reach, slope=derivative, steps=steps)
+    away = np.flatnonzero(inner != moved)
+    below[away] = np.maximum(value(inner[away], away), 5e-324) if len(away) else below[away]
+    return refine(value, inner, outer, below)
 
 
 def first_step(momentum: Reals, slope: Reals, bend: Reals, size: Reals) -> Reals:
@@ -42,7 +129,7 @@ def first_step(momentum: Reals, slope: Reals, bend: Reals, size: Reals) -> Reals
 
 
 def bracket(
-    function: Function, start: Reals, step: Reals, side: int, *, floor: Reals, reach: float,
+    function: Function, start: Reals, step: Reals, side: Integers, *, floor: Reals, reach: float,
     slope: Function | None = None, steps: int = STEPS,
 ) -> tuple[Reals, Reals]:  # fmt: skip
     """Walk from the start until F < 0.
@@ -51,7 +138,7 @@ def bracket(
         function: F.
         start: offsets where the walk begins, shape (n,).
         step: first step, positive.
-        side: +1 or −1.
+        side: +1 or −1, shape (n,).
         floor: an end of the domain that x may come near to only in ever smaller steps, shape (n,); infinite for none.
         reach: longest distance to walk.
         slope: F′; where it is given, a valley between two trials is looked into.
@@ -64,15 +151,15 @@ def bracket(
     index = np.arange(len(start))
     falling = np.ones(len(start), dtype=bool)  # also from the top of F, where F′ is what rounding leaves
     for _ in range(steps):
-        x = inner[index] + side * step[index]
+        x = inner[index] + side[index] * step[index]
         x = kept_inside(x, inner[index], floor[index])
         f = function(x, index)
         negative = f < 0
         outer[index[negative]] = x[negative]
         if slope is not None:
-            steep = side * slope(x, index)
+            steep = side[index] * slope(x, index)
             some = np.flatnonzero((f >= 0) & falling[index] & (steep > 0))
-            bottom = _below_zero(function, slope, inner[index[some]], x[some], index[some], side)
+            bottom = _below_zero(function, slope, inner[index[some]], x[some], index[some], side[index[some]])
             outer[index[some]] = bottom
             falling[index] = steep < 0
             f[some[np.isfinite(bottom)]] = -1.0
@@ -87,7 +174,9 @@ def bracket(
     return inner, outer
 
 
-def _below_zero(function: Function, slope: Function, near: Reals, far: Reals, index: Integers, side: int) -> Reals:
+def _below_zero(
+    function: Function, slope: Function, near: Reals, far: Reals, index: Integers, side: Integers
+) -> Reals:  # fmt: skip
     """Places with F < 0 in valleys of F, by bisection of F′; NaN where there are none.
 
     After some halvings a valley has none if its sides would end above zero though they went on twice as steep.
@@ -98,7 +187,7 @@ def _below_zero(function: Function, slope: Function, near: Reals, far: Reals, in
         if not len(left):
             break
         x = 0.5 * (near[left] + far[left])
-        value, steep = function(x, index[left]), side * slope(x, index[left])
+        value, steep = function(x, index[left]), side[left] * slope(x, index[left])
         below, down = value < 0, steep < 0
         found[left[below]] = x[below]
         near[left[down]], far[left[~down]] = x[down], x[~down]
