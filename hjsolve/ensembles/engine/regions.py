@@ -25,7 +25,7 @@ from hjsolve.ensembles.engine.radicand_views import (
 from hjsolve.ensembles.engine.rotations import rotation, turn
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.status import EQUILIBRIUM, Status
-from hjsolve.ensembles.engine.turning_points import Walk, both_ends
+from hjsolve.ensembles.engine.turning_points import Search, both_ends
 
 _SMALL = 3e-14
 _CLEAR = 1e-12
@@ -136,11 +136,11 @@ def _near(group: Group) -> LocatedRegions:
         for side, formula in ((-1, coordinate.lower), (1, coordinate.upper))
     ]
     size = np.minimum(np.abs(q) + 1.0, np.minimum(-floors[0], floors[1]))
-    walks = (
-        Walk(view, zero, P, side * first, bend, np.full(len(q), side), size, floor)
+    searches = (
+        Search(view, zero, P, side * first, bend, np.full(len(q), side), size, floor)
         for side, floor in zip((-1, 1), floors, strict=True)
     )
-    ends = list(both_ends(*walks, steps=_FEW))
+    ends = list(both_ends(*searches, steps=_FEW))
     far = (ends[0] < _FAR * floors[0]) | (ends[1] > _FAR * floors[1])
     crest = P * P + np.where(bend < 0, first * first / (-4 * bend), np.inf)
     # the uncertainty of the slopes is known at the start: it has to hold at the turning points, too
@@ -197,7 +197,7 @@ def ill_known(region: OrbitRegions) -> Mask:
 def _libration(group: Group) -> LocatedRegions:
     coordinate, knowns, q, P = group.coordinate, group.knowns, group.q, group.P
     first, bend = group.first, group.bend
-    walks: list[Walk] = []
+    searches: list[Search] = []
     plain = DirectEvaluation(coordinate.plain, knowns)
     scale = np.sqrt(np.abs(P * P / bend))
     length = np.where(q != 0, np.abs(q), np.where(np.isfinite(scale) & (scale > 0), scale, 1.0))
@@ -211,12 +211,12 @@ def _libration(group: Group) -> LocatedRegions:
         step_side = np.full(len(q), side * view.sign)
         size = np.minimum(length, distance)
         size = np.minimum(size, 0.2) if coordinate.periodic else size
-        walks.append(Walk(view, start, P, side * first, bend, step_side, size, start + step_side * distance))
+        searches.append(Search(view, start, P, side * first, bend, step_side, size, start + step_side * distance))
     seen = []
-    for walk, end in zip(walks, both_ends(*walks, reach=reach, careful=group.depth > 0), strict=True):
+    for search, end in zip(searches, both_ends(*searches, reach=reach, careful=group.depth > 0), strict=True):
         # a start that rounds to the end of the domain
-        inside = np.where(walk.side * (end - walk.floor) < 0, end, np.nan)
-        seen.append((walk.view, inside, walk.side * (inside - walk.start)))
+        inside = np.where(search.side * (end - search.floor) < 0, end, np.nan)
+        seen.append((search.view, inside, search.side * (inside - search.start)))
     (below, lower, left), (above, upper, right) = seen
     region = _region(below, above, lower, upper, P, left, right)
     if group.depth > 1:

@@ -26,7 +26,7 @@ _HALVINGS, _SURE = 40, 10
 
 
 @dataclass(frozen=True)
-class Walk:
+class Search:
     """The way from the start to the turning point on one side, arrays (n,); all in terms of the view's offset.
 
     Attributes:
@@ -47,24 +47,24 @@ class Walk:
     size: Reals
     floor: Reals
 
-    def and_then(self, other: Walk) -> Walk:
-        """Return both walks, where they have the same view, as one: numpy's price is by the call.
+    def and_then(self, other: Search) -> Search:
+        """Return both searches, where they have the same view, as one: numpy's price is by the call.
 
         Args:
-            other: walks of the same orbits.
+            other: searches of the same orbits.
         """
         twice = np.tile(np.arange(len(self.P)), 2)
         names = ("start", "P", "outward", "bend", "side", "size", "floor")
-        return Walk(self.view.take(twice), *(np.concatenate([getattr(w, n) for w in (self, other)]) for n in names))
+        return Search(self.view.take(twice), *(np.concatenate([getattr(w, n) for w in (self, other)]) for n in names))
 
 
 def both_ends(
-    lower: Walk, upper: Walk, *, reach: float = np.inf, careful: bool = False, steps: int = STEPS
+    lower: Search, upper: Search, *, reach: float = np.inf, careful: bool = False, steps: int = STEPS
 ) -> tuple[Reals, Reals]:
     """Return offsets of the turning points, NaN where there is none.
 
     Args:
-        lower, upper: the walks to them.
+        lower, upper: the searches.
         reach: longest distance to walk.
         careful: whether valleys between two trials are looked into.
         steps: how many at most.
@@ -75,13 +75,13 @@ def both_ends(
     return found[: len(found) // 2], found[len(found) // 2 :]
 
 
-def _end(walk: Walk, reach: float, careful: bool, steps: int) -> Reals:
-    """Offset of the turning point at the end of a walk."""
-    view, start, side, floor = walk.view, walk.start, walk.side, walk.floor
-    step, below = first_step(walk.P, walk.outward, walk.bend, walk.size), walk.P * walk.P
-    rising = (walk.outward > 0) & (walk.bend < 0)
+def _end(search: Search, reach: float, careful: bool, steps: int) -> Reals:
+    """Offset of the turning point that a search finds."""
+    view, start, side, floor = search.view, search.start, search.side, search.floor
+    step, below = first_step(search.P, search.outward, search.bend, search.size), search.P * search.P
+    rising = (search.outward > 0) & (search.bend < 0)
     inner = start.copy()
-    crest = np.where(rising, np.minimum(walk.outward / (-2 * walk.bend), 0.5 * step), 0.0)
+    crest = np.where(rising, np.minimum(search.outward / (-2 * search.bend), 0.5 * step), 0.0)
     for _ in range(12):
         todo = np.flatnonzero(crest > 0)
         if not len(todo):
@@ -132,7 +132,7 @@ def bracket(
     function: Function, start: Reals, step: Reals, side: Integers, *, floor: Reals, reach: float,
     slope: Function | None = None, steps: int = STEPS,
 ) -> tuple[Reals, Reals]:  # fmt: skip
-    """Walk from the start until F < 0.
+    """Search from the start until F < 0.
 
     Args:
         function: F.
