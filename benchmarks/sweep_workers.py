@@ -10,6 +10,7 @@ Then what 10⁹ such orbits cost on 1, 10 and 100 workers: arithmetic with what 
 from __future__ import annotations
 
 import argparse
+import multiprocessing
 import os
 import resource
 import statistics
@@ -52,7 +53,9 @@ def main() -> None:
     count = options.parts * CHUNK
     runs: dict[int, list[Run]] = {1: [], 2: []}
     with tempfile.TemporaryDirectory() as name:
-        scene = starts(Path(name), count)
+        scene = Path(name) / "scene.toml"
+        with multiprocessing.get_context("spawn").Pool(1) as elsewhere:  # its memory does not count
+            elsewhere.apply(starts, (scene, count))
         with cluster(Path(name), 1) as one, cluster(Path(name), 2) as two:
             for address, _ in (one, two):  # compiles, or loads what was compiled
                 hjsolve.sweep(scene, Path(name) / f"warm-{address[-5:]}", scheduler=address)
@@ -60,6 +63,7 @@ def main() -> None:
                 for address, processes in (one, two):
                     out = Path(name) / f"{k}-{address[-5:]}"
                     runs[len(processes) - 1].append(measured(scene, out, address, processes))
+            handing = int(Path(f"/proc/{two[1][0]}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
         size = sum(file.stat().st_size for file in out.iterdir()) / count
     print(f"{count} orbits in {options.parts} parts, load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
     prices = {number: priced(found, count) for number, found in runs.items()}
@@ -70,6 +74,7 @@ def main() -> None:
         )
     print(f"two over one, wall: {prices[1].wall / prices[2].wall:.2f}")
     print(f"two over one, by processor time of the busiest process: {busiest(prices[1]) / busiest(prices[2]):.2f}")
+    print(f"the scheduler of two workers takes {handing:.0f} MB")
     billion(prices[2], size, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
 
 
@@ -123,23 +128,21 @@ def priced(runs: list[Run], count: int) -> Run:
     )
 
 
-def starts(folder: Path, count: int) -> Path:
-    """Write the table of starts and the scene.
+def starts(scene: Path, count: int) -> None:
+    """Write the scene, and the table of starts beside it.
 
     Args:
-        folder: where to.
+        scene: where to.
         count: orbits.
     """
     q, p = orbits(count)
     columns = {f"{group}.{name}": x for group, values in (("q", q), ("p", p)) for name, x in values.items()}
     columns = {name: np.broadcast_to(np.asarray(x, float), count) for name, x in columns.items()}
     pq.write_table(
-        pa.table({"source_id": np.arange(count), **columns}), folder / "stars.parquet", row_group_size=250_000
+        pa.table({"source_id": np.arange(count), **columns}), scene.parent / "stars.parquet", row_group_size=250_000
     )
-    scene = folder / "scene.toml"
     sweep = f'[sweep]\ntable = "stars.parquet"\nkeep = ["source_id"]\nchunk = {CHUNK}\n'
     scene.write_text(f'system = "{SYSTEM}"\nwant = {list(WANT)}\n{sweep}')
-    return scene
 
 
 def measured(scene: Path, out: Path, address: str, processes: list[int]) -> Run:
@@ -196,7 +199,8 @@ def cluster(folder: Path, workers: int) -> Iterator[tuple[str, list[int]]]:
 
 def _begun(what: str, *arguments: str) -> subprocess.Popen[bytes]:
     command = [sys.executable, "-m", f"distributed.cli.{what}", *arguments]
-    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    surroundings = {**os.environ, "DASK_DISTRIBUTED__ADMIN__LOW_LEVEL_LOG_LENGTH": "10"}  # as docs/ensembles.md says
+    return subprocess.Popen(command, env=surroundings, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
 if __name__ == "__main__":

@@ -19,6 +19,9 @@ from hjsolve.sweeps.work import SweepWork, columns_of
 _PATIENCE = 20.0
 """Seconds until a scheduler that does not answer, or has no worker, is given up."""
 
+_LOG, _MESSAGES = "distributed.admin.low-level-log-length", 10
+"""Messages that dask keeps of what was sent, for developers: by default a thousand, with the starts of their parts."""
+
 
 def on_cluster(work: SweepWork, scheduler: str) -> None:
     """Compute what is left on a cluster; see ``hjsolve.sweep``.
@@ -48,8 +51,11 @@ def on_cluster(work: SweepWork, scheduler: str) -> None:
 
 
 def _client(distributed: Any, scheduler: str) -> Any:
+    import dask
+
     try:
-        return distributed.Client(scheduler, timeout=_PATIENCE, set_as_default=False)
+        with dask.config.set({_LOG: _MESSAGES}):
+            return distributed.Client(scheduler, timeout=_PATIENCE, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         raise InvalidInputError(
             f"scheduler: {scheduler} cannot be reached; start one by `dask scheduler`, and give the address it prints"

@@ -24,6 +24,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hjsolve.arithmetic.number_types import Columns
+from hjsolve.ensembles.export import columns_of_words
 from hjsolve.ensembles.layout import RECOMPUTED, STATUS
 from hjsolve.ensembles.orbit_columns import WORDS
 from hjsolve.errors import InvalidInputError
@@ -142,7 +143,8 @@ class Folder:
         arrays |= {name: column for name, column in columns.items() if name not in arrays}
         beside = self.path / f"{_WRITING}{number:06d}-{os.getpid()}"
         with _told(self.path, beside):
-            pq.write_table(pa.table(arrays), beside)
+            table = pa.table(arrays)
+            pq.write_table(table, beside, use_dictionary=columns_of_words(table))
             line = NotedPart(number, beside.stat().st_size, _digest(beside), _counts(columns))
             _moved(beside, self.part(number))
             self.journal.note(line)

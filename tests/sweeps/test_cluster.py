@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import signal
+import weakref
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +40,35 @@ def test_a_cluster_that_loses_a_worker_gives_the_bytes_of_threads(
         hjsolve.sweep(scene, out, scheduler=local.scheduler_address)
     assert sorted(kept) == list(range(6))
     assert parts(out) == parts(undisturbed)
+
+
+def test_starts_of_parts_that_are_done_are_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Dask's client logs its last messages, a thousand by default: with their starts that was a gigabyte."""
+    from hjsolve.sweeps.work import SweepWork
+
+    known: list[weakref.ref[np.ndarray]] = []
+    alive: list[int] = []
+    starts, keep = SweepWork.starts, SweepWork.keep
+
+    def begun(work: SweepWork, part: int) -> dict[str, np.ndarray]:
+        found = {name: column.copy() for name, column in starts(work, part).items()}
+        known.append(weakref.ref(found["q.r"]))
+        return found
+
+    def noted(work: SweepWork, part: int, *rest: object) -> None:
+        keep(work, part, *rest)  # type: ignore[arg-type]
+        gc.collect()
+        alive.append(sum(one() is not None for one in known))
+
+    monkeypatch.setattr(SweepWork, "starts", begun)
+    monkeypatch.setattr(SweepWork, "keep", noted)
+    scene = tmp_path / "orbits.toml"
+    grid = '[sweep.q]\nr = {start = "0.9", stop = "1.6", count = 60}\ntheta = "0"\n[sweep.p]\nr = "0.1"\ntheta = "1"\n'
+    scene.write_text(f'system = "kepler-planar"\nwant = ["actions"]\n[sweep]\nchunk = 1\n{grid}', encoding="utf-8")
+    with local_cluster(1) as local:
+        hjsolve.sweep(scene, tmp_path / "out", scheduler=local.scheduler_address)
+    assert len(alive) == 60
+    assert max(alive) <= 20
 
 
 GALAXY = """
