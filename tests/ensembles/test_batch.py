@@ -87,6 +87,9 @@ def test_parquet_gives_back_every_bit(tmp_path: Path) -> None:
         assert table[name].to_numpy().tobytes() == whole.columns[name].tobytes()
     assert table["status"].to_pylist() == whole.status.ravel().tolist()
     assert list(tmp_path.iterdir()) == [path]
+    group = parquet.ParquetFile(path).metadata.row_group(0)  # a dictionary of numbers takes time and room
+    columns = [group.column(k) for k in range(group.num_columns)]
+    assert [c.path_in_schema for c in columns if "RLE_DICTIONARY" in c.encodings] == ["status"]
     with pytest.raises(InvalidInputError, match=r"must end in \.parquet"):
         whole.save(tmp_path / "orbits.csv")
 

@@ -61,6 +61,9 @@ def test_the_manifest_says_what_was_made(finished: Path) -> None:
         assert hashlib.sha256((out / file["file"]).read_bytes()).hexdigest() == file["sha256"]
     assert sum(n for word, n in held["statuses"].items() if word != "recomputed") == 12
     assert {path.name for path in out.iterdir()} - set(parts(out)) == {"_manifest.json", "_lock", "_journal.jsonl"}
+    group = pq.ParquetFile(out / held["files"][0]["file"]).metadata.row_group(0)
+    columns = [group.column(k) for k in range(group.num_columns)]
+    assert [c.path_in_schema for c in columns if "RLE_DICTIONARY" in c.encodings] == ["status"]
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".npz", ".parquet"])
