@@ -175,8 +175,9 @@ def _librations(group: Group) -> list[LocatedRegions]:
     if group.depth < 2:
         return [found]
     vague = ill_known(found.region) | (found.status != Status.OK) | (group.depth > 2)
-    parts = [found.take(np.flatnonzero(~vague))] if not vague.all() else []
-    return parts + ([_libration(group.take(np.flatnonzero(vague)))] if vague.any() else [])
+    clear, vague = np.flatnonzero(~vague), np.flatnonzero(vague)
+    parts = [found.take(clear)] if len(clear) else []
+    return parts + ([_with_more_digits(group.take(vague), found.take(vague))] if len(vague) else [])
 
 
 def ill_known(region: OrbitRegions) -> Mask:
@@ -195,6 +196,7 @@ def ill_known(region: OrbitRegions) -> Mask:
 
 
 def _libration(group: Group) -> LocatedRegions:
+    """Librations, p² being evaluated in doubles."""
     coordinate, knowns, q, P = group.coordinate, group.knowns, group.q, group.P
     first, bend = group.first, group.bend
     searches: list[Search] = []
@@ -219,16 +221,25 @@ def _libration(group: Group) -> LocatedRegions:
         seen.append((search.view, inside, search.side * (inside - search.start)))
     (below, lower, left), (above, upper, right) = seen
     region = _region(below, above, lower, upper, P, left, right)
-    if group.depth > 1:
-        region = _fine(group, region)
-    if coordinate.even:
-        same = np.abs(left - right - 2 * q) <= 1e-13 * region.width
+    return _finished(group, region, left - right, outside | ~np.isfinite(P))
+
+
+def _with_more_digits(group: Group, found: LocatedRegions) -> LocatedRegions:
+    """The same librations, with p² to 32 digits."""
+    seen = found.region
+    return _finished(group, _fine(group, seen), seen.left - seen.right, found.status == Status.FORBIDDEN)
+
+
+def _finished(group: Group, region: OrbitRegions, lean: Reals, forbidden: Mask) -> LocatedRegions:
+    """Choose the anomaly, and say what was found; ``lean`` is twice the distance of the start from the middle."""
+    if group.coordinate.even:
+        same = np.abs(lean - 2 * group.q) <= 1e-13 * region.width
         region = replace(region, node_map=np.where(same, EVEN, 0))
     if group.depth:
         region = stretched(region)
     status = np.where(np.isfinite(region.width) & (region.width > 0), Status.OK, Status.UNBOUNDED)
-    status = np.where(outside | ~np.isfinite(P), Status.FORBIDDEN, status)
-    return LocatedRegions(group.index, region, status.astype(np.uint8), np.zeros(len(q), dtype=bool))
+    status = np.where(forbidden, Status.FORBIDDEN, status).astype(np.uint8)
+    return LocatedRegions(group.index, region, status, np.zeros(len(group.q), dtype=bool))
 
 
 def _fine(group: Group, region: OrbitRegions) -> OrbitRegions:
