@@ -76,7 +76,7 @@ def room(clearance: Clearance, middle: Reals, width: Reals) -> Reals:
 
 
 def least(region: OrbitRegions, first: int) -> Reals:
-    """Return the least number of nodes, from the first one on, that is proved to resolve each orbit; inf for none.
+    """Return the first number of nodes tried that is proved to resolve each orbit; inf for none.
 
     What is proved for a number of nodes is proved for more: the strip is narrower.
 

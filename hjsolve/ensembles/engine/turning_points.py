@@ -132,7 +132,7 @@ def bracket(
     function: Function, start: Reals, step: Reals, side: Integers, *, floor: Reals, reach: float,
     slope: Function | None = None, steps: int = STEPS,
 ) -> tuple[Reals, Reals]:  # fmt: skip
-    """Search from the start until F < 0.
+    """Walk from the start until F < 0.
 
     Args:
         function: F.
@@ -176,7 +176,7 @@ def bracket(
 
 def _below_zero(
     function: Function, slope: Function, near: Reals, far: Reals, index: Integers, side: Integers
-) -> Reals:  # fmt: skip
+) -> Reals:
     """Places with F < 0 in valleys of F, by bisection of F′; NaN where there are none.
 
     After some halvings a valley has none if its sides would end above zero though they went on twice as steep.
