@@ -30,7 +30,7 @@ from hjsolve.mechanics.coordinates_and_parameters import free_name
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
-from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
+from hjsolve.separation import DEFAULT_BUDGET, Constant, Obstruction, Separation, Undecided, separate
 from hjsolve.separation.relativistic import shell_energy
 from hjsolve.separation.verdicts import Verdict
 
@@ -167,7 +167,9 @@ def refuse_null(solution: Solution) -> None:
         )
 
 
-def solve(system: System | Separation | str | Path, coordinates: str = "as given") -> Solution:
+def solve(
+    system: System | Separation | str | Path, coordinates: str = "as given", *, budget: float = DEFAULT_BUDGET
+) -> Solution:
     """Solve a system by quadratures.
 
     A system that was solved before in this process is not solved again: equal systems share one solution.
@@ -176,6 +178,7 @@ def solve(system: System | Separation | str | Path, coordinates: str = "as given
         system: a system, or the ``Separation`` it already gave; or the id or file of a catalog entry.
         coordinates: ``as given``; or ``find``: the given ones if they separate, else normal modes, else the simplest
             certified web of ``find_coordinates``. Motions are then started and told in the given ones all the same.
+        budget: seconds for the decision in the given coordinates, and as many for the search for others.
 
     Returns:
         The solution; every integral stays unevaluated.
@@ -183,7 +186,8 @@ def solve(system: System | Separation | str | Path, coordinates: str = "as given
     Raises:
         NotSeparableError: the system does not separate in its coordinates, or that could not be decided; the error
             carries the verdict.
-        InvalidInputError: neither a system nor a verdict; ``coordinates`` is neither of the two words.
+        InvalidInputError: neither a system nor a verdict; ``coordinates`` is neither of the two words; a negative
+            budget.
 
     Example:
         >>> from hjsolve import System
@@ -201,16 +205,16 @@ def solve(system: System | Separation | str | Path, coordinates: str = "as given
         )
     if isinstance(system, (Separation, Obstruction, Undecided)):
         return _solved(system)
-    return _remembered(system_of(system, "solve"), coordinates == FIND)
+    return _remembered(system_of(system, "solve"), coordinates == FIND, arguments.seconds(budget, "budget"))
 
 
 @lru_cache(maxsize=128)
-def _remembered(system: System, find: bool) -> Solution:
+def _remembered(system: System, find: bool, budget: float) -> Solution:
     """The solution of a system; a refusal raises and is not remembered, more time may decide it."""
-    verdict = separate(system)
+    verdict = separate(system, budget=budget)
     if isinstance(verdict, Separation) or not find:
         return _solved(verdict)
-    chart = find_chart(system, verdict)
+    chart = find_chart(system, verdict, budget=budget)
     return replace(_solved(chart.separation), chart=chart)
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import sympy as sp
 
+from hjsolve.coordinates.time_limit import check_time
 from hjsolve.coordinates.webs.orthonormal_frames import tidy_constant
 
 
@@ -62,6 +63,7 @@ class ChangeOfVariables:
 
     def _visit(self, node: sp.Expr) -> sp.Expr:
         if node not in self._visited:
+            check_time()
             self._visited[node] = self._carried(node)
         return self._visited[node]
 

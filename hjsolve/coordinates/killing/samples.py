@@ -58,8 +58,8 @@ class Samples:
         while len(self._known) <= k:
             if not self._left:
                 raise InternalError("find_coordinates: no regular points of the potential were found")
-            self._left -= 1
             check_time()
+            self._left -= 1
             algebra = PointAlgebra(self.made_of, self._random)
             try:
                 elements = [algebra.evaluate(value) for value in self.values]
