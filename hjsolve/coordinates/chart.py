@@ -14,6 +14,7 @@ from functools import partial
 
 import sympy as sp
 
+from hjsolve.coordinates.charts.curvilinear import CurvilinearMap, curvilinear_map
 from hjsolve.coordinates.charts.outer_map import OuterMap, flat_map, sphere_map
 from hjsolve.coordinates.charts.transform import Cartesian, chart_and_axes, web_of
 from hjsolve.coordinates.charts.validity import valid_everywhere
@@ -59,7 +60,8 @@ class Chart(Shown):
         scale: h_k²(u) of T = m/2 Σ h_k² u̇_k², without differences that cancel.
         mass: m.
         lengths: named constants of X(u).
-        outer: how x is tied to the user's coordinates: the identity in flat space, two angles on a sphere.
+        outer: how x is tied to the user's coordinates: the identity, two angles on a sphere, or polar, cylindrical or
+            spherical coordinates.
         independent: number of independent integrals quadratic in the momenta, energy included, that were found; more
             than coordinates: frequencies obey relations with whole numbers (``superintegrable.py``). 0: not counted.
     """
@@ -81,6 +83,11 @@ class Chart(Shown):
     lengths: Mapping[str, sp.Expr] = field(repr=False)
     outer: OuterMap = field(repr=False)
     independent: int = 0
+
+    @property
+    def space(self) -> System:
+        """The user's system in Cartesian coordinates; itself where it is given in these, or on a sphere."""
+        return self.outer.space if isinstance(self.outer, CurvilinearMap) else self.original
 
 
 def find_chart(system: System, refused: object, *, budget: float = 20.0) -> Chart:
@@ -113,6 +120,19 @@ def _not_in(budget: float) -> str:
 
 
 def _found(system: System, why: str, refused: object, budget: float) -> Chart:
+    try:
+        curved = curvilinear_map(system)
+    except InvalidSystemError as reason:
+        raise NotSeparableError(f"{why}, and others are not looked for: {reason}", refused) from None
+    if curved is None:
+        return _found_in_space(system, why, refused, budget)
+    chart = _found_in_space(curved.space, why, refused, budget)
+    x = [chart.transformation[c.name] for c in curved.space.coordinates]
+    told = {c.name: e for c, e in zip(system.coordinates, curved.told(x), strict=True)}
+    return replace(chart, original=system, outer=curved, transformation=told)
+
+
+def _found_in_space(system: System, why: str, refused: object, budget: float) -> Chart:
     try:
         sphere = sphere_below(system)
     except InvalidSystemError as reason:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.coordinates.charts.curvilinear import CurvilinearMap, curvilinear_map
 from hjsolve.coordinates.charts.named_constants import Values, restored, with_named_constants
 from hjsolve.coordinates.charts.transform import Cartesian, web_of
 from hjsolve.coordinates.curved.embedding import sphere_of
@@ -58,8 +60,8 @@ def find_coordinates(
 ) -> SeparableCoordinates:
     """Find every orthogonal coordinate system in which a natural system of the plane, space or a sphere separates.
 
-    The system must be given in Cartesian coordinates: T = ½ Σ m_i ẋ_i² with constant masses (a constant symmetric
-    mass matrix is brought to this form), V(x) analytic. Solves d(K·dV) = 0 exactly for the constants of the Killing
+    The system is given in Cartesian coordinates: T = ½ Σ m_i ẋ_i² with constant masses (a constant symmetric mass
+    matrix is brought to this form), V(x) analytic; or in polar, cylindrical or spherical ones, recognised by T. Solves d(K·dV) = 0 exactly for the constants of the Killing
     tensors K (6 in the plane, 20 in space), sorts the solutions that are concircular tensors into the 4 or 11 webs
     (Rajaratnam, McLenaghan, Valero, SIGMA 12 (2016) 117), transforms the system and lets ``separate`` certify it.
     Two coordinates whose T has constant positive curvature are on a sphere: its webs are found (``curved``).
@@ -75,7 +77,8 @@ def find_coordinates(
         focus at will), a representative is given and the family described.
 
     Raises:
-        InvalidSystemError: the system is not natural, not in Cartesian coordinates, or not in two or three dimensions.
+        InvalidSystemError: the system is not natural, not in Cartesian, polar, cylindrical or spherical coordinates, or
+            not in two or three dimensions.
         InvalidInputError: no system at all, or a negative budget.
 
     Example:
@@ -88,7 +91,24 @@ def find_coordinates(
     system = system_of(system, "find_coordinates")
     budget = arguments.seconds(budget, "budget")
     with within_seconds(budget):
-        return _Search(system, special=special, budget=budget).result()
+        curved = curvilinear_map(system)
+        if curved is None:
+            return _Search(system, special=special, budget=budget).result()
+        found = _Search(curved.space, special=special, budget=budget).result()
+        return _told_in(curved, system, found)
+
+
+def _told_in(curved: CurvilinearMap, system: System, found: SeparableCoordinates) -> SeparableCoordinates:
+    """Tell webs found in x, y, z in the coordinates that the system was given in."""
+    axes, names = [c.name for c in curved.space.coordinates], [c.name for c in system.coordinates]
+
+    def told(web: Web) -> Web:
+        formulas = curved.told([web.transformation[axis] for axis in axes])
+        return replace(web, transformation=dict(zip(names, formulas, strict=True)))
+
+    place = ", ".join(f"{axis} = {e}" for axis, e in zip(axes, curved.place, strict=True))
+    advice = f"{found.advice}\nCentres, axes and foci are those of {place}."
+    return replace(found, system=system, webs=tuple(map(told, found.webs)), advice=advice)
 
 
 class _Search:
