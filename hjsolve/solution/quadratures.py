@@ -103,6 +103,7 @@ class Solution(ShownSolution):
         digits: int = 15,
         certified: bool = False,
         want: Iterable[str] | None = None,
+        velocity_frame: str = "coordinate",
     ) -> Motion:
         """Start a motion: numbers for this solution.
 
@@ -121,6 +122,9 @@ class Solution(ShownSolution):
             certified: prove constants, turning points, actions, frequencies and periods (needs the extra
                 ``certified``); states stay estimates, at the digits asked.
             want: which quantities will be asked, such as ["actions", "periods"]; nothing else is integrated. None: all.
+            velocity_frame: ``coordinate``: velocities are the rates of the coordinates; ``orthonormal``: lengths per
+                time along their unit vectors (v_R, v_T = R φ̇, v_z), in polar, cylindrical, spherical or Cartesian
+                coordinates.
 
         Returns:
             The motion: ``kinds``, ``turning_points``, ``constants``, ``actions``, ``frequencies``, ``periods``, and
@@ -146,7 +150,7 @@ class Solution(ShownSolution):
         refuse_null(self)
         return start(
             self, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters, t0=t0,
-            digits=digits, certified=certified, want=want,
+            digits=digits, certified=certified, want=want, velocity_frame=velocity_frame,
         )  # fmt: skip
 
 
