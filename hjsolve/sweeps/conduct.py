@@ -81,7 +81,8 @@ def sweep(
     size = _checked_chunk(chunk) or scene.sweep.chunk  # type: ignore[union-attr] # points_of has seen it
     many = points.count >= WORTH_COMPILING
     task = task_for(
-        solve(scene.system, scene.coordinates), wanted(scene.want), dict(scene.parameters), points.kind, compiled=many
+        solve(scene.system, scene.coordinates), wanted(scene.want), dict(scene.parameters), points.kind, compiled=many,
+        frame=scene.velocity_frame,
     )
     plan = SweepPlan(sweep_digest(scene, table, size), code(), points.count, size, scene.title)
     with opened(Path(out), plan) as folder:

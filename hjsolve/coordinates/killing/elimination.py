@@ -129,7 +129,9 @@ def dense_echelon(stream: Iterable[Rows], points: int | None = None) -> tuple[di
     return echelon, max(needed, 1)
 
 
-def polynomial_span(stream: Iterable[list[list[FracElement]]], ground: Ground, width: int) -> list[list[PolyElement]] | None:
+def polynomial_span(
+    stream: Iterable[list[list[FracElement]]], ground: Ground, width: int
+) -> list[list[PolyElement]] | None:
     """Return sparse equations over Q[parameters] that span those of all points, or None if not polynomial.
 
     The equations of different points are rational combinations of a few ones with polynomial coefficients (those of

@@ -181,5 +181,3 @@ def dimension_by_numbers(V: sp.Expr, x: Sequence[sp.Symbol], tensors: Sequence[s
         tensors: K of which linear combinations are sought, shape (n, n) each.
     """
     return len(tensors) - rank_in_numbers(V, tuple(x), _coefficients(tuple(tensors), tuple(x)), len(tensors))
-
-

@@ -20,8 +20,8 @@ from hjsolve.motion.charted.starting import start_charted
 from hjsolve.motion.initial_data import read_initial_data
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
-from hjsolve.motion.velocity_frame import COORDINATE, factors_of, lengths_in_units, rates_of
 from hjsolve.motion.through_poles.continued_motion import motion_through_poles
+from hjsolve.motion.velocity_frame import COORDINATE, factors_of, lengths_in_units, rates_of
 from hjsolve.motion.wanted import parts_of
 from hjsolve.solution.quadratures import Solution
 
