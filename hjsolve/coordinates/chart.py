@@ -199,8 +199,8 @@ def _simplest(
         raise NotSeparableError(f"{why}. {found.advice}{_at_the_values(found)}", refused)
     names = "; ".join(map(str, found.webs))
     raise NotSeparableError(
-        f"{why}. There may be others ({names}), but none of them was certified on all of its domain in the time allowed; "
-        "give more, solve(…, budget=)",
+        f"{why}. There may be others ({names}), but none of them was certified on all of its domain in the time "
+        "allowed; give more, solve(…, budget=)",
         refused,
     )
 

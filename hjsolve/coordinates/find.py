@@ -61,7 +61,8 @@ def find_coordinates(
     """Find every orthogonal coordinate system in which a natural system of the plane, space or a sphere separates.
 
     The system is given in Cartesian coordinates: T = ½ Σ m_i ẋ_i² with constant masses (a constant symmetric mass
-    matrix is brought to this form), V(x) analytic; or in polar, cylindrical or spherical ones, recognised by T. Solves d(K·dV) = 0 exactly for the constants of the Killing
+    matrix is brought to this form), V(x) analytic; or in polar, cylindrical or spherical ones, recognised by T.
+    Solves d(K·dV) = 0 exactly for the constants of the Killing
     tensors K (6 in the plane, 20 in space), sorts the solutions that are concircular tensors into the 4 or 11 webs
     (Rajaratnam, McLenaghan, Valero, SIGMA 12 (2016) 117), transforms the system and lets ``separate`` certify it.
     Two coordinates whose T has constant positive curvature are on a sphere: its webs are found (``curved``).

@@ -50,7 +50,8 @@ class Scene(Question):
     """A question that can be read from a file and run.
 
     Its attributes are those of ``Question``, where each is explained: source, title, summary, table, effects, system,
-    forces, parameters, initial, want, times, digits, events, orbit, method, coordinates, velocity_frame, certified, seconds, sweep.
+    forces, parameters, initial, want, times, digits, events, orbit, method, coordinates, velocity_frame,
+    certified, seconds, sweep.
     """
 
     @staticmethod

@@ -241,7 +241,7 @@ def test_names_that_are_taken_by_parameters_are_avoided() -> None:
 @pytest.mark.parametrize(
     ("coordinates", "kinetic", "potential", "says"),
     [
-        ({"r": "0 < r", "phi": "angle"}, "(dot(r)**2 + r**2*dot(phi)**2)/2", "-1/r", "phi is an angle"),
+        ({"r": "1 < r", "phi": "angle"}, "(dot(r)**2 + r**2*dot(phi)**2)/2", "-1/r", "phi is an angle"),
         ({"r": "0 < r", "s": "line"}, "(dot(r)**2 + r**2*dot(s)**2)/2", "-1/r", "T depends on the coordinates"),
         (PLANE, "(dot(x)**2 + dot(y)**2)/2 + x*dot(y)", "x", "not quadratic in the velocities"),
         (PLANE, "(dot(x)**2 + dot(y)**2 + x**2)/2", "x", "not quadratic in the velocities"),

@@ -193,7 +193,8 @@ def _in_space(system: System, q: Mapping[str, sp.Symbol], mass: sp.Expr, n: int)
     if LATITUDE in q:
         rules |= {sp.sin(q[LATITUDE]): X[2] / r, sp.cos(q[LATITUDE]): ρ / r}
     lengths = {FROM_AXIS: ρ, FROM_CENTRE: r, HEIGHT: X[-1]}
-    V = _short_angles(system.potential.xreplace(old), [q[role] for role in (AZIMUTH, COLATITUDE, LATITUDE) if role in q])
+    angles = [q[role] for role in (AZIMUTH, COLATITUDE, LATITUDE) if role in q]
+    V = _short_angles(system.potential.xreplace(old), angles)
     V = V.xreplace(rules).subs({q[role]: e for role, e in lengths.items() if role in q}, simultaneous=True)
     left = V.free_symbols & set(q.values())
     if left:
