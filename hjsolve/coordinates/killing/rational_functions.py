@@ -75,7 +75,7 @@ class Interpolation:
             if one is None:
                 return None
             zeros = (0,) * self.letters
-            result.append(one if letters else (dict.fromkeys([zeros] * len(one[0]), sum(one[0].values())), {zeros: Fraction(1)}))
+            result.append(one if letters else (dict.fromkeys([zeros] * len(one[0]), sum(one[0].values(), Fraction(0))), {zeros: Fraction(1)}))
         return result
 
     def _axis(self, j: int) -> list[Point]:
