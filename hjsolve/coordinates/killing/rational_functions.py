@@ -74,8 +74,11 @@ class Interpolation:
             one = self._solved(k, top, bottom) if letters else _reconstructed([origin[k], 1], [()], [()], self.prime)
             if one is None:
                 return None
-            zeros = (0,) * self.letters
-            result.append(one if letters else (dict.fromkeys([zeros] * len(one[0]), sum(one[0].values(), Fraction(0))), {zeros: Fraction(1)}))
+            if letters:
+                result.append(one)
+            else:  # a number: one coefficient, or none where it is 0
+                zeros = (0,) * self.letters
+                result.append(({zeros: next(iter(one[0].values()))} if one[0] else {}, {zeros: Fraction(1)}))
         return result
 
     def _axis(self, j: int) -> list[Point]:
