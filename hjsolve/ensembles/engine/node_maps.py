@@ -30,6 +30,7 @@ _WIDEST = COUNTS[-1]
 _WARPED = 5
 _MARGIN = 0.04
 _FROM_MIDDLE, _FROM_BELOW, _FROM_ABOVE = 0, 1, 2
+_ONE_AT_A_TIME = Lock()
 _TALL = 100.0
 """How much larger p² may be next to one end than next to the other before that end is only seen from close by."""
 _PART = 0.125
@@ -173,9 +174,17 @@ def _joined(old: Elementwise, new: Elementwise) -> Elementwise:
     return new if old.size == 0 else np.concatenate([old, new])
 
 
-@cache
 def node_maps() -> NodeMaps:
-    """Return the maps of this process."""
+    """Return the maps of this process, the same object to every thread: an index means a row of its own tables only.
+
+    ``cache`` alone lets two threads that come first each make an object of its own.
+    """
+    with _ONE_AT_A_TIME:
+        return _of_this_process()
+
+
+@cache
+def _of_this_process() -> NodeMaps:
     return NodeMaps()
 
 
