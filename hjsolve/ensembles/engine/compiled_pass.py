@@ -18,7 +18,7 @@ from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.compiled_resolution import ResolutionProof, least_at_a_glance
 from hjsolve.ensembles.engine.compiled_types import Modes, Motions, Results, scratch
 from hjsolve.ensembles.engine.constants import InitialConstants, momentum_errors
-from hjsolve.ensembles.engine.lowered_solution import Model, Separated
+from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
 from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMaps, fitting, node_maps, views
 from hjsolve.ensembles.engine.nodes import EVEN, WARPS
@@ -124,7 +124,7 @@ class CompiledCoordinate:
             view, walk = self.programs.below, self._walk(0, np.ascontiguousarray(self.constants.T))
             uncertainty = np.ascontiguousarray(self.uncertainty.T)
             out = np.empty((2 + (len(self.constants) if kernels else 0), 1))
-            self.loops.crests(view.bend, view.uncertainties, walk, uncertainty, found, np.empty((2, 1)), out)
+            self.loops.crests(view.bend, view.uncertainties, walk, uncertainty, found, np.empty((3, 1)), out)
         return found
 
     def _walk(self, upper: int, known: Reals) -> Any:
@@ -174,10 +174,12 @@ class CompiledCoordinate:
             bases += [base.high, base.low]
             bends[k, 0] = slope
         left, right = distances
-        first, share = ends._replace(bends=bends).maps(left + right)
+        first, _ = ends._replace(bends=bends).maps(left + right)
+        share = np.zeros_like(first)  # turning points to 32 digits leave nothing to be lost far from them
         lost = np.maximum(self.uncertainty - np.abs(self.low), 0.0) * 2.0**44  # by doubles, of the constants
         motions = placed._replace(
-            left=left, right=right, width=left + right, lower=0.0 * left, upper=0.0 * right, first=first, share=share,
+            left=left, right=right, width=left + right, lower=0.0 * left, upper=0.0 * right, low_home=0.0 * left,
+            high_home=0.0 * right, first=first, share=share,
             known=np.ascontiguousarray(np.stack([*C, *bases], axis=1)),
             uncertainty=np.ascontiguousarray((self.uncertainty + lost).T),
         )  # fmt: skip
@@ -199,6 +201,7 @@ class CompiledCoordinate:
         first, share = ends.maps(width)
         motions = Motions(
             momentum=self.P, left=distances[0], right=distances[1], width=width, lower=places[0], upper=places[1],
+            low_home=_home(below, places[0], above, places[1]), high_home=_home(above, places[1], below, places[0]),
             signs=ends.signs, known=known, uncertainty=np.ascontiguousarray(self.uncertainty.T), first=first,
             least=np.zeros(n, dtype=np.int64), share=share,
         )  # fmt: skip
@@ -261,7 +264,8 @@ class CompiledCoordinate:
             middle, known_here = self.q + 0.5 * (low + high), tuple(self.constants)
             least = least_at_a_glance(self.maps, plain.clearance, known_here, middle, width)
         motions = Motions(
-            momentum=self.P, left=-low, right=high, width=width, lower=low, upper=high, signs=np.array([1.0, -1.0]),
+            momentum=self.P, left=-low, right=high, width=width, lower=low, upper=high, low_home=low, high_home=high,
+            signs=np.array([1.0, -1.0]),
             known=known, uncertainty=uncertainty, first=np.zeros(n, dtype=np.int64), least=least,
             share=np.zeros(n, dtype=np.int64),
         )  # fmt: skip
@@ -308,6 +312,18 @@ class _Ends(NamedTuple):
                 index[some] = self.known.index(fitting(lower[some], upper[some], self.even[some]))
             share = np.where(~self.even, views(self.bends[0, 0], self.bends[1, 0], (lower, upper)), 0)
         return index, share
+
+
+def _home(view: LoweredFormula, own: Reals, other: LoweredFormula, far: Reals) -> Reals:
+    """That turning point, as an offset in a view, from which places keep their digits: the one nearer to x = 0.
+
+    Args:
+        view, own: of the turning point from which p² is seen there.
+        other, far: of the other one.
+    """
+    moved = DoubleDouble().sub(other.origin, view.origin).high
+    found = view.sign * (moved + other.sign * far)
+    return np.where((np.abs(found) < np.abs(own)) & (np.abs(moved) <= np.abs(found)), found, own)
 
 
 def _refined(programs: tuple[ExactPrograms, ViewPrograms], x: Reals, C: Reals) -> tuple[Pair, Reals, Reals]:
