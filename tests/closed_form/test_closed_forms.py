@@ -40,6 +40,10 @@ def _of_the_catalog(name: str) -> list[Sample]:
     return found
 
 
+@pytest.mark.nightly_cases(
+    "calogero-moser", "charge-in-uniform-field", "isochrone", "kepler-spherical", "morse", "poeschl-teller",
+    "smorodinsky-winternitz", "sphere-geodesics",
+)  # fmt: skip
 @pytest.mark.parametrize("name", NUMBERS)
 def test_numbers_agree_with_the_engine_to_38_digits(name: str) -> None:
     """A motion drawn at random, not the one the form was verified at."""
@@ -154,6 +158,7 @@ def test_questions_that_have_no_answer() -> None:
         hjsolve.closed_forms(3)  # type: ignore[arg-type]
 
 
+@pytest.mark.nightly
 def test_errors_cover_the_truth() -> None:
     form, draw = forms("isochrone")[0], random.Random(11)
     for _ in range(20):

@@ -43,6 +43,7 @@ def test_refused_at_the_door(options: dict, told: str) -> None:
         hjsolve.closed_forms("harmonic-oscillator", **options)
 
 
+@pytest.mark.nightly
 def test_more_digits_are_verified_when_asked() -> None:
     form = hjsolve.closed_forms("pendulum", digits=80)[0]
     assert not [reason for reason in form.why_not.values() if "not verified" in reason]

@@ -187,6 +187,7 @@ def test_different_masses_are_scaled_away() -> None:
     same_motion(system, web)
 
 
+@pytest.mark.nightly
 def test_a_constant_mass_matrix_is_brought_to_Cartesian_form() -> None:
     system = System(PLANE, "dot(x)**2 + dot(x)*dot(y) + dot(y)**2", "x**2 + 3*y**2")
     (web,) = find_coordinates(system).webs

@@ -58,6 +58,7 @@ def test_what_is_proved_is_what_the_engine_of_single_motions_finds(name: str) ->
                 assert np.isnan(value)
 
 
+@pytest.mark.nightly_cases("True")
 @pytest.mark.parametrize("compiled", [False, True])
 def test_nearly_all_escapes_are_proved_and_none_of_a_bound_orbit(compiled: bool) -> None:
     if compiled:

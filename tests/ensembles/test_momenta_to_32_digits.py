@@ -17,6 +17,10 @@ CENTRES = "-1/sqrt((x - 1)**2 + (y - 2)**2) - 3/sqrt((x - 3)**2 + (y + 1)**2)"
 GARNIER = "(x**2 + y**2 + z**2)**2 + x**2 + 2*y**2 + 7*z**2/3"
 
 
+@pytest.mark.nightly_cases(
+    "coordinates0--1/sqrt((x - 1)**2 + (y - 2)**2) - 3/sqrt((x - 3)**2 + (y + 1)**2)-velocity",
+    "coordinates1--1/sqrt(x**2 + y**2 + z**2) + x/7 + z/5-p",
+)  # fmt: skip
 @pytest.mark.parametrize(("coordinates", "potential", "kind"), [
     ({"x": "line", "y": "line"}, CENTRES, "velocity"),
     (SPACE, "-1/sqrt(x**2 + y**2 + z**2) + x/7 + z/5", "p"),

@@ -25,6 +25,7 @@ def test_an_entry_is_answered_with_verdict_numbers_and_a_plane_to_drag_in() -> N
     assert f"{period.value:.12f}"[:12] in told.numbers
 
 
+@pytest.mark.nightly_cases("kerr")
 @pytest.mark.parametrize("name", ["spherical-pendulum", "kerr", "relativistic-kepler", "lagrange-top", "henon-heiles"])
 def test_what_an_entry_says_is_the_system_of_the_entry(name: str) -> None:
     question = question_about(name)

@@ -39,6 +39,7 @@ def test_what_is_too_long_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "too long to be read" in _text(closed_form_report(_motion("harmonic-oscillator")))
 
 
+@pytest.mark.nightly
 def test_a_report_does_not_wait_for_long_derivations() -> None:
     begin = time.process_time()
     found = closed_form_report(_motion("kepler-prolate"))

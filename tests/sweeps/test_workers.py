@@ -96,6 +96,7 @@ def test_too_little_memory_everywhere_ends_the_run_and_what_is_written_stays(
     assert parts(out) == parts(undisturbed)
 
 
+@pytest.mark.nightly
 def test_a_part_that_stands_still_is_given_to_another_worker_and_kept_once(
     scene: Path, tmp_path: Path, undisturbed: Path, kept: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -120,6 +121,7 @@ def test_a_part_that_stands_still_is_given_to_another_worker_and_kept_once(
     assert parts(tmp_path / "out") == parts(undisturbed)
 
 
+@pytest.mark.nightly
 def test_without_any_worker_it_waits_says_so_and_gives_up_in_the_end(
     scene: Path, tmp_path: Path, undisturbed: Path, told: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -159,6 +159,7 @@ def test_machine_code_that_cannot_be_kept_is_made_anyway(monkeypatch) -> None:
     assert compiled_loops._kernel(abs)(-3) == 3
 
 
+@pytest.mark.nightly
 def test_few_times_do_not_load_numba() -> None:
     code = (
         "import sys, numpy as np, hjsolve\n"
