@@ -43,8 +43,7 @@ WebDriverException = pytest.importorskip("selenium.common").WebDriverException
 
 
 def until(condition: Callable[[], Any], what: str) -> Any:
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end:
+    for _ in range(int(PATIENCE / 0.1)):
         try:
             if result := condition():
                 return result
