@@ -233,6 +233,7 @@ def test_point_and_numbers_are_those_of_the_engine_wherever_the_sliders_stand(ot
     assert [e for e in page.get_log("browser") if e["level"] in {"SEVERE", "WARNING"}] == []
 
 
+@pytest.mark.nightly
 @pytest.mark.nightly_cases("spherical-pendulum")
 def test_the_page_makes_sixty_frames_a_second(other):
     page, _ = other

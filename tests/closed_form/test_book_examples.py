@@ -129,6 +129,7 @@ def test_problem_5_6_hyperbola() -> None:
     assert all(abs(value - found[0]) < sp.Float(10) ** -38 for value in found[1:]), found
 
 
+@pytest.mark.rotating(2)
 @pytest.mark.nightly_cases("isochrone")
 @pytest.mark.parametrize("name", ["kepler-planar", "isochrone", "morse", "poeschl-teller", "harmonic-oscillator"])
 def test_energies_from_actions(name: str) -> None:

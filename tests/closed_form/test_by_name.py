@@ -38,6 +38,7 @@ def _value(form: RegimeForms, name: str, values: Mapping[str, sp.Expr]) -> float
     return float(form.evaluate(name, {n: v for n, v in values.items() if n in held}).value)
 
 
+@pytest.mark.rotating(3)
 @pytest.mark.nightly_cases("lagrange-top-theta-q6-velocity6")
 @pytest.mark.parametrize(("name", "coordinate", "q", "velocity"), [
     ("double-well", "x", {"x": "1.1"}, {"x": "0.1"}), ("double-well", "x", {"x": "0.1"}, {"x": 2}),

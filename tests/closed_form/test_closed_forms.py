@@ -40,6 +40,7 @@ def _of_the_catalog(name: str) -> list[Sample]:
     return found
 
 
+@pytest.mark.rotating(2)
 @pytest.mark.nightly_cases(
     "calogero-moser", "charge-in-uniform-field", "isochrone", "kepler-spherical", "morse", "poeschl-teller",
     "smorodinsky-winternitz", "sphere-geodesics",
@@ -78,6 +79,7 @@ def test_numbers_agree_with_the_engine_to_38_digits(name: str) -> None:
     assert compared > 0
 
 
+@pytest.mark.nightly_cases("isochrone-E-0")
 @pytest.mark.parametrize(("name", "constant", "border"), [
     ("kepler-planar", "E", 0), ("isochrone", "E", 0), ("morse", "E", 1), ("poeschl-teller", "E", 0),
     ("kepler-planar", "p_theta", 0),

@@ -25,6 +25,7 @@ def _spread(value: sp.Expr, draw: random.Random) -> float:
     )
 
 
+@pytest.mark.nightly
 @pytest.mark.nightly_cases("bead-on-turning-wire", "cone", "double-well", "ladder", "spherical-pendulum")
 @pytest.mark.parametrize("name", ENTRIES)
 def test_arrays_of_constants_are_sorted_as_by_fifty_digits(name: str) -> None:

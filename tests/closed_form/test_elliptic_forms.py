@@ -28,6 +28,7 @@ MOTIONS = [
 ]  # fmt: skip
 
 
+@pytest.mark.rotating(3)
 @pytest.mark.nightly_cases("rod-against-moving-wall-q8-velocity8-parameters8")
 @pytest.mark.parametrize(("name", "q", "velocity", "parameters"), MOTIONS)
 def test_numbers_agree_with_the_engine_to_36_digits(name: str, q: dict, velocity: dict, parameters: dict) -> None:

@@ -50,6 +50,7 @@ LITERATURE = {
 }  # fmt: skip
 
 
+@pytest.mark.rotating(4)
 @pytest.mark.nightly_cases("Calogero-Moser", "Garnier", "Kepler", "isotropic oscillator", "uniform field")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LITERATURE)
@@ -112,6 +113,7 @@ MADE = {
 }  # fmt: skip
 
 
+@pytest.mark.rotating(3)
 @pytest.mark.nightly_cases("ellipsoidal")
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", MADE)

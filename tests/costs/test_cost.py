@@ -33,6 +33,7 @@ def table(request: pytest.FixtureRequest) -> Cost:
     return hjsolve.cost(scene, digits=(20, 30), seconds=200, repeats=1, rivals=False)
 
 
+@pytest.mark.rotating(2)
 def test_true_errors_lie_within_the_claims(table: Cost) -> None:
     own = [row for row in table.rows if row.method in OWN and row.answered]
     assert {"float64", "mpmath"} <= {row.method for row in own}

@@ -68,6 +68,7 @@ CASES = [
 ]  # fmt: skip
 
 
+@pytest.mark.rotating(4)
 @pytest.mark.nightly_cases("p**4+q**2-exp(-400*(q-1/2)**2)/5-1-0-line")
 @pytest.mark.parametrize(("H", "q", "p", "domain"), CASES)
 def test_states_are_those_of_hamilton_s_equations_and_come_back(H, q, p, domain):

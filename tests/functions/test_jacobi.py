@@ -57,6 +57,7 @@ def test_amplitude_and_epsilon_are_the_integrals_of_dn_and_its_square(parameter)
             assert close(sp.N(function(*place), 40), integral_of_dn(mp.mpf(13) / 5, exact(parameter), power), 18)
 
 
+@pytest.mark.rotating(8)
 @pytest.mark.nightly_cases("JacobiAM-5/2", "JacobiEpsilon-5/2")
 @pytest.mark.parametrize("parameter", ["1/3", "9/10", "-3", "5/2"])
 @pytest.mark.parametrize("function", FUNCTIONS)

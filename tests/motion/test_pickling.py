@@ -76,6 +76,7 @@ def shown(state):
     return repr([{name: np.asarray(x).tolist() for name, x in group.items()} for group in groups]) + repr(state.status)
 
 
+@pytest.mark.rotating(6)
 @pytest.mark.nightly_cases("to an end", "two coupled")
 @pytest.mark.parametrize("name", MOTIONS)
 def test_a_copy_gives_the_same_numbers_bit_for_bit(name):

@@ -168,6 +168,7 @@ NARROW = [
 ]
 
 
+@pytest.mark.rotating(4)
 @pytest.mark.parametrize("digits", [15, 30])
 @pytest.mark.parametrize(("potential", "place", "speed", "feature"), NARROW, ids=[case[0] for case in NARROW])
 def test_a_motion_counts_what_is_narrower_than_the_first_nodes(potential, place, speed, feature, digits):

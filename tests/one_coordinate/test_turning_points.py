@@ -44,6 +44,7 @@ def compare(case: Turning, digits: int = 15) -> tuple[float, float, Any, Any]:
     return float(worst), float(off), np.array(ratios), motion
 
 
+@pytest.mark.rotating(4)
 @pytest.mark.nightly_cases(
     "nearly sleeping top, critical, tilted by 1e-6", "nearly sleeping top, unstable, tilted by 1/1000",
     "nearly sleeping top, unstable, tilted by 1e-6", "spherical pendulum, dphi/dt = 1e-12 at theta = 1",

@@ -135,6 +135,7 @@ SHORT = ["--coordinate", "x: 0 < x", "-T", "dot(x)**2/2", "-V", "-k*(x+2)/(a**2*
          "--parameter", "a=1", "--q", "x=1", "--velocity", "x=1"]  # fmt: skip
 
 
+@pytest.mark.rotating(2)
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_formulas_are_written_when_a_number_falls_short(
     suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -137,7 +137,7 @@ def test_the_meaning_of_a_constant_stands_before_its_long_formula() -> None:
     assert max(map(len, shown.splitlines())) < 300
 
 
-@pytest.mark.nightly_cases("kuzmin-kutuzov")
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["kerr", "kuzmin-kutuzov"])
 def test_tex_has_one_environment_for_each_broken_formula(name: str) -> None:
     page = tex(report_of(name))

@@ -46,6 +46,7 @@ def documents() -> dict[str, Document]:
 
 
 # ------------------------------------------------------------------------------------------------ the document
+@pytest.mark.rotating(2)
 @pytest.mark.nightly_cases("kepler-planar")
 @pytest.mark.parametrize("name", SEPARABLE)
 def test_a_separable_system_has_all_sections_in_order(name: str, documents: dict[str, Document]) -> None:

@@ -109,6 +109,7 @@ def _zero(f, low, high):
     return low
 
 
+@pytest.mark.rotating(6)
 @pytest.mark.parametrize("way", ["numpy", "compiled"])
 @pytest.mark.parametrize("e", KEPLER)
 def test_keplers_distance_at_any_eccentricity(e, way, monkeypatch) -> None:
