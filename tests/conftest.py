@@ -41,15 +41,18 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
 _COMPILED = re.compile(
     r"tests/ensembles/.*(::test_.*compiled|[\[-]True\b)|tests/ensembles/test_(compiled_pairs|programs)\.py"
 )
-_REPORTS = re.compile(
-    r"tests/reports/test_(reports\.py(?!.*every_entry)|abbreviations|closed_form_sections)|tests/regressions/test_00(35|37|39)_"
-)
+_TOGETHER = {
+    "reports": r"tests/(reports/test_(reports\.py(?!.*every_entry)|abbreviations|closed_form_sections)|regressions/test_00(35|37|39)_)",
+    "values": r"tests/display/test_values_in_notebooks",
+    "sources": r"tests/architecture/test_(shape_of_the_code|types|docstrings)",
+}
+"""Files whose tests share something that takes seconds to make."""
 
 
 def scope_of(nodeid: str) -> str:
     """What a test shares with others; itself where that is nothing.
 
-    An entry of the catalog, or its closed forms; a system of the laws; the book's results; the reports; the loops that
+    An entry of the catalog, or its closed forms; a system of the laws; the book's results; the reports; the sources; the loops that
     numba compiles, half a minute where they are not on disk yet: two processes that begin together would both do it.
     """
     file, _, parameter = nodeid.partition("[")
@@ -57,8 +60,9 @@ def scope_of(nodeid: str) -> str:
         return "compiled loops"
     if "/catalog/test_book_" in file:
         return "book"
-    if _REPORTS.match(nodeid):
-        return "reports"
+    for scope, files in _TOGETHER.items():
+        if re.match(files, nodeid):
+            return scope
     if not (shared := re.match(r"tests/(catalog|laws|closed_form)/", file)):
         return nodeid
     entry = rotation.entry_of(nodeid)

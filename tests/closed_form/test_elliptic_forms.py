@@ -49,7 +49,10 @@ def test_numbers_agree_with_the_engine_to_36_digits(name: str, q: dict, velocity
     assert compared >= 3
 
 
-@pytest.mark.nightly_cases("lagrange-top-turning-frame-libration", "rod-against-moving-wall-asymptotic")
+@pytest.mark.nightly_cases(
+    "lagrange-top-turning-frame-libration", "rod-against-moving-wall-asymptotic",
+    "rod-against-moving-wall-libration",
+)  # fmt: skip
 @pytest.mark.parametrize(
     ("name", "kind"),
     [

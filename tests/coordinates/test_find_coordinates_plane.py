@@ -89,6 +89,7 @@ MADE = {
 }
 
 
+@pytest.mark.nightly_cases("elliptic")
 @pytest.mark.parametrize("kind", MADE)
 def test_a_potential_made_in_one_web_gives_that_web_back(kind: str) -> None:
     potential, centre, axis = MADE[kind]

@@ -50,8 +50,10 @@ LITERATURE = {
 }  # fmt: skip
 
 
+@pytest.mark.nightly_cases(
+    "Calogero-Moser", "Garnier", "Kepler", "Yukawa", "isotropic oscillator", "oscillator 1:1:2", "uniform field",
+)  # fmt: skip
 @pytest.mark.rotating(4)
-@pytest.mark.nightly_cases("Calogero-Moser", "Garnier", "Kepler", "isotropic oscillator", "uniform field")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LITERATURE)
 def test_the_potentials_of_the_literature_have_their_integrals_and_their_webs(name: str) -> None:

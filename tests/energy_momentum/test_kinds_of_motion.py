@@ -27,8 +27,8 @@ def benchmark():
 FEW = ["kepler-planar", "spherical-pendulum", "stark", "two-centres-plane", "henon-heiles-kdv", "torus-geodesics"]
 
 
+@pytest.mark.nightly_cases("stark", "two-centres-plane")
 @pytest.mark.rotating(2)
-@pytest.mark.nightly_cases("stark")
 @pytest.mark.parametrize("name", FEW)
 def test_random_points_have_the_kinds_of_motions_started_there(name: str) -> None:
     (found,) = benchmark().differing(name, 12, np.random.default_rng(20261122))

@@ -59,6 +59,7 @@ def test_compiled_starts_are_those_of_numpy(coordinates: dict[str, str], potenti
         assert (np.abs(a - b) <= claims[0] + claims[1])[calm].all()
 
 
+@pytest.mark.nightly
 def test_places_far_from_the_true_ones_are_left_to_numpy() -> None:
     """Beyond 2⁻³⁴ sines are not had from those nearby: the numbers are numpy's, to the bit."""
     pytest.importorskip("numba")

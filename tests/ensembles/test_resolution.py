@@ -90,6 +90,7 @@ def test_narrow_features_are_seen_by_ensembles(name: str) -> None:
         assert _error(found, quantity, value) <= claim <= 1e-12 * abs(value)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_narrow_features_are_seen_by_compiled_loops() -> None:
     pytest.importorskip("numba")

@@ -52,7 +52,7 @@ def test_double_wells_on_a_circle(seed: int, compiled: bool) -> None:
         assert batch.error["angles"]["q"][k] <= 1e-9
 
 
-@pytest.mark.nightly_cases("True")
+@pytest.mark.nightly
 @pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=WITH_NUMBA)])
 def test_orbits_about_two_centres(compiled: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Most orbits that go round both are slow on either side: none takes a single motion, few a pass by numpy."""

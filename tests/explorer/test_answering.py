@@ -106,6 +106,7 @@ def test_what_cannot_be_read_is_told_in_one_line(changed: dict[str, object], wor
     assert "\n" not in told.problem
 
 
+@pytest.mark.nightly_cases("kerr")
 @pytest.mark.parametrize("name", [None, "kepler-planar", "kerr", "two-centres-plane"])
 def test_a_scene_taken_away_runs_to_the_same_numbers(name: str | None, tmp_path) -> None:
     if name is not None and name not in hjsolve.catalog.ids():

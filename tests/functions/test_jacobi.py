@@ -122,6 +122,7 @@ def test_lambdify(backend):
         assert compiled(np.full(2, 2.2), 1 / 3) == pytest.approx([float(value)] * 2, rel=1e-14, abs=0)
 
 
+@pytest.mark.nightly
 def test_doubles_for_every_real_parameter():
     from hjsolve.arithmetic import carlson
 
