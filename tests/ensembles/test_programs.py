@@ -49,6 +49,7 @@ def test_only_known_codes_are_written() -> None:
         PythonSource().unary("__import__", "x")
 
 
+@pytest.mark.nightly_cases("two-centres-plane")
 @pytest.mark.parametrize("name", [
     "two-centres-plane", "oscillator-tan", pytest.param("spherical-staeckel", marks=pytest.mark.nightly),
 ])  # fmt: skip
