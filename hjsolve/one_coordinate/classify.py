@@ -16,7 +16,7 @@ from hjsolve.one_coordinate.anomaly_choice import over_near_zeros, over_other_ne
 from hjsolve.one_coordinate.barriers import slow_place
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
 from hjsolve.one_coordinate.coordinate_motion import Anomaly, AtRest, CoordinateMotion, Periodic, Unbounded
-from hjsolve.one_coordinate.coordinate_start import CoordinateStart
+from hjsolve.one_coordinate.coordinate_start import CoordinateStart, Winding
 from hjsolve.one_coordinate.kind_of_motion import Kind
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
 from hjsolve.one_coordinate.open_branch import Branch
@@ -62,6 +62,8 @@ def locate(start: CoordinateStart, digits: int) -> Located:
     forward = start.forward or _push(start)
     if forward == 0:
         return _rest(start, digits)
+    if start.winding is not None and (wound := _wound(start, start.winding, digits)) is not None:
+        return wound
     ahead = first_end(ray(start, forward), digits=digits)
     if start.forward == 0:
         behind = End("turning", start.place)
@@ -248,6 +250,16 @@ def _rotation(start: CoordinateStart, direction: int, digits: int) -> Periodic:
         anomaly = rotation_anomaly(arithmetic.convert(slow), direction, gap, arithmetic)
     maps = itertools.chain([anomaly], over_other_near_zeros(start, anomaly, gap, bits))
     return over_the_best_map(start, "rotation", maps, digits, bits)
+
+
+def _wound(start: CoordinateStart, winding: Winding, digits: int) -> Located | None:
+    """The motion along a line over barriers that repeat themselves; None where it turns at one of them."""
+    around = replace(winding.start, parts=start.parts)
+    if start.forward == 0 or first_end(ray(around, start.forward), digits=digits).kind != "round":
+        return None
+    course = _rotation(around, start.forward, digits)
+    bits = bits_for(digits, 128) + start.radicand.guard
+    return Located(replace(course, radian=winding.scale(bits)), End("round"), End("round"))
 
 
 def _open(start: CoordinateStart, forward: int, lower: End, upper: End, digits: int) -> Unbounded:
