@@ -13,6 +13,7 @@ from hjsolve.arithmetic.floats import bits_for
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.display.shown import Shown
 from hjsolve.errors import NotConvergedError
+from hjsolve.joined_terms import by_half_angles, with_exact_coefficients
 from hjsolve.lowering import momentum_squared_tapes, with_plain_exponents
 from hjsolve.motion import quantities
 from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, sign, to_bits
@@ -124,7 +125,13 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Coordin
     parameters = tuple(p.symbol for p in solution.system.parameters)
     exact = [initial.constants[c] for c in solution.constants] + [initial.values[s] for s in parameters]
     rules = [to_bits(value) for value in exact]
-    squared, kernels, absent, periodic = momentum_squared_tapes(F, coordinate.symbol, constants, parameters)
+    F = by_half_angles(F, coordinate.symbol)
+    own = (F, *(sp.diff(F, c) / 2 for c in constants))
+    known = dict(zip((*constants, *parameters), exact, strict=True))
+    joined = tuple(with_exact_coefficients(e, coordinate.symbol, known) for e in own)
+    squared, kernels, absent, periodic = momentum_squared_tapes(
+        F, coordinate.symbol, constants, parameters, None if joined == own else joined
+    )
     radicand = MomentumSquared(squared, kernels, partial(_at_bits, rules))
     momentum, shift = initial.values[coordinate.momentum], solution.shift[name]
     ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
