@@ -275,7 +275,8 @@ class Growths:
         parts = [(Monomial(0.0, 1.0, 0.0), +context.convert(monomial.rate)),
                  (Monomial(0.0, 0.0, 1.0), +context.convert(monomial.power)),
                  (CONSTANT, context.log(c))]  # fmt: skip
-        small = self._series(ε, [0.0] + [self.plain.rational((-1) ** (j + 1), j) for j in range(1, _TERMS)], 1 / (1 - size))
+        coefficients: list[float | Mpf] = [0.0, *(self.plain.rational((-1) ** (j + 1), j) for j in range(1, _TERMS))]
+        small = self._series(ε, coefficients, 1 / (1 - size))
         return self.add(Growth(tuple(p for p in parts if p[1])), small)
 
     def _exp(self, x: Growth) -> Growth:

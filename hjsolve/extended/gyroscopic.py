@@ -273,7 +273,7 @@ def _cofactors(A: MpfMatrix, row: int, context: Context) -> list[Mpf | Mpc]:
     return found
 
 
-def _determinant(rows: list[list[Mpf | Mpc]], context: Context) -> Mpf | Mpc:
+def _determinant(rows: list[list[Mpf]], context: Context) -> Mpf:
     """Gaussian elimination; 0 where a column has no pivot, as a minor of a decoupled coordinate has (mpmath raises)."""
     product, left = context.mpf(1), [list(row) for row in rows]
     while left:

@@ -13,10 +13,10 @@ from hjsolve.arithmetic.floats import bits_for
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.display.shown import Shown
 from hjsolve.errors import NotConvergedError
-from hjsolve.joined_terms import by_half_angles, with_exact_coefficients
 from hjsolve.lowering import momentum_squared_tapes, with_plain_exponents
 from hjsolve.motion import quantities
 from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, sign, to_bits
+from hjsolve.motion.joined_terms import by_half_angles, with_exact_coefficients
 from hjsolve.motion.winding import radians_of_a_unit
 from hjsolve.one_coordinate.allowed_regions import forbidden
 from hjsolve.one_coordinate.classify import Located, locate
