@@ -89,6 +89,7 @@ MADE = {
 }
 
 
+@pytest.mark.nightly_cases("elliptic")
 @pytest.mark.parametrize("kind", MADE)
 def test_a_potential_made_in_one_web_gives_that_web_back(kind: str) -> None:
     potential, centre, axis = MADE[kind]
@@ -187,6 +188,7 @@ def test_different_masses_are_scaled_away() -> None:
     same_motion(system, web)
 
 
+@pytest.mark.nightly
 def test_a_constant_mass_matrix_is_brought_to_Cartesian_form() -> None:
     system = System(PLANE, "dot(x)**2 + dot(x)*dot(y) + dot(y)**2", "x**2 + 3*y**2")
     (web,) = find_coordinates(system).webs
