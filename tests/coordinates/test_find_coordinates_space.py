@@ -259,7 +259,7 @@ def test_different_masses_in_space_are_scaled_away() -> None:
 @pytest.mark.nightly
 @pytest.mark.slow
 def test_the_free_particle_separates_in_all_eleven_webs() -> None:
-    found = find_coordinates(particle(3, "0"))
+    found = find_coordinates(particle(3, "0"), budget=200)  # every web there is: the longest search of all
     assert (found.kernel_dimension, found.concircular_dimension) == (20, 10)
     assert len(set(found.kinds)) == 11
     assert all(web.certified for web in found.webs)

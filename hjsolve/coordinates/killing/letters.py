@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from functools import reduce
 from operator import add, mul
 from random import Random
+from typing import Any, cast
 
 import sympy as sp
 
@@ -112,11 +113,12 @@ class KernelAtValues:
             self.free = free
         if free != self.free:
             raise UnluckyError
-        return [int(entry) % self.field.prime for vector in basis for entry in vector]
+        entries: Any = [entry for vector in basis for entry in vector]  # integers modulo the prime
+        return [int(entry) % self.field.prime for entry in entries]
 
     def _basis(self, point: Point) -> tuple[list[list[FieldElement]], tuple[int, ...]]:
         ground = ModularGround(self.ground, self.field, dict(zip(self.ground.parameters, point, strict=True)))
-        samples = self.samples.with_constants(ground)
+        samples = self.samples.with_constants(cast("Ground", ground))  # it has all that samples ask of a field
         stream = equations_at_points(samples, self.table, self.width)
         echelon, used = dense_echelon(stream, self._points)
         self._points = used if self._points is None else self._points

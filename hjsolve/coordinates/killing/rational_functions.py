@@ -203,7 +203,8 @@ def _minus_product(a: Sequence[int], b: Sequence[int], c: Sequence[int], p: int)
 
 def _one_solution(rows: list[list[int]], p: int) -> list[int] | None:
     """Return the solution of a homogeneous system that has exactly one but for a factor; None where it has not."""
-    width, echelon = len(rows[0]), {}
+    width = len(rows[0])
+    echelon: dict[int, list[int]] = {}
     for row in rows:
         check_time()
         for column, other in echelon.items():

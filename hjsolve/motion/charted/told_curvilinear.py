@@ -8,6 +8,7 @@ the velocities that it turns; on the axis itself they are NaN.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -53,7 +54,7 @@ def told_curvilinear(outer: CurvilinearMap, found: Sequence[Numbers]) -> list[Nu
     return [*q, *rates, *p, *found[3 * n :]]
 
 
-def _values(roles: Sequence[str], x: Sequence[Reals]) -> list[Reals]:
+def _values(roles: Sequence[str], x: Sequence[Any]) -> list[Reals]:
     ρ = np.hypot(x[0], x[1])
     height = x[2] if len(x) == 3 else np.zeros_like(ρ)
     found = {
