@@ -17,7 +17,9 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci" if os.environ.ge
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Let a rotation be chosen by hand."""
-    parser.addoption("--rotation", type=int, metavar="N", help="which part of the long lists runs; of the commit if not given")
+    parser.addoption(
+        "--rotation", type=int, metavar="N", help="which part of the long lists runs; of the commit if not given"
+    )
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -39,7 +41,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
 
 
 _COMPILED = re.compile(
-    r"tests/ensembles/.*(::test_.*compiled|[\[-]True\b)|tests/ensembles/test_(compiled_pairs|programs)\.py"
+    r"tests/ensembles/.*(::test_.*compiled|[\[-]True\b)|tests/ensembles/test_programs\.py|tests/arithmetic/test_.*machine.*\.py"
 )
 _TOGETHER = {
     "reports": r"tests/(reports/test_(reports\.py(?!.*every_entry)|abbreviations|closed_form_sections)|regressions/test_00(35|37|39)_)",

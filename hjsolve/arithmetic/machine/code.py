@@ -1,0 +1,79 @@
+"""What a writer has written: instructions with rows given out, and programs made of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from hjsolve.arithmetic.machine.operations import APART, LENGTH
+from hjsolve.arithmetic.machine.run import Program, prepared, run
+from hjsolve.arithmetic.number_types import Integers
+
+LANES = 8
+"""Widths are rounded up to a multiple of this."""
+
+
+@dataclass(frozen=True)
+class Code:
+    """Instructions for the machine; equal where they do the same in the same registers.
+
+    Attributes:
+        written: the instructions as the bytes of int32, ``LENGTH`` for each.
+        once: those that depend on parameters and constants alone, run when a program is made.
+        inputs, parameters: how many there are; their rows come first, in this order.
+        constants: values of the rows after them.
+        outputs: rows of the results; they may be those of an input or a constant.
+        rows: how many rows there are.
+    """
+
+    written: bytes
+    once: bytes
+    inputs: int
+    parameters: int
+    constants: tuple[float, ...]
+    outputs: tuple[int, ...]
+    rows: int
+
+    def __len__(self) -> int:
+        """The number of instructions that are run over all lanes."""
+        return len(self.instructions)
+
+    @cached_property
+    def instructions(self) -> Any:
+        """The instructions, int32, shape (instructions, ``LENGTH``)."""
+        return _instructions(self.written)
+
+    @cached_property
+    def _first(self) -> Any:
+        return _instructions(self.once)
+
+    @cached_property
+    def _results(self) -> Integers:
+        return np.array(self.outputs, dtype=np.int64)
+
+    @cached_property
+    def _apart(self) -> frozenset[int]:
+        return frozenset(int(op) for part in (self.instructions, self._first) for op in part[:, 0] if op >= APART)
+
+    def program(self, width: int, parameters: Sequence[float] = ()) -> Program:
+        """Return the code with registers of its own.
+
+        Args:
+            width: lanes, rounded up to a multiple of eight.
+            parameters: their values, as many as there are.
+        """
+        registers = np.zeros((self.rows, -(-width // LANES) * LANES))
+        known = [*parameters, *self.constants]
+        registers[self.inputs : self.inputs + self.parameters + len(self.constants)] = np.reshape(known, (-1, 1))
+        entry, others = prepared(self._apart)
+        if len(self._first):
+            run(Program(entry, others, self._first, registers, self._results), registers.shape[1])
+        return Program(entry, others, self.instructions, registers, self._results)
+
+
+def _instructions(written: bytes) -> Any:
+    return np.frombuffer(written, dtype=np.int32).reshape(-1, LENGTH).copy()

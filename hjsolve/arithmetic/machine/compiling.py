@@ -1,0 +1,85 @@
+"""How kernels are compiled: by numba once per installation, or not at all, the same text run as plain Python.
+
+A kernel works on arrays and bundles of arrays that come in; it allocates nothing and raises nothing. Plain Python runs
+it without numba (extra ``fast``), and where ``NUMBA_DISABLE_JIT=1`` or ``HJSOLVE_COMPILED=0`` asks for it. Machine code
+stays on disk (``kept_code.py``).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from functools import cache
+from typing import Any, TypeVar
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+PLAIN: dict[str, Any] = {"error_model": "numpy", "nogil": True, "_nrt": False}
+"""Without numba's memory: views of arrays are not counted, which would take as long as the arithmetic."""
+
+KERNELS: list[Any] = []
+"""The kernels that Python calls, as far as their modules are imported."""
+
+
+@cache
+def available() -> bool:
+    """Tell whether kernels are compiled."""
+    if os.environ.get("HJSOLVE_COMPILED") == "0":
+        return False
+    try:
+        import numba
+    except ImportError:  # not installed, or not for this version of numpy
+        return False
+    settings: Any = numba.config
+    return not settings.DISABLE_JIT
+
+
+def kernel(function: F) -> F:
+    """Compile a function that Python calls, when it is first called; its machine code is kept on disk.
+
+    Args:
+        function: over arrays and bundles of arrays.
+    """
+    made = _compiled(function, fastmath={"contract"})
+    if available():
+        from hjsolve.arithmetic.machine.kept_code import keep
+
+        keep(made, function)
+    KERNELS.append(made)
+    return made
+
+
+def inlined(function: F) -> F:
+    """Compile a helper into the kernels that call it; bundles of arrays are then not copied.
+
+    Args:
+        function: over numbers, arrays and bundles of arrays.
+    """
+    return _compiled(function, fastmath={"contract"}, forceinline=True)
+
+
+def reducing(function: F) -> F:
+    """Compile a helper whose sums may be taken in the order that suits vector instructions.
+
+    Args:
+        function: over numbers and arrays.
+    """
+    return _compiled(function, fastmath={"contract", "reassoc"})
+
+
+def exactly(function: F) -> F:
+    """Compile a helper in which nothing is contracted or reordered: error-free transformations.
+
+    Args:
+        function: over numbers.
+    """
+    return _compiled(function, forceinline=True)
+
+
+def _compiled(function: F, **options: Any) -> F:
+    if not available():
+        return function
+    from numba import njit
+
+    made: F = njit(**PLAIN, **options)(function)
+    return made

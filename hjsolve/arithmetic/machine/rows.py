@@ -1,0 +1,57 @@
+"""A program over many orbits: rows of inputs in, rows of results out, in blocks whose registers stay in the cache."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hjsolve.arithmetic.machine.code import LANES, Code
+from hjsolve.arithmetic.machine.compiling import kernel
+from hjsolve.arithmetic.machine.run import Program, run
+from hjsolve.arithmetic.number_types import Reals
+
+WIDTH = 128
+"""Orbits of a block."""
+
+
+@kernel
+def rows(program: Program, given: Reals, made: Reals) -> None:
+    """Run a program over n orbits.
+
+    Args:
+        program: with as many inputs as ``given`` has rows.
+        given: the inputs, shape (inputs, n).
+        made: filled with the results, shape (results, n).
+    """
+    registers, n = program.registers, given.shape[1]
+    width = registers.shape[1]
+    for first in range(0, n, width):
+        count = min(width, n - first)
+        lanes = (count + LANES - 1) // LANES * LANES
+        for k in range(given.shape[0]):
+            for j in range(count):
+                registers[k, j] = given[k, first + j]
+            for j in range(count, lanes):  # the last orbit again: lanes that nobody reads
+                registers[k, j] = given[k, first + count - 1]
+        run(program, lanes)
+        for k in range(made.shape[0]):
+            row = program.outputs[k]
+            for j in range(count):
+                made[k, first + j] = registers[row, j]
+
+
+def run_rows(code: Code, parameters: Sequence[float], given: Reals) -> Reals:
+    """Run a code over n orbits.
+
+    Args:
+        code: to run.
+        parameters: values of its parameters.
+        given: its inputs, shape (inputs, n).
+
+    Returns:
+        The results, shape (results, n).
+    """
+    made = np.empty((len(code.outputs), given.shape[1]))
+    rows(code.program(min(WIDTH, max(given.shape[1], 1)), parameters), np.ascontiguousarray(given, dtype=float), made)
+    return made
