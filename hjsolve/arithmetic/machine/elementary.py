@@ -13,6 +13,8 @@ import numpy as np
 from hjsolve.arithmetic.machine.compiling import inlined
 from hjsolve.arithmetic.machine.intrinsics import as_float, whole
 
+ROUNDINGS = 4
+"""A bound on the error of every function here, in units of 2⁻⁵³ of its value (``RunningError.own``)."""
 _NOTHING = np.float64(0.0)
 """Numpy's, because plain Python divides no float by zero."""
 _EXP = tuple(1.0 / math.factorial(k) for k in range(13))

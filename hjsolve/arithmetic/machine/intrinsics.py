@@ -2,7 +2,8 @@
 
 Registers of the machine are read and filled by ``load`` and ``store0`` … ``store3``. They promise LLVM that what an
 operation fills is not what it reads, nor what its other results fill: so loops become vector instructions without
-comparing addresses first.
+comparing addresses first. ``lanes`` are what a loop runs over whose body needs no single number: in plain Python all
+lanes are one step, over numpy's arrays.
 """
 
 from __future__ import annotations
@@ -41,26 +42,28 @@ if available():
 
     def _storing(scope: int) -> Any:
         @intrinsic
-        def store(_context: Any, registers: Any, _place: Any, _value: Any) -> Any:
+        def store(_context: Any, registers: Any, _row: Any, _lane: Any, _value: Any) -> Any:
             def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-                place = builder.gep(arguments[0], [arguments[1]])
-                _marked(builder, builder.store(arguments[2], place), scope)
+                registers, row, lane, value = arguments
+                _marked(builder, builder.store(value, builder.gep(registers, [builder.add(row, lane)])), scope)
                 return context.get_dummy_value()
 
-            return types.void(registers, types.int64, types.float64), generate
+            return types.void(registers, types.int64, types.int64, types.float64), generate
 
         return store
 
     store0, store1, store2, store3 = map(_storing, range(4))
+    lanes: Any = range
 
     @intrinsic
-    def load(_context: Any, registers: Any, _place: Any) -> Any:
+    def load(_context: Any, registers: Any, _row: Any, _lane: Any) -> Any:
         """Return a number of a register that an operation reads."""
 
         def generate(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-            return _marked(builder, builder.load(builder.gep(arguments[0], [arguments[1]])), _READ)
+            registers, row, lane = arguments
+            return _marked(builder, builder.load(builder.gep(registers, [builder.add(row, lane)])), _READ)
 
-        return types.float64(registers, types.int64), generate
+        return types.float64(registers, types.int64, types.int64), generate
 
     @intrinsic
     def as_float(_context: Any, _integer: Any) -> Any:
@@ -132,14 +135,17 @@ if available():
 
 else:
 
-    def load(registers: Any, place: int) -> float:
-        """Return a number of a register."""
-        value: float = registers[place]
-        return value
+    def lanes(n: int) -> tuple[slice, ...]:
+        """Return the first n lanes as one."""
+        return (slice(n),)
 
-    def store0(registers: Any, place: int, value: float) -> None:
-        """Fill a number of a register."""
-        registers[place] = value
+    def load(registers: Any, row: int, lane: int | slice) -> Any:
+        """Return a number of a register, or those of all lanes."""
+        return registers[row:][lane]
+
+    def store0(registers: Any, row: int, lane: int | slice, value: Any) -> None:
+        """Fill a number of a register, or those of all lanes."""
+        registers[row:][lane] = value
 
     store1 = store2 = store3 = store0
 

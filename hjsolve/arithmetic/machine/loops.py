@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.machine import elementary, pairs
-from hjsolve.arithmetic.machine.intrinsics import call_operation, load, store0, store1, store2, store3
+from hjsolve.arithmetic.machine.intrinsics import call_operation, lanes, load, store0, store1, store2, store3
 from hjsolve.arithmetic.machine.operations import APART, LENGTH, NAMES, OPERATIONS
 
 ADD, SUB, MUL, DIV, FMA, FMS, FNMA, ABSMUL, FMAABS, NEG, ABS, SQRT = (OPERATIONS[name].code for name in NAMES[:APART])
@@ -34,41 +34,41 @@ def execute(others: Any, code: Any, lines: int, r: Any, width: int, n: int) -> N
         operation, d = code[line], np.int64(code[line + 1]) * width
         a, b, c = np.int64(code[line + 5]) * width, np.int64(code[line + 6]) * width, np.int64(code[line + 7]) * width
         if operation == ADD:
-            for j in range(n):
-                store0(r, d + j, load(r, a + j) + load(r, b + j))
+            for j in lanes(n):
+                store0(r, d, j, load(r, a, j) + load(r, b, j))
         elif operation == SUB:
-            for j in range(n):
-                store0(r, d + j, load(r, a + j) - load(r, b + j))
+            for j in lanes(n):
+                store0(r, d, j, load(r, a, j) - load(r, b, j))
         elif operation == MUL:
-            for j in range(n):
-                store0(r, d + j, load(r, a + j) * load(r, b + j))
+            for j in lanes(n):
+                store0(r, d, j, load(r, a, j) * load(r, b, j))
         elif operation == DIV:
-            for j in range(n):
-                store0(r, d + j, load(r, a + j) / load(r, b + j))
+            for j in lanes(n):
+                store0(r, d, j, load(r, a, j) / load(r, b, j))
         elif operation == FMA:
-            for j in range(n):
-                store0(r, d + j, load(r, a + j) * load(r, b + j) + load(r, c + j))
+            for j in lanes(n):
+                store0(r, d, j, load(r, a, j) * load(r, b, j) + load(r, c, j))
         elif operation == FMS:
-            for j in range(n):
-                store0(r, d + j, load(r, a + j) * load(r, b + j) - load(r, c + j))
+            for j in lanes(n):
+                store0(r, d, j, load(r, a, j) * load(r, b, j) - load(r, c, j))
         elif operation == FNMA:
-            for j in range(n):
-                store0(r, d + j, load(r, c + j) - load(r, a + j) * load(r, b + j))
+            for j in lanes(n):
+                store0(r, d, j, load(r, c, j) - load(r, a, j) * load(r, b, j))
         elif operation == ABSMUL:
-            for j in range(n):
-                store0(r, d + j, abs(load(r, a + j)) * load(r, b + j))
+            for j in lanes(n):
+                store0(r, d, j, abs(load(r, a, j)) * load(r, b, j))
         elif operation == FMAABS:
-            for j in range(n):
-                store0(r, d + j, abs(load(r, a + j)) * load(r, b + j) + load(r, c + j))
+            for j in lanes(n):
+                store0(r, d, j, abs(load(r, a, j)) * load(r, b, j) + load(r, c, j))
         elif operation == NEG:
-            for j in range(n):
-                store0(r, d + j, -load(r, a + j))
+            for j in lanes(n):
+                store0(r, d, j, -load(r, a, j))
         elif operation == ABS:
-            for j in range(n):
-                store0(r, d + j, abs(load(r, a + j)))
+            for j in lanes(n):
+                store0(r, d, j, abs(load(r, a, j)))
         elif operation == SQRT:
-            for j in range(n):
-                store0(r, d + j, np.sqrt(load(r, a + j)))
+            for j in lanes(n):
+                store0(r, d, j, np.sqrt(load(r, a, j)))
         else:
             call_operation(others, operation, code, line, r, width, n)
 
@@ -78,7 +78,7 @@ def _one_to_one(function: Any) -> Callable[..., None]:
     def loop(line: Any, r: Any, width: int, n: int) -> None:
         d, a = np.int64(line[1]) * width, np.int64(line[5]) * width
         for j in range(n):
-            store0(r, d + j, function(load(r, a + j)))
+            store0(r, d, j, function(load(r, a, j)))
 
     return loop
 
@@ -87,9 +87,9 @@ def _one_to_two(function: Any) -> Callable[..., None]:
     def loop(line: Any, r: Any, width: int, n: int) -> None:
         d, e, a = np.int64(line[1]) * width, np.int64(line[2]) * width, np.int64(line[5]) * width
         for j in range(n):
-            u, v = function(load(r, a + j))
-            store0(r, d + j, u)
-            store1(r, e + j, v)
+            u, v = function(load(r, a, j))
+            store0(r, d, j, u)
+            store1(r, e, j, v)
 
     return loop
 
@@ -98,7 +98,7 @@ def _two_to_one(function: Any) -> Callable[..., None]:
     def loop(line: Any, r: Any, width: int, n: int) -> None:
         d, a, b = np.int64(line[1]) * width, np.int64(line[5]) * width, np.int64(line[6]) * width
         for j in range(n):
-            store0(r, d + j, function(load(r, a + j), load(r, b + j)))
+            store0(r, d, j, function(load(r, a, j), load(r, b, j)))
 
     return loop
 
@@ -108,9 +108,9 @@ def _two_to_two(function: Any) -> Callable[..., None]:
         d, e = np.int64(line[1]) * width, np.int64(line[2]) * width
         a, b = np.int64(line[5]) * width, np.int64(line[6]) * width
         for j in range(n):
-            u, v = function(load(r, a + j), load(r, b + j))
-            store0(r, d + j, u)
-            store1(r, e + j, v)
+            u, v = function(load(r, a, j), load(r, b, j))
+            store0(r, d, j, u)
+            store1(r, e, j, v)
 
     return loop
 
@@ -120,10 +120,10 @@ def _two_to_three(function: Any) -> Callable[..., None]:
         d, e, f = np.int64(line[1]) * width, np.int64(line[2]) * width, np.int64(line[3]) * width
         a, b = np.int64(line[5]) * width, np.int64(line[6]) * width
         for j in range(n):
-            u, v, w = function(load(r, a + j), load(r, b + j))
-            store0(r, d + j, u)
-            store1(r, e + j, v)
-            store2(r, f + j, w)
+            u, v, w = function(load(r, a, j), load(r, b, j))
+            store0(r, d, j, u)
+            store1(r, e, j, v)
+            store2(r, f, j, w)
 
     return loop
 
@@ -134,11 +134,11 @@ def _two_to_four(function: Any) -> Callable[..., None]:
         f, g = np.int64(line[3]) * width, np.int64(line[4]) * width
         a, b = np.int64(line[5]) * width, np.int64(line[6]) * width
         for j in range(n):
-            u, v, w, z = function(load(r, a + j), load(r, b + j))
-            store0(r, d + j, u)
-            store1(r, e + j, v)
-            store2(r, f + j, w)
-            store3(r, g + j, z)
+            u, v, w, z = function(load(r, a, j), load(r, b, j))
+            store0(r, d, j, u)
+            store1(r, e, j, v)
+            store2(r, f, j, w)
+            store3(r, g, j, z)
 
     return loop
 
@@ -149,9 +149,9 @@ def _four_to_two(function: Any) -> Callable[..., None]:
         a, b = np.int64(line[5]) * width, np.int64(line[6]) * width
         c, k = np.int64(line[7]) * width, np.int64(line[8]) * width
         for j in range(n):
-            u, v = function(load(r, a + j), load(r, b + j), load(r, c + j), load(r, k + j))
-            store0(r, d + j, u)
-            store1(r, e + j, v)
+            u, v = function(load(r, a, j), load(r, b, j), load(r, c, j), load(r, k, j))
+            store0(r, d, j, u)
+            store1(r, e, j, v)
 
     return loop
 
@@ -165,14 +165,14 @@ def _six_to_four(function: Any) -> Callable[..., None]:
         s, t = np.int64(line[9]) * width, np.int64(line[10]) * width
         for j in range(n):
             at, step = (
-                (load(r, a + j), load(r, b + j), load(r, c + j), load(r, k + j)),
-                (load(r, s + j), load(r, t + j)),
+                (load(r, a, j), load(r, b, j), load(r, c, j), load(r, k, j)),
+                (load(r, s, j), load(r, t, j)),
             )
             u, v, w, z = function(at[0], at[1], at[2], at[3], step[0], step[1])
-            store0(r, d + j, u)
-            store1(r, e + j, v)
-            store2(r, f + j, w)
-            store3(r, g + j, z)
+            store0(r, d, j, u)
+            store1(r, e, j, v)
+            store2(r, f, j, w)
+            store3(r, g, j, z)
 
     return loop
 

@@ -44,33 +44,30 @@ class ChartedStarts(Starts):
         chart: the map.
         off: bounds on what û is off from u, shape (coordinates, n).
         rates: bounds on dχ/du of the phases χ of the separated coordinates, shape (coordinates, n); else 0.
-        compiled: whether momenta to 32 digits are worked out by numba, too.
     """
 
     chart: ChartMap | None = None
     off: Reals = field(default_factory=_none)
     rates: Reals = field(default_factory=_none)
-    compiled: bool = False
 
     def precise(self) -> Starts:
         """Return the same with momenta in two doubles."""
         assert self.chart is not None
-        return in_two_doubles(self.chart, self, compiled=self.compiled)
+        return in_two_doubles(self.chart, self)
 
 
-def charted_starts(chart: ChartMap, x: Reals, rates: Reals, *, compiled: bool = False) -> ChartedStarts:
+def charted_starts(chart: ChartMap, x: Reals, rates: Reals) -> ChartedStarts:
     """Carry places and momenta or velocities to the separated coordinates.
 
     Args:
         chart: the map.
         x, rates: in the user's coordinates, shape (coordinates, n).
-        compiled: whether by numba.
 
     Returns:
-        Starts with rows in the order of the system; NaN where the coordinates are singular or could not be had.
+        Starts with rows in the order of the system; NaN where the coordinates are singular or did not converge.
     """
     with np.errstate(all="ignore"):
-        found = carried(chart, x, rates, compiled=compiled)
+        found = carried(chart, x, rates)
         moved, p = _moved(chart, found)
         q, loss = found.q + moved, found.loss + np.abs(moved)
         spread, rates_of_phases = _SAFETY * found.p_loss, np.zeros_like(q)
@@ -84,7 +81,7 @@ def charted_starts(chart: ChartMap, x: Reals, rates: Reals, *, compiled: bool = 
     q, p = np.where(fine, q, np.nan), np.where(fine, p, np.nan)
     return ChartedStarts(
         q, p, spread, np.zeros_like(p), spread, np.concatenate([x, rates]), chart=chart, off=loss,
-        rates=rates_of_phases, compiled=compiled,
+        rates=rates_of_phases,
     )  # fmt: skip
 
 
@@ -100,7 +97,7 @@ def run_charted(engine: Engine, chart: ChartMap, q: Mapping[str, Reals], rates: 
         Columns of shape (n,); orbits that the map is singular for, or loses too much of, are not ``OK``.
     """
     given = (np.stack(list(group.values())) for group in (q, rates))
-    starts = charted_starts(chart, *given, compiled=engine.compiled)
+    starts = charted_starts(chart, *given)
     known = np.flatnonzero(np.isfinite(starts.q).all(axis=0) & np.isfinite(starts.uncertainty).all(axis=0))
     columns = blank(engine.names, starts.q.shape[1])
     if not len(known):
@@ -164,18 +161,17 @@ def _phase_rate(unitless: bool, u: Reals, p: Reals, slope: Reals, bend: Reals) -
     return middle + end + (1.0 if unitless else 0.0)
 
 
-def in_two_doubles(chart: ChartMap, starts: Starts, *, compiled: bool) -> Starts:
+def in_two_doubles(chart: ChartMap, starts: Starts) -> Starts:
     """Return starts with momenta at û to 32 digits, the constants being those of the exact initial data.
 
     Args:
         chart: the map.
         starts: made by it.
-        compiled: whether by numba.
     """
     assert starts.velocity is not None
     q, n = starts.q, len(starts.q)
     with np.errstate(all="ignore"):
-        exact = exact_starts(chart, q, starts.velocity[:n], starts.velocity[n:], compiled=compiled)
+        exact = exact_starts(chart, q, starts.velocity[:n], starts.velocity[n:])
         high, low, lost = exact.high.copy(), exact.low.copy(), exact.lost
         spread = _SAFETY * lost
         for row, k in enumerate(_separated(chart)):

@@ -1,41 +1,37 @@
-"""Momenta of starts to 32 digits: what ``charted_starts`` needs of the map in two doubles, by numpy or compiled.
+"""Momenta of starts to 32 digits: what ``charted_starts`` needs of the map in two doubles.
 
-The exact place u is had by Newton's method from û, p_u and the constants there, then √F(û), all in two doubles; bounds
-on what doubles lose of them come from a running error.
+The exact position u comes from û by Newton's method, p_u and the constants there, then √F(û), all in two doubles;
+bounds on what doubles lose of them come from a running error.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
-from typing import NamedTuple, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
-from hjsolve.arithmetic.floats import Float64
-from hjsolve.arithmetic.number_types import Elementwise, N, Reals
-from hjsolve.arithmetic.pair_source import NamedPair, PairSource, written
-from hjsolve.arithmetic.python_source import PythonSource
+from hjsolve.arithmetic.machine.elementary import ROUNDINGS
+from hjsolve.arithmetic.machine.pair_writer import PairOfValues, PairWriter
+from hjsolve.arithmetic.machine.rows import run_rows
+from hjsolve.arithmetic.machine.writer import Code, InstructionWriter, Value
+from hjsolve.arithmetic.number_types import N, Reals
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
-from hjsolve.arithmetic.tape import Arithmetic
+from hjsolve.arithmetic.tape import Arithmetic, Tape
 from hjsolve.ensembles.charted.chart_map import ChartMap
-from hjsolve.ensembles.engine.orbit_vectors import run_in_vectors, vector_text
-from hjsolve.ensembles.engine.program_texts import OWN
-from hjsolve.ensembles.engine.programs import program
 
 T = TypeVar("T")
 _UNIT = 2.0**-53
 _NEWTON = 2
-_DOUBLES = DoubleDouble()
 
 
 class ExactStarts(NamedTuple):
-    """Of n orbits, rows in the order of the system.
+    """What is known of n orbits, rows in the order of the system.
 
     Attributes:
-        high, low: the momenta p_u at the exact place, shape (coordinates, n).
+        high, low: the momenta p_u at the exact position, shape (coordinates, n).
         lost: bounds on what doubles lose of them, the same shape.
         roots, roots_low: √F(û) of the separated coordinates, shape (separated, n).
         doubts: bounds on what doubles lose of F(û), the same shape.
@@ -49,137 +45,193 @@ class ExactStarts(NamedTuple):
     doubts: Reals
 
 
-def exact_starts(chart: ChartMap, q: Reals, x: Reals, rates: Reals, *, compiled: bool) -> ExactStarts:
-    """Work them out.
+class Formulas(NamedTuple):
+    """The formulas of a map and of the system that it leads to, without the values of their parameters.
+
+    Attributes:
+        step, lifted, rule: of ``ChartMap`` and of its ``Model``.
+        squares: F of the separated coordinates.
+        separated: positions of these coordinates in the system.
+        order: of ``ChartMap``.
+        numbers, parameters: how many the map and the system have.
+    """
+
+    step: Tape
+    lifted: Tape
+    rule: Tape
+    squares: tuple[Tape, ...]
+    separated: tuple[int, ...]
+    order: tuple[int, ...]
+    numbers: int
+    parameters: int
+
+
+def formulas_of(chart: ChartMap) -> Formulas:
+    """Return the formulas of a map.
+
+    Args:
+        chart: the map.
+    """
+    parts = chart.model.separated
+    return Formulas(
+        chart.step, chart.lifted, chart.model.rule, tuple(c.plain.squared for c in parts),
+        tuple(c.index for c in parts), chart.order, len(chart.numbers), len(chart.model.numbers),
+    )  # fmt: skip
+
+
+def exact_starts(chart: ChartMap, q: Reals, x: Reals, rates: Reals) -> ExactStarts:
+    """Compute the momenta.
 
     Args:
         chart: the map.
         q: û, in the order of the system, shape (coordinates, n).
         x, rates: in the user's coordinates.
-        compiled: whether by numba.
     """
-    if compiled:
-        n, m = len(q), len(chart.model.separated)
-        made = run_in_vectors(_compiled(chart), np.concatenate([q, x, rates]), 3 * (n + m))
-        far = np.flatnonzero(~np.isfinite(made).all(axis=0))
-        if len(far):  # where û is not so near to u, or there is no number
-            made[:, far] = np.concatenate(exact_starts(chart, q[:, far], x[:, far], rates[:, far], compiled=False))
-        return ExactStarts(*np.split(made, np.cumsum([n, n, n, m, m])))
-    _, momenta, constants, roots = _exactly(
-        chart, _DOUBLES, chart.numbers, chart.model.numbers,
-        *([Pair(row, 0.0 * row) for row in block] for block in (q, x, rates)), moved=_DOUBLES.add,
-    )  # fmt: skip
-    lost, doubts = _rounding(
-        chart, RunningError(Float64()), rounded(chart.numbers), rounded(chart.model.numbers),
-        (list(q), list(x), list(rates)), [c.high for c in constants],
-    )  # fmt: skip
-    blocks = [p.high for p in momenta], [p.low for p in momenta], lost, [r.high for r in roots], [r.low for r in roots]
-    return ExactStarts(*(np.stack([np.broadcast_to(r, q.shape[1:]) for r in rows]) for rows in (*blocks, doubts)))
+    n, m = len(q), len(chart.model.separated)
+    formulas, known, given = formulas_of(chart), parameter_values(chart), np.concatenate([q, x, rates])
+    made = run_rows(_starts(formulas, True), known, given)
+    far = np.flatnonzero(~np.isfinite(made).all(axis=0))
+    if len(far):  # û is not so near to u that sines come from those nearby, or there is no number
+        made[:, far] = run_rows(_starts(formulas, False), known, given[:, far])
+    return ExactStarts(*np.split(made, np.cumsum([n, n, n, m, m])))
 
 
 def exact_point(chart: ChartMap, q: Reals, x: Reals, rates: Reals) -> list[Pair]:
-    """The exact places u in two doubles, in the order of the system.
+    """Return the exact positions u in two doubles, in the order of the system.
 
     Args:
         chart: the map.
         q: û, in the order of the system, shape (coordinates, n).
         x, rates: in the user's coordinates.
     """
-    blocks = ([Pair(row, 0.0 * row) for row in block] for block in (q, x, rates))
-    return _exactly(chart, _DOUBLES, chart.numbers, chart.model.numbers, *blocks, moved=_DOUBLES.add)[0]
+    made = run_rows(_point(formulas_of(chart)), parameter_values(chart), np.concatenate([q, x, rates]))
+    return [Pair(*both) for both in zip(*np.split(made, 2), strict=True)]
 
 
-# ------------------------------------------------------------------------------- formulas, in numbers or in names
-def _exactly(
-    chart: ChartMap, pairs: Arithmetic[N], numbers: Sequence[N], parameters: Sequence[N], q: list[N], x: list[N],
-    rates: list[N], *, moved: Callable[[N, N], N],
+# ---------------------------------------------------------------------------------------- formulas, in any arithmetic
+def exactly(
+    formulas: Formulas, pairs: Arithmetic[N], numbers: Sequence[N], parameters: Sequence[N], q: Sequence[N],
+    x: Sequence[N], rates: Sequence[N], *, moved: Callable[[N, N], N],
 ) -> tuple[list[N], list[N], list[N], list[N]]:  # fmt: skip
-    """u, p_u, the constants and √F(û), in an arithmetic of two doubles; ``moved`` adds a small step to a place."""
-    u = in_order_of_chart(chart, q)
+    """Return u, p_u, the constants and √F(û), in the order of the system.
+
+    Args:
+        formulas: of the map.
+        pairs: an arithmetic of two doubles, or of more digits.
+        numbers, parameters: values of the map's and the system's.
+        q: û, in the order of the system.
+        x, rates: in the user's coordinates.
+        moved: adds a small step to a position.
+    """
+    u = in_order_of_chart(formulas.order, q)
     for _ in range(_NEWTON):
-        u = [moved(a, b) for a, b in zip(u, chart.step.run(pairs, [*u, *x, *numbers]), strict=True)]
-    lifted = chart.lifted.run(pairs, [*u, *rates, *numbers])
-    places, momenta = [u[k] for k in chart.order], [lifted[k] for k in chart.order]
-    constants = chart.model.rule.run(pairs, [*places, *momenta, *parameters])
-    squares = [c.plain.squared.run(pairs, [q[c.index], *constants, *parameters])[0] for c in chart.model.separated]
+        u = [moved(a, b) for a, b in zip(u, formulas.step.run(pairs, [*u, *x, *numbers]), strict=True)]
+    lifted = formulas.lifted.run(pairs, [*u, *rates, *numbers])
+    places, momenta = [u[k] for k in formulas.order], [lifted[k] for k in formulas.order]
+    constants = formulas.rule.run(pairs, [*places, *momenta, *parameters])
+    squares = [
+        tape.run(pairs, [q[k], *constants, *parameters])[0]
+        for tape, k in zip(formulas.squares, formulas.separated, strict=True)
+    ]
     return places, momenta, constants, [pairs.unary("sqrt", F) for F in squares]
 
 
 def _rounding(
-    chart: ChartMap, errors: RunningError[N], numbers: list[WithErrorBound[N]], parameters: list[WithErrorBound[N]],
-    given: tuple[list[N], list[N], list[N]], constants: list[N],
+    formulas: Formulas, errors: RunningError[N], known: Known[N], given: tuple[list[N], list[N], list[N]],
+    constants: list[N],
 ) -> tuple[list[N], list[N]]:  # fmt: skip
     """What doubles lose of p_u and of F(û); two doubles lose 2⁻⁴⁴ of it at most."""
     q, x, rates = given
-    start = [WithErrorBound(row) for row in (*in_order_of_chart(chart, q), *x)]
-    steps = [r.error for r in chart.step.run(errors, [*start, *numbers])]
-    inputs = [WithErrorBound(a, e) for a, e in zip(in_order_of_chart(chart, q), steps, strict=True)]
-    lifted = chart.lifted.run(errors, [*inputs, *(WithErrorBound(row) for row in rates), *numbers])
-    momenta, places = [lifted[k] for k in chart.order], [inputs[k] for k in chart.order]
-    uncertain = [r.error for r in chart.model.rule.run(errors, [*places, *momenta, *parameters])]
-    known = [WithErrorBound(c, e) for c, e in zip(constants, uncertain, strict=True)]
+    start = [WithErrorBound(row) for row in (*in_order_of_chart(formulas.order, q), *x)]
+    steps = [r.error for r in formulas.step.run(errors, [*start, *known.numbers])]
+    inputs = [WithErrorBound(a, e) for a, e in zip(in_order_of_chart(formulas.order, q), steps, strict=True)]
+    lifted = formulas.lifted.run(errors, [*inputs, *(WithErrorBound(row) for row in rates), *known.numbers])
+    momenta, places = [lifted[k] for k in formulas.order], [inputs[k] for k in formulas.order]
+    uncertain = [r.error for r in formulas.rule.run(errors, [*places, *momenta, *known.parameters])]
+    bounded = [WithErrorBound(c, e) for c, e in zip(constants, uncertain, strict=True)]
     squares = [
-        c.plain.squared.run(errors, [WithErrorBound(q[c.index]), *known, *parameters])[0]
-        for c in chart.model.separated
+        tape.run(errors, [WithErrorBound(q[k]), *bounded, *known.parameters])[0]
+        for tape, k in zip(formulas.squares, formulas.separated, strict=True)
     ]
     nothing = errors.plain.rational(0, 1)
     lost, doubts = ([nothing if r.error is None else r.error for r in found] for found in (momenta, squares))
     return lost, doubts
 
 
-def in_order_of_chart(chart: ChartMap, rows: Iterable[T]) -> list[T]:
-    """Rows of the system in the order of the chart.
+def in_order_of_chart(order: Sequence[int], rows: Iterable[T]) -> list[T]:
+    """Return rows of the system in the order of the chart.
 
     Args:
-        chart: the map.
+        order: position of each coordinate of the system in the chart.
         rows: one for each coordinate.
     """
     own = list(rows)
     found = own.copy()
-    for row, k in zip(own, chart.order, strict=True):
+    for row, k in zip(own, order, strict=True):
         found[k] = row
     return found
 
 
-def rounded(numbers: Sequence[Pair]) -> list[WithErrorBound[Elementwise]]:
-    """Return numbers in two doubles as doubles with bounds on their errors.
+# ------------------------------------------------------------------------------------------ programs of the machine
+class Known(NamedTuple, Generic[N]):
+    """Numbers of the map, and parameters of the system, with bounds on their rounding."""
+
+    numbers: list[WithErrorBound[N]]
+    parameters: list[WithErrorBound[N]]
+
+
+def parameter_values(chart: ChartMap) -> list[float]:
+    """Return the values of the parameters that ``known_values`` has written into a program.
 
     Args:
-        numbers: the pairs.
+        chart: the map.
     """
-    return [WithErrorBound(x.high, _UNIT * abs(x.high) if x.low else None) for x in numbers]
+    return [
+        value
+        for high, low in (map(float, pair) for pair in (*chart.numbers, *chart.model.numbers))
+        for value in (high, low, _UNIT * abs(high) if low else 0.0)
+    ]
 
 
-# ------------------------------------------------------------------------------------------------------- compiled
+def known_values(writer: InstructionWriter, formulas: Formulas) -> tuple[Known[Value], list[PairOfValues]]:
+    """Return the numbers of a map and the parameters of its system: in doubles with bounds, and in two doubles.
+
+    Args:
+        writer: of the program, whose parameters they become.
+        formulas: of the map.
+    """
+    rows = [writer.parameters(3) for _ in range(formulas.numbers + formulas.parameters)]
+    bounded, pairs = [WithErrorBound(row[0], row[2]) for row in rows], [PairOfValues(row[0], row[1]) for row in rows]
+    return Known(bounded[: formulas.numbers], bounded[formulas.numbers :]), pairs
+
+
 @lru_cache(maxsize=64)
-def _compiled(chart: ChartMap) -> Callable[..., None]:
-    return program(_text(chart), "exact_starts")
-
-
-def _text(chart: ChartMap) -> str:
-    """The text of a function that makes the rows of ``ExactStarts``; functions of u are had from those of û."""
-    source = PythonSource()
-    pairs, n = PairSource(source), len(chart.order)
-    q, x, rates = ([f"g{first + k}" for k in range(n)] for first in (0, n, 2 * n))
-    _, momenta, constants, roots = _exactly(
-        chart, pairs, [*map(written, chart.numbers)], [*map(written, chart.model.numbers)],
-        *([NamedPair(name, "(0.0)") for name in block] for block in (q, x, rates)), moved=pairs.displaced,
+def _starts(formulas: Formulas, near: bool) -> Code:
+    """The rows of ``ExactStarts``; with ``near`` functions of u come from those of û."""
+    writer, n = InstructionWriter(), len(formulas.order)
+    pairs, (q, x, rates) = PairWriter(writer), (writer.inputs(n) for _ in range(3))
+    known, exact = known_values(writer, formulas)
+    _, momenta, constants, roots = exactly(
+        formulas, pairs, exact[: formulas.numbers], exact[formulas.numbers :],
+        *([pairs.of(value) for value in block] for block in (q, x, rates)),
+        moved=pairs.displaced if near else pairs.add,
     )  # fmt: skip
     lost, doubts = _rounding(
-        chart, RunningError(source, own=OWN), literals(chart.numbers), literals(chart.model.numbers),
-        (q, x, rates), [c.high for c in constants],
-    )  # fmt: skip
-    results = [
+        formulas, RunningError(writer, own=ROUNDINGS), known, (q, x, rates), [c.high for c in constants]
+    )
+    return writer.code([
         *(p.high for p in momenta), *(p.low for p in momenta), *lost,
         *(r.high for r in roots), *(r.low for r in roots), *doubts,
-    ]  # fmt: skip
-    return vector_text("exact_starts", 3 * n, source, results)
+    ])  # fmt: skip
 
 
-def literals(numbers: Sequence[Pair]) -> list[WithErrorBound[str]]:
-    """Return the literals of the same.
-
-    Args:
-        numbers: the pairs.
-    """
-    return [WithErrorBound(f"({x.high!r})", f"({abs(x.high) * _UNIT!r})" if x.low else None) for x in numbers]
+@lru_cache(maxsize=64)
+def _point(formulas: Formulas) -> Code:
+    """The exact positions, high parts and then low ones."""
+    writer, n = InstructionWriter(), len(formulas.order)
+    pairs = PairWriter(writer)
+    blocks = [[pairs.of(value) for value in writer.inputs(n)] for _ in range(3)]
+    _, exact = known_values(writer, formulas)
+    numbers, parameters = exact[: formulas.numbers], exact[formulas.numbers :]
+    places, *_ = exactly(formulas, pairs, numbers, parameters, *blocks, moved=pairs.add)
+    return writer.code([*(p.high for p in places), *(p.low for p in places)])

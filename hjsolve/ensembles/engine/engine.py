@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -69,7 +69,6 @@ class Engine:
         Returns:
             Columns of shape (n,).
         """
-        rule = replace(rule, compiled=self.compiled)
         return self.run_starts(from_velocities(rule, self._rows(q), self._rows(velocity)), escapes=True)
 
     def _rows(self, given: Mapping[str, Any]) -> Any:

@@ -6,22 +6,20 @@ two doubles, and nothing is rounded.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
-from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
-from hjsolve.arithmetic.floats import UNIT, Float64
-from hjsolve.arithmetic.number_types import Elementwise, Reals, Which
-from hjsolve.arithmetic.pair_source import NamedPair, PairSource, written
-from hjsolve.arithmetic.python_source import PythonSource
+from hjsolve.arithmetic.floats import UNIT
+from hjsolve.arithmetic.machine.elementary import ROUNDINGS
+from hjsolve.arithmetic.machine.pair_writer import PairWriter
+from hjsolve.arithmetic.machine.rows import run_rows
+from hjsolve.arithmetic.machine.writer import Code, InstructionWriter
+from hjsolve.arithmetic.number_types import Reals, Which
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
-from hjsolve.ensembles.engine.orbit_vectors import run_in_vectors, vector_text
-from hjsolve.ensembles.engine.programs import program
 
 _FINER = 2.0**-44
 
@@ -33,12 +31,10 @@ class MomentumRule:
     Attributes:
         tape: inputs all q, all v, parameters.
         numbers: the parameters in two doubles.
-        compiled: whether momenta in two doubles are worked out by numba.
     """
 
     tape: Tape
     numbers: tuple[Pair, ...]
-    compiled: bool = False
 
     def rounded(self, q: Reals, velocity: Reals) -> tuple[Reals, Reals]:
         """Return p in doubles and bounds on its errors, arrays like q.
@@ -46,12 +42,8 @@ class MomentumRule:
         Args:
             q, velocity: of all coordinates, shape (coordinates, n).
         """
-        exact = [WithErrorBound(x) for x in (*q, *velocity)]
-        known = [WithErrorBound(x.high, UNIT * abs(x.high)) for x in self.numbers]
-        with np.errstate(all="ignore"):
-            found = self.tape.run(RunningError(Float64()), exact + known)
-        errors = [0.0 if x.error is None else x.error for x in found]
-        return _rows([x.value for x in found], q), _rows(errors, q)
+        known = [x for pair in self.numbers for x in (float(pair.high), UNIT * abs(float(pair.high)))]
+        return self._run(_rounded(self.tape, len(self.numbers)), known, q, velocity)
 
     def exactly(self, q: Reals, velocity: Reals) -> tuple[Reals, Reals]:
         """Return p in two doubles, arrays like q.
@@ -59,26 +51,33 @@ class MomentumRule:
         Args:
             q, velocity: of all coordinates, shape (coordinates, n).
         """
-        if self.compiled:
-            high, low = np.split(run_in_vectors(_program(self), np.concatenate([q, velocity]), 2 * len(q)), 2)
-            return high, low
-        inputs = [Pair(x, 0.0 * x) for x in (*q, *velocity)]
-        with np.errstate(all="ignore"):
-            found = self.tape.run(DoubleDouble(), [*inputs, *self.numbers])
-        return _rows([x.high for x in found], q), _rows([x.low for x in found], q)
+        known = [float(part) for pair in self.numbers for part in pair]
+        return self._run(_exact(self.tape, len(self.numbers)), known, q, velocity)
+
+    def _run(self, code: Code, known: list[float], q: Reals, velocity: Reals) -> tuple[Reals, Reals]:
+        one, other = np.split(run_rows(code, known, np.concatenate([q, velocity])), 2)
+        return one, other
 
 
 @lru_cache(maxsize=64)
-def _program(rule: MomentumRule) -> Callable[..., None]:
-    source, given = PythonSource(), len(rule.tape.inputs) - len(rule.numbers)
-    inputs = [*(NamedPair(f"g{k}", "(0.0)") for k in range(given)), *map(written, rule.numbers)]
-    found = rule.tape.run(PairSource(source), inputs)
-    results = [*(p.high for p in found), *(p.low for p in found)]
-    return program(vector_text("momenta", given, source, results), "momenta")
+def _rounded(tape: Tape, parameters: int) -> Code:
+    """Momenta and bounds on their errors, in doubles."""
+    writer = InstructionWriter()
+    given = [WithErrorBound(x) for x in writer.inputs(len(tape.inputs) - parameters)]
+    known = [WithErrorBound(writer.parameter(), writer.parameter()) for _ in range(parameters)]
+    found = tape.run(RunningError(writer, own=ROUNDINGS), [*given, *known])
+    errors = [writer.number(0.0) if p.error is None else p.error for p in found]
+    return writer.code([*(p.value for p in found), *errors])
 
 
-def _rows(parts: list[Elementwise], like: Reals) -> Reals:
-    return np.stack([np.broadcast_to(part, like.shape[1:]) for part in parts])
+@lru_cache(maxsize=64)
+def _exact(tape: Tape, parameters: int) -> Code:
+    """Momenta in two doubles, high parts and then low ones."""
+    writer = InstructionWriter()
+    pairs = PairWriter(writer)
+    given = [pairs.of(x) for x in writer.inputs(len(tape.inputs) - parameters)]
+    found = tape.run(pairs, [*given, *(pairs.parameter() for _ in range(parameters))])
+    return writer.code([*(p.high for p in found), *(p.low for p in found)])
 
 
 @dataclass(frozen=True)
