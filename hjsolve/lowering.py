@@ -297,7 +297,11 @@ def with_plain_exponents(e: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.
 
 @lru_cache(maxsize=256)
 def momentum_squared_tapes(
-    F: sp.Expr, q: sp.Symbol, constants: tuple[sp.Symbol, ...], parameters: tuple[sp.Symbol, ...]
+    F: sp.Expr,
+    q: sp.Symbol,
+    constants: tuple[sp.Symbol, ...],
+    parameters: tuple[sp.Symbol, ...],
+    exact: tuple[sp.Expr, ...] | None = None,
 ) -> tuple[Tape, Tape, tuple[bool, ...], bool]:
     """p² and its kernels ½ ∂F/∂κⱼ as tapes; which kernels are zero everywhere; whether p² has period 2π by its form.
 
@@ -306,8 +310,11 @@ def momentum_squared_tapes(
         q: symbol of the coordinate.
         constants: symbols of the κⱼ.
         parameters: symbols of the parameters.
+        exact: p² and then the kernels, with numbers for coefficients that nearly cancel; where they are not F's own.
     """
     inputs, kernels = [q, *constants, *parameters], [sp.diff(F, c) / 2 for c in constants]
     absent, periodic = tuple(k == 0 for k in kernels), bool(F.xreplace({q: q + 2 * sp.pi}) == F)
+    if exact is not None:
+        F, *kernels = exact
     squared = recentred(spread_exponentials(over_one_denominator(F, q)), q)
     return lower([squared], inputs), lower([recentred(k, q) for k in kernels], inputs), absent, periodic

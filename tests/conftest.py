@@ -2,11 +2,12 @@
 
 import os
 import re
-from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+from tests.support import rotation
 
 settings.register_profile("dev", max_examples=50, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("ci", parent=settings.get_profile("dev"), max_examples=100, derandomize=True)
@@ -14,29 +15,44 @@ settings.register_profile("nightly", parent=settings.get_profile("dev"), max_exa
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci" if os.environ.get("CI") else "dev"))
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Let a rotation be chosen by hand."""
+    parser.addoption("--rotation", type=int, metavar="N", help="which part of the long lists runs; of the commit if not given")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """Settle the rotation once: the processes of pytest-xdist receive the options of the first one."""
+    if config.option.rotation is None:
+        config.option.rotation = rotation.of_the_commit()
+
+
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave tests marked nightly out, unless `-m nightly` or HYPOTHESIS_PROFILE=nightly asks for them."""
-    if "nightly" in config.getoption("markexpr", "") or os.environ.get("HYPOTHESIS_PROFILE") == "nightly":
-        return
-    for item in items:
-        if item.get_closest_marker("nightly"):
-            item.add_marker(pytest.mark.skip(reason="nightly: run it with -m nightly"))
+    """Leave cases of long lists for the night, before ``-m "not nightly"`` deselects what is marked so."""
+    rotation.leave_the_rest(items, config.option.rotation)
 
 
-_CATALOG = Path(__file__).resolve().parents[1] / "catalog"
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Say how to run the same cases again."""
+    terminalreporter.write_line(f"The same cases of the long lists run again with --rotation={config.option.rotation}")
+
+
 _COMPILED = re.compile(
     r"tests/ensembles/.*(::test_.*compiled|[\[-]True\b)|tests/ensembles/test_(compiled_pairs|programs)\.py"
 )
-_REPORTS = re.compile(
-    r"tests/reports/test_(reports\.py(?!.*every_entry)|abbreviations|closed_form_sections)|tests/regressions/test_00(35|37|39)_"
-)
-_IDS = sorted((path.stem for path in _CATALOG.glob("*/*.toml")), key=len, reverse=True)
+_TOGETHER = {
+    "reports": r"tests/(reports/test_(reports\.py(?!.*every_entry)|abbreviations|closed_form_sections)|regressions/test_00(35|37|39)_)",
+    "values": r"tests/display/test_values_in_notebooks",
+    "sources": r"tests/architecture/test_(shape_of_the_code|types|docstrings)",
+}
+"""Files whose tests share something that takes seconds to make."""
 
 
 def scope_of(nodeid: str) -> str:
     """What a test shares with others; itself where that is nothing.
 
-    An entry of the catalog, or its closed forms; a system of the laws; the book's results; the reports; the loops that
+    An entry of the catalog, or its closed forms; a system of the laws; the book's results; the reports; the sources; the loops that
     numba compiles, half a minute where they are not on disk yet: two processes that begin together would both do it.
     """
     file, _, parameter = nodeid.partition("[")
@@ -44,11 +60,12 @@ def scope_of(nodeid: str) -> str:
         return "compiled loops"
     if "/catalog/test_book_" in file:
         return "book"
-    if _REPORTS.match(nodeid):
-        return "reports"
+    for scope, files in _TOGETHER.items():
+        if re.match(files, nodeid):
+            return scope
     if not (shared := re.match(r"tests/(catalog|laws|closed_form)/", file)):
         return nodeid
-    entry = next((name for name in _IDS if re.match(rf"{re.escape(name)}(?![a-z])", parameter)), None)
+    entry = rotation.entry_of(nodeid)
     if shared[1] == "closed_form":
         return f"forms of {entry}" if entry else nodeid
     return entry or (parameter or nodeid)

@@ -11,7 +11,7 @@ half of all digits; so a leading term is known even where doubles see only round
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -224,7 +224,7 @@ class Growths:
         leading = CONSTANT.times(monomial, exponent), c**exponent if exponent != -1 else 1 / c
         return self.mul(Growth((leading,)), series)
 
-    def _series(self, ε: Growth, coefficients: list[float], tail: float) -> Growth:
+    def _series(self, ε: Growth, coefficients: Sequence[float | Mpf], tail: float) -> Growth:
         """Σ aⱼ εʲ + R, |R| ≤ tail·|ε|ⁿ."""
         convert = self.plain.convert
         result, power = self.constant(convert(coefficients[0])), self.rational(1, 1)
@@ -275,7 +275,8 @@ class Growths:
         parts = [(Monomial(0.0, 1.0, 0.0), +context.convert(monomial.rate)),
                  (Monomial(0.0, 0.0, 1.0), +context.convert(monomial.power)),
                  (CONSTANT, context.log(c))]  # fmt: skip
-        small = self._series(ε, [0.0] + [(-1.0) ** (j + 1) / j for j in range(1, _TERMS)], 1 / (1 - size))
+        coefficients: list[float | Mpf] = [0.0, *(self.plain.rational((-1) ** (j + 1), j) for j in range(1, _TERMS))]
+        small = self._series(ε, coefficients, 1 / (1 - size))
         return self.add(Growth(tuple(p for p in parts if p[1])), small)
 
     def _exp(self, x: Growth) -> Growth:
@@ -298,7 +299,7 @@ class Growths:
             size = self.range_of(ε, CONSTANT).size
             if size > 1:
                 raise UnknownGrowthError
-            coefficients = [1 / math.factorial(j) for j in range(_TERMS)]
+            coefficients = [self.plain.rational(1, math.factorial(j)) for j in range(_TERMS)]
             extra = self._series(ε, coefficients, math.e / math.factorial(_TERMS))
         factor = Growth(((Monomial(rate, power, 0.0), self.plain.context.exp(c)),))
         return self.mul(factor, extra)

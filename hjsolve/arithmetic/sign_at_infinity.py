@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hjsolve.arithmetic.asymptotic_expansion import BITS, Growths
-from hjsolve.arithmetic.asymptotic_scale import CONSTANT, Growth, UnknownGrowthError, widened
+from hjsolve.arithmetic.asymptotic_scale import CONSTANT, Growth, Monomial, UnknownGrowthError, widened
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.errors import InvalidInputError
 
 _FEWER_BITS = 256
+_NEAREST = 4
 
 
 def sign_beyond(tape: Tape, inputs: list[Mpf], side: int, start: float, bits: int = BITS) -> int:
@@ -28,6 +29,27 @@ def sign_beyond(tape: Tape, inputs: list[Mpf], side: int, start: float, bits: in
     growths = Growths(start, bits)
     try:
         return growths.sign(tape.run(growths, [growths.variable(side), *map(growths.constant, inputs)])[0])
+    except (UnknownGrowthError, InvalidInputError, ArithmeticError):
+        return 0
+
+
+def sign_before(tape: Tape, inputs: list[Mpf], end: Mpf, side: int, distance: Mpf, bits: int = BITS) -> int:
+    """Return the sign that a formula has wherever 0 < side·(end − q) ≤ distance; 0 where that is not known.
+
+    With q = end − side·4·distance/s it is the sign for all s ≥ 4.
+
+    Args:
+        tape: of the formula, one output; inputs q, then numbers.
+        inputs: these numbers, to so many bits.
+        end: where q ends.
+        side: 1 from below, −1 from above.
+        distance: from the end.
+        bits: of the coefficients.
+    """
+    growths = Growths(_NEAREST, bits)
+    q = growths.add(growths.constant(end), Growth(((Monomial(0.0, -1.0, 0.0), -side * _NEAREST * distance),)))
+    try:
+        return growths.sign(tape.run(growths, [q, *map(growths.constant, inputs)])[0])
     except (UnknownGrowthError, InvalidInputError, ArithmeticError):
         return 0
 

@@ -14,6 +14,7 @@ from functools import partial
 
 import sympy as sp
 
+from hjsolve.coordinates.charts.curvilinear import CurvilinearMap, curvilinear_map
 from hjsolve.coordinates.charts.outer_map import OuterMap, flat_map, sphere_map
 from hjsolve.coordinates.charts.transform import Cartesian, chart_and_axes, web_of
 from hjsolve.coordinates.charts.validity import valid_everywhere
@@ -22,6 +23,7 @@ from hjsolve.coordinates.find import cartesian_form, find_coordinates, sphere_be
 from hjsolve.coordinates.results import SeparableCoordinates, Vector, Web
 from hjsolve.coordinates.small_oscillations import normal_modes
 from hjsolve.coordinates.superintegrable import independent_integrals, told_of_modes, webs_in_words
+from hjsolve.coordinates.time_limit import OutOfTimeError, seconds_left, within_seconds
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError, NotSeparableError
 from hjsolve.mechanics.system import System, linear_terms, placed
@@ -58,7 +60,8 @@ class Chart(Shown):
         scale: h_k²(u) of T = m/2 Σ h_k² u̇_k², without differences that cancel.
         mass: m.
         lengths: named constants of X(u).
-        outer: how x is tied to the user's coordinates: the identity in flat space, two angles on a sphere.
+        outer: how x is tied to the user's coordinates: the identity, two angles on a sphere, or polar, cylindrical or
+            spherical coordinates.
         independent: number of independent integrals quadratic in the momenta, energy included, that were found; more
             than coordinates: frequencies obey relations with whole numbers (``superintegrable.py``). 0: not counted.
     """
@@ -81,6 +84,11 @@ class Chart(Shown):
     outer: OuterMap = field(repr=False)
     independent: int = 0
 
+    @property
+    def space(self) -> System:
+        """The user's system in Cartesian coordinates; itself where it is given in these, or on a sphere."""
+        return self.outer.space if isinstance(self.outer, CurvilinearMap) else self.original
+
 
 def find_chart(system: System, refused: object, *, budget: float = 20.0) -> Chart:
     """Find the simplest coordinates in which a system separates that does not in its own.
@@ -91,12 +99,40 @@ def find_chart(system: System, refused: object, *, budget: float = 20.0) -> Char
     Args:
         system: natural, in Cartesian coordinates where it is not quadratic.
         refused: what ``separate`` said of it in its own coordinates.
-        budget: seconds that ``separate`` may take for one web.
+        budget: seconds that the whole search may take, to about one.
 
     Raises:
-        NotSeparableError: there are none, or none could be certified; the error carries the verdict.
+        NotSeparableError: there are none, none could be certified, or that was not decided within the budget; the
+            error carries the verdict.
     """
     why = "the given coordinates do not separate"
+    with within_seconds(budget):
+        try:
+            return _found(system, why, refused, budget)
+        except OutOfTimeError:
+            raise NotSeparableError(f"{why}, and whether others do {_not_in(budget)}", refused) from None
+
+
+def _not_in(budget: float) -> str:
+    return (
+        f"was not decided in {budget:g} s. Give more time, solve(…, budget=), or the parameters numbers in the formula"
+    )
+
+
+def _found(system: System, why: str, refused: object, budget: float) -> Chart:
+    try:
+        curved = curvilinear_map(system)
+    except InvalidSystemError as reason:
+        raise NotSeparableError(f"{why}, and others are not looked for: {reason}", refused) from None
+    if curved is None:
+        return _found_in_space(system, why, refused, budget)
+    chart = _found_in_space(curved.space, why, refused, budget)
+    x = [chart.transformation[c.name] for c in curved.space.coordinates]
+    told = {c.name: e for c, e in zip(system.coordinates, curved.told(x), strict=True)}
+    return replace(chart, original=system, outer=curved, transformation=told)
+
+
+def _found_in_space(system: System, why: str, refused: object, budget: float) -> Chart:
     try:
         sphere = sphere_below(system)
     except InvalidSystemError as reason:
@@ -156,15 +192,34 @@ def _simplest(
         if chart is not None:
             independent = independent_integrals(found, cartesian)
             more = webs_in_words(found, cartesian, web.kind, independent)
-            return replace(chart, remark=_remarks(chart.remark, more), independent=independent)
+            return replace(chart, remark=_remarks(chart.remark, more, found.undecided), independent=independent)
+    if not found.webs and found.undecided:
+        raise OutOfTimeError
     if not found.webs:
-        raise NotSeparableError(f"{why}. {found.advice}", refused)
+        raise NotSeparableError(f"{why}. {found.advice}{_at_the_values(found)}", refused)
     names = "; ".join(map(str, found.webs))
     raise NotSeparableError(
-        f"{why}. There may be others ({names}), but in the time that a web may take none of them could be certified "
-        "on all of its domain; find_coordinates takes a longer budget, and where the processor is busy a second try "
-        "may do",
+        f"{why}. There may be others ({names}), but none of them was certified on all of its domain in the time "
+        "allowed; give more, solve(…, budget=)",
         refused,
+    )
+
+
+def _at_the_values(found: SeparableCoordinates) -> str:
+    """Say that a system separates at the default values of its parameters, where it does, but not at general ones."""
+    system = found.system
+    values = {p.symbol: p.value for p in system.parameters if p.value is not None}
+    domains = {c.name: c.domain.written(c.name) for c in system.coordinates}
+    if not values or len(values) < len(system.parameters):
+        return ""
+    at = System(domains, system.kinetic.xreplace(values), system.potential.xreplace(values), title=system.title)
+    there = find_coordinates(at, special=False)
+    if not any(web.certified for web in there.webs):
+        return ""
+    where = ", ".join(f"{symbol} = {value}" for symbol, value in values.items())
+    return (
+        f"\nThat holds for general values of the parameters; at {where} it separates in "
+        f"{', '.join(there.kinds)} coordinates: write these values into the formula"
     )
 
 
@@ -220,7 +275,7 @@ def _with(web: Web, system: System, budget: float) -> Web:
     """A web whose coordinates have other ranges, so that their symbols are other ones."""
     new = {web.system.symbols[name]: system.symbols[name] for name in web.coordinates}
     there = {name: formula.xreplace(new) for name, formula in web.transformation.items()}
-    return replace(web, system=system, verdict=separate(system, budget=budget), transformation=there)
+    return replace(web, system=system, verdict=separate(system, budget=seconds_left(budget)), transformation=there)
 
 
 def _there(original: System, transformation: Mapping[str, sp.Expr], found: System) -> System:
@@ -236,7 +291,7 @@ def _freedom(web: Web) -> str:
 
 
 def _modal(system: System, reason: str, budget: float) -> Chart:
-    modes = normal_modes(system, budget=budget)
+    modes = normal_modes(system, budget=seconds_left(budget))
     if not isinstance(modes.verdict, Separation):
         raise InvalidSystemError("the modes could not be certified")
     names = tuple(mode.name for mode in modes.modes)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.coordinates.charts.curvilinear import CurvilinearMap, curvilinear_map
 from hjsolve.coordinates.charts.named_constants import Values, restored, with_named_constants
 from hjsolve.coordinates.charts.transform import Cartesian, web_of
 from hjsolve.coordinates.curved.embedding import sphere_of
@@ -23,6 +26,7 @@ from hjsolve.coordinates.killing.killing_tensors import (
 )
 from hjsolve.coordinates.killing.special_parameters import exceptional_values
 from hjsolve.coordinates.results import Geometry, ParameterValues, SeparableCoordinates, Web
+from hjsolve.coordinates.time_limit import OutOfTimeError, seconds_left, within_seconds
 from hjsolve.coordinates.webs.concircular_families import family
 from hjsolve.coordinates.webs.orthonormal_frames import sign_by, tidy_constant
 from hjsolve.coordinates.webs.plane import plane_webs
@@ -56,8 +60,9 @@ def find_coordinates(
 ) -> SeparableCoordinates:
     """Find every orthogonal coordinate system in which a natural system of the plane, space or a sphere separates.
 
-    The system must be given in Cartesian coordinates: T = ½ Σ m_i ẋ_i² with constant masses (a constant symmetric
-    mass matrix is brought to this form), V(x) analytic. Solves d(K·dV) = 0 exactly for the constants of the Killing
+    The system is given in Cartesian coordinates: T = ½ Σ m_i ẋ_i² with constant masses (a constant symmetric mass
+    matrix is brought to this form), V(x) analytic; or in polar, cylindrical or spherical ones, recognised by T.
+    Solves d(K·dV) = 0 exactly for the constants of the Killing
     tensors K (6 in the plane, 20 in space), sorts the solutions that are concircular tensors into the 4 or 11 webs
     (Rajaratnam, McLenaghan, Valero, SIGMA 12 (2016) 117), transforms the system and lets ``separate`` certify it.
     Two coordinates whose T has constant positive curvature are on a sphere: its webs are found (``curved``).
@@ -65,14 +70,16 @@ def find_coordinates(
     Args:
         system: the system, or the id or file of a catalog entry; its parameters stay symbolic and count as generic.
         special: also look for parameter values at which there are more coordinates.
-        budget: seconds that ``separate`` may take for one web.
+        budget: seconds that the whole search may take, to about one. What was not decided in them is said in
+            ``undecided`` and ``advice``.
 
     Returns:
         The coordinates. Where the webs form a family (the elliptic coordinates of the Kepler problem have one
         focus at will), a representative is given and the family described.
 
     Raises:
-        InvalidSystemError: the system is not natural, not in Cartesian coordinates, or not in two or three dimensions.
+        InvalidSystemError: the system is not natural, not in Cartesian, polar, cylindrical or spherical coordinates, or
+            not in two or three dimensions.
         InvalidInputError: no system at all, or a negative budget.
 
     Example:
@@ -83,27 +90,81 @@ def find_coordinates(
         [('elliptic', (2, 1/2), sqrt(13)/2, True)]
     """
     system = system_of(system, "find_coordinates")
-    start, budget = time.monotonic(), arguments.seconds(budget, "budget")
-    sphere = sphere_below(system)
-    if sphere is not None:
-        return _on_sphere(sphere, start, special=special, budget=budget)
-    cartesian = cartesian_form(system)
-    full, reduced = _kernels(cartesian)
-    geometries, webs = _webs(reduced, cartesian, budget)
-    values: tuple[ParameterValues, ...] = ()
-    if special and full.pivots:
-        values = _special_values(cartesian, killing_basis(cartesian.X), full)
-    return SeparableCoordinates(
-        system,
-        full.dimension,
-        reduced.dimension,
-        _combined(full, killing_basis(cartesian.X)),
-        webs,
-        values,
-        full.complete and reduced.complete,
-        _advice(full, geometries, webs, values),
-        time.monotonic() - start,
-    )
+    budget = arguments.seconds(budget, "budget")
+    with within_seconds(budget):
+        curved = curvilinear_map(system)
+        if curved is None:
+            return _Search(system, special=special, budget=budget).result()
+        found = _Search(curved.space, special=special, budget=budget).result()
+        return _told_in(curved, system, found)
+
+
+def _told_in(curved: CurvilinearMap, system: System, found: SeparableCoordinates) -> SeparableCoordinates:
+    """Tell webs found in x, y, z in the coordinates that the system was given in."""
+    axes, names = [c.name for c in curved.space.coordinates], [c.name for c in system.coordinates]
+
+    def told(web: Web) -> Web:
+        formulas = curved.told([web.transformation[axis] for axis in axes])
+        return replace(web, transformation=dict(zip(names, formulas, strict=True)))
+
+    place = ", ".join(f"{axis} = {e}" for axis, e in zip(axes, curved.place, strict=True))
+    advice = f"{found.advice}\nCentres, axes and foci are those of {place}."
+    return replace(found, system=system, webs=tuple(map(told, found.webs)), advice=advice)
+
+
+class _Search:
+    """What is found of a system, stage by stage; where the time runs out, what was found before is the result."""
+
+    def __init__(self, system: System, *, special: bool, budget: float):
+        self.start, self.system, self.special, self.budget = time.monotonic(), system, special, budget
+        self.full: Kernel | None = None
+        self.reduced: Kernel | None = None
+        self.basis: tuple[sp.ImmutableMatrix, ...] = ()
+        self.found: Found = [], []
+        self.values: tuple[ParameterValues, ...] = ()
+        self.stage = "whether it separates in others"
+
+    def result(self) -> SeparableCoordinates:
+        """Return the coordinates, or what is known of them at the end of the budget."""
+        undecided = ""
+        try:
+            sphere = sphere_below(self.system)
+            cartesian = cartesian_form(self.system) if sphere is None else sphere.space
+            self._look(cartesian, sphere)
+            self._look_at_special_values(cartesian)
+            if any(not web.certified for web in self.found[1]) and seconds_left(1.0) == 0.0:
+                raise OutOfTimeError
+        except OutOfTimeError:
+            undecided = f"Not decided in {self.budget:g} s: {self.stage}."
+        full, reduced = self.full or _NOTHING, self.reduced or _NOTHING
+        geometries, webs = self.found
+        words = [_advice(full, geometries, webs, self.values)] if self.reduced else []
+        return SeparableCoordinates(
+            self.system, full.dimension, reduced.dimension, _combined(full, self.basis) if self.full else (),
+            tuple(webs), self.values, not undecided and full.complete and reduced.complete,
+            "\n".join([*words, *([undecided] if undecided else [])]), time.monotonic() - self.start, undecided,
+        )  # fmt: skip
+
+    def _look(self, cartesian: Cartesian, sphere: OnSphere | None) -> None:
+        if sphere is not None:
+            self.full, self.basis = sphere_kernel(sphere)
+            self.reduced, self.stage = self.full, "which webs there are"
+            geometries, webs = webs_on_sphere(sphere, budget=self.budget)
+            self.found = [g for g in geometries if g.kind != "sphere"], list(webs)
+            return
+        full, reduced = _kernels(cartesian)
+        self.full, self.reduced, self.basis = full, reduced, killing_basis(cartesian.X)
+        self.stage = "which webs there are"
+        _webs(reduced, cartesian, self.budget, self.found)
+
+    def _look_at_special_values(self, cartesian: Cartesian) -> None:
+        if not self.special or self.full is None or not self.full.pivots:
+            return
+        self.stage = "at which values of the parameters there are more"
+        found, all_tried = exceptional_values(cartesian.potential, cartesian.X, self.basis, self.full)
+        self.values = tuple(ParameterValues({s.name: e for s, e in one.conditions}, one.dimension) for one in found)
+        if not all_tried:
+            raise OutOfTimeError
 
 
 def sphere_below(system: System) -> OnSphere | None:
@@ -121,38 +182,15 @@ def sphere_below(system: System) -> OnSphere | None:
     return None if sphere is None else on_sphere(sphere, _sign_values(system))
 
 
-def _on_sphere(given: OnSphere, start: float, *, special: bool, budget: float) -> SeparableCoordinates:
-    full, basis = sphere_kernel(given)
-    geometries, webs = webs_on_sphere(given, budget=budget)
-    values = _special_values(given.space, basis, full) if special and full.pivots else ()
-    return SeparableCoordinates(
-        given.sphere.system,
-        full.dimension,
-        full.dimension,
-        _combined(full, basis),
-        webs,
-        values,
-        full.complete,
-        _advice(full, [g for g in geometries if g.kind != "sphere"], webs, values),
-        time.monotonic() - start,
-    )
-
-
-def _special_values(
-    cartesian: Cartesian, basis: Sequence[sp.ImmutableMatrix], full: Kernel
-) -> tuple[ParameterValues, ...]:
-    found = exceptional_values(cartesian.potential, cartesian.X, basis, full)
-    return tuple(ParameterValues({s.name: e for s, e in one.conditions}, one.dimension) for one in found)
-
-
 def _kernels(cartesian: Cartesian) -> tuple[Kernel, Kernel]:
     """Return the kernels of all Killing tensors and of those that come from concircular tensors.
 
-    In the plane irrational constants are letters first: a kernel as large as numbers allow at the constants is theirs.
+    In the plane, and next to parameters, irrational constants are letters first: a kernel as large as numbers allow at
+    the constants is theirs.
     """
     n, basis = len(cartesian.X), killing_basis(cartesian.X)
     lettered, values = with_named_constants(cartesian)
-    if n == 2 and values and not cartesian.system.parameters:
+    if values and (n == 2 or cartesian.system.parameters):
         generic = kernel(lettered.potential, cartesian.X, basis, check=False)
         if generic.dimension == dimension_by_numbers(cartesian.potential, cartesian.X, basis):
             pair = [_at(k, values) for k in (generic, _concircular_kernel(lettered, check=False))]
@@ -175,50 +213,59 @@ def _concircular_kernel(cartesian: Cartesian, *, check: bool) -> Kernel:
     return kernel(cartesian.potential, cartesian.X, basis, check=check)
 
 
-Found = tuple[list[Geometry], tuple[Web, ...]]
+Found = tuple[list[Geometry], list[Web]]
+_NOTHING = Kernel((), True, ())
 
 
-def _webs(reduced: Kernel, cartesian: Cartesian, budget: float) -> Found:
-    """Return the geometries and the webs.
+def _webs(reduced: Kernel, cartesian: Cartesian, budget: float, into: Found) -> None:
+    """Add the geometries and the webs to what was found.
 
     Irrational constants are letters in the plane, where this is quick, and in space where their own arithmetic does
     not lead to the end.
     """
     lettered, values = with_named_constants(cartesian)
+    own = partial(_with_constants, reduced, cartesian, budget)
     if not values or reduced.dimension == 1:
-        return _with_constants(reduced, cartesian, budget)
+        return own(into)
+    letters = partial(_with_letters, reduced, cartesian, lettered, values, budget)
     if len(cartesian.X) == 2:
-        return _with_letters(reduced, cartesian, lettered, values, budget) or _with_constants(
-            reduced, cartesian, budget
-        )
-    found = _with_constants(reduced, cartesian, budget)
-    if len(values) > _MOST_LETTERS or _is_resolved(found):
-        return found
-    return _with_letters(reduced, cartesian, lettered, values, budget) or found
+        return None if letters(into) else own(into)
+    own(into)
+    if len(values) > _MOST_LETTERS or _is_resolved(into):
+        return None
+    again: Found = [], []
+    if letters(again):
+        into[0][:], into[1][:] = again
+    return None
 
 
 def _is_resolved(found: Found) -> bool:
     return all(web.certified for web in found[1]) and not any(g.kind == "unresolved" for g in found[0])
 
 
-def _with_constants(reduced: Kernel, cartesian: Cartesian, budget: float | None) -> Found:
+def _with_constants(reduced: Kernel, cartesian: Cartesian, budget: float | None, into: Found) -> None:
     """Find the webs with the constants as they are; sympy may have no normal form of them, or no end."""
     try:
-        geometries = _geometries(reduced, cartesian)
-        return geometries, tuple(web_of(g, cartesian, budget=budget) for g in geometries if g.kind not in _PARTIAL)
+        into[0].extend(_geometries(reduced, cartesian))
+        for g in into[0]:
+            if g.kind not in _PARTIAL:
+                into[1].append(web_of(g, cartesian, budget=budget))
     except (sp.PolynomialError, NotImplementedError, OverflowError):
-        return [Geometry("unresolved", (), ())], ()
+        into[0][:], into[1][:] = [Geometry("unresolved", (), ())], []
 
 
 def _with_letters(
-    reduced: Kernel, cartesian: Cartesian, lettered: Cartesian, values: Values, budget: float
-) -> Found | None:
-    """Find the webs with a letter for each constant; None where the constants have more webs than the letters."""
+    reduced: Kernel, cartesian: Cartesian, lettered: Cartesian, values: Values, budget: float, into: Found
+) -> bool:
+    """Find the webs with a letter for each constant; False where the constants have more webs than the letters."""
     generic = _concircular_kernel(lettered, check=False)
     if generic.dimension != reduced.dimension:
-        return None
-    geometries, webs = _with_constants(generic, lettered, None)
-    return geometries, tuple(restored(web, values, cartesian, budget=budget) for web in webs)
+        return False
+    found: Found = [], []
+    _with_constants(generic, lettered, None, found)
+    into[0].extend(found[0])
+    into[1].extend(restored(web, values, cartesian, budget=budget) for web in found[1])
+    return True
 
 
 def _combined(full: Kernel, basis: Sequence[sp.ImmutableMatrix]) -> tuple[sp.ImmutableMatrix, ...]:

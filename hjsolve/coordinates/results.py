@@ -46,6 +46,8 @@ class SeparableCoordinates(Shown):
         complete: whether the dimensions were confirmed by an independent count.
         advice: the result in words.
         seconds: time spent.
+        undecided: what was not decided within the budget, a sentence; empty where all was. Where the kernel itself was
+            not found, its dimensions are 0.
     """
 
     system: System
@@ -57,6 +59,7 @@ class SeparableCoordinates(Shown):
     complete: bool
     advice: str
     seconds: float
+    undecided: str = ""
 
     @property
     def kinds(self) -> tuple[str, ...]:

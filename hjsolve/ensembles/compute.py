@@ -16,6 +16,7 @@ from hjsolve.ensembles.engine.status import ENDLESS, Status
 from hjsolve.ensembles.fallback import single_orbit
 from hjsolve.ensembles.layout import ERROR, RECOMPUTED, STATUS, Layout
 from hjsolve.ensembles.task import EnsembleTask, TaskContext, tools_of
+from hjsolve.motion.velocity_frame import COORDINATE
 
 CHUNK = 65536
 """Orbits that one thread treats at a time: passes for few hard orbits cost less together."""
@@ -117,7 +118,12 @@ def _fill(
         return
     places, speeds = ({name: np.ascontiguousarray(x[good]) for name, x in group.items()} for group in (places, speeds))
     if tools.chart is not None:
-        found = run_charted(tools.engine, tools.chart, places, speeds)
+        at = (places, speeds) if tools.about is None else tools.about.in_space(places, speeds)
+        found = run_charted(tools.engine, tools.chart, *at)
+        if tools.about is not None and (name := f"angles.{tools.about.turned}") in found.error:
+            tools.about.turn_back(
+                found.group("angles")[str(tools.about.turned)], found.error[name], places[tools.about.azimuth]
+            )
     elif task.kind == "p":
         found = tools.engine.run(places, speeds)
     else:
@@ -136,7 +142,9 @@ def _fill(
     for k in map(int, singly):
         if stop.is_set():
             return
-        start = {"q": _picked(places, k), task.kind: _picked(speeds, k)}
+        start: dict[str, Any] = {"q": _picked(places, k), task.kind: _picked(speeds, k)}
+        if task.frame != COORDINATE:
+            start["velocity_frame"] = task.frame
         endless = bool(found.status[k] == ENDLESS)
         _one(task, tools, columns, window.start + int(good[k]), start, endless)
         done(1)

@@ -15,6 +15,7 @@ from hjsolve import arguments, catalog
 from hjsolve.coordinates.charts.outer_map import SphereMap
 from hjsolve.display.progress import ProgressBar, Tally
 from hjsolve.ensembles import engine
+from hjsolve.ensembles.about_axis import about_axis
 from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.compute import Columns, compute_columns
 from hjsolve.ensembles.initial_conditions import InitialConditions, conditions
@@ -25,6 +26,7 @@ from hjsolve.mechanics.quantities_given import in_units
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
 from hjsolve.motion.initial_data import parameter_values
+from hjsolve.motion.velocity_frame import COORDINATE, factors_of, lengths_in_units
 from hjsolve.solution.quadratures import AS_GIVEN, Solution, refuse_null, solve
 
 _QUIET = 2.0
@@ -43,6 +45,7 @@ def ensemble(
     fallback: bool = True,
     compiled: bool | None = None,
     coordinates: str = AS_GIVEN,
+    velocity_frame: str = COORDINATE,
     shown: bool | None = None,
 ) -> Batch:
     """Compute the actions, frequencies, … of many orbits of one system.
@@ -69,6 +72,8 @@ def ensemble(
             differ, within the errors.
         coordinates: ``as given``, or ``find`` for others where the given ones do not separate, as of ``solve``: q, p
             and velocity stay those of the system as given, and the columns are those of the separated coordinates.
+        velocity_frame: ``coordinate``: velocities are the rates of the coordinates; ``orthonormal``: lengths per time
+            along their unit vectors (v_R, v_T = R φ̇, v_z), in polar, cylindrical, spherical or Cartesian coordinates.
         shown: whether progress is shown on standard error from two seconds on; None: on a terminal.
 
     Returns:
@@ -90,11 +95,17 @@ def ensemble(
     solution = _solution(system, coordinates)
     refuse_null(solution)
     users = _users(solution)
-    q, velocity = in_units(users, q, "q"), in_units(users, velocity, "velocity")
+    q, factors = in_units(users, q, "q"), factors_of(users, velocity_frame, velocity)
+    if factors is None or velocity is None:
+        velocity = in_units(users, velocity, "velocity")
+    else:
+        velocity = lengths_in_units(users, velocity, factors)
     p, parameters = in_units(users, p, "p"), in_units(users, parameters, "parameters")
     given = conditions(users, q, p, velocity)
     layout = layout_of(solution, want)
-    task = task_for(solution, layout.want, parameters, given.kind, fallback=fallback, compiled=bool(compiled))
+    task = task_for(
+        solution, layout.want, parameters, given.kind, fallback=fallback, compiled=bool(compiled), frame=velocity_frame
+    )
     if compiled is None:
         task = replace(task, compiled=_worth_compiling(math.prod(given.shape), task, solution))
     if given.lazy:
@@ -113,7 +124,7 @@ def _worth_compiling(count: int, task: EnsembleTask, solution: Solution) -> bool
 
 def task_for(
     solution: Solution, want: tuple[str, ...], parameters: Mapping[str, Any] | None, kind: str, *, compiled: bool,
-    fallback: bool = True,
+    fallback: bool = True, frame: str = COORDINATE,
 ) -> EnsembleTask:  # fmt: skip
     """Write the task of an ensemble: every parameter with its exact value.
 
@@ -124,6 +135,7 @@ def task_for(
         kind: ``p`` or ``velocity``, what comes with the places.
         compiled: whether the first pass is compiled, where numba is installed.
         fallback: whether orbits that the vectorised engine hands back go to the engine of single motions.
+        frame: of the velocities.
 
     Raises:
         InvalidInputError: an unknown parameter, or one with several values.
@@ -134,10 +146,11 @@ def task_for(
             "coordinates: ensembles are not started in the angles of a sphere where other coordinates were found; "
             "start each motion by solution.motion(q=…, velocity=…), or them all in the system of a web found"
         )
+    about_axis(solution, frame)  # refuses starts that would be rounded
     exact = parameter_values(solution.system, _numbers(parameters))
     values = tuple((symbol.name, exact[symbol]) for symbol in sorted(exact, key=lambda s: s.name))
     found = None if solution.chart is None else solution
-    return EnsembleTask(_users(solution), want, values, kind, fallback, compiled, found)
+    return EnsembleTask(_users(solution), want, values, kind, fallback, compiled, found, frame)
 
 
 def _users(solution: Solution) -> System:

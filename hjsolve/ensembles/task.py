@@ -10,11 +10,13 @@ import sympy as sp
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.ensembles import engine as batch
+from hjsolve.ensembles.about_axis import AboutAxis, about_axis, solved_in_space
 from hjsolve.ensembles.charted import ChartMap, chart_map
 from hjsolve.ensembles.layout import Layout, layout_of
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, momenta
 from hjsolve.motion.initial_data import domain_ends, sign, to_bits
+from hjsolve.motion.velocity_frame import COORDINATE, factors_of
 from hjsolve.solution.quadratures import Solution, solve
 
 ONE_AT_A_TIME = threading.RLock()
@@ -41,6 +43,7 @@ class EnsembleTask:
         compiled: whether its first pass is compiled, where numba is installed; decided once for an ensemble, not for a
             block of it, because the last bits differ.
         found: the solution in coordinates that were found for the system; None where its own separate.
+        frame: of the velocities (``motion.velocity_frame``).
     """
 
     system: System
@@ -50,6 +53,7 @@ class EnsembleTask:
     fallback: bool = True
     compiled: bool = False
     found: Solution | None = field(default=None, compare=False)
+    frame: str = COORDINATE
 
 
 @dataclass(frozen=True)
@@ -80,6 +84,7 @@ class TaskContext:
         bounds: of the domains.
         momenta: from places and velocities.
         chart: the map to the separated coordinates; None where they are the user's.
+        about: how stars in cylindrical coordinates are turned to where the map takes them as they are.
     """
 
     solution: Solution
@@ -88,6 +93,7 @@ class TaskContext:
     bounds: tuple[DomainEnd, ...]
     momenta: batch.MomentumRule
     chart: ChartMap | None = None
+    about: AboutAxis | None = None
 
 
 def tools_of(task: EnsembleTask) -> TaskContext:
@@ -104,7 +110,8 @@ def tools_of(task: EnsembleTask) -> TaskContext:
 def _tools(task: EnsembleTask) -> TaskContext:
     system, solution = task.system, task.found or solve(task.system)
     names = [name for name, _ in task.parameters]
-    formulas = momenta(system)
+    formulas = _momenta(task)
+    about = about_axis(solution, task.frame)
     arguments = [c.symbol for c in system.coordinates] + [c.velocity for c in system.coordinates]
     engine = batch.build(
         solution,
@@ -121,8 +128,19 @@ def _tools(task: EnsembleTask) -> TaskContext:
             lower([formulas[c.name] for c in system.coordinates], [*arguments, *(system.symbols[n] for n in names)]),
             tuple(split(to_bits(value)(128)) for _, value in task.parameters),
         ),
-        chart=_chart(task, solution, engine),
+        chart=_chart(task, solution if about is None else solved_in_space(solution), engine),
+        about=about,
     )
+
+
+def _momenta(task: EnsembleTask) -> dict[str, sp.Expr]:
+    """The momenta in places and velocities, in the frame that these are given in."""
+    system, formulas = task.system, dict(momenta(task.system))
+    factors = factors_of(system, task.frame, ()) if task.kind == "velocity" else None
+    if factors is None:
+        return formulas
+    rates = {c.velocity: c.velocity / h for c, h in zip(system.coordinates, factors, strict=True)}
+    return {name: p.xreplace(rates) for name, p in formulas.items()}
 
 
 def _chart(task: EnsembleTask, solution: Solution, engine: batch.Engine) -> ChartMap | None:

@@ -85,7 +85,10 @@ class LinearModes(Shown):
             InvalidInputError: the system is not stable, or velocity and p are both given or both missing.
         """
         if self.normal_form is None:
-            raise InvalidInputError("this system has no modes that oscillate only: some exponent is not imaginary")
+            raise InvalidInputError(
+                "modes.motion: the modes do not all oscillate at different frequencies, since some exponent is zero, "
+                "repeated or not imaginary; the exponents of this object show which"
+            )
         bits = _bits(self.digits)
         z = multiprecision(bits).matrix([to_bits(x)(bits) for x in _canonical(self, q, velocity, p)])
         modal = _inverse(self.matrix) * z
@@ -265,9 +268,22 @@ def _cofactors(A: MpfMatrix, row: int, context: Context) -> list[Mpf | Mpc]:
     n = A.rows
     found = []
     for j in range(n):
-        minor = context.matrix([[A[i, k] for k in range(n) if k != j] for i in range(n) if i != row])
-        found.append((-1) ** (row + j) * (context.det(minor) if n > 1 else context.mpf(1)))
+        minor = [[A[i, k] for k in range(n) if k != j] for i in range(n) if i != row]
+        found.append((-1) ** (row + j) * _determinant(minor, context))
     return found
+
+
+def _determinant(rows: list[list[Mpf]], context: Context) -> Mpf:
+    """Gaussian elimination; 0 where a column has no pivot, as a minor of a decoupled coordinate has (mpmath raises)."""
+    product, left = context.mpf(1), [list(row) for row in rows]
+    while left:
+        best = max(range(len(left)), key=lambda i: abs(left[i][0]))
+        pivot, *rest = left.pop(best)
+        if not pivot:
+            return context.mpf(0)
+        product *= -pivot if best % 2 else pivot
+        left = [[x - row[0] / pivot * y for x, y in zip(row[1:], rest, strict=True)] for row in left]
+    return product
 
 
 def _hessian(system: System, values: Mapping[sp.Symbol, sp.Expr], context: Context) -> MpfMatrix:

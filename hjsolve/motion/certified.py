@@ -101,10 +101,15 @@ def enclosed_numbers(motion: SeparatedMotion, digits: int, known: Mapping[str, B
         InvalidInputError: a coordinate neither librates nor rotates; that is not certified yet.
         NotConvergedError: an enclosure stayed wider than asked.
     """
-    unfit = [name for name, place in motion.located.items() if place.course.cycle is None]
+    unfit = [
+        (name, course.kind) for name, place in motion.located.items() if (course := place.course).cycle is None
+    ] + [
+        (name, "rotation along a line") for name, place in motion.located.items()
+        if place.course.rotates and motion.solution.system.coordinate(name).domain.kind != "angle"
+    ]  # fmt: skip
     if unfit:
         raise InvalidInputError(
-            f"certified=True encloses librations and rotations; {unfit[0]} is in {motion.located[unfit[0]].course.kind}"
+            f"certified=True encloses librations and rotations of angles; {unfit[0][0]} is in {unfit[0][1]}"
         )
     work = work_bits(digits)
     for _ in range(6):

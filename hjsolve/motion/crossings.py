@@ -97,8 +97,10 @@ def _phase_of(
     if course.rests:
         raise OutsideMotionError(f"{name} rests at {float(course.place(np.zeros(1))[0][0]):.12g}: it crosses nothing")
     if (cycle := course.cycle) is not None:
-        χ = cycle.anomaly.phase(between_turning_points(motion, name, cycle, place), 1, arithmetic)
+        χ = cycle.phase(between_turning_points(motion, name, cycle, place), arithmetic)
         turn = 2 * arithmetic.pi()
+        if cycle.rotates and motion.solution.system.coordinate(name).domain.kind == "line":
+            return _only_phase(name, cycle, place, χ, passage)
         around = {float(x % turn): x % turn for x in ((χ,) if cycle.rotates else (χ, -χ))}
         start = cycle.start
         first = sorted(x + turn * arithmetic.context.ceil((start - x) / turn) for x in around.values())
@@ -111,6 +113,22 @@ def _phase_of(
             f"{name} passes {float(place):.9g} {len(later)} times {'after' if passage >= 0 else 'before'} t0, not more"
         )
     return later[index]
+
+
+def _only_phase(name: str, cycle: Periodic, place: Mpf, χ: Mpf, passage: int) -> Mpf:
+    """The phase at which a rotation along a line passes a place, which it does once.
+
+    Raises:
+        OutsideMotionError: it does so on the other side of t₀, or not so often.
+    """
+    context = χ.context
+    turn = 2 * context.pi
+    there = cycle.place(np.array([χ], dtype=object))[0][0]
+    χ += turn * context.nint(cycle.direction * (place - there) / (turn * cycle.radian))
+    if passage != (0 if χ >= cycle.start else -1):
+        side = "after" if passage >= 0 else "before"
+        raise OutsideMotionError(f"{name} passes {float(place):.9g} once, and not as passage {passage} {side} t0")
+    return χ
 
 
 def between_turning_points(motion: SeparatedMotion, name: str, course: Periodic, place: Mpf) -> Mpf:

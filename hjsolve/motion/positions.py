@@ -59,6 +59,9 @@ def positions_at(
     ):
         q[name], shell[name] = course.place(χ)
         whole[name] = course.direction * n if course.rotates else 0 * n
+        cycle, domain = course.cycle, motion.solution.system.coordinate(name).domain
+        if cycle is not None and cycle.rotates and domain.kind == "line":
+            q[name] = q[name] + cycle.length_of_turns(n, q[name])
     for coordinate in motion.solution.system.coordinates:
         if coordinate.name not in q:
             q[coordinate.name], whole[coordinate.name] = _ignorable(motion, phases, coordinate.name, q)

@@ -104,12 +104,15 @@ def actions(solution: Solution, initial: Initial, located: Mapping[str, Located]
         value = course.signed_action
         if value is not None:
             if course.rotates:
-                value -= _mean_shift(solution, initial, coordinate, digits)
+                radian = course.cycle.radian if course.cycle is not None else 1
+                value -= _mean_shift(solution, initial, coordinate, radian, digits)
             result[coordinate.name] = rounded(value, digits, course.nodes)
     return result
 
 
-def _mean_shift(solution: Solution, initial: Initial, coordinate: Coordinate, digits: int) -> Mpf | int:
+def _mean_shift(
+    solution: Solution, initial: Initial, coordinate: Coordinate, radian: Mpf | int, digits: int
+) -> Mpf | int:
     """(1/2π) ∫ A dq over a turn: what the shift p = P − A adds to the action of a rotation."""
     A = solution.shift[coordinate.name]
     if A == 0:
@@ -117,7 +120,8 @@ def _mean_shift(solution: Solution, initial: Initial, coordinate: Coordinate, di
     bits, nodes = bits_for(digits, 64), 8 * digits
     tape = lower([A.subs({s: v for s, v in initial.values.items() if s != coordinate.symbol})], [coordinate.symbol])
     context = multiprecision(bits)
-    return context.fsum(tape.run(Multi(bits), [2 * context.pi * k / nodes])[0] for k in range(nodes)) / nodes
+    places = (2 * context.pi * radian * k / nodes for k in range(nodes))
+    return context.fsum(tape.run(Multi(bits), [q])[0] for q in places) * radian / nodes
 
 
 def frequencies(solution: Solution, initial: Initial, equations: Equations | None, digits: int) -> dict[str, Estimate]:

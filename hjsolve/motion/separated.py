@@ -16,9 +16,11 @@ from hjsolve.errors import NotConvergedError
 from hjsolve.lowering import momentum_squared_tapes, with_plain_exponents
 from hjsolve.motion import quantities
 from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, sign, to_bits
+from hjsolve.motion.joined_terms import by_half_angles, with_exact_coefficients
+from hjsolve.motion.winding import radians_of_a_unit
 from hjsolve.one_coordinate.allowed_regions import forbidden
 from hjsolve.one_coordinate.classify import Located, locate
-from hjsolve.one_coordinate.coordinate_start import CoordinateStart
+from hjsolve.one_coordinate.coordinate_start import CoordinateStart, Winding
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, has_period
 from hjsolve.solution.quadratures import Solution
 from hjsolve.time_law.open_motion import TriangularScheme, plan
@@ -123,7 +125,13 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Coordin
     parameters = tuple(p.symbol for p in solution.system.parameters)
     exact = [initial.constants[c] for c in solution.constants] + [initial.values[s] for s in parameters]
     rules = [to_bits(value) for value in exact]
-    squared, kernels, absent, periodic = momentum_squared_tapes(F, coordinate.symbol, constants, parameters)
+    F = by_half_angles(F, coordinate.symbol)
+    own = (F, *(sp.diff(F, c) / 2 for c in constants))
+    known = dict(zip((*constants, *parameters), exact, strict=True))
+    joined = tuple(with_exact_coefficients(e, coordinate.symbol, known) for e in own)
+    squared, kernels, absent, periodic = momentum_squared_tapes(
+        F, coordinate.symbol, constants, parameters, None if joined == own else joined
+    )
     radicand = MomentumSquared(squared, kernels, partial(_at_bits, rules))
     momentum, shift = initial.values[coordinate.momentum], solution.shift[name]
     ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
@@ -133,7 +141,26 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Coordin
     forward = sign(root)
     if forward:
         radicand = radicand.guarded(place, _square(to_bits(root)))
-    return CoordinateStart(name, radicand, place, forward, ends[0], ends[1], angle, absent)
+    start = CoordinateStart(name, radicand, place, forward, ends[0], ends[1], angle, absent)
+    if coordinate.domain.kind != "line":
+        return start
+    return replace(start, winding=_winding(start, F, coordinate.symbol, constants, parameters, initial))
+
+
+def _winding(
+    start: CoordinateStart, F: sp.Expr, q: sp.Symbol, constants: tuple[sp.Symbol, ...],
+    parameters: tuple[sp.Symbol, ...], initial: Initial,
+) -> Winding | None:  # fmt: skip
+    """A coordinate on a line as an angle; None where p² does not repeat itself, or where the place is too far out."""
+    rate = radians_of_a_unit(F, q, initial.values)
+    if rate is None:
+        return None
+    scale, angle = to_bits(1 / rate), to_bits(initial.values[q] * rate)
+    if abs(angle(64)) >= _MOST_ANGLE:
+        return None
+    squared, kernels, absent, _ = momentum_squared_tapes(F.xreplace({q: q / rate}) / rate**2, q, constants, parameters)
+    radicand = replace(start.radicand, squared=squared, kernels=kernels)
+    return Winding(replace(start, radicand=radicand, place=angle, angle=True, skipped=absent), scale)
 
 
 def _at_bits(rules: list[InBits], bits: int) -> list[Mpf]:

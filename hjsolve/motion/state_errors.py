@@ -163,7 +163,8 @@ def table_errors(
     for c, force in zip(system.coordinates, forces, strict=True):
         index = 0 if c.name == separated else table.waves[c.name][0]
         inner = _TABLE * table.table.sizes(index, θ)
-        inner = inner if c.name == separated else np.maximum(inner, _ANGLE * (np.pi + np.abs(q[c.name])))
+        runs_on = c.name != separated or (c.domain.kind == "line" and motion.located[separated].course.rotates)
+        inner = inner if not runs_on else np.maximum(inner, _ANGLE * (np.pi + np.abs(q[c.name])))
         dq[c.name] = np.abs(v[c.name]) * delay + inner
         own = _TABLE * table.table.sizes(1, θ) if c.name == separated else 2 * EPS * np.abs(p[c.name])
         moved, shift = _shifted(motion, c.name, q)

@@ -175,7 +175,10 @@ class _Quantities:
 
     def _position(self, name: str) -> Numbers:
         if name == self.separated and name not in self.angles:
-            return self._until_the_end(self.times.values(self.table, 0))
+            value, cycle = self.times.values(self.table, 0), self.motion.located[name].course.cycle
+            if cycle is not None and cycle.rotates:
+                value = value + cycle.length_of_turns(self.arguments[1], value)
+            return self._until_the_end(value)
         return self.places[name][0]
 
     def _place(self, name: str) -> tuple[Numbers, Numbers]:

@@ -234,7 +234,8 @@ def _scale(motion: SeparatedMotion) -> float:
     name = motion.solution.coordinates[0]
     ends = motion.turning_points.get(name)
     if ends is None:
-        return float(np.pi)
+        cycle = motion.located[name].course.cycle
+        return float(np.pi) * float(1 if cycle is None else cycle.radian)
     values = [float(e.value) for e in ends if e is not None]
     domain = motion.solution.system.coordinate(name).domain
     positive = domain.lower is not None and domain.lower == 0

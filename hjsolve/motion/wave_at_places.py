@@ -127,7 +127,7 @@ def _on_cycle(
 ) -> tuple[Mpf, int]:
     """Of a libration once round from its lower turning point; of a rotation as far as its angle goes, not reduced."""
     turn = 2 * arithmetic.pi()
-    χ = cycle.anomaly.phase(between_turning_points(motion, name, cycle, place), 1, arithmetic)
+    χ = cycle.phase(between_turning_points(motion, name, cycle, place), arithmetic)
     if not cycle.rotates:
         χ = abs(χ) if sign != -1 else turn - abs(χ)
         begin = motion.located[name].course.start
@@ -136,7 +136,8 @@ def _on_cycle(
         raise OutsideMotionError(f"{name} goes round one way: it has no branch {sign:+d}")
     start = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(bits_for(motion.digits, 128))
     there, first = cycle.place(np.array([χ, cycle.start], dtype=object))[0]
-    turns = [arithmetic.context.nint(cycle.direction * (x - y) / turn) for x, y in ((place, there), (start, first))]
+    way = cycle.direction * turn * cycle.radian
+    turns = [arithmetic.context.nint((x - y) / way) for x, y in ((place, there), (start, first))]
     return χ, int(turns[0] - turns[1])
 
 

@@ -43,6 +43,9 @@ class _Negated(MomentumSquared):
     def sign_beyond(self, side: int, start: float) -> int:
         return -super().sign_beyond(side, start)
 
+    def sign_before(self, end: Mpf, side: int, distance: Mpf) -> int:
+        return -super().sign_before(end, side, distance)
+
     def enclose(self, low: Numbers, high: Numbers, bits: int = 53) -> Derivatives[Interval]:
         return Derivatives(*(Interval(-part.high, -part.low) for part in super().enclose(low, high, bits)))
 

@@ -16,7 +16,8 @@ from hjsolve.one_coordinate.anomaly_choice import over_near_zeros, over_other_ne
 from hjsolve.one_coordinate.barriers import slow_place
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
 from hjsolve.one_coordinate.coordinate_motion import Anomaly, AtRest, CoordinateMotion, Periodic, Unbounded
-from hjsolve.one_coordinate.coordinate_start import CoordinateStart
+from hjsolve.one_coordinate.coordinate_start import CoordinateStart, Winding
+from hjsolve.one_coordinate.kind_of_motion import Kind
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
 from hjsolve.one_coordinate.open_branch import Branch
 from hjsolve.one_coordinate.ray import Ray
@@ -61,6 +62,8 @@ def locate(start: CoordinateStart, digits: int) -> Located:
     forward = start.forward or _push(start)
     if forward == 0:
         return _rest(start, digits)
+    if start.winding is not None and (wound := _wound(start, start.winding, digits)) is not None:
+        return wound
     ahead = first_end(ray(start, forward), digits=digits)
     if start.forward == 0:
         behind = End("turning", start.place)
@@ -249,12 +252,21 @@ def _rotation(start: CoordinateStart, direction: int, digits: int) -> Periodic:
     return over_the_best_map(start, "rotation", maps, digits, bits)
 
 
+def _wound(start: CoordinateStart, winding: Winding, digits: int) -> Located | None:
+    """The motion along a line over barriers that repeat themselves; None where it turns at one of them."""
+    around = replace(winding.start, parts=start.parts)
+    if start.forward == 0 or first_end(ray(around, start.forward), digits=digits).kind != "round":
+        return None
+    course = _rotation(around, start.forward, digits)
+    bits = bits_for(digits, 128) + start.radicand.guard
+    return Located(replace(course, radian=winding.scale(bits)), End("round"), End("round"))
+
+
 def _open(start: CoordinateStart, forward: int, lower: End, upper: End, digits: int) -> Unbounded:
     bits = bits_for(digits, 128)
     exact = bits + 512 + start.radicand.guard
     lower, upper = _judged(start, lower), _judged(start, upper)
-    kinds = {lower.kind, upper.kind}
-    kind = "boundary" if kinds & {"boundary", "fall"} else "asymptotic" if "asymptote" in kinds else "escape"
+    kind = _kind_of_open(lower, upper, forward)
 
     def branch(origin: End, target: End, side: int) -> Branch:
         assert origin.place is not None
@@ -270,12 +282,24 @@ def _open(start: CoordinateStart, forward: int, lower: End, upper: End, digits: 
         way = EndMap(turning, end, first, side, length, max(0, round(-target.power)))
         return Branch(way, start.radicand, start.skipped, digits, bits)
 
-    if "turning" in kinds:
+    if "turning" in {lower.kind, upper.kind}:
         out = branch(lower, upper, 1) if lower.kind == "turning" else branch(upper, lower, -1)
-        return Unbounded(kind, out, out, _open_phase(out.way, start, forward, bits))  # type: ignore[arg-type]
+        return Unbounded(kind, out, out, _open_phase(out.way, start, forward, bits))
     here = End("boundary", start.place)
     ahead, behind = (upper, lower) if forward > 0 else (lower, upper)
-    return Unbounded(kind, branch(here, ahead, forward), branch(here, behind, -forward), 0 * start.place(bits))  # type: ignore[arg-type]
+    return Unbounded(kind, branch(here, ahead, forward), branch(here, behind, -forward), 0 * start.place(bits))
+
+
+def _kind_of_open(lower: End, upper: End, forward: int) -> Kind:
+    """The kind of a motion that does not come back: what it does in the end, whatever it came from."""
+    ahead, behind = (upper, lower) if forward > 0 else (lower, upper)
+    match (behind if ahead.kind == "turning" else ahead).kind:
+        case "boundary" | "fall":
+            return "boundary"
+        case "asymptote":
+            return "asymptotic"
+        case _:
+            return "escape"
 
 
 def _judged(start: CoordinateStart, end: End) -> End:

@@ -21,6 +21,7 @@ class CoordinateStart:
         angle: True when p² has period 2π in q.
         skipped: kernels that are zero everywhere.
         parts: what is to be integrated; see ``coordinate_motion.PARTS``.
+        winding: of a coordinate on a line along which p² repeats itself: the same as an angle.
     """
 
     name: str
@@ -32,3 +33,17 @@ class CoordinateStart:
     angle: bool
     skipped: tuple[bool, ...]
     parts: frozenset[str] = PARTS
+    winding: Winding | None = None
+
+
+@dataclass(frozen=True)
+class Winding:
+    """A coordinate q on a line as an angle u, q = scale · u.
+
+    Attributes:
+        start: u at the initial time.
+        scale: the length of a radian at any precision.
+    """
+
+    start: CoordinateStart
+    scale: Number

@@ -13,7 +13,7 @@ from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Derivatives, Jet, Jets
 from hjsolve.arithmetic.number_types import Mpf, Numbers, Numeric
-from hjsolve.arithmetic.sign_at_infinity import sign_beyond
+from hjsolve.arithmetic.sign_at_infinity import sign_before, sign_beyond
 from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.arithmetic.work_counter import count
 
@@ -83,6 +83,17 @@ class MomentumSquared:
         """
         bits = BITS + 2 * self.guard
         return sign_beyond(self.squared, self.inputs(bits), side, start, bits)
+
+    def sign_before(self, end: Mpf, side: int, distance: Mpf) -> int:
+        """Return the sign of F wherever 0 < side·(end − q) ≤ distance; 0 where that is not known.
+
+        Args:
+            end: where q ends.
+            side: +1 from below, −1 from above.
+            distance: from the end.
+        """
+        bits = BITS + 2 * self.guard
+        return sign_before(self.squared, self.inputs(bits), end, side, distance, bits)
 
     def guarded(self, place: Number, squared: Number) -> MomentumSquared:
         """Return the same with as many bits more as its terms lose at a place where it is known.

@@ -8,7 +8,7 @@ from typing import cast
 import numpy as np
 
 from hjsolve.arithmetic.error_free import Pair, moved, split
-from hjsolve.arithmetic.floats import Float64, context_of, multiprecision
+from hjsolve.arithmetic.floats import Float64, Multi, context_of, multiprecision
 from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, Reals
 from hjsolve.arithmetic.work_counter import count
 from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
@@ -31,7 +31,8 @@ class Periodic(KindOfMotion):
         momentum: series of ln(p/(dq/dχ)), which may vary by many orders of magnitude.
         density: series of p dq/dχ; its mean is the action.
         start: χ of the initial place.
-        radicand: p² and its kernels.
+        radicand: p² and its kernels, functions of the angle that the anomaly gives.
+        radian: what the coordinate moves by in a radian of a rotation: 1 of an angle, a length on a line.
     """
 
     kind: Kind
@@ -41,6 +42,7 @@ class Periodic(KindOfMotion):
     density: FourierSeries | None
     start: Mpf
     radicand: MomentumSquared
+    radian: Mpf | int = 1
 
     stable = True
     one_scale = True
@@ -205,7 +207,7 @@ class Periodic(KindOfMotion):
             χ: phases in doubles, shape (m,).
         """
         if self.rotates:
-            return np.abs(cast("Reals", self.place(χ)[0])) + np.pi
+            return np.abs(cast("Reals", self.place(χ)[0])) + np.pi * float(self.radian)
         return np.minimum(*self.distances(χ))
 
     def in_doubles(self) -> Periodic:
@@ -242,7 +244,7 @@ class Periodic(KindOfMotion):
             weights: wⱼ, one a constant.
             χ: phases in doubles, shape (m,).
         """
-        q, _ = self.place(χ)
+        q, _ = self._inner_place(χ)
         count(kernels=q.size)
         numbers = [float(x) for x in self.radicand.inputs(64)]
         kernels = self.radicand.kernels.run(Float64(), [q, *numbers])
@@ -271,12 +273,42 @@ class Periodic(KindOfMotion):
         h, series = 1e-5, replace(self.momentum, mean=0.0)
         return np.abs(χ * (series.value(χ + h) - series.value(χ - h)) / (2 * h))
 
+    def phase(self, q: Mpf, arithmetic: Multi) -> Mpf:
+        """Return χ in (−π, π] of a place on the way up, or of one that is passed in a rotation.
+
+        Args:
+            q: the place, between the turning points of a libration.
+            arithmetic: in which χ is worked out.
+        """
+        return self.anomaly.phase(q / self.radian, 1, arithmetic)
+
+    def length_of_turns(self, count: Numbers, like: Numbers) -> Numbers:
+        """Return what a rotation has gone in whole turns.
+
+        Args:
+            count: how many, whole numbers, shape (m,).
+            like: of the numbers wanted: doubles, or ``mpf``.
+        """
+        if like.dtype == float:
+            turn: Elementwise = 2 * np.pi if self.radian == 1 else float(2 * multiprecision(96).pi * self.radian)
+            return self.direction * turn * count
+        turn = 2 * arithmetic_of(like).pi() * self.radian
+        return np.array([self.direction * turn * int(n) for n in count], dtype=object)
+
     def place(self, χ: Numbers) -> tuple[Numbers, Numbers]:
         """Return q (not reduced to one turn) and the shell momentum at χ.
 
         Args:
             χ: phases, shape (m,).
         """
+        q, p = self._inner_place(χ)
+        if self.radian == 1:
+            return q, p
+        radian: Elementwise = float(self.radian) if χ.dtype == float else self.radian
+        return q * radian, p / radian
+
+    def _inner_place(self, χ: Numbers) -> tuple[Numbers, Numbers]:
+        """The place and the momentum that belong to the radicand."""
         count(places=χ.size)
         arithmetic = arithmetic_of(χ)
         anomaly = arithmetic.choose(lambda _: self.anomaly.in_doubles(), lambda _: self.anomaly)

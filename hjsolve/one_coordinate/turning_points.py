@@ -16,6 +16,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from hjsolve.arithmetic.asymptotic_expansion import BITS
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Numeric, Reals
 from hjsolve.arithmetic.root_finding import bracketed_root, leading_power
@@ -178,22 +179,29 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
 
 
 class _Outlook:
-    """Where p² is known to stay positive up to infinity; asked once in every factor of two."""
+    """Where p² is known to stay positive up to infinity, or to the end of the domain; asked once a factor of two."""
 
     def __init__(self, ray: Ray):
         self.ray = ray
         self.asked: set[int] = set()
 
     def clear(self, x: float) -> bool:
-        """True when p² > 0 from a distance x on to infinity."""
-        octave = int(np.frexp(x)[1])
-        if self.ray.reach is not None or octave in self.asked:
+        """True when p² > 0 from a distance x on."""
+        if self.ray.turns:
+            return False
+        left = x if self.ray.reach is None else float(self.ray.reach(BITS) - x)
+        octave = int(np.frexp(left)[1])
+        if octave in self.asked:
             return False
         self.asked.add(octave)
         return _stays_positive(self.ray, x)
 
 
 def _stays_positive(ray: Ray, x: float) -> bool:
+    if ray.reach is not None:
+        bits = BITS + 2 * ray.radicand.guard
+        reach = ray.reach(bits)
+        return ray.radicand.sign_before(ray.place(reach, bits), ray.side, reach - x) > 0
     far = ray.side * float(ray.place(x, 128))
     return ray.radicand.sign_beyond(ray.side, far * (1 - 2.0**-50)) > 0
 

@@ -106,6 +106,7 @@ class Question(Shown):
         seconds: the time allowed, where the scene asks for the best that fits into it instead of digits.
         coordinates: ``as given``, or ``find`` for others where those of the system do not separate; initial data,
             events and the trajectory speak the system's own either way.
+        velocity_frame: ``coordinate``, or ``orthonormal`` where the velocities given are along unit vectors.
         sweep: many initial conditions in place of one; such a scene is for ``hjsolve.sweep``, not for ``run``.
     """
 
@@ -128,6 +129,7 @@ class Question(Shown):
     seconds: float | None = None
     sweep: Varied | None = None
     coordinates: str = "as given"
+    velocity_frame: str = "coordinate"
 
     @property
     def fixed(self) -> dict[str, Mapping[str, object] | None]:

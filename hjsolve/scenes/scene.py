@@ -21,6 +21,7 @@ from hjsolve.catalog.toml_file import Toml
 from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System
+from hjsolve.motion.velocity_frame import COORDINATE, ORTHONORMAL, factors_of, rates_of
 from hjsolve.motion.wanted import OF_MANY_ORBITS
 from hjsolve.scenes.events import read_event
 from hjsolve.scenes.initial_grid import Varied, disagreements, read_sweep
@@ -49,7 +50,8 @@ class Scene(Question):
     """A question that can be read from a file and run.
 
     Its attributes are those of ``Question``, where each is explained: source, title, summary, table, effects, system,
-    forces, parameters, initial, want, times, digits, events, orbit, method, coordinates, certified, seconds, sweep.
+    forces, parameters, initial, want, times, digits, events, orbit, method, coordinates, velocity_frame,
+    certified, seconds, sweep.
     """
 
     @staticmethod
@@ -128,12 +130,13 @@ def _built(table: Toml, source: str, folder: Path) -> Scene:
     result = Scene(
         source=source, title=table.get("title", changed.get("title", "")), summary=table.get("summary", ""),
         table=entry, effects=names, system=system, forces=forced, parameters=_parameters(table, entry, source),
-        initial=_initial(table, entry, source), want=wanted, times=_times(table.get("times")),
+        initial=_initial(table, entry, source, system), want=wanted, times=_times(table.get("times")),
         digits=table.get("accuracy", {}).get("digits", INTEGRATED_DIGITS if integrated else 15),
         events=tuple(read_event(e, system, f"events[{k}]") for k, e in enumerate(table.get("events", ()), start=1)),
         orbit=_orbit(table), method="integrate" if integrated else "quadratures",
         seconds=_seconds(table.get("accuracy", {}), source),
         sweep=read_sweep(table.get("sweep"), folder), coordinates=table.get("coordinates", "as given"),
+        velocity_frame=table.get("velocity_frame", COORDINATE),
     )  # fmt: skip
     problems = list(_disagreements(result))
     if problems:
@@ -170,12 +173,17 @@ def _parameters(table: Toml, entry: Toml, source: str) -> dict[str, object]:
     return {**own, **table.get("parameters", {})}
 
 
-def _initial(table: Toml, entry: Toml, source: str) -> InitialGroups | None:
+def _initial(table: Toml, entry: Toml, source: str, system: System) -> InitialGroups | None:
+    """The initial data; velocities along unit vectors become rates here, those of a sweep when it computes them."""
     data = table.get("initial") or _motion_table(table, entry, source)
     if not data:
         return None
+    velocity = data.get("velocity")
+    if table.get("velocity_frame") == ORTHONORMAL and "initial" in table and "sweep" not in table:
+        factors = factors_of(system, ORTHONORMAL, velocity)
+        velocity = rates_of(system, data["q"], velocity or {}, factors or ())
     return InitialGroups(
-        data["q"], data.get("velocity"), data.get("p"), number(data.get("t", 0), source=f"{source}: initial.t")
+        data["q"], velocity, data.get("p"), number(data.get("t", 0), source=f"{source}: initial.t")
     )
 
 

@@ -11,6 +11,7 @@ from hjsolve.catalog import schema, toml_file
 from hjsolve.catalog.schema import Key
 from hjsolve.catalog.toml_file import Toml
 from hjsolve.errors import CatalogError
+from hjsolve.motion.velocity_frame import COORDINATE, ORTHONORMAL
 from hjsolve.scenes.initial_grid import sweep_faults
 
 METHODS = ("quadratures", "integrate")
@@ -30,6 +31,7 @@ SCENE = {
     "title": _TEXT, "summary": _TEXT, "effects": Key("texts"), "parameters": _NUMBERS, "motion": _TEXT,
     "initial": Key("table", keys={"q": Key("numbers", True), "velocity": _NUMBERS, "p": _NUMBERS, "t": Key("number")}),
     "want": Key("texts"), "method": Key("text", choices=METHODS), "coordinates": Key("text", choices=COORDINATES),
+    "velocity_frame": Key("text", choices=(COORDINATE, ORTHONORMAL)),
     "accuracy": Key("table", keys={"digits": Key("number"), "seconds": Key("number")}),
     "orbit": Key("table", keys={"of": Key("text", True), "along": Key("text", True)}),
     "events": Key("tables", keys=_EVENT),

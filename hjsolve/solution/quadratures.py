@@ -30,7 +30,7 @@ from hjsolve.mechanics.coordinates_and_parameters import free_name
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
-from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
+from hjsolve.separation import DEFAULT_BUDGET, Constant, Obstruction, Separation, Undecided, separate
 from hjsolve.separation.relativistic import shell_energy
 from hjsolve.separation.verdicts import Verdict
 
@@ -103,6 +103,7 @@ class Solution(ShownSolution):
         digits: int = 15,
         certified: bool = False,
         want: Iterable[str] | None = None,
+        velocity_frame: str = "coordinate",
     ) -> Motion:
         """Start a motion: numbers for this solution.
 
@@ -121,6 +122,9 @@ class Solution(ShownSolution):
             certified: prove constants, turning points, actions, frequencies and periods (needs the extra
                 ``certified``); states stay estimates, at the digits asked.
             want: which quantities will be asked, such as ["actions", "periods"]; nothing else is integrated. None: all.
+            velocity_frame: ``coordinate``: velocities are the rates of the coordinates; ``orthonormal``: lengths per
+                time along their unit vectors (v_R, v_T = R φ̇, v_z), in polar, cylindrical, spherical or Cartesian
+                coordinates.
 
         Returns:
             The motion: ``kinds``, ``turning_points``, ``constants``, ``actions``, ``frequencies``, ``periods``, and
@@ -146,7 +150,7 @@ class Solution(ShownSolution):
         refuse_null(self)
         return start(
             self, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters, t0=t0,
-            digits=digits, certified=certified, want=want,
+            digits=digits, certified=certified, want=want, velocity_frame=velocity_frame,
         )  # fmt: skip
 
 
@@ -167,7 +171,9 @@ def refuse_null(solution: Solution) -> None:
         )
 
 
-def solve(system: System | Separation | str | Path, coordinates: str = "as given") -> Solution:
+def solve(
+    system: System | Separation | str | Path, coordinates: str = "as given", *, budget: float = DEFAULT_BUDGET
+) -> Solution:
     """Solve a system by quadratures.
 
     A system that was solved before in this process is not solved again: equal systems share one solution.
@@ -176,6 +182,7 @@ def solve(system: System | Separation | str | Path, coordinates: str = "as given
         system: a system, or the ``Separation`` it already gave; or the id or file of a catalog entry.
         coordinates: ``as given``; or ``find``: the given ones if they separate, else normal modes, else the simplest
             certified web of ``find_coordinates``. Motions are then started and told in the given ones all the same.
+        budget: seconds for the decision in the given coordinates, and as many for the search for others.
 
     Returns:
         The solution; every integral stays unevaluated.
@@ -183,7 +190,8 @@ def solve(system: System | Separation | str | Path, coordinates: str = "as given
     Raises:
         NotSeparableError: the system does not separate in its coordinates, or that could not be decided; the error
             carries the verdict.
-        InvalidInputError: neither a system nor a verdict; ``coordinates`` is neither of the two words.
+        InvalidInputError: neither a system nor a verdict; ``coordinates`` is neither of the two words; a negative
+            budget.
 
     Example:
         >>> from hjsolve import System
@@ -201,16 +209,16 @@ def solve(system: System | Separation | str | Path, coordinates: str = "as given
         )
     if isinstance(system, (Separation, Obstruction, Undecided)):
         return _solved(system)
-    return _remembered(system_of(system, "solve"), coordinates == FIND)
+    return _remembered(system_of(system, "solve"), coordinates == FIND, arguments.seconds(budget, "budget"))
 
 
 @lru_cache(maxsize=128)
-def _remembered(system: System, find: bool) -> Solution:
+def _remembered(system: System, find: bool, budget: float) -> Solution:
     """The solution of a system; a refusal raises and is not remembered, more time may decide it."""
-    verdict = separate(system)
+    verdict = separate(system, budget=budget)
     if isinstance(verdict, Separation) or not find:
         return _solved(verdict)
-    chart = find_chart(system, verdict)
+    chart = find_chart(system, verdict, budget=budget)
     return replace(_solved(chart.separation), chart=chart)
 
 

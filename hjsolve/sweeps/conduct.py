@@ -92,7 +92,8 @@ def sweep(
         return SweepResult(Path(out), points.count, plan.parts, plan.parts, statuses, _on_failures(statuses))
     many = points.count >= WORTH_COMPILING
     task = task_for(
-        solve(scene.system, scene.coordinates), wanted(scene.want), dict(scene.parameters), points.kind, compiled=many
+        solve(scene.system, scene.coordinates), wanted(scene.want), dict(scene.parameters), points.kind, compiled=many,
+        frame=scene.velocity_frame,
     )
     with opened(Path(out), plan) as folder:
         left = folder.left()

@@ -13,6 +13,7 @@ from typing import Any
 
 from hjsolve._version import __version__
 from hjsolve.catalog import schema
+from hjsolve.motion.velocity_frame import COORDINATE
 from hjsolve.scenes import Scene
 from hjsolve.solution.quadratures import FIND
 
@@ -45,6 +46,7 @@ def sweep_digest(scene: Scene, table: str, chunk: int) -> dict[str, str]:
             axes,
             sorted(sweep.columns.items()),
             *([scene.coordinates] if scene.coordinates == FIND else ()),
+            *([scene.velocity_frame] if scene.velocity_frame != COORDINATE else ()),
             *([list(sweep.keep)] if sweep.keep else ()),
         ],
         "table": table,

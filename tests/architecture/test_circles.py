@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 UPWARD = {
     ("hjsolve.solution.quadratures", "hjsolve.motion.charted.begin"),
@@ -91,6 +93,7 @@ def rooms(graph: Graph) -> dict[str, set[str]]:
     return found
 
 
+@pytest.mark.nightly
 def test_no_circle_of_files() -> None:
     assert circles(without(imports(), UPWARD)) == set()
 

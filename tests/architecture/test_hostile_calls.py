@@ -131,6 +131,8 @@ def test_they_are_three_hundred_and_leave_out_no_value_and_no_door():
     assert {name for _, name in CHOSEN} == {*NUMBERS, *ARRAYS}
 
 
+@pytest.mark.rotating(40)
+@pytest.mark.nightly_cases("ensemble: p-least ones", "linear: at-huge text")
 @pytest.mark.parametrize(("door", "name"), CHOSEN)
 def test_a_hostile_call_gives_a_result_or_one_clear_error(door, name):
     value = {**NUMBERS, **ARRAYS}[name]

@@ -20,6 +20,8 @@ from tests.conftest import scope_of
     ("tests/reports/test_reports.py::test_z[pendulum]", "reports"),
     ("tests/regressions/test_0039_reports_that_can_be_read.py::test_z", "reports"),
     ("tests/reports/test_reports.py::test_every_entry_x[kerr]", "tests/reports/test_reports.py::test_every_entry_x[kerr]"),
+    ("tests/display/test_values_in_notebooks.py::test_z", "values"),
+    ("tests/architecture/test_types.py::test_z[motion]", "sources"),
     ("tests/closed_form/test_borders.py::test_v[pendulum-10]", "forms of pendulum"),
     ("tests/closed_form/test_elliptic_forms.py::test_v[1]", "tests/closed_form/test_elliptic_forms.py::test_v[1]"),
     ("tests/command_line/test_command_line.py::test_w[pendulum]", "tests/command_line/test_command_line.py::test_w[pendulum]"),

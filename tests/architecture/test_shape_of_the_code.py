@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = sorted((ROOT / "hjsolve").rglob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
@@ -58,6 +60,7 @@ def test_files_have_at_most_400_lines() -> None:
     assert not {path: count for path, count in lines.items() if count > 400}
 
 
+@pytest.mark.nightly
 def test_functions_have_at_most_60_lines() -> None:
     long = [
         (named(path), f.name, body_lines(f))
@@ -82,6 +85,7 @@ def test_the_rule_against_eval_sees_what_it_forbids() -> None:
     assert [what.split(":")[0] for what in sorted(said)] == ["line 1", "line 2", "line 3", "line 6"]
 
 
+@pytest.mark.nightly
 def test_median_body_is_short() -> None:
     sizes = sorted(body_lines(f) for path in SOURCES for f in ast.walk(tree_of(path)) if isinstance(f, FUNCTIONS))
     assert sizes[len(sizes) // 2] <= 8

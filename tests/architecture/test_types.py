@@ -31,6 +31,7 @@ def trees(part: str) -> list[ast.Module]:
     return [ast.parse(path.read_text(encoding="utf-8")) for path in inside]
 
 
+@pytest.mark.nightly_cases("elsewhere")
 @pytest.mark.parametrize("part", MOST)
 def test_any_is_not_said_more_often(part: str) -> None:
     found = trees(part)

@@ -66,6 +66,7 @@ def test_an_enclosure_holds_the_value_at_every_place_inside(bits, tree, left, wi
         assert mp.mpf(low) <= value <= mp.mpf(high)
 
 
+@pytest.mark.nightly
 @given(tree=trees, place=places)
 @settings(max_examples=150)
 def test_a_jet_holds_the_first_two_derivatives(tree, place):

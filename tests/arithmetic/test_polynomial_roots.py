@@ -51,6 +51,8 @@ def drawn(degree: int, seed: int) -> list[list[float]]:
     return made
 
 
+@pytest.mark.rotating(3)
+@pytest.mark.nightly_cases("0-5", "1-5")
 @pytest.mark.parametrize("degree", [1, 2, 3, 4, 5])
 @pytest.mark.parametrize("seed", [0, 1])
 def test_certain_roots_are_those_of_fifty_digits(degree: int, seed: int) -> None:

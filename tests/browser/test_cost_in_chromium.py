@@ -56,6 +56,7 @@ return [...document.querySelectorAll('figure svg text')].map(t => {
 """
 
 
+@pytest.mark.nightly_cases("full")
 def test_no_words_of_the_figure_overlap(page):
     boxes = page.execute_script(BOXES)
     assert len(boxes) > 12

@@ -25,11 +25,13 @@ def slide(page, number: int, share: float) -> list[float]:
     )  # fmt: skip
 
 
+@pytest.mark.nightly
 def test_nothing_goes_wrong_and_no_request_leaves_the_page(page):
     assert [e for e in page.get_log("browser") if e["level"] in {"SEVERE", "WARNING"}] == []
     assert page.execute_script("return performance.getEntriesByType('resource').length") == 0
 
 
+@pytest.mark.nightly_cases("0.2-0.9")
 @pytest.mark.parametrize(("p", "E"), [(0.2, 0.9), (0.71, 0.35)])
 def test_a_slider_moves_orbit_point_and_numbers_to_those_of_the_engine(page, p, E):
     pictures = page.execute_script(
@@ -189,6 +191,7 @@ def other(request, tmp_path_factory: pytest.TempPathFactory, browser):
     return browser, hjsolve.solve(told["subject"]).motion(**start)
 
 
+@pytest.mark.nightly
 def test_point_and_numbers_are_those_of_the_engine_wherever_the_sliders_stand(other):
     page, base = other
     solution, rng = base.solution, np.random.default_rng(20)
@@ -230,6 +233,8 @@ def test_point_and_numbers_are_those_of_the_engine_wherever_the_sliders_stand(ot
     assert [e for e in page.get_log("browser") if e["level"] in {"SEVERE", "WARNING"}] == []
 
 
+@pytest.mark.nightly
+@pytest.mark.nightly_cases("spherical-pendulum")
 def test_the_page_makes_sixty_frames_a_second(other):
     page, _ = other
     page.execute_script("document.getElementById('live').scrollIntoView()")
@@ -241,6 +246,7 @@ def test_the_page_makes_sixty_frames_a_second(other):
     assert spent < 16.7
 
 
+@pytest.mark.nightly
 def test_the_point_on_the_torus_goes_by_the_frequencies_of_the_engine(tmp_path_factory, browser):
     """Of the spherical pendulum: two frequencies; the page's angle variables against Ω (t − t₀)."""
     path = hjsolve.report("spherical-pendulum", tmp_path_factory.mktemp("torus") / "live.html", live=True, brief=True)

@@ -18,16 +18,22 @@ def page(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return browser
 
 
+@pytest.mark.nightly_cases("henon-heiles", "kepler-spherical")
 def test_nothing_is_reported_to_the_console(page):
     assert [entry for entry in page.get_log("browser") if entry["level"] in {"SEVERE", "WARNING"}] == []
 
 
+@pytest.mark.nightly_cases("henon-heiles")
 def test_every_section_heading_is_visible(page):
     headings = page.find_elements("css selector", "h2")
     assert len(headings) >= 3
     assert all(h.is_displayed() and h.text.strip() for h in headings)
 
 
+@pytest.mark.nightly_cases(
+    "kepler-planar-500-.wide math, .stack thead math", "kepler-spherical-1200-.narrow math",
+    "kepler-spherical-500-.wide math, .stack thead math",
+)  # fmt: skip
 @pytest.mark.parametrize(("width", "other"), [(1200, ".narrow math"), (500, ".wide math, .stack thead math")])
 def test_formulas_and_drawings_have_a_size(page, width, other):
     """But for those that are meant for the other width."""

@@ -30,12 +30,14 @@ def page(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return browser
 
 
+@pytest.mark.nightly
 def test_no_formula_and_no_table_is_cut_on_a_screen(page):
     page.set_window_size(1200, 900)
     assert page.execute_script(CUT) == []
     assert page.execute_script(COVERED) == []
 
 
+@pytest.mark.nightly_cases("kerr-500", "kuzmin-kutuzov-500", "kuzmin-kutuzov-800", "lagrange-top-500")
 @pytest.mark.parametrize("width", [500, 800])
 def test_on_narrow_screens_formulas_take_shorter_lines_and_tables_stand_in_one_column(page, width):
     page.execute_cdp_cmd(
@@ -50,6 +52,7 @@ def test_on_narrow_screens_formulas_take_shorter_lines_and_tables_stand_in_one_c
         page.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
+@pytest.mark.nightly_cases("kerr", "kuzmin-kutuzov", "lagrange-top")
 def test_on_paper_labels_stand_beside_their_formulas_and_nothing_leaves_the_page(page):
     page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
     page.execute_cdp_cmd(
@@ -64,6 +67,7 @@ def test_on_paper_labels_stand_beside_their_formulas_and_nothing_leaves_the_page
         page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
 
 
+@pytest.mark.nightly
 def test_yes_and_no_do_not_look_alike(tmp_path, browser):
     looks = []
     for name in ("pendulum", "henon-heiles"):

@@ -51,6 +51,7 @@ def assert_vanishes(name: str, expression: sp.Expr) -> None:
         assert abs(value) < mpmath.mpf(10) ** -40, (expression, value)
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", IDS)
 def test_the_verdict_is_the_expected_one(name: str) -> None:
     expected, found = entry(name).expect["verdict"], verdict(name)
@@ -59,6 +60,7 @@ def test_the_verdict_is_the_expected_one(name: str) -> None:
     assert (found.reduced.stackel is not None) == bool(found.shell.coordinates)
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", IDS)
 def test_the_ignorable_coordinates_are_the_expected_ones(name: str) -> None:
     assert list(verdict(name).ignorable) == entry(name).expect["ignorable"]
@@ -91,6 +93,7 @@ def assert_own_coordinate_only(name: str, coordinate: str, expression: sp.Expr) 
     assert not expression.free_symbols & others, (coordinate, expression)
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", IDS)
 def test_the_books_liouville_functions_and_ours_both_reproduce_h(name: str) -> None:
     for key, found, book, full in forms(name):
@@ -110,6 +113,8 @@ def test_the_books_liouville_functions_and_ours_both_reproduce_h(name: str) -> N
             assert_vanishes(name, potential - sp.Add(*v.values()) / total)
 
 
+@pytest.mark.entries
+@pytest.mark.nightly_cases("kerr")
 @pytest.mark.parametrize("name", IDS)
 def test_the_books_staeckel_matrix_is_ours_up_to_the_allowed_operations(name: str) -> None:
     """Φ′ = ΦK and ψ′ = ψ + Φk with K, k constant, K's first row (1, 0, …) and k₁ = 0 (Greenwood P5-9, P5-10)."""
@@ -146,6 +151,7 @@ def test_the_books_staeckel_matrix_is_ours_up_to_the_allowed_operations(name: st
                     assert_own_coordinate_only(name, c, x)
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", IDS)
 def test_the_separation_constants_enter_linearly_and_not_the_column(name: str) -> None:
     """Greenwood's formula (5-153) with nonlinear constants leaves α in ψ; ours must not (book item 71)."""
@@ -158,6 +164,7 @@ def test_the_separation_constants_enter_linearly_and_not_the_column(name: str) -
         assert not x.free_symbols & constants
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize(("name", "effect"), EFFECTS, ids=[f"{n}+{e}" for n, e in EFFECTS])
 def test_an_effect_does_to_separability_what_its_entry_says(name: str, effect: str) -> None:
     found = entries.verdict(name, (effect,))

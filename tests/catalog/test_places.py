@@ -30,6 +30,7 @@ def system_of(name: str) -> hjsolve.System:
     return catalog.from_table(catalog.read(file)[0])
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", PLACED)
 def test_the_mass_matrix_is_that_of_a_point_at_the_place(name: str) -> None:
     """M = m (∂x/∂q)ᵀ(∂x/∂q) at random points, to 30 digits, with m constant."""

@@ -57,6 +57,13 @@ def agree(value: mpmath.mpf, text: str, tolerance: str) -> bool:
     return bool(abs(value - expected) <= mp.mpf(tolerance) * abs(expected))
 
 
+@pytest.mark.entries
+@pytest.mark.nightly_cases(
+    "a-frame-default", "henon-heiles-kdv-default", "kepler-prolate-default", "kerr-default",
+    "kuzmin-kutuzov-default", "kuzmin-kutuzov-near-circular", "lagrange-top-turning-frame-default",
+    "neumann-default", "oblate-geodesics-default", "perfect-oblate-spheroid-default",
+    "triaxial-geodesics-default", "triaxial-geodesics-other-family", "two-centres-space-default",
+)  # fmt: skip
 @pytest.mark.parametrize(("name", "motion"), MOTIONS)
 def test_the_closed_forms_give_the_published_values_again(name: str, motion: str) -> None:
     digits, tolerance = (60, "1e-38") if name in THOROUGH else (18, "1e-15")
@@ -99,6 +106,7 @@ def cycle(F: sp.Expr, q: sp.Symbol, constant: sp.Symbol | None, numbers: Any, en
     return mp.quad(regular, mp.linspace(0, mp.pi, 3), method=gauss) / mp.pi
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize(("name", "motion"), MOTIONS)
 def test_quadratures_of_the_separated_momenta_give_the_actions_and_frequencies(name: str, motion: str) -> None:
     """J by quadrature, Ω = ∂H/∂J by inverting the matrix ∂J/∂α of quadratures: no closed form, no ODE."""
@@ -129,6 +137,11 @@ def test_quadratures_of_the_separated_momenta_give_the_actions_and_frequencies(n
             assert agree(Ω[energy, place], known[f"frequency.{c.name}"], "1e-20"), c.name
 
 
+@pytest.mark.entries
+@pytest.mark.nightly_cases(
+    "henon-heiles-kdv-default", "kepler-prolate-default", "kerr-default", "neumann-default",
+    "perfect-oblate-spheroid-default", "schwarzschild-default", "two-centres-space-default",
+)  # fmt: skip
 @pytest.mark.parametrize(("name", "motion"), MOTIONS)
 def test_the_equations_of_motion_of_our_own_hamiltonian_give_the_published_states(name: str, motion: str) -> None:
     """Taylor integration at 25 digits of hjsolve's own H; the published values derived theirs by sympy alone."""
@@ -166,6 +179,7 @@ def measured(name: str, reference: Reference) -> tuple[float, float]:
     return float(estimate.value), float(estimate.error)
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize(("name", "reference"), REFERENCES)
 def test_hjsolve_reaches_the_published_value_to_1e13(name: str, reference: Reference) -> None:
     """Relative, atol = 0; no published value is zero. The reported error must cover the true one."""
@@ -176,11 +190,13 @@ def test_hjsolve_reaches_the_published_value_to_1e13(name: str, reference: Refer
         assert off <= mp.mpf(error), f"true error {mp.nstr(off, 3)} above the reported {error}"
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize(("name", "motion"), MOTIONS)
 def test_every_coordinate_moves_in_the_way_the_entry_says(name: str, motion: str) -> None:
     assert dict(motion_of(name, motion).kinds) == dict(entry(name).motions[motion].kinds)
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize(("name", "motion"), MOTIONS)
 def test_quantities_that_do_not_exist_have_no_key(name: str, motion: str) -> None:
     kinds, found = entry(name).motions[motion].kinds, motion_of(name, motion)

@@ -62,6 +62,7 @@ def test_every_extended_entry_has_values_for_every_motion(name: str) -> None:
         assert len(digits) >= 30 or len(digits) <= 12, reference
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize(("name", "motion"), MOTIONS)
 def test_the_values_are_made_again(name: str, motion: str) -> None:
     """The closed forms, exponentials and Taylor series of tests/reference/extended.py, at 30 digits."""
@@ -78,6 +79,7 @@ def test_the_values_are_made_again(name: str, motion: str) -> None:
                 assert abs(off) <= mp.mpf("1e-22") * abs(mp.mpf(r.value)), r.quantity
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", IDS)
 def test_hjsolve_reaches_the_published_values_to_1e13(name: str) -> None:
     """Relative, atol = 0; the reported error must cover the true one."""
@@ -90,6 +92,7 @@ def test_hjsolve_reaches_the_published_values_to_1e13(name: str) -> None:
             assert off <= mp.mpf(error), (reference, mp.nstr(off, 3), error)
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize(("name", "motion"), MOTIONS)
 def test_the_kinds_are_those_of_the_entry(name: str, motion: str) -> None:
     kinds = entry(name).motions[motion].kinds

@@ -19,6 +19,7 @@ def obstruction(name: str) -> Obstruction:
     return found
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", IDS)
 def test_it_is_refused_for_the_reason_the_entry_names(name: str) -> None:
     entry, found = entries.described(name), obstruction(name)
@@ -26,6 +27,7 @@ def test_it_is_refused_for_the_reason_the_entry_names(name: str) -> None:
     assert found.part == entry.expect["part"]
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", IDS)
 def test_the_residual_lies_in_its_enclosure_at_the_witness(name: str) -> None:
     """The enclosure is checked with a plain evaluation at 60 digits, not with the interval arithmetic that made it."""
@@ -37,6 +39,7 @@ def test_the_residual_lies_in_its_enclosure_at_the_witness(name: str) -> None:
     assert found.witness.lower > 0 or found.witness.upper < 0
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", IDS)
 def test_it_says_why_and_what_to_do_instead(name: str) -> None:
     entry = entries.described(name)
@@ -45,6 +48,7 @@ def test_it_says_why_and_what_to_do_instead(name: str) -> None:
     assert entry.instead.endswith(".")
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", IDS)
 def test_solving_it_raises_with_the_verdict(name: str) -> None:
     with pytest.raises(NotSeparableError, match="does not separate") as caught:

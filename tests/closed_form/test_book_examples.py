@@ -92,6 +92,7 @@ def test_problem_5_4_projectile() -> None:
     agrees(form.orbit["y"].subs({y_0: 0, β: 0}), parabola, ranges | {x: (-1, 1)})
 
 
+@pytest.mark.nightly
 def test_problem_5_5_isotropic_oscillator() -> None:
     """r(t) = [α_t/k + (1/k)√(α_t² − (k/m) α_θ²) cos 2√(k/m) t]^½, r(θ) = (α_θ/√m)[α_t − √(…) cos 2θ]^(−½).
 
@@ -128,6 +129,8 @@ def test_problem_5_6_hyperbola() -> None:
     assert all(abs(value - found[0]) < sp.Float(10) ** -38 for value in found[1:]), found
 
 
+@pytest.mark.rotating(2)
+@pytest.mark.nightly_cases("isochrone")
 @pytest.mark.parametrize("name", ["kepler-planar", "isochrone", "morse", "poeschl-teller", "harmonic-oscillator"])
 def test_energies_from_actions(name: str) -> None:
     """H(J) put through J(E) is E, and its derivatives are the frequencies."""

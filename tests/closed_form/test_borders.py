@@ -25,6 +25,7 @@ from tests.support.entries import forms
 STEPS = [sp.Rational(sign, 10**k) for k in (1, 5, 12) for sign in (-1, 1)] + [sp.S.Zero]
 
 
+@pytest.mark.nightly_cases("double-well-10", "pendulum-10")
 @pytest.mark.parametrize(("name", "fewest"), [
     ("kepler-planar", 20), ("pendulum", 10), ("double-well", 10), ("morse", 6),
     pytest.param("isochrone", 20, marks=pytest.mark.nightly),

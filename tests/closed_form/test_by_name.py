@@ -38,6 +38,8 @@ def _value(form: RegimeForms, name: str, values: Mapping[str, sp.Expr]) -> float
     return float(form.evaluate(name, {n: v for n, v in values.items() if n in held}).value)
 
 
+@pytest.mark.rotating(3)
+@pytest.mark.nightly_cases("lagrange-top-theta-q6-velocity6")
 @pytest.mark.parametrize(("name", "coordinate", "q", "velocity"), [
     ("double-well", "x", {"x": "1.1"}, {"x": "0.1"}), ("double-well", "x", {"x": "0.1"}, {"x": 2}),
     ("bead-on-turning-wire", "theta", {"theta": "0.3"}, {"theta": "0.2"}),
@@ -59,6 +61,7 @@ def test_in_time(name: str, coordinate: str, q: dict, velocity: dict) -> None:
         assert abs(turned) <= 2e-12 * max(abs(expected), abs(got), 0.1), (moment, got, expected)
 
 
+@pytest.mark.nightly_cases("stark-q2-velocity2", "two-centres-plane-q0-velocity0")
 @pytest.mark.parametrize(("name", "q", "velocity"), [
     ("two-centres-plane", {"xi": "0.9", "eta": "0.4"}, {"xi": "0.1", "eta": "0.1"}),
     ("liouville-p5-6", {"q1": "0.3", "q2": "3"}, {"q1": "0.5", "q2": "0.4"}),
@@ -122,6 +125,7 @@ def test_schwarzschilds_orbit() -> None:
     assert {"r", "theta", "phi"} <= set(form.frequencies)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("name", "count"), [("kepler-parabolic", 6), ("liouville-p5-6", 8)])
 def test_every_general_regime_has_its_orbit(name: str, count: int) -> None:
     """The pieces of a regime are tried at one motion, whichever motions they were found with."""

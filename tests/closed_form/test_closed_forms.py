@@ -40,6 +40,11 @@ def _of_the_catalog(name: str) -> list[Sample]:
     return found
 
 
+@pytest.mark.rotating(2)
+@pytest.mark.nightly_cases(
+    "calogero-moser", "charge-in-uniform-field", "isochrone", "kepler-spherical", "morse", "poeschl-teller",
+    "smorodinsky-winternitz", "sphere-geodesics",
+)  # fmt: skip
 @pytest.mark.parametrize("name", NUMBERS)
 def test_numbers_agree_with_the_engine_to_38_digits(name: str) -> None:
     """A motion drawn at random, not the one the form was verified at."""
@@ -74,6 +79,7 @@ def test_numbers_agree_with_the_engine_to_38_digits(name: str) -> None:
     assert compared > 0
 
 
+@pytest.mark.nightly_cases("isochrone-E-0")
 @pytest.mark.parametrize(("name", "constant", "border"), [
     ("kepler-planar", "E", 0), ("isochrone", "E", 0), ("morse", "E", 1), ("poeschl-teller", "E", 0),
     ("kepler-planar", "p_theta", 0),
@@ -154,6 +160,7 @@ def test_questions_that_have_no_answer() -> None:
         hjsolve.closed_forms(3)  # type: ignore[arg-type]
 
 
+@pytest.mark.nightly
 def test_errors_cover_the_truth() -> None:
     form, draw = forms("isochrone")[0], random.Random(11)
     for _ in range(20):

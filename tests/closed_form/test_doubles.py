@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-import time
 
 import mpmath
 import numpy as np
@@ -26,6 +25,8 @@ def _spread(value: sp.Expr, draw: random.Random) -> float:
     )
 
 
+@pytest.mark.nightly
+@pytest.mark.nightly_cases("bead-on-turning-wire", "cone", "double-well", "ladder", "spherical-pendulum")
 @pytest.mark.parametrize("name", ENTRIES)
 def test_arrays_of_constants_are_sorted_as_by_fifty_digits(name: str) -> None:
     draw, inside, outside = random.Random(name), 0, 0
@@ -78,26 +79,6 @@ def test_a_polynomial_without_doubt_is_decided_in_doubles() -> None:
     exists, unsure = test(places, (7,))
     assert unsure.tolist() == [False] * 4 + [True] + [False] * 2
     assert (exists & ~unsure).tolist() == [True] * 4 + [False] * 3
-
-
-@pytest.mark.parametrize("name", ["pendulum", "double-well", "spherical-pendulum"])
-def test_a_period_takes_about_a_microsecond(name: str) -> None:
-    """Of the first kind, with roots in radicals or of a cubic, in units of 100 sines of the same array."""
-    form = forms(name)[0]
-    key = next(iter(form.periods))
-    function = form.lambdify("numpy")[f"periods.{key}"]
-    example = {s.name: float(v) for s, v in form.regime.example.items()}
-    given = {name: np.full(20000, example[name]) for name in function.names}
-    energies = given["E"]
-    best = reference = 9.0
-    for _ in range(5):
-        begin = time.process_time()
-        function(**given)
-        middle = time.process_time()
-        for _ in range(100):
-            np.sin(energies)
-        best, reference = min(best, middle - begin), min(reference, time.process_time() - middle)
-    assert best <= 1.5 * reference
 
 
 @pytest.mark.parametrize(("name", "inside", "outside"), [

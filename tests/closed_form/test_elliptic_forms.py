@@ -28,6 +28,8 @@ MOTIONS = [
 ]  # fmt: skip
 
 
+@pytest.mark.rotating(3)
+@pytest.mark.nightly_cases("rod-against-moving-wall-q8-velocity8-parameters8")
 @pytest.mark.parametrize(("name", "q", "velocity", "parameters"), MOTIONS)
 def test_numbers_agree_with_the_engine_to_36_digits(name: str, q: dict, velocity: dict, parameters: dict) -> None:
     motion = hjsolve.solve(name).motion(q=q, velocity=velocity, parameters=parameters, digits=40)
@@ -47,6 +49,10 @@ def test_numbers_agree_with_the_engine_to_36_digits(name: str, q: dict, velocity
     assert compared >= 3
 
 
+@pytest.mark.nightly_cases(
+    "lagrange-top-turning-frame-libration", "rod-against-moving-wall-asymptotic",
+    "rod-against-moving-wall-libration",
+)  # fmt: skip
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
@@ -64,6 +70,7 @@ def test_every_integral_of_these_regimes_has_a_form(name: str, kind: str) -> Non
         assert form.time_law is not None
 
 
+@pytest.mark.nightly
 def test_pendulum_is_the_printed_one() -> None:
     """θ(t) = 2 asin(k sn(√(g/l) (t − t₀), k)), period 4K(k)√(l/g), k² = (E + mgl)/(2mgl) (Whittaker § 44)."""
     form = next(f for f in forms("pendulum") if f.regime.kinds["theta"] == "libration")
@@ -117,6 +124,7 @@ def test_functions_of_numpy() -> None:
         assert abs(value - float(far)) <= 4e-15 * float(far)
 
 
+@pytest.mark.nightly_cases("two-centres-plane")
 @pytest.mark.parametrize("name", ["two-centres-plane", "double-pendulum-small"])
 def test_motions_of_the_catalog(name: str) -> None:
     """A rotation over a cosine squared, on a curve of genus 2 that X = sin² makes elliptic; radicals within radicals."""
@@ -124,6 +132,7 @@ def test_motions_of_the_catalog(name: str) -> None:
     test_numbers_agree_with_the_engine_to_36_digits(name, data["q"], data["velocity"], {})
 
 
+@pytest.mark.nightly_cases("1", "3")
 @pytest.mark.parametrize("seed", [1, 2, 3, pytest.param(4, marks=pytest.mark.nightly)])
 def test_angles_with_a_squared_cosine(seed: int) -> None:
     """Rotations and librations about either place of rest, in potentials nobody chose."""

@@ -35,6 +35,7 @@ def test_sextics_at_random_are_not(seed: int) -> None:
     assert not _in_involution(moved(P, rng))
 
 
+@pytest.mark.nightly_cases("garnier-eta-2", "neumann-beta-2", "triaxial-geodesics-alpha-2")
 @pytest.mark.parametrize(
     ("name", "coordinate", "left"),
     [("triaxial-geodesics", "alpha", 2), ("neumann", "beta", 2), ("garnier", "eta", 2), ("tube-turning-freely", "theta", 3),

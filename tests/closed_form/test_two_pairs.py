@@ -49,6 +49,7 @@ def evaluated(form: RegimeForms, name: str, values: dict[str, object]) -> object
     return form.evaluate(name, texts, 32).value
 
 
+@pytest.mark.nightly_cases("1/3-slider-on-pivoted-bar", "1/50-slider-on-pivoted-bar")
 @pytest.mark.parametrize("name", list(SYSTEMS))
 @pytest.mark.parametrize("t", ["1/50", "1/7", "1/3"])
 def test_time_law_inverse_and_w_along_the_motion(name: str, t: str) -> None:
@@ -80,6 +81,7 @@ def test_numpy_and_c_text_of_such_a_form() -> None:
     assert "carlson_rf" in form.code("c")
 
 
+@pytest.mark.nightly
 def test_complex_poles_of_vintis_problem() -> None:
     """∂W/∂p_φ has poles at ρ = ±ic: periods of φ and actions against the engine."""
     data = hjsolve.catalog.describe("vinti").motions["default"].arguments

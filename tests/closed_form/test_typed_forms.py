@@ -39,6 +39,7 @@ def _started(name: str, motion: str) -> tuple[hjsolve.Motion, RegimeForms]:
     return started, form
 
 
+@pytest.mark.rotating(3)
 @pytest.mark.parametrize(("name", "motion"), MOTIONS)
 def test_typed_forms_are_derived(name: str, motion: str) -> None:
     """Each typed formula, evaluated with 60 digits at the motion, is the derived form at the motion's constants."""

@@ -79,12 +79,14 @@ def test_an_effect_can_break_separability(capsys: Capture) -> None:
     assert "cos θ" in capsys.readouterr().out
 
 
+@pytest.mark.nightly
 def test_report_of_what_does_not_separate_is_written_all_the_same(tmp_path: Path) -> None:
     target = tmp_path / "henon.html"
     assert main(["report", "henon-heiles", "-o", str(target)]) == 1
     assert "Does not separate" in target.read_text(encoding="utf-8")
 
 
+@pytest.mark.nightly
 def test_report_with_other_initial_data_and_parameters(tmp_path: Path) -> None:
     target = tmp_path / "swing.txt"
     data = [
@@ -317,6 +319,7 @@ def test_undecided_is_status_3(monkeypatch: pytest.MonkeyPatch, capsys: Capture)
 
 
 # ------------------------------------------------------------------------------------------------ H(q, p) in an entry
+@pytest.mark.nightly_cases("henon-heiles-1")
 @pytest.mark.parametrize(("system", "status"), [("pendulum", 0), ("henon-heiles", 1), ("skate", 1)])
 def test_a_report_to_a_dash_is_the_text_file_on_the_standard_output(
     system: str, status: int, tmp_path: Path, capsys: Capture
@@ -356,6 +359,7 @@ def test_an_entry_with_a_hamiltonian_is_checked_solved_and_reported(tmp_path: Pa
 
 
 # ------------------------------------------------------------------------------------------------ filters of the catalog
+@pytest.mark.nightly
 def test_the_catalog_is_filtered(capsys: Capture) -> None:
     def listed(*options: str) -> set[str]:
         assert main(["catalog", *options]) == 0

@@ -107,6 +107,7 @@ def test_a_positive_parameter_as_a_pivot_is_no_fault() -> None:
     assert [(dict(one.conditions), one.dimension) for one in found] == [({free: 0}, 4)]
 
 
+@pytest.mark.nightly
 def test_solve_and_report_go_on_in_the_coordinates_found(capsys: Capture, tmp_path: Path) -> None:
     assert main(["solve", "--find", *PLANE, "-V", TWO_CENTRES, "--parameter", "m=2"]) == 0
     out = capsys.readouterr().out

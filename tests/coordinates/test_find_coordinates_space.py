@@ -50,6 +50,10 @@ LITERATURE = {
 }  # fmt: skip
 
 
+@pytest.mark.nightly_cases(
+    "Calogero-Moser", "Garnier", "Kepler", "Yukawa", "isotropic oscillator", "oscillator 1:1:2", "uniform field",
+)  # fmt: skip
+@pytest.mark.rotating(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LITERATURE)
 def test_the_potentials_of_the_literature_have_their_integrals_and_their_webs(name: str) -> None:
@@ -64,6 +68,7 @@ def test_the_potentials_of_the_literature_have_their_integrals_and_their_webs(na
         same_motion(system, web)
 
 
+@pytest.mark.nightly
 def test_three_inverse_squares_and_a_spring_separate_in_eighteen_ways() -> None:
     # Smorodinsky–Winternitz: Cartesian, conical, ellipsoidal; cylinders, spherical and spheroidal about each axis
     system = particle(3, "x**2 + y**2 + z**2 + 1/x**2 + 2/y**2 + 3/z**2")
@@ -110,6 +115,8 @@ MADE = {
 }  # fmt: skip
 
 
+@pytest.mark.rotating(3)
+@pytest.mark.nightly_cases("ellipsoidal")
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", MADE)
 def test_a_potential_made_in_one_web_gives_that_web_back(kind: str) -> None:
@@ -249,9 +256,10 @@ def test_different_masses_in_space_are_scaled_away() -> None:
         same_motion(system, web)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_free_particle_separates_in_all_eleven_webs() -> None:
-    found = find_coordinates(particle(3, "0"))
+    found = find_coordinates(particle(3, "0"), budget=200)  # every web there is: the longest search of all
     assert (found.kernel_dimension, found.concircular_dimension) == (20, 10)
     assert len(set(found.kinds)) == 11
     assert all(web.certified for web in found.webs)

@@ -57,6 +57,12 @@ def assert_same_system(web, system):
     assert compared == 16
 
 
+@pytest.mark.nightly_cases(
+    "((sin(theta)*cos(phi))**2 + 2*(sin(theta)*sin(phi))**2 + 4*cos(theta)**2)/2-kinds0-2",
+    "(sin(theta)*cos(phi)) + 2*cos(theta)-kinds4-2", "0-kinds5-6",
+    "1/(2*(sin(theta)*cos(phi))**2) + 1/(3*(sin(theta)*sin(phi))**2) + 1/cos(theta)**2-kinds3-3",
+    "potential1-kinds1-2", "tan(theta)**2/2-kinds2-4",
+)  # fmt: skip
 @pytest.mark.parametrize(
     ("potential", "kinds", "integrals"),
     [
@@ -79,6 +85,7 @@ def test_potentials_from_papers(potential, kinds, integrals):
         assert_same_system(web, system)
 
 
+@pytest.mark.nightly
 def test_coulomb_has_its_pole_and_a_family():
     found = find_coordinates(on_sphere("-cos(theta)/sin(theta)"))  # Schrödinger 1940; four integrals, energy included
     assert found.kernel_dimension == 4
@@ -88,6 +95,7 @@ def test_coulomb_has_its_pole_and_a_family():
     assert next(web for web in found.webs if web.kind == "conical").freedom == 2
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", range(2))
 def test_axes_turned_at_random_are_found(seed):
     source = Random(seed)
@@ -104,6 +112,10 @@ def test_axes_turned_at_random_are_found(seed):
     assert all(any(axis in (row, tuple(-x for x in row)) for row in rows) for axis in web.axes)
 
 
+@pytest.mark.nightly_cases(
+
+    "coordinates2-18*(dot(x)**2 + dot(y)**2)/(1 + (x - 1)**2 + y**2)**2-((x - 1)**2 + 3*y**2)/(1 + (x - 1)**2 + y**2)**2",
+)  # fmt: skip
 @pytest.mark.parametrize(
     ("coordinates", "kinetic", "potential"),
     [
@@ -122,6 +134,7 @@ def test_any_coordinates_of_the_sphere(coordinates, kinetic, potential):
     assert found.webs[0].certified
 
 
+@pytest.mark.nightly
 def test_a_motion_of_neumann_is_that_of_the_equations_in_space():
     """ẍ = −∇V + (x·∇V − |ẋ|²) x, integrated; the motion goes through all octants."""
     (web,) = find_coordinates(on_sphere(NEUMANN)).webs
@@ -148,6 +161,7 @@ def test_a_motion_of_neumann_is_that_of_the_equations_in_space():
     assert len({tuple(octant) for octant in (twin.T > 0).tolist()}) >= 4
 
 
+@pytest.mark.nightly
 def test_special_values_of_the_parameters():
     found = find_coordinates(on_sphere(f"a*{X}**2 + b*{Y}**2 + c*{Z}**2", {"a": 1, "b": 2, "c": 4}))
     a = sp.Symbol("a", real=True)

@@ -99,6 +99,7 @@ def test_the_masses_and_stiffnesses_of_example_2_12() -> None:
     assert same(result.modes[1].stiffness, m * g * length * 9 / length**2)
 
 
+@pytest.mark.nightly
 def test_a_nonlinear_system_is_linearised_where_asked_and_says_so() -> None:
     pendulum = System(
         {"a": "angle", "b": "angle"},
@@ -122,6 +123,7 @@ def test_a_nonlinear_system_is_linearised_where_asked_and_says_so() -> None:
     assert [mode.kind for mode in folded.modes] == ["unstable", "oscillation"]
 
 
+@pytest.mark.nightly
 def test_three_frequencies_that_are_roots_of_a_cubic_are_exact() -> None:
     result = normal_modes(TRIPLE)
     # the triple pendulum: ω² l/g are the roots of s³ − 9 s² + 18 s − 6 (Laguerre L₃)

@@ -14,6 +14,9 @@ def solved(V: str, names: str) -> hjsolve.Solution:
     return hjsolve.solve(hjsolve.System(dict.fromkeys(names, "line"), kinetic, V), coordinates="find")
 
 
+@pytest.mark.nightly_cases(
+    "-1/sqrt(x**2 + y**2 + z**2)-xyz-5", "x**2 + y**2 + z**2 + 1/(x - y)**2 + 1/(y - z)**2 + 1/(z - x)**2-xyz-4",
+)  # fmt: skip
 @pytest.mark.parametrize(
     ("V", "names", "independent"),
     [

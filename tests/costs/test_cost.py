@@ -33,6 +33,7 @@ def table(request: pytest.FixtureRequest) -> Cost:
     return hjsolve.cost(scene, digits=(20, 30), seconds=200, repeats=1, rivals=False)
 
 
+@pytest.mark.rotating(2)
 def test_true_errors_lie_within_the_claims(table: Cost) -> None:
     own = [row for row in table.rows if row.method in OWN and row.answered]
     assert {"float64", "mpmath"} <= {row.method for row in own}
@@ -44,6 +45,7 @@ def test_true_errors_lie_within_the_claims(table: Cost) -> None:
         assert row.status in ("ok", "extrapolated")
 
 
+@pytest.mark.nightly_cases("kepler-planar-hyperbolic")
 def test_each_method_reaches_the_digits_asked(table: Cost) -> None:
     for row in table.rows:
         if row.method in OWN and row.answered:
@@ -90,6 +92,7 @@ def test_the_text_has_a_line_for_every_row(scene_table: Cost) -> None:
     assert "Taylor series" in str(scene_table)
 
 
+@pytest.mark.nightly
 def test_a_scene_its_table_and_a_motion_are_the_same_subject(scene_table: Cost) -> None:
     scene = hjsolve.Scene.load(SCENE)
     again = hjsolve.cost(scene, digits=(20,), seconds=200, repeats=1)
@@ -130,6 +133,7 @@ def test_events_are_refused_by_what_cannot_take_them() -> None:
     assert table.of("DOP853")[-1].error < 1e-9  # type: ignore[operator]
 
 
+@pytest.mark.nightly
 def test_what_does_not_fit_is_marked_and_not_dropped() -> None:
     scene = {**SCENE, "system": "kepler-spherical", "times": {"start": 0, "stop": 20, "count": 2001}}
     table = hjsolve.cost(scene, digits=(20, 100), seconds=3, repeats=1)
@@ -139,6 +143,7 @@ def test_what_does_not_fit_is_marked_and_not_dropped() -> None:
     assert all(row.status in ("extrapolated", "too slow") and row.note for row in late)
 
 
+@pytest.mark.nightly
 def test_an_integrator_that_stops_at_once_is_marked() -> None:
     """DOP853's first step is already too small here, and it has no states to show."""
     table = hjsolve.cost("constant-proper-acceleration", digits=(20,), seconds=200, repeats=1)
@@ -189,6 +194,7 @@ def test_what_does_not_separate_has_no_cost() -> None:
         hjsolve.cost("henon-heiles")
 
 
+@pytest.mark.nightly
 def test_the_command_prints_the_table_and_writes_figure_and_rows(tmp_path: Path, capsys: Any) -> None:
     figure, rows = tmp_path / "cost.svg", tmp_path / "cost.json"
     arguments = ["cost", "harmonic-oscillator", "--digits", "20", "--seconds", "8", "--no-rivals"]
@@ -218,6 +224,7 @@ def test_the_command_refuses_in_one_line(arguments: list[str], words: str, capsy
     assert len(message.strip().splitlines()) == 1
 
 
+@pytest.mark.nightly
 def test_a_report_has_the_section_where_it_is_asked_for(tmp_path: Path) -> None:
     with_it, without, scene = (tmp_path / name for name in ("with.html", "without.html", "scene.md"))
     hjsolve.report("harmonic-oscillator", with_it, cost=2)
@@ -233,6 +240,7 @@ def test_a_report_has_the_section_where_it_is_asked_for(tmp_path: Path) -> None:
     assert "What accuracy costs" in scene.read_text(encoding="utf-8")
 
 
+@pytest.mark.nightly
 def test_a_report_of_what_has_no_motion_has_no_such_section(tmp_path: Path) -> None:
     path = tmp_path / "refused.txt"
     hjsolve.report("henon-heiles", path)

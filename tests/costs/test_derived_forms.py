@@ -12,6 +12,7 @@ from hjsolve.costs.subject import scene_of
 from hjsolve.costs.trial import Task
 
 
+@pytest.mark.nightly_cases("double-well-all")
 @pytest.mark.parametrize(("name", "covers"), [
     ("double-well", "all"), pytest.param("spherical-pendulum", "numbers", marks=pytest.mark.nightly),
     pytest.param("schwarzschild", "numbers", marks=pytest.mark.nightly),
@@ -37,6 +38,7 @@ def test_typed_forms_are_preferred_and_derived_ones_say_what_they_lack() -> None
     assert {name.partition(".")[0] for name in derived.fixed} >= {"actions", "frequencies", "periods"}
 
 
+@pytest.mark.nightly
 def test_what_has_no_form_is_no_rival() -> None:
     scene, solution = scene_of("triaxial-geodesics", "default")
     assert derived_form(Task(scene, solution, ()), 5) is None

@@ -19,6 +19,7 @@ def values(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return dict(reached(made(tmp_path_factory.mktemp("sweep"))))
 
 
+@pytest.mark.nightly
 def test_one_value_of_every_public_class_is_looked_at(values: dict[str, Any]) -> None:
     classes = {
         value
@@ -39,6 +40,7 @@ def test_every_public_value_is_told_in_a_few_short_lines(values: dict[str, Any])
     assert not wrong
 
 
+@pytest.mark.nightly
 def test_every_value_has_html_of_its_own(values: dict[str, Any]) -> None:
     for path, value in values.items():
         if isinstance(value, Shown):

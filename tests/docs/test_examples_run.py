@@ -37,6 +37,10 @@ def _close(a: str, b: str) -> bool:
         return False
 
 
+@pytest.mark.nightly_cases(
+    "cartesian.md", "closed-forms.md", "coordinates.md", "galaxies.md", "live.md", "relativity.md", "scenes.md",
+    "wavefronts.md",
+)  # fmt: skip
 @pytest.mark.parametrize("page", [p for p in PAGES if blocks(p)], ids=lambda p: p.name)
 def test_python_of_a_page_prints_what_it_says(page: Path) -> None:
     shared: dict[str, object] = {}

@@ -107,6 +107,7 @@ def test_the_map_is_drawn_and_stands_in_the_report(tmp_path) -> None:
     assert "Map of the kinds of motion" in page
 
 
+@pytest.mark.nightly_cases("neumann-alpha-E + alpha_2 + 1", "neumann-beta-3*E + alpha_2")
 @pytest.mark.parametrize(("name", "coordinate", "equation"), [
     ("neumann", "beta", "3*E + alpha_2"), ("neumann", "alpha", "E + alpha_2 + 1"), ("garnier", "eta", "E + alpha_2"),
 ])  # fmt: skip

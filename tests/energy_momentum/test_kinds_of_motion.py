@@ -27,6 +27,8 @@ def benchmark():
 FEW = ["kepler-planar", "spherical-pendulum", "stark", "two-centres-plane", "henon-heiles-kdv", "torus-geodesics"]
 
 
+@pytest.mark.nightly_cases("stark", "two-centres-plane")
+@pytest.mark.rotating(2)
 @pytest.mark.parametrize("name", FEW)
 def test_random_points_have_the_kinds_of_motions_started_there(name: str) -> None:
     (found,) = benchmark().differing(name, 12, np.random.default_rng(20261122))
@@ -56,6 +58,7 @@ def test_a_field_that_pulls_has_a_well_beside_an_escape() -> None:
     assert set(found.kinds_at(*found.point)["v"]) == {"libration", "escape"}
 
 
+@pytest.mark.nightly
 def test_a_coordinate_without_a_polynomial_is_decided_by_the_exact_search() -> None:
     solution = hjsolve.solve("kuzmin-kutuzov")
     entry = hjsolve.catalog.describe("kuzmin-kutuzov")

@@ -48,6 +48,7 @@ def errors(columns: batch.Columns) -> dict[str, Any]:
     return found
 
 
+@pytest.mark.nightly_cases("actions+frequencies+angles-False", "actions+frequencies+angles-True")
 @pytest.mark.parametrize(("want", "compiled"), CASES, ids=lambda x: "+".join(x) if isinstance(x, tuple) else str(x))
 def test_no_claim_is_below_the_true_error(want: tuple[str, ...], compiled: bool) -> None:
     """Every orbit of the five families is done in doubles, its claims hold, and they are narrow.

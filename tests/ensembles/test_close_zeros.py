@@ -46,6 +46,7 @@ def about_a_black_hole(seed: int) -> tuple[hjsolve.System, dict[str, np.ndarray]
     return hjsolve.catalog.load("kerr"), rows, momenta
 
 
+@pytest.mark.nightly_cases("in_a_box-7")
 @pytest.mark.parametrize(("make", "seed"), [
     (in_a_box, 7), pytest.param(in_a_box, 1, marks=pytest.mark.nightly),
     pytest.param(about_a_black_hole, 1, marks=pytest.mark.nightly),

@@ -22,6 +22,7 @@ def apart(x: float, y: float) -> float:
     return abs((x - y + np.pi) % (2 * np.pi) - np.pi)
 
 
+@pytest.mark.nightly_cases("3-True")
 @pytest.mark.parametrize("compiled", COMPILED)
 @pytest.mark.parametrize("family", range(5))
 def test_kuzmin_kutuzov_orbits_meet_their_references(family: int, compiled: bool) -> None:
@@ -174,6 +175,7 @@ def test_a_narrow_barrier_is_not_jumped_over() -> None:
     assert (np.abs(columns.turning_points["w.upper"][good]) < np.pi / 2 + 1e-15).all()
 
 
+@pytest.mark.nightly
 def test_compiled_and_numpy_agree_within_their_claims() -> None:
     if not available():
         pytest.skip("numba is not installed")

@@ -38,6 +38,7 @@ def scattered(name: str, count: int, seed: int) -> dict[str, Any]:
     }
 
 
+@pytest.mark.nightly_cases("kuzmin-kutuzov")
 @pytest.mark.parametrize("name", ESCAPING)
 def test_what_is_proved_is_what_the_engine_of_single_motions_finds(name: str) -> None:
     starts = scattered(name, 30, 1)
@@ -58,6 +59,7 @@ def test_what_is_proved_is_what_the_engine_of_single_motions_finds(name: str) ->
                 assert np.isnan(value)
 
 
+@pytest.mark.nightly_cases("True")
 @pytest.mark.parametrize("compiled", [False, True])
 def test_nearly_all_escapes_are_proved_and_none_of_a_bound_orbit(compiled: bool) -> None:
     if compiled:

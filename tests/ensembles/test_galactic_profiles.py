@@ -137,6 +137,8 @@ def turning(square: Callable[[Any], Any], R: Any, side: int, p: Any) -> Any:
     return mp.findroot(square, (inner, inner * factor), solver="anderson", tol=mp.mpf(10) ** -90, verify=False)
 
 
+@pytest.mark.nightly_cases("random-3", "random-5", "random-4")
+@pytest.mark.rotating(4)
 @pytest.mark.parametrize("profile", [*PROFILES, *map(random_profile, range(6))], ids=lambda p: p.name)
 def test_bound_orbits_agree_with_40_digits_and_others_are_proved_to_run_away(profile: Profile) -> None:
     R, p, L = starts(profile, len(profile.text))

@@ -12,6 +12,7 @@ from hjsolve.ensembles.engine.programs import available
 WANT = ("actions", "frequencies")
 
 
+@pytest.mark.nightly_cases("True")
 @pytest.mark.parametrize(
     "compiled", [False, pytest.param(True, marks=pytest.mark.skipif(not available(), reason="numba"))]
 )

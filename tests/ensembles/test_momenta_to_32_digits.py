@@ -17,6 +17,10 @@ CENTRES = "-1/sqrt((x - 1)**2 + (y - 2)**2) - 3/sqrt((x - 3)**2 + (y + 1)**2)"
 GARNIER = "(x**2 + y**2 + z**2)**2 + x**2 + 2*y**2 + 7*z**2/3"
 
 
+@pytest.mark.nightly_cases(
+    "coordinates0--1/sqrt((x - 1)**2 + (y - 2)**2) - 3/sqrt((x - 3)**2 + (y + 1)**2)-velocity",
+    "coordinates1--1/sqrt(x**2 + y**2 + z**2) + x/7 + z/5-p",
+)  # fmt: skip
 @pytest.mark.parametrize(("coordinates", "potential", "kind"), [
     ({"x": "line", "y": "line"}, CENTRES, "velocity"),
     (SPACE, "-1/sqrt(x**2 + y**2 + z**2) + x/7 + z/5", "p"),
@@ -55,6 +59,7 @@ def test_compiled_starts_are_those_of_numpy(coordinates: dict[str, str], potenti
         assert (np.abs(a - b) <= claims[0] + claims[1])[calm].all()
 
 
+@pytest.mark.nightly
 def test_places_far_from_the_true_ones_are_left_to_numpy() -> None:
     """Beyond 2⁻³⁴ sines are not had from those nearby: the numbers are numpy's, to the bit."""
     pytest.importorskip("numba")

@@ -34,6 +34,7 @@ def beside_a_barrier(seed: int) -> tuple[hjsolve.System, dict[str, np.ndarray], 
     return system, {"r": well, "phi": np.zeros(COUNT)}, {"r": p, "phi": L}
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=pytest.mark.skipif(not available(), reason="numba"))])
 @pytest.mark.parametrize("seed", [2, 11])
 def test_the_well_of_the_start_is_kept(seed: int, compiled: bool) -> None:

@@ -35,6 +35,7 @@ def one(folder: Path) -> tuple[int, str]:
     return int(count), numbers
 
 
+@pytest.mark.nightly
 def test_the_second_process_compiles_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("numba")
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)

@@ -21,7 +21,7 @@ from hjsolve.motion.initial_data import parameter_values
 WORDS = {
     "def", "return", "for", "in", "range", "x", "c", "e", "q", "p", "i", "j", "r", "b", "s", "d", "f", "W", "C", "E", "L", "P", "g", "low", "spread",
     "value", "bend", "slopes", "fill", "uncertainties", "relative", "bounds", "start", "buffer", "near", "far", "derivative", "stop", "shape",
-    "abs", "out", "place", "mask", "base", "offset", "start0", "square0", "first0", "doubt0", "width0", "origin", "span",
+    "abs", "out", "place", "size", "mask", "h", "along", "z", "base", "offset", "start0", "square0", "first0", "doubt0", "width0", "origin", "span",
     "slope", "if", "else", "pair_add", "pair_mul", "pair_div", "pair_sqrt", "pair_sincos", "pair_sinhcosh", "pair_exp", "pair_tan", "pair_atan",
     "sincos", "sinhcosh", "sqrt_", "exp_", "log_", "abs_", "tan_", "tanh_", "atan_",
     "given", "made", "cell", "first", "k", "min",
@@ -49,6 +49,7 @@ def test_only_known_codes_are_written() -> None:
         PythonSource().unary("__import__", "x")
 
 
+@pytest.mark.nightly_cases("two-centres-plane")
 @pytest.mark.parametrize("name", [
     "two-centres-plane", "oscillator-tan", pytest.param("spherical-staeckel", marks=pytest.mark.nightly),
 ])  # fmt: skip

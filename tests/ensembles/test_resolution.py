@@ -79,6 +79,7 @@ def _error(found: hjsolve.Batch, quantity: str, value: mpf) -> float:
     return float(abs(mpf(getattr(found, quantity)["x"].item()) - value))
 
 
+@pytest.mark.rotating(4)
 @pytest.mark.parametrize("name", NARROW)
 def test_narrow_features_are_seen_by_ensembles(name: str) -> None:
     text, width, place = NARROW[name]
@@ -89,6 +90,7 @@ def test_narrow_features_are_seen_by_ensembles(name: str) -> None:
         assert _error(found, quantity, value) <= claim <= 1e-12 * abs(value)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_narrow_features_are_seen_by_compiled_loops() -> None:
     pytest.importorskip("numba")

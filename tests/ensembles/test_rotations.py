@@ -33,6 +33,7 @@ def double_well(seed: int) -> tuple[hjsolve.System, np.ndarray, np.ndarray]:
 WITH_NUMBA = pytest.mark.skipif(not available(), reason="numba is not installed")
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("seed", "compiled"), [(3, False), (17, False), pytest.param(29, True, marks=WITH_NUMBA)])
 def test_double_wells_on_a_circle(seed: int, compiled: bool) -> None:
     """Nothing is left to single motions, and actions, frequencies and angles agree with them to 30 digits."""
@@ -51,6 +52,7 @@ def test_double_wells_on_a_circle(seed: int, compiled: bool) -> None:
         assert batch.error["angles"]["q"][k] <= 1e-9
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=WITH_NUMBA)])
 def test_orbits_about_two_centres(compiled: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Most orbits that go round both are slow on either side: none takes a single motion, few a pass by numpy."""

@@ -25,6 +25,7 @@ def _rates(prolate: np.ndarray) -> tuple[dict[str, np.ndarray], dict[str, np.nda
     return q, {"u": p["u"] / size, "w": p["w"] / size, "phi": p["phi"] / round_}
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_claims_hold_for_velocities(compiled: bool) -> None:
     """Each family, against 30 digits from the same velocities; rounding p first would be off by its own floor."""

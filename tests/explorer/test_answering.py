@@ -25,6 +25,7 @@ def test_an_entry_is_answered_with_verdict_numbers_and_a_plane_to_drag_in() -> N
     assert f"{period.value:.12f}"[:12] in told.numbers
 
 
+@pytest.mark.nightly_cases("kerr")
 @pytest.mark.parametrize("name", ["spherical-pendulum", "kerr", "relativistic-kepler", "lagrange-top", "henon-heiles"])
 def test_what_an_entry_says_is_the_system_of_the_entry(name: str) -> None:
     question = question_about(name)
@@ -105,6 +106,7 @@ def test_what_cannot_be_read_is_told_in_one_line(changed: dict[str, object], wor
     assert "\n" not in told.problem
 
 
+@pytest.mark.nightly_cases("kerr")
 @pytest.mark.parametrize("name", [None, "kepler-planar", "kerr", "two-centres-plane"])
 def test_a_scene_taken_away_runs_to_the_same_numbers(name: str | None, tmp_path) -> None:
     if name is not None and name not in hjsolve.catalog.ids():

@@ -26,6 +26,7 @@ def test_a_question_is_answered(worker: Worker) -> None:
     assert worker.ask(question_about("kepler-planar")).verdict == "yes"
 
 
+@pytest.mark.nightly
 def test_too_long_a_computation_is_stopped_and_the_next_question_answered(worker: Worker) -> None:
     worker.seconds = 3
     told = worker.ask(replace(question_about(None), potential=ENDLESS))
@@ -35,6 +36,7 @@ def test_too_long_a_computation_is_stopped_and_the_next_question_answered(worker
     assert worker.ask(question_about(None)).verdict == "yes"
 
 
+@pytest.mark.nightly
 def test_too_much_memory_ends_the_process_and_the_next_question_is_answered() -> None:
     small = Worker(seconds=60, megabytes=4)
     try:

@@ -60,7 +60,7 @@ def test_case_three_is_unstable_for_every_gamma() -> None:
     assert sp.expand(modes.polynomial.subs(case) - (7 * LAMBDA**4 + (10 + γ**2) * LAMBDA**2 - 9)) == 0
     for value in (0, 1, 100):
         assert not gyroscopic_modes(system, parameters={**CASES[3], "gamma": value}).stable
-    with pytest.raises(InvalidInputError, match="some exponent is not imaginary"):
+    with pytest.raises(InvalidInputError, match="zero, repeated or not imaginary"):
         modes.motion(q={"q1": 1, "q2": 0}, velocity={"q1": 0, "q2": 0})
 
 
@@ -152,3 +152,27 @@ def test_initial_data_are_checked_as_those_of_any_motion() -> None:
         modes.motion(q=rest, velocity=dict.fromkeys(names[:-1], 0))
     with pytest.raises(InvalidInputError, match="'height' is not a coordinate"):
         modes.motion(q={**rest, "height": 1}, p=rest)
+
+
+def test_a_penning_trap_has_its_modes_although_z_is_decoupled() -> None:
+    """ω = ω_c/2 ± √(ω_c²/4 − ω_z²/2) and ω_z, in closed form."""
+    trap = System(
+        {"x": "line", "y": "line", "z": "line"},
+        "(dot(x)**2+dot(y)**2+dot(z)**2)/2+wc/2*(x*dot(y)-y*dot(x))",
+        "wz**2/4*(2*z**2-x**2-y**2)",
+        parameters={"wc": 10, "wz": 1},
+    )
+    modes = gyroscopic_modes(trap)
+    with mp.workdps(40):
+        root = mp.sqrt(mpf(25) - mpf(1) / 2)
+        for ω, expected in zip(modes.frequencies, (5 - root, mpf(1), 5 + root), strict=True):
+            assert abs(ω - expected) < mpf(10) ** -30
+        z = modes.motion(q={"x": 1, "y": 0, "z": 1}, velocity={"x": 0, "y": 0, "z": 0}).at(1).q["z"]
+        assert abs(z - mp.cos(1)) < mpf(10) ** -29
+
+
+def test_two_oscillators_that_are_not_coupled_are_their_own_modes() -> None:
+    pair = System({"x": "line", "y": "line"}, "(dot(x)**2+dot(y)**2)/2", "x**2/2 + 3*y**2/2")
+    with mp.workdps(40):
+        for ω, expected in zip(gyroscopic_modes(pair).frequencies, (mpf(1), mp.sqrt(3)), strict=True):
+            assert abs(ω - expected) < mpf(10) ** -30

@@ -68,6 +68,8 @@ CASES = [
 ]  # fmt: skip
 
 
+@pytest.mark.rotating(4)
+@pytest.mark.nightly_cases("p**4+q**2-exp(-400*(q-1/2)**2)/5-1-0-line")
 @pytest.mark.parametrize(("H", "q", "p", "domain"), CASES)
 def test_states_are_those_of_hamilton_s_equations_and_come_back(H, q, p, domain):
     motion = moving(H, q, p, domain)
@@ -93,6 +95,10 @@ def _function(formula):
     return sp.lambdify([q, p], formula)
 
 
+@pytest.mark.nightly_cases(
+    "cos(p)+cos(q)/2-1-1-angle", "p**4+(q**2-1)**2-0-1.1-line", "p**4/4-p**2/2+q**2/2-0-3/2-line",
+    "sqrt(1+p**2)-cos(q)-0--3-angle",
+)  # fmt: skip
 @pytest.mark.parametrize(("H", "q", "p", "domain"), CASES[:8])
 def test_the_claims_of_fifteen_digits_hold_against_thirty(H, q, p, domain):
     few, many = moving(H, q, p, domain), moving(H, q, p, domain, digits=30)
@@ -112,6 +118,7 @@ def test_a_place_of_rest_rests():
     assert motion.at([0, 5]).q["q"].tolist() == [0, 0]
 
 
+@pytest.mark.nightly_cases("p**4-p**2+q**2-0-1-line-NotConvergedError")
 @pytest.mark.parametrize(
     ("H", "q", "p", "domain", "error"),
     [
@@ -127,6 +134,7 @@ def test_what_does_not_come_back_or_is_not_real_is_refused(H, q, p, domain, erro
         moving(H, q, p, domain)
 
 
+@pytest.mark.nightly_cases("1e30")
 @pytest.mark.parametrize("size", ["1e-100", "1e-6", "1e30"])
 def test_any_size_of_motion_is_followed(size):
     """T goes like E^(−1/4) for p⁴ + q²."""

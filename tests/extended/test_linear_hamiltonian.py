@@ -32,6 +32,7 @@ def test_s_solves_the_hamilton_jacobi_equation() -> None:
     assert sp.simplify(residual) == 0
 
 
+@pytest.mark.nightly
 def test_a_rate_that_depends_on_q_is_integrated_and_inverted() -> None:
     """q̇ = 1 + q²: q = tan t, and infinity is reached at π/2."""
     problem = from_hamiltonian("(1 + q**2)*p", {"q": "line"})

@@ -241,6 +241,7 @@ def test_a_long_formula_is_read():
     )
 
 
+@pytest.mark.nightly
 @given(st.text(max_size=60))
 def test_arbitrary_text_is_a_formula_or_an_expression_error(text):
     try:

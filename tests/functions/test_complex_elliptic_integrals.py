@@ -117,6 +117,9 @@ def without_real_roots(rng):
     return between(R, P, x, X).xreplace({X: y}), -total, size
 
 
+@pytest.mark.nightly_cases(
+    "with_complex_poles-9000", "with_complex_poles-9001", "without_real_roots-9000", "without_real_roots-9001",
+)  # fmt: skip
 @pytest.mark.parametrize(
     "seed", [*range(9000, 9002), *(pytest.param(s, marks=pytest.mark.nightly) for s in range(9002, 9020))]
 )
@@ -131,6 +134,7 @@ def test_five_random_integrals_are_right_to_thirty_digits(seed, made):
             assert abs(mpf(str(found)) - truth) <= size * mpf(10) ** -30
 
 
+@pytest.mark.nightly_cases("400")
 @pytest.mark.parametrize("seed", [400, *(pytest.param(s, marks=pytest.mark.nightly) for s in range(401, 403))])
 def test_without_real_roots_derivative_inverse_and_the_whole_line(seed):
     rng = random.Random(seed)

@@ -113,6 +113,7 @@ def agree(value, truth, digits=30):
     assert abs(mpf(str(found)) - truth) <= abs(truth) * mpf(10) ** -digits + mpf(10) ** -(digits + 6)
 
 
+@pytest.mark.nightly_cases("0", "10", "11", "1", "3", "4", "5", "6", "7", "8", "9")
 @pytest.mark.parametrize("seed", night_from(12, range(20)))
 def test_ten_random_integrals_are_right_to_thirty_digits(seed):
     """Of 200, those over a whole infinite interval have an integrand that converges there."""
@@ -134,6 +135,7 @@ def test_ten_random_integrals_are_right_to_thirty_digits(seed):
                 agree(form, by_quadrature(R, P, x, high, (None, interval[1])))
 
 
+@pytest.mark.rotating(2)
 @pytest.mark.parametrize("seed", range(300, 304))
 def test_double_roots_give_elementary_integrals(seed):
     rng = random.Random(seed)
@@ -153,6 +155,7 @@ def test_double_roots_give_elementary_integrals(seed):
             assert abs(sp.N(inverse(P, interval, U, start).xreplace({U: u}), 40) - x) <= 1e-30 * (1 + abs(x))
 
 
+@pytest.mark.nightly_cases("100", "101")
 @pytest.mark.parametrize("seed", night_from(102, range(100, 104)))
 def test_derivative_inverse_and_legendres_form(seed):
     rng = random.Random(seed)
@@ -176,6 +179,7 @@ def test_derivative_inverse_and_legendres_form(seed):
             assert abs(sp.N(legendre_complete(R, P, interval), 35) - whole) <= 1e-25 * (1 + abs(whole))
 
 
+@pytest.mark.nightly_cases("200", "201")
 @pytest.mark.parametrize("seed", night_from(202, range(200, 204)))
 def test_both_ends_of_the_interval_belong_to_it(seed):
     """Zero at the beginning, the complete integral at the other end, in many digits and in numpy's doubles."""

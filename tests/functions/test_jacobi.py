@@ -48,6 +48,7 @@ def integral_of_dn(v, k, power):
         return mp.quad(lambda w: mp.re(mp.ellipfun("dn", w, m=k)) ** power, pieces, method=gauss)
 
 
+@pytest.mark.nightly_cases("17")
 @pytest.mark.parametrize("parameter", ["1/3", "9/10", "1", "3/2", "17", "-3"])
 def test_amplitude_and_epsilon_are_the_integrals_of_dn_and_its_square(parameter):
     place = (sp.Rational(13, 5), sp.Rational(parameter))
@@ -56,6 +57,8 @@ def test_amplitude_and_epsilon_are_the_integrals_of_dn_and_its_square(parameter)
             assert close(sp.N(function(*place), 40), integral_of_dn(mp.mpf(13) / 5, exact(parameter), power), 18)
 
 
+@pytest.mark.rotating(8)
+@pytest.mark.nightly_cases("JacobiAM-5/2", "JacobiEpsilon-5/2")
 @pytest.mark.parametrize("parameter", ["1/3", "9/10", "-3", "5/2"])
 @pytest.mark.parametrize("function", FUNCTIONS)
 def test_derivatives_are_the_limits_of_differences(function, parameter):
@@ -119,6 +122,7 @@ def test_lambdify(backend):
         assert compiled(np.full(2, 2.2), 1 / 3) == pytest.approx([float(value)] * 2, rel=1e-14, abs=0)
 
 
+@pytest.mark.nightly
 def test_doubles_for_every_real_parameter():
     from hjsolve.arithmetic import carlson
 

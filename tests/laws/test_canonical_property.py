@@ -12,6 +12,7 @@ from tests.support.entries import solved
 NAMES = entries.separable_with_effects()
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", NAMES)
 def test_constants_are_in_involution_and_conjugate_to_the_betas(name: str) -> None:
     checks = check(solved(name))
@@ -19,6 +20,7 @@ def test_constants_are_in_involution_and_conjugate_to_the_betas(name: str) -> No
     assert [c.verdict for c in checks] == ["proved"] * 4
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", NAMES)
 def test_one_constant_for_every_degree_of_freedom(name: str) -> None:
     solution = solved(name)

@@ -14,11 +14,13 @@ from tests.support.entries import solved
 NAMES = entries.separable_with_effects()
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", NAMES)
 def test_the_equation_holds_identically(name: str) -> None:
     assert isinstance(is_zero(hamilton_jacobi_residual(solved(name))), Zero)
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", NAMES)
 def test_the_momenta_are_the_derivatives_of_w_as_printed(name: str) -> None:
     solution = solved(name)
@@ -27,6 +29,8 @@ def test_the_momenta_are_the_derivatives_of_w_as_printed(name: str) -> None:
         assert sp.simplify(difference) == 0
 
 
+@pytest.mark.entries
+@pytest.mark.nightly_cases("perfect-oblate-spheroid")
 @pytest.mark.parametrize("name", NAMES)
 def test_the_equation_holds_to_40_digits_with_the_roots_as_printed(name: str) -> None:
     """At a point of a real motion, 40 digits, H's own formula: no squaring away, no zero test of ours."""

@@ -12,6 +12,7 @@ from tests.support import entries
 TOLERANCE = sp.Float("1e-40", 50)
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", entries.separable())
 def test_the_constants_of_the_catalog_are_in_involution_and_independent(name):
     """(α_i, α_j) = 0, and the rank of ∂α/∂p is the number of coordinates."""

@@ -226,6 +226,7 @@ def vanishes(value: sp.Expr) -> bool:
     return bool(abs(value.evalf(30, maxn=90)) < sp.Rational(1, 10**60))
 
 
+@pytest.mark.rotating(8)
 @pytest.mark.parametrize("name", CASES)
 def test_the_constant_is_the_integral_it_is_said_to_be(name):
     system, place, axis, distance, charge, expected = CASES[name]

@@ -172,6 +172,7 @@ def test_a_function_has_jets_where_it_is_known_or_does_not_move():
     assert not has_jets(moving + still, (y, z))
 
 
+@pytest.mark.nightly_cases("False-3")
 @pytest.mark.parametrize("n", [2, 3])
 @pytest.mark.parametrize("separable", [True, False])
 def test_random_staeckel_systems_separate_and_their_neighbours_at_1e_9_do_not(n, separable):

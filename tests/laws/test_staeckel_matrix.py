@@ -90,6 +90,7 @@ def test_the_matrix_is_not_singular(name, verdicts):
         assert abs(sp.Matrix(*form.matrix.shape, values).det()) > 1e-20
 
 
+@pytest.mark.rotating(8)
 @pytest.mark.parametrize("name", [*SEVERAL, *E3])
 def test_the_constants_are_in_involution_with_each_other(name, verdicts):
     """(α_i, α_j) = 0 (Greenwood item 89), by Poisson brackets at 50 digits."""

@@ -19,6 +19,7 @@ LIBRATIONS = [
 ]
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize(
     "name",
     [n if n in SAMPLE else pytest.param(n, marks=[pytest.mark.nightly, pytest.mark.timeout(0)]) for n in LIBRATIONS],

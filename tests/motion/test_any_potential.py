@@ -35,6 +35,7 @@ def holds(estimate, truth):
     assert estimate.error <= 1e-13 * abs(truth) + 1e-300
 
 
+@pytest.mark.nightly
 @examples(8)
 @given(confining, coefficient("-2", "2"), positive)
 def test_a_confined_mass_has_the_turning_points_period_action_and_states_of_the_integrals(potential, place, speed):
@@ -103,6 +104,7 @@ def test_whatever_the_potential_the_kind_is_right_and_an_escape_keeps_its_time(p
                 assert late * mp.sqrt(curve.square(mp.mpf(state.q["x"]))) <= state.error.q["x"]
 
 
+@pytest.mark.nightly
 @examples(4)
 @given(confining, coefficient("-2", "2"), positive)
 def test_thirty_digits_mean_thirty(potential, place, speed):
@@ -115,6 +117,7 @@ def test_thirty_digits_mean_thirty(potential, place, speed):
         assert abs(period.value - truth) <= period.error <= mp.mpf("1.01e-30") * truth
 
 
+@pytest.mark.nightly
 @examples(5)
 @given(confining, coefficient("-2", "2"), positive, st.sampled_from([15, 24, 40]))
 def test_proved_numbers_hold_the_truth(potential, place, speed, digits):

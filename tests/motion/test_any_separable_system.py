@@ -60,6 +60,7 @@ def _states(given, motion, t, flow):
             yield f"{what}.{name} at {t!r}", error, abs(mp.mpf(values[name]) - exact), abs(exact) + 1
 
 
+@pytest.mark.nightly_cases("liouville-2-7", "staeckel-2-4", "staeckel-3-1")
 @pytest.mark.parametrize(
     ("kind", "n", "seed"),
     [*FAST, *(pytest.param(*case, marks=[pytest.mark.nightly, pytest.mark.timeout(0)]) for case in MANY)],

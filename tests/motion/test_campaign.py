@@ -36,6 +36,7 @@ def judged(seed, indices):
     return findings
 
 
+@pytest.mark.nightly_cases("1", "2", "3")
 @pytest.mark.parametrize("part", range(4))
 def test_no_claim_of_a_random_motion_is_false(part):
     findings = [f for f in judged(1, SLICE[part::4]) if f.status != "too_long"]  # how many depends on the machine

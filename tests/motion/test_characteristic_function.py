@@ -36,6 +36,8 @@ def span(motion):
     return min(1.3 * max(periods), 20 * min(periods)) if periods else 2.0
 
 
+@pytest.mark.entries
+@pytest.mark.nightly_cases("liouville-p5-6")
 @pytest.mark.parametrize("name", entries.separable_with_effects())
 def test_it_is_the_integral_of_twice_the_kinetic_energy(name):
     """Over the whole catalog, forwards and backwards, to 1e-13 of ∫ |p·q̇| dt, and to its claim."""
@@ -50,6 +52,11 @@ def test_it_is_the_integral_of_twice_the_kinetic_energy(name):
         assert found.error <= 2e-13 * size
 
 
+@pytest.mark.entries
+@pytest.mark.nightly_cases(
+    "garnier", "henon-heiles-separable", "kepler-prolate", "kuzmin-kutuzov", "neumann", "perfect-oblate-spheroid",
+    "triaxial-geodesics", "two-centres-space", "vinti",
+)  # fmt: skip
 @pytest.mark.parametrize("name", entries.separable_with_effects())
 def test_betas_are_what_the_printed_equations_say(name):
     """∂W/∂α along the branch at t₀, from the printed integrands by 30-digit quadrature over the anomaly of the interval."""
@@ -96,6 +103,7 @@ def along_branch(solution, fine, term, values):
     return factor * total * (-1 if root < 0 else 1)
 
 
+@pytest.mark.nightly_cases("liouville-p5-6", "stark")
 @pytest.mark.parametrize(
     "name", ["pendulum", "kepler-spherical", "lagrange-top", "two-centres-plane", "stark", "liouville-p5-6"]
 )
@@ -167,6 +175,7 @@ def test_the_oscillator_after_many_swings(t):
         )
 
 
+@pytest.mark.nightly
 def test_falling_thrown_and_escaping():
     """Closed forms: x = t²/2 + …, a repelled particle, and a motion to the end of a domain."""
     fall = hjsolve.solve(hjsolve.System({"x": "line"}, "dot(x)**2/2", "-x")).motion(q={"x": 0}, velocity={"x": "-3"})
@@ -231,6 +240,7 @@ def test_the_beta_of_the_energy_is_the_passage_of_the_lower_turning_point():
     assert motion.at(motion.betas["E"].value).q["r"] == pytest.approx(motion.lower_limits["r"].value, rel=1e-15)
 
 
+@pytest.mark.nightly
 def test_s_generates_the_motion():
     """∂S/∂q = p where q is reached: S at neighbouring ends of one family W(q; α) at the same α, so p = ΔW/Δq."""
     motion = entries.solution("liouville-p5-6").motion(

@@ -39,6 +39,7 @@ def check(solution: hjsolve.Solution, system: hjsolve.System, place: str, speed:
                     assert abs(mp.mpf(values[c][k]) - truth) <= errors[c][k] <= 1e-9 * (1 + abs(truth))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("place", "speed"), [("0.3 0.4 0.1", "0.2 -0.1 0.5"), ("-0.7 0.2 -0.3", "0.1 0.6 0"), ("0.1 -0.9 0.2", "-0.4 0.3 -0.6")]
@@ -71,6 +72,7 @@ def test_random_escapes_at_early_times(number: int) -> None:
     check(hjsolve.solve(system), system, "0.3", "1.5", [0.2, 0.6])
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_way_that_is_not_known_to_its_end_is_no_end() -> None:
     """The last panels that can be had are short, and integrals do not grow over them: that is no finite time."""

@@ -56,6 +56,7 @@ def truth(system: hjsolve.System, q: dict[str, str], v: dict[str, str], t: float
     return Flow(H, places, momenta, {}, begin, digits=22).at(mp.mpf(t))
 
 
+@pytest.mark.nightly_cases("ellipsoidal-3", "polar-2")
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "n"), FAST + [pytest.param(*case, marks=pytest.mark.nightly) for case in MORE])
 def test_states_in_x_y_z_agree_with_the_integrated_equations_within_their_errors(kind: str, n: int) -> None:
@@ -80,6 +81,7 @@ LENS = "(x**2 + y**2)/2 - (A*sqrt(A**2 - 1)*acosh(A) + B*sqrt(1 - B**2)*(acos(B)
 """Danilov, Nagaitsev, PRST-AB 13, 084002 (2010), eq. (29), c = 1; A, B: half the sum and difference of the distances."""
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_lens_with_cuts_is_written_without_inverse_functions_and_ends_at_the_cuts() -> None:
     near, far = "sqrt((x - 1)**2 + y**2)", "sqrt((x + 1)**2 + y**2)"
@@ -111,6 +113,7 @@ def test_many_digits_are_right_to_all_of_them() -> None:
             assert abs(state.velocity[name] - exact[2 + i]) <= 1e-21
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_at_the_start_the_state_is_the_one_given_in_every_octant() -> None:
     solution = hjsolve.solve(system_of("ellipsoidal", 3), coordinates="find")
@@ -123,6 +126,7 @@ def test_at_the_start_the_state_is_the_one_given_in_every_octant() -> None:
             assert abs(state.velocity[n] - v[n]) <= state.error.velocity[n] <= 1e-12
 
 
+@pytest.mark.nightly_cases("m/2*(dot(x)**2 + dot(y)**2)--1/sqrt((x - 1)**2 + y**2) - 2/sqrt((x + 1)**2 + (y - 1)**2)")
 @pytest.mark.parametrize(
     ("kinetic", "potential"),
     [
@@ -237,6 +241,7 @@ def test_potentials_of_space_that_separate_nowhere_are_refused_with_what_was_loo
     assert caught.value.verdict.pair
 
 
+@pytest.mark.nightly
 def test_momenta_of_a_heavy_body_have_the_errors_of_momenta() -> None:
     """p = 1000 v, and so are their errors; claims of the one for the other were a thousand times too small."""
     light = hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", PLANE["elliptic"])

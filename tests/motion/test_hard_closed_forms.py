@@ -10,6 +10,8 @@ from tests.support.hard_cases import Case, cases, measure
 CASES = cases()
 
 
+@pytest.mark.rotating(12)
+@pytest.mark.nightly_cases("three roots 1, 1.00000001, 1.0000000100000001")
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_position_and_period_are_right_and_the_claims_hold(case: Case) -> None:
     found = measure(case)  # asserts claimed ≥ true for every number

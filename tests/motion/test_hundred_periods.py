@@ -10,6 +10,7 @@ import hjsolve
 from tests.reference.regenerate import motions
 
 
+@pytest.mark.nightly_cases("lagrange-top-shares1", "spherical-pendulum-shares0")
 @pytest.mark.parametrize(
     ("name", "shares"),
     [

@@ -62,6 +62,7 @@ def test_an_ensemble_takes_arrays_of_quantities(units):
     np.testing.assert_allclose(far.to("pc").estimate().value, plain.turning_points["r"][1] * 1000, rtol=1e-12, atol=0)
 
 
+@pytest.mark.nightly
 def test_columns_of_stars_may_have_units():
     system = hjsolve.System(
         dict.fromkeys("xyz", "line"), "(dot(x)**2 + dot(y)**2 + dot(z)**2)/2", "-GM/sqrt(x**2 + y**2 + z**2)", {"GM": 1},

@@ -27,6 +27,7 @@ def test_doubt_of_the_kepler_period_is_its_derivative_times_half_an_ulp(kepler):
     assert motion.input_sensitivity()["periods"]["r"] == pytest.approx(expected, rel=1e-9, abs=0)
 
 
+@pytest.mark.nightly
 def test_near_parabolic_period_is_in_far_more_doubt_than_its_error(kepler):
     motion = kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": 1.41421356})
     period, doubt = motion.periods["r"], motion.input_sensitivity()["periods"]["r"]

@@ -45,6 +45,7 @@ def separatrix(a: mpf, e: mpf, x: mpf) -> mpf:
     return high
 
 
+@pytest.mark.nightly_cases("0.9-6-0.3-0.7")
 @pytest.mark.parametrize(
     ("a", "p", "e", "x"), [("0.9", "6", "0.3", "0.7"), ("0.9", "12", "0.6", "-0.8"), ("0.01", "9", "0.01", "0.4")]
 )
@@ -73,6 +74,7 @@ def test_a_step_of_1e_10_from_the_separatrix(solution) -> None:
             assert abs(ratio * truth["r"] / truth[name] - 1) <= 1e-15
 
 
+@pytest.mark.nightly
 def test_many_orbits_at_once() -> None:
     rng, count = np.random.default_rng(7), 8
     with mp.workdps(32):

@@ -32,6 +32,7 @@ def start(place: str, speed: str) -> dict[str, dict[str, str]]:
     }
 
 
+@pytest.mark.nightly_cases("-3/sqrt(x**2 + y**2 + z**2 + 5 + 2*sqrt(4 + x**2 + y**2 + 4*z**2))-0 0 1-0 0 1-kinds6")
 @pytest.mark.parametrize(
     ("potential", "place", "speed", "kinds"),
     [
@@ -97,6 +98,7 @@ def test_it_can_be_asked_for_digits_passages_and_reports_and_pickled(tmp_path) -
     assert "X" in (tmp_path / "axis.txt").read_text()
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_in_ensembles_they_get_a_status_and_stop_nobody() -> None:
     x, y = np.array([-0.7, 0.3, 0.7071067811865476]), np.zeros(3)  # the focus is at √½

@@ -56,6 +56,7 @@ def assert_within_errors(state, x, p) -> None:
             assert abs(mp.mpf(getattr(state, group)[name]) - value) <= getattr(state.error, group)[name]
 
 
+@pytest.mark.nightly_cases("neumann")
 @pytest.mark.parametrize("name", ["neumann", pytest.param("kepler", marks=pytest.mark.nightly)])
 def test_random_motions_agree_with_the_equations_in_space_within_their_errors(name: str) -> None:
     kind, system, V = turned(name, 3)
@@ -91,6 +92,7 @@ def test_a_motion_runs_close_by_the_pole_of_the_given_angles() -> None:
     assert abs(motion.at("0.5").q["phi"] - motion.at(0).q["phi"]) > 3
 
 
+@pytest.mark.nightly
 def test_many_digits_are_right() -> None:
     _, system, V = turned("neumann", 3)
     q, velocity = {"theta": "1.1", "phi": "0.4"}, {"theta": "0.3", "phi": "0.9"}
@@ -103,6 +105,7 @@ def test_many_digits_are_right() -> None:
             assert abs(state.q[name] - value) <= 1e-24
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("name", "place"), [("b", "pi/2 - theta"), ("theta", "theta")])
 def test_latitude_colatitude_mass_and_radius_are_the_same_motion(name: str, place: str) -> None:
     """m R² = 6 in another order of the names: V six times as large gives the same places."""

@@ -76,6 +76,8 @@ def shown(state):
     return repr([{name: np.asarray(x).tolist() for name, x in group.items()} for group in groups]) + repr(state.status)
 
 
+@pytest.mark.rotating(6)
+@pytest.mark.nightly_cases("to an end", "two coupled")
 @pytest.mark.parametrize("name", MOTIONS)
 def test_a_copy_gives_the_same_numbers_bit_for_bit(name):
     motion = MOTIONS[name]()
@@ -87,6 +89,7 @@ def test_a_copy_gives_the_same_numbers_bit_for_bit(name):
             again.digits = 3
 
 
+@pytest.mark.nightly
 def test_another_process_gives_the_same_numbers_bit_for_bit(tmp_path):
     names = ["libration", "in 30 digits", "certified", "escape", "to an end, in 30 digits", "separatrix", "framed"]
     motions = [MOTIONS[name]() for name in names]

@@ -105,6 +105,10 @@ FOUND = {
 }  # fmt: skip
 
 
+@pytest.mark.nightly_cases(
+    "prolate, through the axis", "rotational parabolic, from the axis", "rotational parabolic, through the axis",
+    "spherical, through the centre",
+)  # fmt: skip
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FOUND)
 def test_found_coordinates_are_passed_through_their_axes_and_centres(name: str) -> None:

@@ -43,6 +43,8 @@ def branches(motion, state):
     return found
 
 
+@pytest.mark.entries
+@pytest.mark.nightly_cases("neumann")
 @pytest.mark.parametrize("name", entries.separable_with_effects())
 def test_its_derivatives_are_the_momenta(name):
     """Over the whole catalog, with 40 digits, on the branch the motion is on; and W itself is that along the motion."""
@@ -64,6 +66,7 @@ def test_its_derivatives_are_the_momenta(name):
             assert abs(slope - state.p[c.name]) <= mpf(10) ** -15 * (1 + abs(slope)), c.name
 
 
+@pytest.mark.nightly_cases("two-centres-plane")
 @pytest.mark.parametrize(
     "name", ["pendulum", "kepler-spherical", "lagrange-top", "two-centres-plane", "stark", "morse"]
 )

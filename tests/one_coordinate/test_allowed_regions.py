@@ -57,6 +57,7 @@ def test_isolated_places_of_rest_and_open_ends(potential: str, x: int, v: int, t
     assert matches(motion.other_regions["x"], true)
 
 
+@pytest.mark.nightly
 def test_wells_on_a_circle_are_counted_once() -> None:
     """cos 2x has two wells a turn; the second is a half turn on."""
     motion = line("cos(2*x)", "angle").motion(q={"x": "pi/2"}, velocity={"x": "1/2"})

@@ -37,6 +37,7 @@ POTENTIALS: dict[str, Any] = {
 }
 
 
+@pytest.mark.nightly_cases("-1/r**2", "-r**(-5/2)")
 @pytest.mark.parametrize("potential", POTENTIALS)
 def test_the_time_of_a_fall_onto_a_centre(potential: str) -> None:
     V = POTENTIALS[potential]
@@ -86,6 +87,7 @@ def test_a_logarithmic_potential_lets_a_point_fall_through_an_integrable_pole() 
     assert abs(end.value - true) <= end.error <= 1e-14 * true
 
 
+@pytest.mark.nightly
 def test_a_plunge_into_schwarzschilds_black_hole_takes_a_finite_proper_time() -> None:
     solution = hjsolve.solve(catalog.load("schwarzschild"))
     motion = solution.motion(

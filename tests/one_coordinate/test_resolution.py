@@ -168,6 +168,7 @@ NARROW = [
 ]
 
 
+@pytest.mark.rotating(4)
 @pytest.mark.parametrize("digits", [15, 30])
 @pytest.mark.parametrize(("potential", "place", "speed", "feature"), NARROW, ids=[case[0] for case in NARROW])
 def test_a_motion_counts_what_is_narrower_than_the_first_nodes(potential, place, speed, feature, digits):
@@ -179,6 +180,7 @@ def test_a_motion_counts_what_is_narrower_than_the_first_nodes(potential, place,
             assert found.error <= 1e-14 * value
 
 
+@pytest.mark.nightly_cases("4", "6", "8")
 @pytest.mark.parametrize("index", range(0, 9, 2))
 def test_random_narrow_features_are_resolved(index):
     """One of each second base of the generator; benchmarks/features.py runs thousands."""
@@ -192,6 +194,9 @@ def test_random_narrow_features_are_resolved(index):
             assert found[one.name].error <= 1e-12 * value
 
 
+@pytest.mark.nightly_cases(
+    "one in another", "packet of 10", "packet of 1e-6", "packet of 30", "packet", "rotor of 2e-6",
+)  # fmt: skip
 @pytest.mark.parametrize(
     ("seed", "index"),
     [(5, 48), (7, 65), (7, 84), (7, 104), (5, 14), (7, 18), (7, 91)],
@@ -224,6 +229,7 @@ def test_without_the_enclosures_the_narrow_dip_would_not_be_seen(monkeypatch):
     assert abs(unseen.value - 2 * math.pi) < 1e-9 < 1e-8 < abs(seen.value - 2 * math.pi)
 
 
+@pytest.mark.nightly
 def test_rapid_oscillation_is_resolved_by_as_many_nodes_as_it_needs():
     potential = "x**2/2 + sin(100*x)/20"
     found = moving(potential, "1", "0.5").frequencies["x"]

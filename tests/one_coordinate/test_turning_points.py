@@ -44,6 +44,13 @@ def compare(case: Turning, digits: int = 15) -> tuple[float, float, Any, Any]:
     return float(worst), float(off), np.array(ratios), motion
 
 
+@pytest.mark.rotating(4)
+@pytest.mark.nightly_cases(
+    "nearly sleeping top, critical, tilted by 1e-6", "nearly sleeping top, unstable, tilted by 1/1000",
+    "nearly sleeping top, unstable, tilted by 1e-6", "spherical pendulum, dphi/dt = 1e-12 at theta = 1",
+    "spherical pendulum, dphi/dt = 1e-3 at theta = 1", "spherical pendulum, dphi/dt = 1e-6 at theta = 1",
+    "spherical pendulum, nearly upright and nearly through both poles", "top with waves",
+)  # fmt: skip
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_angles_periods_rates_and_actions_are_right_and_the_claims_hold(case: Turning) -> None:
     worst, off, ratios, motion = compare(case)

@@ -81,6 +81,7 @@ def test_the_graph_in_time_passes_its_turning_points() -> None:
     assert r.max() == pytest.approx(18 / 7, abs=1e-3)
 
 
+@pytest.mark.nightly_cases("kerr")
 @pytest.mark.parametrize("name", PLOTTED)
 def test_every_kind_is_drawn_for_every_separated_coordinate(name: str) -> None:
     motion = default_motion(name)

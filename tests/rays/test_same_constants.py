@@ -71,6 +71,7 @@ def test_the_gradient_of_w_obeys_hamilton_and_jacobis_equation(name: str) -> Non
         )
 
 
+@pytest.mark.nightly_cases("two-centres-plane")
 @pytest.mark.parametrize("name", NAMES)
 def test_w_on_a_front_is_what_quadratures_in_30_digits_say(name: str) -> None:
     """W = Σ ∫ P dq by mpmath, on the sheet where both momenta are positive."""
@@ -139,6 +140,7 @@ def modulo(motion, W, value: float):
     return min((mpmath.mpf(value) + s for s in shifts), key=lambda v: abs(v - W))
 
 
+@pytest.mark.nightly_cases("stark in the plane", "two-centres-plane")
 @pytest.mark.parametrize("name", NAMES)
 def test_orbits_cross_fronts_at_right_angles_in_the_metric_of_t(name: str) -> None:
     """The front through the place of an orbit at a time; its tangent by interpolation, the velocity from Motion.at."""

@@ -16,6 +16,7 @@ def place_of(curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return x[known], y[known], (curve.error.place["x"] + curve.error.place["y"])[known]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_envelope_of_throws_is_the_parabola_of_safety() -> None:
     motion = hjsolve.solve("projectile").motion(q={"x": 0, "y": 0}, velocity={"x": 3, "y": 4}, parameters={"g": 10})
@@ -35,6 +36,7 @@ def test_the_envelope_of_throws_is_the_parabola_of_safety() -> None:
         assert np.all(np.abs(W[np.abs(vx) > 0.1] - front.value) <= 1e-12 * front.value)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_envelope_of_kepler_orbits_is_an_ellipse_about_the_sun_and_the_place() -> None:
     """r + |q − q₀| = 4a − r₀: the empty foci lie on a circle about q₀."""
@@ -48,6 +50,7 @@ def test_the_envelope_of_kepler_orbits_is_an_ellipse_about_the_sun_and_the_place
     assert np.median(error) < 1e-2
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_envelope_of_oscillations_is_an_ellipse_about_the_places_at_rest_on_either_side() -> None:
     """q = q₀ cos ωt + v/ω sin ωt n: |q − q₀| + |q + q₀| = 2 √(2E/(m ω²)), since r₀² + v²/ω² = 2E/(m ω²)."""

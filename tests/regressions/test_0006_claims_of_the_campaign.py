@@ -2,6 +2,7 @@
 
 import mpmath
 import numpy as np
+import pytest
 
 import hjsolve
 
@@ -24,6 +25,7 @@ def test_a_mean_rate_that_cancels_is_zero_and_has_no_period():
         assert "theta" not in motion.periods
 
 
+@pytest.mark.nightly
 def test_a_momentum_that_varies_by_many_orders_claims_the_rounding_of_its_logarithm():
     """Past the pole at a distance of 1e-3: p_θ = ±√(2α) nearly all the time, ln(p/(dq/dχ)) has many terms."""
     start = {

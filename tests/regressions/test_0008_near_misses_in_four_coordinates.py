@@ -15,6 +15,7 @@ from hjsolve.separation import Obstruction, Separation, separate
 from tests.support.random_staeckel import SMALL, case
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", [400003, 400004])
 def test_a_disturbance_of_a_billionth_is_found_among_a_thousand_terms(seed):
     """V is a separable potential plus one known term: S_ij(V) is S_ij of that term, by numerical slopes of g."""
@@ -41,6 +42,7 @@ def test_a_disturbance_of_a_billionth_is_found_among_a_thousand_terms(seed):
         assert verdict.witness.excludes_zero
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", [400002, 400003])
 def test_separable_systems_of_a_thousand_terms_separate(seed):
     """cᵀΦ = (1, 0, …, 0) and cᵀψ = V at a point of our own, to 40 digits."""

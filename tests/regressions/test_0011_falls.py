@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from mpmath import mp
 
 import hjsolve
@@ -43,6 +44,7 @@ def test_an_end_of_the_domain_that_no_time_suffices_for_is_asymptotic():
             assert abs(mp.mpf(state.q["q"][k]) - mp.exp(-mp.mpf(t))) <= state.error.q["q"][k]
 
 
+@pytest.mark.nightly
 def test_too_far_out_is_not_an_end():
     """x = e^t passes 10³⁰⁰ at t = 691."""
     system = hjsolve.System({"x": "line"}, "dot(x)**2/2", "-x**2/2")

@@ -62,6 +62,7 @@ def exact(value):
     return mp.mpf(sp.N(value, 34))
 
 
+@pytest.mark.nightly_cases("kepler-spherical", "two-centres-space")
 @pytest.mark.usefixtures("_no_march")
 @pytest.mark.parametrize("name", CASES)
 def test_states_obey_hamiltons_equations(name):
@@ -90,6 +91,7 @@ def test_states_obey_hamiltons_equations(name):
                     assert error <= 1e-9 * (1 + abs(true))
 
 
+@pytest.mark.nightly_cases("henon-heiles-kdv", "two-centres-space")
 @pytest.mark.usefixtures("_no_march")
 @pytest.mark.parametrize("name", CASES)
 def test_a_coordinate_has_its_place_at_the_end_of_the_motion_or_none(name):
@@ -101,6 +103,7 @@ def test_a_coordinate_has_its_place_at_the_end_of_the_motion_or_none(name):
         assert all(late.error.q[n][m] >= 0 or status != "ok" for n in late.q)
 
 
+@pytest.mark.nightly_cases("25")
 @pytest.mark.parametrize("digits", [15, 25])
 def test_both_ends_at_once_are_one_time(digits):
     """A fall along a ray, in parabolic coordinates: t = ∫ dr/√(2(E + 1/r)), r = y²."""
@@ -115,6 +118,7 @@ def test_both_ends_at_once_are_one_time(digits):
             assert abs(mp.mpf(time.value) - truth) <= time.error <= mp.mpf(10) ** (2 - digits)
 
 
+@pytest.mark.nightly
 def test_a_motion_in_many_digits_that_has_ended_has_no_state():
     """At the end itself the momentum was divided by nothing."""
     solution = hjsolve.solve(hjsolve.catalog.load("a-frame"))
@@ -164,6 +168,7 @@ def test_a_wiggle_on_the_way_out_is_followed_as_far_as_is_asked_and_no_farther()
         assert q < reached < 2 * q + 2 * np.pi
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("name", "q", "velocity", "parameters"),
     [
@@ -186,6 +191,7 @@ def test_an_end_that_is_never_reached_because_the_other_coordinate_runs_away_is_
     assert list(motion.at([1e3, 1e6]).status) == ["ok", "ok"]
 
 
+@pytest.mark.nightly_cases("1e-13--0.02")
 @pytest.mark.parametrize(
     ("place", "speed"),
     [

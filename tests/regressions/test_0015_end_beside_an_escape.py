@@ -31,6 +31,7 @@ def test_an_axis_is_reached_in_the_time_of_a_straight_line(digits):
         assert abs(mpf(found.value) - truth) <= mpf(found.error) <= truth * mpf(10) ** (4 - digits)
 
 
+@pytest.mark.nightly
 def test_so_it_does_beside_an_oscillator():
     """Three coordinates: the time is sought along the motion."""
     system = hjsolve.System(

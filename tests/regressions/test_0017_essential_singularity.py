@@ -11,6 +11,7 @@ from hjsolve.errors import NotConvergedError
 HARD = ["-exp(1/r)", "-exp(1/r**2)", "-exp(3/sqrt(r))/r", "-sinh(1/r)", "exp(1/r) - exp(2/r)", "-exp(exp(1/r))"]
 
 
+@pytest.mark.nightly_cases("-1--exp(exp(1/r))-15", "-1-exp(1/r) - exp(2/r)-15")
 @pytest.mark.parametrize(("potential", "digits"), [*((p, 15) for p in HARD), ("-exp(1/r)", 60)])
 @pytest.mark.parametrize("speed", [-1])
 def test_an_essential_singularity_at_the_end_of_a_domain_is_told_soon(potential, digits, speed):
@@ -20,6 +21,7 @@ def test_an_essential_singularity_at_the_end_of_a_domain_is_told_soon(potential,
     assert work.squares <= 40 * (digits + 40)
 
 
+@pytest.mark.nightly_cases("-exp(-1/r)")
 @pytest.mark.parametrize("potential", ["-1/r**3", "-1/r**40", "-1/r - 10**(-12)/r**8", "log(r)", "-exp(-1/r)"])
 def test_powers_logarithms_and_what_is_flat_at_the_end_are_no_essential_singularities(potential):
     """The fall takes ∫ dr/p, by mpmath's quadrature in 40 digits."""

@@ -6,6 +6,7 @@ and places came out wrong by 0.2 with a claim of 1e-14 (motion 3175 of the campa
 
 from __future__ import annotations
 
+import pytest
 from mpmath import mp, mpf
 
 from tests.support import entries
@@ -15,6 +16,7 @@ SPEED = {"u": "0.545", "w": "0.00055", "phi": "0.637"}
 PARAMETERS = {"GM": "0.504", "d": "1.94"}
 
 
+@pytest.mark.nightly
 def test_it_begins_where_it_was_told_to_and_doubles_agree_with_many_digits() -> None:
     described = entries.described("kuzmin-kutuzov").system
     names = {p.name for p in described.parameters}

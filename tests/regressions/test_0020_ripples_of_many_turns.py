@@ -7,6 +7,7 @@ What the errors of their phases do to it was counted as if that ripple had the s
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from mpmath import mp, mpf
 
 from tests.support import entries
@@ -15,6 +16,7 @@ START = {"r": 1.6219417232110496, "theta": 2.663424334449126, "phi": -0.00415477
 SPEED = {"r": -0.10745538849679942, "theta": 0.22424718337412372, "phi": 6.221979849528468e-06}
 
 
+@pytest.mark.nightly
 def test_claims_hold_beside_ripples_of_many_turns() -> None:
     solution = entries.solution("spherical-staeckel")
     times = np.array([5.707681187103338, *np.linspace(0.3, 9.7, 40)])

@@ -53,6 +53,7 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.nightly_cases("next to the pole of a sphere")
 @pytest.mark.parametrize("case", CASES)
 def test_the_claimed_error_holds_the_true_one(case: str) -> None:
     entry, q, velocity, parameters, times = CASES[case]
@@ -75,6 +76,7 @@ def test_the_claimed_error_holds_the_true_one(case: str) -> None:
                 assert claims[0] <= 1e-11 * (1 + abs(place))
 
 
+@pytest.mark.nightly
 def test_a_place_without_kinetic_energy_that_takes_for_ever_in_its_own_time_but_not_in_ours() -> None:
     """At u = v = 0 the factor u² + v² of T is 0: p_u dies away there, and the motion is there in a finite time.
 

@@ -15,6 +15,7 @@ from tests.support import entries
 x, a = sp.symbols("x a", real=True)
 
 
+@pytest.mark.nightly
 def test_a_motion_to_the_end_of_the_domain_is_found_in_few_cells(monkeypatch: pytest.MonkeyPatch) -> None:
     calls, enclose = [], MomentumSquared.enclose
     monkeypatch.setattr(MomentumSquared, "enclose", lambda self, *cells: calls.append(1) or enclose(self, *cells))

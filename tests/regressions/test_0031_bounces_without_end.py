@@ -41,6 +41,7 @@ def height(t: Any, e: Any) -> Any:
     return mp.zero
 
 
+@pytest.mark.nightly_cases("4/5")
 @pytest.mark.parametrize("e", ["4/5", "1/2", "0.3", "0"])
 def test_a_ball_comes_to_rest_at_the_limit_of_the_geometric_series(e: str) -> None:
     run = dropped(e)
@@ -76,6 +77,7 @@ def test_a_wall_on_a_curved_well_is_extrapolated_as_well() -> None:
         assert abs(mp.mpf(run.rest.time.value) - time) <= run.rest.time.error < 1e-15
 
 
+@pytest.mark.nightly
 def test_what_else_moves_is_where_it_is_at_the_limit_and_the_scene_ends() -> None:
     run = Scene.load({
         "system": {**PLANE, "potential": "10*z + x**2/2"}, "initial": {"q": {"x": "1", "z": "1.25"},
@@ -114,6 +116,7 @@ def test_a_start_at_rest_on_a_wall_is_asked_for_its_side() -> None:
         dropped("1", initial={"q": {"z": "0"}, "velocity": {"z": "0"}})
 
 
+@pytest.mark.nightly
 def test_events_that_never_end_are_told_early() -> None:
     with pytest.raises(NotConvergedError, match="shorten the scene"):
         dropped("1/2", "z**2/2", times=["1e20"])

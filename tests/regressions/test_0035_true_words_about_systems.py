@@ -58,6 +58,7 @@ def test_a_wrong_mass_in_a_relativistic_solution_is_seen() -> None:
     assert forged["hamilton-jacobi"] == "failed"
 
 
+@pytest.mark.nightly
 def test_without_time_nothing_is_called_failed_and_nothing_breaks() -> None:
     """Kerr's radius begins at M + √(M² − a²): places were looked for with M and a not yet known."""
     for name in ("kerr", "vinti", "lagrange-top", "relativistic-kepler"):
@@ -75,6 +76,7 @@ def test_reports_and_the_command_line_say_whether_the_solution_solves(capsys: py
 
 
 # ------------------------------------------------------------------------------------------------ the headline
+@pytest.mark.entries
 @pytest.mark.parametrize("name", entries.separable())
 def test_the_headline_says_why_the_full_system_has_no_form_and_only_what_is_true(name: str) -> None:
     verdict = entries.verdict(name)
@@ -152,6 +154,7 @@ def test_formulas_in_a_sentence_are_set_as_they_are_written(plain: str, shown: s
     assert line(typeset_prose(plain, system)) == shown
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", [n for n in hjsolve.catalog.ids() if entries.described(n).system is not None])
 def test_no_raw_formula_is_left_in_the_prose_of_an_entry(name: str) -> None:
     entry = entries.described(name)
@@ -165,12 +168,14 @@ def test_no_raw_formula_is_left_in_the_prose_of_an_entry(name: str) -> None:
         assert not re.search(r"\*|\^\w|\w_[a-z]|(sqrt|sin|cos|exp|dot)\(|\bphi\b|\btheta\b|do not hold", shown), shown
 
 
+@pytest.mark.nightly
 def test_ignorable_orbit_equations_cite_their_own_equation() -> None:
     blocks = json.loads(json_text(report_of("kepler-spherical")))["sections"]["orbit"]["blocks"]
     tags = [block["tag"] for block in blocks if block["kind"] == "formula"]
     assert tags == ["Greenwood (5-70)", "Greenwood (5-83)"]
 
 
+@pytest.mark.nightly
 def test_capital_momenta_stand_only_where_they_differ_and_are_explained() -> None:
     plain = text_page(document(gather("kepler-planar", initial=None)))
     assert "Pᵣ" not in plain

@@ -31,6 +31,7 @@ SUFFIXES = [".html", ".md", ".json", ".txt", ".tex"]
 
 
 # ------------------------------------------------------------------------------------------------ two times
+@pytest.mark.nightly
 def test_the_parameter_of_a_path_is_not_called_t_where_t_is_a_coordinate() -> None:
     solution = entries.solution("kerr")
     names = {s.name for s in solution.time_law.lhs.free_symbols}
@@ -134,6 +135,7 @@ SHORT = ["--coordinate", "x: 0 < x", "-T", "dot(x)**2/2", "-V", "-k*(x+2)/(a**2*
          "--parameter", "a=1", "--q", "x=1", "--velocity", "x=1"]  # fmt: skip
 
 
+@pytest.mark.rotating(2)
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_formulas_are_written_when_a_number_falls_short(
     suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -173,6 +175,7 @@ def test_drawings_that_fall_short_leave_the_numbers(tmp_path: Path, monkeypatch:
 
 
 # ------------------------------------------------------------------------------------------------ literature
+@pytest.mark.nightly_cases(".html")
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_labels_are_resolved_in_every_format(suffix: str, tmp_path: Path) -> None:
     page = write_document(report_of("henon-heiles"), tmp_path / f"page{suffix}").read_text(encoding="utf-8")

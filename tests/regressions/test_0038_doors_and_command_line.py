@@ -70,6 +70,7 @@ def test_a_scene_takes_a_system_of_ones_own() -> None:
     assert hjsolve.Scene.load("pendulum").system == catalog.load("pendulum")
 
 
+@pytest.mark.entries
 @pytest.mark.parametrize("name", [n for n in catalog.ids() if n not in catalog.ids("outside")][::3])
 def test_a_system_and_its_table_are_the_same_system(name: str) -> None:
     if catalog.hamiltonian(name) is not None:
@@ -111,6 +112,7 @@ def test_a_name_given_twice_in_two_scripts_is_seen(capsys: Capture) -> None:
     assert "given twice" in capsys.readouterr().err
 
 
+@pytest.mark.nightly
 def test_titles_and_assumptions_are_typed(tmp_path: Path, capsys: Capture) -> None:
     own = ["--title", "My swing, T = m*l**2/2", "--coordinate", "θ: angle", "-T", "m*l**2/2*dot(θ)**2",
            "-V", "-m*g*l*cos(θ)", "--parameter", "m=1:positive", "--parameter", "l:positive", "--parameter", "g=9.81"]  # fmt: skip

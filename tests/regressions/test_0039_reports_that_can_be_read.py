@@ -129,6 +129,7 @@ def test_the_shorter_form_is_the_same_function() -> None:
         assert sp.simplify(compact(square) - square) == 0
 
 
+@pytest.mark.nightly
 def test_the_meaning_of_a_constant_stands_before_its_long_formula() -> None:
     shown = text_page(document(gather("kerr", initial=None)))
     head = next(row for row in shown.splitlines() if "In terms of q and p" in row)
@@ -136,6 +137,7 @@ def test_the_meaning_of_a_constant_stands_before_its_long_formula() -> None:
     assert max(map(len, shown.splitlines())) < 300
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["kerr", "kuzmin-kutuzov"])
 def test_tex_has_one_environment_for_each_broken_formula(name: str) -> None:
     page = tex(report_of(name))
@@ -144,6 +146,7 @@ def test_tex_has_one_environment_for_each_broken_formula(name: str) -> None:
 
 
 # ------------------------------------------------------------------------------------------------ cost
+@pytest.mark.nightly
 def test_the_cost_of_accuracy_is_measured_only_when_it_is_asked_for(tmp_path: Path) -> None:
     target = tmp_path / "o.md"
     for options, there in (([], False), (["--no-cost"], False), (["--cost"], True)):

@@ -14,6 +14,7 @@ def two_centres(first, second):
     return hjsolve.System(dict.fromkeys(names, "line"), kinetic, " - ".join(["0", *(f"1/sqrt({t})" for t in terms)]))
 
 
+@pytest.mark.nightly_cases("first0-second0")
 @pytest.mark.parametrize(
     ("first", "second"),
     [

@@ -97,6 +97,7 @@ def test_what_is_defined_nowhere_is_not_called_zero_by_its_values():
     assert not vanishes(sp.sqrt(-1 - x**2) - sp.sqrt(-1 - x**2) * sp.sqrt(2) / 2, x, (None, None), Budget.seconds(5))
 
 
+@pytest.mark.nightly
 @pytest.mark.timeout(20)
 def test_a_false_constant_of_nested_roots_is_refuted_at_once():
     """Squares of squares of the numbers in it had thousands of digits."""

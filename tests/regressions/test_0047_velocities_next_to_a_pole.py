@@ -40,12 +40,14 @@ def compared(start, times, digits=40):
     return worst
 
 
+@pytest.mark.nightly_cases("1e-7")
 @pytest.mark.parametrize("tilt", ["1e-2", "1e-4", "1e-6", "1e-7"])
 def test_the_precession_of_a_sleeping_top_has_all_digits(tilt):
     """It had ten of them at 1e-6."""
     assert compared(sleeping(tilt, 1), [0.1, 0.5, 3.0, 17.0]) < 1e-13
 
 
+@pytest.mark.nightly_cases("1e-7")
 @pytest.mark.parametrize("tilt", ["1e-7", pytest.param("1e-9", marks=pytest.mark.nightly)])
 def test_what_doubles_cannot_tell_is_not_divided_into_ever_smaller_cells_of_doubles(tilt, monkeypatch):
     """All enclosures of p² in doubles were rounding: 2000 divisions, 40 s, and then it was refused."""

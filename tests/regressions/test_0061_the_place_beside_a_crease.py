@@ -1,10 +1,13 @@
 """Coordinates that end at a crease of V got new symbols, and the place was still told in the old ones."""
 
+import pytest
+
 import hjsolve
 
 R2 = "(x**2 + y**2 + z**2 - 1)"
 
 
+@pytest.mark.nightly
 def test_states_in_coordinates_that_end_at_a_crease_know_where_they_are():
     """Found by benchmarks/charts.py: errors of a motion in Vinti's potential could not be had."""
     spread = f"sqrt({R2}**2 + 4*z**2)"

@@ -54,6 +54,7 @@ def in_kerr_schild_coordinates(spin: float, times: Reals) -> tuple[Reals, Reals,
     return radii, np.arccos(found[2] / radii), azimuths
 
 
+@pytest.mark.nightly_cases("0.9")
 @pytest.mark.parametrize("spin", ["0.9", "-0.37"])
 def test_a_polar_orbit_of_kerr_goes_through_the_axis(spin: str) -> None:
     times = np.linspace(0.0, 300.0, 13)
@@ -67,6 +68,7 @@ def test_a_polar_orbit_of_kerr_goes_through_the_axis(spin: str) -> None:
     assert set(np.sign(state.velocity["theta"])) == {-1.0, 1.0}
 
 
+@pytest.mark.nightly
 def test_claims_of_a_polar_orbit_hold_against_thirty_digits() -> None:
     times = [0, 40, 77, 150, 1000, "1e5"]
     state, truth = polar("0.9").at(times), polar("0.9", digits=30).at(times)
@@ -82,6 +84,7 @@ def test_claims_of_a_polar_orbit_hold_against_thirty_digits() -> None:
             assert np.all(errors[name] <= 1e-9)
 
 
+@pytest.mark.nightly
 def test_a_polar_orbit_is_the_limit_of_orbits_beside_the_axis() -> None:
     beside = hjsolve.solve("kerr").motion(
         q={"t": 0, "r": 8, "theta": "pi/2", "phi": "0.3"}, p={"t": "-0.97", "r": "0.02", "theta": "3.8", "phi": "1e-9"}

@@ -12,6 +12,7 @@ KINETIC = "(dot(x)**2 + dot(y)**2 + dot(z)**2)/2"
 SPACE = {"x": "line", "y": "line", "z": "line"}
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("potential", "velocity"), [
     ("-1/sqrt(x**2 + y**2 + z**2)", {"x": 0, "y": "0.9", "z": "0.2"}),
     ("-1/sqrt((x - 1)**2 + (y + 1)**2 + (z - 1/3)**2)", {"x": "0.1", "y": "0.7", "z": "-0.3"}),

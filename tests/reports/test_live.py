@@ -67,6 +67,7 @@ def away_from_turns(page, span: float) -> float:
     return float(times[np.argmax(np.min(momenta, axis=0))])
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("name", "asked"), [
     *((name, {}) for name in TYPED), ("kepler-planar", {}), ("spherical-pendulum", {}),
     ("pendulum", {"g": (5.0, 15.0), "l": None}), ("kepler-planar", {"k": None}),
@@ -103,6 +104,7 @@ def test_tables_are_within_their_bound_of_motions_of_the_engine(name: str, asked
             assert abs(abs(other.periods[n].value) - turn) <= 1e-3 * turn
 
 
+@pytest.mark.nightly_cases("spherical-pendulum", "two-centres-plane")
 @pytest.mark.parametrize("name", ["two-centres-plane", "spherical-pendulum", "double-well"])
 def test_no_box_reaches_across_a_separatrix(name: str) -> None:
     """Random motions in the whole box, kinds by the exact search that has nothing to do with these tables."""
@@ -139,6 +141,7 @@ def test_sliders_that_cannot_be_had_are_refused(asked, told: str) -> None:
         live_tables(motion_of("pendulum"), asked)
 
 
+@pytest.mark.nightly
 def test_a_live_page_is_one_small_file_that_asks_for_nothing(tmp_path) -> None:
     page = hjsolve.report("kepler-planar", tmp_path / "live.html", live=True)
     text = page.read_text(encoding="utf-8")
@@ -153,6 +156,7 @@ def test_a_live_page_is_one_small_file_that_asks_for_nothing(tmp_path) -> None:
     assert text.count("<h2 ") == static.count("<h2 ") + 1
 
 
+@pytest.mark.nightly
 def test_the_command_writes_it_with_the_sliders_asked_for(tmp_path) -> None:
     told = ["report", "pendulum", "--brief", "-o", str(tmp_path / "live.html")]
     assert main([*told, "--live", "--slider", "g=5:15", "--slider", "l"]) == 0
@@ -167,6 +171,7 @@ def test_sliders_that_cannot_be_read_are_refused(told: list[str], tmp_path, caps
     assert "--slider" in capsys.readouterr().err
 
 
+@pytest.mark.nightly_cases("henon-heiles-a.html")
 @pytest.mark.parametrize(("subject", "path"), [
     ("particle-on-circle", "a.html"), ("projectile", "a.html"), ("henon-heiles", "a.html"), ("kepler-planar", "a.md"),
     ("skate", "a.html"),

@@ -46,6 +46,8 @@ def documents() -> dict[str, Document]:
 
 
 # ------------------------------------------------------------------------------------------------ the document
+@pytest.mark.rotating(2)
+@pytest.mark.nightly_cases("kepler-planar")
 @pytest.mark.parametrize("name", SEPARABLE)
 def test_a_separable_system_has_all_sections_in_order(name: str, documents: dict[str, Document]) -> None:
     keys = [section.key for section in documents[name].sections]
@@ -343,6 +345,7 @@ def test_report_writes_every_suffix_and_returns_the_path(suffix: str, tmp_path: 
     assert target.stat().st_size > 2000
 
 
+@pytest.mark.nightly
 def test_report_takes_every_stage(tmp_path: Path) -> None:
     system = hjsolve.catalog.load("pendulum")
     verdict = hjsolve.separate(system)
@@ -371,6 +374,7 @@ LONG = {"neumann", "garnier", "triaxial-geodesics", "two-centres-space", "stark"
 """Reports whose map and wavefronts take seconds: whole ones at night."""
 
 
+@pytest.mark.rotating(10)
 @pytest.mark.parametrize(("name", "brief"), [
     *((name, name in LONG) for name in hjsolve.catalog.ids("separable")),
     *(pytest.param(name, False, marks=pytest.mark.nightly) for name in sorted(LONG)),

@@ -33,6 +33,7 @@ def test_relations_in_words(frequencies: dict[str, tuple[float, float]], words: 
     assert frequency_relations(known(**frequencies)) == words  # type: ignore[arg-type]
 
 
+@pytest.mark.nightly
 def test_a_kepler_orbit_in_found_coordinates() -> None:
     """Turned and shifted by numbers of no meaning; and two unlike centres, which have none."""
     kepler = hjsolve.System({"x": "line", "y": "line"}, "dot(x)**2/2 + dot(y)**2/2", "-1/sqrt((x - 3/7)**2 + (y + 2)**2)")

@@ -104,6 +104,7 @@ MIXED: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 
+@pytest.mark.nightly_cases("corridor", "pushed")
 @pytest.mark.parametrize("name", MIXED)
 def test_bounces_by_sign_are_bounces_with_new_constants(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     stop = "2.5" if name == "corridor" else 4

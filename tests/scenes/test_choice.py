@@ -75,6 +75,7 @@ def test_far_above_the_one_that_took_less_is_chosen(clock: Any, cheap: str) -> N
 
 
 @pytest.mark.certified
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["pendulum", "kepler-planar"])
 def test_the_choice_is_what_the_table_of_costs_says(clock: Any, name: str) -> None:
     """The clock goes by the table, so that only the judgement from 20 digits is tested, not the machine's mood."""

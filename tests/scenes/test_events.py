@@ -139,6 +139,7 @@ def sharp(name: str) -> Run:
     return Scene.load({**CASES[name], "want": ["trajectory"], "accuracy": {"digits": 20}}).run()
 
 
+@pytest.mark.nightly_cases("oscillator", "sphere")
 @pytest.mark.parametrize("name", CASES)
 def test_two_impulses_and_a_wall_agree_with_a_thirty_digit_integration(name: str) -> None:
     case, run = CASES[name], sharp(name)
@@ -156,6 +157,7 @@ def test_two_impulses_and_a_wall_agree_with_a_thirty_digit_integration(name: str
                 assert abs(run.trajectory.p[coordinate][k] - state[n + i]) < mp.mpf(10) ** -18
 
 
+@pytest.mark.nightly_cases("sphere")
 @pytest.mark.parametrize("name", CASES)
 def test_in_doubles_the_same_scene_is_within_its_error_and_1e_12(name: str) -> None:
     exact = sharp(name).trajectory

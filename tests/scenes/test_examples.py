@@ -25,6 +25,7 @@ def test_there_are_at_least_ten() -> None:
     assert len(SCENES) >= 10
 
 
+@pytest.mark.nightly_cases("ball-that-stays", "two-suns")
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_a_scene_runs_and_gives_what_it_wants(path: Path) -> None:
     run = example(path.stem)

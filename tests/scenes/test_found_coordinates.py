@@ -93,6 +93,7 @@ def test_a_sweep_of_starts_in_x_and_y_has_the_columns_of_the_coordinates_found(t
     assert list(rows["actions.mu"]) == list(batch.actions["mu"])
 
 
+@pytest.mark.nightly
 def test_the_command_line_prints_x_and_y() -> None:
     arguments = [
         "motion", "--find", "--coordinate", "x: line", "--coordinate", "y: line", "--kinetic",

@@ -75,6 +75,7 @@ def test_returns_are_those_of_another_integrator() -> None:
     np.testing.assert_allclose(found, twin, rtol=0, atol=1e-9)
 
 
+@pytest.mark.nightly
 def test_a_section_keeps_its_energy_and_says_how_far_its_points_can_be_trusted() -> None:
     regular = plane(HENON_HEILES, q={"x": "0.1", "y": "0.2"}, velocity={"x": "0.3", "y": "0"})
     chaotic = plane(HENON_HEILES, q={"x": "0", "y": "-0.15"}, velocity={"x": "0.54", "y": "0"})  # E = 0.158, near 1/6

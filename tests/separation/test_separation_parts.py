@@ -137,6 +137,7 @@ def test_a_root_that_is_nowhere_rational_is_left_alone() -> None:
     assert not reader.write(point.keep(element, set())).is_Rational
 
 
+@pytest.mark.nightly_cases("4")
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_the_inverse_of_staeckels_matrix_is_its_inverse_and_stays_small(n: int) -> None:
     system = case(100_000 * n + 3, n, separable=True).system

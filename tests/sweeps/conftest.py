@@ -72,12 +72,13 @@ def start_slowly(scene: Path, out: Path, *scheduler: str) -> subprocess.Popen[by
 
 def wait_until(true: Callable[[], bool], process: subprocess.Popen[bytes] | None = None, seconds: float = 60.0) -> None:
     """Wait for a fact; while a process is at work for it, which must not end before."""
-    end = time.monotonic() + seconds
-    while not true():
+    for _ in range(int(seconds / 0.01)):
+        if true():
+            return
         if process is not None and process.poll() is not None:
             assert true(), f"the process ended: {process.communicate()[1].decode()}"
-        assert time.monotonic() < end, "it did not happen in time"
         time.sleep(0.01)
+    raise AssertionError("it did not happen in time")
 
 
 def parts(out: Path) -> dict[str, bytes]:

@@ -42,6 +42,7 @@ def test_a_cluster_that_loses_a_worker_gives_the_bytes_of_threads(
     assert parts(out) == parts(undisturbed)
 
 
+@pytest.mark.nightly
 def test_starts_of_parts_that_are_done_are_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Dask's client logs its last messages, a thousand by default: with their starts that was a gigabyte."""
     from hjsolve.sweeps.work import SweepWork

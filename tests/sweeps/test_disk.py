@@ -27,6 +27,7 @@ except hjsolve.InvalidInputError as error:
 """
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(sys.platform == "win32", reason="no such limits")
 def test_a_disk_that_takes_no_more_is_told_and_nothing_is_left_half(
     scene: Path, tmp_path: Path, undisturbed: Path
@@ -66,6 +67,7 @@ def test_a_place_where_no_folder_can_be_is_told(scene: Path) -> None:
         hjsolve.sweep(scene, scene / "out")
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(sys.platform == "win32", reason="no such locks")
 def test_a_disk_without_locks_is_refused(scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import fcntl

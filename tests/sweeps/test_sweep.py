@@ -109,6 +109,7 @@ def test_log_spacing_has_equal_ratios(tmp_path: Path) -> None:
 
 
 # ------------------------------------------------------------------------------------------------ killed and gone on
+@pytest.mark.nightly
 def test_a_run_killed_in_the_middle_goes_on_and_gives_the_same_bytes(
     scene: Path, tmp_path: Path, undisturbed: Path
 ) -> None:
@@ -188,6 +189,7 @@ def test_other_code_other_folders_and_a_second_writer_are_refused(scene: Path, f
         hjsolve.sweep(scene, scene)
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(sys.platform == "win32", reason="no such locks")
 def test_two_writers_do_not_meet(scene: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"

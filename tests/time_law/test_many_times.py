@@ -109,6 +109,7 @@ def _zero(f, low, high):
     return low
 
 
+@pytest.mark.rotating(6)
 @pytest.mark.parametrize("way", ["numpy", "compiled"])
 @pytest.mark.parametrize("e", KEPLER)
 def test_keplers_distance_at_any_eccentricity(e, way, monkeypatch) -> None:
@@ -159,6 +160,7 @@ def test_machine_code_that_cannot_be_kept_is_made_anyway(monkeypatch) -> None:
     assert compiled_loops._kernel(abs)(-3) == 3
 
 
+@pytest.mark.nightly
 def test_few_times_do_not_load_numba() -> None:
     code = (
         "import sys, numpy as np, hjsolve\n"

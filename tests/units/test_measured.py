@@ -34,6 +34,7 @@ def test_digits_that_a_double_has_not_go_into_the_error_of_astropy_and_stay_in_p
     assert 0 < abs(period.value - double.value.value) <= double.error.value < 1e-14
 
 
+@pytest.mark.nightly
 def test_arrays_of_numbers_have_units_too():
     lengths = measured_in(np.array([1.0, 2.0]), np.array([1e-9, 0.0]), u.km, library(u))
     assert lengths.to(u.m).estimate().value.tolist() == [1000.0, 2000.0]

@@ -14,6 +14,7 @@ from dataclasses import replace
 import sympy as sp
 
 from hjsolve.coordinates.charts.transform import Cartesian
+from hjsolve.coordinates.time_limit import seconds_left
 from hjsolve.coordinates.webs.orthonormal_frames import tidy_constant
 from hjsolve.coordinates.webs.web import Vector, Web
 from hjsolve.mechanics.system import System, parameter
@@ -92,4 +93,4 @@ def restored(web: Web, values: Values, cartesian: Cartesian, *, budget: float) -
         lengths={name: value(x) for name, x in web.lengths.items()},
         transformation={name: sp.expand(x.xreplace(dict(values))) for name, x in web.transformation.items()},
     )  # fmt: skip
-    return replace(geometry, system=plain, verdict=separate(plain, budget=budget))
+    return replace(geometry, system=plain, verdict=separate(plain, budget=seconds_left(budget)))

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import sympy as sp
 
+from hjsolve.coordinates.time_limit import check_time
 from hjsolve.coordinates.webs.orthonormal_frames import tidy_constant
 
 
@@ -62,6 +63,7 @@ class ChangeOfVariables:
 
     def _visit(self, node: sp.Expr) -> sp.Expr:
         if node not in self._visited:
+            check_time()
             self._visited[node] = self._carried(node)
         return self._visited[node]
 
@@ -102,6 +104,9 @@ class ChangeOfVariables:
         numerator, denominator = sp.fraction(sp.together(base))
         if denominator.free_symbols:
             return self._power(numerator, exponent) / self._power(denominator, exponent)
+        root = self._denested(base) if exponent.is_Rational and exponent.q == 2 else None
+        if root is not None:
+            return root ** (2 * exponent)
         coefficient, factors = sp.factor_list(base) if base.is_Add or base.is_Mul or base.is_Pow else (base, [])
         inside, outside = coefficient, sp.S.One
         for factor, count in factors:
@@ -109,6 +114,22 @@ class ChangeOfVariables:
             outside *= self._size(factor) ** (2 * whole * exponent) if whole else 1
             inside *= factor ** (count - 2 * whole)
         return self._rest(inside, exponent) * outside
+
+    def _denested(self, base: sp.Expr) -> sp.Expr | None:
+        """Write √(p + q), q one root of the coordinates, as √((p + d)/2) ± √((p − d)/2), d² = p² − q² a square."""
+        new = {s for value in self.mapping.values() for s in value.free_symbols}
+        terms = sp.Add.make_args(sp.expand(base))
+        q = sp.Add(*(t for t in terms if any(_is_root(f) and f.free_symbols & new for f in sp.Mul.make_args(t))))
+        p = sp.Add(*terms) - q
+        if q == 0 or p == 0 or q.is_Add or self.sign(p) <= 0 or self.sign(q) == 0:
+            return None
+        coefficient, factors = sp.factor_list(short(p**2 - q**2))
+        root = sp.sqrt(coefficient)
+        if any(count % 2 for _, count in factors) or not root.is_Rational:
+            return None
+        d = root * sp.prod([factor ** (count // 2) for factor, count in factors])
+        one, other = (self._power((p + s * d) / 2, sp.S.Half) for s in (1, -1))
+        return one + other if self.sign(q) > 0 else self._size(one - other)
 
     def _size(self, factor: sp.Expr) -> sp.Expr:
         """Return |factor|; where its sign is open it is taken to be positive, and that is noted."""
@@ -146,6 +167,10 @@ def flattened(expression: sp.Expr, X: Sequence[sp.Symbol]) -> sp.Expr:
         rest = [flattened(term, X) for term in expression.args if not term.is_polynomial(*X)]
         return sp.Add(flattened(sp.Add(*smooth), X), *rest)
     return expression.func(*(flattened(argument, X) for argument in expression.args))
+
+
+def _is_root(factor: sp.Expr) -> bool:
+    return bool(factor.is_Pow and factor.exp.is_Rational and not factor.exp.is_Integer)
 
 
 def _is_polynomial(expression: sp.Expr) -> bool:

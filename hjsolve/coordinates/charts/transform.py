@@ -11,6 +11,7 @@ import sympy as sp
 from hjsolve.coordinates.charts.charts import MERIDIAN, CoordinateRange, SeparableChart, chart
 from hjsolve.coordinates.charts.covering import covering_chart
 from hjsolve.coordinates.charts.simplify_potential import ChangeOfVariables, flattened
+from hjsolve.coordinates.time_limit import seconds_left
 from hjsolve.coordinates.webs.orthonormal_frames import norm_squared, tidy_constant
 from hjsolve.coordinates.webs.web import Geometry, Vector, Web
 from hjsolve.mechanics.system import System
@@ -101,7 +102,7 @@ def web_of(geometry: Geometry | Web, cartesian: Cartesian, *, budget: float | No
         names,
         transformation,
         transformed,
-        None if budget is None else separate(transformed, budget=budget),
+        None if budget is None else separate(transformed, budget=seconds_left(budget)),
         remark_of(geometry, local, carrier.assumed),
     )
 

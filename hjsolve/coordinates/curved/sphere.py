@@ -18,6 +18,7 @@ from hjsolve.coordinates.charts.simplify_potential import ChangeOfVariables, fla
 from hjsolve.coordinates.charts.transform import Cartesian, domain_sign, remark_of, symbol_maker
 from hjsolve.coordinates.curved.embedding import NORMAL, Sphere, agree
 from hjsolve.coordinates.killing.killing_tensors import Kernel, kernel
+from hjsolve.coordinates.time_limit import seconds_left
 from hjsolve.coordinates.webs.orthonormal_frames import sign_by
 from hjsolve.coordinates.webs.spheres import rotation_tensors, sphere_webs
 from hjsolve.coordinates.webs.web import Geometry, Web
@@ -141,7 +142,7 @@ def _transformed(geometry: Geometry, local: SeparableChart, given: OnSphere, bud
         geometry.kind, geometry.centre, geometry.axes, geometry.foci, dict(geometry.lengths), geometry.freedom,
         geometry.family, names,
         {u.name: e.subs(normal, simultaneous=True) for u, e in sphere.inverse.items()}, system,
-        separate(system, budget=budget), _remark(geometry, local, carrier, sphere),
+        separate(system, budget=seconds_left(budget)), _remark(geometry, local, carrier, sphere),
     )  # fmt: skip
 
 

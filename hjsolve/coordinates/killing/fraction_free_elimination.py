@@ -9,6 +9,7 @@ from sympy.polys.domains.domain import Domain
 from sympy.polys.rings import PolyElement, PolyRing
 
 from hjsolve.coordinates.killing.constant_field import FieldElement
+from hjsolve.coordinates.time_limit import check_time
 
 
 def echelon_over_ring(
@@ -72,6 +73,7 @@ def _cleared(
 ) -> list[PolyElement]:  # fmt: skip
     if not row[column]:
         return row
+    check_time()
     common = pivot.gcd(row[column])
     a, b = pivot.exquo(common), row[column].exquo(common)
     return _primitive([a * mine - b * its for mine, its in zip(row, pivot_row, strict=True)], ring, factors)
@@ -84,6 +86,7 @@ def _back_substituted(done: list[tuple[int, list[PolyElement]]], field: Domain) 
         row = [field(entry) / lead if entry else field.zero for entry in polynomials]
         for other, other_row in reduced.items():
             if row[other]:
+                check_time()
                 factor = row[other]
                 row = [a - factor * b for a, b in zip(row, other_row, strict=True)]
         reduced[column] = row

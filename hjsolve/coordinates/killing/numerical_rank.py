@@ -15,6 +15,7 @@ from sympy.core.function import AppliedUndef
 
 from hjsolve.algebra.shared_parts import common_parts, derivatives
 from hjsolve.coordinates.killing.constant_field import EquationTable
+from hjsolve.coordinates.time_limit import check_time
 
 
 def _concrete(V: sp.Expr) -> sp.Expr:
@@ -41,6 +42,7 @@ def _numerical_rows(V: sp.Expr, x: Sequence[sp.Symbol], table: EquationTable, wi
     functions = sp.lambdify(list(x), left, "mpmath", cse=lambda _: (named, left))
     rows: list[list[mpmath.mpf]] = []
     while len(rows) < width + 8:
+        check_time()
         point = [mpmath.mpf(random.randint(-99, 99) * 2 + 1) / 83 for _ in x]
         try:
             slots = functions(*point)
@@ -68,6 +70,7 @@ def _numerical_echelon(rows: list[list[mpmath.mpf]], width: int) -> tuple[list[l
     rows = [[entry / scale for entry in row] for row in rows if (scale := max(abs(e) for e in row))]
     pivots: list[int] = []
     while len(pivots) < width:
+        check_time()
         rest = rows[len(pivots) :]
         size, r, c = max(
             ((abs(row[c]), r, c) for r, row in enumerate(rest) for c in range(width) if c not in pivots),

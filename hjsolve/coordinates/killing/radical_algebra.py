@@ -31,6 +31,7 @@ from hjsolve.coordinates.killing.constant_field import (
     ground_field,
     numerator_alone,
 )
+from hjsolve.coordinates.time_limit import check_time
 from hjsolve.errors import InvalidSystemError
 
 Key = tuple[tuple[int, int, int], ...]
@@ -181,6 +182,7 @@ class PointAlgebra:
         Args:
             a, b: elements of the algebra.
         """
+        check_time()
         total: Element = {}
         for (k1, v1), (k2, v2) in product(a.items(), b.items()):
             number = v1 * v2
@@ -268,6 +270,7 @@ class PointAlgebra:
             expression: as ``prepared`` leaves it.
         """
         if expression not in self.values:
+            check_time()
             self.values[expression] = self._value(expression)
         return self.values[expression]
 
@@ -369,6 +372,7 @@ def _solve(rows: Rows, right: list[FieldElement], field: Domain) -> list[FieldEl
         table[column] = [_quotient(entry, lead, field) for entry in table[column]]
         for r in range(size):
             if r != column and table[r][column]:
+                check_time()
                 factor = table[r][column]
                 table[r] = [a - factor * b for a, b in zip(table[r], table[column], strict=True)]
     return [row[size] for row in table]

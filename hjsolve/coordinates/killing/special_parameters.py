@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from hjsolve.coordinates.killing.killing_tensors import Kernel, kernel
+from hjsolve.coordinates.time_limit import OutOfTimeError
 
 _MOST_TRIES = {2: 36, 3: 24}
 
@@ -32,7 +33,7 @@ class Exceptional:
 
 def exceptional_values(
     V: sp.Expr, x: Sequence[sp.Symbol], tensors: Sequence[sp.ImmutableMatrix], general: Kernel, *, depth: int = 2
-) -> tuple[Exceptional, ...]:
+) -> tuple[tuple[Exceptional, ...], bool]:
     """Find parameter values with a larger kernel, at most ``depth`` conditions deep and within a fixed number of tries.
 
     Args:
@@ -44,7 +45,7 @@ def exceptional_values(
 
     Returns:
         The values found, the fewest conditions first; a set of conditions that only repeats what a part of it gives is
-        left out. The list need not be all.
+        left out. The list need not be all; and whether the time sufficed to look at all that were to be tried.
     """
     found: dict[frozenset[tuple[sp.Symbol, sp.Expr]], int] = {}
     level: list[tuple[tuple[tuple[sp.Symbol, sp.Expr], ...], Kernel, sp.Expr]] = [((), general, V)]
@@ -60,11 +61,18 @@ def exceptional_values(
                 special = potential.subs(symbol, value)
                 if not special.free_symbols & set(x) or special.has(sp.zoo, sp.nan, sp.oo):
                     continue
-                result = kernel(special, x, tensors, check=False)
+                try:
+                    result = kernel(special, x, tensors, check=False)
+                except OutOfTimeError:
+                    return _ordered(found), False
                 following.append((new, result, special))
                 if result.dimension > _inherited(new, found, general.dimension):
                     found[frozenset(new)] = result.dimension
         level = following
+    return _ordered(found), True
+
+
+def _ordered(found: dict[frozenset[tuple[sp.Symbol, sp.Expr]], int]) -> tuple[Exceptional, ...]:
     ordered = sorted(found.items(), key=lambda item: (len(item[0]), str(sorted(item[0], key=str))))
     return tuple(Exceptional(tuple(sorted(c, key=str)), d) for c, d in ordered)
 

@@ -15,6 +15,7 @@ from typing import Generic, TypeVar
 import sympy as sp
 
 from hjsolve.coordinates.killing.killing_tensors import concircular_basis
+from hjsolve.coordinates.time_limit import check_time
 from hjsolve.coordinates.webs.orthonormal_frames import TooHardError
 
 Member = TypeVar("Member")
@@ -161,6 +162,7 @@ def representatives(
     seen: dict[str, int] = {}
     hard = False
     for values in islice(small_values(count), 90):
+        check_time()
         try:
             member = choices(values)
         except TooHardError:

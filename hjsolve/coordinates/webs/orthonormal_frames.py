@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import sympy as sp
 
+from hjsolve.coordinates.time_limit import check_time
 from hjsolve.coordinates.webs.web import Geometry, Vector
 
 Sign = Callable[[sp.Expr], int]
@@ -41,6 +42,7 @@ def tidy_constant(expression: sp.Expr) -> sp.Expr:
     """
     if expression.is_Rational or expression.is_Symbol:
         return expression
+    check_time()
     if not any(p.exp.is_Rational and not p.exp.is_Integer for p in expression.atoms(sp.Pow)):
         return sp.expand(expression) if expression.is_number else sp.factor(expression)
     if expression.is_Mul and expression.free_symbols:

@@ -15,6 +15,7 @@ from random import Random
 import mpmath
 import sympy as sp
 
+from hjsolve.coordinates.time_limit import check_time
 from hjsolve.coordinates.webs.orthonormal_frames import TooHardError
 
 _MOST_BRANCHES = 400
@@ -96,6 +97,7 @@ def _close(u: sp.Symbol, values: dict[sp.Symbol, sp.Expr]) -> sp.Expr:
 
 def _split(search: _Search, branch: _Branch) -> list[_Branch]:
     """Return the solved branches."""
+    check_time()
     search.budget[0] -= 1
     if search.budget[0] < 0:
         return []

@@ -26,6 +26,7 @@ from hjsolve.coordinates.webs.orthonormal_frames import (
     Sign,
     attempt,
     eigenframe,
+    norm_squared,
     perpendicular_frame,
     real_root,
     righted,
@@ -113,7 +114,7 @@ def space_webs(family: Family, potential: Potential) -> list[Geometry]:
     if family.central is not None:
         webs += attempt(lambda: _from_spheres(family, potential))
         for kind in ("prolate spheroidal", "oblate spheroidal"):
-            webs += attempt(lambda kind=kind: _spheroids(family, kind))  # type: ignore[misc]
+            webs += attempt(lambda kind=kind: _spheroids(family, kind, potential.sign))  # type: ignore[misc]
         webs += attempt(lambda: _ellipsoids(family, terms, potential))
     return webs
 
@@ -178,8 +179,11 @@ def _spheres(family: Family) -> list[Geometry]:
     return webs
 
 
-def _spheroids(family: Family, kind: str) -> list[Geometry]:
-    """Solve A − w⊗w + constant tensors = λ ∓ v⊗v: axis v, focal distance |v|, prolate for the upper sign."""
+def _spheroids(family: Family, kind: str, sign: Sign) -> list[Geometry]:
+    """Solve A − w⊗w + constant tensors = λ ∓ v⊗v: axis v, focal distance |v|, prolate for the upper sign.
+
+    Where letters decide whether v is real (a² − c² of Kuzmin and Kutuzov's galaxy), their values do.
+    """
     s, w, N, functionals = _split_parts(family)
     v = sp.Matrix(V)
     odd = v * v.T * (-1 if kind.startswith("prolate") else 1)
@@ -188,7 +192,7 @@ def _spheroids(family: Family, kind: str) -> list[Geometry]:
 
         def member(values: tuple[sp.Expr, ...], piece: SolutionPiece = piece) -> Geometry | None:
             centre, axis = _at(-w, piece, values), _at(v, piece, values)
-            if centre is None or axis is None or not any(axis):
+            if centre is None or axis is None or sign(norm_squared(axis)) <= 0:
                 return None
             return _spheroid(kind, centre, axis)
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from threading import Lock
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +50,20 @@ _Often = int | Integers
 _ALL = 1
 """Where a cell is halved no more often, all of its parts are worked out at once."""
 RadiusAt = Callable[[Complexes, Reals], Reals]
+
+
+class Cells(NamedTuple):
+    """What a table knows at one moment. Compiled loops read it while other threads work: only ``radii`` are written to.
+
+    Attributes:
+        depth: how often each large cell is halved.
+        start: where its parts begin, negative where not known yet.
+        radii: of the parts; 0 where not known yet.
+    """
+
+    depth: _Depths
+    start: Integers
+    radii: Reals
 
 
 class Clearance:
@@ -87,19 +102,18 @@ class Clearance:
             return np.full(np.shape(x), _NONE)
         table, re, im = self._table, np.real(x), np.abs(np.imag(x))
         place = table.place(re, im)
-        found = table.radii[np.maximum(place, 0)]
+        found = table.cells.radii[np.maximum(place, 0)]
         if (place < 0).any() or not found.all():
             with self._one_at_a_time:
                 table.divide(re, im, place < 0, self._radius_at)
                 place = table.place(re, im)
                 table.fill(place, self._radius_at)
-                found = table.radii[place]
+                found = table.cells.radii[place]
         return found
 
-    def table(self) -> tuple[_Depths, Integers, Reals] | None:
-        """Return what is known so far: halvings, beginnings and radii of the cells; None where there is no table."""
-        table = self._table
-        return None if table is None else (table.depth, table.start, table.radii)
+    def table(self) -> Cells | None:
+        """Return what is known so far; None where there is no table."""
+        return None if self._table is None else self._table.cells
 
     def _radius_at(self, centre: Complexes, smallest: Reals) -> Reals:
         """The largest radius about some places, at least the smallest, to a tenth or so; 0 for none.
@@ -157,24 +171,21 @@ class _Table:
     """Radii by cells, the large cells divided as they need it.
 
     Attributes:
-        depth: how often each large cell is halved.
-        start: where its parts begin, negative where not known yet.
-        radii: of the parts; 0 where not known yet.
+        cells: what is known; another object whenever cells are divided, so that no ``start`` points beyond its radii.
         owner: the large cell of each part.
     """
 
     def __init__(self) -> None:
-        self.depth = np.zeros(_CELLS, dtype=np.int8)
-        self.start = np.full(_CELLS, _UNKNOWN, dtype=np.int64)
-        self.radii, self.owner = np.zeros(1), np.zeros(1, dtype=np.int64)  # the first stands for none
+        depth, start = np.zeros(_CELLS, dtype=np.int8), np.full(_CELLS, _UNKNOWN, dtype=np.int64)
+        self.cells = Cells(depth, start, np.zeros(1))  # the first stands for none
+        self.owner = np.zeros(1, dtype=np.int64)
 
     def place(self, re: Reals, im: Reals) -> Integers:
         """Return where the radii of some places stand; negative where that is not known yet."""
-        size, share = _shares(re, im)
+        cells, (size, share) = self.cells, _shares(re, im)
         along, turn = _numbers(size, share, re < 0, 0)
         large = along * (2 * QUARTER) + turn
-        start = self.start[large]  # before the depth: see ``divide``
-        depth = self.depth[large]
+        start, depth = cells.start[large], cells.depth[large]
         if not depth.any():  # no cell is divided
             return start
         depth = np.maximum(depth, 0).astype(np.int64)
@@ -184,36 +195,36 @@ class _Table:
 
     def fill(self, places: Integers, radius_at: RadiusAt) -> None:
         """Work out radii that are not known; where a large cell has few parts, those of all of them."""
-        places = np.unique(places[self.radii[places] == 0])
+        depths, start, radii = self.cells
+        places = np.unique(places[radii[places] == 0])
         if not len(places):
             return
         owner = np.unique(self.owner[places])
-        few = owner[self.depth[owner] <= _ALL]
-        whole = [np.arange(self.start[k], self.start[k] + 4 ** int(self.depth[k])) for k in few]
+        few = owner[depths[owner] <= _ALL]
+        whole = [np.arange(start[k], start[k] + 4 ** int(depths[k])) for k in few]
         fresh = np.unique(np.concatenate([places, *whole]))
         large = self.owner[fresh]
-        depth = self.depth[large].astype(np.int64)
-        part, within = fresh - self.start[large], (1 << depth) - 1
+        depth = depths[large].astype(np.int64)
+        part, within = fresh - start[large], (1 << depth) - 1
         along = ((large // (2 * QUARTER)) << depth) + (part >> depth)
         turn = ((large % (2 * QUARTER)) << depth) + (part & within)
         centre, half = _middle(along, turn, depth)
         radius = radius_at(centre, half)
-        self.radii[fresh] = np.where(radius > half, radius - half, _NONE)
+        radii[fresh] = np.where(radius > half, radius - half, _NONE)
 
     def divide(self, re: Reals, im: Reals, unknown: Mask, radius_at: RadiusAt) -> None:
         """Decide how often large cells are halved."""
         along, turn = _numbers(*_shares(re[unknown], im[unknown]), re[unknown] < 0, 0)
         cells = np.unique(along * (2 * QUARTER) + turn)
-        cells = cells[self.start[cells] < 0]
+        cells = cells[self.cells.start[cells] < 0]
         if not len(cells):
             return
         depth = _depth(cells, radius_at)
         sizes = 4**depth
-        first = len(self.radii)
-        self.radii = np.concatenate([self.radii, np.zeros(int(sizes.sum()))])
+        depths, start, radii = self.cells.depth.copy(), self.cells.start.copy(), self.cells.radii
+        depths[cells], start[cells] = depth, len(radii) + np.cumsum(sizes) - sizes
         self.owner = np.concatenate([self.owner, np.repeat(cells, sizes)])
-        self.depth[cells] = depth
-        self.start[cells] = first + np.cumsum(sizes) - sizes  # last: other threads may look
+        self.cells = Cells(depths, start, np.concatenate([radii, np.zeros(int(sizes.sum()))]))
 
 
 def _depth(cells: Integers, radius_at: RadiusAt) -> Integers:

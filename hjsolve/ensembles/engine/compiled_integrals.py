@@ -16,8 +16,8 @@ from hjsolve.ensembles.engine.compiled_rule import REDUCING, Fill, choose, dot, 
 from hjsolve.ensembles.engine.compiled_types import FARTHEST, VECTOR, Modes, Motions, Results, Scratch, Tables
 from hjsolve.ensembles.engine.elementary import INLINED
 
-Uncertainties = Callable[[Reals, Reals, Reals, Reals, Reals], None]
-Relative = Callable[[Reals, Reals, Reals, Reals], None]
+Uncertainties = Callable[[Reals, Reals, Reals, Reals, Reals, Reals], None]
+Relative = Callable[[Reals, Reals, Reals, Reals, Reals, Reals], None]
 
 
 @njit(**INLINED)
@@ -69,26 +69,28 @@ def _swing(g: Reals, slopes: Reals, n: int) -> float:
 
 
 @njit(**INLINED)
-def _placed(work: Scratch, at: int, b: float, s: float, W: float, places: Reals, span: tuple[int, int, int],
-            which: int, kernels: bool) -> int:  # fmt: skip
+def _placed(work: Scratch, at: int, end: tuple[float, float, float], W: float, places: Reals,
+            span: tuple[int, int, int], which: int, kernels: bool) -> int:  # fmt: skip
     """Write into ``lanes``, from one on, where a view is looked at; return the first lane after them.
 
     Samples, the farthest place and the turning point; with kernels the former once more, the constants being certain.
     """
-    lanes, (start, count, farthest) = work.lanes, span
+    lanes, (start, count, farthest), (b, s, h) = work.lanes, span, end
     tip = at + count + 1
     after = tip + 1 + (count + 1 if kernels else 0)
     for g in range(at, after):
-        lanes[1, g], lanes[2, g], lanes[4, g], lanes[5, g] = 0.0, b, 0.0, 0.0
+        lanes[1, g], lanes[2, g], lanes[3, g], lanes[4, g], lanes[5, g] = 0.0, b, 0.0, 0.0, 0.0
     for g in range(count + 1):
         place = start + g if g < count else farthest
-        lanes[0, at + g], lanes[1, at + g] = b + s * W * places[which, place], 1.0
+        offset = s * W * places[which, place]
+        away = offset if h == b else -s * W * places[1 - which, place]
+        lanes[0, at + g], lanes[1, at + g], lanes[3, at + g] = h + away, 1.0, offset
+        lanes[6, at + g] = max(abs(h + away), abs(away))
         lanes[4, at + g], lanes[5, at + g] = W * places[2, place], places[3, place]
         if kernels:
-            lanes[0, tip + 1 + g] = lanes[0, at + g]
-    lanes[0, tip] = b
-    for g in range(at, after):
-        lanes[3, g] = lanes[0, g] - b
+            for row in (0, 3, 6):
+                lanes[row, tip + 1 + g] = lanes[row, at + g]
+    lanes[0, tip], lanes[6, tip] = b, abs(b)
     return after
 
 
@@ -101,9 +103,9 @@ def _looked(uncertainties: Uncertainties, relative: Relative, total: int, c: Rea
         for k in range(lanes.shape[0]):
             lanes[k, stop] = lanes[k, 0]
         stop += 1
-    uncertainties(bounds, lanes[0, :stop], lanes[1, :stop], c, e)
+    uncertainties(bounds, lanes[0, :stop], lanes[6, :stop], lanes[1, :stop], c, e)
     if chords:
-        relative(bounds[rows + 1, :stop], lanes[2, :stop], lanes[3, :stop], c)
+        relative(bounds[rows + 1, :stop], lanes[2, :stop], lanes[3, :stop], lanes[0, :stop], lanes[6, :stop], c)
     for g in range(stop):  # r, and sin²χ/F
         F = max(abs(bounds[rows, g]), 1e-300)
         lanes[4, g] /= np.sqrt(F)
@@ -152,17 +154,19 @@ def _samples(below: tuple[Uncertainties, Relative], above: tuple[Uncertainties, 
             work.noise[k, g] = 0.0
     farthest = places.shape[1] - FARTHEST + 2 * share
     near, far, both = (0, inside, farthest), (inside, samples - inside, farthest + 1), (first, last)
-    middle = _placed(work, 0, motions.lower[i], motions.signs[0], W, places, near, 0, modes.kernels)
+    low_end = motions.lower[i], motions.signs[0], motions.low_home[i]
+    high_end = motions.upper[i], motions.signs[1], motions.high_home[i]
+    middle = _placed(work, 0, low_end, W, places, near, 0, modes.kernels)
     one_sided = inside == samples
     if one_sided or not modes.alike:
         _looked(below[0], below[1], middle, c, e, work, modes.chords)
         lower = _noted(work, 0, near, both, modes)
         if one_sided:
             return lower, lower
-        total = _placed(work, 0, motions.upper[i], motions.signs[1], W, places, far, 1, modes.kernels)
+        total = _placed(work, 0, high_end, W, places, far, 1, modes.kernels)
         _looked(above[0], above[1], total, c, e, work, modes.chords)
         return lower, _noted(work, 0, far, both, modes)
-    total = _placed(work, middle, motions.upper[i], motions.signs[1], W, places, far, 1, modes.kernels)
+    total = _placed(work, middle, high_end, W, places, far, 1, modes.kernels)
     _looked(below[0], below[1], total, c, e, work, modes.chords)
     return _noted(work, 0, near, both, modes), _noted(work, middle, far, both, modes)
 

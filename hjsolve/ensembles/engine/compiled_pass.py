@@ -18,9 +18,9 @@ from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.compiled_resolution import ResolutionProof, least_at_a_glance
 from hjsolve.ensembles.engine.compiled_types import Modes, Motions, Results, scratch
 from hjsolve.ensembles.engine.constants import InitialConstants, momentum_errors
-from hjsolve.ensembles.engine.lowered_solution import Model, Separated
+from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
-from hjsolve.ensembles.engine.node_maps import COUNTS, fitting, node_maps, views
+from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMaps, fitting, node_maps, views
 from hjsolve.ensembles.engine.nodes import EVEN, WARPS
 from hjsolve.ensembles.engine.orbit_vectors import run_in_vectors
 from hjsolve.ensembles.engine.programs import Compiled, CoordinatePrograms, ExactPrograms, Loops, ViewPrograms, sides
@@ -69,6 +69,7 @@ class CompiledCoordinate:
         coordinate: which.
         programs: its own.
         loops: ours.
+        maps: of nodes; every index of a map is a place in these.
         q, P: starts, shape (n,).
         constants, low, uncertainty: of the motion, in two doubles, shape (constants, n).
     """
@@ -76,6 +77,7 @@ class CompiledCoordinate:
     coordinate: Separated
     programs: CoordinatePrograms
     loops: Loops
+    maps: NodeMaps
     q: Reals
     P: Reals
     constants: Reals
@@ -96,7 +98,7 @@ class CompiledCoordinate:
         low = np.stack([pair.low for pair in start.pairs])
         rows = (np.stack(start.knowns.constants), low, np.stack(start.knowns.uncertainty))
         q, P = (np.ascontiguousarray(x[k]) for x in (start.q, start.P))
-        return CompiledCoordinate(model.separated[k], made.coordinates[k], made.loops, q, P, *rows)
+        return CompiledCoordinate(model.separated[k], made.coordinates[k], made.loops, node_maps(), q, P, *rows)
 
     def take(self, index: Integers) -> CompiledCoordinate:
         """Return some of the orbits.
@@ -122,7 +124,7 @@ class CompiledCoordinate:
             view, walk = self.programs.below, self._walk(0, np.ascontiguousarray(self.constants.T))
             uncertainty = np.ascontiguousarray(self.uncertainty.T)
             out = np.empty((2 + (len(self.constants) if kernels else 0), 1))
-            self.loops.crests(view.bend, view.uncertainties, walk, uncertainty, found, np.empty((2, 1)), out)
+            self.loops.crests(view.bend, view.uncertainties, walk, uncertainty, found, np.empty((3, 1)), out)
         return found
 
     def _walk(self, upper: int, known: Reals) -> Any:
@@ -172,10 +174,12 @@ class CompiledCoordinate:
             bases += [base.high, base.low]
             bends[k, 0] = slope
         left, right = distances
-        first, share = ends._replace(bends=bends).maps(left + right)
+        first, _ = ends._replace(bends=bends).maps(left + right)
+        share = np.zeros_like(first)  # turning points to 32 digits leave nothing to be lost far from them
         lost = np.maximum(self.uncertainty - np.abs(self.low), 0.0) * 2.0**44  # by doubles, of the constants
         motions = placed._replace(
-            left=left, right=right, width=left + right, lower=0.0 * left, upper=0.0 * right, first=first, share=share,
+            left=left, right=right, width=left + right, lower=0.0 * left, upper=0.0 * right, low_home=0.0 * left,
+            high_home=0.0 * right, first=first, share=share,
             known=np.ascontiguousarray(np.stack([*C, *bases], axis=1)),
             uncertainty=np.ascontiguousarray((self.uncertainty + lost).T),
         )  # fmt: skip
@@ -193,10 +197,11 @@ class CompiledCoordinate:
         below, above = sides(self.coordinate)
         width = distances[0] + distances[1]
         even = self.coordinate.even & (np.abs(distances[0] - distances[1] - 2 * self.q) <= 1e-13 * width)
-        ends = _Ends(bends, np.array([float(below.sign), -float(above.sign)]), even)
+        ends = _Ends(self.maps, bends, np.array([float(below.sign), -float(above.sign)]), even)
         first, share = ends.maps(width)
         motions = Motions(
             momentum=self.P, left=distances[0], right=distances[1], width=width, lower=places[0], upper=places[1],
+            low_home=_home(below, places[0], above, places[1]), high_home=_home(above, places[1], below, places[0]),
             signs=ends.signs, known=known, uncertainty=np.ascontiguousarray(self.uncertainty.T), first=first,
             least=np.zeros(n, dtype=np.int64), share=share,
         )  # fmt: skip
@@ -205,7 +210,7 @@ class CompiledCoordinate:
     def _resolved(self, motions: Motions, placed: Motions, modes: Modes, programs: tuple[Any, Any]) -> Sums:
         """Integrate with as many nodes as are proved to resolve every motion, which lies where ``placed`` says."""
         below, above = sides(self.coordinate)
-        proof, n = ResolutionProof(self.loops, placed, below.clearance, above.clearance), len(motions.width)
+        proof, n = ResolutionProof(self.maps, self.loops, placed, below.clearance, above.clearance), len(motions.width)
         span = np.stack([np.zeros(n, dtype=np.int64), np.full(n, len(COUNTS))])
         least = proof.least(np.arange(n), motions.first, span)
         if modes.oscillations:  # coefficients as they are, not nearly squared: never enough, of stretched maps by far
@@ -220,7 +225,7 @@ class CompiledCoordinate:
         return sums
 
     def _integrated(self, motions: Motions, modes: Modes, programs: tuple[Any, Any]) -> tuple[Sums, Integers]:
-        (below, above), tables = programs, node_maps().tables
+        (below, above), tables = programs, self.maps.tables
         rows = len(self.constants) if modes.kernels else 0
         modes = modes._replace(alike=below.uncertainties is above.uncertainties)
         sums = empty(len(self.constants), len(motions.width))
@@ -256,9 +261,11 @@ class CompiledCoordinate:
         low, high = places
         width = high - low
         with np.errstate(invalid="ignore"):
-            least = least_at_a_glance(plain.clearance, tuple(self.constants), self.q + 0.5 * (low + high), width)
+            middle, known_here = self.q + 0.5 * (low + high), tuple(self.constants)
+            least = least_at_a_glance(self.maps, plain.clearance, known_here, middle, width)
         motions = Motions(
-            momentum=self.P, left=-low, right=high, width=width, lower=low, upper=high, signs=np.array([1.0, -1.0]),
+            momentum=self.P, left=-low, right=high, width=width, lower=low, upper=high, low_home=low, high_home=high,
+            signs=np.array([1.0, -1.0]),
             known=known, uncertainty=uncertainty, first=np.zeros(n, dtype=np.int64), least=least,
             share=np.zeros(n, dtype=np.int64),
         )  # fmt: skip
@@ -266,7 +273,7 @@ class CompiledCoordinate:
         if len(some):
             placed = motions._replace(lower=self.q + low, upper=self.q + high)
             span = np.stack([np.zeros(len(some), dtype=np.int64), np.full(len(some), len(COUNTS))])
-            proof = ResolutionProof(self.loops, placed, plain.clearance, plain.clearance)
+            proof = ResolutionProof(self.maps, self.loops, placed, plain.clearance, plain.clearance)
             least[some] = proof.least(some, motions.first[some], span)
         return self._integrated(motions, modes, (made, made))[0]
 
@@ -275,17 +282,19 @@ class _Ends(NamedTuple):
     """Turning points of n motions.
 
     Attributes:
+        known: the maps of this process.
         bends: F′ and ½F″ of the lower and of the upper one, shape (2, 2, n).
         signs: how offsets grow away from them, shape (2,).
         even: True where the motion is even about its middle.
     """
 
+    known: NodeMaps
     bends: Reals
     signs: Reals
     even: Mask
 
     def take(self, index: Integers) -> _Ends:
-        return _Ends(self.bends[..., index], self.signs, self.even[index])
+        return self._replace(bends=self.bends[..., index], even=self.even[index])
 
     def maps(self, width: Reals, *, alike: bool = False) -> tuple[Integers, Integers]:
         """The maps of the motions, and how much is seen from below; ``alike``: both ends as if like the worse one."""
@@ -300,9 +309,21 @@ class _Ends(NamedTuple):
             index = np.where(self.even, EVEN, 0)
             some = np.flatnonzero(stretched)
             if len(some):
-                index[some] = node_maps().index(fitting(lower[some], upper[some], self.even[some]))
+                index[some] = self.known.index(fitting(lower[some], upper[some], self.even[some]))
             share = np.where(~self.even, views(self.bends[0, 0], self.bends[1, 0], (lower, upper)), 0)
         return index, share
+
+
+def _home(view: LoweredFormula, own: Reals, other: LoweredFormula, far: Reals) -> Reals:
+    """That turning point, as an offset in a view, from which places keep their digits: the one nearer to x = 0.
+
+    Args:
+        view, own: of the turning point from which p² is seen there.
+        other, far: of the other one.
+    """
+    moved = DoubleDouble().sub(other.origin, view.origin).high
+    found = view.sign * (moved + other.sign * far)
+    return np.where((np.abs(found) < np.abs(own)) & (np.abs(moved) <= np.abs(found)), found, own)
 
 
 def _refined(programs: tuple[ExactPrograms, ViewPrograms], x: Reals, C: Reals) -> tuple[Pair, Reals, Reals]:

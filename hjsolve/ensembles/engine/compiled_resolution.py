@@ -10,7 +10,7 @@ import numpy as np
 from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.ensembles.engine.compiled_types import Clearances, Motions
-from hjsolve.ensembles.engine.node_maps import COUNTS, node_maps
+from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMaps
 from hjsolve.ensembles.engine.programs import Loops
 from hjsolve.ensembles.engine.resolution import room
 
@@ -24,10 +24,12 @@ _HELD = COUNTS.index(40)
 """Size of the tables for which a small motion gets a disk of its own."""
 
 
-def least_at_a_glance(clearance: Clearance, constants: tuple[Reals, ...], middle: Reals, width: Reals) -> Integers:
+def least_at_a_glance(
+    maps: NodeMaps, clearance: Clearance, constants: tuple[Reals, ...], middle: Reals, width: Reals
+) -> Integers:
     """The first size that one disk about the middle of a motion proves to be enough, −1 for none."""
     known = np.nan_to_num(room(clearance, middle, width), nan=-1.0)
-    enough = node_maps().strips.enough[0]
+    enough = maps.strips.enough[0]
     least = np.searchsorted(-enough, -known)
     some = np.flatnonzero((least > _HELD) & (width < _NARROW * np.abs(middle)))
     if len(some):  # cells are too large for it
@@ -44,11 +46,13 @@ class ResolutionProof:
     """How many nodes resolve motions between turning points, by glances at the tables of clearances.
 
     Attributes:
+        maps: that the motions name.
         loops: ours.
         motions: of n orbits.
         below, above: clearances in the views of the lower and of the upper half.
     """
 
+    maps: NodeMaps
     loops: Loops
     motions: Motions
     below: Clearance
@@ -72,11 +76,11 @@ class ResolutionProof:
             found, part = np.empty(len(todo), dtype=np.int64), np.ascontiguousarray(span[:, todo])
             some = self._taken(left[todo], maps[todo])
             low, high = (Clearances(*side.table()) for side in (self.below, self.above))  # type: ignore[misc]
-            self.loops.glances(some, known[todo], part, node_maps().strips, low, high, found)
+            self.loops.glances(some, known[todo], part, self.maps.strips, low, high, found)
             least[todo], span[0, todo] = found, part[0]
             bare = found == _NOT_COVERED
             for map_, size in set(zip(some.first[bare].tolist(), part[0, bare].tolist(), strict=True)):
-                node_maps().cover(map_, size)
+                self.maps.cover(map_, size)
             untold = todo[found == _UNTOLD][:block]
             self._fill(left[untold], maps[untold], span[0, untold])
             todo = todo[(found == _UNTOLD) | (found == _NOT_COVERED)]
@@ -91,7 +95,7 @@ class ResolutionProof:
 
     def _fill(self, some: Integers, maps: Integers, sizes: Integers) -> None:
         """Complete the tables for some orbits."""
-        strips, motions = node_maps().strips, self.motions
+        strips, motions = self.maps.strips, self.motions
         codes = maps * len(COUNTS) + sizes
         for code in np.unique(codes):
             part = some[codes == code]

@@ -34,7 +34,7 @@ _STEEP = 0.75
 _ROUGH = 1e-5
 _RIPPLED = 1e-9
 
-Fill = Callable[[Reals, float, float, float, Reals, Reals, Reals, int, int, Reals], None]
+Fill = Callable[[Reals, float, float, float, float, float, Reals, Reals, Reals, Reals, int, int, Reals], None]
 Last = tuple[float, float, float, float, float]
 
 
@@ -178,13 +178,17 @@ def shifted_action(work: Scratch, residue: tuple[float, float], uncertainty: Rea
 @njit(**INLINED)
 def _fill(below: Fill, above: Fill, motions: Motions, i: int, place: tuple[int, int], tables: Tables,
           buffer: Reals) -> None:  # fmt: skip
-    """Fill the buffer at the nodes of a map and a size, each seen from the nearer turning point."""
+    """Fill the buffer at the nodes of a map and a size, each seen from one turning point."""
     m, size = place
     n, split, known = tables.counts[size], tables.split[m, size, motions.share[i]], motions.known[i]
     low, high, derivative, W = tables.low[m, size], tables.high[m, size], tables.derivative[m, size], motions.width[i]
-    below(buffer, motions.lower[i], motions.signs[0], W, low, high, derivative, 0, split, known)
+    b, s, h = motions.lower[i], motions.signs[0], motions.low_home[i]
+    g, along = (s, low) if h == b else (-s, high)
+    below(buffer, b, s, W, h, g, along, low, high, derivative, 0, split, known)
     if split < n:
-        above(buffer, motions.upper[i], motions.signs[1], W, high, low, derivative, split, n, known)
+        b, s, h = motions.upper[i], motions.signs[1], motions.high_home[i]
+        g, along = (s, high) if h == b else (-s, low)
+        above(buffer, b, s, W, h, g, along, high, low, derivative, split, n, known)
 
 
 @njit(**INLINED)

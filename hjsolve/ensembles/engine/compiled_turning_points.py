@@ -28,7 +28,7 @@ Value = Callable[[float, Reals], float]
 Bend = Callable[[float, Reals], tuple[float, float, float]]
 Slopes = Callable[[Reals, Reals, Reals, Reals], None]
 Bounds = Callable[[Reals, Reals, Reals, Reals], None]
-Uncertainties = Callable[[Reals, Reals, Reals, Reals, Reals], None]
+Uncertainties = Callable[[Reals, Reals, Reals, Reals, Reals, Reals], None]
 
 
 class SearchSide(NamedTuple):
@@ -192,14 +192,14 @@ def crests(bend: Bend, uncertainties: Uncertainties, walk: SearchSide, uncertain
         walk: the starts; P₀ and constants.
         uncertainty: bounds on the errors of the constants, shape (n, constants).
         small: where the results go, shape (n,).
-        place: scratch, one place and what counts the constants there, shape (2, 1).
+        place: scratch, one place, its size and what counts the constants there, shape (3, 1).
         out: scratch, errors and F, shape (2 + kernels of the second program, 1).
     """
-    place[1, 0] = 1.0
+    place[2, 0] = 1.0
     for i in range(small.shape[0]):
         c, P = walk.known[i], walk.momentum[i]
-        place[0, 0] = walk.start[i]
-        uncertainties(out, place[0], place[1], c, uncertainty[i])
+        place[0, 0], place[1, 0] = walk.start[i], abs(walk.start[i])
+        uncertainties(out, place[0], place[1], place[2], c, uncertainty[i])
         _, first, second = bend(walk.start[i], c)
         crest = P * P + (first * first / (-2.0 * second) if second < 0.0 else np.inf)
         small[i] = out[0, 0] / crest

@@ -61,6 +61,7 @@ class Motions(NamedTuple):
         left, right: q₀ − a and b − q₀.
         width: b − a.
         lower, upper: offsets of the turning points in the views of the lower and of the upper half.
+        low_home, high_home: offsets in the same views of the turning points that places are counted from.
         signs: +1 or −1, how these offsets grow away from the turning points, shape (2,).
         known: constants, and what else a program knows, shape (n, known).
         uncertainty: bounds on the errors of the constants, shape (n, constants).
@@ -74,6 +75,8 @@ class Motions(NamedTuple):
     width: Reals
     lower: Reals
     upper: Reals
+    low_home: Reals
+    high_home: Reals
     signs: Reals
     known: Reals
     uncertainty: Reals
@@ -111,7 +114,8 @@ class Scratch(NamedTuple):
         found: mean, its error, last coefficient, rounding, and sizes of the last coefficients and of those before, of
             every integrand, shape (6, 1 + kernels).
         lanes: where errors are looked at, which of them count the constants, the turning point and the distance from
-            it, r (|dq/dχ| at first) and sin²χ/F (sin²χ at first); shape (6, lanes).
+            it, r (|dq/dχ| at first), sin²χ/F (sin²χ at first), and what the roundings of the place are in proportion
+            to; shape (7, lanes).
         bounds: what is found there: errors of F and of the kernels, F, F's own error; shape (3 + kernels, lanes).
     """
 
@@ -136,7 +140,7 @@ def scratch(tables: Tables, kernels: int) -> Scratch:
     lanes = VECTOR * ((2 * most + 6 + VECTOR) // VECTOR)
     shapes = {
         "buffer": (2 + rows, widest), "shares": (widest,), "rows": (3, widest), "noise": (rows, most), "drift": (most,),
-        "found": (6, rows), "lanes": (6, lanes), "bounds": (2 + rows, lanes),
+        "found": (6, rows), "lanes": (7, lanes), "bounds": (2 + rows, lanes),
     }  # fmt: skip
     return Scratch(**{name: np.empty(shape) for name, shape in shapes.items()})
 
@@ -201,9 +205,9 @@ def signatures() -> dict[str, Any]:
         "value": number(number, row),
         "bend": types.UniTuple(number, 3)(number, row),
         "slopes": types.void(row, block, row, row),
-        "fill": types.void(block, number, number, number, row, row, row, count, count, row),
-        "uncertainties": types.void(block, row, row, row, row),
-        "relative": types.void(row, row, row, row),
+        "fill": types.void(block, *(number,) * 5, row, row, row, row, count, count, row),
+        "uncertainties": types.void(block, row, row, row, row, row),
+        "relative": types.void(row, row, row, row, row, row),
         "bounds": types.void(block, row, row, row),
         "slope": types.void(row, block, row),
         "start": types.void(block, block, row),

@@ -81,7 +81,8 @@ def _uncertainties_text(
     """F is known relatively, but for 2⁻⁴⁴ of what doubles lose of it; the constants' errors are never told apart."""
     source = PythonSource()
     square, place = _square(formula, source, known)
-    rough, *others = doubtful(formula.full if kernels else formula.squared, source, place, constants, numbers)[:-1]
+    tape = formula.full if kernels else formula.squared
+    rough, *others = doubtful(tape, source, place, source.unary("abs", place), constants, numbers)[:-1]
     lost = rough.split(" = ", 1)[1]
     own = source.add(
         source.mul(_RELATIVE, source.unary("abs", square)), source.mul(_FINER, source.unary("abs", lost))
@@ -90,4 +91,4 @@ def _uncertainties_text(
     wanted = [own, square, *(line.split(" = ", 1)[1] for line in others)]
     before = unpack + unpacked([f"e{j}" for j in range(constants)], "e")
     lines = ["d = place[g]", *needed(source.lines, wanted), *results]
-    return loop("uncertainties(out, place, mask, c, e)", before, "g in range(place.shape[0])", lines)
+    return loop("uncertainties(out, place, size, mask, c, e)", before, "g in range(place.shape[0])", lines)

@@ -30,6 +30,7 @@ _WIDEST = COUNTS[-1]
 _WARPED = 5
 _MARGIN = 0.04
 _FROM_MIDDLE, _FROM_BELOW, _FROM_ABOVE = 0, 1, 2
+_ONE_AT_A_TIME = Lock()
 _TALL = 100.0
 """How much larger p² may be next to one end than next to the other before that end is only seen from close by."""
 _PART = 0.125
@@ -59,11 +60,13 @@ class NodeMap(NamedTuple):
         return 2 if self.node_map >= EVEN else 1
 
     def dividing(self, share: int) -> float:
-        """(q − a)/W up to which a motion is seen from its lower end; see ``views``."""
+        """(q − a)/(b − q) up to which a motion is seen from its lower end; see ``views``.
+
+        The ratio, not (q − a)/W: next to the upper end that is 1 in doubles from 1 + ρ_c = 2⁵⁴ on.
+        """
         if self.level == 0:
-            return (0.5, 1.0 - _PART, _PART)[share]
-        lower, upper = 2.0**self.lower, 2.0**self.upper
-        return (0.5, 1.0 - 1.0 / (1.0 + upper), 1.0 / (1.0 + lower))[share]
+            return (1.0, (1.0 - _PART) / _PART, _PART / (1.0 - _PART))[share]
+        return (1.0, 2.0**self.upper, 2.0**-self.lower)[share]
 
     def stretched(self, sn2: Elementwise, cn2: Elementwise) -> tuple[Elementwise, Elementwise]:
         """Return (q − a)/W and (b − q)/W where sn² and cn² are these."""
@@ -171,9 +174,17 @@ def _joined(old: Elementwise, new: Elementwise) -> Elementwise:
     return new if old.size == 0 else np.concatenate([old, new])
 
 
-@cache
 def node_maps() -> NodeMaps:
-    """Return the maps of this process."""
+    """Return the maps of this process, the same object to every thread: an index means a row of its own tables only.
+
+    ``cache`` alone lets two threads that come first each make an object of its own.
+    """
+    with _ONE_AT_A_TIME:
+        return _of_this_process()
+
+
+@cache
+def _of_this_process() -> NodeMaps:
     return NodeMaps()
 
 
@@ -265,12 +276,12 @@ def _spans(key: NodeMap, equal: Reals, share: int, below: float, above: float) -
     return inside, min(max(first, 0), inside - 1), max(min(last, len(equal) - 1), inside)
 
 
-def _half_way(key: NodeMap, goal: float) -> float:
-    """χ where (q − a)/W has some value, nearly: doubles are enough."""
+def _half_way(key: NodeMap, ratio: float) -> float:
+    """χ where (q − a)/(b − q) has some value, nearly: doubles are enough."""
     χ = np.linspace(0.0, np.pi, 514)[1:-1]
     table = nodes.libration_nodes(COUNTS[0], key.level, key.node_map)
     x, y = key.stretched(*(square.real for square in squares(χ.astype(complex), table)))
-    return float(np.interp(np.log(goal / (1.0 - goal)), np.log(x / y), χ))
+    return float(np.interp(np.log(ratio), np.log(x / y), χ))
 
 
 def _disks(key: NodeMap, count: int) -> tuple[Reals, Reals, Reals, int]:

@@ -8,9 +8,13 @@ Every view of p² (``radicand_views``) has the same functions, over offsets x in
     value(x, c)                                  F; of small motions F[q₀, q₀, q₀ + x]
     bend(x, c)                                   F, F′, F″; not of small motions
     slopes(x, C, f, d)                           F and F′ of many orbits
-    fill(buffer, b, s, W, near, far, derivative, start, stop, c)   F r, r, F, kernels times r at x = b + s W near
-    uncertainties(out, place, mask, c, e)               bounds on the errors of F and of the kernels, and F
-    relative(out, base, offset, c)               bounds on the relative error of F[b, b + d]
+    fill(buffer, b, s, W, h, g, along, near, far, derivative, start, stop, c)
+                                                 F r, r, F, kernels times r at x = h + g W along, d = s W near from b
+    uncertainties(out, place, size, mask, c, e)  bounds on the errors of F and of the kernels, and F
+    relative(out, base, offset, place, size, c)  bounds on the relative error of F[b, x], x = b + d
+
+A place x is counted from that turning point h at which the smaller offset is: b − W y next to a pole at x = 0 would be
+the small difference of two large numbers. ``size`` is what the roundings of x are in proportion to.
     slope(place, C, d)                           F′ to full relative accuracy, from 32 digits; of small motions only
 """
 
@@ -38,7 +42,7 @@ _PLACE = f"({2 * UNIT!r})"
 _ROUNDED = f"({6 * UNIT!r})"
 _OFFSETS = f"({16 * UNIT!r})"
 """Roundings of distances from the turning points and of what they are multiplied with."""
-NO_RELATIVE = "def relative(out, base, offset, c):\n    out[:] = 0.0\n"
+NO_RELATIVE = "def relative(out, base, offset, place, size, c):\n    out[:] = 0.0\n"
 
 _MORE = ("start0", "square0", "first0", "doubt0", "width0")
 """What programs of small motions know after the constants: q₀, P₀², F′₀, a bound on errors of F[q, q, q + x], and W."""
@@ -117,7 +121,7 @@ def _slopes_text(constants: int, run: Callable[[PythonSource], Sequence[str]]) -
     return loop("slopes(place, C, f, d)", "", "i in range(place.shape[0])", lines)
 
 
-_FILL = "fill(buffer, b, s, W, near, far, derivative, start, stop, c)"
+_FILL = "fill(buffer, b, s, W, h, g, along, near, far, derivative, start, stop, c)"
 
 
 def _fill_text(formula: LoweredFormula, unpack: str, known: list[str], kernels: bool) -> str:
@@ -131,7 +135,7 @@ def _fill_text(formula: LoweredFormula, unpack: str, known: list[str], kernels: 
         _, *weights = formula.full.run(source, ["x", *known])
     else:
         square, *weights = (formula.full if kernels else formula.squared).run(source, ["x", *known])
-    return filled(source, unpack, ["d = s * W * near[j]", "x = b + d"], square, weights)
+    return filled(source, unpack, ["d = s * W * near[j]", "x = h + g * W * along[j]"], square, weights)
 
 
 def filled(source: PythonSource, unpack: str, places: list[str], square: str, weights: list[str]) -> str:
@@ -152,7 +156,7 @@ def filled(source: PythonSource, unpack: str, places: list[str], square: str, we
         *(f"b{k}[j] = {row}" for k, row in enumerate(rows)),
     ]
     # slices, because LLVM makes vectors only of loops that begin at 0
-    sliced = [f"{name} = {name}[start:stop]" for name in ("near", "far", "derivative")]
+    sliced = [f"{name} = {name}[start:stop]" for name in ("along", "near", "far", "derivative")]
     sliced += [f"b{k} = buffer[{k}, start:stop]" for k in range(len(rows))]
     before = unpack + "".join(f"    {line}\n" for line in (*fixed, *sliced))
     return loop(_FILL, before, "j in range(near.shape[0])", lines)
@@ -160,7 +164,7 @@ def filled(source: PythonSource, unpack: str, places: list[str], square: str, we
 
 def _divided(lines: list[str]) -> tuple[list[str], list[str]]:
     """Lines that depend on the turning point alone, and those that depend on the node."""
-    fixed, moving, depends = [], [], {"near"}
+    fixed, moving, depends = [], [], {"near", "along"}
     for line in lines:
         left, right = line.split(" = ", 1)
         words = re.findall(r"[A-Za-z_]\w*", right)
@@ -173,36 +177,37 @@ def _divided(lines: list[str]) -> tuple[list[str], list[str]]:
 
 
 def _relative_text(formula: LoweredFormula, unpack: str, names: list[str], numbers: tuple[float, ...]) -> str:
-    """Bounds on the relative error of F[b, b + d]."""
+    """Bounds on the relative error of F[b, x], x = b + d."""
     source = PythonSource()
     chords = FirstDifferences(RunningError(source, own=OWN), WithErrorBound("d"))
-    place = source.add("b", "d")
-    inputs = [
-        chords.variable(WithErrorBound("b"), WithErrorBound(place, source.mul(_PLACE, source.unary("abs", place))))
-    ]
+    inputs = [chords.variable(WithErrorBound("b"), WithErrorBound("x", source.mul(_PLACE, "z")))]
     inputs += [chords.constant(WithErrorBound(c)) for c in names]
     inputs += [chords.constant(x) for x in _rounded(numbers)]
     slope = formula.squared.run(chords, inputs)[0].slope
     error = "(0.0)" if slope.error is None else slope.error
-    lines = ["b = base[g]", "d = offset[g]", *source.lines, f"out[g] = abs({error}) / abs({slope.value})"]
-    return loop("relative(out, base, offset, c)", unpack, "g in range(out.shape[0])", lines)
+    lines = ["b = base[g]", "d = offset[g]", "x = place[g]", "z = size[g]", *source.lines]
+    lines += [f"out[g] = abs({error}) / abs({slope.value})"]
+    return loop("relative(out, base, offset, place, size, c)", unpack, "g in range(out.shape[0])", lines)
 
 
 def _rounded(numbers: tuple[float, ...]) -> list[WithErrorBound]:
     return [WithErrorBound(f"({x!r})", f"({abs(x) * UNIT!r})") for x in numbers]
 
 
-def doubtful(tape: Tape, source: PythonSource, place: str, constants: int, numbers: tuple[float, ...]) -> list[str]:
+def doubtful(
+    tape: Tape, source: PythonSource, place: str, size: str, constants: int, numbers: tuple[float, ...]
+) -> list[str]:
     """Return lines that fill ``out`` with the errors of a tape's results, and at last the first result itself.
 
     Args:
         tape: of F, and of kernels after it.
         source: the program so far, which grows.
         place: where, a name.
+        size: what the roundings of the place are in proportion to, a name.
         constants: how many there are; e0, e1, … bound their errors.
         numbers: values of the parameters.
     """
-    inputs = [WithErrorBound(place, source.mul(_PLACE, source.unary("abs", place)))]
+    inputs = [WithErrorBound(place, source.mul(_PLACE, size))]
     inputs += [*(WithErrorBound(f"c{j}", f"e{j}") for j in range(constants)), *_rounded(numbers)]
     results = tape.run(RunningError(source, own=OWN), inputs)
     lines = [f"out[{k}, g] = {'(0.0)' if r.error is None else r.error}" for k, r in enumerate(results)]
@@ -211,9 +216,10 @@ def doubtful(tape: Tape, source: PythonSource, place: str, constants: int, numbe
 
 def _uncertainties_text(tape: Tape, constants: int, numbers: tuple[float, ...]) -> str:
     source = PythonSource()
-    results = doubtful(tape, source, "x", constants, numbers)
-    lines = ["x = place[g]", *(f"e{j} = mask[g] * s{j}" for j in range(constants)), *source.lines, *results]
-    return loop("uncertainties(out, place, mask, c, e)", _both(constants), "g in range(place.shape[0])", lines)
+    results = doubtful(tape, source, "x", "z", constants, numbers)
+    lines = ["x = place[g]", "z = size[g]", *(f"e{j} = mask[g] * s{j}" for j in range(constants))]
+    lines += [*source.lines, *results]
+    return loop("uncertainties(out, place, size, mask, c, e)", _both(constants), "g in range(place.shape[0])", lines)
 
 
 def _both(constants: int) -> str:
@@ -272,7 +278,7 @@ def _small_relative_text(formula: LoweredFormula, unpack: str, known: list[str])
     error = source.div(source.add(doubt, source.mul(_OFFSETS, terms)), source.unary("abs", slope))
     lines = ["b = base[g]", "d = offset[g]", "origin = start0 + b", "span = width0 if d > 0.0 else -width0"]
     lines += [*source.lines, f"out[g] = {error}"]
-    return loop("relative(out, base, offset, c)", unpack, "g in range(out.shape[0])", lines)
+    return loop("relative(out, base, offset, place, size, c)", unpack, "g in range(out.shape[0])", lines)
 
 
 def _taken(values: PythonSource, source: PythonSource, result: str) -> list[str]:
@@ -338,11 +344,13 @@ def _small_uncertainties_text(
     own = source.add(rounding, source.mul(source.mul("x", "x"), "doubt0"))
     results = [f"out[0, g] = {own}", f"out[1, g] = {value}"]
     if kernels:
-        weights = doubtful(formula.full, source, source.add("start0", "x"), constants, numbers)[1:-1]
+        place = source.add("start0", "x")
+        weights = doubtful(formula.full, source, place, source.unary("abs", place), constants, numbers)[1:-1]
         results = [results[0], *weights, f"out[{1 + len(weights)}, g] = {value}"]
     lines = ["x = place[g]", *(f"e{j} = mask[g] * s{j}" for j in range(constants)), *source.lines, *results]
     extra = "".join(f"    {name} = c[{constants + k}]\n" for k, name in enumerate(_MORE))
-    return loop("uncertainties(out, place, mask, c, e)", _both(constants) + extra, "g in range(place.shape[0])", lines)
+    before = _both(constants) + extra
+    return loop("uncertainties(out, place, size, mask, c, e)", before, "g in range(place.shape[0])", lines)
 
 
 def start_text(model: Model) -> str:

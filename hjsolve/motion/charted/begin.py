@@ -21,6 +21,7 @@ from hjsolve.motion.initial_data import read_initial_data
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.through_poles.continued_motion import motion_through_poles
+from hjsolve.motion.velocity_frame import COORDINATE, factors_of, lengths_in_units, rates_of
 from hjsolve.motion.wanted import parts_of
 from hjsolve.solution.quadratures import Solution
 
@@ -38,6 +39,7 @@ def start(
     digits: int = FLOAT_DIGITS,
     certified: bool = False,
     want: Iterable[str] | None = None,
+    velocity_frame: str = COORDINATE,
 ) -> Motion:
     """Start a motion from initial data.
 
@@ -54,6 +56,7 @@ def start(
         certified: prove constants, turning points, actions, frequencies and periods (needs the extra ``certified``);
             states stay estimates, at the digits asked.
         want: which of ``QUANTITIES`` will be asked; nothing else is integrated. None for all.
+        velocity_frame: ``coordinate``, or ``orthonormal`` where velocities are along the coordinates' unit vectors.
 
     Returns:
         The motion.
@@ -72,7 +75,11 @@ def start(
         ('libration', 14.99332061)
     """
     system = solution.system if solution.chart is None else solution.chart.original
-    q, velocity = in_units(system, q, "q"), in_units(system, velocity, "velocity")
+    q, factors = in_units(system, q, "q"), factors_of(system, velocity_frame, velocity)
+    if factors is None or velocity is None:
+        velocity = in_units(system, velocity, "velocity")
+    else:
+        velocity = rates_of(system, q, lengths_in_units(system, velocity, factors), factors)
     p, parameters = in_units(system, p, "p"), in_units(system, parameters, "parameters")
     if solution.chart is not None:
         return start_charted(

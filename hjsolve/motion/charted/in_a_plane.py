@@ -19,6 +19,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.coordinates.chart import Chart
+from hjsolve.coordinates.charts.curvilinear import CurvilinearMap
 from hjsolve.coordinates.charts.simplify_potential import flattened
 from hjsolve.errors import HJSolveError, InternalError
 from hjsolve.mechanics.system import System
@@ -89,11 +90,12 @@ def motion_in_a_plane(chart: Chart, given: Mapping[str, Start | None], **options
 
 def _exact_point(chart: Chart, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[list[sp.Rational], list[sp.Rational]]:
     """X and P in the frame of the web: exact where all is rational, else right to more digits than are asked for."""
-    old = chart.original.coordinates
-    frame, origin = chart.frame.xreplace(dict(values)), sp.Matrix(chart.origin).xreplace(dict(values))
-    if all(e.is_Rational for e in (*frame, *origin, *(values[s] for c in old for s in (c.symbol, c.momentum)))):
-        exact = frame.inv() * (sp.Matrix([values[c.symbol] for c in old]) - origin)
-        return list(exact), list(frame.T * sp.Matrix([values[c.momentum] for c in old]))
+    known = dict(values)
+    frame, origin, place, momentum = (
+        sp.Matrix(rows).xreplace(known) for rows in (chart.frame, chart.origin, chart.outer.place, chart.outer.momentum)
+    )
+    if all(e.is_Rational for e in (*frame, *origin, *place, *momentum)):
+        return list(frame.inv() * (place - origin)), list(frame.T * momentum)
 
     def numbers(bits: int) -> Frame:
         return point_in_frame(chart, lambda e: to_bits(e.xreplace(dict(values)))(bits), Multi(bits).context)
@@ -105,7 +107,7 @@ def _exact_point(chart: Chart, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[lis
 
 def _plane(chart: Chart, kept: tuple[int, ...]) -> Chart | None:
     """The system without the coordinates across an axis or plane; None where a body there would leave it."""
-    original = chart.original
+    original = chart.space
     taken = {p.name for p in original.parameters}
     L = [sp.Symbol(name if name not in taken else f"{name}_web", real=True) for name in "XYZ"[: chart.frame.cols]]
     place = sp.Matrix(chart.origin) + chart.frame * sp.Matrix(L)
@@ -130,10 +132,11 @@ def _plane(chart: Chart, kept: tuple[int, ...]) -> Chart | None:
     own = tuple(c.symbol for c in system.coordinates)
     frame = sp.ImmutableMatrix(chart.frame[:, list(kept)])
     told = list(sp.Matrix(chart.origin) + frame * sp.Matrix(own))
+    user = chart.outer.told(told) if isinstance(chart.outer, CurvilinearMap) else told
     return Chart(
         chart.kind, tuple(c.name for c in system.coordinates),
-        {c.name: e for c, e in zip(original.coordinates, told, strict=True)}, chart.remark,
+        {c.name: e for c, e in zip(chart.original.coordinates, user, strict=True)}, chart.remark,
         f"{chart.reason}; the motion stays where {', '.join(f'{s.name} = 0' for s in across)} and passes a focus",
-        original, system, separation, chart.origin, frame, own, own, (sp.S.One,) * len(own), chart.mass, {},
+        chart.original, system, separation, chart.origin, frame, own, own, (sp.S.One,) * len(own), chart.mass, {},
         chart.outer,
     )  # fmt: skip

@@ -93,7 +93,7 @@ def _told(chart: Chart, within: Motion, parts: frozenset[str]) -> ChartedMotion:
         return motion
     name, ends = found
     times = {} if ends[1] is None else {name: ends[1]}
-    kinds = {**motion.kinds, name: "boundary"}
+    kinds = motion.kinds if ends[1] is None else {**motion.kinds, name: "boundary"}
     return replace(motion, ends=ends, kinds=kinds, boundary_times=times, frequencies={}, periods={})
 
 

@@ -13,12 +13,11 @@ from typing import TypeVar
 import numpy as np
 
 from hjsolve.arithmetic.number_types import Mpf, Numbers, Reals
+from hjsolve.coordinates.charts.curvilinear import CurvilinearMap
 from hjsolve.coordinates.charts.outer_map import OuterMap, SphereMap
+from hjsolve.motion.charted.told_curvilinear import LOST, ROUNDINGS, bounds_curvilinear, told_curvilinear
 
 Row = TypeVar("Row", Numbers, Reals)
-_LOST = 8
-"""Where the error across the axis is more than its 8th part of the distance from it, nothing is known of the angle."""
-_ROUNDINGS = 8
 
 
 def told(outer: OuterMap, found: Sequence[Numbers]) -> list[Numbers]:
@@ -28,6 +27,8 @@ def told(outer: OuterMap, found: Sequence[Numbers]) -> list[Numbers]:
         outer: how points are tied to the user's coordinates.
         found: rows of numbers: x, then q̇ and p of the user's coordinates, then anything.
     """
+    if isinstance(outer, CurvilinearMap):
+        return told_curvilinear(outer, found)
     if not isinstance(outer, SphereMap):
         return list(found)
     X, Y, Z = found[:3]
@@ -61,16 +62,18 @@ def bounds_told(outer: OuterMap, points: Sequence[Reals], bounds: Sequence[Reals
         bounds: of x, q̇, p and the rest.
         bits: binary digits of the numbers.
     """
+    if isinstance(outer, CurvilinearMap):
+        return bounds_curvilinear(outer, points, bounds, bits)
     if not isinstance(outer, SphereMap):
         return list(bounds)
     X, Y, Z = points
     ρ, across = np.hypot(X, Y), np.hypot(bounds[0], bounds[1])
-    unit = _ROUNDINGS * 2.0**-bits
+    unit = ROUNDINGS * 2.0**-bits
     height = outer.sense * Z
     u = np.arctan2(height, ρ) if outer.latitude else np.arctan2(ρ, height)
     δu = (np.abs(Z) * across + ρ * bounds[2]) / (ρ**2 + Z**2) + unit * np.abs(u)
     δφ = (np.abs(X) * bounds[1] + np.abs(Y) * bounds[0]) / ρ**2 + unit * np.abs(np.arctan2(Y, X))
-    lost, ended = ~(_LOST * across < ρ), np.isnan(X)
+    lost, ended = ~(LOST * across < ρ), np.isnan(X)
     lost &= ~ended
     rates = [np.where(lost, np.inf, row) for row in bounds[3:5]]
     p = list(bounds[5:7])

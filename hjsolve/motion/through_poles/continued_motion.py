@@ -190,7 +190,7 @@ def motion_through_poles(
         except NotConvergedError:
             if not angles:
                 raise
-    if motion is not None and "boundary" not in motion.kinds.values():
+    if motion is not None and not _meets_a_pole(motion):
         return motion
     for name in angles:
         way = continued_coordinates(solution.system, name)
@@ -203,6 +203,12 @@ def motion_through_poles(
             "at a place a little before"
         )
     return motion or started(solution, initial, t0, digits, parts, certified=certified)
+
+
+def _meets_a_pole(motion: Motion) -> bool:
+    """True where a coordinate reaches an end of its domain, before or after the initial time."""
+    courses = [place.course for place in motion.separated.located.values()]
+    return any(course.ends(side) in {"boundary", "fall"} for course in courses for side in (1, -1))
 
 
 def _at_an_end(solution: Solution, initial: Initial) -> str:

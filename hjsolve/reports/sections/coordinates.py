@@ -32,6 +32,8 @@ def found_answer(found: SeparableCoordinates) -> Text:
         kinds = ", ".join(web.kind for web in found.webs)
         number = f"{len(found.webs)} orthogonal coordinate system{'s' * (len(found.webs) > 1)}"
         return (Strong("Separates"), f" in {number}: {kinds}.", integrals)
+    if found.undecided:
+        return (Strong("Not decided"), found.undecided.removeprefix("Not decided"), integrals)
     return (Strong("No orthogonal coordinates"), " were found in which it separates.", integrals)
 
 
@@ -47,6 +49,7 @@ def found_sections(found: SeparableCoordinates) -> list[Section]:
     sections = [_web_section(index, web) for index, web in enumerate(found.webs, 1)]
     listed = {str(web) for web in found.webs}
     lines = [line.removeprefix("- ").removesuffix(" (not certified)") for line in found.advice.splitlines()]
+    listed |= set() if found.webs else {found.undecided}
     rest = [line for line in lines if line not in listed and not line.startswith(("Separates in", "At "))]
     blocks: list[Block] = [Note((line,)) for line in rest]
     if found.special:

@@ -1,0 +1,109 @@
+"""Stars in cylindrical coordinates, for a solution in x, y, z: each is turned about the axis to y = 0.
+
+There x = R, y = 0, ẋ = v_R, ẏ = v_T and ż = v_z are the doubles that were given, and nothing is rounded. Where V is
+symmetric about the axis only the angle of the azimuth is another one, by the azimuth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.arithmetic.number_types import Reals
+from hjsolve.coordinates.charts.curvilinear import AZIMUTH, FROM_AXIS, HEIGHT, CurvilinearMap
+from hjsolve.errors import InvalidInputError
+from hjsolve.motion.velocity_frame import ORTHONORMAL
+from hjsolve.separation import Zero, is_zero
+from hjsolve.solution.quadratures import Solution
+
+_ROUNDING = 2.0**-50
+_HOW = (
+    "coordinates: ensembles in coordinates that were found are started in x, y, z, or from columns of stars in "
+    'cylindrical coordinates with velocity_frame="orthonormal" (v_R, v_T, v_z), which nothing rounds'
+)
+
+
+@dataclass(frozen=True)
+class AboutAxis:
+    """The user's names of R, φ and z, and of x, y, z.
+
+    Attributes:
+        radius, azimuth, height: of the system as given.
+        axes: of the same in space.
+        turned: the separated coordinate whose angle the azimuth is added to; None where there is none.
+    """
+
+    radius: str
+    azimuth: str
+    height: str
+    axes: tuple[str, ...]
+    turned: str | None
+
+    def in_space(
+        self, q: Mapping[str, Reals], velocity: Mapping[str, Reals]
+    ) -> tuple[dict[str, Reals], dict[str, Reals]]:
+        """Return places and velocities in x, y, z, of the stars turned to y = 0.
+
+        Args:
+            q: coordinate → places.
+            velocity: coordinate → velocities along its unit vector.
+        """
+        x, y, z = self.axes
+        return (
+            {x: q[self.radius], y: np.zeros_like(q[self.radius]), z: q[self.height]},
+            {x: velocity[self.radius], y: velocity[self.azimuth], z: velocity[self.height]},
+        )
+
+    def turn_back(self, angle: Reals, error: Reals, azimuth: Reals) -> None:
+        """Add the azimuth to an angle, in place, between −π and π.
+
+        Args:
+            angle: of the turned stars.
+            error: of it.
+            azimuth: as it was given.
+        """
+        angle += azimuth
+        angle -= 2 * np.pi * np.round(angle / (2 * np.pi))
+        error += _ROUNDING * (1 + np.abs(azimuth))
+
+
+def about_axis(solution: Solution, frame: str) -> AboutAxis | None:
+    """Return how stars are turned; None where starts are in the coordinates of the map as they are.
+
+    Args:
+        solution: in coordinates that were found.
+        frame: of the velocities.
+
+    Raises:
+        InvalidInputError: starts of such a system would be rounded.
+    """
+    outer = None if solution.chart is None else solution.chart.outer
+    if solution.chart is None or not isinstance(outer, CurvilinearMap):
+        return None
+    names = dict(zip(outer.roles, (c.name for c in solution.chart.original.coordinates), strict=True))
+    if set(names) != {FROM_AXIS, AZIMUTH, HEIGHT} or frame != ORTHONORMAL:
+        raise InvalidInputError(_HOW)
+    x, y = (c.symbol for c in outer.space.coordinates[:2])
+    V = outer.space.potential
+    if not isinstance(is_zero(x * sp.diff(V, y) - y * sp.diff(V, x)), Zero):
+        raise InvalidInputError(f"{_HOW}, where V is symmetric about the axis; this one is not")
+    own = solution.chart.coordinates[-1]
+    standing = solution.chart.frame == sp.eye(3) and solution.chart.origin[0] == 0 == solution.chart.origin[1]
+    turns = standing and solution.system.coordinate(own).domain.kind == "angle"
+    axes = tuple(c.name for c in outer.space.coordinates)
+    return AboutAxis(names[FROM_AXIS], names[AZIMUTH], names[HEIGHT], axes, own if turns else None)
+
+
+def solved_in_space(solution: Solution) -> Solution:
+    """Return a solution whose chart is tied to x, y, z.
+
+    Args:
+        solution: of a system in cylindrical coordinates, solved in others.
+    """
+    assert solution.chart is not None
+    outer = solution.chart.outer
+    assert isinstance(outer, CurvilinearMap)
+    return replace(solution, chart=replace(solution.chart, original=outer.space))
