@@ -6,8 +6,8 @@
     out.parquet/_journal.jsonl              the digest of every part, a line each, as they came
 
 A part is written next to its place, brought to the disk, noted, and renamed: the name is there only when the part is,
-and its digest before it. That digest decides whether the part is good when the sweep is resumed: sizes and footers find a
-file that was cut, but neither a flipped bit nor the part of other orbits.
+and its digest before it. That digest decides whether the part is good when the sweep is resumed: sizes and footers find
+a file that was cut, but neither a flipped bit nor the part of other orbits.
 """
 
 from __future__ import annotations

@@ -86,7 +86,7 @@ def test_a_part_of_other_orbits_is_found_though_the_journal_vouches_for_it(
 ) -> None:
     third = finished / "part-000003.parquet"
     shutil.copy(third, finished / "part-000005.parquet")
-    lines = [json.loads(line) for line in (finished / "_journal.jsonl").read_text().split()]
+    lines = [json.loads(line) for line in (finished / "_journal.jsonl").read_text().splitlines() if line]
     digest = next(line["sha256"] for line in lines if line["part"] == 3)
     with (finished / "_journal.jsonl").open("a") as journal:
         journal.write(json.dumps({"part": 5, "sha256": digest}) + "\n")
