@@ -15,7 +15,7 @@ from random import Random
 import mpmath
 import sympy as sp
 
-from hjsolve.coordinates.time_limit import check_time
+from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.webs.orthonormal_frames import TooHardError
 
 _MOST_BRANCHES = 400
