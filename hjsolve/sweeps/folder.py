@@ -18,8 +18,9 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from io import BufferedReader
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pyarrow as pa
@@ -185,7 +186,7 @@ class Folder:
         if digest is None:
             return "no digest of it was noted"
         with _reported(path, "read"), opened_regular(path, follow=False) as file:
-            if hashlib.file_digest(file, "sha256").hexdigest() != digest:
+            if hashlib.file_digest(cast("BufferedReader", file), "sha256").hexdigest() != digest:
                 return "its bytes are not those that were written"
             file.seek(0)
             try:
