@@ -38,15 +38,12 @@ def opened_regular(path: str | Path, flags: int = os.O_RDONLY, *, follow: bool =
     if not follow and Path(path).is_symlink():
         raise InvalidInputError(f"{shown}: is a link; put a regular file in its place, or delete it")
     number = os.open(path, flags | _NEVER_WAIT | _AS_IT_IS | (0 if follow else _NO_LINK), 0o666)
-    try:
-        if not stat.S_ISREG(os.fstat(number).st_mode):
-            raise InvalidInputError(f"{shown}: is not a regular file; give a file that is on a disk")
-        if flags & (os.O_WRONLY | os.O_RDWR):
-            return os.fdopen(number, "ab" if flags & os.O_APPEND else "rb+" if flags & os.O_RDWR else "wb")
-        return os.fdopen(number, "rb")
-    except BaseException:
+    if not stat.S_ISREG(os.fstat(number).st_mode):
         os.close(number)
-        raise
+        raise InvalidInputError(f"{shown}: is not a regular file; give a file that is on a disk")
+    if flags & (os.O_WRONLY | os.O_RDWR):
+        return os.fdopen(number, "ab" if flags & os.O_APPEND else "rb+" if flags & os.O_RDWR else "wb")
+    return os.fdopen(number, "rb")
 
 
 def bytes_of(path: str | Path, limit: int, *, follow: bool = True, shown: str = "") -> bytes:

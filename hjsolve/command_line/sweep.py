@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from argparse import Namespace
 
-from hjsolve.display.few_lines import few_lines
+from hjsolve.display.first_lines import few_lines
 from hjsolve.sweeps.conduct import sweep
 
 _DONE, _INTERRUPTED = 0, 130

@@ -27,7 +27,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hjsolve.arithmetic.number_types import Columns
-from hjsolve.display.few_lines import few_lines
+from hjsolve.display.first_lines import few_lines
 from hjsolve.ensembles.export import columns_of_words
 from hjsolve.ensembles.layout import RECOMPUTED, STATUS
 from hjsolve.ensembles.orbit_columns import WORDS
