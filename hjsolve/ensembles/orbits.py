@@ -14,13 +14,12 @@ import numpy as np
 from hjsolve import arguments, catalog
 from hjsolve.coordinates.charts.outer_map import SphereMap
 from hjsolve.display.progress import ProgressBar, Tally
-from hjsolve.ensembles import engine
 from hjsolve.ensembles.axial_symmetry import about_axis
 from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.compute import Columns, compute_columns
 from hjsolve.ensembles.initial_conditions import InitialConditions, conditions
 from hjsolve.ensembles.layout import layout_of
-from hjsolve.ensembles.task import WORTH_COMPILING, WORTH_LOADING, EnsembleTask
+from hjsolve.ensembles.task import WORTH_LOADING, EnsembleTask
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.quantities_given import in_units
 from hjsolve.mechanics.subjects import system_of
@@ -107,19 +106,13 @@ def ensemble(
         solution, layout.want, parameters, given.kind, fallback=fallback, compiled=bool(compiled), frame=velocity_frame
     )
     if compiled is None:
-        task = replace(task, compiled=_worth_compiling(math.prod(given.shape), task, solution))
+        task = replace(task, compiled=math.prod(given.shape) >= WORTH_LOADING)
     if given.lazy:
         from hjsolve.ensembles.dask_blocks import lazily
 
         return lazily(task, layout, given)
     columns = _at_once(task, given, _thread_count(threads), shown)
     return Batch({name: column.reshape(given.shape) for name, column in columns.items()}, layout, given.shape)
-
-
-def _worth_compiling(count: int, task: EnsembleTask, solution: Solution) -> bool:
-    if WORTH_LOADING <= count < WORTH_COMPILING:
-        return engine.ready(solution, frozenset(task.want), dict(task.parameters))
-    return count >= WORTH_COMPILING
 
 
 def task_for(

@@ -23,11 +23,8 @@ ONE_AT_A_TIME = threading.RLock()
 """sympy and mpmath keep caches that were not made for threads, and hold Python's lock anyway."""
 
 
-WORTH_COMPILING = 100_000
-"""An ensemble of fewer orbits does not pay for compiling, which takes ten seconds, once a system."""
-
-WORTH_LOADING = 20_000
-"""An ensemble of fewer orbits does not pay for loading numba and machine code from disk: a second, once a process."""
+WORTH_LOADING = 1_000
+"""An ensemble of fewer orbits does not pay for loading numba and the kernels: half a second, once a process."""
 
 
 @dataclass(frozen=True)

@@ -3,13 +3,12 @@
 In: a solution, read once by ``build``, and arrays of starts. Out: columns: an orbit comes back with status ``OK`` and a
 claimed error that is not below the true error for exactly these inputs, or with another status and NaN: it then
 belongs to the engine of single motions (``hjsolve.motion``), which has as many digits as it takes.
-Read ``engine.py`` first, then ``passes.py``; files named ``compiled_`` do the same in numba (extra ``fast``).
+Read ``engine.py`` first, then ``passes.py``; ``librations.py`` and ``kernels`` do most of the work.
 """
 
 from hjsolve.ensembles.engine.columns import QUANTITIES as QUANTITIES
 from hjsolve.ensembles.engine.columns import Columns as Columns
 from hjsolve.ensembles.engine.engine import Engine as Engine
 from hjsolve.ensembles.engine.engine import build as build
-from hjsolve.ensembles.engine.engine import ready as ready
 from hjsolve.ensembles.engine.starts import MomentumRule as MomentumRule
 from hjsolve.ensembles.engine.status import Status as Status

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.machine.compiling import available
 from hjsolve.arithmetic.number_types import Integers
 from hjsolve.ensembles.engine.columns import QUANTITIES, Columns, blank, put
 from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model
 from hjsolve.ensembles.engine.passes import TIMED, TOLERANCE, run_compiled, run_escapes, run_pass, worst
-from hjsolve.ensembles.engine.programs import Compiled, available, compiled, is_kept
+from hjsolve.ensembles.engine.programs import SystemPrograms, system_programs
 from hjsolve.ensembles.engine.regions import hopeless_in_doubles
 from hjsolve.ensembles.engine.starts import MomentumRule, Starts, from_velocities, given_momenta
 from hjsolve.ensembles.engine.status import ENDLESS, Status
@@ -96,7 +97,7 @@ class Engine:
             return columns
         everything = np.arange(count)
         if self.compiled:
-            made = compiled(self.model, kernels=bool(TIMED & self.want))
+            made = system_programs(self.model, kernels=bool(TIMED & self.want))
             self._deeper(columns, everything, starts, -2, made)
             self._deeper(columns, everything[columns.vague], starts, -1, made)
             self._deeper(columns, everything[columns.vague], starts, 3)
@@ -127,7 +128,7 @@ class Engine:
             found.append(index[proved])
         return np.concatenate(found)
 
-    def _deeper(self, columns: Columns, orbits: Any, starts: Starts, depth: int, made: Compiled | None = None) -> None:
+    def _deeper(self, columns: Columns, orbits: Any, starts: Starts, depth: int, programs: SystemPrograms | None = None) -> None:
         """Run a pass over some orbits, and keep what it makes good.
 
         Depths are those of ``run_pass``; −2 is the compiled pass, −1 the same with p² to 32 digits.
@@ -138,8 +139,8 @@ class Engine:
             index = orbits[first : first + size]
             chunk = self.model, dict(self.names), starts.take(index)
             part = (
-                run_compiled(*chunk, made=made, tolerance=tolerance, exact=depth == -1)
-                if made is not None
+                run_compiled(*chunk, programs=programs, tolerance=tolerance, exact=depth == -1)
+                if programs is not None
                 else run_pass(*chunk, depth=depth, tolerance=tolerance)
             )
             if depth == 2:
@@ -176,18 +177,6 @@ def build(
         _names(solution, want),
         available() if compiled is None else compiled,
     )
-
-
-def ready(solution: Solution, want: frozenset[str], parameters: Mapping[str, Any] | None = None) -> bool:
-    """Tell whether the machine code of a compiled engine is on disk already; the arguments are those of ``build``.
-
-    Args:
-        solution: of the system.
-        want: names of the quantities.
-        parameters: name → exact value.
-    """
-    model = lowered_model(solution, parameter_values(solution.system, parameters or {}))
-    return is_kept(model, kernels=bool(TIMED & want))
 
 
 def _names(solution: Solution, want: frozenset[str]) -> dict[str, tuple[str, ...]]:

@@ -16,7 +16,7 @@ import numpy as np
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Elementwise, Integers, Mask, Reals
 from hjsolve.ensembles.engine import nodes
-from hjsolve.ensembles.engine.compiled_types import VECTOR, Strips, Tables
+from hjsolve.ensembles.engine.kernels.types import VECTOR, Strips, Tables
 from hjsolve.ensembles.engine.nodes import EVEN, MOST, WARPS
 from hjsolve.ensembles.engine.strips_of_analyticity import across, covered_strip, disks, squares
 
@@ -202,7 +202,7 @@ def _shared_tables() -> Tables:
             squares[symmetry - 1, k, :count], slopes[symmetry - 1, k, : count - 1] = nodes.shifts(count, symmetry)
     none, counted = np.empty(0), np.empty(0, dtype=np.int64)
     return Tables(
-        maps=none, counts=np.array(COUNTS), low=none, high=none, derivative=none, split=counted, places=none,
+        maps=none, counts=np.array(COUNTS), low=none, high=none, root=none, split=counted, places=none,
         samples=counted, spans=counted, last=last, middle=middle, cosines=cosines, squares=squares, slopes=slopes,
     )  # fmt: skip
 
@@ -224,18 +224,19 @@ def _rows(key: NodeMap) -> dict[str, Elementwise]:
     d, c = 2.0**key.lower - 1, 2.0**key.upper - 1
     if key.level:
         derivative = (2 * quarter / np.pi * derivative) * np.sqrt(complement * (1 + c * y) * (1 + d * x))
-    low, high, derivatives = (np.zeros((len(COUNTS), _WIDEST)) for _ in range(3))
-    for part, values in ((low, x), (high, y), (derivatives, derivative)):
+    root = derivative * np.sqrt(x * y)
+    low, high, roots = (np.zeros((len(COUNTS), _WIDEST)) for _ in range(3))
+    for part, values in ((low, x), (high, y), (roots, root)):
         for k, row in enumerate(np.split(values[: -len(among)], np.cumsum(COUNTS)[:-1])):
             part[k, : len(row)] = row
     places = np.zeros((4, STRETCHED_SAMPLES + len(farthest)))
-    seen = np.stack([x, y, derivative * np.sqrt(x * y), np.sin(χ.high) ** 2])[:, -len(among) :]
+    seen = np.stack([x, y, root, np.sin(χ.high) ** 2])[:, -len(among) :]
     places[:, :samples], places[:, STRETCHED_SAMPLES:] = seen[:, :samples], seen[:, samples:]
     return {
         "maps": np.array([*WARPS[key.node_map], quarter, complement, d, c, key.symmetry]),
         "low": low,
         "high": high,
-        "derivative": derivatives,
+        "root": roots,
         "split": split,
         "places": places,
         "samples": np.array(samples),

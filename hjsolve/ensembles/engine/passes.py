@@ -8,15 +8,16 @@ from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Codes, Mask, Reals, Which
 from hjsolve.ensembles.engine.actions_and_angles import combine_integrals
 from hjsolve.ensembles.engine.columns import Columns, blank, put
-from hjsolve.ensembles.engine.compiled_types import Modes
 from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants
 from hjsolve.ensembles.engine.escapes import escaping
+from hjsolve.ensembles.engine.kernels.types import Modes
+from hjsolve.ensembles.engine.librations import CoordinateOfOrbits, begin, librations
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty, integrate
 from hjsolve.ensembles.engine.orbit_groups import group_of
 from hjsolve.ensembles.engine.orbit_regions import LocatedRegions, OrbitRegions
 from hjsolve.ensembles.engine.outlook import beyond_doubles
-from hjsolve.ensembles.engine.programs import Compiled
+from hjsolve.ensembles.engine.programs import SystemPrograms
 from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DirectEvaluation, second_slope
 from hjsolve.ensembles.engine.regions import ill_known, locate_regions
 from hjsolve.ensembles.engine.rotations import going_round
@@ -117,7 +118,7 @@ def _seen_as_before(located: list[list[LocatedRegions]], count: int) -> Mask:
 
 
 def run_compiled(
-    model: Model, names: dict[str, tuple[str, ...]], starts: Starts, *, made: Compiled, tolerance: float, exact: bool
+    model: Model, names: dict[str, tuple[str, ...]], starts: Starts, *, programs: SystemPrograms, tolerance: float, exact: bool
 ) -> Columns:
     """Compute everything for easy librations by compiled loops, with 32-digit constants; as ``run_pass``.
 
@@ -127,26 +128,24 @@ def run_compiled(
         model: the lowered solution.
         names: quantity → names of its columns.
         starts: of n orbits.
-        made: the compiled programs.
+        programs: of the system.
         tolerance: largest claimed error of an orbit that is ``OK``.
         exact: whether p² is had to 32 digits where doubles do not know it well.
 
     Returns:
         Columns; ``vague`` where only the claim was too large.
     """
-    from hjsolve.ensembles.engine import compiled_pass
-
     count = starts.q.shape[1]
     columns = blank(names, count)
-    start = compiled_pass.begin_compiled(model, made, starts)
+    start = begin(model, programs, starts)
     kernels, oscillations = bool(TIMED & names.keys()), "angles" in names
-    modes = Modes(chords=False, kernels=kernels, oscillations=oscillations, shifts=False, alike=False)
+    modes = Modes(chords=False, kernels=kernels, oscillations=oscillations, shifts=False)
     status = np.full(count, UNDECIDED if "turning_points" in names else Status.OK, dtype=np.uint8)
     directions = np.ones((len(model.separated), count))
     sums = []
     for k in range(len(model.separated)):
-        one = compiled_pass.CompiledCoordinate.of(model, made, start, k)
-        total = compiled_pass.librations(one, one.smallness(kernels=kernels) > _SEEN_FROM_START, modes, exact=exact)
+        one = CoordinateOfOrbits.of(model, programs, start, k)
+        total = librations(one, one.smallness() > _SEEN_FROM_START, modes, exact=exact)
         left = np.flatnonzero((status == Status.OK) & ~total.good)
         if model.separated[k].periodic and len(left):
             found = going_round(group_of(model, model.separated[k], start, k, 1, left))

@@ -1,273 +1,60 @@
-"""Programs of one system for the compiled pass, compiled by numba (extra ``fast``) and kept on disk.
+"""The programs of one system: its tapes, run once in the arithmetic that writes instructions for the machine.
 
-Only the texts of ``program_texts`` are compiled for each system. Our loops are compiled once for all of them, and call
-the programs through pointers.
+Every view of F = p² (from zero, from an end of the domain, from the start) has the same programs, over an offset x in
+it, the constants c of the motion and bounds e on their errors. Parameters of the system are parameters of the programs:
+a new value makes no new program.
 """
 
 from __future__ import annotations
 
-import sys
-import warnings
-from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass, field
-from functools import cache, lru_cache
-from importlib.util import find_spec
-from pathlib import Path
-from pickle import PickleError
-from threading import RLock
-from types import ModuleType, SimpleNamespace
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
-from numpy import ndarray
-
+from hjsolve.arithmetic.divided_differences import FUNCTIONS as CHORDS
+from hjsolve.arithmetic.divided_differences import FirstDifferences
 from hjsolve.arithmetic.error_free import Pair
-from hjsolve.ensembles.engine.compiled_types import signatures
-from hjsolve.ensembles.engine.exact_texts import EXACT, exact_text
+from hjsolve.arithmetic.floats import UNIT
+from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.machine.elementary import ROUNDINGS
+from hjsolve.arithmetic.machine.pair_writer import PairOfValues, PairWriter
+from hjsolve.arithmetic.machine.writer import Code, InstructionWriter, Value
+from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.arithmetic.second_differences import FUNCTIONS as SLOPES
+from hjsolve.arithmetic.second_differences import SecondDifference, SecondDifferences
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
-from hjsolve.ensembles.engine.program_cache import fingerprint, is_cached, path_for
-from hjsolve.ensembles.engine.program_texts import SMALL, VIEW, small_text, start_text, view_text
-from hjsolve.ensembles.engine.radicand_views import has_chords
 
-Function = Callable[..., Any]
-"""A function that numba compiled."""
+SMALL_KNOWN = 5
+"""What programs of small motions know besides the constants: q₀, P₀², F′₀, a bound on the error of F[q, q, q + x], W."""
 
-_UNREADABLE = (OSError, EOFError, PickleError)
-_ONE_AT_A_TIME = RLock()
-_MADE = 64
+_ARITHMETIC = frozenset({"add", "sub", "mul", "div", "power", "rational", "pi"})
+_PLACE, _ROUNDED, _OFFSETS = 2 * UNIT, 6 * UNIT, 16 * UNIT
+"""Roundings of a place; of P₀² + x (F′₀ + …); of distances from turning points and of what they are multiplied with."""
 
-_LOOPS = {
-    "crests": (("bend", "uncertainties"), 5),
-    "ends": (("bend", "slopes"), 4),
-    "small_ends": (("value", "bounds"), 6),
-    "glances": ((), 7),
-    "integrals": (("fill", "fill", "uncertainties", "uncertainties", "relative", "relative"), 6),
-}
-"""Our loops: the programs that they take first, and the number of their other arguments."""
+_RELATIVE, FINER = 4 * UNIT, 2.0**-44
+"""Relative error of F from 32 digits, and the part of what doubles lose that 32 digits may lose."""
+
+_MADE = 256
 
 
-def _front(name: str, count: int) -> str:
-    arguments = ", ".join(f"x{k}" for k in range(count))
-    return f"def front_{name}({arguments}):\n    {name}({arguments})\n"
+def has_chords(formula: LoweredFormula) -> bool:
+    """Tell whether F[b, q] has rules that avoid cancellation (``divided_differences``).
 
-
-_FRONTS = "\n".join(_front(name, len(programs) + count) for name, (programs, count) in _LOOPS.items())
-
-
-@dataclass(frozen=True)
-class ViewPrograms:
-    """Compiled functions of one view of p²; see ``program_texts``.
-
-    Attributes:
-        value, bend, slopes: F and its derivatives.
-        fill, uncertainties, relative: of the nodes, and bounds on errors.
-        chords: whether F comes from its slopes next to a turning point.
+    Args:
+        formula: of p².
     """
-
-    value: Function
-    bend: Function
-    slopes: Function
-    fill: Function
-    uncertainties: Function
-    relative: Function
-    chords: bool
+    codes = {operation.code for operation in formula.squared.operations}
+    return bool(formula.squared.operations) and codes <= CHORDS | _ARITHMETIC
 
 
-@dataclass(frozen=True)
-class SmallPrograms:
-    """Compiled functions of small motions.
+def has_slopes(formula: LoweredFormula) -> bool:
+    """Tell whether F[q₀, q₀, q] has (``second_differences``), so that small motions can be seen from their start.
 
-    Attributes:
-        value: F[q₀, q₀, q].
-        bounds: ½F″ and a bound on the error of the former.
-        fill, uncertainties, relative: as of a view.
-        slope: F′ from 32 digits.
+    Args:
+        formula: of p².
     """
-
-    value: Function
-    bounds: Function
-    fill: Function
-    uncertainties: Function
-    relative: Function
-    slope: Function
-
-
-@dataclass(frozen=True)
-class ExactPrograms:
-    """Compiled functions of one view that knows p² to 32 digits; see ``exact_texts``.
-
-    Attributes:
-        exact_squares: F of many orbits.
-        fill, uncertainties, relative: as of a view.
-    """
-
-    exact_squares: Function
-    fill: Function
-    uncertainties: Function
-    relative: Function
-
-
-@dataclass(frozen=True)
-class Loop:
-    """One of our loops.
-
-    Attributes:
-        dispatcher: numba's.
-        programs: the names of the programs that it takes first.
-        entries: what ``_kind`` says of the other arguments → machine code for them.
-    """
-
-    dispatcher: Any
-    programs: tuple[str, ...]
-    entries: dict[Hashable, Function] = field(default_factory=dict, compare=False)
-
-    def __call__(self, *arguments: Any) -> None:
-        """Run the loop; it is compiled when it is first used in a process, or read from disk."""
-        kind = _kind(arguments[len(self.programs) :])
-        entry = self.entries.get(kind)
-        if entry is None:
-            entry = self.entries[kind] = self._entry(arguments)
-        entry(*arguments)
-
-    def _entry(self, arguments: tuple[Any, ...]) -> Function:
-        from numba import typeof
-        from numba.core.errors import NumbaExperimentalFeatureWarning
-
-        known, count = signatures(), len(self.programs)
-        types = (*(_pointer(known[name]) for name in self.programs), *map(typeof, arguments[count:]))
-        if types not in self.dispatcher.overloads:
-            with _ONE_AT_A_TIME, warnings.catch_warnings():
-                warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-                self.dispatcher.compile(types)
-        entry: Function = self.dispatcher.overloads[types].entry_point
-        return entry
-
-
-def _kind(argument: Any) -> Hashable:
-    """What numba's type of an argument depends on; to make the type itself takes numba several times as long."""
-    if isinstance(argument, ndarray):
-        return argument.dtype, argument.ndim, argument.flags.num
-    if isinstance(argument, tuple):
-        return type(argument), *map(_kind, argument)
-    return (type(argument),)
-
-
-@dataclass(frozen=True)
-class Loops:
-    """All of them; see the modules they come from."""
-
-    crests: Loop
-    ends: Loop
-    small_ends: Loop
-    glances: Loop
-    integrals: Loop
-
-
-@dataclass(frozen=True)
-class CoordinatePrograms:
-    """Compiled functions of one separated coordinate.
-
-    Attributes:
-        below, above: of the views of the lower and of the upper half.
-        small: makes those of small motions.
-        exact: makes those that know p² to 32 digits, of the lower and of the upper half.
-    """
-
-    below: ViewPrograms
-    above: ViewPrograms
-    small: Callable[[], SmallPrograms]
-    exact: Callable[[], tuple[ExactPrograms, ExactPrograms]]
-
-
-@dataclass(frozen=True)
-class Compiled:
-    """Compiled functions of a system.
-
-    Attributes:
-        start: fills the constants in two doubles, their uncertainties and the shell momenta.
-        loops: ours.
-        coordinates: programs of the separated coordinates.
-    """
-
-    start: Function
-    loops: Loops
-    coordinates: tuple[CoordinatePrograms, ...]
-
-
-def available() -> bool:
-    """Tell whether numba can be imported."""
-    return find_spec("numba") is not None
-
-
-def _pointer(signature: Any) -> Any:
-    from numba import types
-
-    return types.FunctionType(signature)
-
-
-@cache
-def _module(text: str, names: tuple[str, ...], loops: bool) -> dict[str, Any]:
-    """Compile functions from a text of our own making; programs at once, the fronts of loops when first used."""
-    path = path_for(text)
-    try:
-        return _functions(text, names, path, loops=loops)
-    except _UNREADABLE:  # what was kept cannot be read, or new code not be written
-        if path is None:
-            raise
-        return _functions(text, names, None, loops=loops)
-
-
-def _functions(text: str, names: Sequence[str], path: Path | None, *, loops: bool) -> dict[str, Any]:
-    from numba import njit
-
-    from hjsolve.ensembles.engine.compiled_pairs import PAIRS
-    from hjsolve.ensembles.engine.elementary import NAMES, OPTIONS
-
-    known = {} if loops else signatures()
-    name = fingerprint(text)
-    module = ModuleType(f"hjsolve_program_{name}")
-    space = module.__dict__
-    space.update(_our_loops() if loops else NAMES | PAIRS)
-    sys.modules[module.__name__] = module  # where numba looks for the surroundings of kept functions
-    # written by PythonSource from codes and numbers
-    exec(compile(text, str(path or f"<{module.__name__}>"), "exec"), space)  # noqa: S102
-    for key in names:
-        space[key].__qualname__ = f"{key}_{name}"  # machine code of two programs must not share names
-        space[key] = njit(known.get(key), cache=path is not None, **OPTIONS)(space[key])
-        if key in known:
-            _remember_addresses(space[key], known[key])
-    return {key: space[key] for key in names}
-
-
-def _remember_addresses(dispatcher: Any, signature: Any) -> None:
-    """Let numba know at once where a program is: it asks twice whenever a loop takes it, for 50 µs each time."""
-    found = dispatcher.get_compile_result(signature)
-    names = found.fndesc.llvm_cfunc_wrapper_name, found.fndesc.llvm_func_name
-    places = {name: found.library.get_pointer_to_function(name) for name in names}
-    library = SimpleNamespace(get_pointer_to_function=places.__getitem__)
-    known = SimpleNamespace(fndesc=found.fndesc, library=library, signature=found.signature)
-    dispatcher.get_compile_result = lambda _: known
-
-
-def _our_loops() -> dict[str, Any]:
-    from hjsolve.ensembles.engine import compiled_clearance, compiled_integrals, compiled_turning_points
-
-    found = vars(compiled_turning_points) | vars(compiled_integrals) | vars(compiled_clearance)
-    return {name: found[name] for name in _LOOPS}
-
-
-@cache
-def _loops() -> Loops:
-    made = _module(_FRONTS, tuple(f"front_{name}" for name in _LOOPS), True)
-    return Loops(**{name: Loop(made[f"front_{name}"], programs) for name, (programs, _) in _LOOPS.items()})
-
-
-def _numbers(model: Model) -> tuple[float, ...]:
-    return tuple(pair.high for pair in model.numbers)
-
-
-def _view(formula: LoweredFormula, model: Model, kernels: bool) -> ViewPrograms:
-    text = view_text(formula, len(model.constants), _numbers(model), kernels)
-    return ViewPrograms(**_module(text, VIEW, False), chords=kernels and has_chords(formula))
+    return {operation.code for operation in formula.squared.operations} <= SLOPES | _ARITHMETIC
 
 
 def sides(coordinate: Separated) -> tuple[LoweredFormula, LoweredFormula]:
@@ -279,66 +66,453 @@ def sides(coordinate: Separated) -> tuple[LoweredFormula, LoweredFormula]:
     return coordinate.lower or coordinate.plain, coordinate.upper or coordinate.plain
 
 
-def _programs(coordinate: Separated, model: Model, kernels: bool) -> CoordinatePrograms:
-    below, above = (_view(formula, model, kernels) for formula in sides(coordinate))
+def parameter_rows(numbers: Sequence[Pair]) -> list[float]:
+    """Return the values of the parameters of every program: high parts, low parts, and bounds on what is left of them.
 
-    def small() -> SmallPrograms:
-        with _ONE_AT_A_TIME:
-            return _small(coordinate.plain, len(model.constants), model.numbers, kernels)
+    Args:
+        numbers: parameters of the system, in two doubles.
+    """
+    high, low = ([float(part) for part in parts] for parts in zip(*numbers, strict=True)) if numbers else ([], [])
+    return [*high, *low, *(UNIT * abs(x) for x in high)]
 
-    def exact() -> tuple[ExactPrograms, ExactPrograms]:
-        with _ONE_AT_A_TIME:
-            known = len(model.constants), model.numbers, kernels
-            texts = (exact_text(formula, *known, k == 1) for k, formula in enumerate(sides(coordinate)))
-            lower, upper = (ExactPrograms(**_module(text, EXACT, False)) for text in texts)
-            return lower, upper
 
-    return CoordinatePrograms(below, above, small, exact)
+class _Parameters:
+    """The parameters of a system as values of a program."""
+
+    def __init__(self, writer: InstructionWriter, count: int):
+        rows = writer.parameters(3 * count)
+        self.plain = rows[:count]
+        self.pairs = [PairOfValues(*both) for both in zip(rows[:count], rows[count : 2 * count], strict=True)]
+        self.rounded = [WithErrorBound(*both) for both in zip(rows[:count], rows[2 * count :], strict=True)]
+
+
+@dataclass(frozen=True)
+class ViewPrograms:
+    """Codes of one view of F.
+
+    Attributes:
+        bend: x, c ↦ F, F′, F″.
+        slopes: x, c ↦ F, F′.
+        fill: d, x, root, b, c ↦ F r, r, F, kernels times r, at a distance d from the turning point b; r = root/√F. The
+            place x = b + d comes apart from d, because next to a pole at x = 0 their sum loses its digits.
+        errors: x, δx, mask, c, e ↦ bounds on the errors of F and of the kernels, F; mask = 0 counts no e.
+        relative: b, d, x, δx, c ↦ a bound on the relative error of F[b, x]; None where F is evaluated as it is written.
+    """
+
+    bend: Code
+    slopes: Code
+    fill: Code
+    errors: Code
+    relative: Code | None
+
+
+@dataclass(frozen=True)
+class SmallPrograms:
+    """Codes of small motions about q₀, F(q₀ + x) = P₀² + x (F′₀ + x F[q₀, q₀, q₀ + x]); known: c and ``SMALL_KNOWN``.
+
+    Attributes:
+        value: x, known ↦ F[q₀, q₀, q₀ + x].
+        bounds: q, c, e ↦ ½F″ and three times its running error.
+        slope: q, c, low parts of c ↦ F′ to full relative accuracy, from 32 digits.
+        fill, errors, relative: as of a view, over known.
+        kernels: q, c, e ↦ the kernels, and bounds on their errors.
+    """
+
+    value: Code
+    bounds: Code
+    slope: Code
+    fill: Code
+    errors: Code
+    relative: Code | None
+    kernels: Code
+
+
+@dataclass(frozen=True)
+class ExactPrograms:
+    """Codes of one view that know F to 32 digits; known: c, low parts of c, and both turning points in two doubles.
+
+    Attributes:
+        squares: x, low part of x, c, low parts of c ↦ F.
+        fill, errors: as of a view, at distances d from a turning point.
+    """
+
+    squares: Code
+    fill: Code
+    errors: Code
+    relative: None = None
+
+
+@dataclass(frozen=True)
+class CoordinatePrograms:
+    """Codes of one separated coordinate.
+
+    Attributes:
+        coordinate: which.
+        constants, parameters: how many there are.
+        with_kernels: whether ∂J/∂c are wanted.
+    """
+
+    coordinate: Separated
+    constants: int
+    parameters: int
+    with_kernels: bool
+
+    @cached_property
+    def views(self) -> tuple[ViewPrograms, ViewPrograms]:
+        """Codes of the lower and of the upper half."""
+        known = self.constants, self.parameters, self.with_kernels
+        below, above = (_view(formula.squared, formula.full, *known) for formula in sides(self.coordinate))
+        return below, above
+
+    @cached_property
+    def small(self) -> SmallPrograms:
+        """Codes of small motions."""
+        plain = self.coordinate.plain
+        return _small(plain.squared, plain.full, self.constants, self.parameters, self.with_kernels)
+
+    @cached_property
+    def exact(self) -> tuple[ExactPrograms, ExactPrograms]:
+        """Codes of the lower and of the upper half, to 32 digits."""
+        known = self.constants, self.parameters, self.with_kernels
+        below, above = (
+            _exact(formula.squared, formula.full, *known, k == 1) for k, formula in enumerate(sides(self.coordinate))
+        )
+        return below, above
+
+
+# ------------------------------------------------------------------------------------------------------- views
+def _codes(tape: Tape) -> set[str]:
+    return {operation.code for operation in tape.operations}
+
+
+def _chorded(squared: Tape) -> bool:
+    return bool(squared.operations) and _codes(squared) <= CHORDS | _ARITHMETIC
+
+
+def _jet(writer: InstructionWriter, squared: Tape, constants: int, parameters: int) -> list[Value]:
+    """F, F′, F″ at an input x."""
+    jets = Jets(writer)
+    x, *known = writer.inputs(1 + constants)
+    numbers = _Parameters(writer, parameters).plain
+    parts = squared.run(jets, [jets.variable(x), *(Jet(k) for k in (*known, *numbers))])[0]
+    return [writer.number(0.0) if part is None else part for part in parts]
 
 
 @lru_cache(maxsize=_MADE)
-def _small(formula: LoweredFormula, constants: int, numbers: tuple[Pair, ...], kernels: bool) -> SmallPrograms:
-    return SmallPrograms(**_module(small_text(formula, constants, numbers, kernels), SMALL, False))
+def _view(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool) -> ViewPrograms:
+    writer = InstructionWriter()
+    parts = _jet(writer, squared, constants, parameters)
+    chorded = kernels and _chorded(squared)
+    return ViewPrograms(
+        bend=writer.code(parts),
+        slopes=writer.code(parts[:2]),
+        fill=_fill(squared, full, constants, parameters, kernels),
+        errors=_errors(full if kernels else squared, constants, parameters),
+        relative=_relative(squared, constants, parameters) if chorded else None,
+    )
+
+
+def _fill(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool) -> Code:
+    """With kernels F next to a turning point b is d F[b, b + d], which keeps its digits."""
+    writer = InstructionWriter()
+    d, x, root, b, *known = writer.inputs(4 + constants)
+    known += _Parameters(writer, parameters).plain
+    if kernels and _chorded(squared):
+        chords = FirstDifferences(writer, d)
+        (F,) = squared.run(chords, [chords.variable(b, x), *map(chords.constant, known)])
+        square = writer.mul(d, F.slope)
+        _, *weights = full.run(writer, [x, *known])
+    else:
+        square, *weights = (full if kernels else squared).run(writer, [x, *known])
+    return _filled(writer, root, square, weights)
+
+
+def _filled(writer: InstructionWriter, root: Value, square: Value, weights: Sequence[Value]) -> Code:
+    r = writer.div(root, writer.unary("sqrt", square))
+    return writer.code([writer.mul(square, r), r, square, *(writer.mul(w, r) for w in weights)])
+
+
+def _errors(tape: Tape, constants: int, parameters: int) -> Code:
+    writer = InstructionWriter()
+    x, blur, mask, *rows = writer.inputs(3 + 2 * constants)
+    numbers = _Parameters(writer, parameters)
+    known = [WithErrorBound(c, writer.mul(mask, e)) for c, e in zip(rows[:constants], rows[constants:], strict=True)]
+    results = tape.run(RunningError(writer, own=ROUNDINGS), [WithErrorBound(x, blur), *known, *numbers.rounded])
+    return writer.code([*(_error(writer, r) for r in results), results[0].value])
+
+
+def _error(writer: InstructionWriter, value: WithErrorBound[Value]) -> Value:
+    return writer.number(0.0) if value.error is None else value.error
+
+
+def _relative(squared: Tape, constants: int, parameters: int) -> Code:
+    writer = InstructionWriter()
+    b, d, x, blur, *known = writer.inputs(4 + constants)
+    numbers = _Parameters(writer, parameters)
+    chords = FirstDifferences(RunningError(writer, own=ROUNDINGS), WithErrorBound(d))
+    inputs = [chords.variable(WithErrorBound(b), WithErrorBound(x, blur))]
+    inputs += [chords.constant(WithErrorBound(c)) for c in known]
+    inputs += [chords.constant(x) for x in numbers.rounded]
+    slope = squared.run(chords, inputs)[0].slope
+    return writer.code([writer.div(writer.unary("abs", _error(writer, slope)), writer.unary("abs", slope.value))])
+
+
+# ------------------------------------------------------------------------------------------------------- small motions
+def _second(squared: Tape, writer: InstructionWriter, known: Sequence[Value], start: Value, offset: Value) -> Value:
+    """F[b, b, b + x] of a start b."""
+
+    def elementary(name: str, x: Value, d: Value) -> tuple[Value, Value, Value]:
+        if name in {"sin", "cos"}:
+            s, c, bend_s, bend_c = writer.called("sincos_bends", x, d, results=4)
+            return (s, c, bend_s) if name == "sin" else (c, writer.unary("neg", s), bend_c)
+        if name in {"sinh", "cosh"}:
+            s, c, bend_s, bend_c = writer.called("sinhcosh_bends", x, d, results=4)
+            return (s, c, bend_s) if name == "sinh" else (c, s, bend_c)
+        if name == "exp":
+            e, bend = writer.called("exp_bend", x, d, results=2)
+            return e, e, bend
+        value, slope, bend = writer.called("log_bend", x, d, results=3)
+        return value, slope, bend
+
+    slopes = SecondDifferences(writer, offset, elementary, lambda x, y: writer.called("common_sign", x, y)[0])
+    result = squared.run(slopes, [slopes.variable(start), *map(SecondDifference, known)])[0]
+    return writer.number(0.0) if result.second is None else result.second
+
+
+def _square(writer: InstructionWriter, more: Sequence[Value], x: Value, second: Value) -> Value:
+    _, square, first, *_ = more
+    return writer.add(square, writer.mul(x, writer.add(first, writer.mul(x, second))))
+
+
+def _from_end(
+    squared: Tape, writer: InstructionWriter, known: Sequence[Value], more: Sequence[Value], b: Value, d: Value
+) -> tuple[Value, Value]:
+    """F[b, b + d] of a small motion from a turning point b, and the sizes of its two terms.
+
+    As F vanishes at both turning points, s W apart, F(b + d) = d (d F[b, b, b + d] − s W F[b, b, b + s W]). What F is
+    at the numbers that stand for them is left out by that, as a linear function.
+    """
+    origin, span = writer.add(more[0], b), writer.called("signed", d, more[4])[0]
+    here = writer.mul(d, _second(squared, writer, known, origin, d))
+    there = writer.mul(span, _second(squared, writer, known, origin, span))
+    return writer.sub(here, there), writer.add(writer.unary("abs", here), writer.unary("abs", there))
 
 
 @lru_cache(maxsize=_MADE)
-def _made(model: Model, kernels: bool) -> Compiled:
-    parts = tuple(_programs(c, model, kernels) for c in model.separated)
-    return Compiled(_module(start_text(model), ("start",), False)["start"], _loops(), parts)
+def _small(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool) -> SmallPrograms:
+    return SmallPrograms(
+        value=_small_value(squared, constants, parameters),
+        bounds=_small_bounds(squared, constants, parameters),
+        slope=_small_slope(squared, constants, parameters),
+        fill=_small_fill(squared, full, constants, parameters, kernels),
+        errors=_small_errors(squared, full, constants, parameters, kernels),
+        relative=_small_relative(squared, constants, parameters) if kernels else None,
+        kernels=_small_kernels(full, constants, parameters),
+    )
 
 
-def program(text: str, name: str) -> Function:
-    """Compile a function, once in a process, or read it from disk.
+def _small_value(squared: Tape, constants: int, parameters: int) -> Code:
+    writer = InstructionWriter()
+    x, *rows = writer.inputs(1 + constants + SMALL_KNOWN)
+    known = [*rows[:constants], *_Parameters(writer, parameters).plain]
+    return writer.code([_second(squared, writer, known, rows[constants], x)])
+
+
+def _small_bounds(squared: Tape, constants: int, parameters: int) -> Code:
+    """The bound holds for slopes nearby, too."""
+    writer = InstructionWriter()
+    x, *rows = writer.inputs(1 + 2 * constants)
+    numbers = _Parameters(writer, parameters)
+    jets = Jets(RunningError(writer, own=ROUNDINGS))
+    known = [*map(WithErrorBound, rows[:constants], rows[constants:]), *numbers.rounded]
+    place = WithErrorBound(x, writer.mul(writer.number(UNIT), writer.unary("abs", x)))
+    bend = squared.run(jets, [jets.variable(place), *map(Jet, known)])[0].second
+    if bend is None:
+        return writer.code([writer.number(0.0)] * 2)
+    size = writer.mul(writer.number(4 * UNIT), writer.unary("abs", bend.value))
+    error = writer.mul(writer.number(1.5), writer.add(_error(writer, bend), size))
+    return writer.code([writer.mul(writer.number(0.5), bend.value), error])
+
+
+def _small_slope(squared: Tape, constants: int, parameters: int) -> Code:
+    writer = InstructionWriter()
+    pairs = PairWriter(writer)
+    jets = Jets(pairs)
+    x, *rows = writer.inputs(1 + 2 * constants)
+    known = [PairOfValues(*both) for both in zip(rows[:constants], rows[constants:], strict=True)]
+    known += _Parameters(writer, parameters).pairs
+    first = squared.run(jets, [jets.variable(pairs.of(x)), *map(Jet, known)])[0].first
+    return writer.code([writer.number(0.0) if first is None else first.high])
+
+
+def _small_fill(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool) -> Code:
+    """With kernels F is seen from the turning points, where it keeps its digits."""
+    writer = InstructionWriter()
+    d, x, root, b, *rows = writer.inputs(4 + constants + SMALL_KNOWN)
+    known, more = [*rows[:constants], *_Parameters(writer, parameters).plain], rows[constants:]
+    if kernels:
+        square = writer.mul(d, _from_end(squared, writer, known, more, b, d)[0])
+        weights = full.run(writer, [writer.add(more[0], x), *known])[1:]
+    else:
+        square, weights = _square(writer, more, x, _second(squared, writer, known, more[0], x)), []
+    return _filled(writer, root, square, weights)
+
+
+def _small_errors(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool) -> Code:
+    writer = InstructionWriter()
+    x, _, mask, *rows = writer.inputs(3 + 2 * constants + SMALL_KNOWN)
+    c, more, e = rows[:constants], rows[constants : constants + SMALL_KNOWN], rows[constants + SMALL_KNOWN :]
+    numbers = _Parameters(writer, parameters)
+    value = _square(writer, more, x, _second(squared, writer, [*c, *numbers.plain], more[0], x))
+    wide = writer.mul(writer.number(2.0), writer.unary("abs", writer.mul(x, more[2])))
+    rounding = writer.mul(writer.number(_ROUNDED), writer.add(more[1], wide))
+    own = writer.add(rounding, writer.mul(writer.mul(x, x), more[3]))
+    others: list[Value] = []
+    if kernels:
+        q = writer.add(more[0], x)
+        place = WithErrorBound(q, writer.mul(writer.number(_PLACE), writer.unary("abs", q)))
+        known = [WithErrorBound(k, writer.mul(mask, lost)) for k, lost in zip(c, e, strict=True)]
+        results = full.run(RunningError(writer, own=ROUNDINGS), [place, *known, *numbers.rounded])[1:]
+        others = [_error(writer, r) for r in results]
+    return writer.code([own, *others, value])
+
+
+def _small_relative(squared: Tape, constants: int, parameters: int) -> Code:
+    writer = InstructionWriter()
+    b, d, _, _, *rows = writer.inputs(4 + constants + SMALL_KNOWN)
+    known, more = [*rows[:constants], *_Parameters(writer, parameters).plain], rows[constants:]
+    slope, terms = _from_end(squared, writer, known, more, b, d)
+    doubt = writer.mul(more[3], writer.add(writer.unary("abs", d), more[4]))
+    error = writer.add(doubt, writer.mul(writer.number(_OFFSETS), terms))
+    return writer.code([writer.div(error, writer.unary("abs", slope))])
+
+
+def _small_kernels(full: Tape, constants: int, parameters: int) -> Code:
+    writer = InstructionWriter()
+    q, *rows = writer.inputs(1 + 2 * constants)
+    known = [*map(WithErrorBound, rows[:constants], rows[constants:]), *_Parameters(writer, parameters).rounded]
+    place = WithErrorBound(q, writer.mul(writer.number(_PLACE), writer.unary("abs", q)))
+    results = full.run(RunningError(writer, own=ROUNDINGS), [place, *known])[1:]
+    return writer.code([*(r.value for r in results), *(_error(writer, r) for r in results)])
+
+
+# ------------------------------------------------------------------------------------------------------- 32 digits
+@lru_cache(maxsize=_MADE)
+def _exact(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool, upper: bool) -> ExactPrograms:
+    return ExactPrograms(
+        squares=_squares(squared, constants, parameters),
+        fill=_exact_fill(squared, full, constants, parameters, kernels, upper),
+        errors=_exact_errors(squared, full, constants, parameters, kernels, upper),
+    )
+
+
+def _squares(squared: Tape, constants: int, parameters: int) -> Code:
+    writer = InstructionWriter()
+    x, low, *rows = writer.inputs(2 + 2 * constants)
+    known = [PairOfValues(*both) for both in zip(rows[:constants], rows[constants:], strict=True)]
+    known += _Parameters(writer, parameters).pairs
+    return writer.code([squared.run(PairWriter(writer), [PairOfValues(x, low), *known])[0].high])
+
+
+def _at(
+    squared: Tape, writer: InstructionWriter, rows: Sequence[Value], numbers: _Parameters, d: Value, upper: bool
+) -> tuple[Value, Value]:
+    """F at a distance d from a turning point, and the place in doubles."""
+    pairs, constants = PairWriter(writer), (len(rows) - 4) // 2
+    base = PairOfValues(*rows[-2:]) if upper else PairOfValues(*rows[-4:-2])
+    place = pairs.add(base, pairs.of(d))
+    known = [PairOfValues(*both) for both in zip(rows[:constants], rows[constants : 2 * constants], strict=True)]
+    return squared.run(pairs, [place, *known, *numbers.pairs])[0].high, place.high
+
+
+def _exact_fill(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool, upper: bool) -> Code:
+    writer = InstructionWriter()
+    d, _, root, _, *rows = writer.inputs(4 + 2 * constants + 4)
+    numbers = _Parameters(writer, parameters)
+    square, place = _at(squared, writer, rows, numbers, d, upper)
+    weights = full.run(writer, [place, *rows[:constants], *numbers.plain])[1:] if kernels else []
+    return _filled(writer, root, square, weights)
+
+
+def _exact_errors(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool, upper: bool) -> Code:
+    """F is known relatively, but for a part of what doubles lose of it, and for the rounding of d, which moves it.
+
+    The errors of the constants are never told apart.
+    """
+    writer = InstructionWriter()
+    d, _, _, *rows = writer.inputs(3 + 2 * constants + 4 + constants)
+    rows, e = rows[:-constants], rows[-constants:]
+    numbers = _Parameters(writer, parameters)
+    square, place = _at(squared, writer, rows, numbers, d, upper)
+    blur = writer.mul(writer.number(_PLACE), writer.unary("abs", place))
+    known = [*map(WithErrorBound, rows[:constants], e), *numbers.rounded]
+    inputs = [WithErrorBound(place, blur), *known]
+    rough, *others = (full if kernels else squared).run(RunningError(writer, own=ROUNDINGS), inputs)
+    jets = Jets(writer)
+    known_ = [*rows[:constants], *numbers.plain]
+    first = squared.run(jets, [jets.variable(place), *map(Jet, known_)])[0].first
+    slope = writer.number(0.0) if first is None else first
+    moved = writer.mul(writer.number(_PLACE), writer.unary("abs", writer.mul(d, slope)))
+    own = writer.add(
+        writer.mul(writer.number(_RELATIVE), writer.unary("abs", square)),
+        writer.add(moved, writer.mul(writer.number(FINER), _error(writer, rough))),
+    )
+    return writer.code([own, *(_error(writer, r) for r in others), square])
+
+
+# ------------------------------------------------------------------------------------------------------- starts
+@lru_cache(maxsize=_MADE)
+def start_code(rule: Tape, shift: Tape, indices: tuple[int, ...], coordinates: int, parameters: int) -> Code:
+    """Return the code of the constants: q, p, low parts of p, bounds on p's errors in doubles ↦ the constants, their
+    low parts, bounds on their errors, and the shell momenta of the separated coordinates.
 
     Args:
-        text: of our own making.
-        name: of the function in it, one of ``compiled_types.signatures``.
+        rule: the constants as functions of q, p and the parameters.
+        shift: what is to be added to p.
+        indices: places of the separated coordinates among all.
+        coordinates, parameters: how many there are.
     """
-    with _ONE_AT_A_TIME:
-        made: Function = _module(text, (name,), False)[name]
-        return made
+    writer, n = InstructionWriter(), coordinates
+    rows = writer.inputs(4 * n)
+    numbers = _Parameters(writer, parameters)
+    places, momenta, low, spread = (rows[k : k + n] for k in range(0, 4 * n, n))
+    given = [*map(WithErrorBound, places), *map(WithErrorBound, momenta, spread), *numbers.rounded]
+    errors = [_error(writer, r) for r in rule.run(RunningError(writer, own=ROUNDINGS), given)]
+    pairs = PairWriter(writer)
+    inputs = [*map(pairs.of, places), *map(PairOfValues, momenta, low), *numbers.pairs]
+    constants, shifts = rule.run(pairs, inputs), shift.run(pairs, inputs)
+    shell = [pairs.add(inputs[n + k], moved).high for k, moved in zip(indices, shifts, strict=True)]
+    uncertain = [
+        writer.add(writer.unary("abs", value.low), writer.mul(writer.number(FINER), error))
+        for value, error in zip(constants, errors, strict=True)
+    ]
+    return writer.code([*(c.high for c in constants), *(c.low for c in constants), *uncertain, *shell])
 
 
-def compiled(model: Model, *, kernels: bool) -> Compiled:
-    """Compile the programs of a system, once in a process.
+@dataclass(frozen=True)
+class SystemPrograms:
+    """Codes of a system.
 
-    Args:
-        model: of the system.
-        kernels: True when ∂J/∂c are wanted.
+    Attributes:
+        start: of the constants.
+        coordinates: of the separated coordinates.
+        parameters: their values, for every code.
     """
-    with _ONE_AT_A_TIME:  # else several threads would compile the same
-        return _made(model, kernels)
+
+    start: Code
+    coordinates: tuple[CoordinatePrograms, ...]
+    parameters: tuple[float, ...]
 
 
-def is_kept(model: Model, *, kernels: bool) -> bool:
-    """Tell whether ``compiled`` would find its machine code on disk.
+def system_programs(model: Model, *, kernels: bool) -> SystemPrograms:
+    """Return the codes of a system.
 
     Args:
         model: the lowered solution.
         kernels: whether ∂J/∂c are wanted.
     """
-    formulas = [formula for c in model.separated for formula in sides(c)]
-    texts = (view_text(formula, len(model.constants), _numbers(model), kernels) for formula in formulas)
-    fronts = ("front_ends", "front_glances", "front_integrals")
-    others = is_cached(start_text(model), ("start",)) and is_cached(_FRONTS, fronts)
-    return available() and others and all(is_cached(text, VIEW) for text in texts)
+    constants, parameters = len(model.constants), len(model.numbers)
+    indices = tuple(c.index for c in model.separated)
+    start = start_code(model.rule, model.shift, indices, len(model.names), parameters)
+    coordinates = tuple(CoordinatePrograms(c, constants, parameters, kernels) for c in model.separated)
+    return SystemPrograms(start, coordinates, tuple(parameter_rows(model.numbers)))

@@ -1,32 +1,46 @@
-"""The passes over librations as compiled loops, orbit by orbit (extra ``fast``).
+"""One coordinate of many librations: turning points, numbers of nodes, integrals, by kernels over blocks of orbits.
 
-The same mathematics as ``regions``, ``turning_points`` and ``midpoint_rule`` in doubles, with maps from ``node_maps``;
-an orbit that is no libration, or not easy (a slow series, a large claimed error), is left to those. Small motions are
-seen from the start, by second differences. The constants are known to 32 digits.
+Where p² keeps its digits decides how a motion is seen: from the start, by second differences, where the amplitude is
+small; else from zero or from the ends of the domain; and with p² to 32 digits where doubles do not know it well.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair, two_sum
+from hjsolve.arithmetic.machine.rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.compiled_resolution import ResolutionProof, least_at_a_glance
-from hjsolve.ensembles.engine.compiled_types import Modes, Motions, Results, scratch
 from hjsolve.ensembles.engine.constants import InitialConstants, momentum_errors
+from hjsolve.ensembles.engine.kernels import types
+from hjsolve.ensembles.engine.kernels.integrals import integrals
+from hjsolve.ensembles.engine.kernels.small_motions import small_ends
+from hjsolve.ensembles.engine.kernels.turning_points import Lanes, SearchSide, smallness, turning_points
+from hjsolve.ensembles.engine.kernels.types import Modes, Motions, Results
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
 from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMaps, fitting, node_maps, views
 from hjsolve.ensembles.engine.nodes import EVEN, WARPS
-from hjsolve.ensembles.engine.orbit_vectors import run_in_vectors
-from hjsolve.ensembles.engine.programs import Compiled, CoordinatePrograms, ExactPrograms, Loops, ViewPrograms, sides
+from hjsolve.ensembles.engine.programs import (
+    CoordinatePrograms,
+    ExactPrograms,
+    SmallPrograms,
+    SystemPrograms,
+    ViewPrograms,
+    has_slopes,
+    sides,
+)
+from hjsolve.ensembles.engine.proof_of_resolution import ResolutionProof, least_at_a_glance
 from hjsolve.ensembles.engine.radicand_views import Knowns
-from hjsolve.ensembles.engine.regions import has_slopes, offset
+from hjsolve.ensembles.engine.regions import offset
 from hjsolve.ensembles.engine.starts import Starts
+
+_SEARCHING = 72
+"""Lanes of searches."""
 
 _NEAR = 3.0
 _STRETCHED = 16.0
@@ -43,18 +57,17 @@ _SMALL = 5e-13
 """Relative errors up to which an integral stays as it is, where others are made better."""
 
 
-def begin_compiled(model: Model, made: Compiled, starts: Starts) -> InitialConstants:
+def begin(model: Model, programs: SystemPrograms, starts: Starts) -> InitialConstants:
     """Work out the constants to 32 digits; see ``constants.initial_constants``.
 
     Args:
         model: the lowered solution.
-        made: its programs.
+        programs: of the system.
         starts: of n orbits.
     """
     starts = starts.precise()
     m, given = len(model.constants), np.concatenate([starts.q, starts.p, starts.low, starts.spread])
-    rows = run_in_vectors(made.start, given, 3 * m + len(model.separated))
-    C, L, E, P = np.split(rows, [m, 2 * m, 3 * m])
+    C, L, E, P = np.split(run_rows(programs.start, programs.parameters, given), [m, 2 * m, 3 * m])
     numbers = tuple(pair.high for pair in model.numbers)
     places = starts.q[[c.index for c in model.separated]]
     knowns = Knowns(tuple(C), tuple(E), numbers)
@@ -62,13 +75,13 @@ def begin_compiled(model: Model, made: Compiled, starts: Starts) -> InitialConst
 
 
 @dataclass(frozen=True)
-class CompiledCoordinate:
+class CoordinateOfOrbits:
     """One coordinate of n orbits.
 
     Attributes:
         coordinate: which.
         programs: its own.
-        loops: ours.
+        parameters: of the programs.
         maps: of nodes; every index of a map is a place in these.
         q, P: starts, shape (n,).
         constants, low, uncertainty: of the motion, in two doubles, shape (constants, n).
@@ -76,7 +89,7 @@ class CompiledCoordinate:
 
     coordinate: Separated
     programs: CoordinatePrograms
-    loops: Loops
+    parameters: tuple[float, ...]
     maps: NodeMaps
     q: Reals
     P: Reals
@@ -85,12 +98,12 @@ class CompiledCoordinate:
     uncertainty: Reals
 
     @staticmethod
-    def of(model: Model, made: Compiled, start: InitialConstants, k: int) -> CompiledCoordinate:
+    def of(model: Model, programs: SystemPrograms, start: InitialConstants, k: int) -> CoordinateOfOrbits:
         """Return the k-th separated one.
 
         Args:
             model: the lowered solution.
-            made: its programs.
+            programs: of the system.
             start: of n orbits.
             k: row.
         """
@@ -98,9 +111,10 @@ class CompiledCoordinate:
         low = np.stack([pair.low for pair in start.pairs])
         rows = (np.stack(start.knowns.constants), low, np.stack(start.knowns.uncertainty))
         q, P = (np.ascontiguousarray(x[k]) for x in (start.q, start.P))
-        return CompiledCoordinate(model.separated[k], made.coordinates[k], made.loops, node_maps(), q, P, *rows)
+        known = programs.coordinates[k], programs.parameters
+        return CoordinateOfOrbits(model.separated[k], *known, node_maps(), q, P, *rows)
 
-    def take(self, index: Integers) -> CompiledCoordinate:
+    def take(self, index: Integers) -> CoordinateOfOrbits:
         """Return some of the orbits.
 
         Args:
@@ -109,48 +123,40 @@ class CompiledCoordinate:
         if len(index) == len(self.q):
             return self
         constants, low, uncertainty = (np.take(x, index, axis=1) for x in (self.constants, self.low, self.uncertainty))
-        return replace(
-            self, q=self.q[index], P=self.P[index], constants=constants, low=low, uncertainty=uncertainty
-        )  # fmt: skip
+        q, P = self.q[index], self.P[index]
+        return replace(self, q=q, P=P, constants=constants, low=low, uncertainty=uncertainty)
 
-    def smallness(self, *, kernels: bool) -> Reals:
-        """Return the error of p² at the start over about how large p² becomes; 0 where small motions have no view.
-
-        Args:
-            kernels: whether ∂J/∂c are wanted.
-        """
+    def smallness(self) -> Reals:
+        """Return the error of p² at the start over about how large p² becomes; 0 where small motions have no view."""
         found = np.zeros(len(self.q))
         if has_slopes(self.coordinate.plain):
-            view, walk = self.programs.below, self._walk(0, np.ascontiguousarray(self.constants.T))
-            uncertainty = np.ascontiguousarray(self.uncertainty.T)
-            out = np.empty((2 + (len(self.constants) if kernels else 0), 1))
-            self.loops.crests(view.bend, view.uncertainties, walk, uncertainty, found, np.empty((3, 1)), out)
+            view = self.programs.views[0]
+            bend, errors = (code.program(_SEARCHING, self.parameters) for code in (view.bend, view.errors))
+            smallness(bend, errors, self._walk(0), self.uncertainty, found)
         return found
 
-    def _walk(self, upper: int, known: Reals) -> Any:
-        from hjsolve.ensembles.engine.compiled_turning_points import SearchSide
-
+    def _walk(self, upper: int) -> SearchSide:
         formula = sides(self.coordinate)[upper]
         side = (2.0 * upper - 1.0) * formula.sign
         origin = (self.coordinate.lower, self.coordinate.upper)[upper]
         floor = side * np.inf if origin is None else 0.0
         reach = 2 * np.pi if self.coordinate.periodic else np.inf
-        return SearchSide(offset(formula, self.q), self.P, known, self.constants, floor, side, reach)
+        return SearchSide(np.ascontiguousarray(offset(formula, self.q)), self.P, self.constants, floor, side, reach)
 
     def wide(self, modes: Modes) -> Sums:
-        """Integrate motions seen from zero, or from the ends of the domain; good only where this pass was enough.
+        """Integrate motions seen from zero, or from the ends of the domain; good only where this was enough.
 
         Args:
             modes: what is wanted.
         """
         motions, ends = self._between()
-        programs = self.programs.below, self.programs.above
-        sums = self._resolved(motions, motions, modes, programs)
+        below, above = self.programs.views
+        sums = self._resolved(motions, motions, modes, (below, above))
         again = np.flatnonzero(~sums.good & (motions.width > 0) & ~ends.even)
         if len(again):  # a zero and a pole beyond an end may hide each other: both ends as if they were like the worse
             first, share = ends.take(again).maps(motions.width[again], alike=True)
             part = _taken(motions, again)._replace(first=first, share=share)
-            sums.put(again, self._resolved(part, part, modes, programs))
+            sums.put(again, self._resolved(part, part, modes, (below, above)))
         return sums
 
     def exactly(self, modes: Modes) -> Sums:
@@ -160,11 +166,10 @@ class CompiledCoordinate:
             modes: what is wanted; ``chords`` and ``shifts`` are not looked at.
         """
         placed, ends = self._between()
-        programs, views = self.programs.exact(), (self.programs.below, self.programs.above)
-        C = np.concatenate([self.constants, self.low])
+        programs, C = self.programs.exact, np.concatenate([self.constants, self.low])
         bases, distances, bends = [], [], ends.bends.copy()
         for k, (formula, x) in enumerate(zip(sides(self.coordinate), (placed.lower, placed.upper), strict=True)):
-            base, slope, step = _refined((programs[k], views[k]), x, C)
+            base, slope, step = self._refined(k, x, C)
             s, e = two_sum(self.q, -formula.origin.high)
             here = Pair(formula.sign * s, formula.sign * (e - formula.origin.low))
             with np.errstate(invalid="ignore"):
@@ -178,39 +183,55 @@ class CompiledCoordinate:
         share = np.zeros_like(first)  # turning points to 32 digits leave nothing to be lost far from them
         lost = np.maximum(self.uncertainty - np.abs(self.low), 0.0) * 2.0**44  # by doubles, of the constants
         motions = placed._replace(
-            left=left, right=right, width=left + right, lower=0.0 * left, upper=0.0 * right, low_home=0.0 * left,
-            high_home=0.0 * right, first=first, share=share,
+            left=left, right=right, width=left + right, lower=0.0 * left, upper=0.0 * right,
+            homes=np.zeros((2, len(left))), first=first, share=share,
             known=np.ascontiguousarray(np.stack([*C, *bases], axis=1)),
             uncertainty=np.ascontiguousarray((self.uncertainty + lost).T),
         )  # fmt: skip
         placed = placed._replace(width=motions.width, first=first, share=share)
         return self._resolved(motions, placed, modes._replace(chords=False, shifts=False), programs)
 
+    def _refined(self, side: int, x: Reals, C: Reals) -> tuple[Pair, Reals, Reals]:
+        """Turning points to 32 digits by Newton's method with F′ in doubles, F′ there, and the last step."""
+        slopes, squares = self.programs.views[side].slopes, self.programs.exact[side].squares
+        with np.errstate(all="ignore"):
+            _, slope = run_rows(slopes, self.parameters, np.stack([x, *self.constants]))
+            base = Pair(x, 0.0 * x)
+            for _ in range(_NEWTON):
+                (f,) = run_rows(squares, self.parameters, np.stack([*base, *C]))
+                step = f / slope
+                base = DoubleDouble().sub(base, Pair(step, 0.0 * step))
+                _, slope = run_rows(slopes, self.parameters, np.stack([base.high, *self.constants]))
+        return base, slope, step
+
     def _between(self) -> tuple[Motions, _Ends]:
         """The motions between their turning points, in doubles."""
-        known, n = np.ascontiguousarray(self.constants.T), len(self.q)
-        places, bends, work, distances = np.empty((2, n)), np.empty((2, 2, n)), np.empty((5, n)), []
-        for upper, view in enumerate((self.programs.below, self.programs.above)):
-            walk = self._walk(upper, known)
-            self.loops.ends(view.bend, view.slopes, walk, places[upper], bends[upper], work)
+        n = len(self.q)
+        places, bends, distances = np.empty((2, n)), np.empty((2, 2, n)), []
+        lanes = Lanes(np.zeros((5, _SEARCHING), dtype=np.int64), np.empty((4, _SEARCHING)), np.empty((3, n)))
+        for upper, view in enumerate(self.programs.views):
+            walk = self._walk(upper)
+            bend, slopes = (code.program(_SEARCHING, self.parameters) for code in (view.bend, view.slopes))
+            turning_points(bend, slopes, walk, places[upper], bends[upper], lanes)
             distances.append(walk.side * (places[upper] - walk.start))
         below, above = sides(self.coordinate)
         width = distances[0] + distances[1]
         even = self.coordinate.even & (np.abs(distances[0] - distances[1] - 2 * self.q) <= 1e-13 * width)
         ends = _Ends(self.maps, bends, np.array([float(below.sign), -float(above.sign)]), even)
         first, share = ends.maps(width)
+        homes = np.stack([_home(below, places[0], above, places[1]), _home(above, places[1], below, places[0])])
         motions = Motions(
             momentum=self.P, left=distances[0], right=distances[1], width=width, lower=places[0], upper=places[1],
-            low_home=_home(below, places[0], above, places[1]), high_home=_home(above, places[1], below, places[0]),
-            signs=ends.signs, known=known, uncertainty=np.ascontiguousarray(self.uncertainty.T), first=first,
-            least=np.zeros(n, dtype=np.int64), share=share,
+            homes=homes, signs=ends.signs, known=np.ascontiguousarray(self.constants.T),
+            uncertainty=np.ascontiguousarray(self.uncertainty.T), first=first, least=np.zeros(n, dtype=np.int64),
+            share=share,
         )  # fmt: skip
         return motions, ends
 
-    def _resolved(self, motions: Motions, placed: Motions, modes: Modes, programs: tuple[Any, Any]) -> Sums:
+    def _resolved(self, motions: Motions, placed: Motions, modes: Modes, programs: _Halves) -> Sums:
         """Integrate with as many nodes as are proved to resolve every motion, which lies where ``placed`` says."""
         below, above = sides(self.coordinate)
-        proof, n = ResolutionProof(self.maps, self.loops, placed, below.clearance, above.clearance), len(motions.width)
+        proof, n = ResolutionProof(self.maps, placed, below.clearance, above.clearance), len(motions.width)
         span = np.stack([np.zeros(n, dtype=np.int64), np.full(n, len(COUNTS))])
         least = proof.least(np.arange(n), motions.first, span)
         if modes.oscillations:  # coefficients as they are, not nearly squared: never enough, of stretched maps by far
@@ -224,20 +245,17 @@ class CompiledCoordinate:
             sums.good[crowded] = proof.least(crowded, map_, np.stack([size, size + 1])) >= 0
         return sums
 
-    def _integrated(self, motions: Motions, modes: Modes, programs: tuple[Any, Any]) -> tuple[Sums, Integers]:
-        (below, above), tables = programs, self.maps.tables
-        rows = len(self.constants) if modes.kernels else 0
-        modes = modes._replace(alike=below.uncertainties is above.uncertainties)
-        sums = empty(len(self.constants), len(motions.width))
+    def _integrated(self, motions: Motions, modes: Modes, programs: _Halves) -> tuple[Sums, Integers]:
+        tables, m = self.maps.tables, len(self.constants)
+        sums = empty(m, len(motions.width))
         chosen = np.zeros((2, len(motions.width)), dtype=np.int64)
         results = Results(
             sums.action, sums.action_error, sums.means, sums.mean_errors, sums.oscillations, sums.oscillation_errors,
             sums.phase, sums.phase_error, sums.speeds, sums.good, chosen,
         )  # fmt: skip
-        self.loops.integrals(
-            below.fill, above.fill, below.uncertainties, above.uncertainties, below.relative, above.relative, motions,
-            tables, modes, results, scratch(tables, rows), np.zeros(len(self.constants)),
-        )  # fmt: skip
+        below, above = (types.side(p.fill, p.errors, p.relative, tables, self.parameters) for p in programs)
+        work = types.scratch(tables, m if modes.kernels else 0)
+        integrals(below, above, motions, tables, modes, results, work, np.zeros(m))
         return sums, chosen
 
     def small(self, modes: Modes) -> Sums:
@@ -246,36 +264,37 @@ class CompiledCoordinate:
         Args:
             modes: what is wanted.
         """
-        n, made, plain = len(self.q), self.programs.small(), self.coordinate.plain
-        first = np.empty(n)
-        made.slope(self.q, np.concatenate([self.constants, self.low]), first)
-        rows = [*self.constants, self.q, self.P**2, first, 0 * self.q, 0 * self.q]
-        known = np.ascontiguousarray(np.stack(rows, axis=1))
-        uncertainty = np.ascontiguousarray(self.uncertainty.T)
+        n, made, plain = len(self.q), self.programs.small, self.coordinate.plain
+        (first,) = run_rows(made.slope, self.parameters, np.stack([self.q, *self.constants, *self.low]))
+        known = np.stack([*self.constants, self.q, self.P**2, first, 0 * self.q, 0 * self.q])
         floors = np.stack([np.full(n, -np.inf), np.full(n, np.inf)])
         for k, formula in enumerate((self.coordinate.lower, self.coordinate.upper)):
             if formula is not None:
                 floors[k] = -formula.sign * offset(formula, self.q)
-        places, work = np.empty((2, n)), (np.empty(3), np.empty((2, 3)))
-        self.loops.small_ends(made.value, made.bounds, known, uncertainty, floors, places, *work)
+        places, work = np.empty((2, n)), (np.empty((7, _SEARCHING)), np.zeros(_SEARCHING, dtype=np.int64))
+        value, bounds = (code.program(_SEARCHING, self.parameters) for code in (made.value, made.bounds))
+        small_ends(value, bounds, known, self.uncertainty, floors, places, *work)
         low, high = places
         width = high - low
         with np.errstate(invalid="ignore"):
             middle, known_here = self.q + 0.5 * (low + high), tuple(self.constants)
             least = least_at_a_glance(self.maps, plain.clearance, known_here, middle, width)
         motions = Motions(
-            momentum=self.P, left=-low, right=high, width=width, lower=low, upper=high, low_home=low, high_home=high,
-            signs=np.array([1.0, -1.0]),
-            known=known, uncertainty=uncertainty, first=np.zeros(n, dtype=np.int64), least=least,
+            momentum=self.P, left=-low, right=high, width=width, lower=low, upper=high, homes=places,
+            signs=np.array([1.0, -1.0]), known=np.ascontiguousarray(known.T),
+            uncertainty=np.ascontiguousarray(self.uncertainty.T), first=np.zeros(n, dtype=np.int64), least=least,
             share=np.zeros(n, dtype=np.int64),
         )  # fmt: skip
         some = np.flatnonzero((least < 0) & (width > 0))
         if len(some):
             placed = motions._replace(lower=self.q + low, upper=self.q + high)
             span = np.stack([np.zeros(len(some), dtype=np.int64), np.full(len(some), len(COUNTS))])
-            proof = ResolutionProof(self.maps, self.loops, placed, plain.clearance, plain.clearance)
+            proof = ResolutionProof(self.maps, placed, plain.clearance, plain.clearance)
             least[some] = proof.least(some, motions.first[some], span)
         return self._integrated(motions, modes, (made, made))[0]
+
+
+_Halves = tuple[ViewPrograms | SmallPrograms | ExactPrograms, ViewPrograms | SmallPrograms | ExactPrograms]
 
 
 class _Ends(NamedTuple):
@@ -314,6 +333,11 @@ class _Ends(NamedTuple):
         return index, share
 
 
+def _taken(motions: Motions, index: Integers) -> Motions:
+    arrays = {name: getattr(motions, name)[index] for name in motions._fields if name not in {"signs", "homes"}}
+    return Motions(**arrays, signs=motions.signs, homes=np.ascontiguousarray(motions.homes[:, index]))
+
+
 def _home(view: LoweredFormula, own: Reals, other: LoweredFormula, far: Reals) -> Reals:
     """That turning point, as an offset in a view, from which places keep their digits: the one nearer to x = 0.
 
@@ -326,36 +350,17 @@ def _home(view: LoweredFormula, own: Reals, other: LoweredFormula, far: Reals) -
     return np.where((np.abs(found) < np.abs(own)) & (np.abs(moved) <= np.abs(found)), found, own)
 
 
-def _refined(programs: tuple[ExactPrograms, ViewPrograms], x: Reals, C: Reals) -> tuple[Pair, Reals, Reals]:
-    """Turning points to 32 digits by Newton's method with F′ in doubles, F′ there, and the last step."""
-    (exact, view), f, slope = programs, np.empty_like(x), np.empty_like(x)
-    view.slopes(x, C[: len(C) // 2], f, slope)
-    base = Pair(x, 0.0 * x)
-    for _ in range(_NEWTON):
-        exact.exact_squares(base.high, base.low, C, f)
-        with np.errstate(all="ignore"):
-            step = f / slope
-            base = DoubleDouble().sub(base, Pair(step, 0.0 * step))
-            view.slopes(base.high, C[: len(C) // 2], f, slope)
-    return base, slope, step
-
-
-def _taken(motions: Motions, index: Integers) -> Motions:
-    arrays = {name: getattr(motions, name)[index] for name in motions._fields if name != "signs"}
-    return Motions(**arrays, signs=motions.signs)
-
-
-def librations(orbits: CompiledCoordinate, small: Mask, modes: Modes, *, exact: bool) -> Sums:
+def librations(orbits: CoordinateOfOrbits, small: Mask, modes: Modes, *, exact: bool) -> Sums:
     """Integrate one coordinate of many orbits.
 
     Args:
         orbits: what is known of them.
         small: True where the motion is seen from the start.
-        modes: what is wanted; ``chords``, ``shifts`` and ``alike`` are not looked at.
+        modes: what is wanted; ``chords`` and ``shifts`` are not looked at.
         exact: whether those whose errors are not small get p² to 32 digits.
 
     Returns:
-        The sums, good only where this pass was enough.
+        The sums, good only where this was enough.
     """
     sums = empty(len(orbits.constants), len(orbits.q))
     narrow = np.flatnonzero(small)
@@ -364,7 +369,7 @@ def librations(orbits: CompiledCoordinate, small: Mask, modes: Modes, *, exact: 
     wide = np.flatnonzero(~sums.good)
     if len(wide):
         some = orbits.take(wide)
-        chords = some.programs.below.chords and some.programs.above.chords
+        chords = all(view.relative is not None for view in some.programs.views)
         sums.put(wide, some.wide(modes._replace(chords=chords, shifts=True)))
     rough = np.flatnonzero(sums.good & _rough(sums, modes)) if exact else wide[:0]
     if len(rough):

@@ -1,4 +1,4 @@
-"""How many nodes resolve motions of the compiled pass: proved by clearances, before any node is looked at."""
+"""How many nodes resolve motions: proved by tables of clearances, before any node is looked at."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.ensembles.engine.clearance import Clearance
-from hjsolve.ensembles.engine.compiled_types import Clearances, Motions
+from hjsolve.ensembles.engine.kernels.glances import glances
+from hjsolve.ensembles.engine.kernels.types import Clearances, Motions
 from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMaps
-from hjsolve.ensembles.engine.programs import Loops
 from hjsolve.ensembles.engine.resolution import room
 
 _NOT_COVERED, _UNTOLD = -3, -2
@@ -47,13 +47,11 @@ class ResolutionProof:
 
     Attributes:
         maps: that the motions name.
-        loops: ours.
         motions: of n orbits.
         below, above: clearances in the views of the lower and of the upper half.
     """
 
     maps: NodeMaps
-    loops: Loops
     motions: Motions
     below: Clearance
     above: Clearance
@@ -76,7 +74,7 @@ class ResolutionProof:
             found, part = np.empty(len(todo), dtype=np.int64), np.ascontiguousarray(span[:, todo])
             some = self._taken(left[todo], maps[todo])
             low, high = (Clearances(*side.table()) for side in (self.below, self.above))  # type: ignore[misc]
-            self.loops.glances(some, known[todo], part, self.maps.strips, low, high, found)
+            glances(some, known[todo], part, self.maps.strips, low, high, found)
             least[todo], span[0, todo] = found, part[0]
             bare = found == _NOT_COVERED
             for map_, size in set(zip(some.first[bare].tolist(), part[0, bare].tolist(), strict=True)):
@@ -89,9 +87,12 @@ class ResolutionProof:
 
     def _taken(self, index: Integers, maps: Integers) -> Motions:
         all_ = self.motions
-        others = {"signs", "first", "known", "uncertainty"}
+        others = {"signs", "homes", "first", "known", "uncertainty"}
         arrays = {name: getattr(all_, name)[index] for name in all_._fields if name not in others}
-        return Motions(**arrays, signs=all_.signs, first=maps, known=all_.known[:0], uncertainty=all_.uncertainty[:0])
+        return Motions(
+            **arrays, signs=all_.signs, homes=all_.homes[:, :0], first=maps, known=all_.known[:0],
+            uncertainty=all_.uncertainty[:0],
+        )  # fmt: skip
 
     def _fill(self, some: Integers, maps: Integers, sizes: Integers) -> None:
         """Complete the tables for some orbits."""

@@ -1,14 +1,13 @@
-"""What passes between the compiled loops and the programs: bundles of arrays, and types of functions.
-
-A program comes in as a pointer to a function, so that our loops are compiled once for all systems.
-"""
+"""What passes between kernels and the rest of the engine: bundles of arrays."""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from hjsolve.arithmetic.machine.run import Program
+from hjsolve.arithmetic.machine.writer import Code
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 
 VECTOR = 8
@@ -16,6 +15,12 @@ VECTOR = 8
 
 FARTHEST = 6
 """Columns at the end of ``Tables.places``: the farthest places of either view in three shares."""
+
+BLOCK = 16
+"""Orbits that are integrated together."""
+
+LANES = 392
+"""Nodes that are worked out together: those of an orbit at most, and what stays in the cache."""
 
 
 class Tables(NamedTuple):
@@ -25,7 +30,7 @@ class Tables(NamedTuple):
         maps: γ₁, γ₂, K, k′², ρ_d, ρ_c and the symmetry of every map, shape (maps, 7).
         counts: numbers of nodes, shape (sizes,).
         low, high: (q − a)/W and (b − q)/W at the nodes, shape (maps, sizes, widest).
-        derivative: |dq/dχ| over the root of (q − a)(b − q), the same shape.
+        root: |dq/dχ|/W, the same shape.
         split: how many nodes are seen from the lower end, shape (maps, sizes, 3); see ``node_maps.views``.
         places: (q − a)/W, (b − q)/W, |dq/dχ|/W and sin²χ where errors are looked at, equally spaced in χ; and for every
             share the farthest that nodes are seen, from below and from above; shape (maps, 4, most + 6).
@@ -41,7 +46,7 @@ class Tables(NamedTuple):
     counts: Integers
     low: Reals
     high: Reals
-    derivative: Reals
+    root: Reals
     split: Integers
     places: Reals
     samples: Integers
@@ -61,7 +66,7 @@ class Motions(NamedTuple):
         left, right: q₀ − a and b − q₀.
         width: b − a.
         lower, upper: offsets of the turning points in the views of the lower and of the upper half.
-        low_home, high_home: offsets in the same views of the turning points that places are counted from.
+        homes: offsets in the same views of the turning points that places are counted from, shape (2, n).
         signs: +1 or −1, how these offsets grow away from the turning points, shape (2,).
         known: constants, and what else a program knows, shape (n, known).
         uncertainty: bounds on the errors of the constants, shape (n, constants).
@@ -75,8 +80,7 @@ class Motions(NamedTuple):
     width: Reals
     lower: Reals
     upper: Reals
-    low_home: Reals
-    high_home: Reals
+    homes: Reals
     signs: Reals
     known: Reals
     uncertainty: Reals
@@ -101,22 +105,40 @@ class Results(NamedTuple):
     chosen: Integers
 
 
-class Scratch(NamedTuple):
-    """What one orbit after the other is worked out in.
+class Side(NamedTuple):
+    """The programs by which one half of a motion is seen, with registers for a block of orbits.
 
     Attributes:
-        buffer: F r, r, F and the kernels times r at the nodes, shape (3 + kernels, widest).
+        fill: of the nodes.
+        errors, relative: of the places where errors are looked at; the last one is not used without chords.
+    """
+
+    fill: Program
+    errors: Program
+    relative: Program
+
+
+class Scratch(NamedTuple):
+    """What a block of orbits is worked out in.
+
+    Attributes:
+        buffer: F r, r, F and the kernels times r at the nodes of one orbit, shape (3 + kernels, widest).
         shares: of the nodes, shape (widest,).
         rows: of the same width, shape (3, widest).
-        noise: bounds on the rounding errors of F (times sin²χ/F; with chords relative ones) and of the kernels (times
-            r), shape (1 + kernels, samples).
-        drift: what the constants add to the first, times sin²χ/F; without kernels the first as it is; shape (samples,).
+        noise: of each orbit bounds on the rounding errors of F (times sin²χ/F; with chords relative ones) and of the
+            kernels (times r), shape (block, 1 + kernels, samples).
+        drift: what the constants add to the first, times sin²χ/F; without kernels the first as it is; shape
+            (block, samples).
         found: mean, its error, last coefficient, rounding, and sizes of the last coefficients and of those before, of
             every integrand, shape (6, 1 + kernels).
-        lanes: where errors are looked at, which of them count the constants, the turning point and the distance from
-            it, r (|dq/dχ| at first), sin²χ/F (sin²χ at first), and what the roundings of the place are in proportion
-            to; shape (7, lanes).
-        bounds: what is found there: errors of F and of the kernels, F, F's own error; shape (3 + kernels, lanes).
+        lanes: of either view, where errors are looked at: the place, which of them count the constants, the turning
+            point and the distance from it, r (|dq/dχ| at first), sin²χ/F (sin²χ at first), and the rounding of the
+            place; shape (2, 7, lanes).
+        bounds: of either view, what is found there: errors of F and of the kernels, F, F's relative error; shape
+            (2, 3 + kernels, lanes).
+        residues: what F is at either turning point, shape (block, 2).
+        block: int64, of each orbit of the block: which it is, its size and map, its first lanes of either view, and
+            those not done yet; shape (6, block).
     """
 
     buffer: Reals
@@ -127,6 +149,8 @@ class Scratch(NamedTuple):
     found: Reals
     lanes: Reals
     bounds: Reals
+    residues: Reals
+    block: Integers
 
 
 def scratch(tables: Tables, kernels: int) -> Scratch:
@@ -137,12 +161,37 @@ def scratch(tables: Tables, kernels: int) -> Scratch:
         kernels: how many are wanted.
     """
     widest, most, rows = tables.low.shape[2], tables.places.shape[2] - FARTHEST, 1 + kernels
-    lanes = VECTOR * ((2 * most + 6 + VECTOR) // VECTOR)
+    lanes = looked_at(tables)
     shapes = {
-        "buffer": (2 + rows, widest), "shares": (widest,), "rows": (3, widest), "noise": (rows, most), "drift": (most,),
-        "found": (6, rows), "lanes": (7, lanes), "bounds": (2 + rows, lanes),
+        "buffer": (2 + rows, widest), "shares": (widest,), "rows": (3, widest), "noise": (BLOCK, rows, most),
+        "drift": (BLOCK, most), "found": (6, rows), "lanes": (2, 7, lanes), "bounds": (2, 2 + rows, lanes),
+        "residues": (BLOCK, 2),
     }  # fmt: skip
-    return Scratch(**{name: np.empty(shape) for name, shape in shapes.items()})
+    arrays = {name: np.empty(shape) for name, shape in shapes.items()}
+    return Scratch(**arrays, block=np.zeros((6, BLOCK), dtype=np.int64))
+
+
+def looked_at(tables: Tables) -> int:
+    """Return how many lanes a block needs for the places where errors are looked at.
+
+    Args:
+        tables: of nodes.
+    """
+    most = tables.places.shape[2] - FARTHEST
+    return VECTOR * (BLOCK * (2 * most + 3) // VECTOR + 1)
+
+
+def side(fill: Code, errors: Code, relative: Code | None, tables: Tables, parameters: tuple[float, ...]) -> Side:
+    """Return the programs of one half with registers for a block.
+
+    Args:
+        fill, errors, relative: codes.
+        tables: of nodes.
+        parameters: their values.
+    """
+    lanes = looked_at(tables)
+    last = errors if relative is None else relative
+    return Side(*(code.program(width, parameters) for code, width in ((fill, LANES), (errors, lanes), (last, lanes))))
 
 
 class Modes(NamedTuple):
@@ -153,14 +202,12 @@ class Modes(NamedTuple):
         kernels: ∂J/∂c are wanted.
         oscillations: the phase and the running integrals are, too.
         shifts: the errors of the constants are counted apart; not of small motions, where slopes have them.
-        alike: both halves are seen by the same programs.
     """
 
     chords: bool
     kernels: bool
     oscillations: bool
     shifts: bool
-    alike: bool
 
 
 class Strips(NamedTuple):
@@ -193,26 +240,3 @@ class Clearances(NamedTuple):
     depth: Integers
     start: Integers
     radii: Reals
-
-
-def signatures() -> dict[str, Any]:
-    """Return the types of the functions of a program by their names, in numba's terms; ``program_texts`` lists them."""
-    from numba import types
-
-    number, count = types.float64, types.int64
-    row, block = types.Array(number, 1, "C"), types.Array(number, 2, "C")
-    return {
-        "value": number(number, row),
-        "bend": types.UniTuple(number, 3)(number, row),
-        "slopes": types.void(row, block, row, row),
-        "fill": types.void(block, *(number,) * 5, row, row, row, row, count, count, row),
-        "uncertainties": types.void(block, row, row, row, row, row),
-        "relative": types.void(row, row, row, row, row, row),
-        "bounds": types.void(block, row, row, row),
-        "slope": types.void(row, block, row),
-        "start": types.void(block, block, row),
-        "momenta": types.void(block, block, row),
-        "carried": types.void(block, block, row),
-        "exact_starts": types.void(block, block, row),
-        "exact_squares": types.void(row, row, block, row),
-    }

@@ -1,28 +1,31 @@
-"""The anomaly of the start in compiled loops; see ``initial_phase``. Only imported where numba is."""
+"""The anomaly of the start: χ of a place by an elliptic integral, or next to a turning point by the momentum there.
+
+Next to a turning point a the place says little of its distance from it, and q₀ − a = P₀²/((b − q₀) S) is used.
+"""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from numba import njit
 
 from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.machine.compiling import inlined, reducing
+from hjsolve.arithmetic.machine.elementary import sincos
 from hjsolve.arithmetic.number_types import Reals
-from hjsolve.ensembles.engine.compiled_rule import REDUCING, dot
-from hjsolve.ensembles.engine.compiled_types import Motions, Scratch, Tables
-from hjsolve.ensembles.engine.elementary import INLINED, sincos
+from hjsolve.ensembles.engine.kernels.rule import dot
+from hjsolve.ensembles.engine.kernels.types import Motions, Scratch, Tables
 
 _CLOSE = 0.05
 
 
-@njit(**INLINED)
+@inlined
 def _derivative(χ: float, map_: Reals) -> float:
     s, c = sincos(χ)
     return 1.0 + map_[0] * c + map_[1] * (c * c - s * s)
 
 
-@njit(**INLINED)
+@inlined
 def _stretch(χ: float, x: float, y: float, map_: Reals) -> float:
     """(dq/dχ)²/(W² x y)."""
     derivative = _derivative(χ, map_)
@@ -31,7 +34,7 @@ def _stretch(χ: float, x: float, y: float, map_: Reals) -> float:
     return (2.0 * map_[2] / math.pi * derivative) ** 2 * map_[3] * (1.0 + map_[5] * y) * (1.0 + map_[4] * x)
 
 
-@njit(**INLINED)
+@inlined
 def _elliptic(s: float, c: float, map_: Reals) -> float:
     """π F(φ | k²)/K, s = sin φ, c = cos φ ≥ 0: F = sin φ R_F(cos²φ, 1 − k² sin²φ, 1) (DLMF 19.25.5, 19.36.1)."""
     x, y, z = max(c * c, 1e-300), c * c + map_[3] * s * s, 1.0
@@ -49,7 +52,7 @@ def _elliptic(s: float, c: float, map_: Reals) -> float:
     return math.pi * s * R / map_[2]
 
 
-@njit(**INLINED)
+@inlined
 def _anomaly(x: float, y: float, map_: Reals) -> float:
     """χ of a place. Halley's steps inside a bracket undo the crowding."""
     x, y = max(x, 0.0), max(y, 0.0)
@@ -81,7 +84,7 @@ def _anomaly(x: float, y: float, map_: Reals) -> float:
     return χ
 
 
-@njit(**REDUCING)
+@reducing
 def _total(x: Reals, n: int) -> float:
     total = 0.0
     for j in range(n):
@@ -89,7 +92,7 @@ def _total(x: Reals, n: int) -> float:
     return total
 
 
-@njit(**INLINED)
+@inlined
 def _interpolation(weights: Reals, χ: float, n: int, cosines: Reals) -> None:
     """Weights by which values at the nodes give that at χ: the barycentric formula (Berrut & Trefethen 2004, §5.2)."""
     place, nodes, signs = math.cos(χ), cosines[0], cosines[n - 2]
@@ -101,7 +104,7 @@ def _interpolation(weights: Reals, χ: float, n: int, cosines: Reals) -> None:
         weights[j] /= total
 
 
-@njit(**INLINED)
+@inlined
 def running_weights(weights: Reals, scratch: Reals, χ: float, n: int, cosines: Reals) -> None:
     """Weights of the running integral less its mean growth, Σ cos kχⱼ sin kχ/k; odd k are odd about χ = π/2.
 
@@ -133,8 +136,8 @@ def running_weights(weights: Reals, scratch: Reals, χ: float, n: int, cosines: 
         weights[n - 1 - j] = scratch[1, j] - scratch[0, j]
 
 
-@njit(**INLINED)
-def phase(work: Scratch, motions: Motions, i: int, place: tuple[int, int], tables: Tables,
+@inlined
+def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int], tables: Tables,
           chords: bool) -> tuple[float, float]:  # fmt: skip
     """Phase of the start and a bound on its error; leaves the weights of interpolation.
 
@@ -142,6 +145,7 @@ def phase(work: Scratch, motions: Motions, i: int, place: tuple[int, int], table
         work: F and r at the nodes, and their errors.
         motions: of n orbits.
         i: which one.
+        t: its place in the block.
         place: map and size.
         tables: of nodes.
         chords: whether the rounding of F is known relatively.
@@ -153,8 +157,8 @@ def phase(work: Scratch, motions: Motions, i: int, place: tuple[int, int], table
     x, y = motions.left[i] / W, motions.right[i] / W
     end, tip, squares = tables.samples[motions.first[i]] - 1, n - 1, tables.squares[int(symmetry) - 1, size]
     low, high = tables.low[m, size, 0], tables.high[m, size, tip]
-    rounding = work.drift[0] / squares[0] + work.noise[0, 0] / (1.0 if chords else squares[0])
-    blurred = work.drift[end] / squares[tip] + work.noise[0, end] / (1.0 if chords else squares[tip])
+    rounding = work.drift[t, 0] / squares[0] + work.noise[t, 0, 0] / (1.0 if chords else squares[0])
+    blurred = work.drift[t, end] / squares[tip] + work.noise[t, 0, end] / (1.0 if chords else squares[tip])
     if symmetry == 2.0:
         blurred, high = rounding, low
     lower, upper = low * rounding, high * blurred

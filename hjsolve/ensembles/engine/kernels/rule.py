@@ -1,32 +1,28 @@
-"""The midpoint rule of the compiled pass: how many nodes, and where they crowd. Only imported where numba is.
+"""The midpoint rule: how many nodes, and where they crowd.
 
-A rule that cannot be enough is told from its last coefficients alone. These say two more things. How fast they fall
-tells how many nodes would do. And a singularity of the integrand beside χ = φ gives coefficients like ρᵏ cos(kφ + θ)
+A rule that cannot be enough is recognised by its last coefficients alone. These say two more things. How fast they fall
+tells how many nodes would do. And a singularity of the integrand next to χ = φ gives coefficients like ρᵏ cos(kφ + θ)
 (Darboux), so from one to the next they show where it is, and which crowding of the nodes serves (``nodes.WARPS``).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
-from numba import njit
 
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.number_types import Reals
-from hjsolve.ensembles.engine.compiled_types import Modes, Motions, Scratch, Tables
-from hjsolve.ensembles.engine.elementary import INLINED, OPTIONS
+from hjsolve.arithmetic.machine.compiling import inlined, reducing
+from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.ensembles.engine.kernels.types import Modes, Scratch, Tables
 from hjsolve.ensembles.engine.nodes import EVEN, WARPS
 
-REDUCING = OPTIONS | {"fastmath": {"contract", "reassoc"}}
 _EVEN = EVEN
 _UNSTRETCHED = len(WARPS)
 _SAFETY = 1.5
 _SHIFTED = 3.0
 """Bounds on what shifts do are sharp: claims leave as much room here as elsewhere."""
 _GOAL = 4e-16
-_TRIES = 6
 _MANY = 44.0
 _GAIN = 0.6
 _LEAST = 32.0
@@ -34,11 +30,10 @@ _STEEP = 0.75
 _ROUGH = 1e-5
 _RIPPLED = 1e-9
 
-Fill = Callable[[Reals, float, float, float, float, float, Reals, Reals, Reals, Reals, int, int, Reals], None]
 Last = tuple[float, float, float, float, float]
 
 
-@njit(**REDUCING)
+@reducing
 def dot(x: Reals, y: Reals, count: int) -> float:
     """Σ x y; the order of summation is the compiler's.
 
@@ -52,7 +47,7 @@ def dot(x: Reals, y: Reals, count: int) -> float:
     return total
 
 
-@njit(**REDUCING)
+@reducing
 def _coefficients(rows: Reals, x: Reals, n: int) -> tuple[float, float, Last]:
     """Sum, sum of sizes, and n/2 times the last five coefficients of the cosine series."""
     total, size, p, q, r, s, t = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -68,7 +63,7 @@ def _coefficients(rows: Reals, x: Reals, n: int) -> tuple[float, float, Last]:
     return total, size, (p, q, r, s, t)
 
 
-@njit(**REDUCING)
+@reducing
 def _middle(rows: Reals, x: Reals, n: int) -> float:
     """Size of the largest of three coefficients in the middle of the series."""
     p, q, r = 0.0, 0.0, 0.0
@@ -80,7 +75,7 @@ def _middle(rows: Reals, x: Reals, n: int) -> float:
     return 2.0 / n * max(abs(p), abs(q), abs(r))
 
 
-@njit(**REDUCING)
+@reducing
 def _between(x: Reals, start: int, stop: int) -> float:
     total = 0.0
     for j in range(start, stop):
@@ -88,7 +83,7 @@ def _between(x: Reals, start: int, stop: int) -> float:
     return total
 
 
-@njit(**REDUCING)
+@reducing
 def _weighted(x: Reals, y: Reals, n: int) -> float:
     """Σ x |y|."""
     total = 0.0
@@ -97,7 +92,7 @@ def _weighted(x: Reals, y: Reals, n: int) -> float:
     return total
 
 
-@njit(**INLINED)
+@inlined
 def _needed(late: float, early: float, scale: float, n: int, wish: float) -> float:
     """How many nodes bring the last coefficients down to ``wish``: they fall geometrically."""
     excess = max(2.0 / n * late, 1e-300) / scale
@@ -108,7 +103,7 @@ def _needed(late: float, early: float, scale: float, n: int, wish: float) -> flo
     return min(max(more, n + 1.0), 8.0 * n)
 
 
-@njit(**INLINED)
+@inlined
 def _crowding(last: Last, first: int) -> int:
     """The crowding for a singularity beside χ = φ; cos φ and cos 2φ from correlations of the last coefficients."""
     if first >= _UNSTRETCHED:
@@ -125,14 +120,14 @@ def _crowding(last: Last, first: int) -> int:
     return (1 if once > 0.8 else 2) if once > 0.0 else (5 if once < -0.8 else 4)
 
 
-@njit(**INLINED)
-def _roundings(work: Scratch, squares: Reals, samples: int, n: int, integrands: int, chords: bool) -> None:
+@inlined
+def _roundings(work: Scratch, t: int, squares: Reals, samples: int, n: int, integrands: int, chords: bool) -> None:
     """Write n times what the rounding errors of F and of the kernels do to the means into ``found[3]``.
 
     Where there are no kernels F's errors are known as they are, too, and each segment takes what bounds it best.
     """
     buffer, shares, weights, found = work.buffer, work.shares, work.rows, work.found
-    noise, plain = work.noise, work.drift
+    noise, plain = work.noise[t], work.drift[t]
     found[3, :integrands] = 0.0
     for j in range(n):
         weights[0, j] = buffer[0, j] / squares[j]
@@ -156,7 +151,7 @@ def _roundings(work: Scratch, squares: Reals, samples: int, n: int, integrands: 
         found[3, k] += 0.5 * _weighted(shares, buffer[2 + k], n)
 
 
-@njit(**INLINED)
+@inlined
 def shifted_action(work: Scratch, residue: tuple[float, float], uncertainty: Reals, n: int, split: int) -> float:
     """Return what the errors of the constants, and of F at the turning points, do to the mean of F r.
 
@@ -175,25 +170,21 @@ def shifted_action(work: Scratch, residue: tuple[float, float], uncertainty: Rea
     return _SHIFTED * total / n
 
 
-@njit(**INLINED)
-def _fill(below: Fill, above: Fill, motions: Motions, i: int, place: tuple[int, int], tables: Tables,
-          buffer: Reals) -> None:  # fmt: skip
-    """Fill the buffer at the nodes of a map and a size, each seen from one turning point."""
-    m, size = place
-    n, split, known = tables.counts[size], tables.split[m, size, motions.share[i]], motions.known[i]
-    low, high, derivative, W = tables.low[m, size], tables.high[m, size], tables.derivative[m, size], motions.width[i]
-    b, s, h = motions.lower[i], motions.signs[0], motions.low_home[i]
-    g, along = (s, low) if h == b else (-s, high)
-    below(buffer, b, s, W, h, g, along, low, high, derivative, 0, split, known)
-    if split < n:
-        b, s, h = motions.upper[i], motions.signs[1], motions.high_home[i]
-        g, along = (s, high) if h == b else (-s, low)
-        above(buffer, b, s, W, h, g, along, high, low, derivative, split, n, known)
+@inlined
+def rule(work: Scratch, t: int, tables: Tables, size: int, modes: Modes, first: int) -> tuple[float, int]:
+    """Apply the rule of one size to the nodes in the buffer.
 
+    Args:
+        work: with the buffer and the errors of an orbit; means and their errors are left in ``found``.
+        t: the place of the orbit in the block.
+        tables: of nodes.
+        size: place in ``Tables.counts``.
+        modes: what is wanted.
+        first: the map to begin with.
 
-@njit(**INLINED)
-def _rule(work: Scratch, tables: Tables, size: int, modes: Modes, first: int) -> tuple[float, int]:
-    """The rule of one size; see ``midpoint_rule._rule``. How many nodes are needed (−1: these do), and where."""
+    Returns:
+        How many nodes are needed, −1 where these suffice, and the map that would serve.
+    """
     buffer, found, n = work.buffer, work.found, tables.counts[size]
     last, middle = tables.last[size], tables.middle[size]
     integrands = buffer.shape[0] - 2
@@ -213,7 +204,7 @@ def _rule(work: Scratch, tables: Tables, size: int, modes: Modes, first: int) ->
     if more > 0.0:
         return more, node_map
     squares = tables.squares[int(tables.maps[first, 6]) - 1, size]
-    _roundings(work, squares, tables.samples[first], n, integrands, modes.chords)
+    _roundings(work, t, squares, tables.samples[first], n, integrands, modes.chords)
     for k in range(integrands):
         scale, tail = found[1, k], found[2, k]
         rounding = _SAFETY * found[3, k] / n + 8.0 * EPS * scale
@@ -229,34 +220,25 @@ def _rule(work: Scratch, tables: Tables, size: int, modes: Modes, first: int) ->
     return more, node_map
 
 
-@njit(**INLINED)
-def choose(below: Fill, above: Fill, motions: Motions, i: int, tables: Tables, work: Scratch,
-           modes: Modes) -> tuple[int, int]:  # fmt: skip
-    """As many nodes as needed, from the least size on, crowded where that helps; −1 where the tables do not suffice.
+@inlined
+def next_rule(
+    counts: Integers, tried: tuple[int, int], needed: tuple[float, int], first: int, attempt: int
+) -> tuple[int, int]:
+    """Return the size and the map to try next; −1 where the tables do not suffice.
 
     Args:
-        below, above: programs of the views of the lower and of the upper half.
-        motions: of n orbits.
-        i: which one.
-        tables: of nodes.
-        work: errors are known in it; integrals and nodes are left there.
-        modes: what is wanted.
-
-    Returns:
-        The size and the map.
+        counts: numbers of nodes by size.
+        tried: size and map.
+        needed: how many nodes, and the map that would serve, as ``rule`` returns them.
+        first: the map to begin with.
+        attempt: how often the orbit was tried before.
     """
-    first, size, counts = motions.first[i], motions.least[i], tables.counts
-    node_map = first
-    for attempt in range(_TRIES):
-        _fill(below, above, motions, i, (node_map, size), tables, work.buffer)
-        more, crowded = _rule(work, tables, size, modes, first)
-        if more < 0.0:
-            return size, node_map
+    (size, m), (more, crowded) = tried, needed
+    size += 1
+    if size >= counts.shape[0]:
+        return -1, m
+    if attempt == 0 and more > _MANY and crowded != first:
+        m, more = crowded, max(_LEAST, _GAIN * more)
+    while size + 1 < counts.shape[0] and counts[size] < more:
         size += 1
-        if size >= counts.shape[0]:
-            break
-        if attempt == 0 and more > _MANY and crowded != first:
-            node_map, more = crowded, max(_LEAST, _GAIN * more)
-        while size + 1 < counts.shape[0] and counts[size] < more:
-            size += 1
-    return -1, 0
+    return size, m

@@ -1,20 +1,19 @@
-"""Looks at tables of clearances in compiled loops; see ``resolution``. Only imported where numba is."""
+"""Looks at tables of clearances: which number of nodes is proved to resolve an orbit; see ``resolution``."""
 
 from __future__ import annotations
 
-from numba import njit
-
+from hjsolve.arithmetic.machine.compiling import inlined, kernel
+from hjsolve.arithmetic.machine.intrinsics import as_bits
 from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.ensembles.engine.clearance import DEEPEST, DROPPED, QUARTER
-from hjsolve.ensembles.engine.compiled_types import Clearances, Motions, Strips
-from hjsolve.ensembles.engine.elementary import INLINED, as_bits
+from hjsolve.ensembles.engine.kernels.types import Clearances, Motions, Strips
 
 _DROPPED, _QUARTER, _DEEPEST, _TURNS = DROPPED, QUARTER, DEEPEST, QUARTER << DEEPEST
 _NOT_COVERED = -3
 _UNTOLD = -2
 
 
-@njit(**INLINED)
+@inlined
 def _radius(re: float, im: float, table: Clearances) -> float:
     """The radius in the table, 0 where it is not known yet; see ``clearance``. Without branches: they cost most."""
     size = abs(re) + im
@@ -28,7 +27,7 @@ def _radius(re: float, im: float, table: Clearances) -> float:
     return table.radii[max(place, 0)]
 
 
-@njit(**INLINED)
+@inlined
 def _failing(motions: Motions, i: int, place: tuple[int, int], first: int, strips: Strips, low: Clearances,
              high: Clearances) -> int:  # fmt: skip
     """The first disk of a strip that is not known, from one of them on and around; ``count`` where all are.
@@ -52,7 +51,7 @@ def _failing(motions: Motions, i: int, place: tuple[int, int], first: int, strip
     return count
 
 
-@njit(**INLINED)
+@kernel
 def glances(motions: Motions, room: Reals, span: Integers, strips: Strips, low: Clearances, high: Clearances,
             least: Integers) -> None:  # fmt: skip
     """The first size that is proved to resolve an orbit: −1 for none, −2 where a table does not tell yet.

@@ -1,0 +1,353 @@
+"""The integrals of one coordinate over a cycle, for many orbits: blocks of orbits, each with the nodes that it needs.
+
+With F = (q − a)(b − q) S and the anomaly χ of ``node_maps``, J = (1/2π) ∮ √F dq and ∂J/∂cⱼ = (1/2π) ∮ kⱼ dq/√F,
+kⱼ = ½ ∂F/∂cⱼ, are means of F r and of kⱼ r over equally spaced χ, r = |dq/dχ|/√F. These are analytic, even and periodic
+in χ, so the midpoint rule converges geometrically (Trefethen & Weideman, SIAM Review 56 (2014) 385, §3).
+
+Nodes of many orbits are worked out in one run of the machine, as one orbit has too few to fill its lanes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hjsolve.arithmetic.floats import UNIT
+from hjsolve.arithmetic.machine.compiling import inlined, kernel, reducing
+from hjsolve.arithmetic.machine.run import Program, run
+from hjsolve.arithmetic.number_types import Reals
+from hjsolve.ensembles.engine.kernels.phase import phase, running_weights
+from hjsolve.ensembles.engine.kernels.rule import dot, next_rule, rule, shifted_action
+from hjsolve.ensembles.engine.kernels.types import (
+    BLOCK,
+    FARTHEST,
+    LANES,
+    Modes,
+    Motions,
+    Results,
+    Scratch,
+    Side,
+    Tables,
+)
+
+_TRIES = 6  # numbers of nodes that an orbit tries
+_PLACE = 2.0 * UNIT  # roundings that made a place, in proportion to it or to the distance it is counted from
+_ORBIT, _SIZE, _MAP, _LOW, _HIGH, _LEFT = range(6)  # rows of ``Scratch.block``
+
+
+@inlined
+def _shifts(work: Scratch, residue: tuple[float, float], E: Reals, place: tuple[int, int, int], tables: Tables,
+            tilted: bool) -> None:  # fmt: skip
+    """Add to the bounds what small shifts of F do: constants 2 kⱼ δcⱼ and the residues; see ``nodes.shifts``.
+
+    Below the middle F is seen from the lower turning point and has its residue, above it that of the upper one; or it
+    lacks a linear function between the two, which is tilted by no more than twice the larger one.
+    """
+    (m, size, share), buffer, scratch, found = place, work.buffer, work.rows, work.found
+    n, split, symmetry = tables.counts[size], tables.split[m, size, share], int(tables.maps[m, 6])
+    squares, slopes, low = tables.squares[symmetry - 1, size], tables.slopes[symmetry - 1, size], tables.low[m, size]
+    constants = buffer.shape[0] - 3
+    for j in range(n):
+        scratch[0, j] = squares[j] / buffer[2, j]
+        scratch[1, j] = scratch[0, j] / buffer[1, j]
+    for k in range(constants):
+        row = buffer[3 + k]
+        if residue[0] != 0.0 or residue[1] != 0.0:
+            for j in range(n):
+                scratch[2, j] = row[j] * scratch[0, j] * (residue[0] if j < split else residue[1])
+            total = _variation(scratch[2], slopes, n)
+            if tilted:
+                for j in range(n - 1):
+                    total += 2.0 * abs(scratch[2, j]) * abs(low[j + 1] - low[j]) * slopes[j]
+            found[1, 1 + k] += total
+            found[2, 1 + k] += 0.5 * total
+        for l in range(k + 1):
+            if E[l] != 0.0 or E[k] != 0.0:
+                other = buffer[3 + l]
+                for j in range(n):
+                    scratch[2, j] = row[j] * other[j] * scratch[1, j]
+                total = _variation(scratch[2], slopes, n)
+                found[1, 1 + k] += 2.0 * E[l] * total
+                found[2, 1 + k] += E[l] * total
+                if l < k:
+                    found[1, 1 + l] += 2.0 * E[k] * total
+                    found[2, 1 + l] += E[k] * total
+
+
+@reducing
+def _variation(g: Reals, slopes: Reals, n: int) -> float:
+    """Σ |Δg| cot χ/π, from node to node."""
+    total = 0.0
+    for j in range(n - 1):
+        total += abs(g[j + 1] - g[j]) * slopes[j]
+    return total
+
+
+@inlined
+def _placed(lanes: Reals, at: int, end: tuple[float, float, float], W: float, places: Reals,
+            span: tuple[int, int, int], which: int, kernels: bool) -> int:  # fmt: skip
+    """Write into ``lanes``, from one on, where a view is looked at; return the first lane after them.
+
+    Samples, the farthest place and the turning point; with kernels the former once more, the constants being certain.
+    Places are counted from the turning point h, distances from b.
+    """
+    (start, count, farthest), (b, s, h) = span, end
+    tip = at + count + 1
+    after = tip + 1 + (count + 1 if kernels else 0)
+    for g in range(at, after):
+        lanes[0, g], lanes[1, g], lanes[2, g], lanes[3, g] = b, 0.0, b, 0.0
+        lanes[4, g], lanes[5, g], lanes[6, g] = 0.0, 0.0, _PLACE * abs(b)
+    for g in range(count + 1):
+        place = start + g if g < count else farthest
+        offset = s * W * places[which, place]
+        away = offset if h == b else -s * W * places[1 - which, place]
+        lanes[0, at + g], lanes[1, at + g], lanes[3, at + g] = h + away, 1.0, offset
+        lanes[6, at + g] = _PLACE * max(abs(h + away), abs(away))
+        lanes[4, at + g], lanes[5, at + g] = W * places[2, place], places[3, place]
+        if kernels:
+            for row in range(0, 7, 3):
+                lanes[row, tip + 1 + g] = lanes[row, at + g]
+    return after
+
+
+@inlined
+def _known(program: Program, first: int, span: tuple[int, int], c: Reals) -> None:
+    """Write the numbers of one orbit into some lanes, from one register on."""
+    for k in range(c.shape[0]):
+        row, value = program.registers[first + k], c[k]
+        for g in range(span[0], span[1]):
+            row[g] = value
+
+
+@inlined
+def _looked(side: Side, lanes: Reals, bounds: Reals, total: int, chords: bool) -> None:
+    """Leave F, bounds on the errors of F and of the kernels, and F's relative one, of the lanes in ``bounds``."""
+    rows, width = bounds.shape[0] - 2, (total + 7) // 8 * 8
+    for k, row in ((0, 0), (1, 6), (2, 1)):
+        register = side.errors.registers[k]
+        for g in range(total):
+            register[g] = lanes[row, g]
+    run(side.errors, width)
+    for k in range(rows + 1):
+        result = side.errors.registers[side.errors.outputs[k]]
+        for g in range(total):
+            bounds[k, g] = result[g]
+    if chords:
+        for k, row in ((0, 2), (1, 3), (2, 0), (3, 6)):
+            register = side.relative.registers[k]
+            for g in range(total):
+                register[g] = lanes[row, g]
+        run(side.relative, width)
+        result = side.relative.registers[side.relative.outputs[0]]
+        for g in range(total):
+            bounds[rows + 1, g] = result[g]
+    for g in range(total):  # r, and sin²χ/F
+        F = max(abs(bounds[rows, g]), 1e-300)
+        lanes[4, g] /= np.sqrt(F)
+        lanes[5, g] /= F
+
+
+@inlined
+def _noted(work: Scratch, t: int, which: int, at: int, span: tuple[int, int, int], both: tuple[int, int],
+           modes: Modes) -> float:  # fmt: skip
+    """Note what one view says of the samples of an orbit; and of all between which both are used, by its farthest place.
+
+    F and its errors vary along the motion like F/sin²χ, and errors of kernels like 1/r: so they are noted by these.
+    Returns what F is at the turning point, which is left out where F comes from chords.
+    """
+    bounds, lanes, noise, drift = work.bounds[which], work.lanes[which], work.noise[t], work.drift[t]
+    rows, (start, count, _) = noise.shape[0], span
+    tip = at + count + 1
+    end = abs(bounds[rows, tip]) + bounds[0, tip] if modes.chords else 0.0
+    for g in range(count + 1):
+        first, last = (start + g, start + g) if g < count else both
+        r, share, here = lanes[4, at + g], lanes[5, at + g], bounds[0, at + g]
+        again = bounds[0, tip + 1 + g] if modes.kernels else here
+        own = bounds[rows + 1, at + g] if modes.chords else again * share
+        moved = (end + here - again) * share if modes.kernels else here
+        for to in range(first, last + 1):
+            for k in range(1, rows):
+                noise[k, to] = max(noise[k, to], bounds[k, at + g] * r)
+            noise[0, to], drift[to] = max(noise[0, to], own), max(drift[to], moved)
+    return end
+
+
+@inlined
+def _spans(tables: Tables, m: int, share: int, which: int) -> tuple[int, int, int]:
+    """The samples that a view looks at, and its farthest place."""
+    inside, farthest = tables.spans[m, share, 0], tables.places.shape[2] - FARTHEST + 2 * share
+    return (0, inside, farthest) if which == 0 else (inside, tables.samples[m] - inside, farthest + 1)
+
+
+@inlined
+def _samples(below: Side, above: Side, motions: Motions, count: int, tables: Tables, work: Scratch,
+             modes: Modes) -> None:  # fmt: skip
+    """Bounds on the errors of F and of the kernels at a few places of each orbit, each seen as the nodes next to it."""
+    block, constants = work.block, motions.uncertainty.shape[1]
+    known = motions.known.shape[1]
+    for which in range(2):
+        side, after = (below, 0) if which == 0 else (above, 0)
+        for t in range(count):
+            i = block[_ORBIT, t]
+            m, share = motions.first[i], motions.share[i]
+            span, begin = _spans(tables, m, share, which), after
+            block[_LOW + which, t] = begin
+            if span[1] == 0:
+                continue
+            b = motions.lower[i] if which == 0 else motions.upper[i]
+            end = (b, motions.signs[which], motions.homes[which, i])
+            after = _placed(work.lanes[which], begin, end, motions.width[i], tables.places[m], span, which, modes.kernels)
+            _known(side.errors, 3, (begin, after), motions.known[i])
+            _known(side.errors, 3 + known, (begin, after), motions.uncertainty[i, :constants])
+            if modes.chords:
+                _known(side.relative, 4, (begin, after), motions.known[i])
+        if after > 0:
+            _looked(side, work.lanes[which], work.bounds[which], after, modes.chords)
+    for t in range(count):
+        i = block[_ORBIT, t]
+        m, share = motions.first[i], motions.share[i]
+        work.noise[t, :, : tables.samples[m]] = 0.0
+        work.drift[t, : tables.samples[m]] = 0.0
+        both = (tables.spans[m, share, 1], tables.spans[m, share, 2])
+        residue = _noted(work, t, 0, block[_LOW, t], _spans(tables, m, share, 0), both, modes)
+        work.residues[t, 0], work.residues[t, 1] = residue, residue
+        span = _spans(tables, m, share, 1)
+        if span[1] > 0:
+            work.residues[t, 1] = _noted(work, t, 1, block[_HIGH, t], span, both, modes)
+
+
+@inlined
+def _nodes(fill: Program, which: int, at: int, motions: Motions, i: int, place: tuple[int, int, int, int],
+           tables: Tables) -> None:  # fmt: skip
+    """Write nodes of one orbit that are seen from one end into the lanes of a program, from one lane on."""
+    m, size, first, stop = place
+    low, high, root, W = tables.low[m, size], tables.high[m, size], tables.root[m, size], motions.width[i]
+    near, far = (low, high) if which == 0 else (high, low)
+    b, s, h = (motions.lower[i] if which == 0 else motions.upper[i]), motions.signs[which], motions.homes[which, i]
+    distances, places, roots = fill.registers[0], fill.registers[1], fill.registers[2]
+    at -= first
+    for j in range(first, stop):
+        distances[at + j] = s * W * near[j]
+        roots[at + j] = W * root[j]
+    if h == b:
+        for j in range(first, stop):
+            places[at + j] = b + s * W * near[j]
+    else:
+        for j in range(first, stop):
+            places[at + j] = h - s * W * far[j]
+    span = (at + first, at + stop)
+    row = fill.registers[3]
+    for j in range(at + first, at + stop):
+        row[j] = b
+    _known(fill, 4, span, motions.known[i])
+
+
+@inlined
+def _packed(below: Side, above: Side, motions: Motions, span: tuple[int, int], tables: Tables,
+            work: Scratch) -> int:  # fmt: skip
+    """Work out the nodes of as many orbits, of those not done yet, as have room; return the first that has none."""
+    block, at, low, high = work.block, span[0], 0, 0
+    while at < span[1]:
+        t = block[_LEFT, at]
+        i, m, size = block[_ORBIT, t], block[_MAP, t], block[_SIZE, t]
+        n, split = tables.counts[size], tables.split[m, size, motions.share[i]]
+        if low + split > LANES or high + n - split > LANES:
+            break
+        _nodes(below.fill, 0, low, motions, i, (m, size, 0, split), tables)
+        if split < n:
+            _nodes(above.fill, 1, high, motions, i, (m, size, split, n), tables)
+        block[_LOW, t], block[_HIGH, t] = low, high
+        low, high, at = low + split, high + n - split, at + 1
+    run(below.fill, (low + 7) // 8 * 8)
+    if high > 0:
+        run(above.fill, (high + 7) // 8 * 8)
+    return at
+
+
+@inlined
+def _gathered(below: Side, above: Side, work: Scratch, t: int, n: int, split: int) -> None:
+    """Bring the nodes of one orbit into the buffer."""
+    low, high = work.block[_LOW, t], work.block[_HIGH, t] - split
+    for k in range(work.buffer.shape[0]):
+        row = work.buffer[k]
+        seen = below.fill.registers[below.fill.outputs[k]]
+        for j in range(split):
+            row[j] = seen[low + j]
+        if split < n:
+            seen = above.fill.registers[above.fill.outputs[k]]
+            for j in range(split, n):
+                row[j] = seen[high + j]
+
+
+@inlined
+def _finished(motions: Motions, i: int, t: int, tables: Tables, modes: Modes, results: Results, work: Scratch,
+              steady: Reals) -> None:  # fmt: skip
+    """Write the results of an orbit whose nodes sufficed; they are in the buffer."""
+    buffer, found, m, size = work.buffer, work.found, work.block[_MAP, t], work.block[_SIZE, t]
+    n, symmetry, constants = tables.counts[size], tables.maps[m, 6], results.means.shape[0]
+    results.chosen[0, i], results.chosen[1, i] = size, m
+    results.good[i], results.action[i], results.action_error[i] = True, found[0, 0], found[1, 0]
+    if modes.kernels:
+        if modes.shifts or modes.chords:
+            share, low, high = motions.share[i], work.residues[t, 0], work.residues[t, 1]
+            steps = (low, high) if modes.shifts else (max(low, high), max(low, high))
+            shaken = motions.uncertainty[i] if modes.shifts else steady
+            results.action_error[i] += shifted_action(work, steps, shaken, n, tables.split[m, size, share])
+            _shifts(work, steps, shaken, (m, size, share), tables, not modes.shifts)
+        for k in range(constants):
+            results.means[k, i], results.mean_errors[k, i] = found[0, 1 + k], found[1, 1 + k]
+    if modes.oscillations:
+        results.phase[i], results.phase_error[i] = phase(work, motions, i, t, (m, size), tables, modes.chords)
+        for k in range(constants):
+            results.speeds[k, i] = dot(buffer[3 + k], work.shares, n)
+        running_weights(work.shares, work.rows, symmetry * results.phase[i], n, tables.cosines[size])
+        for k in range(constants):
+            results.oscillations[k, i] = 2.0 / (n * symmetry) * dot(buffer[3 + k], work.shares, n)
+            results.oscillation_errors[k, i] = 4.0 * found[2, 1 + k]
+
+
+@kernel
+def integrals(below: Side, above: Side, motions: Motions, tables: Tables, modes: Modes, results: Results,
+              work: Scratch, steady: Reals) -> None:  # fmt: skip
+    """Integrate one coordinate of many orbits.
+
+    Args:
+        below, above: programs of the lower and of the upper half.
+        motions: of n orbits.
+        tables: of nodes.
+        modes: what is wanted.
+        results: arrays filled here.
+        work: scratch.
+        steady: as many zeros as there are constants.
+    """
+    block, n, orbit = work.block, motions.width.shape[0], 0
+    while orbit < n:
+        count = 0
+        while orbit < n and count < BLOCK:
+            if motions.width[orbit] > 0.0 and motions.least[orbit] >= 0:
+                block[_ORBIT, count], block[_LEFT, count] = orbit, count
+                block[_SIZE, count], block[_MAP, count] = motions.least[orbit], motions.first[orbit]
+                count += 1
+            orbit += 1
+        _samples(below, above, motions, count, tables, work, modes)
+        left = count
+        for attempt in range(_TRIES):
+            begin, kept = 0, 0
+            while begin < left:
+                end = _packed(below, above, motions, (begin, left), tables, work)
+                for at in range(begin, end):
+                    t = block[_LEFT, at]
+                    i, m, size = block[_ORBIT, t], block[_MAP, t], block[_SIZE, t]
+                    _gathered(below, above, work, t, tables.counts[size], tables.split[m, size, motions.share[i]])
+                    more, crowded = rule(work, t, tables, size, modes, motions.first[i])
+                    if more < 0.0:
+                        _finished(motions, i, t, tables, modes, results, work, steady)
+                        continue
+                    size, m = next_rule(tables.counts, (size, m), (more, crowded), motions.first[i], attempt)
+                    if size >= 0:
+                        block[_SIZE, t], block[_MAP, t] = size, m
+                        block[_LEFT, kept] = t
+                        kept += 1
+                begin = end
+            left = kept
+            if left == 0:
+                break
