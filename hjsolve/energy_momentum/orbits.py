@@ -95,7 +95,7 @@ def _batch(
         p[own.name] = np.sqrt(np.maximum(np.asarray(square, float), 0)) - np.asarray(shift, float) + np.zeros(len(x))
     parameters = {s.name: first.values[s.symbol] for s in solution.system.parameters}
     subject = solution.system if solution.chart is not None else solution
-    return ensemble(subject, q=q, p=p, want=want, parameters=parameters, fallback=every, compiled=False)
+    return ensemble(subject, q=q, p=p, want=want, parameters=parameters, fallback=every)
 
 
 def _number(value: sp.Expr | Reals) -> float | Reals:

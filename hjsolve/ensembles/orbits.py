@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,7 @@ from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.compute import Columns, compute_columns
 from hjsolve.ensembles.initial_conditions import InitialConditions, conditions
 from hjsolve.ensembles.layout import layout_of
-from hjsolve.ensembles.task import WORTH_LOADING, EnsembleTask
+from hjsolve.ensembles.task import EnsembleTask
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.quantities_given import in_units
 from hjsolve.mechanics.subjects import system_of
@@ -66,9 +65,8 @@ def ensemble(
         threads: how many; None for all cores that this process may use. Dask has its own, this is not for it.
         fallback: compute orbits that the vectorised engine hands back one by one, up to some tenths of a second each;
             without, they are ``not_converged``.
-        compiled: whether to compile the loops by numba (extra ``fast``), some seconds once for each system, want and
-            parameters; None: from 100 000 orbits on, and from 20 000 on where they are on disk already. The last bits
-            differ, within the errors.
+        compiled: means nothing any more: kernels are compiled once for all systems where numba is installed (extra
+            ``fast``), and ``HJSOLVE_COMPILED=0`` in the environment runs them as plain Python.
         coordinates: ``as given``, or ``find`` for others where the given ones do not separate, as of ``solve``: q, p
             and velocity stay those of the system as given, and the columns are those of the separated coordinates.
         velocity_frame: ``coordinate``: velocities are the rates of the coordinates; ``orthonormal``: lengths per time
@@ -90,7 +88,7 @@ def ensemble(
     """
     arguments.refuse_other(fallback, bool, "fallback", "True or False is needed")
     arguments.refuse_other(shown, (bool, type(None)), "shown", "True, False or None (on a terminal) is needed")
-    arguments.refuse_other(compiled, (bool, type(None)), "compiled", "True, False or None (what is faster) is needed")
+    arguments.refuse_other(compiled, (bool, type(None)), "compiled", "True, False or None is needed")
     solution = _solution(system, coordinates)
     refuse_null(solution)
     users = _users(solution)
@@ -102,11 +100,7 @@ def ensemble(
     p, parameters = in_units(users, p, "p"), in_units(users, parameters, "parameters")
     given = conditions(users, q, p, velocity)
     layout = layout_of(solution, want)
-    task = task_for(
-        solution, layout.want, parameters, given.kind, fallback=fallback, compiled=bool(compiled), frame=velocity_frame
-    )
-    if compiled is None:
-        task = replace(task, compiled=math.prod(given.shape) >= WORTH_LOADING)
+    task = task_for(solution, layout.want, parameters, given.kind, fallback=fallback, frame=velocity_frame)
     if given.lazy:
         from hjsolve.ensembles.dask_blocks import lazily
 
@@ -116,7 +110,7 @@ def ensemble(
 
 
 def task_for(
-    solution: Solution, want: tuple[str, ...], parameters: Mapping[str, Any] | None, kind: str, *, compiled: bool,
+    solution: Solution, want: tuple[str, ...], parameters: Mapping[str, Any] | None, kind: str, *,
     fallback: bool = True, frame: str = COORDINATE,
 ) -> EnsembleTask:  # fmt: skip
     """Write the task of an ensemble: every parameter with its exact value.
@@ -126,7 +120,6 @@ def task_for(
         want: quantities, in the order of the layout.
         parameters: name → number; the others take their defaults.
         kind: ``p`` or ``velocity``, what comes with the places.
-        compiled: whether the first pass is compiled, where numba is installed.
         fallback: whether orbits that the vectorised engine hands back go to the engine of single motions.
         frame: of the velocities.
 
@@ -143,7 +136,7 @@ def task_for(
     exact = parameter_values(solution.system, _numbers(parameters))
     values = tuple((symbol.name, exact[symbol]) for symbol in sorted(exact, key=lambda s: s.name))
     found = None if solution.chart is None else solution
-    return EnsembleTask(_users(solution), want, values, kind, fallback, compiled, found, frame)
+    return EnsembleTask(_users(solution), want, values, kind, fallback, found, frame)
 
 
 def _users(solution: Solution) -> System:

@@ -23,10 +23,6 @@ ONE_AT_A_TIME = threading.RLock()
 """sympy and mpmath keep caches that were not made for threads, and hold Python's lock anyway."""
 
 
-WORTH_LOADING = 1_000
-"""An ensemble of fewer orbits does not pay for loading numba and the kernels: half a second, once a process."""
-
-
 @dataclass(frozen=True)
 class EnsembleTask:
     """Plain values; equal tasks give equal columns, in whatever process.
@@ -37,8 +33,6 @@ class EnsembleTask:
         parameters: (name, exact value) of every parameter.
         kind: ``p`` or ``velocity``, what comes with the places.
         fallback: whether orbits that the vectorised engine hands back go to the engine of single motions.
-        compiled: whether its first pass is compiled, where numba is installed; decided once for an ensemble, not for a
-            block of it, because the last bits differ.
         found: the solution in coordinates that were found for the system; None where its own separate.
         frame: of the velocities (``motion.velocity_frame``).
     """
@@ -48,7 +42,6 @@ class EnsembleTask:
     parameters: tuple[tuple[str, sp.Expr], ...]
     kind: str
     fallback: bool = True
-    compiled: bool = False
     found: Solution | None = field(default=None, compare=False)
     frame: str = COORDINATE
 
@@ -110,12 +103,7 @@ def _tools(task: EnsembleTask) -> TaskContext:
     formulas = _momenta(task)
     about = about_axis(solution, task.frame)
     arguments = [c.symbol for c in system.coordinates] + [c.velocity for c in system.coordinates]
-    engine = batch.build(
-        solution,
-        frozenset(task.want),
-        parameters=dict(task.parameters),
-        compiled=None if task.compiled else False,
-    )
+    engine = batch.build(solution, frozenset(task.want), parameters=dict(task.parameters))
     return TaskContext(
         solution=solution,
         layout=layout_of(solution, task.want),

@@ -13,7 +13,6 @@ from hjsolve.display.shown import Shown
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.layout import wanted
 from hjsolve.ensembles.orbits import task_for
-from hjsolve.ensembles.task import WORTH_LOADING
 from hjsolve.errors import MissingExtraError
 from hjsolve.scenes import Scene
 from hjsolve.solution.quadratures import solve
@@ -90,11 +89,8 @@ def sweep(
     if verify:
         statuses = verified(Path(out), plan)
         return SweepResult(Path(out), points.count, plan.parts, plan.parts, statuses, _on_failures(statuses))
-    many = points.count >= WORTH_LOADING
-    task = task_for(
-        solve(scene.system, scene.coordinates), wanted(scene.want), dict(scene.parameters), points.kind, compiled=many,
-        frame=scene.velocity_frame,
-    )
+    solution, want = solve(scene.system, scene.coordinates), wanted(scene.want)
+    task = task_for(solution, want, dict(scene.parameters), points.kind, frame=scene.velocity_frame)
     with opened(Path(out), plan) as folder:
         left = folder.left()
         if left:

@@ -13,9 +13,9 @@ import mpmath
 import numpy as np
 import pytest
 
+from hjsolve.arithmetic.machine.compiling import available
 from hjsolve.ensembles import engine as batch
 from hjsolve.ensembles.engine import Status, nodes
-from hjsolve.ensembles.engine.programs import available
 from tests.support import kuzmin_kutuzov as galaxy
 
 QUANTITIES = (

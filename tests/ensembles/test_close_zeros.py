@@ -8,8 +8,8 @@ import pytest
 
 import hjsolve
 from benchmarks.kerr_orbits import about_kerr
+from hjsolve.arithmetic.machine.compiling import available
 from hjsolve.ensembles.engine import engine as engines
-from hjsolve.ensembles.engine.programs import available
 
 pytestmark = pytest.mark.skipif(not available(), reason="numba")
 COUNT = 48

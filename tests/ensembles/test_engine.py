@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import hjsolve
+from hjsolve.arithmetic.machine.compiling import available
 from hjsolve.ensembles import engine as batch
 from hjsolve.ensembles.engine import Status
-from hjsolve.ensembles.engine.programs import available
 from hjsolve.errors import InvalidInputError
 from tests.support import kuzmin_kutuzov as galaxy
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import hjsolve
-from hjsolve.ensembles.engine.programs import available
+from hjsolve.arithmetic.machine.compiling import available
 
 COUNT = 40
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hjsolve.arithmetic.machine.compiling import available
 from hjsolve.arithmetic.number_types import Mask
 from hjsolve.ensembles import engine as batch
 from hjsolve.ensembles.engine import Status, passes
 from hjsolve.ensembles.engine.engine import GOOD
 from hjsolve.ensembles.engine.orbit_regions import LocatedRegions
-from hjsolve.ensembles.engine.programs import available
 from hjsolve.ensembles.engine.regions import hopeless_in_doubles
 from hjsolve.ensembles.engine.starts import given_momenta
 from tests.support import kuzmin_kutuzov as galaxy

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import hjsolve
+from hjsolve.arithmetic.machine.compiling import available
 from hjsolve.ensembles.engine import engine as front
 from hjsolve.ensembles.engine import nodes, passes, turned_circle
-from hjsolve.ensembles.engine.programs import available
 from hjsolve.ensembles.engine.strips_of_analyticity import covered_turn
 
 COUNT = 24

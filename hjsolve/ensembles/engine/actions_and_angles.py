@@ -15,7 +15,7 @@ from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.arithmetic.reproducible_products import stacked
 from hjsolve.ensembles.engine.lowered_solution import Model
-from hjsolve.ensembles.engine.midpoint_rule import Sums
+from hjsolve.ensembles.engine.sums import Sums
 
 
 @dataclass(frozen=True)

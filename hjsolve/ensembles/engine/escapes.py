@@ -18,11 +18,13 @@ from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS, Float64, Multi
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.machine.code import Code
+from hjsolve.arithmetic.machine.rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Mpf, Reals, Which
 from hjsolve.arithmetic.sign_at_infinity import sign_beyond_for_all
-from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
-from hjsolve.ensembles.engine.orbit_regions import LocatedRegions
-from hjsolve.ensembles.engine.radicand_views import DirectEvaluation, Knowns
+from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, place
+from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model
+from hjsolve.ensembles.engine.programs import sides
 
 _INTERVALS = Intervals(Float64())
 _FAR = (6, 24, 80)
@@ -48,7 +50,7 @@ class EscapeRoute:
 
     Attributes:
         formula: of p² as a function of x.
-        knowns: constants and parameters.
+        constants, uncertainty: of the motion, and bounds on their errors, shape (constants, n).
         parameters: in two doubles.
         exact: the same as fractions.
         side: +1 or −1, in which direction of x infinity lies.
@@ -58,7 +60,8 @@ class EscapeRoute:
     """
 
     formula: LoweredFormula
-    knowns: Knowns
+    constants: Reals
+    uncertainty: Reals
     parameters: tuple[Pair, ...]
     exact: tuple[Fraction, ...]
     side: int
@@ -73,7 +76,7 @@ class EscapeRoute:
             index: which, positions or a mask.
         """
         arrays = (self.start[index], self.error[index], self.size[index])
-        known = self.knowns.take(index), self.parameters, self.exact
+        known = self.constants[:, index], self.uncertainty[:, index], self.parameters, self.exact
         return EscapeRoute(self.formula, *known, self.side, *arrays)
 
     def numbers(self, index: Integers) -> list[Interval]:
@@ -86,15 +89,15 @@ class EscapeRoute:
         for pair in self.parameters:
             value, reach = np.array(pair.high), abs(pair.high) * EPS if pair.low else 0.0
             parameters.append(Interval(value - reach, value + reach))
-        return self.constants(index) + parameters
+        return self.enclosed(index) + parameters
 
-    def constants(self, index: Integers) -> list[Interval]:
+    def enclosed(self, index: Integers) -> list[Interval]:
         """Return enclosures of the constants of some orbits.
 
         Args:
             index: which orbits.
         """
-        pairs = zip(self.knowns.constants, self.knowns.uncertainty, strict=True)
+        pairs = zip(self.constants, self.uncertainty, strict=True)
         wide = [(c[index], e[index] + EPS * np.abs(c[index])) for c, e in pairs]
         return [Interval(c - e, c + e) for c, e in wide]
 
@@ -135,48 +138,47 @@ class EscapeRoute:
         return _INTERVALS.add(self.radicand(index, point), away).low
 
 
-def escaping(coordinate: Separated, model: Model, found: LocatedRegions, q: Reals) -> tuple[Mask, tuple[Reals, Reals]]:
-    """Prove that a coordinate runs away, of those that met no end on a side.
+def escaping(one: CoordinateOfOrbits, model: Model, offsets: Reals) -> tuple[Mask, Reals]:
+    """Prove that a coordinate runs away, of orbits that met no end on a side.
 
     Args:
-        coordinate: which.
+        one: the coordinate.
         model: with the parameters.
-        found: its regions, an end of each being NaN.
-        q: where the orbits start, shape (n,).
+        offsets: of the turning points, NaN where none was met, shape (2, n).
 
     Returns:
-        True where it is proved, shape (n,), and the errors of the lower and the upper turning point, NaN on a side
-        that has none.
+        True where it is proved, shape (n,), and the errors of the turning points, NaN on a side that has none.
     """
-    region, count = found.region, len(q)
-    proved, errors = np.zeros(count, dtype=bool), (np.full(count, np.nan), np.full(count, np.nan))
-    endless = np.isnan(region.lower), np.isnan(region.upper)
+    coordinate, count = one.coordinate, len(one.q)
+    proved, errors = np.zeros(count, dtype=bool), np.full((2, count), np.nan)
+    endless = np.isnan(offsets)
     for k, formula in enumerate((coordinate.lower, coordinate.upper)):
         index = np.flatnonzero(endless[k] & ~endless[1 - k])
-        view, x = ((region.above, region.upper), (region.below, region.lower))[k]
-        if formula is None and len(index) and isinstance(view, DirectEvaluation):
-            outward = (2 * k - 1) * view.sign
-            way = _from_turning_point(view.take(index), model, x[index], q[index], outward)
+        if formula is None and len(index):
+            seen, x = sides(coordinate)[1 - k], offsets[1 - k, index]
+            slopes = one.programs.views[1 - k].slopes
+            way = _from_turning_point(one.take(index), seen, slopes, model, x, (2 * k - 1) * seen.sign)
             proved[index] = _free(way)
-            errors[1 - k][index] = way.error + 2 * EPS * (np.abs(view.place(x)) + np.abs(x))[index]
+            errors[1 - k, index] = way.error + 2 * EPS * (np.abs(place(seen, x)) + np.abs(x))
     both = np.flatnonzero(endless[0] & endless[1])
     if coordinate.lower is None and coordinate.upper is None and len(both):
-        view = region.below
-        assert isinstance(view, DirectEvaluation)
-        size = 1.0 + np.abs(q)
-        known = view.knowns, model.numbers, model.exact
-        ways = [EscapeRoute(view.formula, *known, side, q, 0.0 * q, size) for side in (-1, 1)]
-        proved[both] = _free(ways[0].take(both)) & _free(ways[1].take(both))
+        some = one.take(both)
+        known = some.constants, some.uncertainty, model.numbers, model.exact
+        ways = (EscapeRoute(coordinate.plain, *known, k, some.q, 0.0 * some.q, 1.0 + np.abs(some.q)) for k in (-1, 1))
+        proved[both] = np.logical_and.reduce([_free(way) for way in ways])
     return proved, errors
 
 
-def _from_turning_point(view: DirectEvaluation, model: Model, x: Reals, q: Reals, outward: int) -> EscapeRoute:
-    size = np.maximum(np.abs(x), np.abs(q - view.place(x)))
-    known = view.knowns, model.numbers, model.exact
-    way = EscapeRoute(view.formula, *known, outward, x, np.zeros_like(x), size)
+def _from_turning_point(
+    one: CoordinateOfOrbits, seen: LoweredFormula, slopes: Code, model: Model, x: Reals, outward: int
+) -> EscapeRoute:
+    size = np.maximum(np.abs(x), np.abs(one.q - place(seen, x)))
+    known = one.constants, one.uncertainty, model.numbers, model.exact
+    way = EscapeRoute(seen, *known, outward, x, np.zeros_like(x), size)
     with np.errstate(all="ignore"):
         here = way.radicand(np.arange(len(x)), Interval(x, x))
-        error = 2 * np.maximum(-here.low, here.high) / np.abs(view.jet(x)[1]) + 4 * EPS * np.abs(x) + 1e-300
+        slope = run_rows(slopes, one.parameters, np.stack([x, *one.constants]))[1]
+        error = 2 * np.maximum(-here.low, here.high) / np.abs(slope) + 4 * EPS * np.abs(x) + 1e-300
     return replace(way, error=error)
 
 
@@ -274,13 +276,13 @@ def _for_box(way: EscapeRoute, far: Reals, index: Integers, proved: Mask) -> Non
     if sign_beyond_for_all(way.formula.squared, _box(way, index), way.side, float(most), _BITS) > 0:
         proved[index], far[index] = True, most
         return
-    values = [c[index] for c in way.knowns.constants]
+    values = [c[index] for c in way.constants]
     widths = [_spread(c) for c in values]
     if len(index) == 1 or not any(widths):
         return
     widest = widths.index(max(widths))
     order = index[np.argsort(values[widest], kind="stable")]
-    cut = _cut(way.knowns.constants[widest][order])
+    cut = _cut(way.constants[widest][order])
     _for_box(way, far, order[:cut], proved)
     _for_box(way, far, order[cut:], proved)
 
@@ -307,7 +309,7 @@ def _cut(values: Reals) -> int:
 
 def _box(way: EscapeRoute, index: Integers) -> list[tuple[Mpf, Mpf]]:
     convert = Multi(_BITS).convert
-    known = way.constants(index)
+    known = way.enclosed(index)
     boxes = [(convert(float(np.min(c.low))), convert(float(np.max(c.high)))) for c in known]
     # sharp, as for single motions: log R of two terms with one factor G cancels whatever G is, in a range it would not
     return boxes + [(convert(number),) * 2 for number in way.exact]

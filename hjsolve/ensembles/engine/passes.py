@@ -1,162 +1,74 @@
-"""One pass over a chunk of orbits: constants, regions, integrals, and what is wanted of them, with errors."""
+"""One pass over a chunk of orbits: constants, integrals, and what is wanted of them, with errors."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.number_types import Codes, Mask, Reals, Which
+from hjsolve.arithmetic.number_types import Codes, Integers, Mask, Reals
 from hjsolve.ensembles.engine.actions_and_angles import combine_integrals
-from hjsolve.ensembles.engine.columns import Columns, blank, put
+from hjsolve.ensembles.engine.columns import Columns, blank
 from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants
+from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
 from hjsolve.ensembles.engine.escapes import escaping
 from hjsolve.ensembles.engine.kernels.types import Modes
-from hjsolve.ensembles.engine.librations import CoordinateOfOrbits, begin, librations
-from hjsolve.ensembles.engine.lowered_solution import Model, Separated
-from hjsolve.ensembles.engine.midpoint_rule import Sums, empty, integrate
-from hjsolve.ensembles.engine.orbit_groups import group_of
-from hjsolve.ensembles.engine.orbit_regions import LocatedRegions, OrbitRegions
-from hjsolve.ensembles.engine.outlook import beyond_doubles
+from hjsolve.ensembles.engine.librations import TurningPoints, librations, rough_ones
+from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import SystemPrograms
-from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DirectEvaluation, second_slope
-from hjsolve.ensembles.engine.regions import ill_known, locate_regions
-from hjsolve.ensembles.engine.rotations import going_round
+from hjsolve.ensembles.engine.rotations import going_round, rotations
 from hjsolve.ensembles.engine.starts import Starts
-from hjsolve.ensembles.engine.status import UNDECIDED, Status
+from hjsolve.ensembles.engine.status import ENDLESS, UNDECIDED, Status
+from hjsolve.ensembles.engine.sums import Sums, empty
 
 TOLERANCE = 1e-10
 """Largest claimed relative error with which an orbit is called ``OK``; of an angle, relative to ten radians."""
 
 _RADIANS = 10.0
-_SPOILT = 8e-12
-"""Above this claim all coordinates get p² to 32 digits; small amplitudes would not gain by it."""
-
-_WIDE = 1e-11
-"""Above this claim more digits are tried, whatever is to blame."""
-
-_SEEN_FROM_START = 1e-13
-"""Error of p² at the start over its size above which a compiled pass sees a motion from its start; where it is not
-small it is seen as others are."""
-
-_BLURRED = 2.0**-51
-
 TIMED = frozenset({"frequencies", "periods", "angles"})
+
+Names = dict[str, tuple[str, ...]]
+"""Quantity → names of its columns."""
 
 
 def run_pass(
-    model: Model, names: dict[str, tuple[str, ...]], starts: Starts, *, depth: int, tolerance: float = TOLERANCE
+    model: Model, programs: SystemPrograms, names: Names, starts: Starts, *, tolerance: float, exact: bool
 ) -> Columns:
     """Compute everything for some orbits.
 
     Args:
-        model: of the system.
-        names: quantity → columns wanted.
-        starts: of n orbits.
-        depth: 0 in doubles; 1 with 32-digit constants, slopes for small amplitudes, stretched anomalies; 2 with p² to
-            32 digits where doubles do not know it well; 3 with 32 digits for all librations.
-        tolerance: largest claimed error of an orbit that is ``OK``.
-    """
-    count = starts.q.shape[1]
-    columns = blank(names, count)
-    start = initial_constants(model, starts, precise=depth > 0)
-    kernels, oscillations = bool(TIMED & names.keys()), "angles" in names
-    # p² at the start is P² next to a turning point: a P that 32 digits do not know well is for the engine of one motion
-    unknown = (start.rounding > _BLURRED).any(axis=0) if depth else np.zeros(count, dtype=bool)
-    status = np.where(unknown, UNDECIDED, Status.OK).astype(np.uint8)
-    sums: list[Sums] = []
-    directions = np.ones((len(model.separated), count))
-    spared, small = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
-    located = []
-    for k, coordinate in enumerate(model.separated):
-        index = None if depth else np.flatnonzero(status == Status.OK)
-        located.append(locate_regions(model, coordinate, start, k, depth, index))
-        for found in located[k] if depth == 0 else ():
-            status[found.index[beyond_doubles(found, kernels=kernels)]] = UNDECIDED
-    repeated = (status == Status.OK) & (_seen_as_before(located, count) if depth == 2 else False)
-    status[repeated] = Status.NOT_CONVERGED
-    for k, coordinate in enumerate(model.separated):
-        total = empty(len(model.constants), count)
-        for found in located[k]:
-            left = status[found.index] == Status.OK  # what is lost in one coordinate is lost
-            _integrated(total, found, left, len(model.constants), kernels=kernels, oscillations=oscillations)
-            fresh = np.where(
-                found.status == Status.OK, np.where(total.good[found.index], 0, Status.NOT_CONVERGED), found.status
-            )
-            status[found.index] = np.where(status[found.index] == Status.OK, fresh, status[found.index])
-            if not found.region.turning:
-                directions[k, found.index] = np.sign(start.P[k, found.index])
-            if "turning_points" in names:
-                _ends(columns, coordinate, found)
-            if depth == 1 and found.region.turning and isinstance(found.region.below, DirectEvaluation):
-                columns.vague[found.index] |= ill_known(found.region)
-            spared[found.index] |= isinstance(found.region.below, DirectEvaluation)
-            small[found.index] |= isinstance(found.region.below, DifferenceEvaluation)
-        total.phase_error[:] += start.rounding[k]
-        sums.append(total)
-    _results(model, names, columns, sums, directions, start)
-    if oscillations and any(c.shifted for c in model.separated):
-        status[status == Status.OK] = UNDECIDED
-    claimed = worst(columns)  # before those that are too large are gone: they gain most by more digits
-    _settle(columns, status, tolerance)
-    spoilt = spared & ~small & (claimed > _SPOILT)
-    columns.vague[:] |= spoilt | (claimed > _WIDE)
-    if depth == 2:
-        again = np.flatnonzero(spoilt | repeated)
-        if len(again):
-            part = run_pass(model, names, starts.take(again), depth=3, tolerance=tolerance)
-            fine = part.status == Status.OK
-            put(columns, again[fine], part.take(fine))
-    return columns
-
-
-def _seen_as_before(located: list[list[LocatedRegions]], count: int) -> Mask:
-    """Tell which orbits have p² in doubles everywhere, as it is written: a third pass would repeat the second one."""
-    plain = np.ones(count, dtype=bool)
-    for found in (one for parts in located for one in parts):
-        plain[found.index] &= isinstance(found.region.below, DirectEvaluation)
-    return plain
-
-
-def run_compiled(
-    model: Model, names: dict[str, tuple[str, ...]], starts: Starts, *, programs: SystemPrograms, tolerance: float, exact: bool
-) -> Columns:
-    """Compute everything for easy librations by compiled loops, with 32-digit constants; as ``run_pass``.
-
-    A coordinate that goes round is integrated by numpy.
-
-    Args:
         model: the lowered solution.
+        programs: of the system.
         names: quantity → names of its columns.
         starts: of n orbits.
-        programs: of the system.
         tolerance: largest claimed error of an orbit that is ``OK``.
-        exact: whether p² is had to 32 digits where doubles do not know it well.
+        exact: whether p² is taken to 32 digits where doubles do not know it well.
 
     Returns:
-        Columns; ``vague`` where only the claim was too large.
+        Columns; ``vague`` where only the claim was too large. The status is ``ENDLESS`` where no turning point was met
+        on the way out.
     """
     count = starts.q.shape[1]
     columns = blank(names, count)
-    start = begin(model, programs, starts)
-    kernels, oscillations = bool(TIMED & names.keys()), "angles" in names
-    modes = Modes(chords=False, kernels=kernels, oscillations=oscillations, shifts=False)
-    status = np.full(count, UNDECIDED if "turning_points" in names else Status.OK, dtype=np.uint8)
+    start = initial_constants(model, programs, starts)
+    modes = Modes(False, bool(TIMED & names.keys()), "angles" in names, False)
+    status = np.full(count, Status.OK, dtype=np.uint8)
     directions = np.ones((len(model.separated), count))
     sums = []
-    for k in range(len(model.separated)):
-        one = CoordinateOfOrbits.of(model, programs, start, k)
-        total = librations(one, one.smallness() > _SEEN_FROM_START, modes, exact=exact)
-        left = np.flatnonzero((status == Status.OK) & ~total.good)
-        if model.separated[k].periodic and len(left):
-            found = going_round(group_of(model, model.separated[k], start, k, 1, left))
-            everyone = np.ones(len(found.index), dtype=bool)
-            _integrated(total, found, everyone, len(model.constants), kernels=kernels, oscillations=oscillations)
-            directions[k, found.index] = np.sign(start.P[k, found.index])
-        status[~total.good] = UNDECIDED
+    for k, coordinate in enumerate(model.separated):
+        left = np.flatnonzero(status == Status.OK)  # what is lost in one coordinate is lost
+        total = empty(len(model.constants), count)
+        one = CoordinateOfOrbits.of(model, programs, start, k).take(left)
+        part, found, round_ = integrated(one, modes, exact=exact, places="turning_points" in names)
+        total.put(left, part)
+        directions[k, left[round_]] = np.sign(start.P[k, left[round_]])
+        if "turning_points" in names:
+            _told(columns, coordinate.name, left, found.places, found.errors)
+        endless = np.isnan(found.offsets).any(axis=0) & ~round_
+        status[left[~part.good]] = np.where(endless, ENDLESS, UNDECIDED)[~part.good]
         total.phase_error[:] += start.rounding[k]
         sums.append(total)
     _results(model, names, columns, sums, directions, start)
-    if oscillations and any(c.shifted for c in model.separated):
+    if modes.oscillations and any(c.shifted for c in model.separated):
         status[status == Status.OK] = UNDECIDED
     resolved = status == Status.OK
     _settle(columns, status, tolerance)
@@ -164,11 +76,50 @@ def run_compiled(
     return columns
 
 
-def run_escapes(model: Model, names: dict[str, tuple[str, ...]], starts: Starts) -> Columns:
+def integrated(
+    one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bool
+) -> tuple[Sums, TurningPoints, Mask]:
+    """Integrate one coordinate: rotations where it goes round, librations elsewhere.
+
+    Args:
+        one: the coordinate of n orbits.
+        modes: what is wanted.
+        exact: whether p² is taken to 32 digits where doubles do not know it well.
+        places: whether turning points are wanted.
+
+    Returns:
+        The sums, the turning points, and which of the orbits go round.
+    """
+    n = len(one.q)
+    sums, round_ = empty(len(one.constants), n), np.zeros(n, dtype=bool)
+    found = TurningPoints(*(np.full((2, n), np.nan) for _ in range(3)))
+    if one.coordinate.periodic and not one.coordinate.shifted:
+        going = going_round(one)
+        round_[going.orbits] = True
+        if len(going.orbits):
+            some = one.take(going.orbits)
+            part = rotations(some, going.slow, modes, finely=False)
+            rough = np.flatnonzero(~part.good | rough_ones(part, modes)) if exact else going.orbits[:0]
+            if len(rough):
+                better = rotations(some.take(rough), going.slow.take(rough), modes, finely=True)
+                fine = np.flatnonzero(better.good)
+                part.put(rough[fine], better.take(fine))
+            sums.put(going.orbits, part)
+    others = np.flatnonzero(~round_)
+    if len(others):
+        part, seen = librations(one.take(others), modes, exact=exact, places=places)
+        sums.put(others, part)
+        for name in ("offsets", "places", "errors"):
+            getattr(found, name)[:, others] = getattr(seen, name)
+    return sums, found, round_
+
+
+def run_escapes(model: Model, programs: SystemPrograms, names: Names, starts: Starts) -> Columns:
     """Prove of some orbits that they run away; fill their constants, turning points, and actions that they have.
 
     Args:
         model: of the system.
+        programs: of the system.
         names: quantity → columns wanted.
         starts: of n orbits.
 
@@ -178,25 +129,20 @@ def run_escapes(model: Model, names: dict[str, tuple[str, ...]], starts: Starts)
     """
     count = starts.q.shape[1]
     columns = blank(names, count)
-    start = initial_constants(model, starts, precise=True)
-    left: Mask = np.logical_not((start.rounding > _BLURRED).any(axis=0))
+    start = initial_constants(model, programs, starts)
+    left = np.ones(count, dtype=bool)
     endless = np.zeros((len(model.separated), count), dtype=bool)
     sums: list[Sums] = []
-    directions = np.ones(endless.shape)
+    directions, modes = np.ones(endless.shape), Modes(False, False, False, False)
     for k, coordinate in enumerate(model.separated):
-        total = empty(len(model.constants), count)
-        for found in locate_regions(model, coordinate, start, k, 1):
-            _integrated(total, found, left[found.index], len(model.constants), kernels=False, oscillations=False)
-            if not found.region.turning:
-                directions[k, found.index] = np.sign(start.P[k, found.index])
-            if "turning_points" in names:
-                _ends(columns, coordinate, found)
-            out = found.take(np.flatnonzero(left[found.index] & (found.status == Status.UNBOUNDED)))
-            proved, errors = escaping(coordinate, model, out, start.q[k, out.index])
-            endless[k, out.index] = proved
-            if "turning_points" in names:
-                for side, error in zip(("lower", "upper"), errors, strict=True):
-                    columns.error[f"turning_points.{coordinate.name}.{side}"][out.index] = error
+        one = CoordinateOfOrbits.of(model, programs, start, k)
+        total, found, round_ = integrated(one, modes, exact=False, places="turning_points" in names)
+        directions[k, round_] = np.sign(start.P[k, round_])
+        out = np.flatnonzero(left & ~total.good & ~round_ & np.isnan(found.offsets).any(axis=0))
+        endless[k, out], errors = escaping(one.take(out), model, found.offsets[:, out])
+        found.errors[:, out] = errors
+        if "turning_points" in names:
+            _told(columns, coordinate.name, np.arange(count), found.places, found.errors)
         with np.errstate(all="ignore"):
             fine = total.good & (total.action_error <= TOLERANCE * np.abs(total.action))
         left &= fine | (total.good & (total.action_error == 0)) | endless[k]
@@ -211,6 +157,12 @@ def run_escapes(model: Model, names: dict[str, tuple[str, ...]], starts: Starts)
     return columns
 
 
+def _told(columns: Columns, name: str, index: Integers, places: Reals, errors: Reals) -> None:
+    for k, side in enumerate(("lower", "upper")):
+        columns.turning_points[f"{name}.{side}"][index] = places[k]
+        columns.error[f"turning_points.{name}.{side}"][index] = errors[k]
+
+
 def _results(
     model: Model,
     names: dict[str, tuple[str, ...]],
@@ -221,55 +173,10 @@ def _results(
 ) -> None:
     if "constants" in names:
         for j, name in enumerate(model.constants):
-            _fill(columns, "constants", name, start.knowns.constants[j], start.knowns.uncertainty[j])
+            _fill(columns, "constants", name, start.values[j], start.uncertainty[j])
     _actions(model, names, columns, sums, directions, start)
     if TIMED & names.keys():
         _timed(model, names, columns, sums, directions, start.starts.q)
-
-
-def _integrated(
-    total: Sums, found: LocatedRegions, left: Mask, constants: int, *, kernels: bool, oscillations: bool
-) -> None:
-    """Integrate over the regions of the orbits that are left; coordinates at rest have their limit."""
-    left = left & (found.status == Status.OK)
-    index = np.flatnonzero(left & ~found.rest)
-    if len(index):
-        total.put(
-            found.index[index],
-            integrate(found.region.take(index), constants, kernels=kernels, oscillations=oscillations),
-        )
-    index = np.flatnonzero(left & found.rest)
-    if len(index):
-        total.put(found.index[index], _resting(found, index, constants))
-
-
-def _resting(found: LocatedRegions, index: Which, constants: int) -> Sums:
-    """A stable double zero of p²: J = 0 and ∂J/∂cⱼ = kⱼ/√(−½F″), the limit of a vanishing libration."""
-    view = found.region.below.take(index)
-    assert isinstance(view, DifferenceEvaluation)
-    bend, uncertainty = second_slope(view.formula, view.knowns, view.start)
-    zero = np.zeros(len(index))
-    rows = [np.broadcast_to(w, zero.shape) for w in view.full(zero)[1:]]
-    errors = [np.broadcast_to(e, zero.shape) for e in view.errors(zero, kernels=True)[1:]]
-    sums = empty(constants, len(index))
-    with np.errstate(all="ignore"):
-        root = np.sqrt(-bend)
-        sums.means[:] = np.stack([w / root for w in rows])
-        sums.mean_errors[:] = np.stack(
-            [e / root + np.abs(w / root) * uncertainty / -bend for w, e in zip(rows, errors, strict=True)]
-        )
-    sums.speeds[:] = sums.means
-    for part in (
-        sums.action,
-        sums.action_error,
-        sums.oscillations,
-        sums.oscillation_errors,
-        sums.phase,
-        sums.phase_error,
-    ):
-        part[...] = 0.0
-    sums.good[:] = np.isfinite(root)
-    return sums
 
 
 def _fill(columns: Columns, quantity: str, name: str, value: Reals, error: Reals) -> None:
@@ -307,28 +214,6 @@ def _timed(
                 _fill(columns, "periods", name, period, period * (error / np.abs(rate) + EPS))
     for name, (angle, error) in torus.angles.items():
         _fill(columns, "angles", name, angle, error)
-
-
-def _ends(columns: Columns, coordinate: Separated, found: LocatedRegions) -> None:
-    """Turning points, with the error that the rounding of p² there leaves."""
-    region = found.region
-    if not region.turning:
-        return
-    for side, view, x in (("lower", region.below, region.lower), ("upper", region.above, region.upper)):
-        with np.errstate(all="ignore"):
-            slope = np.abs(view.jet(x)[1]) if not isinstance(view, DifferenceEvaluation) else _slope(view, region)
-            error = view.errors(x, kernels=False)[0] / slope + EPS * np.abs(x)
-            place = view.place(x)
-        name = f"{coordinate.name}.{side}"
-        error = np.where(found.rest, 0.0, error) + 2 * EPS * (np.abs(place) + np.abs(x))
-        columns.turning_points[name][found.index] = place
-        columns.error[f"turning_points.{name}"][found.index] = error
-
-
-def _slope(view: DifferenceEvaluation, region: OrbitRegions) -> Reals:
-    """|F′| at the turning points of a small motion, W·S with S taken in the middle."""
-    middle = 0.5 * (region.lower + region.upper)
-    return 0.5 * view.value(middle) / (0.25 * region.width)
 
 
 def worst(columns: Columns) -> Reals:

@@ -26,7 +26,7 @@ from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
 
 SMALL_KNOWN = 5
-"""What programs of small motions know besides the constants: q₀, P₀², F′₀, a bound on the error of F[q, q, q + x], W."""
+"""Of small motions, beside the constants: q₀, P₀², F′₀, a bound on the error of F[q, q, q + x], W."""
 
 _ARITHMETIC = frozenset({"add", "sub", "mul", "div", "power", "rational", "pi"})
 _PLACE, _ROUNDED, _OFFSETS = 2 * UNIT, 6 * UNIT, 16 * UNIT
@@ -36,16 +36,6 @@ _RELATIVE, FINER = 4 * UNIT, 2.0**-44
 """Relative error of F from 32 digits, and the part of what doubles lose that 32 digits may lose."""
 
 _MADE = 256
-
-
-def has_chords(formula: LoweredFormula) -> bool:
-    """Tell whether F[b, q] has rules that avoid cancellation (``divided_differences``).
-
-    Args:
-        formula: of p².
-    """
-    codes = {operation.code for operation in formula.squared.operations}
-    return bool(formula.squared.operations) and codes <= CHORDS | _ARITHMETIC
 
 
 def has_slopes(formula: LoweredFormula) -> bool:
@@ -97,6 +87,7 @@ class ViewPrograms:
             place x = b + d comes apart from d, because next to a pole at x = 0 their sum loses its digits.
         errors: x, δx, mask, c, e ↦ bounds on the errors of F and of the kernels, F; mask = 0 counts no e.
         relative: b, d, x, δx, c ↦ a bound on the relative error of F[b, x]; None where F is evaluated as it is written.
+        turn: as ``fill``, of motions that go round, far from all zeros of F: F is evaluated as it is written.
     """
 
     bend: Code
@@ -104,6 +95,7 @@ class ViewPrograms:
     fill: Code
     errors: Code
     relative: Code | None
+    turn: Code
 
 
 @dataclass(frozen=True)
@@ -206,18 +198,19 @@ def _view(squared: Tape, full: Tape, constants: int, parameters: int, kernels: b
     return ViewPrograms(
         bend=writer.code(parts),
         slopes=writer.code(parts[:2]),
-        fill=_fill(squared, full, constants, parameters, kernels),
+        fill=_fill(squared, full, constants, parameters, kernels, chorded),
         errors=_errors(full if kernels else squared, constants, parameters),
         relative=_relative(squared, constants, parameters) if chorded else None,
+        turn=_fill(squared, full, constants, parameters, kernels, False),
     )
 
 
-def _fill(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool) -> Code:
-    """With kernels F next to a turning point b is d F[b, b + d], which keeps its digits."""
+def _fill(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool, chorded: bool) -> Code:
+    """F next to a turning point b is d F[b, b + d], which keeps its digits, where there are rules for that."""
     writer = InstructionWriter()
     d, x, root, b, *known = writer.inputs(4 + constants)
     known += _Parameters(writer, parameters).plain
-    if kernels and _chorded(squared):
+    if chorded:
         chords = FirstDifferences(writer, d)
         (F,) = squared.run(chords, [chords.variable(b, x), *map(chords.constant, known)])
         square = writer.mul(d, F.slope)
@@ -463,8 +456,10 @@ def _exact_errors(squared: Tape, full: Tape, constants: int, parameters: int, ke
 # ------------------------------------------------------------------------------------------------------- starts
 @lru_cache(maxsize=_MADE)
 def start_code(rule: Tape, shift: Tape, indices: tuple[int, ...], coordinates: int, parameters: int) -> Code:
-    """Return the code of the constants: q, p, low parts of p, bounds on p's errors in doubles ↦ the constants, their
-    low parts, bounds on their errors, and the shell momenta of the separated coordinates.
+    """Return the code of the constants.
+
+    q, p, low parts of p, bounds on p's errors in doubles ↦ the constants, their low parts, bounds on their errors, and
+    the shell momenta of the separated coordinates.
 
     Args:
         rule: the constants as functions of q, p and the parameters.

@@ -1,4 +1,15 @@
-"""How many nodes resolve motions: proved by tables of clearances, before any node is looked at."""
+"""Proof that the nodes of an orbit resolve p² and its kernels, so that nothing can hide between them.
+
+The midpoint rule judges itself by its last coefficients (``kernels.rule``): that says nothing of a dip narrower than
+the distance of the nodes. So the rule is only believed where p² is proved to be known between the nodes: its parts
+(``clearance``) are analytic in the strip about the nodes (``strips_of_analyticity``) and do not grow there. Their
+coefficients then fall geometrically from the first one on, and what is beyond the nodes is less than the rounding that
+claims count.
+
+What is left are zeros of p² near the way, branch points of the integrands that clearances do not show. They cannot
+hide, because S = p²/((q − a)(b − q)) is a function that its values at the nodes determine: where it nearly vanishes it
+does so over several nodes, and the integrands, which go like S^(±½), then have last coefficients that do not fall.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +23,6 @@ from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.ensembles.engine.kernels.glances import glances
 from hjsolve.ensembles.engine.kernels.types import Clearances, Motions
 from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMaps
-from hjsolve.ensembles.engine.resolution import room
 
 _NOT_COVERED, _UNTOLD = -3, -2
 _FIRST = 64
@@ -22,6 +32,18 @@ _NARROW = 0.03
 _ALONG = np.linspace(-0.5, 0.5, 5)
 _HELD = COUNTS.index(40)
 """Size of the tables for which a small motion gets a disk of its own."""
+
+
+def room(clearance: Clearance, middle: Reals, width: Reals) -> Reals:
+    """Return the radius of the disk about the middle of a motion in which p² is known, in units of half its width.
+
+    Args:
+        clearance: of p².
+        middle: offset of (a + b)/2 in the formula.
+        width: b − a; arrays (n,).
+    """
+    with np.errstate(all="ignore"):
+        return clearance.radius(middle) / (0.5 * width)
 
 
 def least_at_a_glance(

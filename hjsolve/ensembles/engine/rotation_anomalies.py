@@ -7,6 +7,7 @@ one such pair far away and leave fewer nodes for the rest of the turn; where p²
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
@@ -14,9 +15,11 @@ import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.nodes import MOST
-from hjsolve.ensembles.engine.radicand_views import DirectEvaluation
 from hjsolve.ensembles.engine.turned_circle import reach
 from hjsolve.one_coordinate.barriers import EQUAL_BARRIERS, barrier_order
+
+Jet = Callable[[Reals], tuple[Reals, Reals, Reals]]
+"""F, F′ and F″ at a place of each of n orbits."""
 
 _FARTHEST_STEP = 0.2
 _AWAY = 3
@@ -43,20 +46,28 @@ class SlowPlaces:
     ratio: Reals
     least: Reals
 
+    def take(self, index: Integers) -> SlowPlaces:
+        """Return those of some of the rotations.
 
-def slow_places(raw: DirectEvaluation, values: Reals, grid: Reals) -> SlowPlaces:
+        Args:
+            index: which.
+        """
+        return SlowPlaces(**{name: getattr(self, name)[index] for name in self.__dataclass_fields__})
+
+
+def slow_places(jet: Jet, values: Reals, grid: Reals) -> SlowPlaces:
     """Find where p² is least, by Newton's method on F′ from the least values on a grid, and choose the anomaly.
 
     Args:
-        raw: p² of n orbits.
+        jet: of p².
         values: of it on the grid, shape (n, points).
         grid: angles, equally spaced over a turn.
     """
     bottom = values.min(axis=1, keepdims=True)
     first = np.argmax(values <= bottom + 1e-9 * np.abs(values).max(axis=1, keepdims=True), axis=1)
-    slow, gap, least = _refined(raw, grid[first])
+    slow, gap, least = _refined(jet, grid[first])
     second, there = _second(values, grid, slow)
-    other, far, lowest = _refined(raw, grid[second])
+    other, far, lowest = _refined(jet, grid[second])
     far, lowest = np.where(there & np.isfinite(far), far, np.inf), np.where(there, lowest, np.inf)
     alike = np.abs(lowest - least) <= EQUAL_BARRIERS * np.abs(values).max(axis=1)
     swapped = np.isfinite(far) & np.where(alike, barrier_order(other) < barrier_order(slow), lowest < least)
@@ -78,16 +89,16 @@ def slow_places(raw: DirectEvaluation, values: Reals, grid: Reals) -> SlowPlaces
     )
 
 
-def _refined(raw: DirectEvaluation, place: Reals) -> tuple[Reals, Reals, Reals]:
+def _refined(jet: Jet, place: Reals) -> tuple[Reals, Reals, Reals]:
     """A place where F is least, the distance √(2F/F″) of zeros from the real line, NaN for none near, and F."""
     going = np.ones(len(place), dtype=bool)
     with np.errstate(all="ignore"):
         for _ in range(8):
-            _, first, second = raw.jet(place)
+            _, first, second = jet(place)
             step = first / second
             going &= (second > 0) & (np.abs(step) < _FARTHEST_STEP)
             place = np.where(going, place - step, place)
-        value, _, second = raw.jet(place)
+        value, _, second = jet(place)
         gap = np.sqrt(2 * value / second)
     return place, np.where(going & np.isfinite(gap), gap, np.nan), value
 

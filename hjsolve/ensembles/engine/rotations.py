@@ -2,60 +2,151 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from hjsolve.arithmetic.error_free import Pair
-from hjsolve.arithmetic.number_types import Reals
-from hjsolve.ensembles.engine.orbit_groups import Group
-from hjsolve.ensembles.engine.orbit_regions import LocatedRegions, OrbitRegions
-from hjsolve.ensembles.engine.radicand_views import DirectEvaluation, DoubleDoubleEvaluation, View
-from hjsolve.ensembles.engine.rotation_anomalies import slow_places
-from hjsolve.ensembles.engine.status import UNDECIDED, Status
+from hjsolve.arithmetic.machine.rows import run_rows
+from hjsolve.arithmetic.number_types import Complexes, Integers, Reals
+from hjsolve.ensembles.engine.clearance import Clearance
+from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
+from hjsolve.ensembles.engine.kernels.rotations import Rounds, TurnScratch
+from hjsolve.ensembles.engine.kernels.rotations import rotations as integrated
+from hjsolve.ensembles.engine.kernels.types import Modes, Results
+from hjsolve.ensembles.engine.nodes import rotation_nodes
+from hjsolve.ensembles.engine.programs import sides
+from hjsolve.ensembles.engine.rotation_anomalies import SlowPlaces, slow_places
+from hjsolve.ensembles.engine.strips_of_analyticity import covered_turn
+from hjsolve.ensembles.engine.sums import Sums, empty
+from hjsolve.ensembles.engine.turn_maps import COUNTS, turn_maps
+from hjsolve.ensembles.engine.turned_circle import moved_disks
 
 _POINTS = 32
 _GRID = np.pi * (1 + 2 * np.arange(_POINTS) / _POINTS)
+_CROWDED = 28, 7
+"""Nodes that stretched anomalies mostly need, and how many more for each level; fewer are not tried."""
+_FIRST = 32
+_UNKNOWN, _CAUTIOUS, _HOPELESS = 0.4, 0.7, 2.0
+"""The nodes needed grow nearly like the share of the radius that is missing, at least with this power; for stretched
+anomalies, and where nothing is known, as if the share were 0.4 at least. Twice as many as there are is too many."""
+_CLOSE = 0.5
+"""A share of a coarse cover from which on a finer one may be enough."""
+_NODES = 1 << 20
+"""Of all orbits that are looked at together."""
 
 
-def turn(group: Group) -> Reals:
-    """Return p² at equally spaced places all along a turn, shape (n, places).
+class Rotations(NamedTuple):
+    """Orbits that go round.
+
+    Attributes:
+        orbits: which they are, shape (n,).
+        slow: how their nodes crowd.
+    """
+
+    orbits: Integers
+    slow: SlowPlaces
+
+
+def going_round(one: CoordinateOfOrbits) -> Rotations:
+    """Find those of many orbits that go round.
 
     Args:
-        group: of n orbits.
+        one: a periodic coordinate of the orbits.
     """
-    return DirectEvaluation(group.coordinate.plain, group.knowns).value(_GRID + np.zeros((len(group.q), 1)))
-
-
-def going_round(group: Group) -> LocatedRegions:
-    """Return those of some orbits that go round, and where they move.
-
-    Args:
-        group: of orbits.
-    """
+    n, code = len(one.q), one.programs.views[0].bend
     with np.errstate(all="ignore"):
-        values = turn(group)
-        going = np.flatnonzero((values > 0).all(axis=1))
-        return rotation(group.take(going), values[going])
+        given = np.concatenate([np.tile(_GRID, n)[None], np.repeat(one.constants, _POINTS, axis=1)])
+        values = run_rows(code, one.parameters, given)[0].reshape(n, _POINTS)
+        going = np.flatnonzero((values > 0).all(axis=1) & np.isfinite(one.P) & (one.P != 0))
+        some = one.take(going)
+
+        def jet(place: Reals) -> tuple[Reals, Reals, Reals]:
+            value, first, second = run_rows(code, some.parameters, np.stack([place, *some.constants]))
+            return value, first, second
+
+        slow = slow_places(jet, values[going], _GRID)
+    sure = np.flatnonzero(slow.least > 0)
+    return Rotations(going[sure], slow.take(sure))
 
 
-def rotation(group: Group, values: Reals) -> LocatedRegions:
-    """Return where they move, seen from where they are slow.
+def rotations(one: CoordinateOfOrbits, slow: SlowPlaces, modes: Modes, *, finely: bool) -> Sums:
+    """Integrate orbits that go round.
 
     Args:
-        group: of orbits that go round.
-        values: of p² on the grid, from ``turn``.
+        one: the coordinate of these orbits.
+        slow: how their nodes crowd.
+        modes: what is wanted.
+        finely: whether with p² to 32 digits.
+
+    Returns:
+        The sums, good only where this was enough.
     """
-    q, P = group.q, group.P
-    plain = DirectEvaluation(group.coordinate.plain, group.knowns)
-    raw: View = plain
-    slow = slow_places(plain, values, _GRID)
-    base, left = slow.centre, q - slow.centre
-    if group.depth > 1:
-        raw, base = DoubleDoubleEvaluation(plain, group.pairs, group.numbers, Pair(base, 0.0 * base)), 0.0 * base
-    zero = np.zeros_like(q)
-    region = OrbitRegions(
-        raw, raw, base, base, zero + 2 * np.pi, slow.ratio, slow.opposite, slow.level, slow.several, P, left, zero,
-        turning=False,
+    maps, m = turn_maps(), len(one.constants)
+    index = maps.index(slow.level, slow.several)
+    direction = np.sign(one.P)
+    least = _least(sides(one.coordinate)[0].clearance, slow, direction)
+    zero = 0.0 * slow.centre
+    lost = np.maximum(one.uncertainty - np.abs(one.low), 0.0) * 2.0**44  # by doubles, of the constants
+    known = [*one.constants, *one.low, slow.centre, zero, slow.centre, zero] if finely else one.constants
+    motions = Rounds(
+        centre=slow.centre, left=one.q - slow.centre, opposite=slow.opposite, ratio=slow.ratio, direction=direction,
+        known=np.ascontiguousarray(np.stack([*known], axis=1)),
+        uncertainty=np.ascontiguousarray((one.uncertainty + (lost if finely else 0.0)).T), map=index, least=least,
     )  # fmt: skip
-    good = np.isfinite(P) & (P != 0) & (slow.least > 0) & (not group.coordinate.shifted)
-    status = np.where(good, Status.OK, UNDECIDED).astype(np.uint8)
-    return LocatedRegions(group.index, region, status, np.zeros(len(q), dtype=bool))
+    view = one.programs.views[0]
+    fill, errors = (one.programs.exact[0].fill, one.programs.exact[0].errors) if finely else (view.turn, view.errors)
+    sums, tables = empty(m, len(one.q)), maps.tables
+    results = Results(
+        sums.action, sums.action_error, sums.means, sums.mean_errors, sums.oscillations, sums.oscillation_errors,
+        sums.phase, sums.phase_error, sums.speeds, sums.good, np.zeros((2, len(one.q)), dtype=np.int64),
+    )  # fmt: skip
+    width = tables.angle.shape[2]
+    work = TurnScratch(np.empty(1 + (m if modes.kernels else 0)), np.empty((2, width)))
+    nodes, bounds = (code.program(width, one.parameters) for code in (fill, errors))
+    integrated(nodes, bounds, motions, tables, modes, results, work, finely)
+    return sums
+
+
+def _least(clearance: Clearance, slow: SlowPlaces, direction: Reals) -> Integers:
+    """The first size that is proved to resolve each orbit, −1 for none: p² is known between the nodes.
+
+    See ``proof_of_resolution``; what is proved for a number of nodes is proved for more, whose strip is narrower.
+    """
+    found = np.full(len(slow.level), -1, dtype=np.int64)
+    hint = np.where(slow.level > 0, np.maximum(_FIRST, _CROWDED[0] + _CROWDED[1] * slow.level), float(_FIRST))
+    codes = 2 * slow.level + slow.several
+    for k, count in enumerate(COUNTS):
+        chosen = np.flatnonzero((found < 0) & (hint <= count))
+        for left in np.array_split(chosen, len(chosen) * count // _NODES + 1) if len(chosen) else []:
+            share = np.zeros(len(left))
+            for code in np.unique(codes[left]):
+                part = np.flatnonzero(codes[left] == code)
+                for coarse in (True, False):
+                    some = left[part]
+                    share[part] = _share(clearance, slow.take(some), direction[some], count, coarse=coarse)
+                    part = part[(share[part] >= _CLOSE) & (share[part] < 1) & (code >= 2)]
+                    if not len(part):
+                        break
+            found[left[share >= 1]] = k
+            floor = np.where((share > 0) & (slow.level[left] == 0), 0.0, _UNKNOWN)
+            guess = count * np.fmax(share, np.fmax(floor, 1e-3)) ** -_CAUTIOUS
+            hint[left] = np.where(guess < _HOPELESS * COUNTS[-1], np.minimum(guess, COUNTS[-1]), np.inf)
+    return found
+
+
+def _share(clearance: Clearance, slow: SlowPlaces, direction: Reals, count: int, *, coarse: bool) -> Reals:
+    """The least radius that is known over the one needed, of orbits with the same nodes; 0 where am has a pole."""
+    over = covered_turn(rotation_nodes(2 * count, int(slow.level[0]), 1 + int(slow.several[0])), coarse=coarse)
+    if not over.inside:
+        return np.zeros(len(slow.level))
+    angle: Complexes | Reals = over.angle
+    radii = over.reach
+    if slow.several[0]:
+        angle, radii = moved_disks(over.angle, over.reach, slow.ratio[:, None])
+    with np.errstate(all="ignore"):
+        places = slow.centre[:, None] + direction[:, None] * angle
+        known = clearance.radius(places.ravel()).reshape(places.shape)
+        least: Reals = (known / radii).min(axis=1)
+    return least
+
+

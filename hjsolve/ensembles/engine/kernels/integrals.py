@@ -149,7 +149,7 @@ def _looked(side: Side, lanes: Reals, bounds: Reals, total: int, chords: bool) -
 @inlined
 def _noted(work: Scratch, t: int, which: int, at: int, span: tuple[int, int, int], both: tuple[int, int],
            modes: Modes) -> float:  # fmt: skip
-    """Note what one view says of the samples of an orbit; and of all between which both are used, by its farthest place.
+    """Note what one view says of samples; and of all between which both are used, by its farthest place.
 
     F and its errors vary along the motion like F/sin²χ, and errors of kernels like 1/r: so they are noted by these.
     Returns what F is at the turning point, which is left out where F comes from chords.
@@ -195,7 +195,8 @@ def _samples(below: Side, above: Side, motions: Motions, count: int, tables: Tab
                 continue
             b = motions.lower[i] if which == 0 else motions.upper[i]
             end = (b, motions.signs[which], motions.homes[which, i])
-            after = _placed(work.lanes[which], begin, end, motions.width[i], tables.places[m], span, which, modes.kernels)
+            lanes, W = work.lanes[which], motions.width[i]
+            after = _placed(lanes, begin, end, W, tables.places[m], span, which, modes.kernels)
             _known(side.errors, 3, (begin, after), motions.known[i])
             _known(side.errors, 3 + known, (begin, after), motions.uncertainty[i, :constants])
             if modes.chords:

@@ -35,7 +35,7 @@ def _stretch(χ: float, x: float, y: float, map_: Reals) -> float:
 
 
 @inlined
-def _elliptic(s: float, c: float, map_: Reals) -> float:
+def elliptic(s: float, c: float, map_: Reals) -> float:
     """π F(φ | k²)/K, s = sin φ, c = cos φ ≥ 0: F = sin φ R_F(cos²φ, 1 − k² sin²φ, 1) (DLMF 19.25.5, 19.36.1)."""
     x, y, z = max(c * c, 1e-300), c * c + map_[3] * s * s, 1.0
     X, Y, A = 0.0, 0.0, 1.0
@@ -61,7 +61,7 @@ def _anomaly(x: float, y: float, map_: Reals) -> float:
     else:
         sine, cosine = np.sqrt(x * (1.0 + map_[4])), np.sqrt(y)
         size = np.sqrt(sine * sine + cosine * cosine)
-        goal = _elliptic(sine / size, cosine / size, map_)
+        goal = elliptic(sine / size, cosine / size, map_)
     γ, δ = map_[0], map_[1]
     if γ == 0.0 and δ == 0.0:
         return goal

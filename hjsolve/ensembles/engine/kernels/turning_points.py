@@ -97,7 +97,7 @@ def _onward(walk: SearchSide, inner: float, step: float) -> float:
 def _begun(walk: SearchSide, i: int, first: float, second: float) -> float:
     """The first step of the search of an orbit, 0 where there is nothing to search."""
     x, P, side, floor = walk.start[i], walk.momentum[i], walk.side, walk.floor
-    if not (math.isfinite(first) and P != 0.0 and side * (floor - x) > 0.0):
+    if not (math.isfinite(first) and (P != 0.0 or first != 0.0) and side * (floor - x) > 0.0):
         return 0.0
     size = min(abs(x) if x != 0.0 else 1.0, side * (floor - x))
     size = min(size, 0.2) if math.isfinite(walk.reach) else size
@@ -162,6 +162,8 @@ def _bracketed(bend: Program, walk: SearchSide, lanes: Lanes) -> None:
             if state[1, j] == _START:
                 inner[i], outer[i] = walk.start[i], np.nan
                 reals[0, j] = _begun(walk, i, first[j], second[j])
+                if walk.momentum[i] == 0.0 and walk.side * first[j] < 0.0:  # the start is a turning point
+                    outer[i], reals[0, j] = walk.start[i], 0.0
                 state[1, j], state[3, j] = _WALK, 1  # F falls from its top, too, where F′ is what rounding leaves
                 done, new = not reals[0, j] > 0.0, _onward(walk, inner[i], reals[0, j])
             else:

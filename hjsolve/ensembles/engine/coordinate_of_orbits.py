@@ -1,0 +1,83 @@
+"""One separated coordinate of many orbits: its programs, and where they start."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hjsolve.arithmetic.error_free import two_sum
+from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.ensembles.engine.constants import InitialConstants
+from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
+from hjsolve.ensembles.engine.programs import CoordinatePrograms, SystemPrograms
+
+
+@dataclass(frozen=True)
+class CoordinateOfOrbits:
+    """One coordinate of n orbits.
+
+    Attributes:
+        coordinate: which.
+        programs: its own.
+        parameters: of the programs.
+        q, P: starts, shape (n,).
+        constants, low, uncertainty: of the motion, in two doubles, shape (constants, n).
+    """
+
+    coordinate: Separated
+    programs: CoordinatePrograms
+    parameters: tuple[float, ...]
+    q: Reals
+    P: Reals
+    constants: Reals
+    low: Reals
+    uncertainty: Reals
+
+    @staticmethod
+    def of(model: Model, programs: SystemPrograms, start: InitialConstants, k: int) -> CoordinateOfOrbits:
+        """Return the k-th separated one.
+
+        Args:
+            model: the lowered solution.
+            programs: of the system.
+            start: of n orbits.
+            k: row.
+        """
+        q, P = (np.ascontiguousarray(x[k]) for x in (start.q, start.P))
+        known = programs.coordinates[k], programs.parameters
+        return CoordinateOfOrbits(model.separated[k], *known, q, P, start.values, start.low, start.uncertainty)
+
+    def take(self, index: Integers) -> CoordinateOfOrbits:
+        """Return some of the orbits.
+
+        Args:
+            index: which.
+        """
+        if len(index) == len(self.q):
+            return self
+        constants, low, uncertainty = (np.take(x, index, axis=1) for x in (self.constants, self.low, self.uncertainty))
+        q, P = self.q[index], self.P[index]
+        return replace(self, q=q, P=P, constants=constants, low=low, uncertainty=uncertainty)
+
+
+def offset(formula: LoweredFormula, q: Reals) -> Reals:
+    """Return x of a position: (q − origin)·sign with one rounding.
+
+    Args:
+        formula: with its origin.
+        q: positions, shape (n,).
+    """
+    s, e = two_sum(q, -formula.origin.high)
+    return formula.sign * (s + (e - formula.origin.low))
+
+
+def place(formula: LoweredFormula, x: Reals) -> Reals:
+    """Return the position at an offset.
+
+    Args:
+        formula: with its origin.
+        x: offsets, shape (n,).
+    """
+    found: Reals = formula.origin.high + (formula.origin.low + formula.sign * x)
+    return found
