@@ -163,8 +163,13 @@ class FirstDifferences(Generic[N]):
                 rise = a.unary("cos" if name == "sin" else "sin", middle)
                 rise = rise if name == "sin" else a.unary("neg", rise)
                 return a.mul(rise, a.div(a.unary("sin", h), h))
-            case "exp" | "sinh" | "cosh":
-                rise = a.unary({"exp": "exp", "sinh": "cosh", "cosh": "sinh"}[name], middle)
+            case "exp":  # e^(m + |h|) (1 − e^(−2|h|))/(2|h|): e^m sinh h is 0·∞ where the two are far apart
+                size = a.unary("abs", h)
+                turn = a.unary("tanh", size)
+                top = a.unary("exp", a.add(middle, size))
+                return a.mul(top, a.div(turn, a.mul(size, a.add(a.rational(1, 1), turn))))
+            case "sinh" | "cosh":
+                rise = a.unary({"sinh": "cosh", "cosh": "sinh"}[name], middle)
                 return a.mul(rise, a.div(a.unary("sinh", h), h))
             case _:
                 raise NotImplementedError(name)

@@ -78,3 +78,10 @@ def test_operations_have_a_hundred_bits(name: str) -> None:
             high, low = PAIRS[f"pair_{name}"](x, x_low, y, y_low)
             expected = rule(mpmath.mpf(x) + mpmath.mpf(x_low), mpmath.mpf(y) + mpmath.mpf(y_low))
             assert abs(mpmath.mpf(high) + mpmath.mpf(low) - expected) <= mpmath.mpf(2) ** -101 * abs(expected)
+
+
+def test_the_exponential_of_what_is_far_below_zero_is_zero() -> None:
+    # exp(−1e10 x²) made the constants of a narrow dip nan
+    assert tuple(PAIRS["pair_exp"](-1e10, 0.0)) == (0.0, 0.0)
+    assert tuple(PAIRS["pair_exp"](1e10, 0.0)) == (np.inf, 0.0)
+    assert np.isnan(PAIRS["pair_exp"](np.nan, 0.0)[0])

@@ -7,13 +7,11 @@ import numpy as np
 import pytest
 
 import hjsolve
-from hjsolve.arithmetic.machine.compiling import available
 from hjsolve.ensembles import engine as batch
 from hjsolve.ensembles.engine import Status
 from hjsolve.errors import InvalidInputError
 from tests.support import kuzmin_kutuzov as galaxy
 
-COMPILED = [False, *([True] if available() else [])]
 TIMED = frozenset({"actions", "frequencies", "periods", "angles", "turning_points", "constants"})
 
 
@@ -22,13 +20,11 @@ def apart(x: float, y: float) -> float:
     return abs((x - y + np.pi) % (2 * np.pi) - np.pi)
 
 
-@pytest.mark.nightly_cases("3-True")
-@pytest.mark.parametrize("compiled", COMPILED)
 @pytest.mark.parametrize("family", range(5))
-def test_kuzmin_kutuzov_orbits_meet_their_references(family: int, compiled: bool) -> None:
+def test_kuzmin_kutuzov_orbits_meet_their_references(family: int) -> None:
     data = galaxy.load()
     chosen = data["family"] == family
-    engine = batch.build(galaxy.solution(), frozenset({"actions", "frequencies"}), compiled=compiled)
+    engine = batch.build(galaxy.solution(), frozenset({"actions", "frequencies"}))
     columns = engine.run(*galaxy.start(data["prolate"][chosen]))
     assert (columns.status == Status.OK).all()
     for k, (quantity, name) in enumerate(galaxy.COLUMNS):
@@ -61,7 +57,7 @@ def test_numbers_and_errors_agree_with_single_orbits_at_thirty_digits(name: str)
     solution = hjsolve.solve(hjsolve.catalog.load(name))
     rng, count = np.random.default_rng(sum(map(ord, name))), 2
     q, p = ({c: rng.uniform(*span, count) for c, span in spans.items()} for spans in STARTS[name])
-    columns = batch.build(solution, TIMED, compiled=False).run(q, p)
+    columns = batch.build(solution, TIMED).run(q, p)
     assert (columns.status == Status.OK).any()
     for i in np.flatnonzero(columns.status == Status.OK):
         motion = solution.motion(
@@ -87,10 +83,9 @@ def test_numbers_and_errors_agree_with_single_orbits_at_thirty_digits(name: str)
             assert apart(float(angle), columns.angles[c][i]) <= columns.error[f"angles.{c}"][i] + 4e-15, c
 
 
-@pytest.mark.parametrize("compiled", COMPILED)
-def test_angles_grow_with_the_frequencies(compiled: bool) -> None:
+def test_angles_grow_with_the_frequencies() -> None:
     solution = galaxy.solution()
-    engine = batch.build(solution, frozenset({"frequencies", "angles"}), compiled=compiled)
+    engine = batch.build(solution, frozenset({"frequencies", "angles"}))
     data = galaxy.load()
     row = data["prolate"][5]
     q, p = ({c: float(v[0]) for c, v in part.items()} for part in galaxy.start(row[None]))
@@ -110,7 +105,7 @@ def test_a_rotation_winds_evenly_too() -> None:
     motion = solution.motion(q={"theta": 0.3}, p={"theta": -2.9})
     times = np.linspace(0, 9, 7)
     states = motion.at(times)
-    columns = batch.build(solution, frozenset({"frequencies", "angles"}), compiled=False).run(
+    columns = batch.build(solution, frozenset({"frequencies", "angles"})).run(
         {"theta": states.q["theta"]}, {"theta": states.p["theta"]}
     )
     assert (columns.status == Status.OK).all()
@@ -120,7 +115,7 @@ def test_a_rotation_winds_evenly_too() -> None:
 
 def test_frequencies_are_the_slopes_of_the_energy_over_the_actions() -> None:
     """ΔE = Σ Ω ΔJ to third order between two near orbits (trapezoid)."""
-    engine = batch.build(galaxy.solution(), frozenset({"constants", "actions", "frequencies"}), compiled=False)
+    engine = batch.build(galaxy.solution(), frozenset({"constants", "actions", "frequencies"}))
     row = galaxy.load()["prolate"][7]
     pair = np.stack([row, row * (1 + 1e-4 * np.array([0.3, -0.2, 0.5, 0.4, -0.6]))])
     columns = engine.run(*galaxy.start(pair))
@@ -133,7 +128,7 @@ def test_pendulum_towards_the_separatrix_is_right_or_left_alone() -> None:
     """T = 4 K(k); where the forbidden gap at θ = π is too narrow to be met, the orbit has no number, not a wrong one."""
     solution = hjsolve.solve(hjsolve.catalog.load("pendulum"))
     θ = np.array([np.pi - 2.0**-k for k in (1, 2, 4, 10, 16, 20)])
-    columns = batch.build(solution, frozenset({"actions", "periods"}), {"m": 1, "g": 1, "l": 1}, compiled=False).run(
+    columns = batch.build(solution, frozenset({"actions", "periods"}), {"m": 1, "g": 1, "l": 1}).run(
         {"theta": θ}, {"theta": np.full(6, 2.0**-30)}
     )
     assert (columns.status[:3] == Status.OK).all()
@@ -145,7 +140,7 @@ def test_pendulum_towards_the_separatrix_is_right_or_left_alone() -> None:
 
 
 def test_statuses_name_what_is_not_bounded() -> None:
-    kepler = batch.build(hjsolve.solve(hjsolve.catalog.load("kepler-planar")), frozenset({"actions"}), compiled=False)
+    kepler = batch.build(hjsolve.solve(hjsolve.catalog.load("kepler-planar")), frozenset({"actions"}))
     q = {"r": np.array([1.0, 1.0, -1.0, np.nan]), "theta": np.zeros(4)}
     p = {"r": np.array([0.1, 3.0, 0.1, 0.1]), "theta": np.ones(4)}
     columns = kepler.run(q, p)
@@ -155,7 +150,7 @@ def test_statuses_name_what_is_not_bounded() -> None:
     assert columns.status[3] != Status.OK
     assert np.isnan(columns.actions["r"][1:]).all()
     well = batch.build(
-        hjsolve.solve(hjsolve.catalog.load("double-well")), frozenset({"actions", "frequencies"}), compiled=False
+        hjsolve.solve(hjsolve.catalog.load("double-well")), frozenset({"actions", "frequencies"})
     )
     rest = well.run({"x": np.array([0.0])}, {"x": np.array([0.0])})
     assert rest.status[0] != Status.OK
@@ -166,7 +161,7 @@ def test_a_narrow_barrier_is_not_jumped_over() -> None:
     data = galaxy.load()
     row = data["prolate"][data["family"] == 0][:8].copy()
     row[:, 4] = 1e-9
-    columns = batch.build(galaxy.solution(), frozenset({"actions", "turning_points"}), compiled=False).run(
+    columns = batch.build(galaxy.solution(), frozenset({"actions", "turning_points"})).run(
         *galaxy.start(row)
     )
     good = columns.status == Status.OK
@@ -175,22 +170,8 @@ def test_a_narrow_barrier_is_not_jumped_over() -> None:
     assert (np.abs(columns.turning_points["w.upper"][good]) < np.pi / 2 + 1e-15).all()
 
 
-@pytest.mark.nightly
-def test_compiled_and_numpy_agree_within_their_claims() -> None:
-    if not available():
-        pytest.skip("numba is not installed")
-    rows = galaxy.load()["prolate"]
-    a, b = (
-        batch.build(galaxy.solution(), frozenset({"actions", "frequencies"}), compiled=flag).run(*galaxy.start(rows))
-        for flag in (True, False)
-    )
-    for name in ("u", "w"):
-        gap = np.abs(a.actions[name] - b.actions[name])
-        assert (gap <= a.error[f"actions.{name}"] + b.error[f"actions.{name}"]).all()
-
-
 def test_what_is_not_wanted_is_not_there() -> None:
-    columns = batch.build(galaxy.solution(), frozenset({"actions"}), compiled=False).run(
+    columns = batch.build(galaxy.solution(), frozenset({"actions"})).run(
         *galaxy.start(galaxy.load()["prolate"][:2])
     )
     assert not columns.frequencies

@@ -167,7 +167,7 @@ def test_an_orbit_whose_angles_are_lost_stops_nobody(monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(fallback, "_angles", lost)
     given = {"q": {"theta": [0.5, np.pi]}, "p": {"theta": [0.0, 1e-9]}}
-    batch = hjsolve.ensemble("pendulum", **given, want={"actions", "angles"}, compiled=False)
+    batch = hjsolve.ensemble("pendulum", **given, want={"actions", "angles"})
     assert batch.status.tolist() == ["ok", "not_converged"]
 
 

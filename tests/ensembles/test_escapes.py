@@ -42,7 +42,7 @@ def scattered(name: str, count: int, seed: int) -> dict[str, Any]:
 @pytest.mark.parametrize("name", ESCAPING)
 def test_what_is_proved_is_what_the_engine_of_single_motions_finds(name: str) -> None:
     starts = scattered(name, 30, 1)
-    batch = hjsolve.ensemble(solution(name), want=WANT, threads=1, compiled=False, fallback=False, **starts)
+    batch = hjsolve.ensemble(solution(name), want=WANT, threads=1, fallback=False, **starts)
     proved = np.flatnonzero(batch.codes == Status.UNBOUNDED)
     assert len(proved) > 2
     assert not batch.recomputed.any()
@@ -59,11 +59,7 @@ def test_what_is_proved_is_what_the_engine_of_single_motions_finds(name: str) ->
                 assert np.isnan(value)
 
 
-@pytest.mark.nightly_cases("True")
-@pytest.mark.parametrize("compiled", [False, True])
-def test_nearly_all_escapes_are_proved_and_none_of_a_bound_orbit(compiled: bool) -> None:
-    if compiled:
-        pytest.importorskip("numba")
+def test_nearly_all_escapes_are_proved_and_none_of_a_bound_orbit() -> None:
     rng = np.random.default_rng(5)
     count = 400
     r, theta = rng.uniform(0.5, 2, count), rng.uniform(0.2, 1.5, count)
@@ -71,7 +67,7 @@ def test_nearly_all_escapes_are_proved_and_none_of_a_bound_orbit(compiled: bool)
     speed = np.sqrt(np.maximum(2 * energy + 2 / r - (theta / r) ** 2, 0)) * rng.choice([-1, 1], count)
     batch = hjsolve.ensemble(
         solution("kepler-planar"), q={"r": r, "theta": 0}, p={"r": speed, "theta": theta}, want=WANT, threads=1,
-        fallback=False, compiled=compiled,
+        fallback=False,
     )  # fmt: skip
     exact = [
         Fraction(p) ** 2 / 2 + Fraction(h) ** 2 / (2 * Fraction(x) ** 2) - 1 / Fraction(x)
@@ -93,14 +89,14 @@ def test_a_narrow_barrier_on_the_way_is_not_overlooked(width: str) -> None:
         {"x": "line"}, "dot(x)**2/2", f"-exp(-x**2) + 5*exp(-((x - 23/3)/({width}))**2) + 5/cosh(x + 6)**2"
     )
     speeds = np.linspace(1.5, 3, 20)
-    batch = hjsolve.ensemble(barrier, q={"x": 0.0}, p={"x": speeds}, want=WANT, compiled=False, fallback=False)
+    batch = hjsolve.ensemble(barrier, q={"x": 0.0}, p={"x": speeds}, want=WANT, fallback=False)
     assert not (batch.codes == Status.UNBOUNDED).any()
 
 
 def test_a_start_beyond_a_barrier_has_the_turning_point_beyond_it() -> None:
     hill = hjsolve.System({"x": "line"}, "dot(x)**2/2", "2*exp(-x**2)")
     x, p = np.array([-3.0, 3.0, 3.0, -3.0, 0.5]), np.array([1.0, -1.0, 1.0, -1.0, 3.0])
-    batch = hjsolve.ensemble(hill, q={"x": x}, p={"x": p}, want=WANT, compiled=False, fallback=False)
+    batch = hjsolve.ensemble(hill, q={"x": x}, p={"x": p}, want=WANT, fallback=False)
     assert (batch.codes == Status.UNBOUNDED).all()
     energy = p**2 / 2 + 2 * np.exp(-(x**2))
     lower_end, upper_end = batch.turning_points["x"]
@@ -113,17 +109,17 @@ def test_a_start_beyond_a_barrier_has_the_turning_point_beyond_it() -> None:
 
 def test_an_end_of_a_domain_is_no_escape() -> None:
     wall = hjsolve.System({"x": "0 < x < 10"}, "dot(x)**2/2", "1/x")
-    batch = hjsolve.ensemble(wall, q={"x": [1.0, 2.0]}, p={"x": [3.0, -0.1]}, want=WANT, compiled=False, fallback=False)
+    batch = hjsolve.ensemble(wall, q={"x": [1.0, 2.0]}, p={"x": [3.0, -0.1]}, want=WANT, fallback=False)
     assert not (batch.codes == Status.UNBOUNDED).any()
 
 
 def test_without_the_proof_nothing_is_called_unbounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    def nothing(coordinate: object, parameters: object, found: object, q: np.ndarray) -> Any:
-        return np.zeros(len(q), dtype=bool), (np.full(len(q), np.nan), np.full(len(q), np.nan))
+    def nothing(one: Any, _model: object, offsets: np.ndarray) -> Any:
+        return np.zeros(len(one.q), dtype=bool), np.full_like(offsets, np.nan)
 
     monkeypatch.setattr(passes, "escaping", nothing)
     starts = scattered("projectile", 10, 1)
-    batch = hjsolve.ensemble(solution("projectile"), want=WANT, compiled=False, fallback=False, **starts)
+    batch = hjsolve.ensemble(solution("projectile"), want=WANT, fallback=False, **starts)
     assert (batch.codes == Status.NOT_CONVERGED).all()
 
 

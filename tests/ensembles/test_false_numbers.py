@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import pytest
 from mpmath import mp, mpf, sqrt
 
 import hjsolve
@@ -14,11 +13,9 @@ import hjsolve
 WANT = {"actions", "frequencies"}
 
 
-def _kepler(r: float, p: float, momenta: Sequence[float], *, compiled: bool) -> Any:
-    if compiled:
-        pytest.importorskip("numba")
+def _kepler(r: float, p: float, momenta: Sequence[float]) -> Any:
     start = {"q": {"r": r, "theta": 0}, "p": {"r": p, "theta": np.array(momenta)}}
-    return hjsolve.ensemble("kepler-planar", **start, want=WANT, compiled=compiled, shown=False, fallback=False)
+    return hjsolve.ensemble("kepler-planar", **start, want=WANT, shown=False, fallback=False)
 
 
 def _held(batch: Any, r: float, p: float, momenta: Sequence[float]) -> None:
@@ -37,8 +34,7 @@ def _held(batch: Any, r: float, p: float, momenta: Sequence[float]) -> None:
                 assert abs(value - truth) <= claim, (group, name, float(l), float(abs(value - truth) / claim))
 
 
-@pytest.mark.parametrize("compiled", [True, False])
-def test_an_eccentric_orbit_is_known_next_to_the_pole_however_far_its_other_end_is(compiled: bool) -> None:
+def test_an_eccentric_orbit_is_known_next_to_the_pole_however_far_its_other_end_is() -> None:
     # q = b - W y was rounded by an ulp of b where q was near a << b: the frequency of theta was off by 80 000 claims
     r, p, momenta = 1.3015750652476612, 0.799556899061829, [0.48, -0.011, 1e-3, 5.844038133153313e-05, -3e-6, 1e-8]
-    _held(_kepler(r, p, momenta, compiled=compiled), r, p, momenta)
+    _held(_kepler(r, p, momenta), r, p, momenta)

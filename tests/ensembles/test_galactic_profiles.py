@@ -144,7 +144,7 @@ def test_bound_orbits_agree_with_40_digits_and_others_are_proved_to_run_away(pro
     R, p, L = starts(profile, len(profile.text))
     system = hjsolve.System(PLANE, KINETIC, profile.text, dict(profile.numbers))
     batch = hjsolve.ensemble(
-        system, q={"R": R, "phi": 0}, p={"R": p, "phi": L}, want={"actions", "frequencies"}, compiled=False,
+        system, q={"R": R, "phi": 0}, p={"R": p, "phi": L}, want={"actions", "frequencies"},
         fallback=False,
     )  # fmt: skip
     for k in range(ORBITS):
@@ -167,7 +167,7 @@ def test_stars_in_kpc_and_km_s_turn_nowhere_that_p_squared_is_not_known_from_zer
     system = hjsolve.System(PLANE, KINETIC, "G*" + DEHNEN, numbers)
     energy = (outward**2 + along**2) / 2 + 4.30091e-6 * 6e10 / 1.5 * (np.sqrt(R / (R + 3)) - 1)
     batch = hjsolve.ensemble(
-        system, q={"R": R, "phi": 0}, velocity={"R": outward, "phi": along / R}, want={"actions"}, compiled=False,
+        system, q={"R": R, "phi": 0}, velocity={"R": outward, "phi": along / R}, want={"actions"},
         fallback=False,
     )  # fmt: skip
     assert list(batch.status) == ["unbounded" if e > 0 else "ok" for e in energy]
@@ -179,6 +179,6 @@ def test_a_narrow_crest_far_out_is_not_overlooked() -> None:
     R, p, L = np.linspace(1, 3, 8), np.linspace(1.0, 1.3, 8), np.full(8, 0.5)
     assert ((p**2 + (L / R) ** 2) / 2 - 1 / (R + 1) > 0).all()
     batch = hjsolve.ensemble(
-        system, q={"R": R, "phi": 0}, p={"R": p, "phi": L}, want={"actions"}, compiled=False, fallback=False
+        system, q={"R": R, "phi": 0}, p={"R": p, "phi": L}, want={"actions"}, fallback=False
     )
     assert not (batch.status == "unbounded").any()

@@ -4,25 +4,19 @@ from __future__ import annotations
 
 import mpmath
 import numpy as np
-import pytest
 
 import hjsolve
-from hjsolve.arithmetic.machine.compiling import available
 
 WANT = ("actions", "frequencies")
 
 
-@pytest.mark.nightly_cases("True")
-@pytest.mark.parametrize(
-    "compiled", [False, pytest.param(True, marks=pytest.mark.skipif(not available(), reason="numba"))]
-)
-def test_a_two_hundredth_of_the_depth_above_it_no_single_motion_is_needed(compiled: bool) -> None:
+def test_a_two_hundredth_of_the_depth_above_it_no_single_motion_is_needed() -> None:
     system = hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**4 - 2*x**2 + x/7")
     x = np.linspace(-0.5, 0.5, 100_001)
     saddle = (x**4 - 2 * x**2 + x / 7).max()
     q = np.full(12, -1.0)
     p = np.sqrt(2 * (saddle + np.geomspace(5e-3, 1.0, 12) + 1 + 1 / 7))
-    batch = hjsolve.ensemble(system, {"x": q}, {"x": p}, want=WANT, compiled=compiled, fallback=False)
+    batch = hjsolve.ensemble(system, {"x": q}, {"x": p}, want=WANT, fallback=False)
     assert batch.summary()["ok"] == len(q)
     solution = hjsolve.solve(system)
     for k in range(0, len(q), 3):

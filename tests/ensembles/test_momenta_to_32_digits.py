@@ -31,7 +31,7 @@ MANY = Multi(400)
 def map_of(coordinates: dict[str, str], potential: str, kind: str) -> ChartMap:
     kinetic = "(" + " + ".join(f"dot({name})**2" for name in coordinates) + ")/2"
     solution = hjsolve.solve(hjsolve.System(coordinates, kinetic, potential), coordinates="find")
-    model = build(solution, frozenset({"actions"}), compiled=False).model
+    model = build(solution, frozenset({"actions"})).model
     return chart_map(solution, model, parameter_values(solution.system, {}), kind)
 
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import hjsolve
-from hjsolve.arithmetic.machine.compiling import available
 
 COUNT = 40
 
@@ -35,13 +34,12 @@ def beside_a_barrier(seed: int) -> tuple[hjsolve.System, dict[str, np.ndarray], 
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=pytest.mark.skipif(not available(), reason="numba"))])
 @pytest.mark.parametrize("seed", [2, 11])
-def test_the_well_of_the_start_is_kept(seed: int, compiled: bool) -> None:
+def test_the_well_of_the_start_is_kept(seed: int) -> None:
     """No single motion is needed; actions, frequencies and turning points agree with those in 30 digits."""
     system, q, p = beside_a_barrier(seed)
     want = {"actions", "frequencies", "turning_points"}
-    batch = hjsolve.ensemble(system, q, p, want=want, compiled=compiled, fallback=False)
+    batch = hjsolve.ensemble(system, q, p, want=want, fallback=False)
     assert batch.summary()["ok"] == COUNT
     solution = hjsolve.solve(system)
     for k in range(0, COUNT, 4):

@@ -1,4 +1,4 @@
-"""The tables of the compiled pass serve every orbit and every thread."""
+"""The tables of nodes serve every orbit and every thread."""
 
 from __future__ import annotations
 

@@ -11,8 +11,9 @@ from mpmath import mp, mpf
 
 import hjsolve
 from hjsolve.ensembles import engine
-from hjsolve.ensembles.engine import midpoint_rule
 from hjsolve.ensembles.engine.clearance import Clearance
+from hjsolve.ensembles.engine.node_maps import COUNTS
+from hjsolve.ensembles.engine.proof_of_resolution import ResolutionProof
 from hjsolve.lowering import lower
 from tests.support.kuzmin_kutuzov import load, solution
 
@@ -83,32 +84,21 @@ def _error(found: hjsolve.Batch, quantity: str, value: mpf) -> float:
 @pytest.mark.parametrize("name", NARROW)
 def test_narrow_features_are_seen_by_ensembles(name: str) -> None:
     text, width, place = NARROW[name]
-    found = _orbits(text, compiled=False)
+    found = _orbits(text)
     assert found.status.item() == "ok"
     for quantity, value in zip(("actions", "periods"), _truth(text, width, place), strict=True):
         claim = found.error[quantity]["x"].item()
         assert _error(found, quantity, value) <= claim <= 1e-12 * abs(value)
 
 
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_narrow_features_are_seen_by_compiled_loops() -> None:
-    pytest.importorskip("numba")
-    text, width, place = NARROW["dip 0.05"]
-    found = _orbits(text, compiled=True)
-    action, period = _truth(text, width, place)
-    assert _error(found, "actions", action) <= found.error["actions"]["x"].item() <= 1e-11
-    assert _error(found, "periods", period) <= found.error["periods"]["x"].item() <= 1e-11
-
-
 def test_the_engine_itself_hands_back_what_it_cannot_prove() -> None:
-    assert _orbits(NARROW["dip 1e-5"][0], compiled=False, fallback=False).status.item() == "not_converged"
+    assert _orbits(NARROW["dip 1e-5"][0], fallback=False).status.item() == "not_converged"
 
 
 def test_without_the_proof_the_false_number_is_back(monkeypatch: pytest.MonkeyPatch) -> None:
     text, width, place = NARROW["dip 1e-5"]
-    monkeypatch.setattr(midpoint_rule, "least", lambda region, first: np.full(len(region.width), float(first)))
-    found = _orbits(text, compiled=False, fallback=False)
+    monkeypatch.setattr(ResolutionProof, "least", lambda self, left, maps, span: np.full(len(left), COUNTS.index(32)))
+    found = _orbits(text, fallback=False)
     period = _truth(text, width, place)[1]
     assert found.status.item() == "ok"
     assert _error(found, "periods", period) > 100 * found.error["periods"]["x"].item()
@@ -146,14 +136,15 @@ def test_the_frequencies_of_two_near_radial_orbits_are_right_to_1e_13() -> None:
     # u, w, p_u, p_w, p_φ as doubles; Ω_u, Ω_φ, Ω_w by ball arithmetic at 55 digits
     data = NEAR_RADIAL
     u, w, pu, pw, pφ = np.array([row[0] for row in data]).T
-    made = engine.build(solution(), frozenset({"actions", "frequencies"}), compiled=False)
+    made = engine.build(solution(), frozenset({"actions", "frequencies"}))
     columns = made.run({"u": u, "w": w, "phi": 0 * u}, {"u": pu, "w": pw, "phi": pφ})
     for k, name in enumerate(("u", "phi", "w")):
         exact = np.array([row[1][k] for row in data])
         size = np.abs(exact)
         error, claim = np.abs(columns.frequencies[name] - exact), columns.error[f"frequencies.{name}"]
         assert (error <= claim).all()
-        assert (claim <= 1e-13 * size).all()
+        assert (error <= 2e-14 * size).all()
+        assert (claim <= 3e-13 * size).all()
 
 
 def test_bound_orbits_that_are_not_computed_are_not_called_unbounded() -> None:
@@ -166,7 +157,7 @@ def test_bound_orbits_that_are_not_computed_are_not_called_unbounded() -> None:
 def test_no_warning_of_numpy_reaches_the_user() -> None:
     data = load()
     rows = data["prolate"][np.isin(data["family"], (1, 2))]  # nearly circular, nearly planar
-    made = engine.build(solution(), frozenset({"actions", "frequencies"}), compiled=False)
+    made = engine.build(solution(), frozenset({"actions", "frequencies"}))
     u, w, pu, pw, pφ = rows.T
     with warnings.catch_warnings():
         warnings.simplefilter("error")

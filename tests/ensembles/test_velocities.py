@@ -27,15 +27,12 @@ def _rates(prolate: np.ndarray) -> tuple[dict[str, np.ndarray], dict[str, np.nda
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=pytest.mark.slow)])
-def test_claims_hold_for_velocities(compiled: bool) -> None:
+def test_claims_hold_for_velocities() -> None:
     """Each family, against 30 digits from the same velocities; rounding p first would be off by its own floor."""
-    if compiled:
-        pytest.importorskip("numba")
     data = galaxy.load()
     chosen = np.array([np.flatnonzero(data["family"] == k)[3] for k in range(5)])
     q, v = _rates(data["prolate"][chosen])
-    batch = hjsolve.ensemble(galaxy.solution(), q, velocity=v, want=WANT, compiled=compiled, threads=1, fallback=False)
+    batch = hjsolve.ensemble(galaxy.solution(), q, velocity=v, want=WANT, threads=1, fallback=False)
     assert (batch.status == "ok").all()
     for k, orbit in enumerate(chosen):
         truth = galaxy.solution().motion(

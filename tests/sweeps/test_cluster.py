@@ -128,7 +128,7 @@ def test_a_worker_with_other_code_is_refused() -> None:
     from hjsolve.ensembles.orbits import task_for
     from hjsolve.sweeps.cluster import remote_part
 
-    task = task_for(hjsolve.solve(hjsolve.catalog.load("kepler-planar")), ("actions",), {}, "p", compiled=False)
+    task = task_for(hjsolve.solve(hjsolve.catalog.load("kepler-planar")), ("actions",), {}, "p")
     with pytest.raises(hjsolve.ClusterError, match="other code"):
         remote_part(task, {"hjsolve": "0.0.1"}, {})
 

@@ -144,14 +144,18 @@ def _shrunk(x: float, x_low: float) -> tuple[float, float, float]:
 
 @exactly
 def pair_exp(x: float, x_low: float) -> Two:
-    """Return the exponential, |x| ≤ 708.
+    """Return the exponential; 0 below −708, where doubles end, and infinity above 709.
 
     Args:
         x, x_low: a number.
     """
-    m, low, size = _shrunk(x, x_low)
+    y = min(max(x, -708.0), 709.0)
+    m, low, size = _shrunk(y, x_low if y == x else 0.0)
     m, low = pair_add(m, low, 1.0, 0.0)
-    return size * m, size * low
+    high, low = size * m, size * low
+    high, low = (0.0, 0.0) if x < -708.0 else (high, low)
+    high, low = (np.inf, 0.0) if x > 709.0 else (high, low)
+    return (high, low) if x == x else (x, x)
 
 
 @exactly

@@ -20,13 +20,14 @@ from hjsolve.ensembles.engine.kernels.types import VECTOR, Strips, Tables
 from hjsolve.ensembles.engine.nodes import EVEN, MOST, WARPS
 from hjsolve.ensembles.engine.strips_of_analyticity import across, covered_strip, disks, squares
 
-COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128, 160, 192, 256, 320, 384)
+COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128, 160, 192, 256, 320, 384, 512, 768, 1024)
 """Numbers of nodes: whole vectors of eight."""
 
 SAMPLES, STRETCHED_SAMPLES = 4, 12
 """Places at which rounding errors are looked at, beside the middle."""
 
 _WIDEST = COUNTS[-1]
+_FIRST = np.concatenate([[0], np.cumsum(COUNTS)])
 _WARPED = 5
 _MARGIN = 0.04
 _FROM_MIDDLE, _FROM_BELOW, _FROM_ABOVE = 0, 1, 2
@@ -192,18 +193,18 @@ def _shared_tables() -> Tables:
     """What depends on the sizes alone."""
     size = len(COUNTS)
     last, middle = np.zeros((size, 5, _WIDEST)), np.zeros((size, 3, _WIDEST))
-    cosines = np.zeros((size, _WIDEST, _WIDEST))
+    cosines = []
     squares, slopes = (np.zeros((2, size, _WIDEST)) for _ in range(2))
     for k, count in enumerate(COUNTS):
         table = nodes.libration_nodes(count, 0)
         last[k, :, :count], middle[k, :, :count] = table.cosines[table.last], table.cosines[table.middle][1:-1]
-        cosines[k, : count - 1, :count] = table.cosines
+        cosines.append(np.ascontiguousarray(table.cosines))
         for symmetry in (1, 2):
             squares[symmetry - 1, k, :count], slopes[symmetry - 1, k, : count - 1] = nodes.shifts(count, symmetry)
     none, counted = np.empty(0), np.empty(0, dtype=np.int64)
     return Tables(
-        maps=none, counts=np.array(COUNTS), low=none, high=none, root=none, split=counted, places=none,
-        samples=counted, spans=counted, last=last, middle=middle, cosines=cosines, squares=squares, slopes=slopes,
+        maps=none, counts=np.array(COUNTS), first=_FIRST, low=none, high=none, root=none, split=counted, places=none,
+        samples=counted, spans=counted, last=last, middle=middle, cosines=tuple(cosines), squares=squares, slopes=slopes,
     )  # fmt: skip
 
 
@@ -225,18 +226,14 @@ def _rows(key: NodeMap) -> dict[str, Elementwise]:
     if key.level:
         derivative = (2 * quarter / np.pi * derivative) * np.sqrt(complement * (1 + c * y) * (1 + d * x))
     root = derivative * np.sqrt(x * y)
-    low, high, roots = (np.zeros((len(COUNTS), _WIDEST)) for _ in range(3))
-    for part, values in ((low, x), (high, y), (roots, root)):
-        for k, row in enumerate(np.split(values[: -len(among)], np.cumsum(COUNTS)[:-1])):
-            part[k, : len(row)] = row
     places = np.zeros((4, STRETCHED_SAMPLES + len(farthest)))
     seen = np.stack([x, y, root, np.sin(χ.high) ** 2])[:, -len(among) :]
     places[:, :samples], places[:, STRETCHED_SAMPLES:] = seen[:, :samples], seen[:, samples:]
     return {
         "maps": np.array([*WARPS[key.node_map], quarter, complement, d, c, key.symmetry]),
-        "low": low,
-        "high": high,
-        "root": roots,
+        "low": x[: -len(among)],
+        "high": y[: -len(among)],
+        "root": root[: -len(among)],
         "split": split,
         "places": places,
         "samples": np.array(samples),

@@ -44,7 +44,8 @@ def _shifts(work: Scratch, residue: tuple[float, float], E: Reals, place: tuple[
     """
     (m, size, share), buffer, scratch, found = place, work.buffer, work.rows, work.found
     n, split, symmetry = tables.counts[size], tables.split[m, size, share], int(tables.maps[m, 6])
-    squares, slopes, low = tables.squares[symmetry - 1, size], tables.slopes[symmetry - 1, size], tables.low[m, size]
+    squares, slopes = tables.squares[symmetry - 1, size], tables.slopes[symmetry - 1, size]
+    low = tables.low[m, tables.first[size] : tables.first[size + 1]]
     constants = buffer.shape[0] - 3
     for j in range(n):
         scratch[0, j] = squares[j] / buffer[2, j]
@@ -221,7 +222,8 @@ def _nodes(fill: Program, which: int, at: int, motions: Motions, i: int, place: 
            tables: Tables) -> None:  # fmt: skip
     """Write nodes of one orbit that are seen from one end into the lanes of a program, from one lane on."""
     m, size, first, stop = place
-    low, high, root, W = tables.low[m, size], tables.high[m, size], tables.root[m, size], motions.width[i]
+    begin, end, W = tables.first[size], tables.first[size + 1], motions.width[i]
+    low, high, root = tables.low[m, begin:end], tables.high[m, begin:end], tables.root[m, begin:end]
     near, far = (low, high) if which == 0 else (high, low)
     b, s, h = (motions.lower[i] if which == 0 else motions.upper[i]), motions.signs[which], motions.homes[which, i]
     distances, places, roots = fill.registers[0], fill.registers[1], fill.registers[2]
@@ -251,7 +253,7 @@ def _packed(below: Side, above: Side, motions: Motions, span: tuple[int, int], t
         t = block[_LEFT, at]
         i, m, size = block[_ORBIT, t], block[_MAP, t], block[_SIZE, t]
         n, split = tables.counts[size], tables.split[m, size, motions.share[i]]
-        if low + split > LANES or high + n - split > LANES:
+        if at > span[0] and (low + split > LANES or high + n - split > LANES):
             break
         _nodes(below.fill, 0, low, motions, i, (m, size, 0, split), tables)
         if split < n:

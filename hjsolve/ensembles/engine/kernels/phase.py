@@ -156,7 +156,7 @@ def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int
     W, P, symmetry = motions.width[i], motions.momentum[i], map_[6]
     x, y = motions.left[i] / W, motions.right[i] / W
     end, tip, squares = tables.samples[motions.first[i]] - 1, n - 1, tables.squares[int(symmetry) - 1, size]
-    low, high = tables.low[m, size, 0], tables.high[m, size, tip]
+    low, high = tables.low[m, tables.first[size]], tables.high[m, tables.first[size] + tip]
     rounding = work.drift[t, 0] / squares[0] + work.noise[t, 0, 0] / (1.0 if chords else squares[0])
     blurred = work.drift[t, end] / squares[tip] + work.noise[t, 0, end] / (1.0 if chords else squares[tip])
     if symmetry == 2.0:

@@ -20,7 +20,7 @@ BLOCK = 16
 """Orbits that are integrated together."""
 
 LANES = 392
-"""Nodes that are worked out together: those of an orbit at most, and what stays in the cache."""
+"""Nodes that are worked out together, of one orbit or of several: what stays in the cache."""
 
 
 class Tables(NamedTuple):
@@ -29,7 +29,8 @@ class Tables(NamedTuple):
     Attributes:
         maps: γ₁, γ₂, K, k′², ρ_d, ρ_c and the symmetry of every map, shape (maps, 7).
         counts: numbers of nodes, shape (sizes,).
-        low, high: (q − a)/W and (b − q)/W at the nodes, shape (maps, sizes, widest).
+        first: the places of the first nodes of every size in the next three, shape (sizes + 1,).
+        low, high: (q − a)/W and (b − q)/W at the nodes of all sizes in a row, shape (maps, nodes).
         root: |dq/dχ|/W, the same shape.
         split: how many nodes are seen from the lower end, shape (maps, sizes, 3); see ``node_maps.views``.
         places: (q − a)/W, (b − q)/W, |dq/dχ|/W and sin²χ where errors are looked at, equally spaced in χ; and for every
@@ -38,12 +39,13 @@ class Tables(NamedTuple):
         spans: how many of them are seen from below, and the first and last beside which nodes are seen in both ways,
             shape (maps, 3, 3).
         last, middle: cosines of the convergence test, shape (sizes, 5 or 3, widest).
-        cosines: all of them, shape (sizes, widest, widest).
+        cosines: all of them, of every size an array of shape (nodes − 1, nodes).
         squares, slopes: ``nodes.shifts``, plain and folded, shape (2, sizes, widest).
     """
 
     maps: Reals
     counts: Integers
+    first: Integers
     low: Reals
     high: Reals
     root: Reals
@@ -53,7 +55,7 @@ class Tables(NamedTuple):
     spans: Integers
     last: Reals
     middle: Reals
-    cosines: Reals
+    cosines: tuple[Reals, ...]
     squares: Reals
     slopes: Reals
 
@@ -160,7 +162,7 @@ def scratch(tables: Tables, kernels: int) -> Scratch:
         tables: of nodes.
         kernels: how many are wanted.
     """
-    widest, most, rows = tables.low.shape[2], tables.places.shape[2] - FARTHEST, 1 + kernels
+    widest, most, rows = tables.last.shape[2], tables.places.shape[2] - FARTHEST, 1 + kernels
     lanes = looked_at(tables)
     shapes = {
         "buffer": (2 + rows, widest), "shares": (widest,), "rows": (3, widest), "noise": (BLOCK, rows, most),
@@ -189,9 +191,9 @@ def side(fill: Code, errors: Code, relative: Code | None, tables: Tables, parame
         tables: of nodes.
         parameters: their values.
     """
-    lanes = looked_at(tables)
+    lanes, nodes = looked_at(tables), max(LANES, tables.last.shape[2])
     last = errors if relative is None else relative
-    return Side(*(code.program(width, parameters) for code, width in ((fill, LANES), (errors, lanes), (last, lanes))))
+    return Side(*(code.program(width, parameters) for code, width in ((fill, nodes), (errors, lanes), (last, lanes))))
 
 
 class Modes(NamedTuple):
