@@ -20,10 +20,10 @@ import numpy as np
 
 import hjsolve
 from benchmarks.charted_systems import PLANE, SPACE, centre_of, system_named
+from hjsolve.arithmetic.machine.compiling import available
 from hjsolve.ensembles.charted import chart_map
 from hjsolve.ensembles.charted.charted_starts import charted_starts
 from hjsolve.ensembles.engine import build
-from hjsolve.arithmetic.machine.compiling import available
 from hjsolve.motion.initial_data import parameter_values
 
 _NAMES = (

@@ -14,7 +14,7 @@ pytest.importorskip("numba")
 RUN = """
 import numpy as np
 from numba.core import event
-from hjsolve.arithmetic.machine.rows import run_rows
+from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.machine.writer import InstructionWriter
 writer = InstructionWriter()
 x, y = writer.inputs(2)

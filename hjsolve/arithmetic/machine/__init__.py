@@ -1,8 +1,8 @@
 """A register machine for formulas: instructions as data, run over many lanes of doubles by loops compiled once.
 
 In: a tape (``hjsolve.arithmetic.tape``), run once in the arithmetic ``InstructionWriter``, which writes instructions
-down instead of computing. Out: a ``Code``, and a ``Program`` made of it with registers to work in. A formula that
-nobody has seen before, or a new value of a parameter, compiles nothing.
+down instead of computing. Out: a ``MachineCode``, and a ``MachineProgram`` made of it with registers to work in. A
+formula that nobody has seen before, or a new value of a parameter, compiles nothing.
 Read ``writer.py`` first, then ``code.py`` and ``run.py``. The operations stand in ``operations.py``; the decorators of
 kernels are in ``compiling.py``.
 """

@@ -1,4 +1,4 @@
-"""From written instructions to a ``Code``.
+"""From written instructions to a ``MachineCode``.
 
 What no result needs is left out, products are fused into sums, and rows are given out.
 """
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.machine.code import Code
+from hjsolve.arithmetic.machine.code import MachineCode
 from hjsolve.arithmetic.machine.operations import LENGTH, OPERATIONS, RESULTS
 
 Value = int
@@ -28,7 +28,7 @@ class Instruction(NamedTuple):
 def allocated(
     written: Sequence[Instruction], inputs: Sequence[Value], parameters: Sequence[Value],
     numbers: Mapping[Value, float], results: Sequence[Value],
-) -> Code:  # fmt: skip
+) -> MachineCode:  # fmt: skip
     """Return the code that works out some values.
 
     Rows of inputs, parameters and constants keep what is in them; so do those of what depends on parameters and
@@ -48,7 +48,7 @@ def allocated(
     fixed = [*inputs, *parameters, *constants, *(v for line in once for v in line.results)]
     row = {value: k for k, value in enumerate(fixed)}
     rows = _give_rows(rest, row, results)
-    return Code(
+    return MachineCode(
         _bytes(rest, row), _bytes(once, row), len(inputs), len(parameters), tuple(constants.values()),
         tuple(row[v] for v in results), rows,
     )  # fmt: skip

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.machine.operations import APART, LENGTH
-from hjsolve.arithmetic.machine.run import Program, prepared, run
+from hjsolve.arithmetic.machine.run import MachineProgram, prepared, run
 from hjsolve.arithmetic.number_types import Integers
 
 LANES = 8
@@ -18,7 +18,7 @@ LANES = 8
 
 
 @dataclass(frozen=True)
-class Code:
+class MachineCode:
     """Instructions for the machine; equal where they do the same in the same registers.
 
     Attributes:
@@ -59,7 +59,7 @@ class Code:
     def _apart(self) -> frozenset[int]:
         return frozenset(int(op) for part in (self.instructions, self._first) for op in part[:, 0] if op >= APART)
 
-    def program(self, width: int, parameters: Sequence[float] = ()) -> Program:
+    def program(self, width: int, parameters: Sequence[float] = ()) -> MachineProgram:
         """Return the code with registers of its own.
 
         Args:
@@ -71,8 +71,8 @@ class Code:
         registers[self.inputs : self.inputs + self.parameters + len(self.constants)] = np.reshape(known, (-1, 1))
         entry, others = prepared(self._apart)
         if len(self._first):
-            run(Program(entry, others, self._first, registers, self._results), registers.shape[1])
-        return Program(entry, others, self.instructions, registers, self._results)
+            run(MachineProgram(entry, others, self._first, registers, self._results), registers.shape[1])
+        return MachineProgram(entry, others, self.instructions, registers, self._results)
 
 
 def _instructions(written: bytes) -> Any:

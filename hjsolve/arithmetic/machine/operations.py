@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 
-class Operation(NamedTuple):
+class MachineOperation(NamedTuple):
     """An operation: its code, and how many registers it reads and fills."""
 
     code: int
@@ -38,7 +38,9 @@ _TABLE = (
     ("pair_acosh", 2, 2), ("pair_atanh", 2, 2),
 )  # fmt: skip
 
-OPERATIONS: dict[str, Operation] = {name: Operation(code, *counts) for code, (name, *counts) in enumerate(_TABLE)}
+OPERATIONS: dict[str, MachineOperation] = {
+    name: MachineOperation(code, *counts) for code, (name, *counts) in enumerate(_TABLE)
+}
 """All of them by name."""
 
 NAMES = tuple(OPERATIONS)

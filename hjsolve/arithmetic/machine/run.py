@@ -24,8 +24,8 @@ _ADDRESSES: Integers = np.zeros(len(NAMES), dtype=np.int64)
 _ONE_AT_A_TIME = RLock()
 
 
-class Program(NamedTuple):
-    """A code with registers to run in; made by ``Code.program``, one for each thread, never for another process.
+class MachineProgram(NamedTuple):
+    """A code with registers to run in; made by ``MachineCode.program``, one for each thread, never for another process.
 
     Attributes:
         entry: address of the machine; 0 where it runs as plain Python.
@@ -82,7 +82,7 @@ if available():
     from hjsolve.arithmetic.machine.intrinsics import call_machine
 
     @inlined
-    def run(program: Program, n: int) -> None:
+    def run(program: MachineProgram, n: int) -> None:
         """Run a program over its first n lanes; from kernels.
 
         Args:
@@ -98,7 +98,7 @@ if available():
 else:
     _LOOPS = {code: loop_of(name) for code, name in enumerate(NAMES) if code >= APART}
 
-    def run(program: Program, n: int) -> None:
+    def run(program: MachineProgram, n: int) -> None:
         """Run a program over its first n lanes.
 
         Args:

@@ -2,7 +2,7 @@
 
 Composite arithmetics (``jet``, ``running_error``, ``divided_differences``) write the programs of their components.
 What is equal is written once, constants are worked out at once, signs are moved into sums; ``allocation.py`` makes a
-``Code`` of it.
+``MachineCode`` of it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from fractions import Fraction
 from hjsolve.arithmetic.floats import by_squaring
 from hjsolve.arithmetic.machine.allocation import Instruction, allocated
 from hjsolve.arithmetic.machine.allocation import Value as Value
-from hjsolve.arithmetic.machine.code import Code as Code
+from hjsolve.arithmetic.machine.code import MachineCode as MachineCode
 from hjsolve.arithmetic.machine.operations import OPERATIONS
 from hjsolve.arithmetic.tape import UNARY
 
@@ -242,7 +242,7 @@ class InstructionWriter:
             return self.called(operation, x, results=2)[place]
         return self.called(name, x)[0]
 
-    def code(self, results: Sequence[Value]) -> Code:
+    def code(self, results: Sequence[Value]) -> MachineCode:
         """Return the code that works out some values, and nothing else.
 
         Args:

@@ -14,9 +14,9 @@ import numpy as np
 
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.machine.elementary import ROUNDINGS
+from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.machine.pair_writer import PairOfValues, PairWriter
-from hjsolve.arithmetic.machine.rows import run_rows
-from hjsolve.arithmetic.machine.writer import Code, InstructionWriter, Value
+from hjsolve.arithmetic.machine.writer import InstructionWriter, MachineCode, Value
 from hjsolve.arithmetic.number_types import N, Reals
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Arithmetic, Tape
@@ -45,7 +45,7 @@ class ExactStarts(NamedTuple):
     doubts: Reals
 
 
-class Formulas(NamedTuple):
+class ChartFormulas(NamedTuple):
     """The formulas of a map and of the system that it leads to, without the values of their parameters.
 
     Attributes:
@@ -66,14 +66,14 @@ class Formulas(NamedTuple):
     parameters: int
 
 
-def formulas_of(chart: ChartMap) -> Formulas:
+def formulas_of(chart: ChartMap) -> ChartFormulas:
     """Return the formulas of a map.
 
     Args:
         chart: the map.
     """
     parts = chart.model.separated
-    return Formulas(
+    return ChartFormulas(
         chart.step, chart.lifted, chart.model.rule, tuple(c.plain.squared for c in parts),
         tuple(c.index for c in parts), chart.order, len(chart.numbers), len(chart.model.numbers),
     )  # fmt: skip
@@ -110,7 +110,7 @@ def exact_point(chart: ChartMap, q: Reals, x: Reals, rates: Reals) -> list[Pair]
 
 # ---------------------------------------------------------------------------------------- formulas, in any arithmetic
 def exactly(
-    formulas: Formulas, pairs: Arithmetic[N], numbers: Sequence[N], parameters: Sequence[N], q: Sequence[N],
+    formulas: ChartFormulas, pairs: Arithmetic[N], numbers: Sequence[N], parameters: Sequence[N], q: Sequence[N],
     x: Sequence[N], rates: Sequence[N], *, moved: Callable[[N, N], N],
 ) -> tuple[list[N], list[N], list[N], list[N]]:  # fmt: skip
     """Return u, p_u, the constants and √F(û), in the order of the system.
@@ -137,7 +137,7 @@ def exactly(
 
 
 def _rounding(
-    formulas: Formulas, errors: RunningError[N], known: Known[N], given: tuple[list[N], list[N], list[N]],
+    formulas: ChartFormulas, errors: RunningError[N], known: Known[N], given: tuple[list[N], list[N], list[N]],
     constants: list[N],
 ) -> tuple[list[N], list[N]]:  # fmt: skip
     """What doubles lose of p_u and of F(û); two doubles lose 2⁻⁴⁴ of it at most."""
@@ -193,7 +193,7 @@ def parameter_values(chart: ChartMap) -> list[float]:
     ]
 
 
-def known_values(writer: InstructionWriter, formulas: Formulas) -> tuple[Known[Value], list[PairOfValues]]:
+def known_values(writer: InstructionWriter, formulas: ChartFormulas) -> tuple[Known[Value], list[PairOfValues]]:
     """Return the numbers of a map and the parameters of its system: in doubles with bounds, and in two doubles.
 
     Args:
@@ -206,7 +206,7 @@ def known_values(writer: InstructionWriter, formulas: Formulas) -> tuple[Known[V
 
 
 @lru_cache(maxsize=64)
-def _starts(formulas: Formulas, near: bool) -> Code:
+def _starts(formulas: ChartFormulas, near: bool) -> MachineCode:
     """The rows of ``ExactStarts``; with ``near`` functions of u come from those of û."""
     writer, n = InstructionWriter(), len(formulas.order)
     pairs, (q, x, rates) = PairWriter(writer), (writer.inputs(n) for _ in range(3))
@@ -226,7 +226,7 @@ def _starts(formulas: Formulas, near: bool) -> Code:
 
 
 @lru_cache(maxsize=64)
-def _point(formulas: Formulas) -> Code:
+def _point(formulas: ChartFormulas) -> MachineCode:
     """The exact positions, high parts and then low ones."""
     writer, n = InstructionWriter(), len(formulas.order)
     pairs = PairWriter(writer)

@@ -14,13 +14,13 @@ import numpy as np
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.machine.elementary import ROUNDINGS
-from hjsolve.arithmetic.machine.rows import run_rows
-from hjsolve.arithmetic.machine.writer import Code, InstructionWriter, Value
+from hjsolve.arithmetic.machine.over_rows import run_rows
+from hjsolve.arithmetic.machine.writer import InstructionWriter, MachineCode, Value
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.ensembles.charted.chart_map import ChartMap
 from hjsolve.ensembles.charted.inverse_arrays import inverse_arrays
-from hjsolve.ensembles.charted.momenta_to_32_digits import Formulas, formulas_of, known_values, parameter_values
+from hjsolve.ensembles.charted.momenta_to_32_digits import ChartFormulas, formulas_of, known_values, parameter_values
 
 _STEPS = {"ellipsoidal": 3, "paraboloidal": 3, "conical": 3}
 """Newton steps by kind, where it is not one."""
@@ -65,7 +65,7 @@ def carried(chart: ChartMap, x: Reals, rates: Reals) -> SeparatedStarts:
 
 
 @lru_cache(maxsize=64)
-def _written(formulas: Formulas, steps: int) -> Code:
+def _written(formulas: ChartFormulas, steps: int) -> MachineCode:
     """û, bounds on its errors, p̂ and bounds on its errors in the order of the chart, F′, F″."""
     plain, n = InstructionWriter(), len(formulas.order)
     errors, (u, x, rates) = RunningError(plain, own=ROUNDINGS), (plain.inputs(n) for _ in range(3))

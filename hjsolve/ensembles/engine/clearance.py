@@ -25,17 +25,12 @@ from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS, UNIT, Float64
 from hjsolve.arithmetic.number_types import Complexes, Elementwise, Integers, Mask, Reals
 from hjsolve.arithmetic.tape import Tape
+from hjsolve.ensembles.engine.kernels.clearance_tables import DEEPEST, DROPPED, QUARTER
 
 GROWTH = 100.0
 """How much larger than on the real axis functions may be in a disk."""
 
-DROPPED = 50
-"""Bits of a double that do not tell its cell: what is left are the exponent and two more."""
-QUARTER = 4
-"""Cells in a quarter of a turn."""
 _CELLS = 2 * QUARTER << (63 - DROPPED)
-DEEPEST = 7
-"""How often a cell may be halved in both directions."""
 _PARTS_OF = 4.0
 """Cells are halved until they are this many times smaller than the radius."""
 _COARSE = 20

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hjsolve.arithmetic.machine.rows import run_rows
+from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import SystemPrograms

@@ -18,8 +18,8 @@ from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS, Float64, Multi
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Jet, Jets
-from hjsolve.arithmetic.machine.code import Code
-from hjsolve.arithmetic.machine.rows import run_rows
+from hjsolve.arithmetic.machine.code import MachineCode
+from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Mpf, Reals, Which
 from hjsolve.arithmetic.sign_at_infinity import sign_beyond_for_all
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, place
@@ -170,7 +170,7 @@ def escaping(one: CoordinateOfOrbits, model: Model, offsets: Reals) -> tuple[Mas
 
 
 def _from_turning_point(
-    one: CoordinateOfOrbits, seen: LoweredFormula, slopes: Code, model: Model, x: Reals, outward: int
+    one: CoordinateOfOrbits, seen: LoweredFormula, slopes: MachineCode, model: Model, x: Reals, outward: int
 ) -> EscapeRoute:
     size = np.maximum(np.abs(x), np.abs(one.q - place(seen, x)))
     known = one.constants, one.uncertainty, model.numbers, model.exact

@@ -16,8 +16,9 @@ import numpy as np
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Elementwise, Integers, Mask, Reals
 from hjsolve.ensembles.engine import nodes
+from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
 from hjsolve.ensembles.engine.kernels.types import VECTOR, Strips, Tables
-from hjsolve.ensembles.engine.nodes import EVEN, MOST, WARPS
+from hjsolve.ensembles.engine.nodes import MOST
 from hjsolve.ensembles.engine.strips_of_analyticity import across, covered_strip, disks, squares
 
 COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128, 160, 192, 256, 320, 384, 512, 768, 1024)
@@ -204,7 +205,8 @@ def _shared_tables() -> Tables:
     none, counted = np.empty(0), np.empty(0, dtype=np.int64)
     return Tables(
         maps=none, counts=np.array(COUNTS), first=_FIRST, low=none, high=none, root=none, split=counted, places=none,
-        samples=counted, spans=counted, last=last, middle=middle, cosines=tuple(cosines), squares=squares, slopes=slopes,
+        samples=counted, spans=counted, last=last, middle=middle, cosines=tuple(cosines), squares=squares,
+        slopes=slopes,
     )  # fmt: skip
 
 

@@ -22,21 +22,13 @@ from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.arithmetic.reproducible_products import rowwise
+from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
 
 COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 768, 1024)
 """Numbers of nodes in use, over half a period (librations) or over a period (rotations, twice as many)."""
 
 MOST = 44
 """Least k′² in use: 4^−MOST."""
-
-WARPS = (
-    (0.0, 0.0), (-0.7, 0.0), (-0.495, 0.175), (0.0, 0.7), (0.495, 0.175), (0.7, 0.0), (0.0, 0.0), (0.0, 0.7),
-    (0.0, -0.7),
-)  # fmt: skip
-"""γ₁, γ₂: none, then crowded at χ = 0, π/4, π/2, 3π/4, π; for even motions none, at π/2, and at both ends."""
-
-EVEN = 6
-"""From here on the motion is even about its middle: half of the half period serves, series go in 2χ."""
 
 
 @dataclass(frozen=True, eq=False)

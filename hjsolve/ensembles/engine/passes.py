@@ -12,10 +12,10 @@ from hjsolve.ensembles.engine.constants import InitialConstants, initial_constan
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
 from hjsolve.ensembles.engine.escapes import escaping
 from hjsolve.ensembles.engine.kernels.types import Modes
-from hjsolve.ensembles.engine.librations import TurningPoints, librations, rough_ones
+from hjsolve.ensembles.engine.librating import TurningPoints, librations, rough_ones
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import SystemPrograms
-from hjsolve.ensembles.engine.rotations import going_round, rotations
+from hjsolve.ensembles.engine.rotating import going_round, rotations
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.status import ENDLESS, UNDECIDED, Status
 from hjsolve.ensembles.engine.sums import Sums, empty

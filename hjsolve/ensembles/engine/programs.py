@@ -18,33 +18,15 @@ from hjsolve.arithmetic.floats import UNIT
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.machine.elementary import ROUNDINGS
 from hjsolve.arithmetic.machine.pair_writer import PairOfValues, PairWriter
-from hjsolve.arithmetic.machine.writer import Code, InstructionWriter, Value
+from hjsolve.arithmetic.machine.writer import InstructionWriter, MachineCode, Value
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
-from hjsolve.arithmetic.second_differences import FUNCTIONS as SLOPES
-from hjsolve.arithmetic.second_differences import SecondDifference, SecondDifferences
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
-
-SMALL_KNOWN = 5
-"""Of small motions, beside the constants: q₀, P₀², F′₀, a bound on the error of F[q, q, q + x], W."""
-
-_ARITHMETIC = frozenset({"add", "sub", "mul", "div", "power", "rational", "pi"})
-_PLACE, _ROUNDED, _OFFSETS = 2 * UNIT, 6 * UNIT, 16 * UNIT
-"""Roundings of a place; of P₀² + x (F′₀ + …); of distances from turning points and of what they are multiplied with."""
+from hjsolve.ensembles.engine.program_parts import ARITHMETIC, MADE, PLACE, ParameterRows, error_of, filled
+from hjsolve.ensembles.engine.programs_of_small_motions import SmallPrograms, small_programs
 
 _RELATIVE, FINER = 4 * UNIT, 2.0**-44
 """Relative error of F from 32 digits, and the part of what doubles lose that 32 digits may lose."""
-
-_MADE = 256
-
-
-def has_slopes(formula: LoweredFormula) -> bool:
-    """Tell whether F[q₀, q₀, q] has (``second_differences``), so that small motions can be seen from their start.
-
-    Args:
-        formula: of p².
-    """
-    return {operation.code for operation in formula.squared.operations} <= SLOPES | _ARITHMETIC
 
 
 def sides(coordinate: Separated) -> tuple[LoweredFormula, LoweredFormula]:
@@ -66,16 +48,6 @@ def parameter_rows(numbers: Sequence[Pair]) -> list[float]:
     return [*high, *low, *(UNIT * abs(x) for x in high)]
 
 
-class _Parameters:
-    """The parameters of a system as values of a program."""
-
-    def __init__(self, writer: InstructionWriter, count: int):
-        rows = writer.parameters(3 * count)
-        self.plain = rows[:count]
-        self.pairs = [PairOfValues(*both) for both in zip(rows[:count], rows[count : 2 * count], strict=True)]
-        self.rounded = [WithErrorBound(*both) for both in zip(rows[:count], rows[2 * count :], strict=True)]
-
-
 @dataclass(frozen=True)
 class ViewPrograms:
     """Codes of one view of F.
@@ -90,33 +62,12 @@ class ViewPrograms:
         turn: as ``fill``, of motions that go round, far from all zeros of F: F is evaluated as it is written.
     """
 
-    bend: Code
-    slopes: Code
-    fill: Code
-    errors: Code
-    relative: Code | None
-    turn: Code
-
-
-@dataclass(frozen=True)
-class SmallPrograms:
-    """Codes of small motions about q₀, F(q₀ + x) = P₀² + x (F′₀ + x F[q₀, q₀, q₀ + x]); known: c and ``SMALL_KNOWN``.
-
-    Attributes:
-        value: x, known ↦ F[q₀, q₀, q₀ + x].
-        bounds: q, c, e ↦ ½F″ and three times its running error.
-        slope: q, c, low parts of c ↦ F′ to full relative accuracy, from 32 digits.
-        fill, errors, relative: as of a view, over known.
-        kernels: q, c, e ↦ the kernels, and bounds on their errors.
-    """
-
-    value: Code
-    bounds: Code
-    slope: Code
-    fill: Code
-    errors: Code
-    relative: Code | None
-    kernels: Code
+    bend: MachineCode
+    slopes: MachineCode
+    fill: MachineCode
+    errors: MachineCode
+    relative: MachineCode | None
+    turn: MachineCode
 
 
 @dataclass(frozen=True)
@@ -128,9 +79,9 @@ class ExactPrograms:
         fill, errors: as of a view, at distances d from a turning point.
     """
 
-    squares: Code
-    fill: Code
-    errors: Code
+    squares: MachineCode
+    fill: MachineCode
+    errors: MachineCode
     relative: None = None
 
 
@@ -160,7 +111,7 @@ class CoordinatePrograms:
     def small(self) -> SmallPrograms:
         """Codes of small motions."""
         plain = self.coordinate.plain
-        return _small(plain.squared, plain.full, self.constants, self.parameters, self.with_kernels)
+        return small_programs(plain.squared, plain.full, self.constants, self.parameters, self.with_kernels)
 
     @cached_property
     def exact(self) -> tuple[ExactPrograms, ExactPrograms]:
@@ -178,19 +129,19 @@ def _codes(tape: Tape) -> set[str]:
 
 
 def _chorded(squared: Tape) -> bool:
-    return bool(squared.operations) and _codes(squared) <= CHORDS | _ARITHMETIC
+    return bool(squared.operations) and _codes(squared) <= CHORDS | ARITHMETIC
 
 
 def _jet(writer: InstructionWriter, squared: Tape, constants: int, parameters: int) -> list[Value]:
     """F, F′, F″ at an input x."""
     jets = Jets(writer)
     x, *known = writer.inputs(1 + constants)
-    numbers = _Parameters(writer, parameters).plain
+    numbers = ParameterRows(writer, parameters).plain
     parts = squared.run(jets, [jets.variable(x), *(Jet(k) for k in (*known, *numbers))])[0]
     return [writer.number(0.0) if part is None else part for part in parts]
 
 
-@lru_cache(maxsize=_MADE)
+@lru_cache(maxsize=MADE)
 def _view(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool) -> ViewPrograms:
     writer = InstructionWriter()
     parts = _jet(writer, squared, constants, parameters)
@@ -205,11 +156,11 @@ def _view(squared: Tape, full: Tape, constants: int, parameters: int, kernels: b
     )
 
 
-def _fill(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool, chorded: bool) -> Code:
+def _fill(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool, chorded: bool) -> MachineCode:
     """F next to a turning point b is d F[b, b + d], which keeps its digits, where there are rules for that."""
     writer = InstructionWriter()
     d, x, root, b, *known = writer.inputs(4 + constants)
-    known += _Parameters(writer, parameters).plain
+    known += ParameterRows(writer, parameters).plain
     if chorded:
         chords = FirstDifferences(writer, d)
         (F,) = squared.run(chords, [chords.variable(b, x), *map(chords.constant, known)])
@@ -217,180 +168,32 @@ def _fill(squared: Tape, full: Tape, constants: int, parameters: int, kernels: b
         _, *weights = full.run(writer, [x, *known])
     else:
         square, *weights = (full if kernels else squared).run(writer, [x, *known])
-    return _filled(writer, root, square, weights)
+    return filled(writer, root, square, weights)
 
 
-def _filled(writer: InstructionWriter, root: Value, square: Value, weights: Sequence[Value]) -> Code:
-    r = writer.div(root, writer.unary("sqrt", square))
-    return writer.code([writer.mul(square, r), r, square, *(writer.mul(w, r) for w in weights)])
-
-
-def _errors(tape: Tape, constants: int, parameters: int) -> Code:
+def _errors(tape: Tape, constants: int, parameters: int) -> MachineCode:
     writer = InstructionWriter()
     x, blur, mask, *rows = writer.inputs(3 + 2 * constants)
-    numbers = _Parameters(writer, parameters)
+    numbers = ParameterRows(writer, parameters)
     known = [WithErrorBound(c, writer.mul(mask, e)) for c, e in zip(rows[:constants], rows[constants:], strict=True)]
     results = tape.run(RunningError(writer, own=ROUNDINGS), [WithErrorBound(x, blur), *known, *numbers.rounded])
-    return writer.code([*(_error(writer, r) for r in results), results[0].value])
+    return writer.code([*(error_of(writer, r) for r in results), results[0].value])
 
 
-def _error(writer: InstructionWriter, value: WithErrorBound[Value]) -> Value:
-    return writer.number(0.0) if value.error is None else value.error
-
-
-def _relative(squared: Tape, constants: int, parameters: int) -> Code:
+def _relative(squared: Tape, constants: int, parameters: int) -> MachineCode:
     writer = InstructionWriter()
     b, d, x, blur, *known = writer.inputs(4 + constants)
-    numbers = _Parameters(writer, parameters)
+    numbers = ParameterRows(writer, parameters)
     chords = FirstDifferences(RunningError(writer, own=ROUNDINGS), WithErrorBound(d))
     inputs = [chords.variable(WithErrorBound(b), WithErrorBound(x, blur))]
     inputs += [chords.constant(WithErrorBound(c)) for c in known]
     inputs += [chords.constant(x) for x in numbers.rounded]
     slope = squared.run(chords, inputs)[0].slope
-    return writer.code([writer.div(writer.unary("abs", _error(writer, slope)), writer.unary("abs", slope.value))])
-
-
-# ------------------------------------------------------------------------------------------------------- small motions
-def _second(squared: Tape, writer: InstructionWriter, known: Sequence[Value], start: Value, offset: Value) -> Value:
-    """F[b, b, b + x] of a start b."""
-
-    def elementary(name: str, x: Value, d: Value) -> tuple[Value, Value, Value]:
-        if name in {"sin", "cos"}:
-            s, c, bend_s, bend_c = writer.called("sincos_bends", x, d, results=4)
-            return (s, c, bend_s) if name == "sin" else (c, writer.unary("neg", s), bend_c)
-        if name in {"sinh", "cosh"}:
-            s, c, bend_s, bend_c = writer.called("sinhcosh_bends", x, d, results=4)
-            return (s, c, bend_s) if name == "sinh" else (c, s, bend_c)
-        if name == "exp":
-            e, bend = writer.called("exp_bend", x, d, results=2)
-            return e, e, bend
-        value, slope, bend = writer.called("log_bend", x, d, results=3)
-        return value, slope, bend
-
-    slopes = SecondDifferences(writer, offset, elementary, lambda x, y: writer.called("common_sign", x, y)[0])
-    result = squared.run(slopes, [slopes.variable(start), *map(SecondDifference, known)])[0]
-    return writer.number(0.0) if result.second is None else result.second
-
-
-def _square(writer: InstructionWriter, more: Sequence[Value], x: Value, second: Value) -> Value:
-    _, square, first, *_ = more
-    return writer.add(square, writer.mul(x, writer.add(first, writer.mul(x, second))))
-
-
-def _from_end(
-    squared: Tape, writer: InstructionWriter, known: Sequence[Value], more: Sequence[Value], b: Value, d: Value
-) -> tuple[Value, Value]:
-    """F[b, b + d] of a small motion from a turning point b, and the sizes of its two terms.
-
-    As F vanishes at both turning points, s W apart, F(b + d) = d (d F[b, b, b + d] − s W F[b, b, b + s W]). What F is
-    at the numbers that stand for them is left out by that, as a linear function.
-    """
-    origin, span = writer.add(more[0], b), writer.called("signed", d, more[4])[0]
-    here = writer.mul(d, _second(squared, writer, known, origin, d))
-    there = writer.mul(span, _second(squared, writer, known, origin, span))
-    return writer.sub(here, there), writer.add(writer.unary("abs", here), writer.unary("abs", there))
-
-
-@lru_cache(maxsize=_MADE)
-def _small(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool) -> SmallPrograms:
-    return SmallPrograms(
-        value=_small_value(squared, constants, parameters),
-        bounds=_small_bounds(squared, constants, parameters),
-        slope=_small_slope(squared, constants, parameters),
-        fill=_small_fill(squared, full, constants, parameters, kernels),
-        errors=_small_errors(squared, full, constants, parameters, kernels),
-        relative=_small_relative(squared, constants, parameters) if kernels else None,
-        kernels=_small_kernels(full, constants, parameters),
-    )
-
-
-def _small_value(squared: Tape, constants: int, parameters: int) -> Code:
-    writer = InstructionWriter()
-    x, *rows = writer.inputs(1 + constants + SMALL_KNOWN)
-    known = [*rows[:constants], *_Parameters(writer, parameters).plain]
-    return writer.code([_second(squared, writer, known, rows[constants], x)])
-
-
-def _small_bounds(squared: Tape, constants: int, parameters: int) -> Code:
-    """The bound holds for slopes nearby, too."""
-    writer = InstructionWriter()
-    x, *rows = writer.inputs(1 + 2 * constants)
-    numbers = _Parameters(writer, parameters)
-    jets = Jets(RunningError(writer, own=ROUNDINGS))
-    known = [*map(WithErrorBound, rows[:constants], rows[constants:]), *numbers.rounded]
-    place = WithErrorBound(x, writer.mul(writer.number(UNIT), writer.unary("abs", x)))
-    bend = squared.run(jets, [jets.variable(place), *map(Jet, known)])[0].second
-    if bend is None:
-        return writer.code([writer.number(0.0)] * 2)
-    size = writer.mul(writer.number(4 * UNIT), writer.unary("abs", bend.value))
-    error = writer.mul(writer.number(1.5), writer.add(_error(writer, bend), size))
-    return writer.code([writer.mul(writer.number(0.5), bend.value), error])
-
-
-def _small_slope(squared: Tape, constants: int, parameters: int) -> Code:
-    writer = InstructionWriter()
-    pairs = PairWriter(writer)
-    jets = Jets(pairs)
-    x, *rows = writer.inputs(1 + 2 * constants)
-    known = [PairOfValues(*both) for both in zip(rows[:constants], rows[constants:], strict=True)]
-    known += _Parameters(writer, parameters).pairs
-    first = squared.run(jets, [jets.variable(pairs.of(x)), *map(Jet, known)])[0].first
-    return writer.code([writer.number(0.0) if first is None else first.high])
-
-
-def _small_fill(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool) -> Code:
-    """With kernels F is seen from the turning points, where it keeps its digits."""
-    writer = InstructionWriter()
-    d, x, root, b, *rows = writer.inputs(4 + constants + SMALL_KNOWN)
-    known, more = [*rows[:constants], *_Parameters(writer, parameters).plain], rows[constants:]
-    if kernels:
-        square = writer.mul(d, _from_end(squared, writer, known, more, b, d)[0])
-        weights = full.run(writer, [writer.add(more[0], x), *known])[1:]
-    else:
-        square, weights = _square(writer, more, x, _second(squared, writer, known, more[0], x)), []
-    return _filled(writer, root, square, weights)
-
-
-def _small_errors(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool) -> Code:
-    writer = InstructionWriter()
-    x, _, mask, *rows = writer.inputs(3 + 2 * constants + SMALL_KNOWN)
-    c, more, e = rows[:constants], rows[constants : constants + SMALL_KNOWN], rows[constants + SMALL_KNOWN :]
-    numbers = _Parameters(writer, parameters)
-    value = _square(writer, more, x, _second(squared, writer, [*c, *numbers.plain], more[0], x))
-    wide = writer.mul(writer.number(2.0), writer.unary("abs", writer.mul(x, more[2])))
-    rounding = writer.mul(writer.number(_ROUNDED), writer.add(more[1], wide))
-    own = writer.add(rounding, writer.mul(writer.mul(x, x), more[3]))
-    others: list[Value] = []
-    if kernels:
-        q = writer.add(more[0], x)
-        place = WithErrorBound(q, writer.mul(writer.number(_PLACE), writer.unary("abs", q)))
-        known = [WithErrorBound(k, writer.mul(mask, lost)) for k, lost in zip(c, e, strict=True)]
-        results = full.run(RunningError(writer, own=ROUNDINGS), [place, *known, *numbers.rounded])[1:]
-        others = [_error(writer, r) for r in results]
-    return writer.code([own, *others, value])
-
-
-def _small_relative(squared: Tape, constants: int, parameters: int) -> Code:
-    writer = InstructionWriter()
-    b, d, _, _, *rows = writer.inputs(4 + constants + SMALL_KNOWN)
-    known, more = [*rows[:constants], *_Parameters(writer, parameters).plain], rows[constants:]
-    slope, terms = _from_end(squared, writer, known, more, b, d)
-    doubt = writer.mul(more[3], writer.add(writer.unary("abs", d), more[4]))
-    error = writer.add(doubt, writer.mul(writer.number(_OFFSETS), terms))
-    return writer.code([writer.div(error, writer.unary("abs", slope))])
-
-
-def _small_kernels(full: Tape, constants: int, parameters: int) -> Code:
-    writer = InstructionWriter()
-    q, *rows = writer.inputs(1 + 2 * constants)
-    known = [*map(WithErrorBound, rows[:constants], rows[constants:]), *_Parameters(writer, parameters).rounded]
-    place = WithErrorBound(q, writer.mul(writer.number(_PLACE), writer.unary("abs", q)))
-    results = full.run(RunningError(writer, own=ROUNDINGS), [place, *known])[1:]
-    return writer.code([*(r.value for r in results), *(_error(writer, r) for r in results)])
+    return writer.code([writer.div(writer.unary("abs", error_of(writer, slope)), writer.unary("abs", slope.value))])
 
 
 # ------------------------------------------------------------------------------------------------------- 32 digits
-@lru_cache(maxsize=_MADE)
+@lru_cache(maxsize=MADE)
 def _exact(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool, upper: bool) -> ExactPrograms:
     return ExactPrograms(
         squares=_squares(squared, constants, parameters),
@@ -399,16 +202,16 @@ def _exact(squared: Tape, full: Tape, constants: int, parameters: int, kernels: 
     )
 
 
-def _squares(squared: Tape, constants: int, parameters: int) -> Code:
+def _squares(squared: Tape, constants: int, parameters: int) -> MachineCode:
     writer = InstructionWriter()
     x, low, *rows = writer.inputs(2 + 2 * constants)
     known = [PairOfValues(*both) for both in zip(rows[:constants], rows[constants:], strict=True)]
-    known += _Parameters(writer, parameters).pairs
+    known += ParameterRows(writer, parameters).pairs
     return writer.code([squared.run(PairWriter(writer), [PairOfValues(x, low), *known])[0].high])
 
 
 def _at(
-    squared: Tape, writer: InstructionWriter, rows: Sequence[Value], numbers: _Parameters, d: Value, upper: bool
+    squared: Tape, writer: InstructionWriter, rows: Sequence[Value], numbers: ParameterRows, d: Value, upper: bool
 ) -> tuple[Value, Value]:
     """F at a distance d from a turning point, and the place in doubles."""
     pairs, constants = PairWriter(writer), (len(rows) - 4) // 2
@@ -418,16 +221,18 @@ def _at(
     return squared.run(pairs, [place, *known, *numbers.pairs])[0].high, place.high
 
 
-def _exact_fill(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool, upper: bool) -> Code:
+def _exact_fill(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool, upper: bool) -> MachineCode:
     writer = InstructionWriter()
     d, _, root, _, *rows = writer.inputs(4 + 2 * constants + 4)
-    numbers = _Parameters(writer, parameters)
+    numbers = ParameterRows(writer, parameters)
     square, place = _at(squared, writer, rows, numbers, d, upper)
     weights = full.run(writer, [place, *rows[:constants], *numbers.plain])[1:] if kernels else []
-    return _filled(writer, root, square, weights)
+    return filled(writer, root, square, weights)
 
 
-def _exact_errors(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool, upper: bool) -> Code:
+def _exact_errors(
+    squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool, upper: bool
+) -> MachineCode:
     """F is known relatively, but for a part of what doubles lose of it, and for the rounding of d, which moves it.
 
     The errors of the constants are never told apart.
@@ -435,9 +240,9 @@ def _exact_errors(squared: Tape, full: Tape, constants: int, parameters: int, ke
     writer = InstructionWriter()
     d, _, _, *rows = writer.inputs(3 + 2 * constants + 4 + constants)
     rows, e = rows[:-constants], rows[-constants:]
-    numbers = _Parameters(writer, parameters)
+    numbers = ParameterRows(writer, parameters)
     square, place = _at(squared, writer, rows, numbers, d, upper)
-    blur = writer.mul(writer.number(_PLACE), writer.unary("abs", place))
+    blur = writer.mul(writer.number(PLACE), writer.unary("abs", place))
     known = [*map(WithErrorBound, rows[:constants], e), *numbers.rounded]
     inputs = [WithErrorBound(place, blur), *known]
     rough, *others = (full if kernels else squared).run(RunningError(writer, own=ROUNDINGS), inputs)
@@ -445,17 +250,17 @@ def _exact_errors(squared: Tape, full: Tape, constants: int, parameters: int, ke
     known_ = [*rows[:constants], *numbers.plain]
     first = squared.run(jets, [jets.variable(place), *map(Jet, known_)])[0].first
     slope = writer.number(0.0) if first is None else first
-    moved = writer.mul(writer.number(_PLACE), writer.unary("abs", writer.mul(d, slope)))
+    moved = writer.mul(writer.number(PLACE), writer.unary("abs", writer.mul(d, slope)))
     own = writer.add(
         writer.mul(writer.number(_RELATIVE), writer.unary("abs", square)),
-        writer.add(moved, writer.mul(writer.number(FINER), _error(writer, rough))),
+        writer.add(moved, writer.mul(writer.number(FINER), error_of(writer, rough))),
     )
-    return writer.code([own, *(_error(writer, r) for r in others), square])
+    return writer.code([own, *(error_of(writer, r) for r in others), square])
 
 
 # ------------------------------------------------------------------------------------------------------- starts
-@lru_cache(maxsize=_MADE)
-def start_code(rule: Tape, shift: Tape, indices: tuple[int, ...], coordinates: int, parameters: int) -> Code:
+@lru_cache(maxsize=MADE)
+def start_code(rule: Tape, shift: Tape, indices: tuple[int, ...], coordinates: int, parameters: int) -> MachineCode:
     """Return the code of the constants.
 
     q, p, low parts of p, bounds on p's errors in doubles ↦ the constants, their low parts, bounds on their errors, and
@@ -469,10 +274,10 @@ def start_code(rule: Tape, shift: Tape, indices: tuple[int, ...], coordinates: i
     """
     writer, n = InstructionWriter(), coordinates
     rows = writer.inputs(4 * n)
-    numbers = _Parameters(writer, parameters)
+    numbers = ParameterRows(writer, parameters)
     places, momenta, low, spread = (rows[k : k + n] for k in range(0, 4 * n, n))
     given = [*map(WithErrorBound, places), *map(WithErrorBound, momenta, spread), *numbers.rounded]
-    errors = [_error(writer, r) for r in rule.run(RunningError(writer, own=ROUNDINGS), given)]
+    errors = [error_of(writer, r) for r in rule.run(RunningError(writer, own=ROUNDINGS), given)]
     pairs = PairWriter(writer)
     inputs = [*map(pairs.of, places), *map(PairOfValues, momenta, low), *numbers.pairs]
     constants, shifts = rule.run(pairs, inputs), shift.run(pairs, inputs)
@@ -494,7 +299,7 @@ class SystemPrograms:
         parameters: their values, for every code.
     """
 
-    start: Code
+    start: MachineCode
     coordinates: tuple[CoordinatePrograms, ...]
     parameters: tuple[float, ...]
 

@@ -1,7 +1,7 @@
 """Proof that the nodes of an orbit resolve p² and its kernels, so that nothing can hide between them.
 
-The midpoint rule judges itself by its last coefficients (``kernels.rule``): that says nothing of a dip narrower than
-the distance of the nodes. So the rule is only believed where p² is proved to be known between the nodes: its parts
+The midpoint rule judges itself by its last coefficients (``kernels.midpoint_rule``): that says nothing of a dip
+narrower than the distance of the nodes. So the rule is only believed where p² is proved to be known between the nodes: its parts
 (``clearance``) are analytic in the strip about the nodes (``strips_of_analyticity``) and do not grow there. Their
 coefficients then fall geometrically from the first one on, and what is beyond the nodes is less than the rounding that
 claims count.
@@ -20,7 +20,7 @@ import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.ensembles.engine.clearance import Clearance
-from hjsolve.ensembles.engine.kernels.glances import glances
+from hjsolve.ensembles.engine.kernels.clearance_tables import glances
 from hjsolve.ensembles.engine.kernels.types import Clearances, Motions
 from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMaps
 

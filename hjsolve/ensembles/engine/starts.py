@@ -14,9 +14,9 @@ import numpy as np
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import UNIT
 from hjsolve.arithmetic.machine.elementary import ROUNDINGS
+from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.machine.pair_writer import PairWriter
-from hjsolve.arithmetic.machine.rows import run_rows
-from hjsolve.arithmetic.machine.writer import Code, InstructionWriter
+from hjsolve.arithmetic.machine.writer import InstructionWriter, MachineCode
 from hjsolve.arithmetic.number_types import Reals, Which
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
@@ -54,13 +54,13 @@ class MomentumRule:
         known = [float(part) for pair in self.numbers for part in pair]
         return self._run(_exact(self.tape, len(self.numbers)), known, q, velocity)
 
-    def _run(self, code: Code, known: list[float], q: Reals, velocity: Reals) -> tuple[Reals, Reals]:
+    def _run(self, code: MachineCode, known: list[float], q: Reals, velocity: Reals) -> tuple[Reals, Reals]:
         one, other = np.split(run_rows(code, known, np.concatenate([q, velocity])), 2)
         return one, other
 
 
 @lru_cache(maxsize=64)
-def _rounded(tape: Tape, parameters: int) -> Code:
+def _rounded(tape: Tape, parameters: int) -> MachineCode:
     """Momenta and bounds on their errors, in doubles."""
     writer = InstructionWriter()
     given = [WithErrorBound(x) for x in writer.inputs(len(tape.inputs) - parameters)]
@@ -71,7 +71,7 @@ def _rounded(tape: Tape, parameters: int) -> Code:
 
 
 @lru_cache(maxsize=64)
-def _exact(tape: Tape, parameters: int) -> Code:
+def _exact(tape: Tape, parameters: int) -> MachineCode:
     """Momenta in two doubles, high parts and then low ones."""
     writer = InstructionWriter()
     pairs = PairWriter(writer)

@@ -17,7 +17,8 @@ import numpy as np
 from hjsolve.arithmetic.elliptic import quarter_period
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Complexes, Mask, Reals
-from hjsolve.ensembles.engine.nodes import EVEN, WARPS, Nodes
+from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
+from hjsolve.ensembles.engine.nodes import Nodes
 from hjsolve.one_coordinate.complex_anomaly import jacobi_complex
 
 EXPONENT = 36.0

@@ -12,7 +12,7 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.machine.compiling import inlined, kernel
-from hjsolve.arithmetic.machine.run import Program, run
+from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Integers, Reals
 
 _FIXED = 40  # secant steps
@@ -28,7 +28,8 @@ def _quadratic(square: float, outward: float, bend: float) -> float:
 
 
 @inlined
-def _solved(value: Program, known: Reals, first: int, side: float, places: Reals, work: Reals, on: Integers) -> None:
+def _solved(value: MachineProgram, known: Reals, first: int, side: float, places: Reals, work: Reals,
+            on: Integers) -> None:  # fmt: skip
     """The turning points of a block of orbits on one side; ``work``: ½F″, d, d before, and what was off then."""
     width, m = value.registers.shape[1], known.shape[0] - 5
     count = min(width, known.shape[1] - first)
@@ -67,7 +68,7 @@ def _solved(value: Program, known: Reals, first: int, side: float, places: Reals
 
 
 @inlined
-def _bounded(bounds: Program, known: Reals, uncertainty: Reals, first: int, count: int, row: Reals) -> None:
+def _bounded(bounds: MachineProgram, known: Reals, uncertainty: Reals, first: int, count: int, row: Reals) -> None:
     """Bounds on the error of F[b, b, q] at places that lie in the program's first register."""
     m = uncertainty.shape[0]
     for k in range(m):
@@ -83,8 +84,8 @@ def _bounded(bounds: Program, known: Reals, uncertainty: Reals, first: int, coun
 
 @kernel
 def small_ends(
-    value: Program, bounds: Program, known: Reals, uncertainty: Reals, floors: Reals, places: Reals, work: Reals,
-    on: Integers,
+    value: MachineProgram, bounds: MachineProgram, known: Reals, uncertainty: Reals, floors: Reals, places: Reals,
+    work: Reals, on: Integers,
 ) -> None:  # fmt: skip
     """Turning points of small motions; NaN where a motion is not as small as that.
 

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.machine.run import Program
-from hjsolve.arithmetic.machine.writer import Code
+from hjsolve.arithmetic.machine.run import MachineProgram
+from hjsolve.arithmetic.machine.writer import MachineCode
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 
 VECTOR = 8
@@ -92,7 +92,7 @@ class Motions(NamedTuple):
 
 
 class Results(NamedTuple):
-    """Arrays that are filled: those of ``midpoint_rule.Sums``, and size and map that were chosen, shape (2, n)."""
+    """Arrays that are filled: those of ``sums.Sums``, and size and map that were chosen, shape (2, n)."""
 
     action: Reals
     action_error: Reals
@@ -115,9 +115,9 @@ class Side(NamedTuple):
         errors, relative: of the places where errors are looked at; the last one is not used without chords.
     """
 
-    fill: Program
-    errors: Program
-    relative: Program
+    fill: MachineProgram
+    errors: MachineProgram
+    relative: MachineProgram
 
 
 class Scratch(NamedTuple):
@@ -183,7 +183,9 @@ def looked_at(tables: Tables) -> int:
     return VECTOR * (BLOCK * (2 * most + 3) // VECTOR + 1)
 
 
-def side(fill: Code, errors: Code, relative: Code | None, tables: Tables, parameters: tuple[float, ...]) -> Side:
+def side(
+    fill: MachineCode, errors: MachineCode, relative: MachineCode | None, tables: Tables, parameters: tuple[float, ...]
+) -> Side:
     """Return the programs of one half with registers for a block.
 
     Args:

@@ -13,7 +13,7 @@ from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.machine.compiling import inlined, reducing
 from hjsolve.arithmetic.machine.elementary import sincos
 from hjsolve.arithmetic.number_types import Reals
-from hjsolve.ensembles.engine.kernels.rule import dot
+from hjsolve.ensembles.engine.kernels.midpoint_rule import dot
 from hjsolve.ensembles.engine.kernels.types import Motions, Scratch, Tables
 
 _CLOSE = 0.05

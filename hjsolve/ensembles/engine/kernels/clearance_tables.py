@@ -1,13 +1,18 @@
-"""Looks at tables of clearances: which number of nodes is proved to resolve an orbit; see ``resolution``."""
+"""Looks at tables of clearances: which number of nodes is proved to resolve an orbit; see ``proof_of_resolution``."""
 
 from __future__ import annotations
 
 from hjsolve.arithmetic.machine.compiling import inlined, kernel
 from hjsolve.arithmetic.machine.intrinsics import as_bits
 from hjsolve.arithmetic.number_types import Integers, Reals
-from hjsolve.ensembles.engine.clearance import DEEPEST, DROPPED, QUARTER
 from hjsolve.ensembles.engine.kernels.types import Clearances, Motions, Strips
 
+DROPPED = 50
+"""Bits of a double that do not tell its cell: what is left are the exponent and two more."""
+QUARTER = 4
+"""Cells in a quarter of a turn."""
+DEEPEST = 7
+"""How often a cell may be halved in both directions."""
 _DROPPED, _QUARTER, _DEEPEST, _TURNS = DROPPED, QUARTER, DEEPEST, QUARTER << DEEPEST
 _NOT_COVERED = -3
 _UNTOLD = -2
@@ -58,7 +63,7 @@ def glances(motions: Motions, room: Reals, span: Integers, strips: Strips, low: 
 
     Args:
         motions: of n orbits.
-        room: see ``resolution.room``, shape (n,).
+        room: see ``proof_of_resolution.room``, shape (n,).
         span: the sizes that are looked at, first and end, shape (2, n). The first moves on to where the tables failed.
         strips: the disks.
         low, high: tables for the views of the lower and of the upper half.

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hjsolve.arithmetic.machine.code import LANES, Code
+from hjsolve.arithmetic.machine.code import LANES, MachineCode
 from hjsolve.arithmetic.machine.compiling import kernel
-from hjsolve.arithmetic.machine.run import Program, run
+from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Reals
 
 WIDTH = 128
@@ -16,7 +16,7 @@ WIDTH = 128
 
 
 @kernel
-def rows(program: Program, given: Reals, made: Reals) -> None:
+def rows(program: MachineProgram, given: Reals, made: Reals) -> None:
     """Run a program over n orbits.
 
     Args:
@@ -41,7 +41,7 @@ def rows(program: Program, given: Reals, made: Reals) -> None:
                 made[k, first + j] = registers[row, j]
 
 
-def run_rows(code: Code, parameters: Sequence[float], given: Reals) -> Reals:
+def run_rows(code: MachineCode, parameters: Sequence[float], given: Reals) -> Reals:
     """Run a code over n orbits.
 
     Args:

@@ -6,19 +6,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.machine.rows import run_rows
+from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Complexes, Integers, Reals
 from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
-from hjsolve.ensembles.engine.kernels.rotations import Rounds, TurnScratch
-from hjsolve.ensembles.engine.kernels.rotations import rotations as integrated
+from hjsolve.ensembles.engine.kernels.turn_integrals import Rounds, TurnScratch
+from hjsolve.ensembles.engine.kernels.turn_integrals import rotations as integrated
 from hjsolve.ensembles.engine.kernels.types import Modes, Results
+from hjsolve.ensembles.engine.maps_of_turns import COUNTS, turn_maps
 from hjsolve.ensembles.engine.nodes import rotation_nodes
 from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.engine.rotation_anomalies import SlowPlaces, slow_places
 from hjsolve.ensembles.engine.strips_of_analyticity import covered_turn
 from hjsolve.ensembles.engine.sums import Sums, empty
-from hjsolve.ensembles.engine.turn_maps import COUNTS, turn_maps
 from hjsolve.ensembles.engine.turned_circle import moved_disks
 
 _POINTS = 32

@@ -14,18 +14,19 @@ import numpy as np
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair, two_sum
 from hjsolve.arithmetic.floats import EPS, UNIT
-from hjsolve.arithmetic.machine.rows import run_rows
+from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place
 from hjsolve.ensembles.engine.kernels import types
-from hjsolve.ensembles.engine.kernels.integrals import integrals
+from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
+from hjsolve.ensembles.engine.kernels.cycle_integrals import integrals
+from hjsolve.ensembles.engine.kernels.outward_search import Lanes, SearchSide, smallness, turning_points
 from hjsolve.ensembles.engine.kernels.small_motions import small_ends
-from hjsolve.ensembles.engine.kernels.turning_points import Lanes, SearchSide, smallness, turning_points
 from hjsolve.ensembles.engine.kernels.types import Modes, Motions, Results
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMaps, fitting, node_maps, views
-from hjsolve.ensembles.engine.nodes import EVEN, WARPS
-from hjsolve.ensembles.engine.programs import ExactPrograms, SmallPrograms, ViewPrograms, has_slopes, sides
+from hjsolve.ensembles.engine.programs import ExactPrograms, ViewPrograms, sides
+from hjsolve.ensembles.engine.programs_of_small_motions import SmallPrograms, has_slopes
 from hjsolve.ensembles.engine.proof_of_resolution import ResolutionProof, least_at_a_glance
 from hjsolve.ensembles.engine.sums import Sums, empty
 

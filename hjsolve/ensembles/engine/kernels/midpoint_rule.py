@@ -14,8 +14,8 @@ import numpy as np
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.machine.compiling import inlined, reducing
 from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
 from hjsolve.ensembles.engine.kernels.types import Modes, Scratch, Tables
-from hjsolve.ensembles.engine.nodes import EVEN, WARPS
 
 _EVEN = EVEN
 _UNSTRETCHED = len(WARPS)

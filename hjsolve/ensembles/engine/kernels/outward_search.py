@@ -15,7 +15,7 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.machine.compiling import inlined, kernel
-from hjsolve.arithmetic.machine.run import Program, run
+from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Integers, Reals
 
 _SWEEPS = 5  # Newton steps for a whole block of orbits, before those that still move get lanes of their own
@@ -74,7 +74,7 @@ def _first_step(P: float, outward: float, bend: float, size: float) -> float:
 
 
 @inlined
-def _load(bend: Program, walk: SearchSide, lanes: Lanes, j: int, i: int, x: float, doing: int) -> None:
+def _load(bend: MachineProgram, walk: SearchSide, lanes: Lanes, j: int, i: int, x: float, doing: int) -> None:
     """Give a lane the next orbit; i = n for none."""
     state, registers = lanes.state, bend.registers
     state[0, j], state[1, j], state[2, j] = i, doing, 0
@@ -143,7 +143,7 @@ def _walked(walk: SearchSide, lanes: Lanes, j: int, x: float, f: float, slope: f
 
 
 @inlined
-def _bracketed(bend: Program, walk: SearchSide, lanes: Lanes) -> None:
+def _bracketed(bend: MachineProgram, walk: SearchSide, lanes: Lanes) -> None:
     """Search outward from all starts: the last place with F ≥ 0 and the first with F < 0, NaN for none."""
     n, width = walk.start.shape[0], bend.registers.shape[1]
     state, reals, inner, outer = lanes.state, lanes.reals, lanes.orbits[0], lanes.orbits[1]
@@ -176,7 +176,7 @@ def _bracketed(bend: Program, walk: SearchSide, lanes: Lanes) -> None:
 
 
 @inlined
-def _improved(slopes: Program, walk: SearchSide, places: Reals, orbits: Reals) -> None:
+def _improved(slopes: MachineProgram, walk: SearchSide, places: Reals, orbits: Reals) -> None:
     """Some steps of Newton's method inside the brackets, without branches, a block of orbits at a time."""
     n, width, x = places.shape[0], slopes.registers.shape[1], slopes.registers[0]
     inner, outer, moved = orbits[0], orbits[1], orbits[2]
@@ -243,7 +243,7 @@ def _step(walk: SearchSide, lanes: Lanes, j: int, x: float, f: float, slope: flo
 
 @kernel
 def turning_points(
-    bend: Program, slopes: Program, walk: SearchSide, places: Reals, bends: Reals, lanes: Lanes
+    bend: MachineProgram, slopes: MachineProgram, walk: SearchSide, places: Reals, bends: Reals, lanes: Lanes
 ) -> None:
     """Find turning points on one side.
 
@@ -282,7 +282,7 @@ def turning_points(
 
 
 @kernel
-def smallness(bend: Program, errors: Program, walk: SearchSide, uncertainty: Reals, small: Reals) -> None:
+def smallness(bend: MachineProgram, errors: MachineProgram, walk: SearchSide, uncertainty: Reals, small: Reals) -> None:
     """The error of p² at the start over about how large p² becomes.
 
     Args:

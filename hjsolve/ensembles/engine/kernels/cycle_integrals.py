@@ -13,10 +13,10 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import UNIT
 from hjsolve.arithmetic.machine.compiling import inlined, kernel, reducing
-from hjsolve.arithmetic.machine.run import Program, run
+from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Reals
-from hjsolve.ensembles.engine.kernels.phase import phase, running_weights
-from hjsolve.ensembles.engine.kernels.rule import dot, next_rule, rule, shifted_action
+from hjsolve.ensembles.engine.kernels.midpoint_rule import dot, next_rule, rule, shifted_action
+from hjsolve.ensembles.engine.kernels.start_phase import phase, running_weights
 from hjsolve.ensembles.engine.kernels.types import (
     BLOCK,
     FARTHEST,
@@ -111,7 +111,7 @@ def _placed(lanes: Reals, at: int, end: tuple[float, float, float], W: float, pl
 
 
 @inlined
-def _known(program: Program, first: int, span: tuple[int, int], c: Reals) -> None:
+def _known(program: MachineProgram, first: int, span: tuple[int, int], c: Reals) -> None:
     """Write the numbers of one orbit into some lanes, from one register on."""
     for k in range(c.shape[0]):
         row, value = program.registers[first + k], c[k]
@@ -218,7 +218,7 @@ def _samples(below: Side, above: Side, motions: Motions, count: int, tables: Tab
 
 
 @inlined
-def _nodes(fill: Program, which: int, at: int, motions: Motions, i: int, place: tuple[int, int, int, int],
+def _nodes(fill: MachineProgram, which: int, at: int, motions: Motions, i: int, place: tuple[int, int, int, int],
            tables: Tables) -> None:  # fmt: skip
     """Write nodes of one orbit that are seen from one end into the lanes of a program, from one lane on."""
     m, size, first, stop = place

@@ -8,7 +8,7 @@ from threading import Lock
 import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Reals
-from hjsolve.ensembles.engine.kernels.rotations import Turns
+from hjsolve.ensembles.engine.kernels.turn_integrals import Turns
 from hjsolve.ensembles.engine.nodes import MOST, rotation_nodes
 
 COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512)

@@ -1,7 +1,7 @@
 """The integrals of motions that go round, p² > 0 all along a turn: the midpoint rule over a whole period.
 
 J = (1/2π) ∮ √F dq and ∂J/∂cⱼ = (1/2π) ∮ kⱼ dq/√F are means of F r and kⱼ r over equally spaced χ, r = |dq/dχ|/√F, with
-the anomalies of ``turn_maps``: q = centre ± θ(χ), or ± the Möbius transform of θ where p² has two slow places
+the anomalies of ``maps_of_turns``: q = centre ± θ(χ), or ± the Möbius transform of θ where p² has two slow places
 (``turned_circle``). Both cosines and sines occur: the slow place is no axis of symmetry of p².
 """
 
@@ -15,10 +15,10 @@ import numpy as np
 from hjsolve.arithmetic.floats import EPS, UNIT
 from hjsolve.arithmetic.machine.compiling import inlined, kernel, reducing
 from hjsolve.arithmetic.machine.elementary import sincos
-from hjsolve.arithmetic.machine.run import Program, run
+from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Integers, Reals
-from hjsolve.ensembles.engine.kernels.phase import elliptic
-from hjsolve.ensembles.engine.kernels.rule import dot
+from hjsolve.ensembles.engine.kernels.midpoint_rule import dot
+from hjsolve.ensembles.engine.kernels.start_phase import elliptic
 from hjsolve.ensembles.engine.kernels.types import Modes, Results
 
 _SAFETY = 1.5
@@ -28,7 +28,7 @@ _HOPELESS = 2.0  # times the largest number of nodes: beyond, that one is not tr
 
 
 class Turns(NamedTuple):
-    """Nodes of all maps and sizes side by side, padded; see ``turn_maps``.
+    """Nodes of all maps and sizes side by side, padded; see ``maps_of_turns``.
 
     Attributes:
         maps: 0, 0, K, k′², the least dn, and how many slow places, of every map, shape (maps, 6).
@@ -92,8 +92,8 @@ def _moved(θ: float, m: float) -> tuple[float, float]:
 
 
 @inlined
-def _nodes(fill: Program, errors: Program, motions: Rounds, i: int, place: tuple[int, int, int], tables: Turns,
-           finely: bool) -> None:  # fmt: skip
+def _nodes(fill: MachineProgram, errors: MachineProgram, motions: Rounds, i: int, place: tuple[int, int, int],
+           tables: Turns, finely: bool) -> None:  # fmt: skip
     """Work out F and its errors at the nodes of one orbit."""
     (m, size, n), known = place, motions.known.shape[1]
     centre, direction, ratio = motions.centre[i], motions.direction[i], motions.ratio[i]
@@ -124,7 +124,7 @@ def _nodes(fill: Program, errors: Program, motions: Rounds, i: int, place: tuple
 
 
 @inlined
-def _noise(fill: Program, errors: Program, n: int, noise: Reals) -> bool:
+def _noise(fill: MachineProgram, errors: MachineProgram, n: int, noise: Reals) -> bool:
     """Sums of the errors of all integrands over the nodes; whether F > 0 at all of them."""
     kernels = noise.shape[0] - 1
     r, F, δF = fill.registers[fill.outputs[1]], fill.registers[fill.outputs[2]], errors.registers[errors.outputs[0]]
@@ -160,7 +160,7 @@ def _largest(rows: Reals, x: Reals, n: int) -> float:
 
 
 @inlined
-def _ruled(fill: Program, noise: Reals, results: Results, i: int, place: tuple[int, int], tables: Turns,
+def _ruled(fill: MachineProgram, noise: Reals, results: Results, i: int, place: tuple[int, int], tables: Turns,
            modes: Modes) -> float:  # fmt: skip
     """Apply the rule; returns how many nodes of half a turn are needed, −1 where these suffice."""
     size, n = place
@@ -242,7 +242,7 @@ def _running(weights: Reals, χ: float, sign: float, n: int, circle: Reals) -> N
 
 
 @inlined
-def _timed(fill: Program, motions: Rounds, i: int, place: tuple[int, int, int], tables: Turns, results: Results,
+def _timed(fill: MachineProgram, motions: Rounds, i: int, place: tuple[int, int, int], tables: Turns, results: Results,
            work: TurnScratch) -> None:  # fmt: skip
     """The phase of the start, and the running integrals up to it less their mean growth."""
     (m, size, n), weights, kernels = place, work.rows[0], work.noise.shape[0] - 1
@@ -264,8 +264,8 @@ def _timed(fill: Program, motions: Rounds, i: int, place: tuple[int, int, int], 
 
 
 @kernel
-def rotations(fill: Program, errors: Program, motions: Rounds, tables: Turns, modes: Modes, results: Results,
-              work: TurnScratch, finely: bool) -> None:  # fmt: skip
+def rotations(fill: MachineProgram, errors: MachineProgram, motions: Rounds, tables: Turns, modes: Modes,
+              results: Results, work: TurnScratch, finely: bool) -> None:  # fmt: skip
     """Integrate one coordinate of many orbits that go round.
 
     Args:

@@ -1,0 +1,12 @@
+"""How nodes are drawn together: u = K/π (χ + γ₁ sin χ + ½ γ₂ sin 2χ); see ``nodes``."""
+
+from __future__ import annotations
+
+WARPS = (
+    (0.0, 0.0), (-0.7, 0.0), (-0.495, 0.175), (0.0, 0.7), (0.495, 0.175), (0.7, 0.0), (0.0, 0.0), (0.0, 0.7),
+    (0.0, -0.7),
+)  # fmt: skip
+"""γ₁, γ₂: none, then crowded at χ = 0, π/4, π/2, 3π/4, π; for even motions none, at π/2, and at both ends."""
+
+EVEN = 6
+"""From here on the motion is even about its middle: half of the half period serves, series go in 2χ."""
