@@ -1,10 +1,10 @@
 """Proof that the nodes of an orbit resolve p² and its kernels, so that nothing can hide between them.
 
 The midpoint rule judges itself by its last coefficients (``kernels.midpoint_rule``): that says nothing of a dip
-narrower than the distance of the nodes. So the rule is only believed where p² is proved to be known between the nodes: its parts
-(``clearance``) are analytic in the strip about the nodes (``strips_of_analyticity``) and do not grow there. Their
-coefficients then fall geometrically from the first one on, and what is beyond the nodes is less than the rounding that
-claims count.
+narrower than the distance of the nodes. So the rule is only believed where p² is proved to be known between the nodes:
+its parts (``clearance``) are analytic in the strip about the nodes (``strips_of_analyticity``) and do not grow there.
+Their coefficients then fall geometrically from the first one on, and what is beyond the nodes is less than the rounding
+that claims count.
 
 What is left are zeros of p² near the way, branch points of the integrands that clearances do not show. They cannot
 hide, because S = p²/((q − a)(b − q)) is a function that its values at the nodes determine: where it nearly vanishes it
