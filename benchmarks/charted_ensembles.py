@@ -3,9 +3,8 @@
     python benchmarks/charted_ensembles.py [ORBITS] [NAME …]
 
 For every system: random starts in x, y, z; the processor time of the ensemble in x, y, z, of the ensemble of the same
-orbits in the separated coordinates, their difference, and the map alone, in µs an orbit, in numpy and compiled (where
-numba is there), medians of nine calls of each in turn; and how many orbits the doubles of each make good. One thread,
-no fallback.
+orbits in the separated coordinates, their difference, and the map alone, in µs an orbit,
+medians of nine calls of each in turn; and how many orbits the doubles of each make good. One thread, no fallback.
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ import numpy as np
 
 import hjsolve
 from benchmarks.charted_systems import PLANE, SPACE, centre_of, system_named
-from hjsolve.arithmetic.machine.compiling import available
 from hjsolve.ensembles.charted import chart_map
 from hjsolve.ensembles.charted.charted_starts import charted_starts
 from hjsolve.ensembles.engine import build
@@ -53,24 +51,22 @@ def measure(name: str, count: int) -> str:
     dice, names = np.random.default_rng(1), [c.name for c in system.coordinates]
     q = {c: dice.uniform(-1, 1, count) + o for c, o in zip(names, centre_of(name), strict=False)}
     v = {c: dice.uniform(-0.5, 0.5, count) for c in names}
-    engine = build(solution, frozenset(_WANT), compiled=False)
+    engine = build(solution, frozenset(_WANT))
     chart = chart_map(solution, engine.model, parameter_values(solution.system, {}), "velocity")
     x, w = np.stack(list(q.values())), np.stack(list(v.values()))
     starts = charted_starts(chart, x, w)
     own, given = hjsolve.solve(solution.system), engine.model.names
     there = {"q": dict(zip(given, starts.q, strict=True)), "p": dict(zip(given, starts.p, strict=True))}
-    row = f"{name} | {solution.chart.kind}"
-    for compiled in (False, True) if available() else (False,):
-        options = {"want": _WANT, "fallback": False, "compiled": compiled, "threads": 1}
-        calls = [
-            lambda o=options: hjsolve.ensemble(solution, q=q, velocity=v, **o),
-            lambda o=options: hjsolve.ensemble(own, **there, **o),
-            lambda c=compiled: charted_starts(chart, x, w, compiled=c),
-        ]
-        (mine, theirs, map_cost), batches = _in_turn(calls, count)
-        good = [int(np.count_nonzero(b.codes == 0)) for b in batches[:2]]
-        row += f" | {mine:.1f} ({good[0]}) | {theirs:.1f} ({good[1]}) | {mine - theirs:.1f} | {map_cost:.2f}"
-    return row
+    options = {"want": _WANT, "fallback": False, "threads": 1}
+    calls = [
+        lambda: hjsolve.ensemble(solution, q=q, velocity=v, **options),
+        lambda: hjsolve.ensemble(own, **there, **options),
+        lambda: charted_starts(chart, x, w),
+    ]
+    (mine, theirs, map_cost), batches = _in_turn(calls, count)
+    good = [int(np.count_nonzero(b.codes == 0)) for b in batches[:2]]
+    times = f"{mine:.1f} ({good[0]}) | {theirs:.1f} ({good[1]}) | {mine - theirs:.1f} | {map_cost:.2f}"
+    return f"{name} | {solution.chart.kind} | {times}"
 
 
 def main() -> None:
@@ -78,7 +74,7 @@ def main() -> None:
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 20_000
     chosen = [n for n in (*PLANE, *SPACE) if any(a in n for a in sys.argv[2:])] or _NAMES
     columns = "x y z, µs (good) | separated (good) | x y z add | of it the map"
-    print(f"system | web | numpy: {columns} | compiled: {columns}")
+    print(f"system | web | {columns}")
     for name in chosen:
         print(measure(name, count), flush=True)
 

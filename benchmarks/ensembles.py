@@ -1,6 +1,6 @@
 """What many orbits cost: the whole public call, over all kinds of orbits, hjsolve and galpy's C taking turns.
 
-    python -m benchmarks.ensembles [PART …] [--orbits N] [--repeats N] [--write]    PART: families loops velocity fresh
+    python -m benchmarks.ensembles [PART …] [--orbits N] [--repeats N] [--write]    PART: families small velocity fresh
     others
 
 Times are processor time of the process (one thread), medians of the second and later calls of all contestants in turn;
@@ -23,14 +23,12 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
-from unittest import mock
 
 import numpy as np
 
 import hjsolve
 from benchmarks import galaxy_families as stars
 from benchmarks.kerr_orbits import about_kerr
-from hjsolve.ensembles.engine.programs import Loop
 
 WANTS = (("actions",), ("actions", "frequencies"), ("actions", "frequencies", "angles"))
 SHORT = {WANTS[0]: "actions", WANTS[1]: "+ frequencies", WANTS[2]: "+ angles"}
@@ -164,8 +162,8 @@ def families(count: int, repeats: int) -> Iterator[str]:
     """Times and errors of all kinds of orbits."""
     solution, rule = stars.galaxy(), galpy_rule()
     yield from head(
-        "orbits | wanted | `fast`, µs | numpy, µs | galpy C, µs | `fast`/galpy | error/limit | error/claim "
-        "| largest claim | ok, % | numpy: the same four | galpy: error of J, lost"
+        "orbits | wanted | ours, µs | galpy C, µs | ours/galpy | error/limit | error/claim | largest claim | ok, % "
+        "| galpy: error of J, lost"
     )
     for family in (*stars.FAMILIES, "disc and halo"):
         rows, references = sample(family, count)
@@ -174,19 +172,45 @@ def families(count: int, repeats: int) -> Iterator[str]:
             carried[-40:] = references["prolate"]
         ours_alone = references or by_single_motions(carried[-_ALONE:])
         for want in WANTS:
-            calls = {
-                "ours": our_call(solution, carried, want=want, compiled=True),
-                "numpy": our_call(solution, carried, want=want, compiled=False),
-            }
+            calls = {"ours": our_call(solution, carried, want=want)}
             if rule is not None:
                 calls["galpy"] = galpy_call(rule, want, rows)
             with np.errstate(all="ignore"):
                 seconds, given = in_turn(calls, repeats)
-            ours, plain, theirs = (1e6 * seconds.get(name, np.nan) / len(rows) for name in ("ours", "numpy", "galpy"))
-            compiled_ones, plain_ones = (worth(given[name], ours_alone) for name in ("ours", "numpy"))
+            ours, theirs = (1e6 * seconds.get(name, np.nan) / len(rows) for name in ("ours", "galpy"))
             rival = "{:.0e}, {:.0%}".format(*galpy_quality(given["galpy"], references)) if rule is not None else "–"
-            times = (f"{x:.1f}" for x in (ours, plain, theirs))
-            yield row(family, SHORT[want], *times, f"{ours / theirs:.2f}", *compiled_ones, ", ".join(plain_ones), rival)
+            times = (f"{x:.1f}" for x in (ours, theirs))
+            yield row(family, SHORT[want], *times, f"{ours / theirs:.2f}", *worth(given["ours"], ours_alone), rival)
+
+
+def small(count: int, repeats: int) -> Iterator[str]:
+    """Few orbits, and values of parameters and formulas that nobody has seen, after a call that loads the kernels."""
+    yield from head("what | orbits | µs an orbit | over the known call of as many")
+    kepler = hjsolve.catalog.load("kepler-planar")
+    numbers, formulas = iter(range(10**6)), iter(range(10**6))
+
+    def call(n: int, kind: str) -> Call:
+        rng = np.random.default_rng(n)
+        r, p = rng.uniform(0.5, 2, n), rng.uniform(-0.3, 0.3, n)
+        given = {"q": {"r": r, "theta": 0.0}, "p": {"r": p, "theta": rng.uniform(0.4, 1.1, n) * np.sqrt(r)}}
+
+        def ours() -> hjsolve.Batch:
+            system, more = kepler, {}
+            if kind == "new value":
+                more = {"parameters": {"k": f"1.{next(numbers):06d}1"}}
+            if kind == "new formula":
+                system = hjsolve.System(
+                    {"r": "0 < r", "theta": "angle"}, "(dot(r)**2 + r**2*dot(theta)**2)/2",
+                    f"-1/r - r**2/{10**6 + next(formulas)}",
+                )  # fmt: skip
+            return hjsolve.ensemble(system, **given, want=WANTS[1], threads=1, **more)
+
+        return ours
+
+    for n in (100, 1000, 20_000, 5 * count):
+        seconds, _ = in_turn({kind: call(n, kind) for kind in ("known", "new value", "new formula")}, repeats)
+        for kind, spent in seconds.items():
+            yield row(kind, str(n), f"{1e6 * spent / n:.1f}", f"{spent / seconds['known']:.2f}")
 
 
 def velocity(count: int, repeats: int) -> Iterator[str]:
@@ -194,25 +218,22 @@ def velocity(count: int, repeats: int) -> Iterator[str]:
     solution, rows = stars.galaxy(), stars.prolate(stars.disc_and_halo(_DISC * count))
     q = {"u": rows[:, 0], "w": rows[:, 1], "phi": 0.3}
     rates = dict(zip(("u", "w", "phi"), stars.velocities(rows).T[2:], strict=True))
-    yield from head("wanted | engine | `p=`, µs | `velocity=`, µs | ratio | claim, `p=` | claim, `velocity=` | ok, %")
-    for compiled in (True, False):
-        for want in WANTS:
-            how = {"want": want, "compiled": compiled, "threads": 1}
-            calls: dict[str, Call] = {
-                "p": our_call(solution, rows, want=want, compiled=compiled),
-                "v": lambda how=how: hjsolve.ensemble(solution, q, velocity=rates, **how),
-            }
-            seconds, given = in_turn(calls, repeats)
-            one, other = (1e6 * seconds[name] / len(rows) for name in "pv")
-            claims = [
-                np.nanmax(np.abs(batch.error[quantity][name] / getattr(batch, quantity)[name]))
-                for batch in given.values()
-                for quantity, name in (("actions", "u"),)
-            ]
-            good = 100 * given["v"].summary().get("ok", 0) / len(rows)
-            engine = "compiled" if compiled else "numpy"
-            numbers = (f"{one:.1f}", f"{other:.1f}", f"{other / one:.2f}", f"{claims[0]:.0e}", f"{claims[1]:.0e}")
-            yield row(SHORT[want], engine, *numbers, f"{good:.2f}")
+    yield from head("wanted | `p=`, µs | `velocity=`, µs | ratio | claim, `p=` | claim, `velocity=` | ok, %")
+    for want in WANTS:
+        calls: dict[str, Call] = {
+            "p": our_call(solution, rows, want=want),
+            "v": lambda want=want: hjsolve.ensemble(solution, q, velocity=rates, want=want, threads=1),
+        }
+        seconds, given = in_turn(calls, repeats)
+        one, other = (1e6 * seconds[name] / len(rows) for name in "pv")
+        claims = [
+            np.nanmax(np.abs(batch.error[quantity][name] / getattr(batch, quantity)[name]))
+            for batch in given.values()
+            for quantity, name in (("actions", "u"),)
+        ]
+        good = 100 * given["v"].summary().get("ok", 0) / len(rows)
+        numbers = (f"{one:.1f}", f"{other:.1f}", f"{other / one:.2f}", f"{claims[0]:.0e}", f"{claims[1]:.0e}")
+        yield row(SHORT[want], *numbers, f"{good:.2f}")
 
 
 _FRESH = """
@@ -227,7 +248,7 @@ rng = np.random.default_rng(3)
 q = {{"x": rng.uniform(0.5, 1.5, 1000), "y": rng.uniform(-0.5, 0.5, 1000)}}
 p = {{"x": rng.uniform(-1, 1, 1000), "y": rng.uniform(0.1, 1, 1000)}}
 for call in range(2):
-    batch = hjsolve.ensemble(system, q, p, want={want!r}, threads=1, compiled={compiled!r})
+    batch = hjsolve.ensemble(system, q, p, want={want!r}, threads=1)
     print(time.process_time() - begin[0], time.perf_counter() - begin[1])
     begin = time.process_time(), time.perf_counter()
 """
@@ -235,22 +256,18 @@ for call in range(2):
 
 def fresh() -> Iterator[str]:
     """1 000 orbits of a new system: import, compilation and all, and the second call."""
-    yield from head("1 000 orbits, new system | `compiled` | fresh process, first call, s | (wall) | second call, ms")
+    yield from head("1 000 orbits, new system | kernels | first call, s | (wall) | second call, ms")
     with tempfile.TemporaryDirectory() as folder:
         Path(folder).chmod(0o700)
         surroundings = {**os.environ, "HJSOLVE_CACHE_DIR": folder, "OMP_NUM_THREADS": "1"}
-        for number, compiled in enumerate((None, True)):
+        for attempt, kernels in enumerate(("compiled", "on disk")):
             for want in (WANTS[0], WANTS[2]):
-                for attempt in range(2):  # the first one fills what is kept for all systems
-                    if attempt == 0 and not compiled:
-                        continue
-                    code = _FRESH.format(a=f"1.{number}{attempt}37", b=3 + len(want), want=want, compiled=compiled)
-                    done = subprocess.run(
-                        [sys.executable, "-c", code], env=surroundings, capture_output=True, text=True, check=True
-                    )
-                    lines = [[float(x) for x in line.split()] for line in done.stdout.splitlines()]
-                (first, wall), (second, _) = lines
-                yield row(SHORT[want], str(compiled), f"{first:.1f}", f"{wall:.1f}", f"{1e3 * second:.0f}")
+                code = _FRESH.format(a=f"1.{attempt}37", b=3 + len(want), want=want)
+                done = subprocess.run(
+                    [sys.executable, "-c", code], env=surroundings, capture_output=True, text=True, check=True
+                )
+                (first, wall), (second, _) = ([float(x) for x in line.split()] for line in done.stdout.splitlines())
+                yield row(SHORT[want], kernels, f"{first:.1f}", f"{wall:.1f}", f"{1e3 * second:.0f}")
 
 
 def others(count: int, repeats: int) -> Iterator[str]:
@@ -272,9 +289,7 @@ def _others(count: int) -> Iterator[tuple[str, Call, int]]:
     kerr, n = hjsolve.solve(hjsolve.catalog.load("kerr")), min(count, 20_000)
     how = {"parameters": {"a": "9/10"}, "want": "frequencies", "threads": 1, "fallback": False}
     for family, (q, p) in (("", about_kerr(rng, n)), (" next to the separatrix", about_kerr(rng, n, barely=True))):
-        for engine, compiled in (("numpy", False), ("compiled", True)):
-            call = partial(hjsolve.ensemble, kerr, q, p, compiled=compiled, **how)
-            yield f"Kerr (a = 0.9){family}, frequencies, {engine}", call, n
+        yield f"Kerr (a = 0.9){family}, frequencies", partial(hjsolve.ensemble, kerr, q, p, **how), n
     for name, potential in PROFILES.items():
         yield f"{name}, frequencies", _in_a_disc(potential), 200
 
@@ -323,52 +338,10 @@ def surroundings() -> str:
     return f"load {os.getloadavg()[0]:.0f} on {os.cpu_count()} cores"
 
 
-_LOOPS = ("crests", "small_ends", "ends", "glances", "integrals")
-
-
-def loops(count: int) -> Iterator[str]:
-    """Where the time of compiled calls goes: every loop again alone, the least of ten times; and all the rest."""
-    solution = stars.galaxy()
-    yield from head(f"orbits | wanted | {' | '.join(_LOOPS)} | all the rest")
-    for family in (*stars.FAMILIES, "disc and halo"):
-        rows = stars.prolate(sample(family, count)[0])
-        for want in WANTS:
-            call, seen = our_call(solution, rows, want=want, compiled=True), []
-            call()
-            with mock.patch.object(Loop, "__call__", noted(seen)):
-                call()
-            spent = dict.fromkeys(_LOOPS, 0.0)
-            for loop, given in seen:
-                spent[loop.dispatcher.py_func.__name__.removeprefix("front_")] += least(partial(loop, *given), 10)
-            rest = least(call, 5) - sum(spent.values())
-            yield row(family, SHORT[want], *(f"{1e6 * x / len(rows):.2f}" for x in (*spent.values(), rest)))
-
-
-def noted(seen: list[tuple[Any, Any]]) -> Any:
-    """Loops that run as ever, and whose arguments are kept."""
-    run = Loop.__call__
-
-    def noting(loop: Loop, *given: Any) -> None:
-        seen.append((loop, given))
-        run(loop, *given)
-
-    return noting
-
-
-def least(call: Call, repeats: int) -> float:
-    """The least processor time of some calls, in seconds."""
-    times = []
-    for _ in range(repeats):
-        begin = time.process_time()
-        call()
-        times.append(time.process_time() - begin)
-    return min(times)
-
-
 def main() -> None:
     """Run the parts that are asked for."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("parts", nargs="*", metavar="PART", help="families, loops, velocity, fresh, others; or all")
+    parser.add_argument("parts", nargs="*", metavar="PART", help="families, small, velocity, fresh, others; or all")
     parser.add_argument("--orbits", type=int, default=20_000)
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--write", action="store_true", help="put the tables into docs/ensembles.md")
@@ -376,7 +349,7 @@ def main() -> None:
     count, repeats = given.orbits, given.repeats
     parts: dict[str, Callable[[], Iterator[str]]] = {
         "families": lambda: families(count, repeats),
-        "loops": lambda: loops(count),
+        "small": lambda: small(count, repeats),
         "velocity": lambda: velocity(count, repeats),
         "fresh": fresh,
         "others": lambda: others(count, repeats),

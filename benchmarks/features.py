@@ -1,9 +1,9 @@
 """Random narrow features: what motions and ensembles claim against references that are cut at the features.
 
-    python benchmarks/features.py --count 100 --seed 5 --ways 15,30,numpy,compiled --out features.jsonl
+    python benchmarks/features.py --count 100 --seed 5 --ways 15,30,many --out features.jsonl
 
 Each line of the file is one draw of ``tests/support/random_features.py`` computed in one way: a single motion in so
-many digits, or an ensemble by numpy or compiled loops, in which orbits that the vectorised engine hands back are
+many digits, or an ensemble, in which orbits that the vectorised engine hands back are
 computed one by one (``recomputed`` in the file). A run that was stopped goes on where it stopped. At the end, and with
 ``--report FILE`` alone, the counts are printed: right (1e-12 and inside the claim) · loose (inside the claim, off by
 more) · false (outside the claim) · refused · foreign.
@@ -40,7 +40,7 @@ def _compared(one: Draw, exact: Truth, way: str) -> dict[str, Any]:
     """One motion against its reference."""
     solution = hjsolve.solve(hjsolve.System(dict(one.coordinates), one.kinetic, one.potential))
     begin = time.process_time()
-    numbers, more = _single(solution, one, int(way)) if way.isdigit() else _ensemble(solution, one, way == "compiled")
+    numbers, more = _single(solution, one, int(way)) if way.isdigit() else _ensemble(solution, one)
     seconds = time.process_time() - begin
     pairs = list(zip(numbers, (exact.action, exact.frequency, exact.lower, exact.upper), strict=True))
     worst, false = 0.0, 0
@@ -61,9 +61,9 @@ def _single(solution: hjsolve.Solution, one: Draw, digits: int) -> tuple[list[An
     return [motion.actions[one.name], motion.frequencies[one.name], *ends], {"nodes": motion.nodes}
 
 
-def _ensemble(solution: hjsolve.Solution, one: Draw, compiled: bool) -> tuple[list[Any], dict[str, Any]]:
+def _ensemble(solution: hjsolve.Solution, one: Draw) -> tuple[list[Any], dict[str, Any]]:
     want = ("actions", "frequencies", "turning_points")
-    batch = hjsolve.ensemble(solution, one.q, one.p, want=want, compiled=compiled, threads=1)
+    batch = hjsolve.ensemble(solution, one.q, one.p, want=want, threads=1)
     if batch.status.item() != "ok":
         raise hjsolve.NotConvergedError(batch.status.item())
     columns = [(batch.actions, "actions"), (batch.frequencies, "frequencies")]
@@ -110,7 +110,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=5)
-    parser.add_argument("--ways", default="15,30,numpy", help="numbers of digits, numpy, compiled")
+    parser.add_argument("--ways", default="15,30,many", help="numbers of digits, or many for an ensemble")
     parser.add_argument("--limit", type=int, default=60, help="seconds of processor time a motion may take")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("features.jsonl"))
     parser.add_argument("--report", type=pathlib.Path, help="only print the counts of this file")

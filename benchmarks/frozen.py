@@ -1,11 +1,11 @@
 """Freeze every number of the catalog, and say later which of them moved, and by how much of what they claim.
 
-    python -m benchmarks.frozen FILE.json [--sample] [--compiled] [--only ENTRY …] [--processes N]
+    python -m benchmarks.frozen FILE.json [--sample] [--only ENTRY …] [--processes N]
     python -m benchmarks.frozen FILE.json --compare OLD.json
 
 The first command writes FILE.json, sha256 digests of the float64 bytes of every column, and FILE.npz, the values.
 A column belongs to an entry, one of its families (the motions of its file), a method (15 digits, 50 digits, certified,
-ensemble, and compiled ensemble where asked), a set of wanted quantities and a quantity. Its claimed errors are a column
+ensemble), a set of wanted quantities and a quantity. Its claimed errors are a column
 of their own. What is a text (kind of motion, status, error raised) is kept as it is.
 
 The second command reads two such files. A column whose digest is equal is not mentioned. Of the others it prints the
@@ -45,7 +45,7 @@ TIMES = ("0.37", "1.9", "12.5")
 METHODS = {"15 digits": {}, "50 digits": {"digits": 50}, "certified": {"certified": True}}
 ESTIMATES = ("constants", "actions", "frequencies", "periods", "boundary_times", "mean_velocities", "betas")
 """Attributes of a motion: name → Estimate."""
-PARTS = {"15 digits": 1, "certified": 1, "ensemble": 1, "compiled ensemble": 1, "50 digits": 4}
+PARTS = {"15 digits": 1, "certified": 1, "ensemble": 1, "50 digits": 4}
 """Doubles that hold one number."""
 _ORBITS = 16
 _PRECISION = 80
@@ -133,15 +133,15 @@ def around(data: Any, motion: Any) -> dict[str, dict[str, np.ndarray]]:
     return given | ({"parameters": dict(data.parameters)} if data.parameters else {})
 
 
-def of_many(solution: Any, starts: dict[str, Any], want: tuple[str, ...] | None, compiled: bool) -> Table:
+def of_many(solution: Any, starts: dict[str, Any], want: tuple[str, ...] | None) -> Table:
     """The columns of an ensemble."""
-    batch = hjsolve.ensemble(solution, **starts, want=want, threads=1, compiled=compiled, shown=False)
+    batch = hjsolve.ensemble(solution, **starts, want=want, threads=1, shown=False)
     return {name: np.asarray(column, dtype=np.float64).reshape(-1, 1) for name, column in batch.columns.items()}
 
 
-def columns_of(job: tuple[str, bool]) -> Table:
+def columns_of(name: str) -> Table:
     """Every column of one entry."""
-    (name, compiled), table = job, dict[str, Column]()
+    table = dict[str, Column]()
     entry = catalog.describe(name)
     try:
         solution = hjsolve.solve(name)
@@ -160,15 +160,14 @@ def columns_of(job: tuple[str, bool]) -> Table:
                 except hjsolve.HJSolveError as error:
                     found = {"": refused(error)}
                 table |= {f"{key} / {column}": values for column, values in found.items()}
-            for method in ("ensemble", "compiled ensemble")[: 1 + compiled]:
-                key = f"{name} / {family} / {method} / {wanted}"
-                try:
-                    if first is None:
-                        raise hjsolve.InvalidInputError("no motion begins there")
-                    found = of_many(solution, around(data, first), want, method != "ensemble")
-                except hjsolve.HJSolveError as error:
-                    found = {"": refused(error)}
-                table |= {f"{key} / {column}": values for column, values in found.items()}
+            key = f"{name} / {family} / ensemble / {wanted}"
+            try:
+                if first is None:
+                    raise hjsolve.InvalidInputError("no motion begins there")
+                found = of_many(solution, around(data, first), want)
+            except hjsolve.HJSolveError as error:
+                found = {"": refused(error)}
+            table |= {f"{key} / {column}": values for column, values in found.items()}
     return table
 
 
@@ -250,10 +249,10 @@ def compare(old: Path, new: Path) -> int:
     return len(changed) + len(before.keys() ^ after.keys())
 
 
-def frozen(names: Iterable[str], compiled: bool, processes: int) -> Iterator[Table]:
+def frozen(names: Iterable[str], processes: int) -> Iterator[Table]:
     """The columns of the entries."""
     with ProcessPoolExecutor(processes) as pool:
-        yield from pool.map(columns_of, [(name, compiled) for name in names])
+        yield from pool.map(columns_of, names)
 
 
 def main() -> int:
@@ -262,14 +261,13 @@ def main() -> int:
     options.add_argument("file", type=Path)
     options.add_argument("--compare", type=Path, metavar="OLD.json")
     options.add_argument("--sample", action="store_true", help=f"the {len(SAMPLE)} entries of SAMPLE only")
-    options.add_argument("--compiled", action="store_true", help="ensembles compiled by numba as well")
     options.add_argument("--only", nargs="+", metavar="ENTRY")
     options.add_argument("--processes", type=int, default=os.cpu_count())
     asked = options.parse_args()
     if asked.compare:
         return int(compare(asked.compare, asked.file) > 0)
     names = asked.only or (SAMPLE if asked.sample else [*catalog.ids("separable"), *catalog.ids("extended")])
-    table = {name: column for part in frozen(names, asked.compiled, asked.processes) for name, column in part.items()}
+    table = {name: column for part in frozen(names, asked.processes) for name, column in part.items()}
     write(asked.file, table)
     print(f"{len(table)} columns of {len(names)} entries in {asked.file}")
     return 0
