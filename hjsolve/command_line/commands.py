@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from hjsolve.command_line import arguments_read
-from hjsolve.errors import InvalidInputError, NotSeparableError
+from hjsolve.errors import InvalidInputError, MissingExtraError, NotSeparableError
 
 if TYPE_CHECKING:
     from hjsolve.coordinates import NormalModes
@@ -386,4 +386,24 @@ def _print_hamiltonian(problem: LinearHamiltonian, *, solved: bool) -> int:
     print(f"\n{wrapped(linear_hamiltonian.hamiltonian_answer(problem))}")
     for section in linear_hamiltonian.hamiltonian_solution_sections(problem) if solved else ():
         print(f"\n{section_text(section)}")
+    return ANSWER
+
+
+def setup_command(_options: Namespace) -> int:
+    """Compile the kernels of ensembles.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        MissingExtraError: numba is not installed.
+    """
+    from hjsolve.display.progress import ProgressBar
+    from hjsolve.ensembles.kernels_on_disk import compile_kernels
+
+    with ProgressBar() as progress:
+        seconds = compile_kernels(progress)
+    if seconds is None:
+        raise MissingExtraError('kernels are compiled by numba: pip install "hjsolve[fast]"')
+    print(f"The kernels of ensembles are ready ({seconds:.1f} s of the processor).")
     return ANSWER

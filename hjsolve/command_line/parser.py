@@ -90,6 +90,9 @@ examples:
   hjsolve completion bash > ~/.local/share/bash-completion/completions/hjsolve
   hjsolve completion zsh > "${fpath[1]}/_hjsolve"
   hjsolve completion fish > ~/.config/fish/completions/hjsolve.fish""",
+    "setup": """\
+examples:
+  hjsolve setup        after installing, or in a recipe that builds an image""",
     "catalog": """\
 examples:
   hjsolve catalog                       list all entries
@@ -138,6 +141,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_sweep(kinds)
     _add_catalog(kinds)
     _add_completion(kinds)
+    _add_setup(kinds)
     return top
 
 
@@ -318,6 +322,11 @@ def _add_completion(kinds: _Commands) -> None:
     about = "Print a script that completes commands, options and the ids of the catalog in a shell (extra completion)."
     completion = _add(kinds, "completion", "completion of commands in your shell", about)
     completion.add_argument("shell", choices=["bash", "zsh", "tcsh", "fish", "powershell"], help="the shell")
+
+
+def _add_setup(kinds: _Commands) -> None:
+    about = "Compile the kernels of ensembles, once for this installation (extra fast); else their first use does it."
+    _add(kinds, "setup", "compile what ensembles need, once", about)
 
 
 def _system_arguments(command: argparse.ArgumentParser) -> None:
