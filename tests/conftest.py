@@ -40,9 +40,6 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
     terminalreporter.write_line(f"The same cases of the long lists run again with --rotation={config.option.rotation}")
 
 
-_COMPILED = re.compile(
-    r"tests/ensembles/.*(::test_.*compiled|[\[-]True\b)|tests/ensembles/test_programs\.py|tests/arithmetic/test_.*machine.*\.py"
-)
 _TOGETHER = {
     "reports": r"tests/(reports/test_(reports\.py(?!.*every_entry)|abbreviations|closed_form_sections)|regressions/test_00(35|37|39)_)",
     "values": r"tests/display/test_values_in_notebooks",
@@ -54,12 +51,9 @@ _TOGETHER = {
 def scope_of(nodeid: str) -> str:
     """What a test shares with others; itself where that is nothing.
 
-    An entry of the catalog, or its closed forms; a system of the laws; the book's results; the reports; the sources; the loops that
-    numba compiles, half a minute where they are not on disk yet: two processes that begin together would both do it.
+    An entry of the catalog, or its closed forms; a system of the laws; the book's results; the reports; the sources.
     """
     file, _, parameter = nodeid.partition("[")
-    if _COMPILED.match(nodeid):
-        return "compiled loops"
     if "/catalog/test_book_" in file:
         return "book"
     for scope, files in _TOGETHER.items():

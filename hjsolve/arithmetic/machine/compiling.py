@@ -58,6 +58,17 @@ def inlined(function: F) -> F:
     return _compiled(function, fastmath={"contract"}, forceinline=True)
 
 
+def helper(function: F) -> F:
+    """Compile a function that kernels call and do not contain: what is large and called a few times an orbit.
+
+    What is inlined is optimised again at every place, and at every level above it: that took most of the time.
+
+    Args:
+        function: over numbers, arrays and bundles of arrays.
+    """
+    return _compiled(function, fastmath={"contract"})
+
+
 def reducing(function: F) -> F:
     """Compile a helper whose sums may be taken in the order that suits vector instructions.
 

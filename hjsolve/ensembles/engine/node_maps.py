@@ -199,14 +199,14 @@ def _shared_tables() -> Tables:
     for k, count in enumerate(COUNTS):
         table = nodes.libration_nodes(count, 0)
         last[k, :, :count], middle[k, :, :count] = table.cosines[table.last], table.cosines[table.middle][1:-1]
-        cosines.append(np.ascontiguousarray(table.cosines))
+        cosines.append(table.cosines.ravel())
         for symmetry in (1, 2):
             squares[symmetry - 1, k, :count], slopes[symmetry - 1, k, : count - 1] = nodes.shifts(count, symmetry)
     none, counted = np.empty(0), np.empty(0, dtype=np.int64)
     return Tables(
         maps=none, counts=np.array(COUNTS), first=_FIRST, low=none, high=none, root=none, split=counted, places=none,
-        samples=counted, spans=counted, last=last, middle=middle, cosines=tuple(cosines), squares=squares,
-        slopes=slopes,
+        samples=counted, spans=counted, last=last, middle=middle, cosines=np.concatenate(cosines),
+        rows=np.cumsum([0, *map(len, cosines)]), squares=squares, slopes=slopes,
     )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from hjsolve.arithmetic.floats import UNIT
-from hjsolve.arithmetic.machine.compiling import inlined, kernel, reducing
+from hjsolve.arithmetic.machine.compiling import helper, inlined, kernel, reducing
 from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.ensembles.engine.kernels.midpoint_rule import dot, next_rule, rule, shifted_action
@@ -34,7 +34,7 @@ _PLACE = 2.0 * UNIT  # roundings that made a place, in proportion to it or to th
 _ORBIT, _SIZE, _MAP, _LOW, _HIGH, _LEFT = range(6)  # rows of ``Scratch.block``
 
 
-@inlined
+@helper
 def _shifts(work: Scratch, residue: tuple[float, float], E: Reals, place: tuple[int, int, int], tables: Tables,
             tilted: bool) -> None:  # fmt: skip
     """Add to the bounds what small shifts of F do: constants 2 kⱼ δcⱼ and the residues; see ``nodes.shifts``.
@@ -83,7 +83,7 @@ def _variation(g: Reals, slopes: Reals, n: int) -> float:
     return total
 
 
-@inlined
+@helper
 def _placed(lanes: Reals, at: int, end: tuple[float, float, float], W: float, places: Reals,
             span: tuple[int, int, int], which: int, kernels: bool) -> int:  # fmt: skip
     """Write into ``lanes``, from one on, where a view is looked at; return the first lane after them.
@@ -119,7 +119,7 @@ def _known(program: MachineProgram, first: int, span: tuple[int, int], c: Reals)
             row[g] = value
 
 
-@inlined
+@helper
 def _looked(side: Side, lanes: Reals, bounds: Reals, total: int, chords: bool) -> None:
     """Leave F, bounds on the errors of F and of the kernels, and F's relative one, of the lanes in ``bounds``."""
     rows, width = bounds.shape[0] - 2, (total + 7) // 8 * 8
@@ -147,7 +147,7 @@ def _looked(side: Side, lanes: Reals, bounds: Reals, total: int, chords: bool) -
         lanes[5, g] /= F
 
 
-@inlined
+@helper
 def _noted(work: Scratch, t: int, which: int, at: int, span: tuple[int, int, int], both: tuple[int, int],
            modes: Modes) -> float:  # fmt: skip
     """Note what one view says of samples; and of all between which both are used, by its farthest place.
@@ -179,7 +179,7 @@ def _spans(tables: Tables, m: int, share: int, which: int) -> tuple[int, int, in
     return (0, inside, farthest) if which == 0 else (inside, tables.samples[m] - inside, farthest + 1)
 
 
-@inlined
+@helper
 def _samples(below: Side, above: Side, motions: Motions, count: int, tables: Tables, work: Scratch,
              modes: Modes) -> None:  # fmt: skip
     """Bounds on the errors of F and of the kernels at a few places of each orbit, each seen as the nodes next to it."""
@@ -217,7 +217,7 @@ def _samples(below: Side, above: Side, motions: Motions, count: int, tables: Tab
             work.residues[t, 1] = _noted(work, t, 1, block[_HIGH, t], span, both, modes)
 
 
-@inlined
+@helper
 def _nodes(fill: MachineProgram, which: int, at: int, motions: Motions, i: int, place: tuple[int, int, int, int],
            tables: Tables) -> None:  # fmt: skip
     """Write nodes of one orbit that are seen from one end into the lanes of a program, from one lane on."""
@@ -244,7 +244,7 @@ def _nodes(fill: MachineProgram, which: int, at: int, motions: Motions, i: int, 
     _known(fill, 4, span, motions.known[i])
 
 
-@inlined
+@helper
 def _packed(below: Side, above: Side, motions: Motions, span: tuple[int, int], tables: Tables,
             work: Scratch) -> int:  # fmt: skip
     """Work out the nodes of as many orbits, of those not done yet, as have room; return the first that has none."""
@@ -281,7 +281,7 @@ def _gathered(below: Side, above: Side, work: Scratch, t: int, n: int, split: in
                 row[j] = seen[high + j]
 
 
-@inlined
+@helper
 def _finished(motions: Motions, i: int, t: int, tables: Tables, modes: Modes, results: Results, work: Scratch,
               steady: Reals) -> None:  # fmt: skip
     """Write the results of an orbit whose nodes sufficed; they are in the buffer."""
@@ -302,7 +302,8 @@ def _finished(motions: Motions, i: int, t: int, tables: Tables, modes: Modes, re
         results.phase[i], results.phase_error[i] = phase(work, motions, i, t, (m, size), tables, modes.chords)
         for k in range(constants):
             results.speeds[k, i] = dot(buffer[3 + k], work.shares, n)
-        running_weights(work.shares, work.rows, symmetry * results.phase[i], n, tables.cosines[size])
+        cosines = tables.cosines[tables.rows[size] :]
+        running_weights(work.shares, work.rows, symmetry * results.phase[i], n, cosines)
         for k in range(constants):
             results.oscillations[k, i] = 2.0 / (n * symmetry) * dot(buffer[3 + k], work.shares, n)
             results.oscillation_errors[k, i] = 4.0 * found[2, 1 + k]

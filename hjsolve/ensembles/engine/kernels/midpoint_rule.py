@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.machine.compiling import inlined, reducing
+from hjsolve.arithmetic.machine.compiling import helper, inlined, reducing
 from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
 from hjsolve.ensembles.engine.kernels.types import Modes, Scratch, Tables
@@ -120,7 +120,7 @@ def _crowding(last: Last, first: int) -> int:
     return (1 if once > 0.8 else 2) if once > 0.0 else (5 if once < -0.8 else 4)
 
 
-@inlined
+@helper
 def _roundings(work: Scratch, t: int, squares: Reals, samples: int, n: int, integrands: int, chords: bool) -> None:
     """Write n times what the rounding errors of F and of the kernels do to the means into ``found[3]``.
 
@@ -151,7 +151,7 @@ def _roundings(work: Scratch, t: int, squares: Reals, samples: int, n: int, inte
         found[3, k] += 0.5 * _weighted(shares, buffer[2 + k], n)
 
 
-@inlined
+@helper
 def shifted_action(work: Scratch, residue: tuple[float, float], uncertainty: Reals, n: int, split: int) -> float:
     """Return what the errors of the constants, and of F at the turning points, do to the mean of F r.
 
@@ -170,7 +170,7 @@ def shifted_action(work: Scratch, residue: tuple[float, float], uncertainty: Rea
     return _SHIFTED * total / n
 
 
-@inlined
+@helper
 def rule(work: Scratch, t: int, tables: Tables, size: int, modes: Modes, first: int) -> tuple[float, int]:
     """Apply the rule of one size to the nodes in the buffer.
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.machine.compiling import inlined, kernel
+from hjsolve.arithmetic.machine.compiling import helper, inlined, kernel
 from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Integers, Reals
 
@@ -142,7 +142,7 @@ def _walked(walk: SearchSide, lanes: Lanes, j: int, x: float, f: float, slope: f
     return state[2, j] >= _STEPS, _onward(walk, inner[i], reals[0, j])
 
 
-@inlined
+@helper
 def _bracketed(bend: MachineProgram, walk: SearchSide, lanes: Lanes) -> None:
     """Search outward from all starts: the last place with F ≥ 0 and the first with F < 0, NaN for none."""
     n, width = walk.start.shape[0], bend.registers.shape[1]
@@ -175,7 +175,7 @@ def _bracketed(bend: MachineProgram, walk: SearchSide, lanes: Lanes) -> None:
                 x[j] = new
 
 
-@inlined
+@helper
 def _improved(slopes: MachineProgram, walk: SearchSide, places: Reals, orbits: Reals) -> None:
     """Some steps of Newton's method inside the brackets, without branches, a block of orbits at a time."""
     n, width, x = places.shape[0], slopes.registers.shape[1], slopes.registers[0]

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.machine.compiling import inlined, kernel
+from hjsolve.arithmetic.machine.compiling import helper, inlined, kernel
 from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Integers, Reals
 
@@ -27,7 +27,7 @@ def _quadratic(square: float, outward: float, bend: float) -> float:
     return (outward + root) / (-2.0 * bend) if outward > 0.0 else 2.0 * square / (root - outward)
 
 
-@inlined
+@helper
 def _solved(value: MachineProgram, known: Reals, first: int, side: float, places: Reals, work: Reals,
             on: Integers) -> None:  # fmt: skip
     """The turning points of a block of orbits on one side; ``work``: ½F″, d, d before, and what was off then."""
@@ -67,7 +67,7 @@ def _solved(value: MachineProgram, known: Reals, first: int, side: float, places
                 on[j], left = 0, left - 1
 
 
-@inlined
+@helper
 def _bounded(bounds: MachineProgram, known: Reals, uncertainty: Reals, first: int, count: int, row: Reals) -> None:
     """Bounds on the error of F[b, b, q] at places that lie in the program's first register."""
     m = uncertainty.shape[0]

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.machine.compiling import inlined, reducing
+from hjsolve.arithmetic.machine.compiling import helper, inlined, reducing
 from hjsolve.arithmetic.machine.elementary import sincos
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.ensembles.engine.kernels.midpoint_rule import dot
@@ -34,7 +34,7 @@ def _stretch(χ: float, x: float, y: float, map_: Reals) -> float:
     return (2.0 * map_[2] / math.pi * derivative) ** 2 * map_[3] * (1.0 + map_[5] * y) * (1.0 + map_[4] * x)
 
 
-@inlined
+@helper
 def elliptic(s: float, c: float, map_: Reals) -> float:
     """π F(φ | k²)/K, s = sin φ, c = cos φ ≥ 0: F = sin φ R_F(cos²φ, 1 − k² sin²φ, 1) (DLMF 19.25.5, 19.36.1)."""
     x, y, z = max(c * c, 1e-300), c * c + map_[3] * s * s, 1.0
@@ -52,7 +52,7 @@ def elliptic(s: float, c: float, map_: Reals) -> float:
     return math.pi * s * R / map_[2]
 
 
-@inlined
+@helper
 def _anomaly(x: float, y: float, map_: Reals) -> float:
     """χ of a place. Halley's steps inside a bracket undo the crowding."""
     x, y = max(x, 0.0), max(y, 0.0)
@@ -92,10 +92,10 @@ def _total(x: Reals, n: int) -> float:
     return total
 
 
-@inlined
+@helper
 def _interpolation(weights: Reals, χ: float, n: int, cosines: Reals) -> None:
     """Weights by which values at the nodes give that at χ: the barycentric formula (Berrut & Trefethen 2004, §5.2)."""
-    place, nodes, signs = math.cos(χ), cosines[0], cosines[n - 2]
+    place, nodes, signs = math.cos(χ), cosines[:n], cosines[(n - 2) * n :]
     for j in range(n):
         gap = place - nodes[j]
         weights[j] = signs[j] / (gap if gap != 0.0 else 1e-30)
@@ -104,7 +104,7 @@ def _interpolation(weights: Reals, χ: float, n: int, cosines: Reals) -> None:
         weights[j] /= total
 
 
-@inlined
+@helper
 def running_weights(weights: Reals, scratch: Reals, χ: float, n: int, cosines: Reals) -> None:
     """Weights of the running integral less its mean growth, Σ cos kχⱼ sin kχ/k; odd k are odd about χ = π/2.
 
@@ -113,7 +113,7 @@ def running_weights(weights: Reals, scratch: Reals, χ: float, n: int, cosines: 
         scratch: two rows of the same length.
         χ: where the integral ends.
         n: number of nodes.
-        cosines: of the nodes, ``libration_nodes``.
+        cosines: of the nodes, rows of cos kχ, k = 1, 2, …
     """
     half = n // 2
     s1, c1 = sincos(χ)
@@ -126,7 +126,8 @@ def running_weights(weights: Reals, scratch: Reals, χ: float, n: int, cosines: 
         s3, c3 = s * c2 + c * s2, c * c2 - s * s2
         t3, d3 = t * c2 + d * s2, d * c2 - t * s2
         odd, even, odd3, even3 = s / k, t / (k + 1), s3 / (k + 2), (t3 / (k + 3) if k + 3 < n else 0.0)
-        first, second, third, fourth = cosines[k - 1], cosines[k], cosines[k + 1], cosines[min(k + 2, n - 2)]
+        first, second = cosines[(k - 1) * n :], cosines[k * n :]
+        third, fourth = cosines[(k + 1) * n :], cosines[min(k + 2, n - 2) * n :]
         for j in range(half):
             scratch[0, j] += odd * first[j] + odd3 * third[j]
             scratch[1, j] += even * second[j] + even3 * fourth[j]
@@ -136,7 +137,7 @@ def running_weights(weights: Reals, scratch: Reals, χ: float, n: int, cosines: 
         weights[n - 1 - j] = scratch[1, j] - scratch[0, j]
 
 
-@inlined
+@helper
 def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int], tables: Tables,
           chords: bool) -> tuple[float, float]:  # fmt: skip
     """Phase of the start and a bound on its error; leaves the weights of interpolation.
@@ -151,7 +152,7 @@ def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int
         chords: whether the rounding of F is known relatively.
     """
     m, size = place
-    map_, n, cosines = tables.maps[m], tables.counts[size], tables.cosines[size]
+    map_, n, cosines = tables.maps[m], tables.counts[size], tables.cosines[tables.rows[size] :]
     weights, buffer = work.shares, work.buffer
     W, P, symmetry = motions.width[i], motions.momentum[i], map_[6]
     x, y = motions.left[i] / W, motions.right[i] / W

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS, UNIT
-from hjsolve.arithmetic.machine.compiling import inlined, kernel, reducing
+from hjsolve.arithmetic.machine.compiling import helper, inlined, kernel, reducing
 from hjsolve.arithmetic.machine.elementary import sincos
 from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Integers, Reals
@@ -91,7 +91,7 @@ def _moved(θ: float, m: float) -> tuple[float, float]:
     return 2.0 * math.atan2(m * s, c), m / (c * c + (m * s) * (m * s))
 
 
-@inlined
+@helper
 def _nodes(fill: MachineProgram, errors: MachineProgram, motions: Rounds, i: int, place: tuple[int, int, int],
            tables: Turns, finely: bool) -> None:  # fmt: skip
     """Work out F and its errors at the nodes of one orbit."""
@@ -123,7 +123,7 @@ def _nodes(fill: MachineProgram, errors: MachineProgram, motions: Rounds, i: int
     run(errors, lanes)
 
 
-@inlined
+@helper
 def _noise(fill: MachineProgram, errors: MachineProgram, n: int, noise: Reals) -> bool:
     """Sums of the errors of all integrands over the nodes; whether F > 0 at all of them."""
     kernels = noise.shape[0] - 1
@@ -159,7 +159,7 @@ def _largest(rows: Reals, x: Reals, n: int) -> float:
     return 2.0 / n * found
 
 
-@inlined
+@helper
 def _ruled(fill: MachineProgram, noise: Reals, results: Results, i: int, place: tuple[int, int], tables: Turns,
            modes: Modes) -> float:  # fmt: skip
     """Apply the rule; returns how many nodes of half a turn are needed, −1 where these suffice."""
@@ -189,7 +189,7 @@ def _ruled(fill: MachineProgram, noise: Reals, results: Results, i: int, place: 
     return more
 
 
-@inlined
+@helper
 def _phase(left: float, direction: float, ratio: float, map_: Reals) -> tuple[float, float]:
     """χ in (−π, π] of a place, and a bound on its error; the slow place is χ = π."""
     turn = 2.0 * math.pi
@@ -210,7 +210,7 @@ def _phase(left: float, direction: float, ratio: float, map_: Reals) -> tuple[fl
     return χ, bound
 
 
-@inlined
+@helper
 def _interpolation(weights: Reals, χ: float, n: int) -> None:
     """Weights that give the value of the series at χ: (1 + 2 Σ cos k(χ − χⱼ))/n, k < n/2 (Dirichlet's kernel)."""
     for j in range(n):
@@ -220,7 +220,7 @@ def _interpolation(weights: Reals, χ: float, n: int) -> None:
         weights[j] = (t / s if abs(s) > 1e-30 else n - 1.0) / n
 
 
-@inlined
+@helper
 def _running(weights: Reals, χ: float, sign: float, n: int, circle: Reals) -> None:
     """Add ± Σ sin k(χ − χⱼ)/k, k < n/2, to the weights of the running integral."""
     half, s1, c1 = n // 2, 0.0, 0.0
@@ -241,7 +241,7 @@ def _running(weights: Reals, χ: float, sign: float, n: int, circle: Reals) -> N
             s, c = s * c1 + c * s1, c * c1 - s * s1
 
 
-@inlined
+@helper
 def _timed(fill: MachineProgram, motions: Rounds, i: int, place: tuple[int, int, int], tables: Turns, results: Results,
            work: TurnScratch) -> None:  # fmt: skip
     """The phase of the start, and the running integrals up to it less their mean growth."""

@@ -39,7 +39,8 @@ class Tables(NamedTuple):
         spans: how many of them are seen from below, and the first and last beside which nodes are seen in both ways,
             shape (maps, 3, 3).
         last, middle: cosines of the convergence test, shape (sizes, 5 or 3, widest).
-        cosines: all of them, of every size an array of shape (nodes − 1, nodes).
+        cosines: all of them, of one size after the other, rows of as many as there are nodes.
+        rows: where those of every size begin, shape (sizes + 1,).
         squares, slopes: ``nodes.shifts``, plain and folded, shape (2, sizes, widest).
     """
 
@@ -55,7 +56,8 @@ class Tables(NamedTuple):
     spans: Integers
     last: Reals
     middle: Reals
-    cosines: tuple[Reals, ...]
+    cosines: Reals
+    rows: Integers
     squares: Reals
     slopes: Reals
 
