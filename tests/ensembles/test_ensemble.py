@@ -59,7 +59,7 @@ def distance(column: str, value: float, true: Any) -> Any:
 
 
 NARROW = {
-    "constants": 3e-14, "actions": 1e-13, "turning_points": 1e-13, "frequencies": 1e-11, "periods": 3e-11, "angles": 5e-11,
+    "constants": 3e-14, "actions": 2e-13, "turning_points": 1e-13, "frequencies": 1e-11, "periods": 3e-11, "angles": 5e-11,
 }  # fmt: skip
 """How narrow claims are: some ten to a hundred times the true errors, which grow by n from J to its slopes."""
 

@@ -47,7 +47,7 @@ _STANDING = 2.0**-60
 What is left of it does as many times that to an integral as there are nodes.
 """
 
-_SMALL = 5e-13
+_SMALL = 1e-13
 """Relative errors up to which an integral stays as it is, where others are made better."""
 
 _RESTING = 2.0**-40
