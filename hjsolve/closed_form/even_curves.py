@@ -20,8 +20,6 @@ from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.real_branch_points import FAR, LegendreIntegrals, LegendreMap, over_s
 from hjsolve.closed_form.signs import Signs
-from hjsolve.closed_form.tidy import multiplied_out
-from hjsolve.functions import JacobiCN, JacobiDN, JacobiSN
 
 
 @dataclass(frozen=True)
@@ -118,15 +116,3 @@ def even_integral(R: sp.Expr, way: EvenMap, x: sp.Symbol, signs: Signs, *, compl
     linear = LegendreMap(low, high, FAR, FAR, 1, sp.S.One)
     total = over_s(parts, linear, own, pole_at_c=low + (high - low) / way.m) / way.Ω
     return way.quarters * total if complete else way.direction * total
-
-
-def even_inverse(way: EvenMap, value: sp.Expr, start: sp.Expr) -> sp.Expr:
-    """The x at which ∫ dx/√P from a place has a value.
-
-    Args:
-        way: the map.
-        value: of the integral.
-        start: the place, an x.
-    """
-    argument = sp.elliptic_f(way.amplitude(start)[0], way.m) + way.direction * multiplied_out(way.Ω * value)
-    return way.side * way.scale * {"sn": JacobiSN, "dn": JacobiDN, "cn": JacobiCN}[way.kind](argument, way.m)

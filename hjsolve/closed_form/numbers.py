@@ -16,6 +16,7 @@ from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.doubles import RootsOfPolynomial, place_test, region_test, roots_of
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.named_forms import NamedForms
+from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.regions import (
     DIGITS,
     RootInterval,
@@ -45,7 +46,7 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
         InvalidInputError: an unknown name, or constants that are not of this regime.
         MissingValueError: a value that is missing.
     """
-    expression = _wanted(form, name)
+    expression = wanted_form(form, name)
     exact = _exact(form, expression, values)
     refuse_outside(form, exact)
     _refuse_places(form, exact)
@@ -114,7 +115,16 @@ def curves_held(form: NamedForms, held: Iterable[sp.Symbol]) -> list[tuple[Momen
     ]
 
 
-def _wanted(form: NamedForms, name: str) -> sp.Expr:
+def wanted_form(form: NamedForms, name: str) -> sp.Expr:
+    """A form by its name.
+
+    Args:
+        form: of a regime.
+        name: of the quantity.
+
+    Raises:
+        InvalidInputError: an unknown name, or one of which there is no form.
+    """
     named = form.named()
     if name not in named:
         reason = form.why_not.get(name)
@@ -126,7 +136,7 @@ def _wanted(form: NamedForms, name: str) -> sp.Expr:
 def _exact(form: NamedForms, expression: sp.Expr, values: Mapping[str, object]) -> dict[sp.Symbol, sp.Expr]:
     """Symbol → exact value, of everything the regime and the expression need."""
     exact = {p.symbol: p.value for p in form.solution.system.parameters if p.value is not None}
-    needed = {s.name: s for s in (*form.regime.example, *expression.free_symbols) if s not in form.where}
+    needed = {s.name: s for s in (*form.regime.example, *needed_names(expression.free_symbols, form.where)[1])}
     for name, value in values.items():
         if name not in needed:
             raise InvalidInputError(
@@ -145,7 +155,7 @@ def _exact(form: NamedForms, expression: sp.Expr, values: Mapping[str, object]) 
 def root_values(
     form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr], digits: int
 ) -> dict[sp.Symbol, mpmath.mpf]:  # fmt: skip
-    """Values of the symbols that ``where`` defines.
+    """Values of the symbols that ``where`` defines, as far as what they rest on is known.
 
     Args:
         form: of a regime.
@@ -155,12 +165,14 @@ def root_values(
     known = many_digits(exact, digits)
     with mpmath.workdps(digits):
         for symbol, meaning in form.where.items():
+            if not needed_names([symbol], form.where)[1] <= set(exact):
+                continue
             if isinstance(meaning, tuple):
                 polynomial, index = meaning
                 known[symbol] = ordered_real_roots(polynomial, known, digits)[index]
             else:
                 known[symbol] = mpmath.re(number_of(meaning, known))
-    return {symbol: known[symbol] for symbol in form.where}
+    return {symbol: known[symbol] for symbol in form.where if symbol in known}
 
 
 def functions(form: NamedForms, module: str) -> dict[str, Callable[..., Any]]:
@@ -199,7 +211,8 @@ class _CompiledForm:
         made, where = form.regime, form.where
         self.form, self.roots = form, [s for s in expression.free_symbols if s in where]
         self.curves = [(c, r) for c, r in made.regions if c.degree > 2]
-        held = {s for s in expression.free_symbols if s not in where} | set(made.special)
+        plain = needed_names(expression.free_symbols, where)[1]
+        held = plain | set(made.special)
         held |= {s for e in (*made.conditions, *made.special.values()) for s in e.free_symbols}
         held |= {s for c, _ in self.curves for p in c.polynomial.coeffs() for s in p.free_symbols}
         self.symbols = sorted(held, key=str)
@@ -209,7 +222,7 @@ class _CompiledForm:
         self.plain = sp.lambdify([*self.symbols, *self.roots], expression, modules=known, cse=True)
         self.tests = [sp.lambdify(self.symbols, sign * e, modules=known) for e, sign in made.conditions.items()]
         self.equal = [sp.lambdify(self.symbols, c - e, modules=known) for c, e in made.special.items()]
-        self.placed = curves_held(form, expression.free_symbols)
+        self.placed = curves_held(form, plain)
         self.inside = [place_test(c, r, s, self.symbols) for c, r, s in self.placed] if self.numpy else []
         self.regions = [region_test(c, r, self.symbols) for c, r in self.curves] if self.numpy else []
         self.named = self._definitions() if self.roots and self.numpy else []

@@ -21,8 +21,6 @@ import sympy as sp
 from hjsolve.closed_form.branch_points import NamedRoots
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.signs import Signs
-from hjsolve.closed_form.tidy import multiplied_out
-from hjsolve.functions import JacobiSN
 from hjsolve.functions.elliptic import PartialFractions
 
 FAR = sp.zoo
@@ -62,19 +60,6 @@ class LegendreMap:
         """
         return _ratio((x, self.a), (self.b, self.d), (x, self.d), (self.b, self.a))
 
-    def place(self, s: sp.Expr) -> sp.Expr:
-        """The x at s.
-
-        Args:
-            s: sin² φ.
-        """
-        if self.d is FAR:
-            return self.a + (self.b - self.a) * s
-        if self.b is FAR:
-            return (self.a - self.d * s) / (1 - s)
-        n = self.pole(FAR)
-        return (self.a - n * self.d * s) / (1 - n * s)
-
     def pole(self, r: sp.Expr) -> sp.Expr:
         """n, with s = 1/n at x = r.
 
@@ -110,9 +95,10 @@ def legendre_map(roots: NamedRoots, signs: Signs) -> LegendreMap:
         raise NoFormError("P has complex roots in this regime")
     circle = [*roots.real] if len(roots.real) == 4 else [*roots.real, FAR]
     low, high = roots.interval
-    start = low if low is not None else high
+    upwards = low is not None and not (len(roots.real) == 3 and (low, high) == (1, 2))  # so that ∞ is where s is ∞
+    start = low if upwards else high
     assert start is not None
-    direction = 1 if low is not None else -1
+    direction = 1 if upwards else -1
     a, b, c, d = (circle[(start + direction * k) % 4] for k in range(4))
     size = roots.leading
     for p, q in ((c, a), (b, d)):
@@ -264,16 +250,3 @@ def _fraction(line: tuple[sp.Expr, sp.Expr], n: sp.Expr, k: int, own: LegendreIn
     if k > 1 and sp.cancel(sp.together(n - own.m)) == 0:
         raise NoFormError("a multiple pole at a branch point")
     return sp.Add(*(sp.binomial(k, j) * α ** (k - j) * β**j * own.third(n, j) for j in range(k + 1)))
-
-
-def elliptic_inverse(way: LegendreMap, value: sp.Expr, start: sp.Expr) -> sp.Expr:
-    """The x at which ∫ dx/√P from a place has a value.
-
-    Args:
-        way: the map.
-        value: of the integral.
-        start: the place, an x.
-    """
-    φ = sp.asin(sp.sqrt(way.s(start)))
-    argument = multiplied_out(way.direction * way.Ω * value) + sp.elliptic_f(φ, way.m)
-    return way.place(JacobiSN(argument, way.m) ** 2)

@@ -68,6 +68,23 @@ def shortened_powers(expression: sp.Expr) -> sp.Expr:
     return expression.replace(lambda e: e.is_Mul, _product)
 
 
+def square_root(radicand: sp.Expr) -> sp.Expr:
+    """√ of what is positive where a form holds, with the absolute values of its squared factors taken out.
+
+    Args:
+        radicand: rational in real symbols.
+    """
+    outside, inside = sp.S.One, sp.S.One
+    for factor in sp.Mul.make_args(sp.factor(radicand)):
+        base, power = factor.as_base_exp()
+        if power.is_Integer and not base.is_number:
+            outside *= sp.Abs(base) ** (power // 2)
+            inside *= base ** (power % 2)
+        else:
+            inside *= factor
+    return outside * sp.sqrt(inside)
+
+
 def _product(product: sp.Expr) -> sp.Expr:
     powers = dict[sp.Expr, sp.Expr]()
     for factor in sp.Mul.make_args(product):

@@ -20,6 +20,7 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.evaluation import Evaluator, many_digits
 from hjsolve.closed_form.forms import RegimeForms
+from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.numbers import root_values
 from hjsolve.costs.answers import Answer
 from hjsolve.costs.trial import Task, Trial
@@ -116,8 +117,8 @@ def derived_form(task: Task, seconds: float) -> DerivedForm | None:
     exact = _exact(motion)
     states, missing = dict[str, sp.Expr](), list[str]()
     if task.states:
-        known = set(exact) | set(form.where) | {_T}
-        found = {f"q.{n}": e for n, e in form.inverse.items() if _positive(motion) and e.free_symbols <= known}
+        known = set(exact) | {_T}
+        found = {f"q.{n}": e for n, e in form.inverse.items() if _positive(motion) and needed_names(e.free_symbols, form.where)[1] <= known}
         states, missing = found, [] if len(found) == len(motion.solution.system.coordinates) else ["the states"]
     missing += [w.replace("_", " ") for w in _NUMBERS if w in task.scene.want and _lacks(motion, w, fixed)]
     return DerivedForm(fixed, states, form, exact, motion.t0, tuple(missing)) if fixed or states else None

@@ -9,12 +9,14 @@ from typing import Any
 
 import sympy as sp
 
+from hjsolve.closed_form.anomalies import TIME
 from hjsolve.closed_form.closed_forms import closed_forms, own_form
 from hjsolve.closed_form.forms import RegimeForms
+from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Code, Formula, Inline, Mathematics, Paragraph, Section, Table, Text
 from hjsolve.reports.formulas.from_sympy import box
-from hjsolve.reports.formulas.layout import Fence, Glyph, row, width
+from hjsolve.reports.formulas.layout import Box, Fence, Glyph, row, width
 from hjsolve.reports.formulas.line_breaks import NARROW, broken, display, narrowed
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import plain
@@ -80,32 +82,33 @@ def _section(form: RegimeForms, number: int) -> Section:
         "to its integrand and compared with the quadrature to 40 digits; the separated momenta are positive.",
     )  # fmt: skip
     blocks: list[Block | _TooLong] = [Paragraph(intro), *conditions]
-    for meaning, symbols in _by_meaning(form.where):
-        blocks += _meaning(symbols, meaning)
+    told = _Told(form.where)
     if form.time_law is not None:
-        blocks.append(_shown("time_law", form.time_law, lambda e: equation(e, "Greenwood (5-71)")))
+        blocks += told.shown("time_law", form.time_law, lambda e: equation(e, "Greenwood (5-71)"))
     for q, e in form.inverse.items():
-        blocks.append(_shown(f"inverse.{q}", e, partial(formula, row(name_box(q), Glyph("(t) ", "text")))))
+        blocks += told.shown(f"inverse.{q}", e, partial(formula, row(name_box(q), Fence(name_box("t")))))
+    blocks += _anomaly(form, told)
     for name, law in form.orbit_equations.items():
-        blocks.append(_shown(f"orbit_equations.{name}", law, lambda e: equation(e, "Greenwood (5-70)")))
+        blocks += told.shown(f"orbit_equations.{name}", law, lambda e: equation(e, "Greenwood (5-70)"))
     for q, e in form.orbit.items():
-        blocks.append(_shown(f"orbit.{q}", e, partial(formula, row(name_box(q), Glyph(" along the orbit ", "text")))))
+        blocks += told.shown(f"orbit.{q}", e, partial(formula, row(name_box(q), Fence(_along(form, q, e)))))
     for q, e in form.parametric.items():
-        blocks.append(_shown(f"parametric.{q}", e, partial(formula, row(name_box(q), Fence(name_box("tau"))))))
+        blocks += told.shown(f"parametric.{q}", e, partial(formula, row(name_box(q), Fence(name_box("tau")))))
     if form.characteristic_function is not None:
         W = form.characteristic_function
-        blocks.append(_shown("characteristic_function", W, lambda e: formula(Glyph("W"), e, "Greenwood (5-65)")))
+        blocks += told.shown("characteristic_function", W, lambda e: formula(Glyph("W"), e, "Greenwood (5-65)"))
     if form.energy is not None:
-        blocks.append(_shown("energy", form.energy, partial(formula, name_box("E"))))
+        blocks += told.shown("energy", form.energy, partial(formula, name_box("E")))
     numbers = [(group, q, e) for group in _GROUPS for q, e in getattr(form, group).items()]
     narrow = [one for one in numbers if width(display(one[2], IN_A_CELL)) <= _WIDEST_CELL]
     if narrow:
+        blocks += told.meanings([e for *_, e in narrow])
         rows = tuple((typeset_prose(f"{_GROUPS[group]} of {q}", system), (math(e),)) for group, q, e in narrow)
         blocks.append(Table((("Quantity",), ("Closed form",)), rows, "Numbers of the motion"))
     for group, q, e in numbers:
         if (group, q, e) not in narrow:
             left = row(Glyph(f"{_GROUPS[group]} of ", "text"), name_box(q))
-            blocks.append(_shown(f"{group}.{q}", e, partial(formula, left)))
+            blocks += told.shown(f"{group}.{q}", e, partial(formula, left))
     long = tuple(((Code(block.name),), (str(block.operations),)) for block in blocks if isinstance(block, _TooLong))
     shown: list[Block] = [block for block in blocks if not isinstance(block, _TooLong)]
     if long:
@@ -117,6 +120,64 @@ def _section(form: RegimeForms, number: int) -> Section:
     suffix = f"-{number}" if number else ""
     title = f"Closed forms, regime {number}" if number else "Closed forms"
     return Section(f"closed-forms{suffix}", title, tuple(shown))
+
+
+class _Told:
+    """Which definitions a section has given: each stands after the first formula that uses it.
+
+    Args:
+        where: symbol → definition.
+    """
+
+    def __init__(self, where: Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]):
+        self.where, self.known = where, set[sp.Symbol]()
+
+    def shown(self, name: str, e: sp.Basic, write: Callable[[Any], Formula]) -> list[Block | _TooLong]:
+        """A formula, and what the quantities in it are."""
+        made = _shown(name, e, write)
+        return [made] if isinstance(made, _TooLong) else [made, *self.meanings([e])]
+
+    def meanings(self, shown: Sequence[sp.Basic]) -> list[Block | _TooLong]:
+        """What the quantities of formulas are, those of which nothing was said."""
+        needed, _ = needed_names({s for e in shown for s in e.free_symbols}, self.where)
+        new = {s: meaning for s, meaning in reversed(needed.items()) if s not in self.known}
+        self.known |= set(new)
+        short = [s for s, e in new.items() if _fits_a_sentence(s, e)]
+        pieces: list[Inline] = []
+        for s in short:
+            pieces += [", " if pieces else "with ", math(sp.Eq(s, new[s], evaluate=False))]
+        blocks: list[Block | _TooLong] = [Paragraph(tuple(pieces))] if short else []
+        rest = {s: new[s] for s in reversed(new) if s not in short}
+        return blocks + [block for meaning, symbols in _by_meaning(rest) for block in _meaning(symbols, meaning)]
+
+
+def _fits_a_sentence(symbol: sp.Symbol, meaning: object) -> bool:
+    if isinstance(meaning, tuple):
+        return False
+    return width(display(sp.Eq(symbol, meaning, evaluate=False), IN_A_CELL)) <= NARROW
+
+
+def _along(form: RegimeForms, q: str, e: sp.Expr) -> Box:
+    """The coordinate on which an orbit formula depends."""
+    held = form.written_out(f"orbit.{q}").free_symbols
+    return name_box(next(c.name for c in form.solution.system.coordinates if c.symbol in held and c.name != q))
+
+
+def _anomaly(form: RegimeForms, told: _Told) -> list[Block | _TooLong]:
+    """q(ξ) and n (t − t_p) = ξ − e sin ξ."""
+    blocks: list[Block | _TooLong] = []
+    for q, e in form.anomaly.items():
+        ξ = next(s for s in e.free_symbols if s.name in ("xi", "chi", "xi_1"))
+        if q != TIME:
+            blocks += told.shown(f"anomaly.{q}", e, partial(formula, row(name_box(q), Fence(box(ξ)))))
+            continue
+        assert form.time_law is not None
+        t = next(term for term in form.time_law.lhs.args if term.is_Symbol)
+        passed, running = e.as_independent(ξ, as_Add=True)
+        scale, rest = running.as_independent(ξ, as_Add=False)
+        equal = sp.Eq(sp.Mul(1 / scale, t - passed, evaluate=False), rest, evaluate=False)
+        blocks += told.shown(f"anomaly.{q}", equal, equation)
+    return blocks
 
 
 @dataclass(frozen=True)
