@@ -59,6 +59,8 @@ def anomaly_forms(
     """
     solution, key = shop.solution, shop.constants[0]
     held = [n for n in solution.coordinates if n not in pieces or key in pieces[n].numerators]
+    if any(name in inverse for name in solution.coordinates):
+        return {}
     if solution.time_law is None or len(held) != 1 or held[0] not in pieces or key not in pieces[held[0]].integrals:
         return {}
     (name,) = held

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import sympy as sp
 
@@ -10,18 +11,14 @@ from hjsolve.closed_form.anomalies import anomaly_forms
 from hjsolve.closed_form.curves import W
 from hjsolve.closed_form.energy_from_actions import solved_for_energy
 from hjsolve.closed_form.forms import RegimeForms
-from hjsolve.closed_form.inverses import (
-    common_parameter,
-    inverse_forms,
-    orbit_formulas,
-    parametric_formulas,
-)
+from hjsolve.closed_form.inverses import inverse_forms, orbit_formulas, parametric_formulas
 from hjsolve.closed_form.involutions import why_no_form
-from hjsolve.closed_form.named_quantities import NamedQuantities, Where, needed_names
+from hjsolve.closed_form.elliptic_inverse import in_moduli
+from hjsolve.closed_form.named_quantities import Where
+from hjsolve.closed_form.names_of_regime import names_of
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
 from hjsolve.closed_form.tidy import LONGEST, elliptic, longer_than, shortened_powers
-from hjsolve.closed_form.verification import sample_numbers
 from hjsolve.closed_form.workshop import Stratum, Workshop
 from hjsolve.solution.quadratures import Solution
 
@@ -52,55 +49,30 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
     function = _closed(solution, solution.characteristic_function, W, pieces, special, reasons)
     if isinstance(function, str):
         why_not["characteristic_function"], function = function, None
-    where = {symbol: meaning for own in pieces.values() for symbol, meaning in own.where.items()}
-    roots = frozenset(where)
-    names = _names(solution, pieces, where)
+    where: Where = {symbol: meaning for own in pieces.values() for symbol, meaning in own.where.items()}
+    names = names_of(solution, pieces, where)
     numbers = _numbers(shop, pieces, special, made, why_not, where)
     inverse = inverse_forms(shop, pieces, special, why_not, names)
     orbit = orbit_formulas(shop, pieces, special, names)
     parametric = parametric_formulas(shop, pieces, special, names)
-    anomaly = {} if any(n in inverse for n in solution.coordinates) else anomaly_forms(shop, pieces, names, inverse, why_not)
+    anomaly = anomaly_forms(shop, pieces, names, inverse, why_not)
     energy = solved_for_energy(shop, numbers["actions"], made, why_not)
 
     def plain(group: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:
-        return {name: settled(made, value) for name, value in group.items()}
+        return {name: settled(made, in_moduli(value, names, of_roots=True)) for name, value in group.items()}
 
     def relation(equation: sp.Eq) -> sp.Eq:
-        return sp.Eq(equation.lhs, settled(made, equation.rhs), evaluate=False)
+        return sp.Eq(equation.lhs, settled(made, in_moduli(equation.rhs, names)), evaluate=False)
 
-    return RegimeForms(
+    form = RegimeForms(
         solution, made, None if time_law is None else relation(time_law),
         {name: relation(equation) for name, equation in equations.items()},
-        None if function is None else settled(made, function), _turning_points(pieces, made), plain(numbers["periods"]),
-        plain(numbers["actions"]), plain(numbers["frequencies"]), plain(numbers["mean_velocities"]), plain(inverse),
-        plain(orbit), plain(parametric), plain(anomaly), energy,
-        _kept(where, roots, (*inverse.values(), *orbit.values(), *parametric.values(), *anomaly.values()), made), why_not,
+        None if function is None else settled(made, in_moduli(function, names)), _turning_points(pieces, made),
+        plain(numbers["periods"]), plain(numbers["actions"]), plain(numbers["frequencies"]),
+        plain(numbers["mean_velocities"]), plain(inverse), plain(orbit), plain(parametric), plain(anomaly), energy, where,
+        why_not,
     )  # fmt: skip
-
-
-def _names(solution: Solution, pieces: Integrals, where: Where) -> NamedQuantities:
-    """For the names of quantities: what has a name already, and on what coordinates depend."""
-    equations = [e for e in (solution.time_law, *solution.orbit_equations.values()) if e is not None]
-    held = {s for e in (*equations, solution.characteristic_function) for s in e.free_symbols}
-    coordinates, τ = solution.system.coordinates, common_parameter(solution)
-    held |= {p.symbol for p in solution.system.parameters} | {s for c in coordinates for s in (c.symbol, c.momentum)}
-    held |= {τ, *solution.lower_limits.values(), *(c.symbol for c in solution.constants.values())}
-    taken = {s.name for s in held} | {f"J_{c.name}" for c in coordinates}
-    separated = {solution.system.coordinate(n).symbol for n in solution.coordinates}
-    times = () if solution.time_law is None else solution.time_law.lhs.free_symbols & {
-        s for s in held if not s.name.endswith("_0")}
-    numbers = {s: value for own in pieces.values() for s, value in sample_numbers(own).items()}
-    variables = {τ, *times, *(c.symbol for c in coordinates if c.symbol not in separated)}
-    return NamedQuantities(taken, variables, separated, where, numbers)
-
-
-def _kept(where: Where, roots: frozenset[sp.Symbol], forms: tuple[sp.Expr, ...], made: Regime) -> Where:
-    """The definitions that forms use, those of roots first."""
-    used, _ = needed_names({s for form in forms for s in form.free_symbols}, where)
-    kept: Where = {s: meaning for s, meaning in where.items() if s in roots or s.name.startswith("Omega_")}
-    for symbol, meaning in used.items():
-        kept.setdefault(symbol, meaning if isinstance(meaning, tuple) else settled(made, shortened_powers(meaning)))
-    return kept
+    return replace(form, where=names.kept(form.named().values(), lambda e: settled(made, shortened_powers(e))))
 
 
 def _equation(

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from hjsolve.closed_form.elementary import BasicIntegral, positive_root
-from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase
+from hjsolve.closed_form.elementary import Antiderivative, BasicIntegral, positive_root
+from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase, sign_of_factors
 from hjsolve.closed_form.tidy import square_root
 
 _CENTRED = {"arcsine": sp.cos, "area sine": sp.sinh, "area cosine right": sp.cosh, "area cosine left": sp.cosh}
@@ -36,6 +36,32 @@ def elementary_inverse(basic: BasicIntegral, amount: sp.Expr, begin: sp.Expr, na
     else:
         u = u_0 * sp.exp(sp.expand(basic.sign_of_u * direction * positive_root(A) * amount))
     return u if basic.place is None else basic.place + 1 / u
+
+
+def separatrix_inverse(
+    law: Antiderivative, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities
+) -> sp.Expr | None:  # fmt: skip
+    """The x at which w ln((x − r₁)/(r₂ − x)) has a value: the middle of r₁ and r₂ and half their distance times tanh.
+
+    Args:
+        law: the integral; of two logarithms with opposite weights.
+        amount: the value.
+        begin: the place, an x.
+        names: of the quantities of the form.
+
+    Returns:
+        The place; None of any other integral.
+    """
+    if law.algebraic != 0 or len(law.terms) != 2 or any(t.kind != "logarithm" or t.place is None for _, t in law.terms):
+        return None
+    (w, one), (w_2, other) = law.terms
+    if one.quadratic[0] != other.quadratic[0] or sp.cancel(w + w_2) != 0 or one.side == other.side:
+        return None
+    if one.side < 0:
+        (w, one), (w_2, other) = (w_2, other), (w, one)
+    middle, h = sp.cancel((one.place + other.place) / 2), sp.cancel((other.place - one.place) / 2)
+    factor, start = positive_root(one.quadratic[0]) / (2 * w), sp.atanh((begin - middle) / h)
+    return middle + h * sp.tanh(Phase(names, amount, factor, start, even=False).argument)
 
 
 def _centred(basic: BasicIntegral, amount: sp.Expr, u_0: sp.Expr, names: NamedQuantities) -> sp.Expr:
@@ -68,7 +94,7 @@ def _eccentricity(basic: BasicIntegral, names: NamedQuantities) -> sp.Expr:
     A, B, C = basic.quadratic
     square = sp.expand(sp.cancel(1 - 4 * A * C / B**2))
     square = -square if basic.kind == "area sine" else square
-    sign = sp.sign(sp.factor(B)) * (1 if basic.kind == "arcsine" else -1)
+    sign = sign_of_factors(sp.factor(B)) * (1 if basic.kind == "arcsine" else -1)
     return sign * names.named("e", sp.sqrt(square), positive=True)
 
 

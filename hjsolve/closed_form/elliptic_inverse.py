@@ -10,7 +10,7 @@ from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import monotone_inverse
 from hjsolve.closed_form.real_branch_points import FAR, LegendreMap
-from hjsolve.closed_form.tidy import multiplied_out, square_root
+from hjsolve.closed_form.tidy import collected, multiplied_out, square_root
 from hjsolve.functions import JacobiCN, JacobiDN, JacobiSN, elliptic
 
 _FUNCTIONS = {"sn": JacobiSN, "cn": JacobiCN, "dn": JacobiDN}
@@ -48,7 +48,8 @@ def elliptic_inverse(
     argument = Phase(names, amount, way.direction * Ω, sp.elliptic_f(φ_0, k**2), even=True).argument
     s = JacobiSN(argument, k**2) ** 2
     if way.d is FAR:
-        return way.a - names.oriented(way.a - way.b) * s
+        a, b = (names.named(f"x_{mark}", end, short=3 * SHORT) for mark, end in (("a", way.a), ("b", way.b)))
+        return a - (names.oriented(way.a - way.b) if (a, b) == (way.a, way.b) else a - b) * s
     if way.b is FAR:
         return (way.a - way.d * s) / (1 - s)
     n = names.named("nu", names.oriented(way.pole(FAR)), short=SHORT)
@@ -65,6 +66,24 @@ def modulus(names: NamedQuantities, m: sp.Expr) -> sp.Expr:
     ratio = names.oriented(sp.factor(m))
     root = sp.sqrt(ratio) if ratio.free_symbols <= names.roots else square_root(ratio)
     return names.named("k", root, positive=True)
+
+
+def in_moduli(expression: sp.Expr, names: NamedQuantities, *, of_roots: bool = False) -> sp.Expr:
+    """An expression with the parameters of its elliptic integrals as k², and their characteristics by name.
+
+    Args:
+        expression: of a form.
+        names: of the quantities of the forms.
+        of_roots: whether only parameters that are made of named roots are named.
+    """
+    table = dict[sp.Expr, sp.Expr]()
+    for one in sorted(expression.atoms(sp.elliptic_k, sp.elliptic_f, sp.elliptic_e, sp.elliptic_pi), key=sp.default_sort_key):
+        parameters = (one.args[-1], one.args[0]) if isinstance(one, sp.elliptic_pi) else one.args[-1:]
+        for k, m in enumerate(parameters):
+            if m.is_number or sp.count_ops(m) <= SHORT or (of_roots and not m.free_symbols <= names.roots):
+                continue
+            table[m] = names.named("nu", names.oriented(sp.factor(m))) if k else modulus(names, m) ** 2
+    return collected(expression.xreplace(table))
 
 
 def _complex_pair(way: CarlsonMap, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities) -> sp.Expr:

@@ -8,7 +8,7 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.elementary import Antiderivative, positive_root
-from hjsolve.closed_form.elementary_inverse import accelerated, elementary_inverse
+from hjsolve.closed_form.elementary_inverse import accelerated, elementary_inverse, separatrix_inverse
 from hjsolve.closed_form.elliptic_inverse import elliptic_inverse
 from hjsolve.closed_form.named_quantities import NamedQuantities, Phase
 from hjsolve.closed_form.no_form import NoFormError
@@ -75,8 +75,7 @@ def _straight(place: sp.Expr, shop: Workshop) -> sp.Expr:
     law = shop.solution.time_law
     if law is None:
         return place
-    t = next(term for term in law.lhs.args if term.is_Symbol)
-    s = sp.Dummy("s")
+    (t,), s = time_of(shop.solution), sp.Dummy("s")
     moved = sp.expand(place.subs(t, s + t - law.lhs))
     if not moved.is_polynomial(s) or not moved.has(s):
         return place
@@ -182,10 +181,12 @@ def inverted(
     s = integral.curve.substitution
     if not law.terms and law.algebraic != 0:
         return _algebraic(own, integral, value, start, names, others)
-    if law.algebraic != 0 or len(law.terms) != 1:
+    x = separatrix_inverse(law, value, s.place.subs(q, start), names)
+    if x is None and (law.algebraic != 0 or len(law.terms) != 1):
         raise NoFormError(_why_not_inverted(own, law))
-    weight, basic = law.terms[0]
-    x = elementary_inverse(basic, sp.expand(value / weight), s.place.subs(q, start), names)
+    if x is None:
+        weight, basic = law.terms[0]
+        x = elementary_inverse(basic, sp.expand(value / weight), s.place.subs(q, start), names)
     place = shortened_powers(s.inverse.subs(s.x, x))
     return verified_inverse(own, integral, place, value, start, names, others)
 
@@ -282,7 +283,8 @@ def verified_inverse(
             raise NoFormError(f"not verified: the inverse gives {mpmath.nstr(got, 15)} for {mpmath.nstr(target, 15)}")
         if own.kind == "rotation" and integral.cycle is not None:
             numbers[unknown] += value_at(integral.cycle, numbers) / value_at(sp.diff(value, unknown), numbers)
-            turned = mpmath.sin((value_at(explicit, numbers) - target) / 2)
+            turn = value_at(integral.curve.substitution.turn, numbers)
+            turned = mpmath.sin((value_at(explicit, numbers) - target) * mpmath.pi / turn)
             if not abs(turned) <= mpmath.mpf(10) ** -_DIGITS:
                 raise NoFormError("the inverse that was found is right on one turn only")
     return place
@@ -388,6 +390,16 @@ def common_parameter(solution: Solution) -> sp.Symbol:
     """
     taken = {s.name for s in solution.characteristic_function.free_symbols}
     return sp.Symbol("tau" if "tau" not in taken else "tau_1", real=True)
+
+
+def time_of(solution: Solution) -> tuple[sp.Symbol, ...]:
+    """The time; none where no coordinate is separated.
+
+    Args:
+        solution: whose time law holds it.
+    """
+    law = solution.time_law
+    return () if law is None else tuple(term for term in law.lhs.args if term.is_Symbol)
 
 
 def _on_branch(

@@ -5,7 +5,7 @@ A form is written in few quantities that carry the physics; each is defined once
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import mpmath
 import sympy as sp
@@ -75,6 +75,17 @@ class NamedQuantities:
                     factor, sign = (-base) ** power, sign * (-1) ** power
             value *= factor
         return sign * value
+
+    def kept(self, forms: Iterable[sp.Expr], written: Callable[[sp.Expr], sp.Expr]) -> Where:
+        """The definitions of roots, and those that forms use, each after those that it uses.
+
+        Args:
+            forms: of the regime.
+            written: how a definition is written.
+        """
+        used, _ = needed_names({s for form in forms for s in form.free_symbols}, self.where)
+        ordered = needed_names(self.roots, self.where)[0] | used
+        return {s: meaning if isinstance(meaning, tuple) or s in self.roots else written(meaning) for s, meaning in ordered.items()}
 
     def written_out(self, expression: sp.Expr) -> sp.Expr:
         """An expression with the definitions in place of the names.
@@ -175,8 +186,23 @@ def _without_sign(α: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
         elif factor.is_nonnegative or factor.is_number or _is_root(factor):
             size *= factor
         else:  # a sum, or a symbol of either sign: its absolute value
-            sign, size = sign * sp.sign(factor), size * sp.Abs(factor)
+            base, power = factor.as_base_exp()
+            sign, size = sign * sign_of_factors(factor), size * sp.Abs(base) ** power
     return size, sign
+
+
+def sign_of_factors(product: sp.Expr) -> sp.Expr:
+    """The sign of a product as that of its factors, even powers left out.
+
+    Args:
+        product: real, not zero.
+    """
+    sign = sp.S.One
+    for factor in sp.Mul.make_args(product):
+        base, power = factor.as_base_exp()
+        whole = power.is_Integer and not base.is_number
+        sign *= (sp.sign(base) if power % 2 else sp.S.One) if whole else sp.sign(factor)
+    return sign
 
 
 def _is_root(factor: sp.Expr) -> bool:

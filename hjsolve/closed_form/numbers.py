@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -94,8 +93,8 @@ def _refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None
             continue
         told = ""
         if curve.substitution.closed:
-            middle = float(middle_of(curve, numbers))
-            told = f"; the form is that of one turn, {symbol} from {middle - math.pi:.3g} to {middle + math.pi:.3g}"
+            middle, half = float(middle_of(curve, numbers)), float(number_of(curve.substitution.turn, numbers)) / 2
+            told = f"; the form is that of one turn, {symbol} from {middle - half:.3g} to {middle + half:.3g}"
         raise InvalidInputError(f"{symbol} = {float(numbers[symbol]):.6g} is no place of this regime's motion{told}")
 
 

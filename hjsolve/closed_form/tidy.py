@@ -22,6 +22,8 @@ ELLIPTIC = (
 """The integrals that occur in forms."""
 LONGEST = 150
 """Operations above which a form with elliptic integrals is left as it is."""
+_FACTORED = 80
+"""Operations up to which the coefficient of an integral is factored."""
 
 
 def elliptic(expression: sp.Expr) -> bool:
@@ -66,6 +68,23 @@ def shortened_powers(expression: sp.Expr) -> sp.Expr:
     if elliptic(expression) and longer_than(expression, LONGEST):
         return expression
     return expression.replace(lambda e: e.is_Mul, _product)
+
+
+def collected(expression: sp.Expr) -> sp.Expr:
+    """A linear combination of elliptic integrals with each written once, its coefficient in factors.
+
+    Args:
+        expression: of a form; of any that is not linear in them it is given back.
+    """
+    held = sorted(expression.atoms(*ELLIPTIC), key=sp.default_sort_key)
+    names = {one: sp.Dummy(f"I{k}") for k, one in enumerate(held)}
+    bare = expression.xreplace(names)
+    coefficients = {one: sp.diff(bare, name) for one, name in names.items()}
+    if not held or any(c.free_symbols & set(names.values()) for c in coefficients.values()):
+        return expression
+    rest = bare.xreplace(dict.fromkeys(names.values(), sp.S.Zero))
+    terms = (shortened_powers(c if longer_than(c, _FACTORED) else sp.factor(c)) * one for one, c in coefficients.items())
+    return sp.Add(rest, *terms)
 
 
 def square_root(radicand: sp.Expr) -> sp.Expr:

@@ -147,7 +147,7 @@ class _Trial:
         """∮ N dq/P by the midpoint rule, trebled until it no longer moves; and ∮ |N| dq/P."""
         whole = self.region.kind == "rotation"
         if whole:
-            middle, half = mpmath.mpf(0), mpmath.pi
+            middle, half = mpmath.mpf(0), number_of(self.curve.substitution.turn, self.numbers) / 2
         else:
             sides = (self.region.lower, self.region.upper)
             roots = ordered_real_roots(self.curve.polynomial, self.numbers, mpmath.mp.dps)
@@ -160,7 +160,7 @@ class _Trial:
             cosine, sine = mpmath.cos_sin(χ)
             return [half * sine * f for f in self.integrands(middle - half * cosine)]
 
-        turn, count, step = (2 * mpmath.pi if whole else mpmath.pi), 16, mpmath.mpf(1) / 2
+        turn, count, step = (2 * half if whole else mpmath.pi), 16, mpmath.mpf(1) / 2
         rows = [terms(turn * (k + step) / count) for k in range(count)]
         sums = _sums(rows, turn / count)
         while count < _MOST:

@@ -249,3 +249,81 @@ def test_names_do_not_meet_letters_of_the_user() -> None:
     form = _typed("e*x**2/2", e=2, a=1, omega=3, x="0.5", v="0.1")
     assert {s.name for s in form.where} == {"a_1", "omega_1", "t_p"}
     agrees_in_time(form, "x")
+
+
+LETTERS = {
+    "Morse": ("D*(1 - exp(-a*x))**2", {"D": 2, "a": "0.8"}), "cosh": ("U*cosh(a*x)", {"U": "1.1", "a": "0.8"}),
+    "cosine": ("-U*cos(k*x)", {"U": "1.3", "k": "0.9"}), "cosine of x/b": ("U*(1 - cos(x/b))", {"U": 1, "b": "0.7"}),
+    "Morse turned": ("D*(1 - exp(a*x))**2", {"D": 2, "a": "-0.8"}), "sech": ("-U/cosh(a*x)**2", {"U": 1, "a": "0.8"}),
+    "tanh": ("U*tanh(a*x)**2", {"U": 1, "a": "0.8"}), "exponential": ("U*exp(a*x)", {"U": "1.2", "a": "0.7"}),
+    "Toda": ("U*(exp(a*x) + exp(-2*a*x)/2)", {"U": 1, "a": "0.8"}), "sine": ("U*sin(a*x)**2", {"U": "1.3", "a": "0.8"}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LETTERS)
+def test_letters_of_either_sign_are_scales_in_exponentials_and_circular_functions(name: str) -> None:
+    """Letters without an assumption: the sign that a motion has becomes a condition of its regime."""
+    V, letters = LETTERS[name]
+    system = hjsolve.System(coordinates={"x": "line"}, kinetic="m*dot(x)**2/2", potential=V, parameters={"m": 1, **letters})
+    form = own_form(hjsolve.solve(system).motion(q={"x": "0.3"}, velocity={"x": "0.3"}))
+    assert form is not None
+    assert form.time_law is not None
+    assert sp.count_ops(form.inverse["x"]) < 20
+    agrees_in_time(form, "x")
+
+
+IMPLICIT = {
+    "Hulthén": ("-U/(exp(a*x) - 1)", "0 < x", {"U": 1, "a": "0.8"}), "Woods and Saxon": (
+        "-U/(1 + exp((x - b)/a))", "line", {"U": 1, "a": "0.6", "b": "0.4"}),
+    "Rosen and Morse": ("U*tanh(a*x) + c/cosh(a*x)**2", "line", {"U": 1, "a": "0.6", "c": "0.4"}),
+    "Eckart": ("U/sinh(a*x)**2 - c/tanh(a*x)", "0 < x", {"U": 1, "a": "0.6", "c": "0.4"}),
+    "softened": ("U*sqrt(x**2 + a**2)", "line", {"U": 1, "a": "0.6"}),
+    "root": ("U*sqrt(x/a)", "0 < x", {"U": 1, "a": "0.6"}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", IMPLICIT)
+def test_where_t_has_no_inverse_the_time_law_is_the_form(name: str) -> None:
+    V, domain, letters = IMPLICIT[name]
+    system = hjsolve.System(coordinates={"x": domain}, kinetic="m*dot(x)**2/2", potential=V, parameters={"m": 1, **letters})
+    found = hjsolve.closed_forms(system, seconds=4)
+    assert found
+    form = found[0]
+    assert form.time_law is not None
+    start, stop = _places(form, "x")
+    example = {s.name: v for s, v in form.regime.example.items()}
+    t = _integral(form, form.solution.time_law, example, start, stop)
+    _same(form.evaluate("time_law", {**example, "x": stop, "x_0": start}, 45).value, t)
+
+
+def test_a_periodic_potential_on_a_line_has_the_forms_of_the_angle() -> None:
+    """−U cos kx on a line: 4K(k)/ω, and the rotation over one turn 2π/k."""
+    system = hjsolve.System({"x": "line"}, "m*dot(x)**2/2", "-U*cos(k*x)", {"m": 1, "U": "1.3", "k": "0.9"})
+    fast = own_form(hjsolve.solve(system).motion(q={"x": "0.3"}, velocity={"x": 3}))
+    slow = own_form(hjsolve.solve(system).motion(q={"x": "0.3"}, velocity={"x": "0.3"}))
+    assert fast is not None
+    assert slow is not None
+    assert fast.regime.kinds["x"] == "rotation"
+    assert fast.inverse["x"].has(JacobiAM)
+    example = {s.name: v for s, v in fast.regime.example.items()}
+    with mpmath.workdps(60):
+        T, half = _period_of(fast, example), mpmath.pi / (2 * mpmath.mpf("0.9"))
+    assert half > 0
+    _same(fast.evaluate("periods.x", example, 45).value, T)
+
+
+def _period_of(form: RegimeForms, example: Values) -> mpmath.mpf:
+    assert form.solution.time_law is not None
+    (integral,) = form.solution.time_law.rhs.atoms(sp.Integral)
+    q = integral.limits[0][0]
+    function = sp.lambdify(q, integral.function.xreplace({s: example[s.name] for s in integral.function.free_symbols if s != q}), "mpmath")
+    turn = 2 * mpmath.pi / mpmath.mpf("0.9")
+    count = 200  # the midpoint rule of a smooth periodic function
+    return turn / count * mpmath.fsum(function((k + mpmath.mpf(1) / 2) * turn / count) for k in range(count))
+
+
+def test_the_separatrix_of_the_pendulum_is_a_tanh() -> None:
+    form = next(f for f in forms("pendulum") if f.regime.kinds["theta"] == "asymptotic")
+    t, ω, t_p = sp.Symbol("t", real=True), _symbol(form, "omega"), _symbol(form, "t_p")
+    assert form.inverse["theta"] == 2 * sp.asin(sp.tanh(ω * (t - t_p)))
+    agrees_in_time(form, "theta")
