@@ -17,7 +17,8 @@ from collections.abc import Mapping
 import mpmath
 import sympy as sp
 
-from hjsolve.closed_form.elementary import Antiderivative, positive_root
+from hjsolve.closed_form.elementary import positive_root
+from hjsolve.closed_form.elementary_in_time import one_root
 from hjsolve.closed_form.inverses import verified_inverse
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities
 from hjsolve.closed_form.no_form import NoFormError
@@ -66,7 +67,7 @@ def anomaly_forms(
     (name,) = held
     own, integral, law = pieces[name], pieces[name].integrals[key], solution.time_law
     rest = law.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
-    if integral.law is None or rest != 0 or not _one_root(integral.law):
+    if integral.law is None or rest != 0 or not one_root(integral.law):
         return {}
     made = _Anomaly(own, integral, anomaly_of(solution), names)
     try:
@@ -79,11 +80,6 @@ def anomaly_forms(
     inverse[name] = verified_inverse(own, integral, place, law.lhs, solution.lower_limits[name], names, None)
     del why_not[f"inverse.{name}"]
     return found
-
-
-def _one_root(law: Antiderivative) -> bool:
-    """Whether the integral is a polynomial times √P and one function more, of the same root."""
-    return bool(law.algebraic.is_polynomial(law.x)) and all(term.place is None for _, term in law.terms)
 
 
 def _bounds(relation: sp.Basic, base: sp.Expr) -> bool:

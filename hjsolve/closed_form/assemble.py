@@ -72,6 +72,9 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
         plain(numbers["mean_velocities"]), plain(inverse), plain(orbit), plain(parametric), plain(anomaly), energy, where,
         why_not,
     )  # fmt: skip
+    for symbol in set(where) - names.roots:
+        if symbol.name.startswith("Omega_"):
+            where[symbol] = in_moduli(sp.sympify(where[symbol]), names, of_roots=True)
     return replace(form, where=names.kept(form.named().values(), lambda e: settled(made, shortened_powers(e))))
 
 

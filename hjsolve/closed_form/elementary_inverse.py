@@ -64,6 +64,25 @@ def separatrix_inverse(
     return middle + h * sp.tanh(Phase(names, amount, factor, start, even=False).argument)
 
 
+def square_root_inverse(
+    law: Antiderivative, side: int, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities
+) -> sp.Expr:  # fmt: skip
+    """The x at which a √(Ax² + Bx + C) has a value: c ± √(h² + (v − v_p)²…), the hyperbolic motion.
+
+    Args:
+        law: the integral, a multiple of √P, deg P = 2.
+        side: on which side of the middle of the roots x is.
+        amount: the value.
+        begin: the place, an x.
+        names: of the quantities of the form.
+    """
+    C, B, A = (sp.Poly(law.polynomial, law.x).coeff_monomial(law.x**k) for k in range(3))
+    middle, square = sp.cancel(-B / (2 * A)), sp.expand(sp.cancel(B**2 / (4 * A**2) - C / A))
+    start = positive_root(sp.sympify(law.polynomial).subs(law.x, begin))
+    root = Phase(names, amount, 1 / law.algebraic, start, even=True).argument
+    return middle + side * sp.sqrt(sp.factor(square) + root**2 / A)
+
+
 def _centred(basic: BasicIntegral, amount: sp.Expr, u_0: sp.Expr, names: NamedQuantities) -> sp.Expr:
     """About the middle of the roots of Q."""
     A, B, C = basic.quadratic

@@ -8,16 +8,24 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.elementary import Antiderivative, positive_root
-from hjsolve.closed_form.elementary_inverse import accelerated, elementary_inverse, separatrix_inverse
+from hjsolve.closed_form.elementary_in_time import OTHER, elementary_in_time
+from hjsolve.closed_form.elementary_inverse import (
+    accelerated,
+    elementary_inverse,
+    separatrix_inverse,
+    square_root_inverse,
+)
 from hjsolve.closed_form.elliptic_inverse import elliptic_inverse
-from hjsolve.closed_form.named_quantities import NamedQuantities, Phase
+from hjsolve.closed_form.ignorable_in_time import integral_in_time
+from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monotone_inverse
-from hjsolve.closed_form.tidy import multiplied_out, shortened_powers
+from hjsolve.closed_form.tidy import elliptic, multiplied_out, shortened_powers
 from hjsolve.closed_form.time_limit import check_time
-from hjsolve.closed_form.verification import monotone_span, sample_numbers, value_at
+from hjsolve.closed_form.verification import nearby, sample_numbers, value_at
 from hjsolve.closed_form.workshop import Stratum, Workshop
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.solution.quadratures import Solution
 
 _DIGITS = 40
@@ -56,9 +64,9 @@ def inverse_forms(
             why_not.setdefault(f"inverse.{c.name}", f"{c.name}(t) contains {without[0]}(t)")
             continue
         try:
-            moved = sp.Add(*(_multiple(pieces[n], c.momentum, i) * τ for n, (i, τ) in values.items()))
-        except NoFormError:
-            why_not[f"inverse.{c.name}"] = "its equation contains another integral than the time law"
+            moved = sp.Add(*(_moved(shop, pieces[n], c.momentum, (i, τ), found, names) for n, (i, τ) in values.items()))
+        except NoFormError as error:
+            why_not[f"inverse.{c.name}"] = str(error)
             continue
         constant = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero) - c.symbol
         along = {solution.system.coordinate(n).symbol: found.get(n) for n in solution.coordinates}
@@ -66,8 +74,40 @@ def inverse_forms(
             why_not[f"inverse.{c.name}"] = "the shift of the momenta enters its equation, and with it q(t) of another"
             continue
         constant = constant.xreplace({q: place for q, place in along.items() if place is not None})
-        found[c.name] = _straight(shortened_powers(sp.expand(equation.lhs - constant.subs(dict(special)) - moved)), shop)
+        place = equation.lhs - constant.subs(dict(special)) - moved
+        found[c.name] = _in_time(place, c, shop, names)
     return found
+
+
+def _moved(
+    shop: Workshop, own: CoordinateIntegrals, key: sp.Symbol, time: tuple[PieceIntegral, sp.Expr],
+    found: Mapping[str, sp.Expr], names: NamedQuantities,
+) -> sp.Expr:  # fmt: skip
+    """∫ ∂p/∂c dq along the motion: a multiple of the integral in the time law, or another one over the same u."""
+    reference, τ = time
+    try:
+        return _multiple(own, key, reference) * τ
+    except NoFormError:
+        law = shop.solution.time_law
+        if key not in own.integrals or law is None or sp.expand(τ - law.lhs) != 0:
+            raise NoFormError(OTHER) from None
+    start, place = shop.solution.lower_limits[own.name], found.get(own.name)
+    if place is None:
+        raise NoFormError(f"its equation contains {own.name}(t), which has no closed form")
+    if reference.law is not None:
+        explicit = names.written_out(place)
+        return elementary_in_time(own, reference, own.integrals[key], place, law.lhs, start, explicit)
+    return integral_in_time(own, reference, own.integrals[key], law.lhs, start, names)
+
+
+def _in_time(place: sp.Expr, c: Coordinate, shop: Workshop, names: NamedQuantities) -> sp.Expr:
+    """A polynomial of the time; else φ_p + what has been added since t_p."""
+    if not elliptic(place):
+        straight = _straight(shortened_powers(sp.expand(place)), shop)
+        if all(straight.is_polynomial(t) for t in time_of(shop.solution)):
+            return straight
+    constant, running = sp.expand(place, deep=False).as_independent(*time_of(shop.solution), as_Add=True)
+    return names.named(f"{c.name}_p", constant, short=3 * SHORT) + running
 
 
 def _straight(place: sp.Expr, shop: Workshop) -> sp.Expr:
@@ -222,6 +262,9 @@ def _algebraic(
     law, s, q = integral.law, integral.curve.substitution, integral.curve.coordinate.symbol
     assert law is not None
     P = sp.Poly(law.polynomial, law.x)
+    if P.degree() == 2 and not law.algebraic.has(law.x):
+        x = square_root_inverse(law, own_side(own, integral), value, s.place.subs(q, start), names)
+        return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start, names, others)
     if P.degree() != 1 or law.algebraic.has(law.x):
         raise NoFormError(_why_not_inverted(own, law))
     B, C = P.all_coeffs()
@@ -233,6 +276,19 @@ def _algebraic(
         x = sp.cancel(-C / B) + B / 4 * Phase(names, running, sp.S.One, 2 * root / B, even=True).argument ** 2
     place = shortened_powers(s.inverse.subs(s.x, x))
     return verified_inverse(own, integral, place, value, start, names, others)
+
+
+def own_side(own: CoordinateIntegrals, integral: PieceIntegral) -> int:
+    """On which side of the middle of the roots of P, deg P = 2, a motion is.
+
+    Args:
+        own: the coordinate.
+        integral: on the curve of P.
+    """
+    region = next(r for c, r in own.regions if c is integral.curve)
+    _, B, A = (integral.curve.polynomial.coeff_monomial(integral.curve.x**k) for k in range(3))
+    middle = value_at(-B / (2 * A), sample_numbers(own))
+    return 1 if region.place > middle else -1
 
 
 def _why_not_inverted(own: CoordinateIntegrals, law: Antiderivative) -> str:
@@ -267,7 +323,7 @@ def verified_inverse(
     check_time()
     explicit = names.written_out(place)
     q = integral.curve.coordinate.symbol
-    begin, stop = own.sample.places[own.name], _nearby(own, integral)
+    begin, stop = own.sample.places[own.name], nearby(own, integral)
     with mpmath.workdps(_DIGITS + 20):
         numbers = {**sample_numbers(own), **(others or {})}
         free = sorted(value.free_symbols - set(numbers), key=str)
@@ -288,12 +344,6 @@ def verified_inverse(
             if not abs(turned) <= mpmath.mpf(10) ** -_DIGITS:
                 raise NoFormError("the inverse that was found is right on one turn only")
     return place
-
-
-def _nearby(own: CoordinateIntegrals, integral: PieceIntegral) -> sp.Expr:
-    """Another place of the same region, on the same side of the turning points."""
-    low, high = monotone_span(own, integral)
-    return sp.Rational(str(mpmath.nstr(low + (high - low) * mpmath.mpf("0.64"), 15)))
 
 
 def orbit_formulas(
@@ -346,7 +396,7 @@ def _along(
             value -= along.value - along.value.xreplace({q: start})
             with mpmath.workdps(_DIGITS + 20):
                 numbers |= sample_numbers(more)
-                numbers |= {q: _fraction(_nearby(more, along)), start: _fraction(more.sample.places[other])}
+                numbers |= {q: _fraction(nearby(more, along)), start: _fraction(more.sample.places[other])}
     return inverted(own, own.integrals[key], value, solution.lower_limits[target], names, numbers)
 
 

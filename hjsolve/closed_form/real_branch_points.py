@@ -21,6 +21,7 @@ import sympy as sp
 from hjsolve.closed_form.branch_points import NamedRoots
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.signs import Signs
+from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
 from hjsolve.functions.elliptic import PartialFractions
 
 FAR = sp.zoo
@@ -129,6 +130,18 @@ class LegendreIntegrals:
         self.edge, self.edge_at_c = sine * cosine * Δ, m * sine * cosine / Δ
         self.F, self.E = sp.elliptic_f(self.φ, m), sp.elliptic_e(self.φ, m)
 
+    @classmethod
+    def along(cls, u: sp.Expr, m: sp.Expr) -> LegendreIntegrals:
+        """The integrals up to φ = am u: smooth functions of u for all u.
+
+        Args:
+            u: the argument, ∫ dφ/Δ.
+            m: the parameter.
+        """
+        own = cls(m, (JacobiAM(u, m), JacobiSN(u, m), JacobiCN(u, m)))
+        own.F = u
+        return own
+
     def power(self, k: int) -> sp.Expr:
         """Return ∫ sᵏ dφ/Δ; Byrd and Friedman 310.05.
 
@@ -176,13 +189,16 @@ class LegendreIntegrals:
         return (self.E - self.edge_at_c) / (1 - self.m)
 
 
-def elliptic_integral(R: PartialFractions, way: LegendreMap, x: sp.Expr | None) -> sp.Expr:
+def elliptic_integral(
+    R: PartialFractions, way: LegendreMap, x: sp.Expr | None, own: LegendreIntegrals | None = None
+) -> sp.Expr:  # fmt: skip
     """∫ R dx/√P, increasing x: from a to x, or to a from x where the motion is below a; complete where x is None.
 
     Args:
         R: in partial fractions.
         way: the map.
         x: the upper end; None for b.
+        own: the integrals of dφ/Δ, up to another amplitude than that of x.
 
     Raises:
         NoFormError: a pole that these integrals do not reach.
@@ -191,7 +207,7 @@ def elliptic_integral(R: PartialFractions, way: LegendreMap, x: sp.Expr | None) 
     if x is not None:
         s = way.s(x)
         amplitude = (sp.asin(sp.sqrt(s)), sp.sqrt(s), sp.sqrt(1 - s))
-    own = LegendreIntegrals(way.m, amplitude)
+    own = own or LegendreIntegrals(way.m, amplitude)
     value = over_s(R, way, own, pole_at_c=way.c) / way.Ω
     return value if x is None else way.direction * value
 

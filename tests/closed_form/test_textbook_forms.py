@@ -327,3 +327,55 @@ def test_the_separatrix_of_the_pendulum_is_a_tanh() -> None:
     t, ω, t_p = sp.Symbol("t", real=True), _symbol(form, "omega"), _symbol(form, "t_p")
     assert form.inverse["theta"] == 2 * sp.asin(sp.tanh(ω * (t - t_p)))
     agrees_in_time(form, "theta")
+
+
+def _started(name: str, which: str = "default") -> tuple[hjsolve.Motion, RegimeForms]:
+    motion = hjsolve.solve(name).motion(**hjsolve.catalog.describe(name).motions[which].arguments)
+    form = own_form(motion, seconds=None)
+    assert form is not None
+    return motion, form
+
+
+@pytest.mark.parametrize(("name", "coordinates"), [
+    ("spherical-pendulum", ("phi",)), ("lagrange-top", ("phi", "psi")), ("crossed-fields", ("x", "y", "z")),
+])  # fmt: skip
+def test_ignorable_coordinates_in_time_over_many_turns(name: str, coordinates: tuple[str, ...]) -> None:
+    """φ(t) by Π(ν, am u, k²), x(t) of a cycloid: the same as the motion's, turning points passed many times."""
+    entry = hjsolve.catalog.describe(name).motions["default"].arguments
+    q = {n: sp.Rational(str(v)) for n, v in entry["q"].items()}
+    solution = hjsolve.solve(name)
+    motion = solution.motion(**entry)
+    if any(motion.initial.values[solution.system.coordinate(n).momentum] < 0 for n in solution.coordinates):
+        pytest.skip("the forms are those of the branch p > 0")
+    form = own_form(motion)
+    assert form is not None
+    exact = {p.symbol.name: motion.initial.values[p.symbol] for p in solution.system.parameters}
+    exact |= {c.symbol.name: motion.initial.constants[n] for n, c in solution.constants.items()}
+    exact |= {limit.name: q[n] for n, limit in solution.lower_limits.items()}
+    for t in ("0.7", "5.3", "41"):
+        state = motion.at(t)
+        for coordinate in coordinates:
+            needed = {s.name for s in form.written_out(f"inverse.{coordinate}").free_symbols} | {s.name for s in form.regime.example}
+            betas = {n: -q[coordinate] for n in needed if n.startswith("beta")}
+            given = {n: v for n, v in {**exact, **betas, "t": t, "t_0": 0}.items() if n in needed}
+            got = form.evaluate(f"inverse.{coordinate}", given, 20)
+            expected = float(state.unwrapped(coordinate)) if coordinate in ("phi", "psi") else float(state.q[coordinate])
+            assert abs(float(got.value) - expected) <= 4e-12 * max(1, abs(expected)), (t, coordinate)
+
+
+def test_reports_deny_no_form_that_exists() -> None:
+    """(7-185), Sommerfeld's E(J), r(t) of a free particle: each was called without a form."""
+    _, hyperbolic = _started("constant-proper-acceleration")
+    assert any(e.exp == sp.S.Half for e in hyperbolic.inverse["x"].atoms(sp.Pow))
+    agrees_in_time(hyperbolic, "x")
+    _, rosette = _started("relativistic-kepler")
+    assert rosette.energy is not None
+    J_r, J_θ = (sp.Symbol(f"J_{q}", real=True) for q in ("r", "theta"))
+    c, m, k = (next(s for s in rosette.regime.example if s.name == n) for n in ("c", "m0", "k"))
+    printed = m * c**2 / sp.sqrt(1 + k**2 / (c * J_r + sp.sqrt(c**2 * J_θ**2 - k**2)) ** 2)
+    at = {J_r: sp.Rational(1, 3), J_θ: sp.Rational(6, 5), c: sp.Rational(7, 2), m: sp.Rational(11, 10), k: sp.Rational(9, 8)}
+    assert abs(sp.N((rosette.energy - printed).xreplace(at), 50)) < sp.Float(10) ** -42
+    assert sp.count_ops(rosette.energy) < 25
+    _, free = _started("free-particle-spherical")
+    assert "r" in free.inverse
+    agrees_in_time(free, "r")
