@@ -1,4 +1,4 @@
-"""q(ξ) and t(ξ), where t(q) cannot be solved for q: ξ makes the root of the quadrature rational, as Kepler's anomalies do.
+"""q(ξ) and t(ξ), where t(q) cannot be solved for q: ξ makes the root of the quadrature rational, as Kepler's anomaly.
 
 With the centre c and half distance h of the roots of P = Ax² + Bx + C, on the branch on which q grows,
 
@@ -126,7 +126,7 @@ class _Anomaly:
         t = self.time = next(term for term in elapsed.args if term.is_Symbol)
         passed = self.names.named(f"{t.name}_p", (t - elapsed) - function.subs(self.ξ, ξ_0))
         found = {self.own.name: shortened_powers(s.inverse.subs(s.x, x)), TIME: passed + function}
-        self._verify(found, passed)
+        self._verify(found)
         return found
 
     def solved_cubic(self, found: Mapping[str, sp.Expr]) -> sp.Expr | None:
@@ -194,7 +194,7 @@ class _Anomaly:
     def _about(
         self, centre: sp.Expr, square: sp.Expr, side: int, wave: sp.Expr, x_0: sp.Expr
     ) -> tuple[sp.Expr, sp.Expr, sp.Expr]:  # fmt: skip
-        """x = c + side h wave; the wave at a place; h. With an eccentricity h/|c| where the sign of c is known."""
+        """X = c + side h wave; the wave at a place; h. With an eccentricity h/|c| where the sign of c is known."""
         sign = self._sign(centre)
         if sign == 0:
             h = self.names.named("a", square_root(square), positive=True)
@@ -222,7 +222,7 @@ class _Anomaly:
             return vertex * (1 + ξ**2), turn * positive_root(-C) * ξ, sp.S.Zero, turn * sp.sqrt(x_0 / vertex - 1)
         return first + ξ**2 / B, turn * ξ, sp.S.Zero, turn * positive_root(B * x_0 + C)
 
-    def _verify(self, found: Mapping[str, sp.Expr], passed: sp.Expr) -> None:
+    def _verify(self, found: Mapping[str, sp.Expr]) -> None:
         """Compare t(ξ) with the integral between two places, to 40 digits."""
         q = self.integral.curve.coordinate.symbol
         explicit = {n: self.names.written_out(e) for n, e in found.items()}
@@ -261,4 +261,3 @@ class _Anomaly:
         if near > below:
             return None
         return (mpmath.mpf(0), mpmath.mpf(40)) if far > near else (mpmath.mpf(-40), mpmath.mpf(0))
-

@@ -9,11 +9,11 @@ import sympy as sp
 
 from hjsolve.closed_form.anomalies import anomaly_forms
 from hjsolve.closed_form.curves import W
+from hjsolve.closed_form.elliptic_inverse import in_moduli
 from hjsolve.closed_form.energy_from_actions import solved_for_energy
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.inverses import inverse_forms, orbit_formulas, parametric_formulas
 from hjsolve.closed_form.involutions import why_no_form
-from hjsolve.closed_form.elliptic_inverse import in_moduli
 from hjsolve.closed_form.named_quantities import Where
 from hjsolve.closed_form.names_of_regime import names_of
 from hjsolve.closed_form.pieces import CoordinateIntegrals
@@ -75,7 +75,8 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
     for symbol in set(where) - names.roots:
         if symbol.name.startswith("Omega_"):
             where[symbol] = in_moduli(sp.sympify(where[symbol]), names, of_roots=True)
-    return replace(form, where=names.kept(form.named().values(), lambda e: settled(made, shortened_powers(e))))
+    where = names.kept(form.named().values(), lambda e: settled(made, shortened_powers(e)))
+    return replace(form, where=where)
 
 
 def _equation(

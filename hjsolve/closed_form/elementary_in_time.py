@@ -1,11 +1,10 @@
 """∫ N dq/P along a motion x(t), where it is a polynomial of x times √P and a multiple of ∫ dx/√P: smooth for all times.
 
-With t = w ∫ dx/√P the root is ẋ w, of either sign as the motion turns; so a(x) √P + c ∫ dx/√P is a(x(t)) w ẋ(t) + c t/w.
+With t = w ∫ dx/√P the root is ẋ w, of either sign as the motion turns: a(x) √P + c ∫ dx/√P is a(x(t)) w ẋ(t) + c t/w.
 """
 
 from __future__ import annotations
 
-import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.elementary import Antiderivative, positive_root
@@ -43,7 +42,9 @@ def elementary_in_time(
     def added(q_of_t: sp.Expr) -> sp.Expr:
         x = monotone_inverse(s.place.subs(q, q_of_t))
         root, amount = _along(time.law, x, begin, elapsed, t)
-        edge = [other.law.algebraic.subs(other.law.x, x_) * r for x_, r in ((x, root), (begin, _root_at(other.law, begin)))]
+        edge = [
+            other.law.algebraic.subs(other.law.x, x_) * r for x_, r in ((x, root), (begin, _root_at(other.law, begin)))
+        ]
         return edge[0] - edge[1] + sp.Add(*(c for c, _ in other.law.terms)) * amount
 
     value_along(own, (time, other), added(explicit), (t, start))

@@ -1,6 +1,6 @@
 """x as a function of ∫ du/√(Au² + Bu + C): a + b cos, p/(1 + e cos), their hyperbolic twins, a square, an exponential.
 
-With the centre c = −B/2A and h = √(B²/4 − AC)/|A|, the half distance of the roots, u = c + h cos ψ between two roots,
+With the centre c = −B/2A and half the distance of the roots, h = √(B²/4 − AC)/|A|: u = c + h cos ψ between two roots,
 u = c ± h cosh ψ outside, u = c + h sinh ψ where there is none; ψ = √|A| (v − v_p). In u = 1/(x − r) these are the conics
 x = r + p/(1 + e cos ψ), p = 1/c, e = h/c. Greenwood (5-122).
 """
@@ -25,7 +25,7 @@ def elementary_inverse(basic: BasicIntegral, amount: sp.Expr, begin: sp.Expr, na
         begin: the place, an x.
         names: of the quantities of the form.
     """
-    A, B, C = basic.quadratic
+    A, _, C = basic.quadratic
     u_0, direction = basic.variable(begin), -basic.side
     if basic.kind in _CENTRED:
         return _centred(basic, direction * amount, u_0, names)
@@ -142,5 +142,7 @@ def accelerated(
     start = sp.expand(sp.cancel((α * v - running) / α))
     shift = v - start
     letter = "v" if v.name in ("t", "tau") else "slope"
-    velocity = names.named(f"{letter}_{u_0.name.removesuffix('_0')}" if u_0.is_Symbol else letter, root * α, short=SHORT)
+    velocity = names.named(
+        f"{letter}_{u_0.name.removesuffix('_0')}" if u_0.is_Symbol else letter, root * α, short=SHORT
+    )
     return u_0 + velocity * shift + sp.factor(sp.cancel(B * α**2 / 4)) * shift**2

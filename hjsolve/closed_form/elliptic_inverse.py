@@ -63,9 +63,23 @@ def modulus(names: NamedQuantities, m: sp.Expr) -> sp.Expr:
         names: of the quantities of the form.
         m: the parameter.
     """
-    ratio = names.oriented(sp.factor(m))
-    root = sp.sqrt(ratio) if ratio.free_symbols <= names.roots else square_root(ratio)
-    return names.named("k", root, positive=True)
+    if m not in names.moduli:
+        ratio = names.oriented(sp.factor(m))
+        root = sp.sqrt(ratio) if ratio.free_symbols <= names.roots else square_root(ratio)
+        names.moduli[m] = names.named("k", root, positive=True)
+    return names.moduli[m]
+
+
+def characteristic(names: NamedQuantities, n: sp.Expr) -> sp.Expr:
+    """The characteristic ν of an integral of the third kind by its name.
+
+    Args:
+        names: of the quantities of the form.
+        n: the characteristic.
+    """
+    if n not in names.moduli:
+        names.moduli[n] = names.named("nu", names.oriented(sp.factor(n)))
+    return names.moduli[n]
 
 
 def in_moduli(expression: sp.Expr, names: NamedQuantities, *, of_roots: bool = False) -> sp.Expr:
@@ -77,12 +91,14 @@ def in_moduli(expression: sp.Expr, names: NamedQuantities, *, of_roots: bool = F
         of_roots: whether only parameters that are made of named roots are named.
     """
     table = dict[sp.Expr, sp.Expr]()
-    for one in sorted(expression.atoms(sp.elliptic_k, sp.elliptic_f, sp.elliptic_e, sp.elliptic_pi), key=sp.default_sort_key):
+    for one in sorted(
+        expression.atoms(sp.elliptic_k, sp.elliptic_f, sp.elliptic_e, sp.elliptic_pi), key=sp.default_sort_key
+    ):
         parameters = (one.args[-1], one.args[0]) if isinstance(one, sp.elliptic_pi) else one.args[-1:]
         for k, m in enumerate(parameters):
             if m.is_number or sp.count_ops(m) <= SHORT or (of_roots and not m.free_symbols <= names.roots):
                 continue
-            table[m] = names.named("nu", names.oriented(sp.factor(m))) if k else modulus(names, m) ** 2
+            table[m] = characteristic(names, m) if k else modulus(names, m) ** 2
     return collected(expression.xreplace(table))
 
 

@@ -137,7 +137,7 @@ def _right_one(
         for root in found:
             got = number_of(root, numbers)
             if mpmath.isfinite(got) and abs(got - numbers[unknown]) <= abs(got) * mpmath.mpf(10) ** -_AGREE:
-                return sp.factor(root)
+                return min((root, sp.factor(root)), key=sp.count_ops)
     return None
 
 

@@ -39,8 +39,8 @@ class RegimeForms(Shown):
         orbit: coordinate → q as a function of another coordinate, the one that it holds.
         parametric: coordinate → q(τ) of two separated coordinates, τ the common value of the integrals of first kind in
             the orbit equation of the separation constant (Liouville's τ, Mino's time); zero at the lower limits.
-        anomaly: coordinate, or t → q(ξ) and t(ξ) where t(q) cannot be solved for q: ξ is the eccentric anomaly of Kepler's
-            ellipse, its hyperbolic twin, or tan ν/2 of his parabola; q grows where ξ is positive.
+        anomaly: coordinate, or t → q(ξ) and t(ξ) where t(q) cannot be solved for q: ξ is the eccentric anomaly of an
+            ellipse, its hyperbolic twin, or tan ν/2 of a parabola; q grows where ξ is positive.
         energy: E as a function of the actions J_<name>; None where it was not solved for.
         where: symbol → its definition: an expression, or (polynomial, index of the real root).
         why_not: quantity → why there is no form of it.
@@ -76,7 +76,16 @@ class RegimeForms(Shown):
         if self.characteristic_function is not None:
             found["characteristic_function"] = self.characteristic_function
         found |= {f"orbit_equations.{name}": equation.rhs for name, equation in self.orbit_equations.items()}
-        for group in ("periods", "actions", "frequencies", "mean_velocities", "inverse", "orbit", "parametric", "anomaly"):
+        for group in (
+            "periods",
+            "actions",
+            "frequencies",
+            "mean_velocities",
+            "inverse",
+            "orbit",
+            "parametric",
+            "anomaly",
+        ):
             found |= {f"{group}.{name}": value for name, value in getattr(self, group).items()}
         for name, ends in self.turning_points.items():
             for side, end in zip(("lower", "upper"), ends, strict=True):

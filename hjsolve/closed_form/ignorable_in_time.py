@@ -1,7 +1,7 @@
 """φ(t) of an ignorable coordinate: its equation along q(t), where t is an elliptic integral of the first kind.
 
-With t = ∫ N dq/P a multiple of u = ∫ dφ/Δ, every other integral of the coordinate is one of u too, in F(am u) = u, E(am u)
-and Π(ν, am u), smooth for all times: the spherical pendulum, Lagrange's top (Whittaker, Analytical dynamics, § 55, 72).
+With t = ∫ N dq/P a multiple of u = ∫ dφ/Δ, every other integral of the coordinate is a function of u, in F(am u) = u,
+E(am u) and Π(ν, am u), smooth for all times: the spherical pendulum, Lagrange's top (Whittaker, Analytical dynamics, § 55, 72).
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monot
 from hjsolve.closed_form.real_branch_points import LegendreIntegrals, LegendreMap, elliptic_integral
 from hjsolve.closed_form.signs import Signs
 from hjsolve.closed_form.verification import sample_numbers, value_along
+
 
 def integral_in_time(
     own: CoordinateIntegrals, time: PieceIntegral, other: PieceIntegral, elapsed: sp.Expr, start: sp.Symbol,

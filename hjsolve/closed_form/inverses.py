@@ -59,7 +59,11 @@ def inverse_forms(
         if not solution.coordinates:
             found[c.name] = _straight(sp.expand(equation.lhs - (equation.rhs - c.symbol)), shop)
             continue
-        without = [n for n in solution.coordinates if n not in values and (n not in pieces or c.momentum in pieces[n].numerators)]
+        without = [
+            n
+            for n in solution.coordinates
+            if n not in values and (n not in pieces or c.momentum in pieces[n].numerators)
+        ]
         if without:
             why_not.setdefault(f"inverse.{c.name}", f"{c.name}(t) contains {without[0]}(t)")
             continue
@@ -93,7 +97,7 @@ def _moved(
             raise NoFormError(OTHER) from None
     start, place = shop.solution.lower_limits[own.name], found.get(own.name)
     if place is None:
-        raise NoFormError(f"its equation contains {own.name}(t), which has no closed form")
+        raise NoFormError(f"its equation contains {own.name}(t), of which there is no form")
     if reference.law is not None:
         explicit = names.written_out(place)
         return elementary_in_time(own, reference, own.integrals[key], place, law.lhs, start, explicit)
@@ -142,7 +146,9 @@ def _values(
         return {}
     (name,) = held
     for c in solution.system.coordinates:
-        why_not[f"inverse.{c.name}"] = f"its equation contains {name}(t) under an integral of another kind than the time law"
+        why_not[f"inverse.{c.name}"] = (
+            f"its equation contains {name}(t) under an integral of another kind than the time law"
+        )
     del why_not[f"inverse.{name}"]
     return {name: (pieces[name].integrals[key], solution.time_law.lhs)}
 
@@ -244,14 +250,27 @@ def _elliptic(
     amount, begin = multiplied_out(value / integral.first), s.place.subs(q, start)
     x = elliptic_inverse(integral.way, amount, begin, names)
     place = shortened_powers(s.inverse.subs(s.x, x))
-    if own.kind == "rotation":  # asin(sn u) turns back after a quarter of a turn, am u goes on
-        place = place.replace(
-            lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiSN), lambda e: JacobiAM(*e.args[0].args)
-        ).replace(
-            lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiCN),
-            lambda e: sp.pi / 2 - JacobiAM(*e.args[0].args),
-        )
-    return verified_inverse(own, integral, monotone_inverse(place), value, start, names, others)
+    found, reason = [place], NoFormError("")
+    if (
+        own.kind == "rotation"
+    ):  # asin(sn u) turns back after a quarter of a turn, am u goes on; cn u is even, am u is not
+        found = [_turning(place, side) for side in ((1, -1) if place.has(JacobiCN) else (1,))]
+    for one in found:
+        try:
+            return verified_inverse(own, integral, monotone_inverse(one), value, start, names, others)
+        except NoFormError as error:
+            reason = error
+    raise reason
+
+
+def _turning(place: sp.Expr, side: int) -> sp.Expr:
+    """A place with am u for asin(sn u) and π/2 ∓ am u for asin(cn u)."""
+    return place.replace(
+        lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiSN), lambda e: JacobiAM(*e.args[0].args)
+    ).replace(
+        lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiCN),
+        lambda e: sp.pi / 2 - side * JacobiAM(*e.args[0].args),
+    )
 
 
 def _algebraic(

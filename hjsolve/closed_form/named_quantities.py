@@ -35,6 +35,7 @@ class NamedQuantities:
         numbers: Mapping[sp.Symbol, mpmath.mpf],
     ):  # fmt: skip
         self.roots, self.numbers = frozenset(where), numbers
+        self.moduli = dict[sp.Expr, sp.Expr]()  # parameter or characteristic → its name
         self.where, self.variables, self.places = where, frozenset(variables), frozenset(places)
         self._taken = {*taken, *(s.name for s in where)}
 
@@ -70,10 +71,10 @@ class NamedQuantities:
         value, sign = sp.S.One, sp.S.One
         for factor in sp.Mul.make_args(expression):
             base, power = factor.as_base_exp()
-            if base.is_Add and power.is_Integer and base.free_symbols and base.free_symbols <= self.roots:
-                if number_of(base, self.numbers) < 0:
-                    factor, sign = (-base) ** power, sign * (-1) ** power
-            value *= factor
+            difference = base.is_Add and power.is_Integer and base.free_symbols and base.free_symbols <= self.roots
+            if difference and number_of(base, self.numbers) < 0:
+                base, sign = -base, sign * (-1) ** power
+            value *= base**power
         return sign * value
 
     def kept(self, forms: Iterable[sp.Expr], written: Callable[[sp.Expr], sp.Expr]) -> Where:
@@ -85,7 +86,10 @@ class NamedQuantities:
         """
         used, _ = needed_names({s for form in forms for s in form.free_symbols}, self.where)
         ordered = needed_names(self.roots, self.where)[0] | used
-        return {s: meaning if isinstance(meaning, tuple) or s in self.roots else written(meaning) for s, meaning in ordered.items()}
+        return {
+            s: meaning if isinstance(meaning, tuple) or s in self.roots else written(meaning)
+            for s, meaning in ordered.items()
+        }
 
     def written_out(self, expression: sp.Expr) -> sp.Expr:
         """An expression with the definitions in place of the names.

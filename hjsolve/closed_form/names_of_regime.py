@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import sympy as sp
-
 from hjsolve.closed_form.anomalies import anomaly_of
 from hjsolve.closed_form.inverses import common_parameter, time_of
 from hjsolve.closed_form.named_quantities import NamedQuantities, Where

@@ -148,7 +148,10 @@ def settled(made: Regime, expression: sp.Expr) -> sp.Expr:
         if isinstance(relation, (sp.StrictGreaterThan, sp.StrictLessThan)):
             side = 1 if isinstance(relation, sp.StrictGreaterThan) else -1
             for gap in (relation.lhs - relation.rhs, relation.rhs - relation.lhs):
-                table |= {sp.Abs(gap): side * (relation.lhs - relation.rhs), sp.sign(relation.lhs - relation.rhs): sp.Integer(side)}
+                table |= {
+                    sp.Abs(gap): side * (relation.lhs - relation.rhs),
+                    sp.sign(relation.lhs - relation.rhs): sp.Integer(side),
+                }
     return expression.xreplace(table) if table else expression
 
 

@@ -16,7 +16,6 @@ from hjsolve.functions.c_code import c_source, in_c
 from hjsolve.functions.printing import DOUBLES, Printable
 from hjsolve.functions.tables import LEGENDRE
 
-
 Where = Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 
 

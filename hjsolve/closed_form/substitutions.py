@@ -157,7 +157,7 @@ def _with_root_on_a_line(
     if not radicand.is_polynomial(q) or sp.degree(radicand, q) != 2:
         return
     c2, c1, c0 = sp.Poly(radicand, q).all_coeffs()
-    if c1 != 0 or not c2.is_positive or not (c0 / c2).is_positive and (c0 / c2).is_nonnegative is not True:
+    if c1 != 0 or not c2.is_positive or (not (c0 / c2).is_positive and (c0 / c2).is_nonnegative is not True):
         return
     c, y = sp.cancel(c0 / c2), sp.Dummy("y", positive=True)
     place, root = (y - c / y) / 2, (y + c / y) / 2
@@ -166,7 +166,10 @@ def _with_root_on_a_line(
     if function.has(q):
         return
     euler = q + sp.sqrt(q**2 + c)
-    low, high = (sp.S.Zero if lower is -sp.oo else euler.subs(q, lower)), (sp.oo if upper is sp.oo else euler.subs(q, upper))
+    low, high = (
+        (sp.S.Zero if lower is -sp.oo else euler.subs(q, lower)),
+        (sp.oo if upper is sp.oo else euler.subs(q, upper)),
+    )
     yield Substitution(x, euler, place.subs(y, x), (x / root.subs(y, x)) ** 2, function, low, high, True)
 
 
@@ -274,7 +277,7 @@ class _Turn:
     κ: sp.Expr
 
     def about(self, δ: sp.Expr, function: sp.Expr) -> Substitution:
-        """x = sin((κq − δ)/2).
+        """X = sin((κq − δ)/2).
 
         Args:
             δ: the middle of the turn.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import sympy as sp
 
 from hjsolve.functions import (
@@ -76,15 +78,40 @@ def collected(expression: sp.Expr) -> sp.Expr:
     Args:
         expression: of a form; of any that is not linear in them it is given back.
     """
-    held = sorted(expression.atoms(*ELLIPTIC), key=sp.default_sort_key)
-    names = {one: sp.Dummy(f"I{k}") for k, one in enumerate(held)}
-    bare = expression.xreplace(names)
-    coefficients = {one: sp.diff(bare, name) for one, name in names.items()}
-    if not held or any(c.free_symbols & set(names.values()) for c in coefficients.values()):
+    coefficients = _linear(expression)
+    if coefficients is None or len(coefficients) < 2:
         return expression
-    rest = bare.xreplace(dict.fromkeys(names.values(), sp.S.Zero))
-    terms = (shortened_powers(c if longer_than(c, _FACTORED) else sp.factor(c)) * one for one, c in coefficients.items())
-    return sp.Add(rest, *terms)
+    return sp.Add(*(_factored(c) * one for one, c in coefficients.items()))
+
+
+def _linear(e: sp.Expr) -> dict[sp.Expr, sp.Expr] | None:
+    """Elliptic integral, or 1 → its coefficient; None of what is not linear in them."""
+    if not elliptic(e):
+        return {sp.S.One: e}
+    if isinstance(e, ELLIPTIC):
+        return {e: sp.S.One}
+    if e.is_Mul:
+        held = [f for f in e.args if elliptic(f)]
+        inner = _linear(held[0]) if len(held) == 1 else None
+        rest = sp.Mul(*(f for f in e.args if f is not held[0]))
+        return None if inner is None else {one: rest * c for one, c in inner.items()}
+    if not e.is_Add:
+        return None
+    found = dict[sp.Expr, sp.Expr]()
+    for term in e.args:
+        inner = _linear(term)
+        if inner is None:
+            return None
+        for one, c in inner.items():
+            found[one] = found.get(one, sp.S.Zero) + c
+    return found
+
+
+@lru_cache(maxsize=1024)
+def _factored(coefficient: sp.Expr) -> sp.Expr:
+    if not coefficient.is_Add and not any(f.is_Add for f in coefficient.args):
+        return shortened_powers(coefficient)
+    return shortened_powers(coefficient if longer_than(coefficient, _FACTORED) else sp.factor(coefficient))
 
 
 def square_root(radicand: sp.Expr) -> sp.Expr:

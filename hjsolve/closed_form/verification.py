@@ -279,8 +279,12 @@ def value_along(
     q = integrals[0].curve.coordinate.symbol
     with mpmath.workdps(digits + GUARD):
         numbers = sample_numbers(own)
-        begin, stop = (mpmath.mpf(int(p.p)) / int(p.q) for p in (own.sample.places[own.name], nearby(own, integrals[0])))
-        lasted, expected = (value_at(i.value, numbers | {q: stop}) - value_at(i.value, numbers | {q: begin}) for i in integrals)
+        begin, stop = (
+            mpmath.mpf(int(p.p)) / int(p.q) for p in (own.sample.places[own.name], nearby(own, integrals[0]))
+        )
+        lasted, expected = (
+            value_at(i.value, numbers | {q: stop}) - value_at(i.value, numbers | {q: begin}) for i in integrals
+        )
         free = value.free_symbols - set(numbers) - {t, start}  # t₀
         got = value_at(value, numbers | dict.fromkeys(free, mpmath.mpf(0)) | {start: begin, t: lasted})
         if not abs(got - expected) <= abs(expected) * mpmath.mpf(10) ** -digits:

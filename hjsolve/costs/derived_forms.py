@@ -118,7 +118,11 @@ def derived_form(task: Task, seconds: float) -> DerivedForm | None:
     states, missing = dict[str, sp.Expr](), list[str]()
     if task.states:
         known = set(exact) | {_T}
-        found = {f"q.{n}": e for n, e in form.inverse.items() if _positive(motion) and needed_names(e.free_symbols, form.where)[1] <= known}
+        found = {
+            f"q.{n}": e
+            for n, e in form.inverse.items()
+            if _positive(motion) and needed_names(e.free_symbols, form.where)[1] <= known
+        }
         states, missing = found, [] if len(found) == len(motion.solution.system.coordinates) else ["the states"]
     missing += [w.replace("_", " ") for w in _NUMBERS if w in task.scene.want and _lacks(motion, w, fixed)]
     return DerivedForm(fixed, states, form, exact, motion.t0, tuple(missing)) if fixed or states else None

@@ -40,7 +40,9 @@ def test_example_5_1_spring() -> None:
     x_0, E, m, k = symbols(form, "x_0", "E", "m", "k")
     v_0, ω = sp.sqrt((2 * E - k * x_0**2) / m), sp.sqrt(k / m)
     printed = x_0 * sp.cos(ω * (t - t_0)) + v_0 / ω * sp.sin(ω * (t - t_0))
-    agrees(form.written_out("inverse.x"), printed, {x_0: (-1, 1), E: (4, 6), m: (1, 2), k: (1, 3), t: (-4, 9), t_0: (0, 1)})
+    agrees(
+        form.written_out("inverse.x"), printed, {x_0: (-1, 1), E: (4, 6), m: (1, 2), k: (1, 3), t: (-4, 9), t_0: (0, 1)}
+    )
 
 
 def test_example_5_2_kepler_orbit() -> None:
@@ -103,7 +105,9 @@ def test_problem_5_5_isotropic_oscillator() -> None:
     root = sp.sqrt(E**2 - k / m * p**2)
     ranges = {E: (2.5, 3), m: (1, 1.5), k: (1, 1.4), p: (0.5, 1.2)}
     in_time = sp.sqrt(E / k + root / k * sp.cos(2 * sp.sqrt(k / m) * (t - t_0)))
-    agrees(form.written_out("inverse.r").subs(r_0, sp.sqrt((E + root) / k)), in_time, ranges | {t: (0, 3), t_0: (0, 0.1)})
+    agrees(
+        form.written_out("inverse.r").subs(r_0, sp.sqrt((E + root) / k)), in_time, ranges | {t: (0, 3), t_0: (0, 0.1)}
+    )
     along = p / sp.sqrt(m) / sp.sqrt(E + root * sp.cos(2 * (θ + β)))
     agrees(form.written_out("orbit.r").subs(r_0, sp.sqrt((E - root) / k)), along, ranges | {θ: (0, 3), β: (0, 0.1)})
 

@@ -13,6 +13,8 @@ from hjsolve.closed_form.anomalies import TIME
 from hjsolve.closed_form.closed_forms import closed_forms, own_form
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.named_quantities import needed_names
+from hjsolve.closed_form.tidy import ELLIPTIC
+from hjsolve.functions import JacobiAM, JacobiCN, JacobiDN, JacobiSN
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Code, Formula, Inline, Mathematics, Paragraph, Section, Table, Text
 from hjsolve.reports.formulas.from_sympy import box
@@ -20,14 +22,19 @@ from hjsolve.reports.formulas.layout import Box, Fence, Glyph, row, width
 from hjsolve.reports.formulas.line_breaks import NARROW, broken, display, narrowed
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import plain
+from hjsolve.reports.sections.long_formulas import in_parts
 from hjsolve.reports.sections.prose import typeset_prose
 from hjsolve.reports.sections.system_and_verdict import IN_A_CELL, equation, formula, math
 from hjsolve.solution.quadratures import Solution
 
 _GROUPS = {"periods": "Period", "frequencies": "Frequency", "actions": "Action", "mean_velocities": "Mean velocity"}
 _MOST_REGIMES = 3
-LONGEST_SHOWN = 250
-"""Operations of a formula that a reader can still take in."""
+LONGEST_SHOWN = 400
+"""Operations of a formula that takes a page."""
+_CONVENTION = (
+    "The last argument of K, E, F, Π, sn, cn, dn and am is the parameter m = k², the square of the modulus k; "
+    "the first argument of Π is the characteristic ν."
+)
 _WIDEST = NARROW / 0.65
 """Letters of the longest piece of a formula that cannot be broken; it is set smaller on a narrow screen."""
 _WIDEST_CELL = 1.2 * IN_A_CELL
@@ -91,7 +98,7 @@ def _section(form: RegimeForms, number: int) -> Section:
     for name, law in form.orbit_equations.items():
         blocks += told.shown(f"orbit_equations.{name}", law, lambda e: equation(e, "Greenwood (5-70)"))
     for q, e in form.orbit.items():
-        blocks += told.shown(f"orbit.{q}", e, partial(formula, row(name_box(q), Fence(_along(form, q, e)))))
+        blocks += told.shown(f"orbit.{q}", e, partial(formula, row(name_box(q), Fence(_along(form, q)))))
     for q, e in form.parametric.items():
         blocks += told.shown(f"parametric.{q}", e, partial(formula, row(name_box(q), Fence(name_box("tau")))))
     if form.characteristic_function is not None:
@@ -109,11 +116,14 @@ def _section(form: RegimeForms, number: int) -> Section:
         if (group, q, e) not in narrow:
             left = row(Glyph(f"{_GROUPS[group]} of ", "text"), name_box(q))
             blocks += told.shown(f"{group}.{q}", e, partial(formula, left))
-    long = tuple(((Code(block.name),), (str(block.operations),)) for block in blocks if isinstance(block, _TooLong))
+    long = [block.name for block in blocks if isinstance(block, _TooLong)]
     shown: list[Block] = [block for block in blocks if not isinstance(block, _TooLong)]
+    if any(value.has(*ELLIPTIC, JacobiSN, JacobiCN, JacobiDN, JacobiAM) for value in form.named().values()):
+        shown.append(Paragraph((_CONVENTION,)))
     if long:
-        shown.append(Paragraph(("Forms too long to be read here; ", Code("form.code()"), " writes them.")))
-        shown.append(Table((("Form",), ("Operations",)), long, "Longer closed forms"))
+        shown.append(
+            Paragraph(("Forms that take more than a page: ", *_names(long), ". ", Code("form.code()"), " writes them."))
+        )
     if form.why_not:
         missing = tuple((_names(names), typeset_prose(reason, system)) for reason, names in _by_reason(form.why_not))
         shown.append(Table((("Without a form",), ("Why",)), missing, "What has no closed form"))
@@ -131,11 +141,20 @@ class _Told:
 
     def __init__(self, where: Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]):
         self.where, self.known = where, set[sp.Symbol]()
+        self.letters, self.lettered = sp.numbered_symbols("u_", start=1, real=True), dict[sp.Expr, sp.Symbol]()
 
     def shown(self, name: str, e: sp.Basic, write: Callable[[Any], Formula]) -> list[Block | _TooLong]:
         """A formula, and what the quantities in it are."""
-        made = _shown(name, e, write)
-        return [made] if isinstance(made, _TooLong) else [made, *self.meanings([e])]
+        found = (
+            None
+            if sp.count_ops(e) > LONGEST_SHOWN
+            else in_parts(e, lambda part: _fits(part, write), self.letters, self.lettered)
+        )
+        if found is None:
+            return [_TooLong(name)]
+        shown, parts = found
+        with_parts = [block for letter, part in parts for block in _meaning([(letter, -1)], part)]
+        return [write(shown), *with_parts, *self.meanings([e])]
 
     def meanings(self, shown: Sequence[sp.Basic]) -> list[Block | _TooLong]:
         """What the quantities of formulas are, those of which nothing was said."""
@@ -154,10 +173,10 @@ class _Told:
 def _fits_a_sentence(symbol: sp.Symbol, meaning: object) -> bool:
     if isinstance(meaning, tuple):
         return False
-    return width(display(sp.Eq(symbol, meaning, evaluate=False), IN_A_CELL)) <= NARROW
+    return width(box(sp.Eq(symbol, meaning, evaluate=False))) <= NARROW
 
 
-def _along(form: RegimeForms, q: str, e: sp.Expr) -> Box:
+def _along(form: RegimeForms, q: str) -> Box:
     """The coordinate on which an orbit formula depends."""
     held = form.written_out(f"orbit.{q}").free_symbols
     return name_box(next(c.name for c in form.solution.system.coordinates if c.symbol in held and c.name != q))
@@ -182,10 +201,9 @@ def _anomaly(form: RegimeForms, told: _Told) -> list[Block | _TooLong]:
 
 @dataclass(frozen=True)
 class _TooLong:
-    """In place of a formula that is long, or cannot be broken: its name and length."""
+    """In place of a formula that takes more than a page: its name."""
 
     name: str
-    operations: int
 
 
 def _by_meaning(where: Mapping[sp.Symbol, object]) -> list[tuple[object, list[tuple[sp.Symbol, int]]]]:
@@ -225,11 +243,14 @@ def _conditions(words: Text) -> tuple[Text, list[Formula]]:
     return tuple(kept), displayed
 
 
+def _fits(e: sp.Basic, write: Callable[[Any], Formula]) -> bool:
+    """Whether every piece of a formula that cannot be broken is narrow enough."""
+    return width(narrowed(write(e).box)) <= _WIDEST
+
+
 def _shown(name: str, e: sp.Basic, write: Callable[[Any], Formula]) -> Formula | _TooLong:
-    """A formula; of one that is long, or cannot be broken, its name and length."""
-    if sp.count_ops(e) > LONGEST_SHOWN or width(narrowed((shown := write(e)).box)) > _WIDEST:
-        return _TooLong(name, int(sp.count_ops(e)))
-    return shown
+    """A definition; of one that takes more than a page its name."""
+    return write(e) if sp.count_ops(e) <= LONGEST_SHOWN and _fits(e, write) else _TooLong(name)
 
 
 def _meaning(symbols: list[tuple[sp.Symbol, int]], meaning: object) -> list[Block | _TooLong]:
