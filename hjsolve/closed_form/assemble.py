@@ -69,8 +69,8 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
         {name: relation(equation) for name, equation in equations.items()},
         None if function is None else settled(made, in_moduli(function, names)), _turning_points(pieces, made),
         plain(numbers["periods"]), plain(numbers["actions"]), plain(numbers["frequencies"]),
-        plain(numbers["mean_velocities"]), plain(inverse), plain(orbit), plain(parametric), plain(anomaly), energy, where,
-        why_not,
+        plain(numbers["mean_velocities"]), plain(inverse), plain(orbit), plain(parametric), plain(anomaly), energy,
+        where, why_not,
     )  # fmt: skip
     for symbol in set(where) - names.roots:
         if symbol.name.startswith("Omega_"):

@@ -1,8 +1,8 @@
 """x as a function of ∫ du/√(Au² + Bu + C): a + b cos, p/(1 + e cos), their hyperbolic twins, a square, an exponential.
 
-With the centre c = −B/2A and half the distance of the roots, h = √(B²/4 − AC)/|A|: u = c + h cos ψ between two roots,
-u = c ± h cosh ψ outside, u = c + h sinh ψ where there is none; ψ = √|A| (v − v_p). In u = 1/(x − r) these are the conics
-x = r + p/(1 + e cos ψ), p = 1/c, e = h/c. Greenwood (5-122).
+With the centre c = −B/2A and half the distance of the roots, h = √(B²/4 − AC)/|A|, u = c + h cos ψ between two roots,
+u = c ± h cosh ψ outside, u = c + h sinh ψ where there are none; ψ = √|A| (v − v_p). In u = 1/(x − r) these are the
+conics x = r + p/(1 + e cos ψ), p = 1/c, e = h/c. Greenwood (5-122).
 """
 
 from __future__ import annotations
@@ -59,6 +59,8 @@ def separatrix_inverse(
         return None
     if one.side < 0:
         (w, one), (w_2, other) = (w_2, other), (w, one)
+    assert one.place is not None
+    assert other.place is not None
     middle, h = sp.cancel((one.place + other.place) / 2), sp.cancel((other.place - one.place) / 2)
     factor, start = positive_root(one.quadratic[0]) / (2 * w), sp.atanh((begin - middle) / h)
     return middle + h * sp.tanh(Phase(names, amount, factor, start, even=False).argument)

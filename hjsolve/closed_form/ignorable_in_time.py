@@ -1,7 +1,8 @@
 """φ(t) of an ignorable coordinate: its equation along q(t), where t is an elliptic integral of the first kind.
 
-With t = ∫ N dq/P a multiple of u = ∫ dφ/Δ, every other integral of the coordinate is a function of u, in F(am u) = u,
-E(am u) and Π(ν, am u), smooth for all times: the spherical pendulum, Lagrange's top (Whittaker, Analytical dynamics, § 55, 72).
+With t = ∫ N dq/P a multiple of u = ∫ dφ/Δ, every other integral of the coordinate is a function of u as well, of
+u, E(am u) and Π(ν, am u), smooth for all times: the spherical pendulum, Lagrange's top (Whittaker, Analytical dynamics,
+§ 55, 72).
 """
 
 from __future__ import annotations
