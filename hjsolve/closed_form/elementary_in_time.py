@@ -34,18 +34,18 @@ def elementary_in_time(
     Raises:
         NoFormError: one of the integrals is of another kind.
     """
-    if time.law is None or other.law is None or other.curve is not time.curve or not one_root(other.law):
+    first, second = time.law, other.law
+    if first is None or second is None or other.curve is not time.curve or not one_root(second):
         raise NoFormError(OTHER)
     s, q, t = time.curve.substitution, time.curve.coordinate.symbol, next(e for e in elapsed.args if e.is_Symbol)
     begin = s.place.subs(q, start)
 
     def added(q_of_t: sp.Expr) -> sp.Expr:
         x = monotone_inverse(s.place.subs(q, q_of_t))
-        root, amount = _along(time.law, x, begin, elapsed, t)
-        edge = [
-            other.law.algebraic.subs(other.law.x, x_) * r for x_, r in ((x, root), (begin, _root_at(other.law, begin)))
-        ]
-        return edge[0] - edge[1] + sp.Add(*(c for c, _ in other.law.terms)) * amount
+        root, amount = _along(first, x, begin, elapsed, t)
+        a, x_ = second.algebraic, second.x
+        edges = a.subs(x_, x) * root - a.subs(x_, begin) * _root_at(second, begin)
+        return edges + sp.Add(*(c for c, _ in second.terms)) * amount
 
     value_along(own, (time, other), added(explicit), (t, start))
     return shortened_powers(added(place))
