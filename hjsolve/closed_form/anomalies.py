@@ -18,7 +18,7 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.elementary import positive_root
-from hjsolve.closed_form.elementary_in_time import one_root
+from hjsolve.closed_form.elementary_motion import one_root
 from hjsolve.closed_form.inverses import verified_inverse
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities
 from hjsolve.closed_form.no_form import NoFormError

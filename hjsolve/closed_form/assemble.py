@@ -9,7 +9,7 @@ import sympy as sp
 
 from hjsolve.closed_form.anomalies import anomaly_forms
 from hjsolve.closed_form.curves import W
-from hjsolve.closed_form.elliptic_inverse import in_moduli
+from hjsolve.closed_form.elliptic_inverses import in_moduli
 from hjsolve.closed_form.energy_from_actions import solved_for_energy
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.inverses import inverse_forms, orbit_formulas, parametric_formulas

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from hjsolve.closed_form.elementary_in_time import OTHER
-from hjsolve.closed_form.elliptic_inverse import in_moduli, modulus
+from hjsolve.closed_form.elementary_motion import OTHER
+from hjsolve.closed_form.elliptic_inverses import in_moduli, modulus
 from hjsolve.closed_form.even_curves import EvenMap, even_integral
 from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.named_quantities import NamedQuantities, Phase

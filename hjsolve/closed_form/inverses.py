@@ -8,14 +8,14 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.elementary import Antiderivative, positive_root
-from hjsolve.closed_form.elementary_in_time import OTHER, elementary_in_time
-from hjsolve.closed_form.elementary_inverse import (
+from hjsolve.closed_form.elementary_inverses import (
     accelerated,
     elementary_inverse,
     separatrix_inverse,
     square_root_inverse,
 )
-from hjsolve.closed_form.elliptic_inverse import elliptic_inverse
+from hjsolve.closed_form.elementary_motion import OTHER, elementary_in_time
+from hjsolve.closed_form.elliptic_inverses import elliptic_inverse
 from hjsolve.closed_form.ignorable_in_time import integral_in_time
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase
 from hjsolve.closed_form.no_form import NoFormError

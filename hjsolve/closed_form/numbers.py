@@ -48,7 +48,7 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
     expression = wanted_form(form, name)
     exact = _exact(form, expression, values)
     refuse_outside(form, exact)
-    _refuse_places(form, exact)
+    refuse_places(form, exact)
     working = 2 * (digits + _GUARD)
     table = many_digits(exact, working) | root_values(form, exact, working)
     with mpmath.workdps(digits + _GUARD):
@@ -85,8 +85,16 @@ def refuse_outside(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None
         )
 
 
-def _refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
-    """Refuse a coordinate, or a lower limit, at which the motion of the regime never is."""
+def refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
+    """Refuse a coordinate, or a lower limit, at which the motion of the regime never is.
+
+    Args:
+        form: of a regime.
+        exact: symbol → exact value, of constants, coordinates and lower limits.
+
+    Raises:
+        InvalidInputError: it is such a place.
+    """
     for curve, region, symbol in curves_held(form, exact):
         numbers = many_digits(exact, DIGITS)
         if holds_place(curve, region, numbers[symbol], numbers):
