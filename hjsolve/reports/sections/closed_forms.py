@@ -13,7 +13,6 @@ from hjsolve.closed_form.anomalies import TIME
 from hjsolve.closed_form.closed_forms import closed_forms, own_form
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.named_quantities import needed_names
-from hjsolve.closed_form.tidy import ELLIPTIC
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiDN, JacobiSN
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Code, Formula, Inline, Mathematics, Paragraph, Section, Table, Text
@@ -31,6 +30,9 @@ _GROUPS = {"periods": "Period", "frequencies": "Frequency", "actions": "Action",
 _MOST_REGIMES = 3
 LONGEST_SHOWN = 400
 """Operations of a formula that takes a page."""
+_WITH_PARAMETER = (
+    sp.elliptic_k, sp.elliptic_f, sp.elliptic_e, sp.elliptic_pi, JacobiSN, JacobiCN, JacobiDN, JacobiAM,
+)  # fmt: skip
 _CONVENTION = (
     "The last argument of K, E, F, Π, sn, cn, dn and am is the parameter m = k², the square of the modulus k; "
     "the first argument of Π is the characteristic ν."
@@ -118,7 +120,7 @@ def _section(form: RegimeForms, number: int) -> Section:
             blocks += told.shown(f"{group}.{q}", e, partial(formula, left))
     long = [block.name for block in blocks if isinstance(block, _TooLong)]
     shown: list[Block] = [block for block in blocks if not isinstance(block, _TooLong)]
-    if any(value.has(*ELLIPTIC, JacobiSN, JacobiCN, JacobiDN, JacobiAM) for value in form.named().values()):
+    if any(value.has(*_WITH_PARAMETER) for value in form.named().values()):
         shown.append(Paragraph((_CONVENTION,)))
     if long:
         shown.append(
