@@ -18,7 +18,7 @@ import copyreg
 import functools
 import os
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any, ParamSpec, TypeVar
 
@@ -160,6 +160,17 @@ class FixedContext(MPContext):
         """
         return self.ln(x) if b is None else _in_own_context(self, "log", (x, b), {})
 
+    def fprod(self, factors: Iterable[Any]) -> Any:
+        """Return a product; mpmath's own writes the precision back that it never changed.
+
+        Args:
+            factors: numbers.
+        """
+        product = self.one
+        for factor in factors:
+            product *= factor
+        return +product
+
 
 def _elsewhere(name: str) -> Callable[..., Any]:
     def function(context: FixedContext, *args: Any, **named: Any) -> Any:
@@ -169,7 +180,12 @@ def _elsewhere(name: str) -> Callable[..., Any]:
     return function
 
 
-for _name in ("quad", "polyroots", "findroot", "det", "lu_solve", "inverse", "eigsy", "diff", "nsum", "norm", "mnorm"):
+_RAISING = (
+    "chebyfit", "cholesky_solve", "det", "diff", "diffs", "expm", "findroot", "inverse", "logm", "lu_solve", "nprod",
+    "nsum", "odefun", "polyroots", "powm", "qr", "qr_solve", "quad", "quadsubdiv", "sqrtm", "sumap", "sumem", "taylor",
+)  # fmt: skip
+"""The methods, apart from special functions, that raise the precision of their context (mpmath 1.3)."""
+for _name in _RAISING:
     setattr(FixedContext, _name, _elsewhere(_name))
 
 
@@ -236,6 +252,23 @@ def for_the_user(x: Any) -> Any:
         x: what a function of the user's numbers has as its value.
     """
     return tuple(map(for_the_user, x)) if isinstance(x, tuple) else mpmath.mp.convert(x)
+
+
+def for_any_context(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Let a function of the numbers of ``mp`` take the user's as well, at the user's precision.
+
+    Args:
+        function: of numbers of ``mp``, at its present precision.
+    """
+
+    @functools.wraps(function)
+    def of_numbers(*numbers: Any) -> Any:
+        if any(getattr(x, "context", None) is mp for x in numbers):
+            return function(*numbers)
+        with users_precision():
+            return for_the_user(function(*map(mp.convert, numbers)))
+
+    return of_numbers
 
 
 # ------------------------------------------------------------------------------------------------ pickling

@@ -18,6 +18,7 @@ from hjsolve.closed_form.time_limit import check_time
 from hjsolve.closed_form.verification import monotone_span, sample_numbers, value_at
 from hjsolve.closed_form.workshop import Stratum, Workshop
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
+from hjsolve.precision import mp
 
 _DIGITS = 40
 
@@ -227,10 +228,10 @@ def verified_inverse(
     check_time()
     q = integral.curve.coordinate.symbol
     begin, stop = own.sample.places[own.name], _nearby(own, integral)
-    with mpmath.workdps(_DIGITS + 20):
+    with mp.workdps(_DIGITS + 20):
         numbers = {**sample_numbers(own), **(others or {})}
         free = sorted(value.free_symbols - set(numbers), key=str)
-        numbers |= {s: mpmath.mpf(k + 2) / 7 for k, s in enumerate(free)}
+        numbers |= {s: mp.mpf(k + 2) / 7 for k, s in enumerate(free)}
         numbers[start], target = _fraction(begin), _fraction(stop)
         difference = value_at(integral.value, numbers | {q: target}) - value_at(
             integral.value, numbers | {q: numbers[start]}
@@ -238,12 +239,12 @@ def verified_inverse(
         unknown, offset = free[0], value_at(value, numbers)
         numbers[unknown] += (difference - offset) / value_at(sp.diff(value, unknown), numbers)
         got = value_at(place, numbers)
-        if not abs(got - target) <= (abs(target) + mpmath.mpf(10) ** -5) * mpmath.mpf(10) ** -_DIGITS:
-            raise NoFormError(f"not verified: the inverse gives {mpmath.nstr(got, 15)} for {mpmath.nstr(target, 15)}")
+        if not abs(got - target) <= (abs(target) + mp.mpf(10) ** -5) * mp.mpf(10) ** -_DIGITS:
+            raise NoFormError(f"not verified: the inverse gives {mp.nstr(got, 15)} for {mp.nstr(target, 15)}")
         if own.kind == "rotation" and integral.cycle is not None:
             numbers[unknown] += value_at(integral.cycle, numbers) / value_at(sp.diff(value, unknown), numbers)
-            turned = mpmath.sin((value_at(place, numbers) - target) / 2)
-            if not abs(turned) <= mpmath.mpf(10) ** -_DIGITS:
+            turned = mp.sin((value_at(place, numbers) - target) / 2)
+            if not abs(turned) <= mp.mpf(10) ** -_DIGITS:
                 raise NoFormError("the inverse that was found is right on one turn only")
     return place
 
@@ -251,7 +252,7 @@ def verified_inverse(
 def _nearby(own: CoordinateIntegrals, integral: PieceIntegral) -> sp.Expr:
     """Another place of the same region, on the same side of the turning points."""
     low, high = monotone_span(own, integral)
-    return sp.Rational(str(mpmath.nstr(low + (high - low) * mpmath.mpf("0.64"), 15)))
+    return sp.Rational(str(mp.nstr(low + (high - low) * mp.mpf("0.64"), 15)))
 
 
 def orbit_formulas(shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum) -> dict[str, sp.Expr]:
@@ -297,7 +298,7 @@ def _along(
             more, along = pieces[other], pieces[other].integrals[key]
             q, start = along.curve.coordinate.symbol, solution.lower_limits[other]
             value -= along.value - along.value.xreplace({q: start})
-            with mpmath.workdps(_DIGITS + 20):
+            with mp.workdps(_DIGITS + 20):
                 numbers |= sample_numbers(more)
                 numbers |= {q: _fraction(_nearby(more, along)), start: _fraction(more.sample.places[other])}
     return inverted(own, own.integrals[key], value, solution.lower_limits[target], numbers)
@@ -345,4 +346,4 @@ def _on_branch(own: CoordinateIntegrals, key: sp.Symbol, τ: sp.Symbol, start: s
 
 
 def _fraction(value: sp.Expr) -> mpmath.mpf:
-    return mpmath.mpf(int(value.p)) / int(value.q)
+    return mp.mpf(int(value.p)) / int(value.q)
