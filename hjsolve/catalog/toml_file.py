@@ -6,9 +6,11 @@ import tomllib
 from collections.abc import Mapping
 from decimal import Decimal
 from importlib.resources.abc import Traversable
+from pathlib import Path
 from typing import Any, TypeAlias
 
-from hjsolve.errors import CatalogError
+from hjsolve.errors import CatalogError, InvalidInputError
+from hjsolve.regular_files import bytes_of
 
 LONGEST = 1_000_000
 """Bytes of a file: far more than any entry or scene has."""
@@ -29,10 +31,10 @@ def exact_table(file: Traversable, source: str) -> TomlTable:
         CatalogError: the file cannot be read, is too long, is no UTF-8 text, or no TOML.
     """
     try:
-        data = file.read_bytes()
-        if len(data) > LONGEST:
-            raise CatalogError(f"{source}: longer than {LONGEST} bytes; an entry or a scene is a few pages")
+        data = bytes_of(file, LONGEST, shown=source) if isinstance(file, Path) else file.read_bytes()
         return tomllib.loads(data.decode("utf-8"), parse_float=Decimal)
+    except InvalidInputError as error:
+        raise CatalogError(f"{error}; an entry or a scene is a few pages of text") from error
     except OSError as error:
         raise CatalogError(f"{source}: cannot be read ({error.strerror or type(error).__name__})") from error
     except UnicodeDecodeError as error:

@@ -76,7 +76,8 @@ examples:
   hjsolve cost --coordinate "x: line" -T "dot(x)**2/2" -V "x**4/4" --q x=1 --velocity x=0""",
     "sweep": """\
 examples:
-  hjsolve sweep orbits.toml -o orbits.parquet                      on all cores; killed, the same command goes on
+  hjsolve sweep orbits.toml -o orbits.parquet                      on all cores; rerun it to resume
+  hjsolve sweep orbits.toml -o orbits.parquet --verify             are all parts what was written?
   hjsolve sweep orbits.toml -o orbits.parquet --scheduler tcp://10.0.0.1:8786
                                  where `dask scheduler` runs, and `dask worker tcp://10.0.0.1:8786` on many machines""",
     "explore": """\
@@ -284,8 +285,8 @@ def _add_sweep(kinds: _Commands) -> None:
     about = (
         "Compute the orbits that the table [sweep] of a scene declares: actions, frequencies, angles and the\n"
         "like, each with its error, and a status for every orbit. The output is a folder of Parquet files,\n"
-        "written part by part; a run that is killed is gone on with by the same command, and neither\n"
-        "repeats nor loses a part."
+        "written part by part. Rerun the same command to resume an interrupted run: parts whose digests are\n"
+        "right stay, the others are computed."
     )
     sweep = _add(kinds, "sweep", "many orbits into Parquet files, resumable", about)
     sweep.add_argument("scene", metavar="SCENE", help="a scene with a table [sweep], a .toml file")
@@ -293,6 +294,7 @@ def _add_sweep(kinds: _Commands) -> None:
     sweep.add_argument("--threads", type=int, metavar="N", help="threads (default: all cores of this process)")
     sweep.add_argument("--scheduler", metavar="ADDRESS", help="of a dask scheduler, tcp://…, in place of threads")
     sweep.add_argument("--chunk", type=int, metavar="N", help="orbits of one file (default: what the scene says)")
+    sweep.add_argument("--verify", action="store_true", help="compute nothing; examine every part of a finished sweep")
     sweep.add_argument("--quiet", action="store_true", help="no progress bar")
 
 

@@ -14,6 +14,7 @@ from functools import partial
 
 import sympy as sp
 
+from hjsolve.algebra.time_limit import SearchTimeError, seconds_left, within_seconds
 from hjsolve.coordinates.charts.curvilinear import CurvilinearMap, curvilinear_map
 from hjsolve.coordinates.charts.outer_map import OuterMap, flat_map, sphere_map
 from hjsolve.coordinates.charts.transform import Cartesian, chart_and_axes, web_of
@@ -23,7 +24,6 @@ from hjsolve.coordinates.find import cartesian_form, find_coordinates, sphere_be
 from hjsolve.coordinates.results import SeparableCoordinates, Vector, Web
 from hjsolve.coordinates.small_oscillations import normal_modes
 from hjsolve.coordinates.superintegrable import independent_integrals, told_of_modes, webs_in_words
-from hjsolve.coordinates.time_limit import OutOfTimeError, seconds_left, within_seconds
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError, NotSeparableError
 from hjsolve.mechanics.system import System, linear_terms, placed
@@ -109,7 +109,7 @@ def find_chart(system: System, refused: object, *, budget: float = 20.0) -> Char
     with within_seconds(budget):
         try:
             return _found(system, why, refused, budget)
-        except OutOfTimeError:
+        except SearchTimeError:
             raise NotSeparableError(f"{why}, and whether others do {_not_in(budget)}", refused) from None
 
 
@@ -194,7 +194,7 @@ def _simplest(
             more = webs_in_words(found, cartesian, web.kind, independent)
             return replace(chart, remark=_remarks(chart.remark, more, found.undecided), independent=independent)
     if not found.webs and found.undecided:
-        raise OutOfTimeError
+        raise SearchTimeError
     if not found.webs:
         raise NotSeparableError(f"{why}. {found.advice}{_at_the_values(found)}", refused)
     names = "; ".join(map(str, found.webs))

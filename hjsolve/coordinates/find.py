@@ -11,6 +11,7 @@ from pathlib import Path
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.algebra.time_limit import SearchTimeError, seconds_left, within_seconds
 from hjsolve.coordinates.charts.curvilinear import CurvilinearMap, curvilinear_map
 from hjsolve.coordinates.charts.named_constants import Values, restored, with_named_constants
 from hjsolve.coordinates.charts.transform import Cartesian, web_of
@@ -26,7 +27,6 @@ from hjsolve.coordinates.killing.killing_tensors import (
 )
 from hjsolve.coordinates.killing.special_parameters import exceptional_values
 from hjsolve.coordinates.results import Geometry, ParameterValues, SeparableCoordinates, Web
-from hjsolve.coordinates.time_limit import OutOfTimeError, seconds_left, within_seconds
 from hjsolve.coordinates.webs.concircular_families import family
 from hjsolve.coordinates.webs.orthonormal_frames import sign_by, tidy_constant
 from hjsolve.coordinates.webs.plane import plane_webs
@@ -133,8 +133,8 @@ class _Search:
             self._look(cartesian, sphere)
             self._look_at_special_values(cartesian)
             if any(not web.certified for web in self.found[1]) and seconds_left(1.0) == 0.0:
-                raise OutOfTimeError
-        except OutOfTimeError:
+                raise SearchTimeError
+        except SearchTimeError:
             undecided = f"Not decided in {self.budget:g} s: {self.stage}."
         full, reduced = self.full or _NOTHING, self.reduced or _NOTHING
         geometries, webs = self.found
@@ -164,7 +164,7 @@ class _Search:
         found, all_tried = exceptional_values(cartesian.potential, cartesian.X, self.basis, self.full)
         self.values = tuple(ParameterValues({s.name: e for s, e in one.conditions}, one.dimension) for one in found)
         if not all_tried:
-            raise OutOfTimeError
+            raise SearchTimeError
 
 
 def sphere_below(system: System) -> OnSphere | None:

@@ -15,7 +15,7 @@ from hjsolve import arguments, catalog
 from hjsolve.coordinates.charts.outer_map import SphereMap
 from hjsolve.display.progress import ProgressBar, Tally
 from hjsolve.ensembles import engine
-from hjsolve.ensembles.about_axis import about_axis
+from hjsolve.ensembles.axial_symmetry import about_axis
 from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.compute import Columns, compute_columns
 from hjsolve.ensembles.initial_conditions import InitialConditions, conditions

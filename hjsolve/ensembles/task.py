@@ -10,7 +10,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.ensembles import engine as batch
-from hjsolve.ensembles.about_axis import AboutAxis, about_axis, solved_in_space
+from hjsolve.ensembles.axial_symmetry import AboutAxis, about_axis, solved_in_space
 from hjsolve.ensembles.charted import ChartMap, chart_map
 from hjsolve.ensembles.layout import Layout, layout_of
 from hjsolve.lowering import lower

@@ -67,7 +67,8 @@ def _by_cancelling(
     """Half angles where they cancel a factor, (1 − cos q)/sin q = tan(q/2); else the formula as it stands."""
     S, C = sp.Dummy("S"), sp.Dummy("C")
     whole = sp.cancel(fraction.xreplace({s: 2 * S * C, x: 1 - 2 * S**2}))
-    if sp.fraction(whole)[1].has(S) and sp.fraction(whole)[1].has(C):
+    below = {f.as_base_exp()[0] for f in sp.Mul.make_args(sp.fraction(whole)[1]) if f.has(S, C)}
+    if below not in ({S}, {C}):  # a pole elsewhere, or both still there
         return F
     rest = [t for t in sp.Add.make_args(F) if t not in poles]
     return sp.Add(whole.xreplace({S: sp.sin(q / 2), C: sp.cos(q / 2)}), *rest)

@@ -10,6 +10,7 @@ from typing import Any
 from hjsolve import arguments
 from hjsolve.display.progress import ProgressBar, Tally
 from hjsolve.display.shown import Shown
+from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.layout import wanted
 from hjsolve.ensembles.orbits import task_for
 from hjsolve.ensembles.task import WORTH_COMPILING
@@ -31,6 +32,7 @@ class SweepResult(Shown):
         parts: files.
         kept: of these, how many an earlier run had written.
         statuses: word → orbits, as ``Batch.summary``.
+        notes: what was amiss in the folder and was mended, and what is to be known of the orbits; a sentence each.
     """
 
     path: Path
@@ -38,6 +40,7 @@ class SweepResult(Shown):
     parts: int
     kept: int
     statuses: Mapping[str, int]
+    notes: tuple[str, ...] = ()
 
 
 def sweep(
@@ -48,11 +51,13 @@ def sweep(
     scheduler: str | None = None,
     chunk: int | None = None,
     shown: bool | None = None,
+    verify: bool = False,
 ) -> SweepResult:
     """Compute the orbits that the table ``[sweep]`` of a scene declares into a folder of Parquet files.
 
-    A run that is killed, whenever it is, is gone on with by the same call: parts that are there stay, the others are
-    computed, and the data are those of a run that was not disturbed, byte for byte.
+    Call it again with the same arguments to resume a run that was killed, whenever it was. Parts whose bytes have the
+    digest that was noted when they were written stay, the others are computed, and the data are those of an undisturbed
+    run, byte for byte. What was amiss is said in ``notes``.
 
     Args:
         scene: a scene, its table or its file; docs/ensembles.md describes ``[sweep]``.
@@ -61,32 +66,39 @@ def sweep(
         scheduler: address of a dask scheduler, ``tcp://…``; its workers compute, this process writes.
         chunk: orbits of one part; None for what the scene says. Belongs to the sweep: the same on every run.
         shown: whether progress is shown on standard error; None: on a terminal.
+        verify: compute and write nothing; examine every part of a finished sweep.
 
     Returns:
-        What was written.
+        What was written, or with ``verify`` what is there.
 
     Raises:
-        InvalidInputError: the scene declares no sweep, the folder holds another one, or the scheduler is not there.
+        InvalidInputError: the scene declares no sweep, the folder holds another one or what belongs to none, or the
+            scheduler is not there. With ``verify``: a part is missing or is not what was written; all are listed.
         NotSeparableError: the system does not separate.
         ClusterError: the scheduler was lost, or an orbit kills every worker; the parts written so far stay.
         MissingExtraError: pyarrow, or for a cluster distributed, is not installed.
     """
     try:
-        from hjsolve.sweeps.folder import SweepPlan, opened
+        from hjsolve.sweeps.folder import SweepPlan, opened, verified
     except ImportError as error:
         raise MissingExtraError('a sweep writes Parquet and needs pyarrow: pip install "hjsolve[cluster]"') from error
     if not isinstance(scene, Scene):
         scene = Scene.load(scene)
     points, table = points_of(scene)
     size = _checked_chunk(chunk) or scene.sweep.chunk  # type: ignore[union-attr] # points_of has seen it
+    plan = SweepPlan(sweep_digest(scene, table, size), code(), points.count, size, scene.title)
+    if verify:
+        statuses = verified(Path(out), plan)
+        return SweepResult(Path(out), points.count, plan.parts, plan.parts, statuses, _on_failures(statuses))
     many = points.count >= WORTH_COMPILING
     task = task_for(
         solve(scene.system, scene.coordinates), wanted(scene.want), dict(scene.parameters), points.kind, compiled=many,
         frame=scene.velocity_frame,
     )
-    plan = SweepPlan(sweep_digest(scene, table, size), code(), points.count, size, scene.title)
     with opened(Path(out), plan) as folder:
         left = folder.left()
+        if left:
+            folder.begin()
         done = points.count - sum(end - begin for begin, end in map(plan.window, left))
         with ProgressBar(stays=True, shown=shown) as progress:
             work = SweepWork(task, points, folder, tuple(left), Tally(points.count, done, progress))
@@ -96,7 +108,22 @@ def sweep(
                 from hjsolve.sweeps.cluster import on_cluster
 
                 on_cluster(work, scheduler)
-        return SweepResult(folder.path, points.count, plan.parts, plan.parts - len(left), folder.finish())
+        statuses = folder.finish()
+        notes = (*folder.notes, *(f"{fault}; it was computed again" for fault in folder.bad), *_on_failures(statuses))
+        return SweepResult(folder.path, points.count, plan.parts, plan.parts - len(left), statuses, notes)
+
+
+def _on_failures(statuses: Mapping[str, int]) -> tuple[str, ...]:
+    """The commonest reason, where more than half of the orbits are not ok."""
+    words = {status: statuses.get(status.word, 0) for status in Status}
+    total, failed = sum(words.values()), sum(count for status, count in words.items() if status is not Status.OK)
+    if 2 * failed <= total:
+        return ()
+    common = max((status for status in Status if status is not Status.OK), key=lambda status: words[status])
+    return (
+        f"{failed} of {total} orbits are not ok; {words[common]} of them are {common.word} ({common.meaning}): check "
+        "the units and the columns of the initial conditions",
+    )
 
 
 def _checked_chunk(chunk: Any) -> int | None:

@@ -3,10 +3,11 @@
     out.parquet/_manifest.json              what the sweep is, and, once it is complete, every part with its digest
     out.parquet/part-000000.parquet         orbits 0 … chunk − 1, and so on
     out.parquet/_writing-…                  a part on its way; readers skip names with an underscore
-    out.parquet/_journal.jsonl              size, digest and statuses of parts, a line each, as they came
+    out.parquet/_journal.jsonl              the digest of every part, a line each, as they came
 
-A part is written beside its place, brought to the disk, and renamed: the name is there only when the part is. The
-journal saves looking into parts: going on with, and finishing, a sweep of 10⁵ parts lists the folder and opens none.
+A part is written next to its place, brought to the disk, noted, and renamed: the name is there only when the part is,
+and its digest before it. That digest decides whether the part is good when the sweep is resumed: sizes and footers find
+a file that was cut, but neither a flipped bit nor the part of other orbits.
 """
 
 from __future__ import annotations
@@ -16,22 +17,31 @@ import hashlib
 import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from io import BufferedReader
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hjsolve.arithmetic.number_types import Columns
+from hjsolve.display.first_lines import few_lines
 from hjsolve.ensembles.export import columns_of_words
 from hjsolve.ensembles.layout import RECOMPUTED, STATUS
 from hjsolve.ensembles.orbit_columns import WORDS
 from hjsolve.errors import InvalidInputError
+from hjsolve.regular_files import bytes_of, opened_regular
 from hjsolve.sweeps.journal import JOURNAL, Journal, NotedPart
 
 MANIFEST, _LOCK, _WRITING = "_manifest.json", "_lock", "_writing-"
+ORBIT = "orbit"
 FORMAT = 1
+_ELSE = "give another name, or delete the folder to begin anew"
+_NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL
+_ROOM, _ROOM_OF_A_PART = 1_000_000, 1_000
+"""Bytes that a manifest may have: its head, and for each part a name and a digest."""
 
 
 @dataclass(frozen=True)
@@ -75,15 +85,39 @@ class SweepPlan:
 
 
 @dataclass(frozen=True)
+class WholePart:
+    """A part that is good.
+
+    Attributes:
+        sha256: digest of its file.
+        statuses: word of a status → orbits, and ``recomputed`` → orbits computed singly.
+    """
+
+    sha256: str
+    statuses: Mapping[str, int]
+
+
+@dataclass(frozen=True, eq=False)
 class Folder:
-    """The folder of a plan; made by ``opened``."""
+    """The folder of a plan; made by ``opened``.
+
+    Attributes:
+        path: where it is.
+        plan: what it is for.
+        whole: number of a part → what it holds; filled by ``left`` and ``write``.
+        bad: what is wrong with parts that are there, a line each with the file's name; filled by ``left``.
+        notes: what else was amiss; the same.
+    """
 
     path: Path
     plan: SweepPlan
+    whole: dict[int, WholePart] = field(default_factory=dict)
+    bad: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
     @property
     def journal(self) -> Journal:
-        """What is known of the parts without opening them."""
+        """The digests of the parts, as they were written."""
         return Journal(self.path / JOURNAL)
 
     def part(self, number: int) -> Path:
@@ -95,32 +129,75 @@ class Folder:
         return self.path / f"part-{number:06d}.parquet"
 
     def left(self) -> list[int]:
-        """The parts that are not there yet, in order; a file that is no whole part counts as not there.
+        """Examine every part that is there, and list those that are to be computed, in order.
 
-        A part whose size is that in the journal is whole. Others, which a killed run had no time to note, or which were
-        changed, are looked into, and noted if they are whole.
+        A part is good where its bytes have the digest that was noted when it was written, and its orbits are those of
+        its window. What is amiss is said in ``bad`` and ``notes``.
+
+        Raises:
+            InvalidInputError: the folder holds what readers would take for more orbits, or a part is no file.
         """
-        sizes = _sizes(self.path)
-        noted = self.journal.parts()
+        there = self._names()
+        noted, strange = self.journal.digests(self.plan.parts)
+        digests = {**_signed(self.path, self.plan.parts), **noted}
+        if strange:
+            journal = self.journal.path
+            self.notes.append(f"{journal}: {strange} of its lines are no notes of parts and count for nothing")
         missing = []
         for number in range(self.plan.parts):
-            size = sizes.get(self.part(number).name)
-            if size is None:
-                missing.append(number)
-            elif number not in noted or noted[number].size != size:
-                if self._whole(number):
-                    with _told(self.path):
-                        self.journal.note(_looked_into(number, self.part(number)))
-                else:
-                    missing.append(number)
+            found = self._examined(number, digests.get(number)) if self.part(number).name in there else None
+            if isinstance(found, WholePart):
+                self.whole[number] = found
+                continue
+            missing.append(number)
+            if found is not None:
+                self.bad.append(f"{self.part(number)}: {found}")
         return missing
 
-    def _whole(self, number: int) -> bool:
-        begin, end = self.plan.window(number)
-        try:
-            return bool(pq.read_metadata(self.part(number)).num_rows == end - begin)
-        except (FileNotFoundError, pa.ArrowInvalid):
-            return False
+    def begin(self) -> None:
+        """Say in the manifest that the sweep is not complete: parts of it are computed from here on.
+
+        The digests that only a complete manifest had go into the journal first.
+        """
+        noted, _ = self.journal.digests(self.plan.parts)
+        with _reported(self.path):
+            for number in self.whole.keys() - noted.keys():
+                self.journal.note(NotedPart(number, self.whole[number].sha256))
+        _write_manifest(self.path, {**self.plan.head, "complete": False})
+
+    def _names(self) -> set[str]:
+        """The names in the folder, once none of them is foreign."""
+        expected = {self.part(number).name for number in range(self.plan.parts)}
+        with os.scandir(self.path) as entries:
+            names = {entry.name: entry for entry in entries if not entry.name.startswith(("_", "."))}
+        if foreign := sorted(names.keys() - expected):
+            raise InvalidInputError(
+                f"{self.path / foreign[0]}: is not a part of this sweep, which has {self.plan.parts}, and readers "
+                "would take it for one; move it out of the folder"
+            )
+        for name, entry in names.items():
+            if not entry.is_file(follow_symlinks=False):
+                raise InvalidInputError(f"{self.path / name}: is not a regular file; move it out of the folder")
+        return set(names)
+
+    def _examined(self, number: int, digest: str | None) -> WholePart | str:
+        """What a part that is there holds, or in words why it is no good."""
+        path = self.part(number)
+        if digest is None:
+            return "no digest of it was noted"
+        with _reported(path, "read"), opened_regular(path, follow=False) as file:
+            if hashlib.file_digest(cast("BufferedReader", file), "sha256").hexdigest() != digest:
+                return "its bytes are not those that were written"
+            file.seek(0)
+            try:
+                table = pq.read_table(file, columns=[ORBIT, STATUS, RECOMPUTED])
+                orbits, recomputed = table[ORBIT].to_numpy(), int(np.count_nonzero(table[RECOMPUTED].to_numpy()))
+                counts = {entry["values"]: entry["counts"] for entry in table[STATUS].value_counts().to_pylist()}
+            except (pa.ArrowException, OSError, KeyError) as error:
+                return f"it is no part of a sweep ({' '.join(str(error).split())[:80]})"
+        if not np.array_equal(orbits, np.arange(*self.plan.window(number))):
+            return "its orbits are not those of its place"
+        return WholePart(digest, {**counts, RECOMPUTED: recomputed})
 
     def write(
         self, number: int, starts: Columns, columns: Columns, kept: Mapping[str, pa.ChunkedArray] | None = None
@@ -138,16 +215,18 @@ class Folder:
         """
         begin, end = self.plan.window(number)
         words = pa.DictionaryArray.from_arrays(pa.array(columns[STATUS]), pa.array(WORDS.tolist()))
-        arrays = {"orbit": np.arange(begin, end), **(kept or {}), **starts, STATUS: words}
+        arrays = {ORBIT: np.arange(begin, end), **(kept or {}), **starts, STATUS: words}
         arrays[RECOMPUTED] = columns[RECOMPUTED]
         arrays |= {name: column for name, column in columns.items() if name not in arrays}
         beside = self.path / f"{_WRITING}{number:06d}-{os.getpid()}"
-        with _told(self.path, beside):
+        with _reported(self.path, beside=beside):
             table = pa.table(arrays)
-            pq.write_table(table, beside, use_dictionary=columns_of_words(table))
-            line = NotedPart(number, beside.stat().st_size, _digest(beside), _counts(columns))
+            with opened_regular(beside, _NEW, follow=False) as file:
+                pq.write_table(table, file, use_dictionary=columns_of_words(table))
+            part = WholePart(_digest(beside), _counts(columns))
+            self.journal.note(NotedPart(number, part.sha256))
             _moved(beside, self.part(number))
-            self.journal.note(line)
+        self.whole[number] = part
 
     def finish(self) -> dict[str, int]:
         """Write the complete manifest.
@@ -155,21 +234,27 @@ class Folder:
         Returns:
             Word of a status → orbits, and ``recomputed`` → orbits computed singly.
         """
-        counts: dict[str, int] = {}
-        files, noted = [], self.journal.parts()
+        files = []
         for number in range(self.plan.parts):
             begin, end = self.plan.window(number)
-            files.append({"file": self.part(number).name, "orbits": end - begin, "sha256": noted[number].sha256})
-            for word, count in noted[number].statuses.items():
+            files.append({"file": self.part(number).name, "orbits": end - begin, "sha256": self.whole[number].sha256})
+        statuses = self.statuses
+        _write_manifest(self.path, {**self.plan.head, "complete": True, "statuses": statuses, "files": files})
+        return statuses
+
+    @property
+    def statuses(self) -> dict[str, int]:
+        """Word of a status → orbits of the good parts, and ``recomputed`` → orbits computed singly."""
+        counts: dict[str, int] = {}
+        for part in self.whole.values():
+            for word, count in part.statuses.items():
                 counts[word] = counts.get(word, 0) + count
-        ordered = {word: counts[word] for word in [*WORDS.tolist(), RECOMPUTED] if word in counts}
-        _write_manifest(self.path, {**self.plan.head, "complete": True, "statuses": ordered, "files": files})
-        return ordered
+        return {word: counts[word] for word in [*WORDS.tolist(), RECOMPUTED] if word in counts}
 
 
 @contextlib.contextmanager
 def opened(path: Path, plan: SweepPlan) -> Iterator[Folder]:
-    """Begin a sweep in a folder, or go on with the one it holds.
+    """Begin a sweep in a folder, or resume the one it holds.
 
     Args:
         path: of the folder; made where there is none.
@@ -181,7 +266,7 @@ def opened(path: Path, plan: SweepPlan) -> Iterator[Folder]:
     """
     if path.exists() and not path.is_dir():
         raise InvalidInputError(f"{path}: is a file; a sweep writes a folder, give another name")
-    with _told(path):
+    with _reported(path):
         path.mkdir(parents=True, exist_ok=True)
     with _alone(path):
         if (path / MANIFEST).exists():
@@ -195,33 +280,93 @@ def opened(path: Path, plan: SweepPlan) -> Iterator[Folder]:
         yield Folder(path, plan)
 
 
-def _check(path: Path, plan: SweepPlan) -> None:
-    how = "give another name, or delete the folder to begin anew"
+def verified(path: Path, plan: SweepPlan) -> dict[str, int]:
+    """Examine a finished sweep, and change nothing.
+
+    Args:
+        path: of the folder.
+        plan: what the sweep was to compute; other code may have computed it.
+
+    Returns:
+        Word of a status → orbits, and ``recomputed`` → orbits computed singly.
+
+    Raises:
+        InvalidInputError: there is no such folder, it holds another sweep, or a part is missing or not what was
+            written; the first ten are listed.
+    """
+    held = _of_same_scene(path, plan)
+    folder = Folder(path, plan)
+    missing = folder.left()
+    bad = folder.bad + folder.notes
+    bad += [f"{folder.part(number)}: is missing" for number in missing if not folder.part(number).exists()]
+    if held.get("complete") is not True:
+        bad.append(f"{path / MANIFEST}: says that the sweep is not complete")
+    elif not bad and held.get("statuses") != folder.statuses:
+        bad.append(f"{path / MANIFEST}: its numbers of orbits by status are not those of the parts")
+    if bad:
+        raise InvalidInputError(f"{few_lines(bad)}\nrun the same without verifying to compute again what is not good")
+    return folder.statuses
+
+
+def _manifest(path: Path, parts: int) -> dict[str, Any]:
+    """The manifest of a folder.
+
+    Raises:
+        InvalidInputError: it is no manifest, a link, or far longer than a manifest of so many parts.
+    """
+    file = path / MANIFEST
     try:
-        held = json.loads((path / MANIFEST).read_text(encoding="utf-8"))
-        scene, made, form = dict(held["scene"]), dict(held["code"]), held["format"]
-    except (ValueError, KeyError, TypeError) as error:
-        raise InvalidInputError(f"{path / MANIFEST}: is no manifest of a sweep; {how}") from error
+        held = json.loads(bytes_of(file, _ROOM + _ROOM_OF_A_PART * parts, follow=False))
+        dict(held["scene"]), dict(held["code"]), held["format"]
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        if isinstance(error, InvalidInputError):
+            raise
+        raise InvalidInputError(f"{file}: is no manifest of a sweep; {_ELSE}") from error
+    return dict(held)
+
+
+def _signed(path: Path, parts: int) -> dict[int, str]:
+    """The digests in a complete manifest, by the number of the part; none in another one."""
+    held = _manifest(path, parts)
+    files = held.get("files") if held.get("complete") is True else None
+    if not isinstance(files, list):
+        return {}
+    digests = {number: file.get("sha256") for number, file in enumerate(files[:parts]) if isinstance(file, dict)}
+    return {number: digest for number, digest in digests.items() if isinstance(digest, str)}
+
+
+def _of_same_scene(path: Path, plan: SweepPlan) -> dict[str, Any]:
+    """The manifest, once it is that of the same scene."""
+    held = _manifest(path, plan.parts)
+    scene, form = dict(held["scene"]), held["format"]
     if form != FORMAT:
-        raise InvalidInputError(f"{path}: was written in another format ({form}); {how}")
+        raise InvalidInputError(f"{path}: was written in another format ({str(form)[:20]}); {_ELSE}")
     changed = [part for part, digest in plan.scene.items() if scene.get(part) != digest]
     if changed:
-        raise InvalidInputError(f"{path}: was begun for another scene (different: {', '.join(changed)}); {how}")
+        raise InvalidInputError(f"{path}: was begun for another scene (different: {', '.join(changed)}); {_ELSE}")
+    return held
+
+
+def _check(path: Path, plan: SweepPlan) -> None:
+    made = dict(_of_same_scene(path, plan)["code"])
     if made != dict(plan.code):
         then, now = (", ".join(f"{name} {v}" for name, v in code.items()) for code in (made, plan.code))
-        raise InvalidInputError(f"{path}: was begun by other code ({then}; here {now}); finish it by that, or {how}")
+        raise InvalidInputError(f"{path}: was begun by other code ({then}; here {now}); finish it by that, or {_ELSE}")
 
 
 @contextlib.contextmanager
 def _alone(path: Path) -> Iterator[None]:
-    """Hold the folder's lock; the system frees it when the process ends, however it ends."""
+    """Hold the folder's lock; the system frees it when the process ends, however it ends.
+
+    The lock is not followed where it is a link, and nothing in it is changed: others may write in this folder.
+    """
     try:
         import fcntl
     except ImportError:  # no such locks on this system
         yield
         return
-    with _told(path):
-        lock = (path / _LOCK).open("w")
+    with _reported(path):
+        lock = opened_regular(path / _LOCK, os.O_RDWR | os.O_CREAT, follow=False)
     with lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -235,8 +380,8 @@ def _alone(path: Path) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _told(path: Path, beside: Path | None = None) -> Iterator[None]:
-    """Tell in one line what the disk refuses; a file on its way is taken away."""
+def _reported(path: Path, what: str = "written", beside: Path | None = None) -> Iterator[None]:
+    """Report in one line what the disk refuses; a file on its way is removed."""
     try:
         yield
     except OSError as error:
@@ -245,13 +390,13 @@ def _told(path: Path, beside: Path | None = None) -> Iterator[None]:
                 beside.unlink(missing_ok=True)
         reason = os.strerror(error.errno) if error.errno else str(error)
         raise InvalidInputError(
-            f"{path}: cannot be written ({reason}); the parts that are there stay, and the same call goes on with them"
+            f"{path}: cannot be {what} ({reason}); the parts that are there stay, and the same call resumes with them"
         ) from error
 
 
 def _write_manifest(path: Path, content: Mapping[str, object]) -> None:
     beside = path / f"{_WRITING}manifest-{os.getpid()}"
-    with _told(path, beside):
+    with _reported(path, beside=beside):
         beside.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
         _moved(beside, path / MANIFEST)
 
@@ -263,24 +408,11 @@ def _moved(beside: Path, place: Path) -> None:
     beside.replace(place)
 
 
-def _sizes(path: Path) -> dict[str, int]:
-    with os.scandir(path) as entries:
-        return {entry.name: entry.stat().st_size for entry in entries}
-
-
 def _counts(columns: Columns) -> dict[str, int]:
     """Word of a status → orbits, and ``recomputed`` → orbits computed singly."""
     codes, counts = np.unique(columns[STATUS], return_counts=True)
     found = {str(WORDS[code]): int(count) for code, count in zip(codes, counts, strict=True)}
     return {**found, RECOMPUTED: int(np.count_nonzero(columns[RECOMPUTED]))}
-
-
-def _looked_into(number: int, path: Path) -> NotedPart:
-    """What the journal would say of a part that is there."""
-    table = pq.read_table(path, columns=[STATUS, RECOMPUTED])
-    counts = {entry["values"]: entry["counts"] for entry in table[STATUS].value_counts().to_pylist()}
-    counts[RECOMPUTED] = int(np.count_nonzero(table[RECOMPUTED].to_numpy()))
-    return NotedPart(number, path.stat().st_size, _digest(path), counts)
 
 
 def _digest(path: Path) -> str:

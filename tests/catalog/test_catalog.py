@@ -140,7 +140,7 @@ def test_an_id_is_not_a_path(name: str) -> None:
 def test_a_folder_and_a_file_that_is_no_text_are_refused(tmp_path: Path) -> None:
     (tmp_path / "folder.toml").mkdir()
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
-    for name, expected in (("folder", "cannot be read"), ("bytes", "not UTF-8")):
+    for name, expected in (("folder", "not a regular file"), ("bytes", "not UTF-8")):
         with pytest.raises(CatalogError, match=expected):
             catalog.load(tmp_path / f"{name}.toml")
 

@@ -175,7 +175,6 @@ def test_special_values_of_the_parameters():
         ({"x": "line", "y": "0 < y"}, "(dot(x)**2 + dot(y)**2)/y**2/2", "x**2/y", "hyperbolic plane"),
         ({"theta": "angle", "phi": "angle"}, ROUND, X, "not in coordinates that are read"),
         (ANGLES, "((cos(theta)**2 + 2*sin(theta)**2)*dot(theta)**2 + sin(theta)**2*dot(phi)**2)/2", X, "is an angle"),
-        ({"r": "0 < r", "phi": "angle"}, "(dot(r)**2 + r**2*dot(phi)**2)/2", "r*cos(phi)", "is an angle"),
     ],
 )
 def test_what_is_no_sphere_is_refused(coordinates, kinetic, potential, says):

@@ -38,14 +38,14 @@ def test_a_disk_that_takes_no_more_is_told_and_nothing_is_left_half(
     assert process.returncode == 0
     assert (
         words
-        == f"{tmp_path / 'second'}: cannot be written (File too large); the parts that are there stay, and the same call goes on with them"
+        == f"{tmp_path / 'second'}: cannot be written (File too large); the parts that are there stay, and the same call resumes with them"
     )
     assert {path.name for path in (tmp_path / "second").iterdir()} == {"_manifest.json", "_lock"}
     assert hjsolve.sweep(scene, tmp_path / "second").kept == 0
     assert parts(tmp_path / "second") == parts(undisturbed)
 
 
-def test_a_journal_that_cannot_be_written_loses_no_part(
+def test_a_journal_that_cannot_be_written_leaves_no_part_without_a_digest(
     scene: Path, tmp_path: Path, undisturbed: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from hjsolve.sweeps.journal import Journal
@@ -57,8 +57,8 @@ def test_a_journal_that_cannot_be_written_loses_no_part(
         patched.setattr(Journal, "note", full)
         with pytest.raises(hjsolve.InvalidInputError, match=r"cannot be written \(No space left on device\)"):
             hjsolve.sweep(scene, tmp_path / "out")
-    assert len(parts(tmp_path / "out")) == 1
-    assert hjsolve.sweep(scene, tmp_path / "out").kept == 1
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"_manifest.json", "_lock"}
+    assert hjsolve.sweep(scene, tmp_path / "out").kept == 0
     assert parts(tmp_path / "out") == parts(undisturbed)
 
 

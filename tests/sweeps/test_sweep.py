@@ -140,37 +140,6 @@ def test_a_damaged_part_is_computed_again(scene: Path, finished: Path) -> None:
     assert parts(out) == whole
 
 
-def test_the_journal_saves_opening_parts_and_may_be_torn_or_lost(
-    scene: Path, finished: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from hjsolve.sweeps import folder
-
-    journal, manifest = finished / "_journal.jsonl", (finished / "_manifest.json").read_bytes()
-    looked: list[str] = []
-    digest = folder._digest
-
-    def counted(path: Path) -> str:
-        looked.append(path.name)
-        return digest(path)
-
-    monkeypatch.setattr(folder, "_digest", counted)
-    lines = [line for line in journal.read_text().splitlines() if line]
-    for text, opened in [
-        ("\n".join(lines), []),
-        ("\n".join(lines)[:-20], ["part-000005.parquet"]),  # killed in the middle of the last line
-        ("\n".join(["0", "[1]", "{}", *lines[2:]]), ["part-000000.parquet", "part-000001.parquet"]),
-        ("", [f"part-00000{k}.parquet" for k in range(6)]),
-    ]:
-        journal.write_text(text)
-        looked.clear()
-        assert hjsolve.sweep(scene, finished).kept == 6
-        assert looked == opened
-        assert (finished / "_manifest.json").read_bytes() == manifest
-        looked.clear()
-        assert hjsolve.sweep(scene, finished).kept == 6
-        assert looked == []
-
-
 def test_a_complete_sweep_is_not_touched(scene: Path, finished: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from hjsolve.sweeps import conduct
 
@@ -331,7 +300,7 @@ def test_an_interrupted_command_says_that_it_can_go_on(
 
     monkeypatch.setattr(conduct, "columns_of", interrupted)
     assert main(["sweep", str(scene), "-o", str(tmp_path / "out")]) == 130
-    assert "the same command goes on with it" in capsys.readouterr().err
+    assert "rerun the same command to resume" in capsys.readouterr().err
     assert main(["sweep", str(scene), "-o", str(tmp_path / "out")]) == 0
     assert "2 of them by an earlier run" in capsys.readouterr().out
 

@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import sympy as sp
 
+from hjsolve.algebra.time_limit import seconds_left
 from hjsolve.coordinates.charts.transform import Cartesian
-from hjsolve.coordinates.time_limit import seconds_left
 from hjsolve.coordinates.webs.orthonormal_frames import tidy_constant
 from hjsolve.coordinates.webs.web import Vector, Web
 from hjsolve.mechanics.system import System, parameter

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import sympy as sp
 
-from hjsolve.coordinates.time_limit import check_time
+from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.webs.orthonormal_frames import tidy_constant
 
 

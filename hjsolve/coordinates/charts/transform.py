@@ -8,10 +8,10 @@ from random import Random
 
 import sympy as sp
 
+from hjsolve.algebra.time_limit import seconds_left
 from hjsolve.coordinates.charts.charts import MERIDIAN, CoordinateRange, SeparableChart, chart
 from hjsolve.coordinates.charts.covering import covering_chart
 from hjsolve.coordinates.charts.simplify_potential import ChangeOfVariables, flattened
-from hjsolve.coordinates.time_limit import seconds_left
 from hjsolve.coordinates.webs.orthonormal_frames import norm_squared, tidy_constant
 from hjsolve.coordinates.webs.web import Geometry, Vector, Web
 from hjsolve.mechanics.system import System

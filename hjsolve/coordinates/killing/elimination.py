@@ -11,10 +11,10 @@ from sympy.polys.domains.domain import Domain
 from sympy.polys.fields import FracElement
 from sympy.polys.rings import PolyElement
 
+from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.killing.constant_field import EquationTable, FieldElement, Ground, Rows
 from hjsolve.coordinates.killing.radical_algebra import Element, Key
 from hjsolve.coordinates.killing.samples import Samples
-from hjsolve.coordinates.time_limit import check_time
 
 _POINTS_WITHOUT_NEWS = 4
 

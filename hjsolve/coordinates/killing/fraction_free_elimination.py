@@ -8,8 +8,8 @@ import sympy as sp
 from sympy.polys.domains.domain import Domain
 from sympy.polys.rings import PolyElement, PolyRing
 
+from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.killing.constant_field import FieldElement
-from hjsolve.coordinates.time_limit import check_time
 
 
 def echelon_over_ring(

@@ -14,8 +14,8 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from hjsolve.algebra.shared_parts import common_parts, derivatives
+from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.killing.constant_field import EquationTable
-from hjsolve.coordinates.time_limit import check_time
 from hjsolve.precision import NAMES, mp
 
 

@@ -24,6 +24,7 @@ from sympy.polys.domains.domain import Domain
 from sympy.polys.rings import PolyElement
 
 from hjsolve.algebra.shared_parts import holds, parts
+from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.killing.constant_field import (
     FieldElement,
     Ground,
@@ -31,7 +32,6 @@ from hjsolve.coordinates.killing.constant_field import (
     ground_field,
     numerator_alone,
 )
-from hjsolve.coordinates.time_limit import check_time
 from hjsolve.errors import InvalidSystemError
 
 Key = tuple[tuple[int, int, int], ...]

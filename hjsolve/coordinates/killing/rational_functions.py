@@ -14,7 +14,7 @@ from itertools import product, zip_longest
 from math import isqrt
 from random import Random
 
-from hjsolve.coordinates.time_limit import check_time
+from hjsolve.algebra.time_limit import check_time
 
 PRIMES = (2**127 - 1, 2**521 - 1)
 """Where one is too small for the fractions, the next is tried."""

@@ -10,6 +10,7 @@ from random import Random
 import sympy as sp
 
 from hjsolve.algebra.shared_parts import derivatives
+from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.killing.constant_field import FieldElement, Ground
 from hjsolve.coordinates.killing.radical_algebra import (
     Element,
@@ -19,7 +20,6 @@ from hjsolve.coordinates.killing.radical_algebra import (
     collected_generators,
     prepared,
 )
-from hjsolve.coordinates.time_limit import check_time
 from hjsolve.errors import InternalError
 
 _MOST_POINTS = 200

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from hjsolve.algebra.time_limit import SearchTimeError
 from hjsolve.coordinates.killing.killing_tensors import Kernel, kernel
-from hjsolve.coordinates.time_limit import OutOfTimeError
 
 _MOST_TRIES = {2: 36, 3: 24}
 
@@ -63,7 +63,7 @@ def exceptional_values(
                     continue
                 try:
                     result = kernel(special, x, tensors, check=False)
-                except OutOfTimeError:
+                except SearchTimeError:
                     return _ordered(found), False
                 following.append((new, result, special))
                 if result.dimension > _inherited(new, found, general.dimension):

@@ -14,8 +14,8 @@ from typing import Generic, TypeVar
 
 import sympy as sp
 
+from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.killing.killing_tensors import concircular_basis
-from hjsolve.coordinates.time_limit import check_time
 from hjsolve.coordinates.webs.orthonormal_frames import TooHardError
 
 Member = TypeVar("Member")

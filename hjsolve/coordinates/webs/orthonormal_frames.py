@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import sympy as sp
 
-from hjsolve.coordinates.time_limit import check_time
+from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.webs.web import Geometry, Vector
 
 Sign = Callable[[sp.Expr], int]

@@ -14,7 +14,7 @@ from random import Random
 
 import sympy as sp
 
-from hjsolve.coordinates.time_limit import check_time
+from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.webs.orthonormal_frames import TooHardError
 from hjsolve.precision import mp
 

@@ -15,7 +15,7 @@ import numpy as np
 from hjsolve.arithmetic.number_types import Mpf, Numbers, Reals
 from hjsolve.coordinates.charts.curvilinear import CurvilinearMap
 from hjsolve.coordinates.charts.outer_map import OuterMap, SphereMap
-from hjsolve.motion.charted.told_curvilinear import LOST, ROUNDINGS, bounds_curvilinear, told_curvilinear
+from hjsolve.motion.charted.curvilinear_points import LOST, ROUNDINGS, bounds_curvilinear, told_curvilinear
 
 Row = TypeVar("Row", Numbers, Reals)
 

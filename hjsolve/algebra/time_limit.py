@@ -1,4 +1,7 @@
-"""How long the search for coordinates may take: one deadline that the loops of the room look at."""
+"""How long a search may take, by the clock on the wall: one deadline that its loops look at.
+
+Closed forms have a deadline of their own (``closed_form.time_limit``), in processor time, that ends one form at a time.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +15,8 @@ _Deadline = tuple[float, float]
 _DEADLINE: ContextVar[_Deadline | None] = ContextVar("deadline", default=None)
 
 
-class OutOfTimeError(Exception):
-    """The time allowed is used up. Never leaves the room."""
+class SearchTimeError(Exception):
+    """The time allowed is used up. Never leaves the search."""
 
 
 @contextmanager
@@ -35,11 +38,11 @@ def check_time() -> None:
     """End the search where its time is used up.
 
     Raises:
-        OutOfTimeError: it is.
+        SearchTimeError: it is.
     """
     deadline = _DEADLINE.get()
     if deadline is not None and time.monotonic() > deadline[0]:
-        raise OutOfTimeError(f"not decided in {deadline[1]:g} s")
+        raise SearchTimeError(f"not decided in {deadline[1]:g} s")
 
 
 def seconds_left(most: float) -> float:
