@@ -28,6 +28,7 @@ from hjsolve.formulas.read import number
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.motion.initial_data import domain_ends, parameter_values
 from hjsolve.motion.motion import Motion
+from hjsolve.precision import one_at_a_time
 from hjsolve.solution.quadratures import Solution
 
 if TYPE_CHECKING:
@@ -228,6 +229,7 @@ def _points(x: object, y: object) -> tuple[Reals, Reals, tuple[int, ...]]:
     return xs.ravel(), ys.ravel(), xs.shape
 
 
+@one_at_a_time
 def energy_momentum_map(
     solution: Solution | Motion,
     x: str | None = None,
