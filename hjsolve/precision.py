@@ -214,7 +214,10 @@ mp = ThreadContext()
 for _constant in (libmp.pi_fixed, libmp.e_fixed, libmp.ln2_fixed, libmp.ln10_fixed):
     _constant(_WARM)
 
-NAMES: list[dict[str, Any] | str] = [{n: getattr(mp, n) for n in dir(mp) if not n.startswith("_")}, "mpmath"]
+NUMBERS: dict[str, Any] = {n: getattr(mp, n) for n in dir(mp) if not n.startswith("_")}
+"""What ``mp`` offers, by name."""
+
+NAMES: list[dict[str, Any] | str] = [NUMBERS, "mpmath"]
 """The ``modules`` of ``sympy.lambdify`` for functions of the numbers of ``mp``."""
 
 _made: dict[int, FixedContext] = {}

@@ -262,7 +262,7 @@ def _function(function: type[sp.Function]) -> Rule:
     if name in table:
         return table[name]
     if name in _SAME:
-        return getattr(mpmath, name)
+        return getattr(mp, name)
     arguments = sp.symbols(f"a:{1 if not function.nargs else max(function.nargs)}")
     return sp.lambdify(arguments, function(*arguments), modules=own_modules())
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from hjsolve import arguments, catalog
 from hjsolve.arithmetic.estimate_array import EstimateArray
+from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.all_curves import critical_curves
 from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
@@ -40,8 +41,8 @@ _IN_THE_CELL = 0.48661
 """Where in its cell a point of a grid lies: a critical curve often goes through the middle of a window."""
 
 
-@dataclass(frozen=True, repr=False)
-class EnergyMomentumMap(Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class EnergyMomentumMap(ByValue, Shown):
     """The plane of two constants of the motion; made by ``energy_momentum_map``.
 
     Attributes:

@@ -19,6 +19,7 @@ import sympy as sp
 from hjsolve.arithmetic.floats import EPS, Float64
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.closed_form.substitutions import Substitution, known_substitutions
+from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.isolation import IsolatedRoots, Reals, at_place, bernstein_value, isolated_roots
 from hjsolve.lowering import lower
@@ -32,8 +33,8 @@ _LOW_ENOUGH, _HIGHEST = 6, 24
 """Degree in t up to which no other variable is tried, and above which doubles tell little in Bernstein's form."""
 
 
-@dataclass(frozen=True, repr=False)
-class _Piece(Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class _Piece(ByValue, Shown):
     """A part of the domain of t, and N on it.
 
     Attributes:
@@ -65,8 +66,8 @@ class _Piece(Shown):
             return self.start + side * self.length * (s / (1 - s) if np.isinf(self.end) else s)
 
 
-@dataclass(frozen=True, repr=False)
-class MomentumPolynomial(Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class MomentumPolynomial(ByValue, Shown):
     """N(t; x, y) of one coordinate.
 
     Attributes:

@@ -11,7 +11,7 @@ from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
 from hjsolve.functions.complex_pole import CarlsonRCIm, CarlsonRCRe, CarlsonRJIm, CarlsonRJRe
 from hjsolve.functions.jacobi import JacobiAM, JacobiCN, JacobiDN, JacobiEpsilon, JacobiSN
 from hjsolve.functions.printing import DOUBLES, Printable
-from hjsolve.precision import NAMES, for_any_context, mp
+from hjsolve.precision import NUMBERS, for_any_context, mp
 
 _OWN: tuple[type[Printable], ...] = (
     CarlsonRF, CarlsonRC, CarlsonRD, CarlsonRJ, CarlsonRCRe, CarlsonRCIm, CarlsonRJRe, CarlsonRJIm,
@@ -52,8 +52,7 @@ def modules(backend: str) -> list[dict[str, Callable[..., Any]] | str]:
 
 def own_modules() -> list[dict[str, Callable[..., Any]] | str]:
     """What ``sympy.lambdify`` is given for functions of the numbers of ``precision.mp``, elliptic ones among them."""
-    names, backend = NAMES
-    return [{**names, **_many_digits()}, backend]
+    return [NUMBERS | _many_digits(), "mpmath"]
 
 
 def _many_digits() -> dict[str, Callable[..., Any]]:
