@@ -261,8 +261,6 @@ def _function(function: type[sp.Function]) -> Rule:
         return _third_kind
     if name in table:
         return table[name]
-    if name in _SAME:
-        return getattr(mp, name)
     arguments = sp.symbols(f"a:{1 if not function.nargs else max(function.nargs)}")
     return sp.lambdify(arguments, function(*arguments), modules=own_modules())
 
@@ -274,8 +272,3 @@ def _third_kind(n: mpmath.mpf, *rest: mpmath.mpf) -> mpmath.mpf:
     sine = mp.sin(rest[0]) if len(rest) == 2 else mp.mpf(1)
     return mp.ellippi(n, *rest) if n * sine**2 < 1 else mp.nan
 
-
-_SAME = (
-    "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh", "acosh",
-    "atanh", "sign",
-)  # fmt: skip
