@@ -25,6 +25,7 @@ from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, LinearHamiltonian, from_hamiltonian
 from hjsolve.formulas.tokens import printable
 from hjsolve.mechanics.system import Parameter, System, parameter
+from hjsolve.precision import one_at_a_time
 
 _FOLDERS = {"separable": "systems", "extended": "extended", "refused": "refused", "outside": "outside"}
 _ENTRY = schema.ENTRY | refusals.KEYS
@@ -64,6 +65,7 @@ def kind_of(entry: str) -> str:
     return next(kind for kind in _FOLDERS if entry in ids(kind))
 
 
+@one_at_a_time
 def load(entry: str | Path, *, effects: Iterable[str] = ()) -> System:
     """Give the system of a catalog entry or of a TOML file, with some of its effects switched on.
 

@@ -28,6 +28,7 @@ from hjsolve.closed_form.signs import Signs, sign_of_many_digits
 from hjsolve.closed_form.tidy import shortened_powers, square_root
 from hjsolve.closed_form.verification import monotone_span, sample_numbers, value_at
 from hjsolve.closed_form.workshop import Workshop
+from hjsolve.precision import mp
 from hjsolve.solution.quadratures import Solution
 
 _DIGITS = 40
@@ -99,7 +100,7 @@ class _Anomaly:
         self.A, self.B, self.C = (P.coeff_monomial(integral.law.x**k) for k in (2, 1, 0))
         self.e: sp.Expr = sp.S.Zero
         self.direction = 1 if integral.curve.substitution.increasing else -1
-        self.at = Signs(own.sample.values, mpmath.mpf(0))
+        self.at = Signs(own.sample.values, mp.mpf(0))
 
     def _sign(self, expression: sp.Expr) -> int:
         """The sign, where every factor has the same in the whole regime; else 0."""
@@ -226,23 +227,23 @@ class _Anomaly:
         """Compare t(ξ) with the integral between two places, to 40 digits."""
         q = self.integral.curve.coordinate.symbol
         explicit = {n: self.names.written_out(e) for n, e in found.items()}
-        with mpmath.workdps(_DIGITS + 20):
+        with mp.workdps(_DIGITS + 20):
             numbers = sample_numbers(self.own)
             low, high = monotone_span(self.own, self.integral)
             values = list[tuple[mpmath.mpf, mpmath.mpf]]()
             held = set().union(*(e.free_symbols for e in explicit.values())) - set(numbers) - {self.ξ}
             numbers |= dict.fromkeys(held, (low + high) / 2)  # t₀ and the lower limit shift both alike
             for part in ("0.3", "0.6"):
-                ξ = self._solved(explicit[self.own.name], numbers, low + (high - low) * mpmath.mpf(part))
+                ξ = self._solved(explicit[self.own.name], numbers, low + (high - low) * mp.mpf(part))
                 place, t = (value_at(explicit[n], numbers | {self.ξ: ξ}) for n in (self.own.name, TIME))
                 values.append((t, value_at(self.integral.value, numbers | {q: place})))
             (t_1, v_1), (t_2, v_2) = values
-            if not abs((t_2 - t_1) - (v_2 - v_1)) <= abs(v_2 - v_1) * mpmath.mpf(10) ** -_DIGITS:
+            if not abs((t_2 - t_1) - (v_2 - v_1)) <= abs(v_2 - v_1) * mp.mpf(10) ** -_DIGITS:
                 raise NoFormError("not verified: the parametric form of the time law differs from the integral")
 
     def _solved(self, place: sp.Expr, numbers: dict[sp.Symbol, mpmath.mpf], target: mpmath.mpf) -> mpmath.mpf:
         """A ξ on the branch at which q is near a place, by bisection in few steps: any such ξ will do."""
-        low, high = (mpmath.mpf(0), mpmath.pi) if self._sign(self.A) < 0 else (mpmath.mpf(-40), mpmath.mpf(40))
+        low, high = (mp.mpf(0), mp.pi) if self._sign(self.A) < 0 else (mp.mpf(-40), mp.mpf(40))
         grows = self._branch(numbers, place)
         low, high = (low, high) if grows is None else grows
         for _ in range(30):
@@ -256,8 +257,8 @@ class _Anomaly:
         """Where q grows with ξ: 0 … π of a cosine; else the half line on which it does."""
         if self._sign(self.A) < 0:
             return None
-        near, far = (value_at(place, numbers | {self.ξ: mpmath.mpf(k)}) for k in (0, 1))
-        below = value_at(place, numbers | {self.ξ: mpmath.mpf(-1)})
+        near, far = (value_at(place, numbers | {self.ξ: mp.mpf(k)}) for k in (0, 1))
+        below = value_at(place, numbers | {self.ξ: mp.mpf(-1)})
         if near > below:
             return None
-        return (mpmath.mpf(0), mpmath.mpf(40)) if far > near else (mpmath.mpf(-40), mpmath.mpf(0))
+        return (mp.mpf(0), mp.mpf(40)) if far > near else (mp.mpf(-40), mp.mpf(0))

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.curves import named_constants
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.regime import Regime
 from hjsolve.closed_form.workshop import Workshop
+from hjsolve.precision import mp
 
 MOST_OPERATIONS = 120
 _DIGITS, _AGREE = 60, 40
@@ -132,11 +132,11 @@ def _right_one(
 ) -> sp.Expr | None:  # fmt: skip
     """The root that is right at the regime's example, to 40 digits."""
     numbers = many_digits(made.example, _DIGITS)
-    with mpmath.workdps(_DIGITS):
+    with mp.workdps(_DIGITS):
         numbers |= {named[name]: number_of(other, numbers) for name, other in actions.items()}
         for root in found:
             got = number_of(root, numbers)
-            if mpmath.isfinite(got) and abs(got - numbers[unknown]) <= abs(got) * mpmath.mpf(10) ** -_AGREE:
+            if mp.isfinite(got) and abs(got - numbers[unknown]) <= abs(got) * mp.mpf(10) ** -_AGREE:
                 return min((root, sp.factor(root)), key=sp.count_ops)
     return None
 

@@ -26,6 +26,7 @@ from hjsolve.closed_form.verification import nearby, sample_numbers, value_at
 from hjsolve.closed_form.workshop import Stratum, Workshop
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
+from hjsolve.precision import mp
 from hjsolve.solution.quadratures import Solution
 
 _DIGITS = 40
@@ -343,10 +344,10 @@ def verified_inverse(
     explicit = names.written_out(place)
     q = integral.curve.coordinate.symbol
     begin, stop = own.sample.places[own.name], nearby(own, integral)
-    with mpmath.workdps(_DIGITS + 20):
+    with mp.workdps(_DIGITS + 20):
         numbers = {**sample_numbers(own), **(others or {})}
         free = sorted(value.free_symbols - set(numbers), key=str)
-        numbers |= {s: mpmath.mpf(k + 2) / 7 for k, s in enumerate(free)}
+        numbers |= {s: mp.mpf(k + 2) / 7 for k, s in enumerate(free)}
         numbers[start], target = _fraction(begin), _fraction(stop)
         difference = value_at(integral.value, numbers | {q: target}) - value_at(
             integral.value, numbers | {q: numbers[start]}
@@ -354,13 +355,13 @@ def verified_inverse(
         unknown, offset = free[0], value_at(value, numbers)
         numbers[unknown] += (difference - offset) / value_at(sp.diff(value, unknown), numbers)
         got = value_at(explicit, numbers)
-        if not abs(got - target) <= (abs(target) + mpmath.mpf(10) ** -5) * mpmath.mpf(10) ** -_DIGITS:
-            raise NoFormError(f"not verified: the inverse gives {mpmath.nstr(got, 15)} for {mpmath.nstr(target, 15)}")
+        if not abs(got - target) <= (abs(target) + mp.mpf(10) ** -5) * mp.mpf(10) ** -_DIGITS:
+            raise NoFormError(f"not verified: the inverse gives {mp.nstr(got, 15)} for {mp.nstr(target, 15)}")
         if own.kind == "rotation" and integral.cycle is not None:
             numbers[unknown] += value_at(integral.cycle, numbers) / value_at(sp.diff(value, unknown), numbers)
             turn = value_at(integral.curve.substitution.turn, numbers)
-            turned = mpmath.sin((value_at(explicit, numbers) - target) * mpmath.pi / turn)
-            if not abs(turned) <= mpmath.mpf(10) ** -_DIGITS:
+            turned = mp.sin((value_at(explicit, numbers) - target) * mp.pi / turn)
+            if not abs(turned) <= mp.mpf(10) ** -_DIGITS:
                 raise NoFormError("the inverse that was found is right on one turn only")
     return place
 
@@ -413,7 +414,7 @@ def _along(
             more, along = pieces[other], pieces[other].integrals[key]
             q, start = along.curve.coordinate.symbol, solution.lower_limits[other]
             value -= along.value - along.value.xreplace({q: start})
-            with mpmath.workdps(_DIGITS + 20):
+            with mp.workdps(_DIGITS + 20):
                 numbers |= sample_numbers(more)
                 numbers |= {q: _fraction(nearby(more, along)), start: _fraction(more.sample.places[other])}
     return inverted(own, own.integrals[key], value, solution.lower_limits[target], names, numbers)
@@ -483,4 +484,4 @@ def _on_branch(
 
 
 def _fraction(value: sp.Expr) -> mpmath.mpf:
-    return mpmath.mpf(int(value.p)) / int(value.q)
+    return mp.mpf(int(value.p)) / int(value.q)

@@ -7,6 +7,7 @@ from typing import Any
 
 import mpmath
 import sympy as sp
+from mpmath import libmp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
@@ -27,6 +28,8 @@ from hjsolve.closed_form.regions import (
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number as read_number
 from hjsolve.functions import modules
+from hjsolve.functions.tables import own_modules
+from hjsolve.precision import for_the_user, mp, multiprecision, users_precision
 
 _GUARD, _FLOAT_DIGITS = 20, 15
 _SPECIAL = 1e-12
@@ -51,20 +54,19 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
     refuse_places(form, exact)
     working = 2 * (digits + _GUARD)
     table = many_digits(exact, working) | root_values(form, exact, working)
-    with mpmath.workdps(digits + _GUARD):
+    with mp.workdps(digits + _GUARD):
         near = number_of(expression, table)
-    with mpmath.workdps(working):
+    with mp.workdps(working):
         far = number_of(expression, table)
-        if not mpmath.isfinite(far) or not mpmath.isfinite(near):
+        if not mp.isfinite(far) or not mp.isfinite(near):
             raise InvalidInputError(f"{name} is infinite there")
-        if abs(mpmath.im(far)) > abs(far) * mpmath.mpf(10) ** -digits:
+        if abs(mp.im(far)) > abs(far) * mp.mpf(10) ** -digits:
             raise InvalidInputError(f"{name} has no real value there: the place is not one the motion reaches")
-        again = mpmath.re(far)
-        lost = 2 * abs(mpmath.re(near) - again)
+        again = mp.re(far)
+        lost = 2 * abs(mp.re(near) - again)
     if digits <= _FLOAT_DIGITS:
         return Estimate(float(again), float(lost) + abs(float(again)) * EPS)
-    context = mpmath.mp.clone()
-    context.dps = digits + 2
+    context = multiprecision(libmp.dps_to_prec(digits + 2))
     return Estimate(context.mpf(again), context.mpf(lost) + abs(context.mpf(again)) * context.mpf(10) ** -digits)
 
 
@@ -170,7 +172,7 @@ def root_values(
         digits: to which roots are found.
     """
     known = many_digits(exact, digits)
-    with mpmath.workdps(digits):
+    with mp.workdps(digits):
         for symbol, meaning in form.where.items():
             if not needed_names([symbol], form.where)[1] <= set(exact):
                 continue
@@ -178,7 +180,7 @@ def root_values(
                 polynomial, index = meaning
                 known[symbol] = ordered_real_roots(polynomial, known, digits)[index]
             else:
-                known[symbol] = mpmath.re(number_of(meaning, known))
+                known[symbol] = mp.re(number_of(meaning, known))
     return {symbol: known[symbol] for symbol in form.where if symbol in known}
 
 
@@ -201,14 +203,17 @@ def _function(form: NamedForms, expression: sp.Expr, module: str) -> Callable[..
     compiled = _CompiledForm(form, expression, module)
 
     def function(**given: object) -> Mpf | Reals | float:
-        return compiled.arrays(given) if module == "numpy" else compiled.one([*map(_exactly, compiled.values(given))])
+        if module == "numpy":
+            return compiled.arrays(given)
+        with users_precision():
+            return for_the_user(compiled.one([*map(_exactly, compiled.values(given))]))
 
     function.names = compiled.names  # type: ignore[attr-defined]
     return function
 
 
 def _exactly(value: object) -> Mpf:
-    return mpmath.mpmathify(read_number(value, source="value") if isinstance(value, str) else value)
+    return mp.mpmathify(read_number(value, source="value") if isinstance(value, str) else value)
 
 
 class _CompiledForm:
@@ -225,7 +230,8 @@ class _CompiledForm:
         self.symbols = sorted(held, key=str)
         self.names = tuple(s.name for s in self.symbols)
         self.defaults = {p.name: p.value for p in form.solution.system.parameters if p.value is not None}
-        self.numpy, known = module == "numpy", modules(module)
+        self.numpy = module == "numpy"
+        known = modules(module) if self.numpy else own_modules()
         self.plain = sp.lambdify([*self.symbols, *self.roots], expression, modules=known, cse=True)
         self.tests = [sp.lambdify(self.symbols, sign * e, modules=known) for e, sign in made.conditions.items()]
         self.equal = [sp.lambdify(self.symbols, c - e, modules=known) for c, e in made.special.items()]
@@ -247,12 +253,12 @@ class _CompiledForm:
     def one(self, numbers: Sequence[Mpf | float]) -> Mpf:
         """At one place; nan outside the regime."""
         if not self._inside(numbers):
-            return mpmath.nan
+            return mp.nan
         if not self.roots:
             return self.plain(*numbers)
         exact = {s: sp.sympify(v) for s, v in zip(self.symbols, numbers, strict=True)}
-        table = root_values(self.form, exact, mpmath.mp.dps + 5)
-        kind = float if self.numpy else mpmath.mpmathify
+        table = root_values(self.form, exact, mp.dps + 5)
+        kind = float if self.numpy else mp.mpmathify
         return self.plain(*numbers, *(kind(table[s]) for s in self.roots))
 
     def _inside(self, numbers: Sequence[Mpf | float]) -> bool:
@@ -261,7 +267,7 @@ class _CompiledForm:
         if any(not test(*numbers) > 0 for test in self.tests):
             return False
         pairs = zip(self.symbols, numbers, strict=True)
-        given = {s: mpmath.mpmathify(v) for s, v in pairs} if self.curves or self.placed else {}
+        given = {s: mp.mpmathify(v) for s, v in pairs} if self.curves or self.placed else {}
         if not all(region_exists(c, r, given) for c, r in self.curves):
             return False
         return all(holds_place(c, r, given[symbol], given) for c, r, symbol in self.placed)

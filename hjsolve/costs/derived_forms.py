@@ -26,6 +26,7 @@ from hjsolve.costs.answers import Answer
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.motion.motion import Motion
+from hjsolve.precision import mp
 from hjsolve.scenes.question import Times
 from hjsolve.scenes.run import first_arguments
 
@@ -62,13 +63,13 @@ class DerivedForm:
             moments: times, exact.
         """
         numbers = many_digits(self.exact, digits) | root_values(self.form, self.exact, digits)
-        with mpmath.workdps(digits):
+        with mp.workdps(digits):
             found = {n: [v] for n, v in zip(self.fixed, Evaluator([*self.fixed.values()]).at(numbers), strict=True)}
             if self.states:
                 at = Evaluator([*self.states.values()]).along(numbers, _T)
-                rows = [at(mpmath.mpf(int(t.p)) / int(t.q)) for t in map(_rational, moments)]
+                rows = [at(mp.mpf(int(t.p)) / int(t.q)) for t in map(_rational, moments)]
                 found |= {name: [row[k] for row in rows] for k, name in enumerate(self.states)}
-        if any(isinstance(v, mpmath.mpc) or not mpmath.isfinite(v) for values in found.values() for v in values):
+        if any(isinstance(v, mp.mpc) or not mp.isfinite(v) for values in found.values() for v in values):
             raise NotConvergedError("the closed form has no real value here")
         return found
 
@@ -188,8 +189,8 @@ def _trial(task: Task, form: DerivedForm, digits: int, spent: float) -> Trial:
 
 def _rounded(value: mpmath.mpf, again: mpmath.mpf, digits: int) -> tuple[Claimed, Claimed]:
     """The value to the digits asked, and what it claims."""
-    with mpmath.workdps(2 * (digits + _GUARD)):
+    with mp.workdps(2 * (digits + _GUARD)):
         difference = 2 * abs(again - value)
         if digits <= 15:
             return float(again), float(difference) + abs(float(again)) * EPS
-        return again, difference + abs(again) * mpmath.mpf(10) ** -digits
+        return again, difference + abs(again) * mp.mpf(10) ** -digits

@@ -15,9 +15,11 @@ from typing import NamedTuple
 
 import mpmath
 import sympy as sp
+from mpmath import libmp
 
 from hjsolve.errors import ExpressionError
 from hjsolve.formulas.tokens import MAX_DIGITS
+from hjsolve.precision import multiprecision
 
 MAX_BITS = 7_000
 MAX_EXPONENT = 100
@@ -31,8 +33,7 @@ _MAX_TERMS_OF_POWER = 500
 _MAX_ANGLE = 10**15
 _MAX_LOGARITHM = 2_500
 _OF_LOGARITHMS = frozenset({"exp", "sinh", "cosh", "tanh", "coth", "sech", "csch"})
-_CONTEXT = mpmath.MPContext()
-_CONTEXT.dps = 60
+_CONTEXT = multiprecision(libmp.dps_to_prec(60))
 _HUGE = _CONTEXT.mpf(10) ** MAX_DIGITS
 _TINY = 1 / _HUGE
 _VANISHING = _CONTEXT.mpf(10) ** -40
@@ -278,7 +279,7 @@ def _defined(compute: Callable[[], mpmath.mpf], what: str, fail: Fail) -> mpmath
     """A constant's value, or the error that says why it has none."""
     try:
         value = compute()
-    except (ValueError, ZeroDivisionError, OverflowError, mpmath.libmp.NoConvergence):
+    except (ValueError, ZeroDivisionError, OverflowError, libmp.NoConvergence):
         raise fail(f"{what} has no finite value here") from None
     if isinstance(value, _CONTEXT.mpc):
         raise fail(f"{what} is not real here")

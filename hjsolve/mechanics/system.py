@@ -43,6 +43,7 @@ from hjsolve.mechanics.positive_definite import check_mass_matrix, end_values
 from hjsolve.mechanics.quantities_given import in_units, without_quantities
 from hjsolve.mechanics.relativity import Relativity, relativity_of
 from hjsolve.mechanics.units import Units, check_units, names_and_units, read_units
+from hjsolve.precision import one_at_a_time
 
 __all__ = [
     "Coordinate", "Domain", "Parameter", "System", "hamiltonian", "inverse_mass_matrix", "kinetic_rest", "linear_terms",
@@ -97,6 +98,7 @@ class System(Shown):
     places: Places
     declared_units: Units
 
+    @one_at_a_time
     def __init__(
         self,
         coordinates: Mapping[str, str],

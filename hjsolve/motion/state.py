@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 
@@ -14,8 +15,8 @@ if TYPE_CHECKING:
     from hjsolve.arithmetic.number_types import AtTimes, Mpf
 
 
-@dataclass(frozen=True, repr=False)
-class Errors(Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class Errors(ByValue, Shown):
     """Absolute error bounds, laid out like the state itself; scalars or arrays shaped like t."""
 
     q: Mapping[str, Any]
@@ -57,8 +58,8 @@ class KnownErrors:
         return self.errors
 
 
-@dataclass(frozen=True, repr=False)
-class State(Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class State(ByValue, Shown):
     """The state at the times ``t``.
 
     Attributes:

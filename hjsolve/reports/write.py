@@ -13,6 +13,7 @@ from hjsolve.display.progress import Progress
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.motion.motion import Motion
+from hjsolve.precision import one_at_a_time
 from hjsolve.reports.content import Material, Subject, document, gather, initial_of
 from hjsolve.reports.document import Document, files, pdf
 from hjsolve.reports.document.files import SUFFIXES, checked_path, checked_title, readable_errors
@@ -55,6 +56,7 @@ _WRITERS: Mapping[str, Callable[[Document], str]] = {
 }
 
 
+@one_at_a_time
 def report(
     subject: Subject | Scene | LinearHamiltonian,
     path: str | Path,
