@@ -90,7 +90,7 @@ class ExplorerPage:
         entries = ui.select(catalog.titles(), label="from the catalog", with_input=True, on_change=self._chosen)
         entries.props("dense clearable").mark("catalog")
         self.coordinates = self._area("coordinates, one a line: x: line, r: 0 < r, theta: angle")
-        self.kinetic = self._area("T, with dot(q) for a velocity")
+        self.kinetic = self._area("T, with dot(q) or q' for a velocity")
         self.potential = self._area("V")
         self.parameters = self._area("parameters, one a line: k = 1 : positive")
         self.start = ui.element("div").classes("start")

@@ -56,8 +56,9 @@ class System(Shown):
 
     Args:
         coordinates: name → domain: ``"line"``, ``"angle"`` or an inequality such as ``"0 < r"``, ``"-a < x < a"``.
-        kinetic: T, as text or as a sympy expression in which a velocity is ``Symbol("dot(q)")``. A polynomial of second
-            degree in the velocities; terms linear in them (a charge in a magnetic field, a moving frame) belong here.
+        kinetic: T, as text or as a sympy expression in which a velocity is ``Derivative(q(t), t)`` or
+            ``Symbol("dot(q)")``. A polynomial of second degree in the velocities; terms linear in them (a charge in a
+            magnetic field, a moving frame) belong here.
         potential: V, of the coordinates only.
         parameters: name → default value, ``None`` for no default, or a ``parameter(...)`` with assumption and unit;
             with ``units`` a quantity as well.
