@@ -132,7 +132,7 @@ class Parser:
         raise self._source.error(message, following.position)
 
     def _is_a_factor(self, before: Token, following: Token) -> bool:
-        """Whether a product is the only reading of two tokens: not of ``x 2``, ``f (x)``, nor over the end of a line."""
+        """Whether a product is the only reading of two tokens: not of ``x 2``, ``f (x)`` or two lines."""
         opens = following.text == "(" and (before.kind == "number" or before.text == ")")
         same_line = "\n" not in self._source.text[before.position : following.position]
         return same_line and (opens or following.kind == "name")
