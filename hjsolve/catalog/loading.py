@@ -14,6 +14,7 @@ from pathlib import Path
 
 from hjsolve.catalog import outside as refusals
 from hjsolve.catalog import schema, toml_file
+from hjsolve.catalog.constraints import constraint_faults
 from hjsolve.catalog.cross_checks import form_faults, motion_faults, reference_faults
 from hjsolve.catalog.effects import forces, with_effects
 from hjsolve.catalog.entry import Effect as Effect
@@ -299,6 +300,7 @@ def _checked(entry: str | Path) -> tuple[TomlTable, str]:
     problems = list(schema.faults(table, keys)) or [*refusals.outside_faults(table), *form_faults(table)]
     if not problems and table["id"] != file.name.removesuffix(".toml"):
         problems.append(f'id: "{table["id"]}" must be the name of the file, "{file.name.removesuffix(".toml")}"')
+    problems = problems or list(constraint_faults(table))
     if problems:
         raise _refused(source, problems)
     return table, source

@@ -7,6 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from hjsolve.arguments import refuse_unused
 from hjsolve.command_line import arguments_read
 from hjsolve.errors import InvalidInputError, NotSeparableError
 
@@ -182,10 +183,16 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
             return ANSWER, save_scene(scene, target, options.cost, progress, title=title)
     if not options.coordinate and (outside := outside_entry(arguments_read.located(options.system))) is not None:
         refuse_live(options.live)
+        given = {"--q": options.q, "--velocity": options.velocity, "--momentum": options.momentum}
+        given |= {"--find": options.find, "--cost": options.cost, "--brief": options.brief, "--slider": options.slider}
+        given |= {"--motion": options.motion != "default", "--digits": options.digits != 15}
+        refuse_unused({name: bool(value) for name, value in given.items()}, "the entry is no T and V")
         return REFUSED, write_document(outside_document(outside), target, title=title)
     initial = arguments_read.initial(options)
     if arguments_read.given_hamiltonian(options) is not None:
         refuse_live(options.live)
+        given = {"--cost": options.cost, "--brief": options.brief, "--slider": bool(options.slider)}
+        refuse_unused(given, "H(q, p) is linear in p, and all of it is closed forms")
         initial = initial or arguments_read.own_motion(options)
         told: dict[str, Any] = {"initial": initial, "motion": options.motion, "digits": options.digits, "title": title}
         return ANSWER, save_hamiltonian(arguments_read.located(options.system), target, **told)
@@ -225,6 +232,8 @@ def cost_command(options: Namespace) -> int:
     """
     from hjsolve.command_line.cost import measure_and_print as measured
 
+    own = {"--title": bool(options.title), "--function": bool(options.function)}
+    refuse_unused(own if options.system is not None else {}, "they belong to a system of your own")
     changed = options.effect or options.parameter or options.q or options.velocity or options.momentum
     if options.system is None or options.coordinate or changed:
         subject: Any = arguments_read.motion_meant(options, 15)

@@ -75,6 +75,7 @@ class System(Shown):
         units: in which units coordinates, the time and parameters are, ``{"r": "kpc", "t": "Myr", "m": "solMass"}``,
             so that quantities of pint or astropy can be given; those that follow from T and V need not be said.
             ``declared_units`` is what was declared.
+        constraints: refused, so that none is taken for one that is used.
 
     Raises:
         InvalidSystemError: the parts do not make a mechanical system; the message says which and why.
@@ -112,7 +113,12 @@ class System(Shown):
         functions: Iterable[str] = (),
         place: Mapping[str, object] | None = None,
         units: Mapping[str, object] | None = None,
+        constraints: Iterable[str] = (),
     ):
+        if constraints:
+            raise InvalidSystemError(
+                "constraints: they are not eliminated; choose coordinates in which they hold, and write T and V in them"
+            )
         numbers, quantities = without_quantities({} if parameters is None else parameters)
         constants = read_parameters(numbers)
         places = read_coordinates(coordinates, constants)

@@ -11,6 +11,7 @@ from typing import Any, TypeAlias, TypeVar
 import sympy as sp
 
 from hjsolve import catalog
+from hjsolve.arguments import refuse_unused
 from hjsolve.catalog import moving_frames
 from hjsolve.errors import InvalidInputError, NotConvergedError, NotSeparableError
 from hjsolve.extended.moving_frame import Frame
@@ -85,6 +86,8 @@ def gather(
     """
     clock: dict[str, float] = {}
     if isinstance(subject, Motion):
+        changed = {"initial": initial is not None, "motion": motion != "default", "digits": digits != 15}
+        refuse_unused(changed, "the motion given has its own")
         return Material(
             subject.solution.separation, subject.solution, subject.as_solved, catalog.entry_of(subject.solution.system),
             clock=clock,
@@ -153,8 +156,10 @@ def initial_of(
         InvalidInputError: the entry has no such motion.
     """
     if given is not None:
+        refuse_unused({"motion": name != "default"}, "the initial data given are those of another motion")
         return given, ""
     if entry is None or not entry.motions:
+        refuse_unused({"motion": name != "default"}, "the system is not a catalog entry with motions")
         return None, ""
     if name not in entry.motions:
         raise InvalidInputError(f'motion: {entry.id} has no motion "{name}"; it has {", ".join(entry.motions)}')

@@ -141,6 +141,8 @@ def _event_faults(event: Toml, where: str) -> Iterator[str]:
         if passage is not None and not (whole and 0 <= passage <= MOST_PASSAGES):
             which = f"0 for the first passage after the start, 1 for the next, {MOST_PASSAGES} at most"
             yield f"{where}.at.passage: must be {which}, not {passage}"
+        if passage is not None and "coordinate" not in at:
+            yield f"{where}.at.passage: belongs to a coordinate and its value; at a time t there is one event"
     if event.get("kind") == "impulse":
         if ("momentum" in event) == ("velocity" in event):
             yield f"{where}: an impulse gives momentum or velocity, the jump of one of the two"
