@@ -264,8 +264,13 @@ def _toml_files(kind: str) -> list[Traversable]:
     return [f for f in place.iterdir() if f.name.endswith(".toml")] if place.is_dir() else []
 
 
+def _is_file(entry: str | Path) -> bool:
+    """Whether it is a file of the user's, and not the id of an entry of the catalog, whose file has its name."""
+    return isinstance(entry, Path) or str(entry).endswith(".toml")
+
+
 def _locate(entry: str | Path) -> tuple[Traversable, str]:
-    if isinstance(entry, Path) or str(entry).endswith(".toml"):
+    if _is_file(entry):
         return Path(entry), str(entry)
     for file in (file for kind in _FOLDERS for file in _toml_files(kind)):
         if file.name == f"{entry}.toml":
@@ -298,7 +303,7 @@ def _checked(entry: str | Path) -> tuple[TomlTable, str]:
     if "refused_because" in table and "kinetic" not in table:
         keys = schema.optional(_ENTRY, "kinetic", "coordinates")
     problems = list(schema.faults(table, keys)) or [*refusals.outside_faults(table), *form_faults(table)]
-    if not problems and table["id"] != file.name.removesuffix(".toml"):
+    if not problems and not _is_file(entry) and table["id"] != file.name.removesuffix(".toml"):
         problems.append(f'id: "{table["id"]}" must be the name of the file, "{file.name.removesuffix(".toml")}"')
     problems = problems or list(constraint_faults(table))
     if problems:
