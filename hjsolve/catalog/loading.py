@@ -22,6 +22,7 @@ from hjsolve.catalog.entry import Entry as Entry
 from hjsolve.catalog.entry import InitialData as InitialData
 from hjsolve.catalog.entry import Reference as Reference
 from hjsolve.catalog.toml_file import Toml, TomlTable
+from hjsolve.display.first_lines import few_lines
 from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, LinearHamiltonian, from_hamiltonian
 from hjsolve.formulas.tokens import printable
@@ -365,7 +366,7 @@ def _effect_faults(table: Toml, name: str) -> Iterator[str]:
 
 
 def _refused(source: str, problems: list[str]) -> CatalogError:
-    return CatalogError("\n".join(f"{source}: {problem}" for problem in problems))
+    return CatalogError(few_lines(f"{source}: {problem}" for problem in problems))
 
 
 def _one_line(error: Exception) -> str:

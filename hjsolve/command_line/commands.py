@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjsolve.arguments import refuse_unused
 from hjsolve.command_line import arguments_read
+from hjsolve.command_line.time_allowed import within
 from hjsolve.errors import InvalidInputError, NotSeparableError
 
 if TYPE_CHECKING:
@@ -31,6 +32,11 @@ def check_command(options: Namespace) -> int:
     Returns:
         The exit status.
     """
+    with within(options.budget):
+        return _check(options)
+
+
+def _check(options: Namespace) -> int:
     from hjsolve.reports.formats.text import wrapped
     from hjsolve.reports.sections import obstruction, system_and_verdict
     from hjsolve.reports.sections import solution as quadratures
@@ -43,7 +49,7 @@ def check_command(options: Namespace) -> int:
     except NotSeparableError as outside:  # a catalog entry that is no T and V: its reason is the answer
         print(wrapped((str(outside),)))
         return REFUSED
-    verdict = separate(system)
+    verdict = separate(system, budget=options.budget)
     evidence = system_and_verdict.evidence_section(verdict, lead=False)
     sections: list[Section | None] = [
         arguments_read.frame(options),
@@ -71,14 +77,18 @@ def solve_command(options: Namespace) -> int:
     from hjsolve.reports.sections.chart import chart_section
     from hjsolve.reports.sections.laws import laws_section
     from hjsolve.separation import Separation, separate
-    from hjsolve.solution import quadratures as solution
+    from hjsolve.solution.quadratures import solve
 
-    if (problem := arguments_read.given_hamiltonian(options)) is not None:
+    with within(options.budget):
+        problem = arguments_read.given_hamiltonian(options)
+        system = arguments_read.system(options) if problem is None else None
+        solved = solve(system, "find", budget=options.budget) if options.find and system is not None else None
+        verdict = separate(system, budget=options.budget) if solved is None and system is not None else None
+        if isinstance(verdict, Separation):
+            solved = solve(verdict)
+    if problem is not None:
         return _print_hamiltonian(problem, solved=True)
-    system = arguments_read.system(options)
-    verdict = solution.solve(system, "find").separation if options.find else separate(system)
-    if isinstance(verdict, Separation):
-        solved = solution.solve(system, "find") if options.find else solution.solve(verdict)
+    if solved is not None:
         _print(
             solved.system,
             [
@@ -89,12 +99,14 @@ def solve_command(options: Namespace) -> int:
                 laws_section(solved),
             ],
         )
-    else:
-        evidence = [
-            system_and_verdict.evidence_section(verdict, lead=False),
-            obstruction.refusal_section(verdict),
-        ]
-        _print(system, evidence, system_and_verdict.answer(verdict))
+        return ANSWER
+    assert system is not None
+    assert verdict is not None
+    evidence = [
+        system_and_verdict.evidence_section(verdict, lead=False),
+        obstruction.refusal_section(verdict),
+    ]
+    _print(system, evidence, system_and_verdict.answer(verdict))
     return _status(verdict)
 
 
@@ -197,13 +209,17 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
         told: dict[str, Any] = {"initial": initial, "motion": options.motion, "digits": options.digits, "title": title}
         return ANSWER, save_hamiltonian(arguments_read.located(options.system), target, **told)
     subject: Any = options.system
-    if options.coordinate or options.effect or options.system is None:
-        subject = arguments_read.system(options)
-    if initial is None and options.system is not None:
-        initial = arguments_read.own_motion(options)
-    if options.find:
-        subject, initial = _found(options, initial)
-    material = gather(arguments_read.located(subject), initial=initial, motion=options.motion, digits=options.digits)
+    with within(options.budget):
+        if options.coordinate or options.effect or options.system is None:
+            subject = arguments_read.system(options)
+        if initial is None and options.system is not None:
+            initial = arguments_read.own_motion(options)
+        if options.find:
+            subject, initial = _found(options, initial)
+    material = gather(
+        arguments_read.located(subject), initial=initial, motion=options.motion, digits=options.digits,
+        budget=options.budget, decision=within(options.budget),
+    )  # fmt: skip
     with ProgressBar() as progress:
         sliders = arguments_read.sliders(options)
         told = {"live": options.live, "sliders": sliders, "brief": options.brief, "title": title}
@@ -218,7 +234,7 @@ def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:
 
     system = arguments_read.system(options)
     data, _ = initial_of(catalog.entry_of(system), initial, options.motion)
-    return solve(system, "find"), data
+    return solve(system, "find", budget=options.budget), data
 
 
 def cost_command(options: Namespace) -> int:

@@ -27,6 +27,7 @@ from hjsolve.mechanics.coordinates_and_parameters import (
     read_coordinates,
     read_functions,
     read_parameters,
+    refuse_hidden,
     replaced,
     unknown_names,
 )
@@ -120,6 +121,8 @@ class System(Shown):
             raise InvalidSystemError(
                 "constraints: they are not eliminated; choose coordinates in which they hold, and write T and V in them"
             )
+        for name, text in (("title", title), ("id", id)):
+            refuse_hidden(text, name)
         numbers, quantities = without_quantities({} if parameters is None else parameters)
         constants = read_parameters(numbers)
         places = read_coordinates(coordinates, constants)

@@ -11,6 +11,7 @@ from typing import Any
 from hjsolve import catalog
 from hjsolve.arguments import refuse_unused
 from hjsolve.display.progress import Progress
+from hjsolve.display.visible_text import visible
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.motion.motion import Motion
@@ -275,7 +276,7 @@ def write_document(
         InvalidInputError: the file cannot be written, or no browser prints the PDF.
     """
     text = _WRITERS[target.suffix.lower()](replace(content, title=title or content.title))
-    text = text if completed is None else completed(text)
+    text = visible(text if completed is None else completed(text))
     made = pdf.printed(text, target) if target.suffix.lower() == ".pdf" else text
     with readable_errors(target):
         files.replace(target, made)

@@ -18,6 +18,7 @@ from hjsolve.catalog import toml_file
 from hjsolve.catalog.effects import forces, with_effects
 from hjsolve.catalog.schema import nearest
 from hjsolve.catalog.toml_file import Toml
+from hjsolve.display.first_lines import few_lines
 from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System
@@ -76,7 +77,7 @@ class Scene(Question):
         table, source, folder = _opened(scene)
         problems = list(scene_faults(table))
         if problems:
-            raise CatalogError("\n".join(f"{source}: {problem}" for problem in problems))
+            raise CatalogError(few_lines(f"{source}: {problem}" for problem in problems))
         try:
             return _built(table, source, folder)
         except InvalidInputError as error:
@@ -140,7 +141,7 @@ def _built(table: Toml, source: str, folder: Path) -> Scene:
     )  # fmt: skip
     problems = list(_disagreements(result))
     if problems:
-        raise CatalogError("\n".join(f"{source}: {problem}" for problem in problems))
+        raise CatalogError(few_lines(f"{source}: {problem}" for problem in problems))
     return result
 
 

@@ -10,6 +10,7 @@ from hjsolve import arguments
 from hjsolve.catalog import schema, toml_file
 from hjsolve.catalog.schema import Key
 from hjsolve.catalog.toml_file import Toml
+from hjsolve.display.first_lines import MOST
 from hjsolve.errors import CatalogError
 from hjsolve.motion.velocity_frame import COORDINATE, ORTHONORMAL
 from hjsolve.scenes.initial_grid import sweep_faults
@@ -76,9 +77,9 @@ def scene_faults(table: Toml) -> Iterator[str]:
     if "times" in table:
         yield from _time_faults(table["times"])
     if isinstance(want := table.get("want"), list):
-        for word in want:
-            if isinstance(word, str) and word not in WANTED:
-                yield f'want: "{word}" is not known{schema.nearest(word, WANTED)}'
+        others = [word for word in want if isinstance(word, str) and word not in WANTED]
+        for count, word in enumerate(others):
+            yield f'want: "{word}" is not known{schema.nearest(word, WANTED) if count < MOST else ""}'
     accuracy = table.get("accuracy")
     digits = accuracy.get("digits") if isinstance(accuracy, Mapping) else None
     if isinstance(accuracy, Mapping) and ("digits" in accuracy) == ("seconds" in accuracy):
