@@ -82,7 +82,14 @@ class ExplorerPage:
             with ui.element("section").props('aria-label="What follows" aria-live="polite"'):
                 self._build_answers()
         self._write(question)
-        self.desk.put(question)
+        self._begun = False
+        self.client.on_connect(self._begin)
+
+    def _begin(self) -> None:
+        """Ask the first question once the socket is there; a page that nobody looks at computes nothing."""
+        if not self._begun:
+            self._begun = True
+            self.desk.put(self.question)
 
     # --------------------------------------------------------------------------------------- fields
     def _build_fields(self) -> None:
