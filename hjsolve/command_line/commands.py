@@ -102,6 +102,7 @@ def solve_command(options: Namespace) -> int:
         return ANSWER
     assert system is not None
     assert verdict is not None
+    assert not isinstance(verdict, Separation)
     evidence = [
         system_and_verdict.evidence_section(verdict, lead=False),
         obstruction.refusal_section(verdict),

@@ -14,9 +14,9 @@ Decide whether a mechanical system separates in its coordinates, solve it by qua
 
 _SYSTEMS = """\
 SYSTEM is an entry of the catalog (see `hjsolve catalog`), or the path of a .toml file of the same
-format or of a scene. Without SYSTEM, write the kinetic and potential energy on the command line. In formulas,
-dot(q), q' or qdot is the velocity of q and ** or ^ is a power; the usual functions and pi are known; every other
-name must be a coordinate or a parameter."""
+format or of a scene. Without SYSTEM, write the kinetic and potential energy on the command line. In
+formulas, dot(q), q' or qdot is the velocity of q and ** or ^ is a power; the usual functions and pi
+are known; every other name must be a coordinate or a parameter."""
 
 _STATUS = """\
 exit status:
