@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
+import numpy as np
+
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
@@ -117,6 +119,19 @@ class State(ByValue, Shown):
         value = self.q[name]
         pi = value.context.pi if hasattr(value, "context") else _pi_of(value)
         return value + 2 * pi * self.turns[name]
+
+
+    def as_array(self, *, unwrapped: bool = False) -> Any:
+        """Return the state as integrators take it, [q…, p…] in the order of the coordinates.
+
+        Args:
+            unwrapped: whether angles are counted on over their whole turns, without jumps by 2π.
+
+        Returns:
+            An array of shape (2n,) for one time, (…, 2n) for an array of times; of doubles, or of mpf beyond 15 digits.
+        """
+        places = [self.unwrapped(name) if unwrapped else self.q[name] for name in self.q]
+        return np.stack([np.asarray(x) for x in (*places, *self.p.values())], axis=-1)
 
 
 def _pi_of(value: Any) -> float | Mpf:

@@ -90,7 +90,6 @@ FAULTS = {
                                   '[{name = "x", domain = "line"}, {name = "x", domain = "line"}]', "declared twice"),
     "a verdict nobody knows": ('verdict = "liouville"', 'verdict = "Liouville"', 'did you mean "liouville"?'),
     "a refusal without words": ('verdict = "liouville"', 'verdict = "refused"', "reason, instead"),
-    "an id that is not the name of the file": ('id = "spring"', 'id = "Spring"', "must be the name of the file"),
     "not TOML": ("title =", "title", "not TOML"),
     "an integer of thousands of digits": ('value = "2"', f"value = {'9' * 5000}", "an integer of thousands of digits"),
     "a value of more than a thousand digits": ('value = "2"', f'value = "{"9" * 1001}"', "at most 1000 are accepted"),
