@@ -75,6 +75,21 @@ def refuse_other(value: object, kinds: type | tuple[type, ...], source: str, nee
         raise InvalidInputError(f"{source}: {needed}, not {described(value)}")
 
 
+def refuse_unused(given: Mapping[str, bool], reason: str) -> None:
+    """Raise for what was given and would not be used.
+
+    Args:
+        given: name of an argument or option → whether it was given.
+        reason: why it is not used, for the message.
+
+    Raises:
+        InvalidInputError: one was given.
+    """
+    for name, is_given in given.items():
+        if is_given:
+            raise InvalidInputError(f"{name}: is not used, because {reason}; leave it out")
+
+
 def table(value: object, source: str, example: str = '{"r": 1}') -> Mapping[str, Any]:
     """A table name → value, None counting as empty; Greek letters in names are spelled.
 
@@ -194,5 +209,6 @@ def described(value: object) -> str:
 
 
 __all__ = [
-    "MOST_DIGITS", "ascii_name", "by_name", "described", "digits", "refuse_other", "seconds", "table", "whole", "words",
+    "MOST_DIGITS", "ascii_name", "by_name", "described", "digits", "refuse_other", "refuse_unused", "seconds", "table",
+    "whole", "words",
 ]  # fmt: skip

@@ -59,10 +59,11 @@ class NotSeparableError(HJSolveError, ArithmeticError):
     """A solution was asked of a system that does not separate in its coordinates.
 
     Attributes:
-        verdict: the ``Obstruction`` or ``Undecided`` that says why.
+        verdict: the ``Obstruction`` or ``Undecided`` that says why. It has a default because pickle makes an error from
+            its message alone and sets the attributes afterwards.
     """
 
-    def __init__(self, message: str, verdict: object):
+    def __init__(self, message: str, verdict: object = None):
         super().__init__(message)
         self.verdict = verdict
 

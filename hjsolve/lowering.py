@@ -9,6 +9,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.tape import UNARY, Operation, Tape
 from hjsolve.errors import InvalidInputError
+from hjsolve.precision import one_at_a_time
 
 _FUNCTIONS = {
     getattr(sp, name.capitalize() if name == "abs" else name): name for name in UNARY if name not in {"neg", "sqrt"}
@@ -19,6 +20,7 @@ _OF_A_DOUBLE = 1000
 """Binary digits of a numerator or denominator that is a double; longer ones are not taken apart."""
 
 
+@one_at_a_time
 def lower(expressions: Sequence[sp.Expr], arguments: Sequence[sp.Symbol]) -> Tape:
     """Compile formulas to one tape, common parts computed once.
 

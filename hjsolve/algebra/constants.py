@@ -21,10 +21,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-import mpmath
 import sympy as sp
 
 from hjsolve.algebra.intervals import NoEnclosureError, enclose
+from hjsolve.precision import mp
 
 MAX_DEGREE, MAX_BITS = 4096, 40_000
 MAX_MULTIPLE = 240
@@ -141,7 +141,7 @@ def algebraic_is_zero(x: sp.Expr) -> bool:
         lower, upper = enclose(x, {}, precision)
         if lower > 0 or upper < 0:
             return False
-        if max(-lower, upper) < mpmath.ldexp(1, -needed):
+        if max(-lower, upper) < mp.ldexp(1, -needed):
             return True
         precision *= 2
         if precision > 8 * needed + 4096:

@@ -13,6 +13,8 @@ import mpmath
 import sympy as sp
 from mpmath import libmp
 
+from hjsolve.precision import mp
+
 Interval = tuple[Any, Any]
 
 
@@ -54,7 +56,7 @@ def finite(compute: Callable[[], Interval]) -> tuple[mpmath.mpf, mpmath.mpf]:
         raise NoEnclosureError(str(fault)) from fault
     if not all(end[1] or end == libmp.fzero for end in (low, high)):
         raise NoEnclosureError("the enclosure is not finite")
-    return mpmath.mp.make_mpf(low), mpmath.mp.make_mpf(high)
+    return mp.make_mpf(low), mp.make_mpf(high)
 
 
 class Walk:

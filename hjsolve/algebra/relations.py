@@ -26,6 +26,7 @@ from hjsolve.algebra.reading import FieldReader
 from hjsolve.algebra.several_variables import constant_zero
 from hjsolve.algebra.shared_parts import common_parts
 from hjsolve.algebra.signs import Bounds
+from hjsolve.precision import NAMES, mp
 
 DIGITS, MAX_DENOMINATOR, MAX_BASIS, MAX_NEIGHBOURS = 60, 720, 20, 5
 MAX_OPERATIONS, MAX_NUMBER, MAX_VARIABLES = 60, 10**9, 3
@@ -175,18 +176,18 @@ def _combination(
     g: sp.Expr, basis: Sequence[_Term], symbols: Sequence[sp.Symbol], places: Sequence[Place]
 ) -> list[sp.Rational] | None:
     """Rational coefficients with which the basis gives g at all places, to 40 digits."""
-    with mpmath.workdps(DIGITS):
+    with mp.workdps(DIGITS):
         if not symbols:
             return _integer_relation(g, basis)
         named, left = common_parts([*(t.expression for t in basis), g])
-        f = sp.lambdify(symbols, left, "mpmath", cse=lambda _: (named, left))
+        f = sp.lambdify(symbols, left, NAMES, cse=lambda _: (named, left))
         rows = []
         for place in places:
             try:
-                row = f(*(mpmath.mpf(int(place[s].p)) / int(place[s].q) for s in symbols))
+                row = f(*(mp.mpf(int(place[s].p)) / int(place[s].q) for s in symbols))
             except (ZeroDivisionError, ValueError, OverflowError, TypeError):
                 continue
-            if all(not isinstance(v, mpmath.mpc) and mpmath.isfinite(v) for v in row):
+            if all(not isinstance(v, mp.mpc) and mp.isfinite(v) for v in row):
                 rows.append(row)
             if len(rows) == len(basis) + CHECKS:
                 break
@@ -196,30 +197,31 @@ def _combination(
 
 
 def _solved(rows: Sequence[Sequence[mpmath.mpf]], n: int) -> list[sp.Rational] | None:
-    matrix = mpmath.matrix([[mpmath.mpf(v) for v in row[:n]] for row in rows[:n]])
-    right = mpmath.matrix([mpmath.mpf(row[n]) for row in rows[:n]])
+    matrix = mp.matrix([[mp.mpf(v) for v in row[:n]] for row in rows[:n]])
+    right = mp.matrix([mp.mpf(row[n]) for row in rows[:n]])
     try:
-        solution = mpmath.lu_solve(matrix, right)
+        solution = mp.lu_solve(matrix, right)
     except (ZeroDivisionError, TypeError):
         return None
     found = []
     for v in solution:
-        near = Fraction(int(mpmath.nint(v * 2**200)), 2**200).limit_denominator(MAX_DENOMINATOR)
-        if abs(v - mpmath.mpf(near.numerator) / near.denominator) > mpmath.mpf(10) ** -15:
+        near = Fraction(int(mp.nint(v * 2**200)), 2**200).limit_denominator(MAX_DENOMINATOR)
+        if abs(v - mp.mpf(near.numerator) / near.denominator) > mp.mpf(10) ** -15:
             return None
         found.append(near)
     for row in rows:
-        value = mpmath.fsum(mpmath.mpf(c.numerator) / c.denominator * v for c, v in zip(found, row))
-        if abs(value - row[n]) > mpmath.mpf(10) ** -40 * (1 + abs(row[n])):
+        value = mp.fsum(mp.mpf(c.numerator) / c.denominator * v for c, v in zip(found, row))
+        if abs(value - row[n]) > mp.mpf(10) ** -40 * (1 + abs(row[n])):
             return None
     return [sp.Rational(c.numerator, c.denominator) for c in found]
 
 
 def _integer_relation(g: sp.Expr, basis: Sequence[_Term]) -> list[sp.Rational] | None:
-    values = [v._to_mpmath(250) for v in (sp.N(x, DIGITS + 15) for x in (g, *(t.expression for t in basis)))]
-    if not all(isinstance(v, mpmath.mpf) and v for v in values):
+    numbers = (sp.N(x, DIGITS + 15) for x in (g, *(t.expression for t in basis)))
+    values = [mp.convert(v._to_mpmath(250)) for v in numbers]
+    if not all(isinstance(v, mp.mpf) and v for v in values):
         return None
-    relation = mpmath.pslq(values, maxcoeff=MAX_COEFFICIENT, maxsteps=MAX_STEPS)
+    relation = mp.pslq(values, maxcoeff=MAX_COEFFICIENT, maxsteps=MAX_STEPS)
     if relation is None or not relation[0]:
         return None
     return [sp.Rational(-c, relation[0]) for c in relation[1:]]

@@ -7,8 +7,8 @@ Turning points are proved in ``certified.ball_radicand`` and ``certified.proved_
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
@@ -16,6 +16,7 @@ from hjsolve.arithmetic.floats import ByOperators
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import MissingExtraError
+from hjsolve.precision import shared_libraries
 
 try:
     import flint as flint
@@ -71,13 +72,15 @@ def require_flint() -> None:
         )
 
 
-def working(bits: int) -> AbstractContextManager[object]:
-    """Set Arb's precision for a while.
+@contextmanager
+def working(bits: int) -> Iterator[None]:
+    """Set Arb's precision for a block, which one thread at a time enters: python-flint has one precision per process.
 
     Args:
         bits: binary digits.
     """
-    return flint.ctx.workprec(bits)
+    with shared_libraries, flint.ctx.workprec(bits):
+        yield
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,9 @@ from hjsolve.catalog.toml_file import Toml
 from hjsolve.errors import ExpressionError
 from hjsolve.formulas.read import number
 
-_OF_ENERGIES = ("kinetic", "potential", "effects", "relativity", "signature", "frame")
+_OF_ENERGIES = (
+    "kinetic", "potential", "effects", "relativity", "signature", "frame", "functions", "place", "units",
+)  # fmt: skip
 
 
 def motion_faults(where: str, data: Toml, names: list[str], declared: list[str]) -> Iterator[str]:

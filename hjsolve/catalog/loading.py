@@ -14,6 +14,7 @@ from pathlib import Path
 
 from hjsolve.catalog import outside as refusals
 from hjsolve.catalog import schema, toml_file
+from hjsolve.catalog.constraints import constraint_faults
 from hjsolve.catalog.cross_checks import form_faults, motion_faults, reference_faults
 from hjsolve.catalog.effects import forces, with_effects
 from hjsolve.catalog.entry import Effect as Effect
@@ -21,10 +22,12 @@ from hjsolve.catalog.entry import Entry as Entry
 from hjsolve.catalog.entry import InitialData as InitialData
 from hjsolve.catalog.entry import Reference as Reference
 from hjsolve.catalog.toml_file import Toml, TomlTable
+from hjsolve.display.first_lines import few_lines
 from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, LinearHamiltonian, from_hamiltonian
 from hjsolve.formulas.tokens import printable
 from hjsolve.mechanics.system import Parameter, System, parameter
+from hjsolve.precision import one_at_a_time
 
 _FOLDERS = {"separable": "systems", "extended": "extended", "refused": "refused", "outside": "outside"}
 _ENTRY = schema.ENTRY | refusals.KEYS
@@ -64,6 +67,7 @@ def kind_of(entry: str) -> str:
     return next(kind for kind in _FOLDERS if entry in ids(kind))
 
 
+@one_at_a_time
 def load(entry: str | Path, *, effects: Iterable[str] = ()) -> System:
     """Give the system of a catalog entry or of a TOML file, with some of its effects switched on.
 
@@ -263,8 +267,13 @@ def _toml_files(kind: str) -> list[Traversable]:
     return [f for f in place.iterdir() if f.name.endswith(".toml")] if place.is_dir() else []
 
 
+def _is_file(entry: str | Path) -> bool:
+    """Whether it is a file of the user's, and not the id of an entry of the catalog, whose file has its name."""
+    return isinstance(entry, Path) or str(entry).endswith(".toml")
+
+
 def _locate(entry: str | Path) -> tuple[Traversable, str]:
-    if isinstance(entry, Path) or str(entry).endswith(".toml"):
+    if _is_file(entry):
         return Path(entry), str(entry)
     for file in (file for kind in _FOLDERS for file in _toml_files(kind)):
         if file.name == f"{entry}.toml":
@@ -297,8 +306,9 @@ def _checked(entry: str | Path) -> tuple[TomlTable, str]:
     if "refused_because" in table and "kinetic" not in table:
         keys = schema.optional(_ENTRY, "kinetic", "coordinates")
     problems = list(schema.faults(table, keys)) or [*refusals.outside_faults(table), *form_faults(table)]
-    if not problems and table["id"] != file.name.removesuffix(".toml"):
+    if not problems and not _is_file(entry) and table["id"] != file.name.removesuffix(".toml"):
         problems.append(f'id: "{table["id"]}" must be the name of the file, "{file.name.removesuffix(".toml")}"')
+    problems = problems or list(constraint_faults(table))
     if problems:
         raise _refused(source, problems)
     return table, source
@@ -358,7 +368,7 @@ def _effect_faults(table: Toml, name: str) -> Iterator[str]:
 
 
 def _refused(source: str, problems: list[str]) -> CatalogError:
-    return CatalogError("\n".join(f"{source}: {problem}" for problem in problems))
+    return CatalogError(few_lines(f"{source}: {problem}" for problem in problems))
 
 
 def _one_line(error: Exception) -> str:

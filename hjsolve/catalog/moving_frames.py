@@ -16,8 +16,10 @@ from hjsolve.extended.change_of_frame import verified as verified
 from hjsolve.extended.moving_frame import Frame as Frame
 from hjsolve.formulas.read import parse
 from hjsolve.mechanics.system import Parameter, System
+from hjsolve.precision import one_at_a_time
 
 
+@one_at_a_time
 def load(entry: str | Path) -> Frame:
     """Read and verify the frame of a catalog entry: the table ``[frame]`` beside the autonomous system.
 

@@ -141,7 +141,13 @@ def outside_faults(table: Toml) -> Iterator[str]:
         if because == "nonholonomic" and constraint.get("integral"):
             yield f"constraint[{place}].integral: an integrable constraint is no reason to refuse; integrate it"
         if "kinetic" in table and not constraint.get("integral"):
-            yield f"constraint[{place}].integral: missing; only an integrable constraint can be eliminated"
+            yield f"constraint[{place}].integral: missing; T and V obey integrable constraints only"
+        if "hamiltonian" in table:
+            yield f"constraint[{place}]: belongs to T and V; this entry gives H(q, p)"
+    if "kinetic" in table and because and because not in _FOUND_BY_US:
+        yield f'kinetic: T and V do not hold what is "{because}"; leave kinetic out, or refused_because'
+    if "kinetic" in table and table.get("refused_because", {}).get("forces"):
+        yield "refused_because.forces: T and V do not hold them; write an effect with the force, for scenes"
 
 
 __all__ = ["KEYS", "REFUSALS", "Constraint", "Refusal", "Stated", "constraints", "outside_faults", "refusal", "stated"]

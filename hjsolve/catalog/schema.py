@@ -7,10 +7,14 @@ from __future__ import annotations
 
 import difflib
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from typing import Any
+
+from hjsolve.display.first_lines import MOST
+from hjsolve.display.visible_text import hidden_character
 
 VERDICTS = ("liouville", "staeckel", "reduced", "linear", "refused")
 PARTS = ("metric", "potential", "gyroscopic")
@@ -125,12 +129,14 @@ def faults(table: object, keys: Mapping[str, Key], where: str = "") -> Iterator[
     if not isinstance(table, Mapping):
         yield f"{where or 'the file'}: must be a table, not {_shown(table)}"
         return
-    prefix = f"{where}." if where else ""
+    prefix, others = f"{where}." if where else "", 0
     for name, value in table.items():
         if name in keys:
             yield from _value_faults(value, keys[name], f"{prefix}{name}")
         else:
-            yield f"{prefix}{name}: unknown key{nearest(str(name), keys)}"
+            others += 1
+            hint = nearest(str(name), keys) if others <= MOST else ""  # more are not shown
+            yield f"{prefix}{name}: unknown key{hint}"
     for name, key in keys.items():
         if key.required and name not in table:
             yield f"{prefix}{name}: missing; it must be {_WORDS[key.type]}"
@@ -139,6 +145,8 @@ def faults(table: object, keys: Mapping[str, Key], where: str = "") -> Iterator[
 def _value_faults(value: object, key: Key, where: str) -> Iterator[str]:
     if not _fits(value, key.type):
         yield f"{where}: must be {_WORDS[key.type]}, not {_shown(value)}"
+    elif hidden := _hidden(value):
+        yield f"{where}: the character {hidden} in it is not shown as it stands; leave it out"
     elif key.choices and value not in key.choices:
         yield f'{where}: "{value}" is not known{nearest(str(value), key.choices)}'
     elif key.type == "table":
@@ -149,6 +157,16 @@ def _value_faults(value: object, key: Key, where: str) -> Iterator[str]:
     elif key.type == "named" and isinstance(value, Mapping):
         for name, item in value.items():
             yield from faults(item, key.keys, f"{where}.{name}")
+
+
+def _hidden(value: object) -> str:
+    """The first control or bidirectional character of a text, or of a list, table or matrix of texts."""
+    if isinstance(value, str):
+        return hidden_character(value)
+    if isinstance(value, Mapping):
+        found = (_hidden(part) for pair in value.items() for part in pair if not isinstance(part, Mapping))
+        return next(filter(None, found), "")
+    return next(filter(None, map(_hidden, value)), "") if isinstance(value, list) else ""
 
 
 def _fits(value: object, kind: str) -> bool:
@@ -191,7 +209,9 @@ def unknown(given: Iterable[str], known: Iterable[str], where: str, what: str) -
         what: what the words name, for the message.
     """
     words = list(known)
-    yield from (f'{where}: no {what} "{word}"{nearest(word, words)}' for word in given if word not in words)
+    others = (word for word in given if word not in words)
+    for count, word in enumerate(others):
+        yield f'{where}: no {what} "{word}"{nearest(word, words) if count < MOST else ""}'
 
 
 def repeated(tables: list[Mapping[str, Any]], where: str) -> Iterator[str]:
@@ -201,5 +221,5 @@ def repeated(tables: list[Mapping[str, Any]], where: str) -> Iterator[str]:
         tables: each with a ``name``.
         where: place in the file, for the message.
     """
-    names = [table["name"] for table in tables]
-    yield from (f'{where}: "{name}" is declared twice' for name in dict.fromkeys(names) if names.count(name) > 1)
+    counts = Counter(table["name"] for table in tables)
+    yield from (f'{where}: "{name}" is declared twice' for name, count in counts.items() if count > 1)

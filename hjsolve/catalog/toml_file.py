@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping
 from decimal import Decimal
@@ -14,6 +15,9 @@ from hjsolve.regular_files import bytes_of
 
 LONGEST = 1_000_000
 """Bytes of a file: far more than any entry or scene has."""
+_MOST_PARTS = 50
+_DEEP_KEY = re.compile(rf"(?<![\w\"'.-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){{{_MOST_PARTS}}}")
+"""Parts of a dotted key or header; tomllib needs a time that grows with their square."""
 TomlTable: TypeAlias = dict[str, Any]
 """A table of a TOML file: texts, whole numbers, ``Decimal``, truth values, lists, tables; ``schema`` checks them."""
 Toml: TypeAlias = Mapping[str, Any]
@@ -32,7 +36,10 @@ def exact_table(file: Traversable, source: str) -> TomlTable:
     """
     try:
         data = bytes_of(file, LONGEST, shown=source) if isinstance(file, Path) else file.read_bytes()
-        return tomllib.loads(data.decode("utf-8"), parse_float=Decimal)
+        text = data.decode("utf-8")
+        if _DEEP_KEY.search(text):
+            raise InvalidInputError(f"{source}: holds a key of {_MOST_PARTS} parts or more")
+        return tomllib.loads(text, parse_float=Decimal)
     except InvalidInputError as error:
         raise CatalogError(f"{error}; an entry or a scene is a few pages of text") from error
     except OSError as error:

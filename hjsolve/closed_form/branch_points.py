@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve, named_constants
@@ -12,6 +11,7 @@ from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.regions import RootInterval, ordered_real_roots
 from hjsolve.closed_form.signs import Signs
 from hjsolve.closed_form.tidy import shortened_powers
+from hjsolve.precision import mp
 
 LONGEST_ROOT = 24
 """Operations above which a root in radicals gets a name."""
@@ -61,12 +61,12 @@ def named_roots(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix
             real, pairs = (), _two_pairs(P, signs, prefix, where)
     else:
         found, pairs = radicals
-        real = tuple(sorted(found, key=lambda e: mpmath.mpf(signs.number(e))))
+        real = tuple(sorted(found, key=lambda e: mp.mpf(signs.number(e))))
         if max((sp.count_ops(r) for r in real), default=0) > LONGEST_ROOT:
             real, where = _by_names(real, signs, prefix)
     if len(real) != len(region.roots) or len(real) + 2 * len(pairs) != P.degree():
         raise NoFormError(f"the roots of {P.as_expr()} in {x} could not be told apart")
-    with mpmath.workdps(30):
+    with mp.workdps(30):
         below = [k for k, r in enumerate(region.roots) if r < region.place]
         above = [k for k, r in enumerate(region.roots) if r > region.place]
     return NamedRoots(P.LC(), real, pairs, where, (below[-1] if below else None, above[0] if above else None))

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.branch_points import NamedRoots
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.signs import Signs
-from hjsolve.closed_form.tidy import multiplied_out
 from hjsolve.functions import elliptic
+from hjsolve.precision import mp
 
 
 @dataclass(frozen=True)
@@ -97,8 +96,8 @@ def pairs_map(roots: NamedRoots, signs: Signs, prefix: str, begin: sp.Expr) -> P
         farther = 0 if β1 > β2 else 1
     else:
         total = (α1**2 + β1**2 - α2**2 - β2**2) / (α1 - α2)
-        gap = mpmath.sqrt(total**2 / 4 - total * α1 + α1**2 + β1**2)
-        sizes = [abs((mpmath.mpc(α, β) - total / 2 - gap) / (mpmath.mpc(α, β) - total / 2 + gap)) for α, β in
+        gap = mp.sqrt(total**2 / 4 - total * α1 + α1**2 + β1**2)
+        sizes = [abs((mp.mpc(α, β) - total / 2 - gap) / (mp.mpc(α, β) - total / 2 + gap)) for α, β in
                  ((α1, β1), (α2, β2))]  # fmt: skip
         farther = 0 if sizes[0] > sizes[1] else 1
     return PairsMap(named, begin, farther)
@@ -121,28 +120,5 @@ def carlson_integral(R: elliptic.PartialFractions, way: CarlsonMap, x: sp.Expr |
         if x is None:
             return elliptic.complete(R, way.points, way.roots.interval)
         return way.direction * elliptic.incomplete(R, way.points, way.roots.interval, x, way.start)
-    except elliptic.NoForm as error:
-        raise NoFormError(str(error)) from error
-
-
-def carlson_inverse(way: CarlsonMap, value: sp.Expr, begin: sp.Expr) -> sp.Expr:
-    """The x at which ∫ dx/√P from a place has a value.
-
-    Args:
-        way: the interval.
-        value: of the integral.
-        begin: the place, an x.
-
-    Raises:
-        NoFormError: P has no real root to begin at.
-    """
-    if isinstance(way, PairsMap):
-        return elliptic.inverse_between(way.points, begin, multiplied_out(value), farther=way.farther)
-    first = elliptic.PartialFractions(((0, sp.S.One),))
-    try:
-        passed = elliptic.incomplete(first, way.points, way.roots.interval, begin, way.start)
-        return elliptic.inverse(
-            way.points, way.roots.interval, passed + way.direction * multiplied_out(value), way.start
-        )
     except elliptic.NoForm as error:
         raise NoFormError(str(error)) from error

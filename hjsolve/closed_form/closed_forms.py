@@ -15,6 +15,7 @@ from hjsolve.closed_form.workshop import Workshop, workshop_of
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
+from hjsolve.precision import one_at_a_time
 from hjsolve.separation import Separation
 from hjsolve.solution.quadratures import Solution, solve
 
@@ -22,6 +23,7 @@ SECONDS = 20.0
 _FEWEST, _MOST_DIGITS = 15, 200
 
 
+@one_at_a_time
 def closed_forms(
     subject: Solution | Motion | System | Separation | str | Path, *, digits: int = DIGITS, seconds: float = SECONDS
 ) -> tuple[RegimeForms, ...]:  # fmt: skip

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.assemble import assembled
@@ -20,6 +19,7 @@ from hjsolve.closed_form.strata import deciders, fixed_constant, special_strata
 from hjsolve.closed_form.time_limit import OutOfTimeError, out_of_time
 from hjsolve.closed_form.verification import flaws
 from hjsolve.closed_form.workshop import Stratum, Workshop
+from hjsolve.precision import mp
 
 MOST_REGIMES = 16
 _SAMPLES, _SPECIAL_SAMPLES, _SEED = 100, 30, 1
@@ -63,7 +63,7 @@ def _ordered(found: list[RegimeForms]) -> tuple[RegimeForms, ...]:
 
 def _by_chance(special_values: Sequence[sp.Expr], sample: Sample) -> bool:
     """Whether random constants happen to be special ones, whose forms are not those of general constants."""
-    at = Signs(sample.values, mpmath.mpf(0))
+    at = Signs(sample.values, mp.mpf(0))
     return any(sign_of_many_digits(at.number(value)) == 0 for value in special_values)
 
 
@@ -153,7 +153,7 @@ def moved_to(known: CoordinateIntegrals, sample: Sample) -> CoordinateIntegrals:
 
 
 def _same_piece(known: CoordinateIntegrals, sample: Sample) -> bool:
-    at = Signs(sample.values, mpmath.mpf(0))
+    at = Signs(sample.values, mp.mpf(0))
     if any(sign_of_many_digits(at.number(expression)) != sign for expression, sign in known.conditions.items()):
         return False
     for curve, region in known.regions:

@@ -13,8 +13,9 @@ from functools import lru_cache
 import mpmath
 import sympy as sp
 
-from hjsolve.functions import modules
 from hjsolve.functions.printing import Printable
+from hjsolve.functions.tables import own_modules
+from hjsolve.precision import mp
 
 GUARD = 20
 """Digits beyond those asked of a constant."""
@@ -47,7 +48,7 @@ class Evaluator:
         Args:
             numbers: symbol → number, of every symbol.
         """
-        return self.along(numbers, None)(mpmath.mpf(0))
+        return self.along(numbers, None)(mp.mpf(0))
 
     def along(
         self, numbers: Mapping[sp.Symbol, mpmath.mpf], free: sp.Symbol | None
@@ -58,14 +59,14 @@ class Evaluator:
             numbers: symbol → number, of the other symbols.
             free: the symbol that varies; None for none.
         """
-        slots: list[mpmath.mpf] = [mpmath.nan] * len(self.lines)
+        slots: list[mpmath.mpf] = [mp.nan] * len(self.lines)
         varying, moving = set[int](), list[tuple[int, Rule, tuple[int, ...]]]()
         for place, (rule, operands) in enumerate(self.lines):
             if (symbol := self.symbols.get(place)) is not None:
                 if symbol == free:
                     varying.add(place)
                 else:
-                    slots[place] = mpmath.mpmathify(numbers[symbol])
+                    slots[place] = mp.mpmathify(numbers[symbol])
             elif varying.isdisjoint(operands):
                 slots[place] = _applied(rule, [slots[k] for k in operands])
             else:
@@ -108,13 +109,13 @@ class Evaluator:
 
     def _power(self, base: sp.Expr, exponent: sp.Expr, line: Callable[[sp.Expr], int]) -> int:
         if base is sp.E:
-            return self._emit(mpmath.exp, line(exponent))
+            return self._emit(mp.exp, line(exponent))
         if exponent.is_Integer:
             return self._emit(_integer_power(int(exponent)), line(base))
         if exponent.is_Rational and exponent.q == 2:
-            root = self._emit(mpmath.sqrt, line(base))
+            root = self._emit(mp.sqrt, line(base))
             return root if exponent.p == 1 else self._emit(_integer_power(int(exponent.p)), root)
-        return self._emit(mpmath.power, line(base), line(exponent))
+        return self._emit(mp.power, line(base), line(exponent))
 
     def _partial_line(self, e: sp.Expr, k: int) -> int:
         """∂e/∂(argument k), of Carlson's functions by a rule in names: sympy would order their long arguments."""
@@ -185,7 +186,7 @@ def many_digits(values: Mapping[sp.Symbol, sp.Expr], digits: int) -> dict[sp.Sym
         values: symbol → sympy number.
         digits: of each.
     """
-    with mpmath.workdps(digits + GUARD):
+    with mp.workdps(digits + GUARD):
         return {symbol: _constant(value)() for symbol, value in values.items()}
 
 
@@ -204,16 +205,16 @@ def _slopes_in_names(
 
 
 def _applied(rule: Rule, operands: list[mpmath.mpf]) -> mpmath.mpf:
-    if any(isinstance(x, mpmath.mpc) and not mpmath.isfinite(x) for x in operands):
-        return mpmath.nan  # of which mpmath's arc functions raise a TypeError
+    if any(isinstance(x, mp.mpc) and not mp.isfinite(x) for x in operands):
+        return mp.nan  # of which mpmath's arc functions raise a TypeError
     try:
         return rule(*operands)
     except (ZeroDivisionError, ValueError):
-        return mpmath.nan
+        return mp.nan
 
 
 def _nothing() -> mpmath.mpf:
-    return mpmath.nan
+    return mp.nan
 
 
 def _sum(*terms: mpmath.mpf) -> mpmath.mpf:
@@ -242,39 +243,32 @@ def _constant(e: sp.Expr) -> Rule:
     """A constant in the precision that is asked then."""
     if e.is_Rational:
         part = Fraction(int(e.p), int(e.q))
-        return lambda: mpmath.mpf(part.numerator) / part.denominator
+        return lambda: mp.mpf(part.numerator) / part.denominator
     if e.is_Float:
-        return lambda: mpmath.mp.make_mpf(e._mpf_)
+        return lambda: mp.make_mpf(e._mpf_)
     if e in (sp.oo, -sp.oo, sp.zoo, sp.nan):
-        return lambda: mpmath.inf if e is sp.oo else -mpmath.inf if e is -sp.oo else mpmath.nan
-    return lambda: mpmath.mpmathify(sp.N(e, mpmath.mp.dps + 5))
+        return lambda: mp.inf if e is sp.oo else -mp.inf if e is -sp.oo else mp.nan
+    return lambda: mp.mpmathify(sp.N(e, mp.dps + 5))
 
 
 @lru_cache(maxsize=256)
 def _function(function: type[sp.Function]) -> Rule:
     """The function of mpmath's numbers."""
-    table, _ = modules("mpmath")
+    table, _ = own_modules()
     assert isinstance(table, dict)
     name = function.__name__
     if name == "elliptic_pi":
         return _third_kind
     if name in table:
         return table[name]
-    if name in _SAME:
-        return getattr(mpmath, name)
     arguments = sp.symbols(f"a:{1 if not function.nargs else max(function.nargs)}")
-    return sp.lambdify(arguments, function(*arguments), modules=modules("mpmath"))
+    return sp.lambdify(arguments, function(*arguments), modules=own_modules())
 
 
 def _third_kind(n: mpmath.mpf, *rest: mpmath.mpf) -> mpmath.mpf:
     """Π(n; φ|m) or Π(n|m); nan beyond the pole and of complex arguments, where mpmath integrates numerically."""
-    if any(isinstance(x, mpmath.mpc) for x in (n, *rest)):
-        return mpmath.nan
-    sine = mpmath.sin(rest[0]) if len(rest) == 2 else mpmath.mpf(1)
-    return mpmath.ellippi(n, *rest) if n * sine**2 < 1 else mpmath.nan
+    if any(isinstance(x, mp.mpc) for x in (n, *rest)):
+        return mp.nan
+    sine = mp.sin(rest[0]) if len(rest) == 2 else mp.mpf(1)
+    return mp.ellippi(n, *rest) if n * sine**2 < 1 else mp.nan
 
-
-_SAME = (
-    "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh", "acosh",
-    "atanh", "sign",
-)  # fmt: skip

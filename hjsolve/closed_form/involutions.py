@@ -15,9 +15,10 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve, genus
+from hjsolve.precision import mp
 
 _DIGITS = 60
-_NOTHING = mpmath.mpf(10) ** -25
+_NOTHING = mp.mpf(10) ** -25
 
 
 def why_no_form(found: Iterable[MomentumCurve]) -> str:
@@ -82,11 +83,11 @@ def _divided(P: sp.Poly) -> Iterator[sp.Poly]:
 
 def _in_involution(P: sp.Poly) -> bool:
     """Whether a Möbius involution exchanges the six branch points of a curve of genus 2."""
-    with mpmath.workdps(_DIGITS):
-        coefficients = [mpmath.mpf(int(c.p)) / int(c.q) for c in P.all_coeffs()]
-        roots = mpmath.polyroots(coefficients, maxsteps=400, extraprec=400)
-        points = [(root, mpmath.mpf(1)) for root in roots]
-        points += [(mpmath.mpf(1), mpmath.mpf(0))] * (6 - len(points))
+    with mp.workdps(_DIGITS):
+        coefficients = [mp.mpf(int(c.p)) / int(c.q) for c in P.all_coeffs()]
+        roots = mp.polyroots(coefficients, maxsteps=400, extraprec=400)
+        points = [(root, mp.mpf(1)) for root in roots]
+        points += [(mp.mpf(1), mp.mpf(0))] * (6 - len(points))
         return any(_dependent([_quadratic(*pair) for pair in pairs]) for pairs in _pairings(points))
 
 
@@ -101,7 +102,7 @@ def _quadratic(p: Point, q: Point) -> list[mpmath.mpc]:
 
 
 def _dependent(rows: list[list[mpmath.mpc]]) -> bool:
-    return bool(abs(mpmath.det(mpmath.matrix(rows))) < _NOTHING)
+    return bool(abs(mp.det(mp.matrix(rows))) < _NOTHING)
 
 
 def _pairings(points: list[Point]) -> Iterator[tuple[tuple[Point, Point], ...]]:

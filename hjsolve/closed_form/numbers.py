@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import mpmath
 import sympy as sp
+from mpmath import libmp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
@@ -16,6 +16,7 @@ from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.doubles import RootsOfPolynomial, place_test, region_test, roots_of
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.named_forms import NamedForms
+from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.regions import (
     DIGITS,
     RootInterval,
@@ -27,6 +28,8 @@ from hjsolve.closed_form.regions import (
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number as read_number
 from hjsolve.functions import modules
+from hjsolve.functions.tables import own_modules
+from hjsolve.precision import for_the_user, mp, multiprecision, users_precision
 
 _GUARD, _FLOAT_DIGITS = 20, 15
 _SPECIAL = 1e-12
@@ -45,26 +48,25 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
         InvalidInputError: an unknown name, or constants that are not of this regime.
         MissingValueError: a value that is missing.
     """
-    expression = _wanted(form, name)
+    expression = wanted_form(form, name)
     exact = _exact(form, expression, values)
     refuse_outside(form, exact)
-    _refuse_places(form, exact)
+    refuse_places(form, exact)
     working = 2 * (digits + _GUARD)
     table = many_digits(exact, working) | root_values(form, exact, working)
-    with mpmath.workdps(digits + _GUARD):
+    with mp.workdps(digits + _GUARD):
         near = number_of(expression, table)
-    with mpmath.workdps(working):
+    with mp.workdps(working):
         far = number_of(expression, table)
-        if not mpmath.isfinite(far) or not mpmath.isfinite(near):
+        if not mp.isfinite(far) or not mp.isfinite(near):
             raise InvalidInputError(f"{name} is infinite there")
-        if abs(mpmath.im(far)) > abs(far) * mpmath.mpf(10) ** -digits:
+        if abs(mp.im(far)) > abs(far) * mp.mpf(10) ** -digits:
             raise InvalidInputError(f"{name} has no real value there: the place is not one the motion reaches")
-        again = mpmath.re(far)
-        lost = 2 * abs(mpmath.re(near) - again)
+        again = mp.re(far)
+        lost = 2 * abs(mp.re(near) - again)
     if digits <= _FLOAT_DIGITS:
         return Estimate(float(again), float(lost) + abs(float(again)) * EPS)
-    context = mpmath.mp.clone()
-    context.dps = digits + 2
+    context = multiprecision(libmp.dps_to_prec(digits + 2))
     return Estimate(context.mpf(again), context.mpf(lost) + abs(context.mpf(again)) * context.mpf(10) ** -digits)
 
 
@@ -85,16 +87,24 @@ def refuse_outside(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None
         )
 
 
-def _refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
-    """Refuse a coordinate, or a lower limit, at which the motion of the regime never is."""
+def refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
+    """Refuse a coordinate, or a lower limit, at which the motion of the regime never is.
+
+    Args:
+        form: of a regime.
+        exact: symbol → exact value, of constants, coordinates and lower limits.
+
+    Raises:
+        InvalidInputError: it is such a place.
+    """
     for curve, region, symbol in curves_held(form, exact):
         numbers = many_digits(exact, DIGITS)
         if holds_place(curve, region, numbers[symbol], numbers):
             continue
         told = ""
         if curve.substitution.closed:
-            middle = float(middle_of(curve, numbers))
-            told = f"; the form is that of one turn, {symbol} from {middle - math.pi:.3g} to {middle + math.pi:.3g}"
+            middle, half = float(middle_of(curve, numbers)), float(number_of(curve.substitution.turn, numbers)) / 2
+            told = f"; the form is that of one turn, {symbol} from {middle - half:.3g} to {middle + half:.3g}"
         raise InvalidInputError(f"{symbol} = {float(numbers[symbol]):.6g} is no place of this regime's motion{told}")
 
 
@@ -114,7 +124,16 @@ def curves_held(form: NamedForms, held: Iterable[sp.Symbol]) -> list[tuple[Momen
     ]
 
 
-def _wanted(form: NamedForms, name: str) -> sp.Expr:
+def wanted_form(form: NamedForms, name: str) -> sp.Expr:
+    """A form by its name.
+
+    Args:
+        form: of a regime.
+        name: of the quantity.
+
+    Raises:
+        InvalidInputError: an unknown name, or one of which there is no form.
+    """
     named = form.named()
     if name not in named:
         reason = form.why_not.get(name)
@@ -126,7 +145,7 @@ def _wanted(form: NamedForms, name: str) -> sp.Expr:
 def _exact(form: NamedForms, expression: sp.Expr, values: Mapping[str, object]) -> dict[sp.Symbol, sp.Expr]:
     """Symbol → exact value, of everything the regime and the expression need."""
     exact = {p.symbol: p.value for p in form.solution.system.parameters if p.value is not None}
-    needed = {s.name: s for s in (*form.regime.example, *expression.free_symbols) if s not in form.where}
+    needed = {s.name: s for s in (*form.regime.example, *needed_names(expression.free_symbols, form.where)[1])}
     for name, value in values.items():
         if name not in needed:
             raise InvalidInputError(
@@ -145,7 +164,7 @@ def _exact(form: NamedForms, expression: sp.Expr, values: Mapping[str, object]) 
 def root_values(
     form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr], digits: int
 ) -> dict[sp.Symbol, mpmath.mpf]:  # fmt: skip
-    """Values of the symbols that ``where`` defines.
+    """Values of the symbols that ``where`` defines, as far as what they rest on is known.
 
     Args:
         form: of a regime.
@@ -153,14 +172,16 @@ def root_values(
         digits: to which roots are found.
     """
     known = many_digits(exact, digits)
-    with mpmath.workdps(digits):
+    with mp.workdps(digits):
         for symbol, meaning in form.where.items():
+            if not needed_names([symbol], form.where)[1] <= set(exact):
+                continue
             if isinstance(meaning, tuple):
                 polynomial, index = meaning
                 known[symbol] = ordered_real_roots(polynomial, known, digits)[index]
             else:
-                known[symbol] = mpmath.re(number_of(meaning, known))
-    return {symbol: known[symbol] for symbol in form.where}
+                known[symbol] = mp.re(number_of(meaning, known))
+    return {symbol: known[symbol] for symbol in form.where if symbol in known}
 
 
 def functions(form: NamedForms, module: str) -> dict[str, Callable[..., Any]]:
@@ -182,14 +203,17 @@ def _function(form: NamedForms, expression: sp.Expr, module: str) -> Callable[..
     compiled = _CompiledForm(form, expression, module)
 
     def function(**given: object) -> Mpf | Reals | float:
-        return compiled.arrays(given) if module == "numpy" else compiled.one([*map(_exactly, compiled.values(given))])
+        if module == "numpy":
+            return compiled.arrays(given)
+        with users_precision():
+            return for_the_user(compiled.one([*map(_exactly, compiled.values(given))]))
 
     function.names = compiled.names  # type: ignore[attr-defined]
     return function
 
 
 def _exactly(value: object) -> Mpf:
-    return mpmath.mpmathify(read_number(value, source="value") if isinstance(value, str) else value)
+    return mp.mpmathify(read_number(value, source="value") if isinstance(value, str) else value)
 
 
 class _CompiledForm:
@@ -199,17 +223,19 @@ class _CompiledForm:
         made, where = form.regime, form.where
         self.form, self.roots = form, [s for s in expression.free_symbols if s in where]
         self.curves = [(c, r) for c, r in made.regions if c.degree > 2]
-        held = {s for s in expression.free_symbols if s not in where} | set(made.special)
+        plain = needed_names(expression.free_symbols, where)[1]
+        held = plain | set(made.special)
         held |= {s for e in (*made.conditions, *made.special.values()) for s in e.free_symbols}
         held |= {s for c, _ in self.curves for p in c.polynomial.coeffs() for s in p.free_symbols}
         self.symbols = sorted(held, key=str)
         self.names = tuple(s.name for s in self.symbols)
         self.defaults = {p.name: p.value for p in form.solution.system.parameters if p.value is not None}
-        self.numpy, known = module == "numpy", modules(module)
+        self.numpy = module == "numpy"
+        known = modules(module) if self.numpy else own_modules()
         self.plain = sp.lambdify([*self.symbols, *self.roots], expression, modules=known, cse=True)
         self.tests = [sp.lambdify(self.symbols, sign * e, modules=known) for e, sign in made.conditions.items()]
         self.equal = [sp.lambdify(self.symbols, c - e, modules=known) for c, e in made.special.items()]
-        self.placed = curves_held(form, expression.free_symbols)
+        self.placed = curves_held(form, plain)
         self.inside = [place_test(c, r, s, self.symbols) for c, r, s in self.placed] if self.numpy else []
         self.regions = [region_test(c, r, self.symbols) for c, r in self.curves] if self.numpy else []
         self.named = self._definitions() if self.roots and self.numpy else []
@@ -227,12 +253,12 @@ class _CompiledForm:
     def one(self, numbers: Sequence[Mpf | float]) -> Mpf:
         """At one place; nan outside the regime."""
         if not self._inside(numbers):
-            return mpmath.nan
+            return mp.nan
         if not self.roots:
             return self.plain(*numbers)
         exact = {s: sp.sympify(v) for s, v in zip(self.symbols, numbers, strict=True)}
-        table = root_values(self.form, exact, mpmath.mp.dps + 5)
-        kind = float if self.numpy else mpmath.mpmathify
+        table = root_values(self.form, exact, mp.dps + 5)
+        kind = float if self.numpy else mp.mpmathify
         return self.plain(*numbers, *(kind(table[s]) for s in self.roots))
 
     def _inside(self, numbers: Sequence[Mpf | float]) -> bool:
@@ -241,7 +267,7 @@ class _CompiledForm:
         if any(not test(*numbers) > 0 for test in self.tests):
             return False
         pairs = zip(self.symbols, numbers, strict=True)
-        given = {s: mpmath.mpmathify(v) for s, v in pairs} if self.curves or self.placed else {}
+        given = {s: mp.mpmathify(v) for s, v in pairs} if self.curves or self.placed else {}
         if not all(region_exists(c, r, given) for c, r in self.curves):
             return False
         return all(holds_place(c, r, given[symbol], given) for c, r, symbol in self.placed)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.branch_points import NamedRoots, named_roots
@@ -25,10 +24,11 @@ from hjsolve.closed_form.strata import deciders
 from hjsolve.closed_form.tidy import longer_than
 from hjsolve.closed_form.time_limit import check_time
 from hjsolve.functions.elliptic import PartialFractions
+from hjsolve.precision import mp
 
 LONGEST_FORM = 20000
 """Operations above which a form is no use."""
-_SAME = mpmath.mpf(10) ** -30
+_SAME = mp.mpf(10) ** -30
 LONGEST_CONDITION = 40
 """Operations of a condition that is still worth stating beside the order of the roots."""
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.regions import RootInterval, region_exists
 from hjsolve.closed_form.signs import Signs, sign_of_many_digits
 from hjsolve.display.shown import Shown
+from hjsolve.precision import mp
 
 _OPPOSITE = {sp.StrictGreaterThan: sp.StrictLessThan, sp.StrictLessThan: sp.StrictGreaterThan}
 
@@ -50,10 +50,10 @@ class Regime(Shown):
         Args:
             values: symbol → exact number, of every parameter and constant.
         """
-        at = Signs(values, mpmath.mpf(0))
+        at = Signs(values, mp.mpf(0))
         for constant, expression in self.special.items():
             meant = at.number(expression)
-            if abs(at.number(constant) - meant) > (1 + abs(meant)) * mpmath.mpf(10) ** -30:
+            if abs(at.number(constant) - meant) > (1 + abs(meant)) * mp.mpf(10) ** -30:
                 return False
         if any(sign_of_many_digits(at.number(expression)) != sign for expression, sign in self.conditions.items()):
             return False
@@ -145,9 +145,13 @@ def settled(made: Regime, expression: sp.Expr) -> sp.Expr:
     """
     table = dict[sp.Expr, sp.Expr]()
     for relation in made.relations:
-        if isinstance(relation, (sp.StrictGreaterThan, sp.StrictLessThan)) and relation.rhs == 0:
+        if isinstance(relation, (sp.StrictGreaterThan, sp.StrictLessThan)):
             side = 1 if isinstance(relation, sp.StrictGreaterThan) else -1
-            table |= {sp.Abs(relation.lhs): side * relation.lhs, sp.sign(relation.lhs): sp.Integer(side)}
+            for gap in (relation.lhs - relation.rhs, relation.rhs - relation.lhs):
+                table |= {
+                    sp.Abs(gap): side * (relation.lhs - relation.rhs),
+                    sp.sign(relation.lhs - relation.rhs): sp.Integer(side),
+                }
     return expression.xreplace(table) if table else expression
 
 

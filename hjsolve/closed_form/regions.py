@@ -14,10 +14,11 @@ from hjsolve.closed_form.evaluation import evaluator, many_digits, number_of
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
 from hjsolve.display.shown import Shown
+from hjsolve.precision import mp
 
 DIGITS = 50
 Numbers = Mapping[sp.Symbol, mpmath.mpf]
-_SAME = mpmath.mpf(10) ** -25
+_SAME = mp.mpf(10) ** -25
 
 
 @dataclass(frozen=True, repr=False)
@@ -54,7 +55,7 @@ class RootInterval(Shown):
         Args:
             signs: of the sample.
         """
-        with mpmath.workdps(DIGITS):
+        with mp.workdps(DIGITS):
             value = number_of(self.curve.square, {**signs.numbers, self.curve.x: self.place})
         return (1 if value > 0 else -1) * (1 if self.curve.substitution.increasing else -1)
 
@@ -67,9 +68,10 @@ class RootInterval(Shown):
             signs: of the sample.
         """
         own = Signs(signs.values, self.place)
+        own.sign(self.curve.substitution.condition)
         P, s = self.curve.polynomial, self.curve.substitution
         if P.degree() > 2:
-            return {}
+            return own.decided
         own.sign(P.LC())
         if P.degree() == 2:
             own.sign(sp.discriminant(P.as_expr(), self.curve.x))
@@ -104,23 +106,23 @@ def ordered_real_roots(polynomial: sp.Poly, numbers: Numbers, digits: int) -> tu
 
 
 def _coefficients(polynomial: sp.Poly, numbers: Numbers, digits: int) -> tuple[mpmath.mpf, ...]:
-    with mpmath.workdps(digits):
+    with mp.workdps(digits):
         return tuple(evaluator(*polynomial.all_coeffs()).at(numbers))
 
 
 @lru_cache(maxsize=4096)
 def _roots_of(coefficients: tuple[mpmath.mpf, ...], digits: int) -> tuple[tuple[mpmath.mpf, ...], bool]:
     """The real roots of a polynomial, ascending, and whether two roots are the same."""
-    if any(isinstance(c, mpmath.mpc) or not mpmath.isfinite(c) for c in coefficients):
+    if any(isinstance(c, mp.mpc) or not mp.isfinite(c) for c in coefficients):
         return (), True
-    with mpmath.workdps(digits):
+    with mp.workdps(digits):
         size, first = max(abs(c) for c in coefficients), 0
         while first < len(coefficients) and abs(coefficients[first]) <= size * _SAME:
             first += 1
         if len(coefficients) - first < 2:
             return (), False
         roots = _complex_roots(coefficients[first:], digits)
-        scale = max(abs(r) for r in roots) or mpmath.mpf(1)
+        scale = max(abs(r) for r in roots) or mp.mpf(1)
         double = any(abs(a - b) < scale * _SAME for k, a in enumerate(roots) for b in roots[:k])
         return tuple(sorted(r.real for r in roots if abs(r.imag) <= scale * _SAME)), double
 
@@ -134,28 +136,28 @@ def _complex_roots(coefficients: tuple[mpmath.mpf, ...], digits: int) -> list[mp
     starts = np.roots([complex(c / coefficients[0]) for c in coefficients])
     found = []
     for start in starts:
-        z = mpmath.mpmathify(complex(start))
+        z = mp.mpmathify(complex(start))
         for _ in range(14):
-            value, slope = mpmath.polyval(coefficients, z, derivative=True)
-            step = value / slope if slope else mpmath.mpf(1)
+            value, slope = mp.polyval(coefficients, z, derivative=True)
+            step = value / slope if slope else mp.mpf(1)
             z -= step
-            if abs(step) <= abs(z) * mpmath.mpf(10) ** (4 - digits) or value == 0:
+            if abs(step) <= abs(z) * mp.mpf(10) ** (4 - digits) or value == 0:
                 break
         else:
-            return list(mpmath.polyroots([*coefficients], maxsteps=300, extraprec=400))
+            return list(mp.polyroots([*coefficients], maxsteps=300, extraprec=400))
         found.append(z)
     gaps = [abs(a - b) for k, a in enumerate(found) for b in found[:k]]
-    if gaps and min(gaps) < max(abs(z) for z in found) * mpmath.mpf(10) ** -6:
-        return list(mpmath.polyroots([*coefficients], maxsteps=300, extraprec=400))
+    if gaps and min(gaps) < max(abs(z) for z in found) * mp.mpf(10) ** -6:
+        return list(mp.polyroots([*coefficients], maxsteps=300, extraprec=400))
     return found
 
 
 def _quadratic_roots(coefficients: tuple[mpmath.mpf, ...]) -> list[mpmath.mpc]:
     if len(coefficients) == 2:
-        return [mpmath.mpc(-coefficients[1] / coefficients[0])]
+        return [mp.mpc(-coefficients[1] / coefficients[0])]
     a, b, c = coefficients
-    with mpmath.extradps(30):
-        root = mpmath.sqrt(mpmath.mpc(b * b - 4 * a * c))
+    with mp.extradps(30):
+        root = mp.sqrt(mp.mpc(b * b - 4 * a * c))
         far = -(b + (root if b >= 0 else -root)) / 2
         return [far / a, c / far if far != 0 else far]
 
@@ -170,9 +172,11 @@ def root_interval_of(curve: MomentumCurve, sample: Sample) -> RootInterval | Non
     s, q, numbers = curve.substitution, curve.coordinate.symbol, many_digits(sample.values, DIGITS)
     if any(c.has(sp.nan) for c in curve.polynomial.coeffs()):
         return None
-    with mpmath.workdps(DIGITS):
+    with mp.workdps(DIGITS):
+        if not number_of(s.condition, numbers) > 0:
+            return None
         start = sample.places[curve.coordinate.name]
-        place = number_of(s.place, {**numbers, q: mpmath.mpf(int(start.p)) / int(start.q)})
+        place = number_of(s.place, {**numbers, q: mp.mpf(int(start.p)) / int(start.q)})
         roots, double = real_roots(curve, numbers)
         if double or not _value(curve, place, numbers) > 0:
             return None
@@ -192,7 +196,7 @@ def root_interval_of(curve: MomentumCurve, sample: Sample) -> RootInterval | Non
     else:
         ends = [end for end, (what, _) in ((low, lower), (high, upper)) if what == "end"]
         far = [_number_of_q(curve, end, numbers) for end in ends]
-        kind = "escape" if any(mpmath.isinf(f) for f in far) else "boundary"
+        kind = "escape" if any(mp.isinf(f) for f in far) else "boundary"
     return RootInterval(curve, place, tuple(roots), lower, upper, kind, not (s.closed and both == {"root", "end"}))
 
 
@@ -204,7 +208,7 @@ def place_of_rest(curve: MomentumCurve, key: tuple[str, int], numbers: Numbers) 
         key: the end of a region, ("rest", index).
         numbers: symbol → value, of the constants.
     """
-    with mpmath.workdps(DIGITS):
+    with mp.workdps(DIGITS):
         roots, _ = real_roots(curve, numbers)
         low, high = (number_of(end, numbers) for end in (curve.substitution.lower, curve.substitution.upper))
         return next(value for value, mark in _marks(curve, roots, numbers, low, high) if mark == key)
@@ -212,7 +216,7 @@ def place_of_rest(curve: MomentumCurve, key: tuple[str, int], numbers: Numbers) 
 
 def _value(curve: MomentumCurve, place: mpmath.mpf, numbers: Numbers) -> mpmath.mpf:
     """P at a place."""
-    return mpmath.polyval(_coefficients(curve.polynomial, numbers, DIGITS), place)
+    return mp.polyval(_coefficients(curve.polynomial, numbers, DIGITS), place)
 
 
 def _marks(
@@ -227,7 +231,7 @@ def _marks(
     found = [(r, ("root", k)) for k, r in enumerate(roots) if inside(r)]
     top = _numerator(curve.square, curve.x)
     if top is not None:
-        rests = sorted({mpmath.nstr(z, 30): z for z in _polynomial_roots(top, numbers)}.values())
+        rests = sorted({mp.nstr(z, 30): z for z in _polynomial_roots(top, numbers)}.values())
         for k, z in enumerate(rests):
             edge = abs(z - low) <= _SAME * (1 + abs(z)) or abs(z - high) <= _SAME * (1 + abs(z))
             if inside(z) or (edge and curve.substitution.closed):
@@ -247,9 +251,9 @@ def _polynomial_roots(polynomial: sp.Poly, numbers: Numbers) -> list[mpmath.mpf]
     coefficients = _coefficients(polynomial, numbers, DIGITS)
     if len(coefficients) < 2:
         return []
-    roots = mpmath.polyroots(coefficients, maxsteps=300, extraprec=600)
-    scale = max(abs(r) for r in roots) or mpmath.mpf(1)
-    return [r.real for r in roots if abs(r.imag) <= scale * mpmath.mpf(10) ** -12]
+    roots = mp.polyroots(coefficients, maxsteps=300, extraprec=600)
+    scale = max(abs(r) for r in roots) or mp.mpf(1)
+    return [r.real for r in roots if abs(r.imag) <= scale * mp.mpf(10) ** -12]
 
 
 def _number_of_q(curve: MomentumCurve, end: mpmath.mpf, numbers: Numbers) -> mpmath.mpf:
@@ -268,7 +272,7 @@ def region_exists(curve: MomentumCurve, like: RootInterval, numbers: Numbers) ->
         like: the region.
         numbers: symbol → value, of the constants.
     """
-    with mpmath.workdps(DIGITS):
+    with mp.workdps(DIGITS):
         roots, double = real_roots(curve, numbers)
         if double or len(roots) != len(like.roots):
             return False
@@ -292,15 +296,15 @@ def holds_place(curve: MomentumCurve, like: RootInterval, place: mpmath.mpf, num
         numbers: symbol → value, of the constants.
     """
     s = curve.substitution
-    with mpmath.workdps(DIGITS):
-        slack = (1 + abs(place)) * mpmath.mpf(10) ** -12  # of ends that were given in doubles
-        if s.closed and abs(place - middle_of(curve, numbers)) > mpmath.pi + slack:
+    with mp.workdps(DIGITS):
+        slack = (1 + abs(place)) * mp.mpf(10) ** -12  # of ends that were given in doubles
+        if s.closed and abs(place - middle_of(curve, numbers)) > number_of(s.turn, numbers) / 2 + slack:
             return False
         roots, _ = real_roots(curve, numbers)
         low, high = (number_of(end, numbers) for end in (s.lower, s.upper))
         marks = {key: value for value, key in _marks(curve, roots, numbers, low, high)}
         x = number_of(s.place, {**numbers, curve.coordinate.symbol: place})
-        if isinstance(x, mpmath.mpc) or mpmath.isnan(x):
+        if isinstance(x, mp.mpc) or mp.isnan(x):
             return True  # at the place where the variable is infinite, an end of the domain
         start, stop = marks.get(like.lower, low), marks.get(like.upper, high)
         slack *= 1 + abs(x)
@@ -319,8 +323,8 @@ def middle_of(curve: MomentumCurve, numbers: Numbers) -> mpmath.mpf:
 
 
 def _between(start: mpmath.mpf, stop: mpmath.mpf) -> mpmath.mpf:
-    if mpmath.isinf(start) and mpmath.isinf(stop):
-        return mpmath.mpf("0.123")
-    if mpmath.isinf(start):
+    if mp.isinf(start) and mp.isinf(stop):
+        return mp.mpf("0.123")
+    if mp.isinf(start):
         return stop - 1 - abs(stop)
-    return start + 1 + abs(start) if mpmath.isinf(stop) else (start + stop) / 2
+    return start + 1 + abs(start) if mp.isinf(stop) else (start + stop) / 2

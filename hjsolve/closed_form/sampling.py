@@ -6,12 +6,12 @@ import random
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter
 from hjsolve.motion.rational_values import rational_value
+from hjsolve.precision import mp
 from hjsolve.solution.quadratures import Solution
 
 
@@ -66,9 +66,9 @@ def _moves(solution: Solution, values: Mapping[sp.Symbol, sp.Expr], places: Mapp
     """Whether every squared momentum is positive."""
     where = {solution.system.coordinate(name).symbol: place for name, place in places.items()}
     numbers = many_digits({**values, **where}, 30)
-    with mpmath.workdps(30):
+    with mp.workdps(30):
         squares = [number_of(solution.momentum_squared[name], numbers) for name in places]
-    return all(not isinstance(square, mpmath.mpc) and square > 0 for square in squares)
+    return all(not isinstance(square, mp.mpc) and square > 0 for square in squares)
 
 
 def near(value: sp.Expr) -> sp.Expr:

@@ -8,9 +8,10 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.evaluation import many_digits, number_of
+from hjsolve.precision import mp
 
 DIGITS = 60
-_NOTHING = mpmath.mpf(10) ** -40
+_NOTHING = mp.mpf(10) ** -40
 
 
 class Signs:
@@ -33,7 +34,7 @@ class Signs:
         Args:
             expression: of parameters and constants.
         """
-        with mpmath.workdps(DIGITS):
+        with mp.workdps(DIGITS):
             return number_of(expression, self.numbers)
 
     def sign(self, expression: sp.Expr) -> int:
@@ -69,7 +70,7 @@ class Signs:
             A, B: coefficients.
             place: r; None where u = x.
         """
-        with mpmath.workdps(DIGITS):
+        with mp.workdps(DIGITS):
             u = self.place if place is None else 1 / (self.place - self.number(place))
             return 1 if 2 * self.number(A) * u + self.number(B) > 0 else -1
 
@@ -80,6 +81,6 @@ def sign_of_many_digits(value: mpmath.mpf) -> int:
     Args:
         value: the number.
     """
-    if isinstance(value, mpmath.mpc) or mpmath.isnan(value):
+    if isinstance(value, mp.mpc) or mp.isnan(value):
         return 0
     return 0 if abs(value) < _NOTHING else 1 if value > 0 else -1

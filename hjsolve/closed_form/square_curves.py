@@ -21,6 +21,7 @@ from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.regions import RootInterval, real_roots
 from hjsolve.closed_form.signs import Signs
+from hjsolve.precision import mp
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ class SquareCurve:
         Args:
             signs: of the sample.
         """
-        positive = [sp.sqrt(r) for r in self.roots.real if signs.number(r) > mpmath.mpf(10) ** -30]
+        positive = [sp.sqrt(r) for r in self.roots.real if signs.number(r) > mp.mpf(10) ** -30]
         return (*(-r for r in reversed(positive)), *positive)
 
 

@@ -12,12 +12,15 @@ from collections.abc import Callable, Sequence
 
 import mpmath
 import sympy as sp
+from mpmath.calculus.quadrature import GaussLegendre
 
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.evaluation import Evaluator, many_digits, number_of
+from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral
 from hjsolve.closed_form.regions import RootInterval, ordered_real_roots, place_of_rest
 from hjsolve.closed_form.time_limit import check_time
+from hjsolve.precision import mp
 
 DIGITS, GUARD = 40, 24
 _MOST, _NODES, _HALVINGS = 4096, 4, 5
@@ -53,7 +56,7 @@ def flaws(piece: CoordinateIntegrals, keys: Sequence[sp.Symbol], digits: int = D
             continue
         left.setdefault(id(integral.curve), []).append(key)
     for own in left.values():
-        with mpmath.workdps(digits + GUARD):
+        with mp.workdps(digits + GUARD):
             found |= _Trial(piece, piece.integrals[own[0]].curve, own, digits).flaws()
     return found
 
@@ -73,12 +76,12 @@ class _Trial:
     def integrands(self, place: mpmath.mpf) -> list[mpmath.mpf]:
         """N/√P² of every integral."""
         square, *numerators = self.bare(place)
-        root = mpmath.sqrt(square)
+        root = mp.sqrt(square)
         return [N / root for N in numerators]
 
     def flaws(self) -> dict[sp.Symbol, str]:
         low, high = monotone_span(self.piece, self.integrals[0])
-        places = [low + (high - low) * mpmath.mpf(part) for part in _PARTS]
+        places = [low + (high - low) * mp.mpf(part) for part in _PARTS]
         found = dict[sp.Symbol, str]()
         integrands = [self.integrands(place) for place in places]
         forms = [self.forms(place) for place in places]
@@ -97,19 +100,19 @@ class _Trial:
 
     def _close(self, one: mpmath.mpf, other: mpmath.mpf, size: mpmath.mpf) -> bool:
         one = _real(one)
-        if not (mpmath.isfinite(one) and mpmath.isfinite(other)) or isinstance(other, mpmath.mpc):
+        if not (mp.isfinite(one) and mp.isfinite(other)) or isinstance(other, mp.mpc):
             return False
-        return bool(abs(one - other) <= size * mpmath.mpf(10) ** (-self.digits))
+        return bool(abs(one - other) <= size * mp.mpf(10) ** (-self.digits))
 
     def _between(self, start: mpmath.mpf, stop: mpmath.mpf) -> list[mpmath.mpf]:
         """The quadratures between two places, by Gauss's rule; nan where it does not settle."""
-        rule = mpmath.calculus.quadrature.GaussLegendre(mpmath.mp)
-        nodes = rule.get_nodes(-1, 1, _NODES, mpmath.mp.prec)
+        rule = GaussLegendre(mp)
+        nodes = rule.get_nodes(-1, 1, _NODES, mp.prec)
 
         def whole(a: mpmath.mpf, b: mpmath.mpf) -> list[mpmath.mpf]:
             middle, half = (a + b) / 2, (b - a) / 2
             rows = [(w, self.integrands(middle + half * x)) for x, w in nodes]
-            return [half * mpmath.fsum(w * row[k] for w, row in rows) for k in range(len(self.keys))]
+            return [half * mp.fsum(w * row[k] for w, row in rows) for k in range(len(self.keys))]
 
         def settled(a: mpmath.mpf, b: mpmath.mpf, once: list[mpmath.mpf], left: int) -> list[mpmath.mpf]:
             check_time()
@@ -119,15 +122,15 @@ class _Trial:
             if all(self._settled(x, y) for x, y in zip(once, twice, strict=True)):
                 return twice
             if left == 0:
-                return [mpmath.nan] * len(once)
+                return [mp.nan] * len(once)
             parts = settled(a, c, lower, left - 1), settled(c, b, upper, left - 1)
             return [x + y for x, y in zip(*parts, strict=True)]
 
         return settled(start, stop, whole(start, stop), _HALVINGS)
 
     def _settled(self, once: mpmath.mpf, twice: mpmath.mpf) -> bool:
-        tiny = mpmath.mpf(10) ** (-self.digits - 2)
-        return not mpmath.isfinite(once) or bool(abs(once - twice) <= (abs(twice) + abs(once)) * tiny)
+        tiny = mp.mpf(10) ** (-self.digits - 2)
+        return not mp.isfinite(once) or bool(abs(once - twice) <= (abs(twice) + abs(once)) * tiny)
 
     def _cycles(self, keys: list[sp.Symbol]) -> dict[sp.Symbol, str]:
         """What is wrong with integrals over cycles."""
@@ -147,20 +150,20 @@ class _Trial:
         """∮ N dq/P by the midpoint rule, trebled until it no longer moves; and ∮ |N| dq/P."""
         whole = self.region.kind == "rotation"
         if whole:
-            middle, half = mpmath.mpf(0), mpmath.pi
+            middle, half = mp.mpf(0), number_of(self.curve.substitution.turn, self.numbers) / 2
         else:
             sides = (self.region.lower, self.region.upper)
-            roots = ordered_real_roots(self.curve.polynomial, self.numbers, mpmath.mp.dps)
+            roots = ordered_real_roots(self.curve.polynomial, self.numbers, mp.dps)
             low, high = sorted(_place(self.integrals[0], roots[index], self.numbers) for _, index in sides)
             middle, half = (low + high) / 2, (high - low) / 2
 
         def terms(χ: mpmath.mpf) -> list[mpmath.mpf]:
             if whole:
                 return self.integrands(middle + χ - half)
-            cosine, sine = mpmath.cos_sin(χ)
+            cosine, sine = mp.cos_sin(χ)
             return [half * sine * f for f in self.integrands(middle - half * cosine)]
 
-        turn, count, step = (2 * mpmath.pi if whole else mpmath.pi), 16, mpmath.mpf(1) / 2
+        turn, count, step = (2 * half if whole else mp.pi), 16, mp.mpf(1) / 2
         rows = [terms(turn * (k + step) / count) for k in range(count)]
         sums = _sums(rows, turn / count)
         while count < _MOST:
@@ -169,7 +172,7 @@ class _Trial:
             rows += [terms(turn * (k + part) / count) for k in range(count) for part in (sixth, 5 * sixth)]
             count, former = 3 * count, sums
             sums = _sums(rows, turn / count)
-            tiny = mpmath.mpf(10) ** (-self.digits - 2)
+            tiny = mp.mpf(10) ** (-self.digits - 2)
             if all(abs(a[0] - b[0]) <= a[1] * tiny for a, b in zip(sums, former, strict=True)):
                 break
         return sums if whole else [(2 * value, 2 * size) for value, size in sums]
@@ -177,19 +180,19 @@ class _Trial:
 
 def _sums(rows: list[list[mpmath.mpf]], weight: mpmath.mpf) -> list[tuple[mpmath.mpf, mpmath.mpf]]:
     columns = list(zip(*rows, strict=True))
-    return [(weight * mpmath.fsum(c), weight * mpmath.fsum(c, absolute=True)) for c in columns]
+    return [(weight * mp.fsum(c), weight * mp.fsum(c, absolute=True)) for c in columns]
 
 
 def _few(value: mpmath.mpf) -> str:
-    return str(mpmath.nstr(value, 20))
+    return str(mp.nstr(value, 20))
 
 
 def _real(value: mpmath.mpf) -> mpmath.mpf:
     """A value without the imaginary rounding of a root; nan where it is more than that."""
-    if not isinstance(value, mpmath.mpc):
+    if not isinstance(value, mp.mpc):
         return value
-    tiny = mpmath.mpf(10) ** -(mpmath.mp.dps - 12)
-    return value.real if abs(value.imag) <= tiny * (1 + abs(value.real)) else mpmath.nan
+    tiny = mp.mpf(10) ** -(mp.dps - 12)
+    return value.real if abs(value.imag) <= tiny * (1 + abs(value.real)) else mp.nan
 
 
 def value_at(expression: sp.Expr, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
@@ -210,10 +213,10 @@ def sample_numbers(piece: CoordinateIntegrals, digits: int = DIGITS + GUARD) -> 
         digits: of each.
     """
     numbers = many_digits(piece.sample.values, digits)
-    with mpmath.workdps(digits + GUARD):
+    with mp.workdps(digits + GUARD):
         if piece.start is not None:
             begin = piece.sample.places[piece.name]
-            numbers[piece.start] = mpmath.mpf(int(begin.p)) / int(begin.q)
+            numbers[piece.start] = mp.mpf(int(begin.p)) / int(begin.q)
         for symbol, meaning in piece.where.items():
             if isinstance(meaning, tuple):
                 polynomial, index = meaning
@@ -231,7 +234,7 @@ def monotone_span(piece: CoordinateIntegrals, integral: PieceIntegral) -> tuple[
         integral: with the curve on which the region is meant.
     """
     region = next(r for c, r in piece.regions if c is integral.curve)
-    numbers = many_digits(piece.sample.values, mpmath.mp.dps)
+    numbers = many_digits(piece.sample.values, mp.dps)
     ends = [_end(region, side, numbers) for side in (region.lower, region.upper)]
     if ends[0] is None and ends[1] is None:
         x = [region.place - 1, region.place + 1]
@@ -255,4 +258,47 @@ def _end(region: RootInterval, side: tuple[str, int], numbers: dict[sp.Symbol, m
 
 def _place(integral: PieceIntegral, x: mpmath.mpf | None, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
     s = integral.curve.substitution
-    return mpmath.re(number_of(s.inverse, {**numbers, s.x: x}))
+    return mp.re(number_of(s.inverse, {**numbers, s.x: x}))
+
+
+def value_along(
+    own: CoordinateIntegrals, integrals: tuple[PieceIntegral, PieceIntegral], value: sp.Expr,
+    symbols: tuple[sp.Symbol, sp.Symbol], digits: int = DIGITS,
+) -> None:  # fmt: skip
+    """Compare an integral as a function of the time with itself as a function of the place, between two places.
+
+    Args:
+        own: the coordinate.
+        integrals: that of the time law, and the other, both verified.
+        value: the latter from t₀ on, in terms of constants, t, t₀ and the lower limit.
+        symbols: the time and the lower limit.
+        digits: to which they are compared.
+
+    Raises:
+        NoFormError: they differ.
+    """
+    t, start = symbols
+    q = integrals[0].curve.coordinate.symbol
+    with mp.workdps(digits + GUARD):
+        numbers = sample_numbers(own)
+        begin, stop = (
+            mp.mpf(int(p.p)) / int(p.q) for p in (own.sample.places[own.name], nearby(own, integrals[0]))
+        )
+        lasted, expected = (
+            value_at(i.value, numbers | {q: stop}) - value_at(i.value, numbers | {q: begin}) for i in integrals
+        )
+        free = value.free_symbols - set(numbers) - {t, start}  # t₀
+        got = value_at(value, numbers | dict.fromkeys(free, mp.mpf(0)) | {start: begin, t: lasted})
+        if not abs(got - expected) <= abs(expected) * mp.mpf(10) ** -digits:
+            raise NoFormError("not verified: the form along the motion differs from the integral")
+
+
+def nearby(own: CoordinateIntegrals, integral: PieceIntegral) -> sp.Expr:
+    """Another place of the same region, on the same side of the turning points.
+
+    Args:
+        own: the coordinate.
+        integral: with the curve on which the region is meant.
+    """
+    low, high = monotone_span(own, integral)
+    return sp.Rational(str(mp.nstr(low + (high - low) * mp.mpf("0.64"), 15)))

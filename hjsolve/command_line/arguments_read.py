@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from hjsolve.arguments import refuse_unused
 from hjsolve.errors import InvalidInputError, NotSeparableError
 
 if TYPE_CHECKING:
@@ -36,6 +37,12 @@ def given_hamiltonian(options: Namespace) -> LinearHamiltonian | None:
     problem = entries.hamiltonian(located(options.system))
     if problem is not None and options.effect:
         raise InvalidInputError("--effect: an entry with H(q, p) has no effects; change its hamiltonian")
+    if problem is not None:
+        without_motion = options.command in ("check", "solve")
+        given = {"--find": getattr(options, "find", False), "--closed": getattr(options, "closed", False)}
+        given |= {"--title": without_motion and bool(options.title)}
+        refuse_unused(given, "H(q, p) is linear in p, and all of it is closed forms")
+        refuse_unused({"--parameter": without_motion and bool(options.parameter)}, "the letters stay in the formulas")
     return problem
 
 
@@ -73,6 +80,8 @@ def system(options: Namespace) -> System:
         )
     if own:
         return _own_system(options)
+    if options.title and options.command != "report":
+        raise InvalidInputError("--title: names a system of your own, or a report; an entry or a scene has its title")
     if options.function:
         raise InvalidInputError("--function belongs to a system of your own, with --coordinate and --kinetic")
     if options.system is None:
@@ -86,7 +95,9 @@ def system(options: Namespace) -> System:
             verdict = dissipative(question.system, question.forces)
             raise NotSeparableError(f"{options.system}: {force_words(verdict)}", verdict)
         return question.system
-    return entries.load(located(options.system), effects=options.effect)
+    from hjsolve.mechanics.system import with_values
+
+    return with_values(entries.load(located(options.system), effects=options.effect), _given_values(options))
 
 
 def _own_system(options: Namespace) -> System:
@@ -126,8 +137,10 @@ def scene(options: Namespace) -> Scene | None:
         return None
     from hjsolve.scenes import Scene
 
-    own = ("coordinate", "kinetic", "potential", "parameter", "effect", "q", "velocity", "momentum")
-    if any(getattr(options, name, None) for name in own):
+    own = ("coordinate", "kinetic", "potential", "parameter", "effect", "q", "velocity", "momentum", "slider", "brief")
+    changed = (getattr(options, "motion", "default"), getattr(options, "digits", 15)) != ("default", 15)
+    found = getattr(options, "find", False) and options.command in ("motion", "report")
+    if any(getattr(options, name, None) for name in own) or changed or found:
         raise InvalidInputError(f"{options.system}: a scene says everything itself; leave the other options out")
     return Scene.load(options.system)
 
@@ -152,7 +165,11 @@ def initial(options: Namespace) -> dict[str, Any] | None:
     Raises:
         InvalidInputError: ``--q`` is missing, or there is not exactly one of ``--velocity`` and ``--momentum``.
     """
-    if not (options.q or options.velocity or options.momentum):
+    given = bool(options.q or options.velocity or options.momentum)
+    named, own = options.motion != "default", options.system is None
+    refuse_unused({"--motion": named and given}, "--q and --velocity (or --momentum) are those of another motion")
+    refuse_unused({"--motion": named and own}, "a system of your own has no motions with names")
+    if not given:
         return None
     from hjsolve.mechanics.typed_texts import typed_values
 

@@ -7,7 +7,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from hjsolve.arguments import refuse_unused
 from hjsolve.command_line import arguments_read
+from hjsolve.command_line.time_allowed import within
 from hjsolve.errors import InvalidInputError, MissingExtraError, NotSeparableError
 
 if TYPE_CHECKING:
@@ -30,6 +32,11 @@ def check_command(options: Namespace) -> int:
     Returns:
         The exit status.
     """
+    with within(options.budget):
+        return _check(options)
+
+
+def _check(options: Namespace) -> int:
     from hjsolve.reports.formats.text import wrapped
     from hjsolve.reports.sections import obstruction, system_and_verdict
     from hjsolve.reports.sections import solution as quadratures
@@ -42,7 +49,7 @@ def check_command(options: Namespace) -> int:
     except NotSeparableError as outside:  # a catalog entry that is no T and V: its reason is the answer
         print(wrapped((str(outside),)))
         return REFUSED
-    verdict = separate(system)
+    verdict = separate(system, budget=options.budget)
     evidence = system_and_verdict.evidence_section(verdict, lead=False)
     sections: list[Section | None] = [
         arguments_read.frame(options),
@@ -70,14 +77,18 @@ def solve_command(options: Namespace) -> int:
     from hjsolve.reports.sections.chart import chart_section
     from hjsolve.reports.sections.laws import laws_section
     from hjsolve.separation import Separation, separate
-    from hjsolve.solution import quadratures as solution
+    from hjsolve.solution.quadratures import solve
 
-    if (problem := arguments_read.given_hamiltonian(options)) is not None:
+    with within(options.budget):
+        problem = arguments_read.given_hamiltonian(options)
+        system = arguments_read.system(options) if problem is None else None
+        solved = solve(system, "find", budget=options.budget) if options.find and system is not None else None
+        verdict = separate(system, budget=options.budget) if solved is None and system is not None else None
+        if isinstance(verdict, Separation):
+            solved = solve(verdict)
+    if problem is not None:
         return _print_hamiltonian(problem, solved=True)
-    system = arguments_read.system(options)
-    verdict = solution.solve(system, "find").separation if options.find else separate(system)
-    if isinstance(verdict, Separation):
-        solved = solution.solve(system, "find") if options.find else solution.solve(verdict)
+    if solved is not None:
         _print(
             solved.system,
             [
@@ -88,12 +99,15 @@ def solve_command(options: Namespace) -> int:
                 laws_section(solved),
             ],
         )
-    else:
-        evidence = [
-            system_and_verdict.evidence_section(verdict, lead=False),
-            obstruction.refusal_section(verdict),
-        ]
-        _print(system, evidence, system_and_verdict.answer(verdict))
+        return ANSWER
+    assert system is not None
+    assert verdict is not None
+    assert not isinstance(verdict, Separation)
+    evidence = [
+        system_and_verdict.evidence_section(verdict, lead=False),
+        obstruction.refusal_section(verdict),
+    ]
+    _print(system, evidence, system_and_verdict.answer(verdict))
     return _status(verdict)
 
 
@@ -182,21 +196,31 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
             return ANSWER, save_scene(scene, target, options.cost, progress, title=title)
     if not options.coordinate and (outside := outside_entry(arguments_read.located(options.system))) is not None:
         refuse_live(options.live)
+        given = {"--q": options.q, "--velocity": options.velocity, "--momentum": options.momentum}
+        given |= {"--find": options.find, "--cost": options.cost, "--brief": options.brief, "--slider": options.slider}
+        given |= {"--motion": options.motion != "default", "--digits": options.digits != 15}
+        refuse_unused({name: bool(value) for name, value in given.items()}, "the entry is no T and V")
         return REFUSED, write_document(outside_document(outside), target, title=title)
     initial = arguments_read.initial(options)
     if arguments_read.given_hamiltonian(options) is not None:
         refuse_live(options.live)
+        given = {"--cost": options.cost, "--brief": options.brief, "--slider": bool(options.slider)}
+        refuse_unused(given, "H(q, p) is linear in p, and all of it is closed forms")
         initial = initial or arguments_read.own_motion(options)
         told: dict[str, Any] = {"initial": initial, "motion": options.motion, "digits": options.digits, "title": title}
         return ANSWER, save_hamiltonian(arguments_read.located(options.system), target, **told)
     subject: Any = options.system
-    if options.coordinate or options.effect or options.system is None:
-        subject = arguments_read.system(options)
-    if initial is None and options.system is not None:
-        initial = arguments_read.own_motion(options)
-    if options.find:
-        subject, initial = _found(options, initial)
-    material = gather(arguments_read.located(subject), initial=initial, motion=options.motion, digits=options.digits)
+    with within(options.budget):
+        if options.coordinate or options.effect or options.system is None:
+            subject = arguments_read.system(options)
+        if initial is None and options.system is not None:
+            initial = arguments_read.own_motion(options)
+        if options.find:
+            subject, initial = _found(options, initial)
+    material = gather(
+        arguments_read.located(subject), initial=initial, motion=options.motion, digits=options.digits,
+        budget=options.budget, decision=within(options.budget),
+    )  # fmt: skip
     with ProgressBar() as progress:
         sliders = arguments_read.sliders(options)
         told = {"live": options.live, "sliders": sliders, "brief": options.brief, "title": title}
@@ -211,7 +235,7 @@ def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:
 
     system = arguments_read.system(options)
     data, _ = initial_of(catalog.entry_of(system), initial, options.motion)
-    return solve(system, "find"), data
+    return solve(system, "find", budget=options.budget), data
 
 
 def cost_command(options: Namespace) -> int:
@@ -225,6 +249,8 @@ def cost_command(options: Namespace) -> int:
     """
     from hjsolve.command_line.cost import measure_and_print as measured
 
+    own = {"--title": bool(options.title), "--function": bool(options.function)}
+    refuse_unused(own if options.system is not None else {}, "they belong to a system of your own")
     changed = options.effect or options.parameter or options.q or options.velocity or options.momentum
     if options.system is None or options.coordinate or changed:
         subject: Any = arguments_read.motion_meant(options, 15)

@@ -11,10 +11,13 @@ import os
 import re
 import sys
 from collections.abc import Sequence
+from contextlib import nullcontext, redirect_stdout
 
 from hjsolve.command_line import commands
 from hjsolve.command_line.commands import ANSWER, BAD_INPUT, INTERRUPTED, REFUSED, UNSETTLED
+from hjsolve.command_line.output import VisibleStream
 from hjsolve.command_line.parser import command_parser
+from hjsolve.display.visible_text import visible
 from hjsolve.errors import (
     FAULTS,
     ClusterError,
@@ -47,7 +50,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not given:
             top.print_help()
             return BAD_INPUT
-        status = _run(top.parse_args(given))
+        with redirect_stdout(VisibleStream(sys.stdout)) if sys.stdout is not None else nullcontext():
+            status = _run(top.parse_args(given))
         if sys.stdout is not None:  # it is where the stream is closed, as by >&- or without a console
             sys.stdout.flush()
     except SystemExit as exit_request:  # argparse after --help and --version
@@ -108,7 +112,7 @@ def _run(options: argparse.Namespace) -> int:
 def _complain(message: str, status: int) -> int:
     told = _ENDLESS_WORD.sub(lambda word: f"{word[0][:60]}...{word[0][-20:]}", message)
     if sys.stderr is not None:
-        print(f"hjsolve: {told}", file=sys.stderr)
+        print(f"hjsolve: {visible(told)}", file=sys.stderr)
     return status
 
 

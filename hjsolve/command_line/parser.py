@@ -14,9 +14,9 @@ Decide whether a mechanical system separates in its coordinates, solve it by qua
 
 _SYSTEMS = """\
 SYSTEM is an entry of the catalog (see `hjsolve catalog`), or the path of a .toml file of the same
-format or of a scene. Without SYSTEM, write the kinetic and potential energy on the command line. In formulas,
-dot(q) is the velocity of q and ** is a power; the usual functions and pi are known; every other
-name must be a coordinate or a parameter."""
+format or of a scene. Without SYSTEM, write the kinetic and potential energy on the command line. In
+formulas, dot(q), q' or qdot is the velocity of q and ** or ^ is a power; the usual functions and pi
+are known; every other name must be a coordinate or a parameter."""
 
 _STATUS = """\
 exit status:
@@ -163,6 +163,7 @@ def _add_check(kinds: _Commands) -> None:
     )
     check = _add(kinds, "check", "does the system separate? with the evidence", about)
     _system_arguments(check)
+    _budget_argument(check)
 
 
 def _add_solve(kinds: _Commands) -> None:
@@ -173,6 +174,7 @@ def _add_solve(kinds: _Commands) -> None:
     solve = _add(kinds, "solve", "W, momenta, time law and orbit equations", about)
     _system_arguments(solve)
     _find_argument(solve)
+    _budget_argument(solve)
     solve.add_argument(
         "--closed", action="store_true",
         help="closed forms first: the integrals done, by regime, each verified (takes seconds)",
@@ -198,6 +200,7 @@ def _add_report(kinds: _Commands) -> None:
     report = _add(kinds, "report", "all of that in a file, with drawings and numbers", about)
     _system_arguments(report)
     _find_argument(report)
+    _budget_argument(report)
     report.add_argument(
         "-o", "--output", required=True, metavar="FILE", help='an existing file is replaced; "-" prints plain text'
     )
@@ -226,6 +229,13 @@ def _find_argument(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--find", action="store_true",
         help="where the coordinates do not separate: normal modes, or the simplest ones that are found",
+    )  # fmt: skip
+
+
+def _budget_argument(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--budget", type=float, default=60.0, metavar="S",
+        help="seconds for reading the system and deciding; then the answer is: not decided (default 60)",
     )  # fmt: skip
 
 

@@ -34,6 +34,7 @@ from hjsolve.coordinates.webs.space import Potential, space_webs
 from hjsolve.errors import InvalidSystemError
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
+from hjsolve.precision import one_at_a_time
 
 _NONE = "No quadratic first integral of this kind besides the energy: the system is"
 _NO_WEB = "Besides the energy there {are} {extra} quadratic first integral{s}, but no orthogonal web belongs to {it}: "
@@ -55,6 +56,7 @@ _MOST_LETTERS = 2
 _PARTIAL = ("split", "sphere", "unresolved")
 
 
+@one_at_a_time
 def find_coordinates(
     system: System | str | Path, *, special: bool = True, budget: float = 20.0
 ) -> SeparableCoordinates:

@@ -23,6 +23,7 @@ from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
+from hjsolve.precision import one_at_a_time
 from hjsolve.separation import separate
 
 _MOST_TRIAL_COLUMNS = 6
@@ -76,6 +77,7 @@ class NormalModes(Shown):
     remark: str
 
 
+@one_at_a_time
 def normal_modes(
     system: System | str | Path, about: Mapping[str, object] | None = None, *, budget: float = 20.0
 ) -> NormalModes:

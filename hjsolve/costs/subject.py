@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 import sympy as sp
 
 from hjsolve import catalog
+from hjsolve.arguments import refuse_unused
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.subjects import system_of
@@ -39,6 +40,8 @@ def scene_of(subject: Subject, motion: str = "default") -> tuple[Scene, Solution
         InvalidInputError: the subject is none of these, or there is nothing to measure.
         NotSeparableError: the system does not separate.
     """
+    own = isinstance(subject, (Motion, Mapping, Scene)) or (isinstance(subject, str | Path) and is_scene(subject))
+    refuse_unused({"motion": own and motion != "default"}, "a motion or a scene is given, not a catalog entry")
     if isinstance(subject, Motion):
         if subject.as_solved is not subject:
             raise InvalidInputError("cost: a motion in coordinates that were found is not measured; give motion.within")

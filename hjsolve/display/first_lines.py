@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from hjsolve.display.visible_text import visible
+
 MOST = 10
 
 
 def few_lines(lines: Iterable[str], most: int = MOST) -> str:
-    r"""Join lines, and say how many more there are.
+    r"""Join lines, and say how many more there are; control and bidirectional characters become escapes.
 
     Args:
         lines: a sentence each.
@@ -20,4 +22,4 @@ def few_lines(lines: Iterable[str], most: int = MOST) -> str:
     """
     told = list(lines)
     more = len(told) - most
-    return "\n".join([*told[:most], *((f"and {more} more",) if more > 0 else ())])
+    return "\n".join([*map(visible, told[:most]), *((f"and {more} more",) if more > 0 else ())])

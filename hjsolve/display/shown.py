@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
@@ -207,6 +207,16 @@ def _ends(flat: Any, room: int) -> str:
     return ", ".join(words if len(flat) <= 4 else [*words[:2], "…", words[2]])
 
 
+def listed_names(names: Iterable[str]) -> str:
+    """Write names as a list in a sentence: ``x``, ``x and y``, ``x, y and z``.
+
+    Args:
+        names: at least one.
+    """
+    *first, last = names
+    return f"{', '.join(first)} and {last}" if first else last
+
+
 def cut(text: str, room: int) -> str:
     """Shorten a line.
 
@@ -219,4 +229,5 @@ def cut(text: str, room: int) -> str:
 
 __all__ = [
     "MOST_LINES", "WIDEST", "Shown", "ShownMotion", "ShownSolution", "as_call", "as_text", "brief", "cut", "fields_of",
+    "listed_names",
 ]  # fmt: skip

@@ -9,6 +9,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.exact_regions import regions_with_kinds, start_at
 from hjsolve.energy_momentum.isolation import Reals
@@ -23,8 +24,8 @@ _MARGIN = 1e-9
 """A start nearer to a turning point than this part of the domain counts as at it."""
 
 
-@dataclass(frozen=True, repr=False)
-class CoordinateKinds(Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class CoordinateKinds(ByValue, Shown):
     """One separated coordinate, with every constant and parameter known but two.
 
     Attributes:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.tape import Tape
+from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
 from hjsolve.energy_momentum.isolation import Reals
@@ -34,8 +35,8 @@ _SMALLEST, _BREAK = 1e-3, 0.1
 """Size of a curve, as part of the window, beneath which it is rounding at an end of the domain, and of a gap in one."""
 
 
-@dataclass(frozen=True, repr=False)
-class CriticalCurve(Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class CriticalCurve(ByValue, Shown):
     """A curve of the map, where the kinds of motion change.
 
     Attributes:

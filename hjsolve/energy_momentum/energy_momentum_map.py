@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from hjsolve import arguments, catalog
 from hjsolve.arithmetic.estimate_array import EstimateArray
+from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.all_curves import critical_curves
 from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
@@ -28,6 +29,7 @@ from hjsolve.formulas.read import number
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.motion.initial_data import domain_ends, parameter_values
 from hjsolve.motion.motion import Motion
+from hjsolve.precision import one_at_a_time
 from hjsolve.solution.quadratures import Solution
 
 if TYPE_CHECKING:
@@ -39,8 +41,8 @@ _IN_THE_CELL = 0.48661
 """Where in its cell a point of a grid lies: a critical curve often goes through the middle of a window."""
 
 
-@dataclass(frozen=True, repr=False)
-class EnergyMomentumMap(Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class EnergyMomentumMap(ByValue, Shown):
     """The plane of two constants of the motion; made by ``energy_momentum_map``.
 
     Attributes:
@@ -228,6 +230,7 @@ def _points(x: object, y: object) -> tuple[Reals, Reals, tuple[int, ...]]:
     return xs.ravel(), ys.ravel(), xs.shape
 
 
+@one_at_a_time
 def energy_momentum_map(
     solution: Solution | Motion,
     x: str | None = None,

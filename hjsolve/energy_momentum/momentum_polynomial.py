@@ -19,10 +19,12 @@ import sympy as sp
 from hjsolve.arithmetic.floats import EPS, Float64
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.closed_form.substitutions import Substitution, known_substitutions
+from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.isolation import IsolatedRoots, Reals, at_place, bernstein_value, isolated_roots
 from hjsolve.lowering import lower
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
+from hjsolve.precision import mp
 
 _DIGITS = 60
 _MODERATE = 400
@@ -31,8 +33,8 @@ _LOW_ENOUGH, _HIGHEST = 6, 24
 """Degree in t up to which no other variable is tried, and above which doubles tell little in Bernstein's form."""
 
 
-@dataclass(frozen=True, repr=False)
-class _Piece(Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class _Piece(ByValue, Shown):
     """A part of the domain of t, and N on it.
 
     Attributes:
@@ -64,8 +66,8 @@ class _Piece(Shown):
             return self.start + side * self.length * (s / (1 - s) if np.isinf(self.end) else s)
 
 
-@dataclass(frozen=True, repr=False)
-class MomentumPolynomial(Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class MomentumPolynomial(ByValue, Shown):
     """N(t; x, y) of one coordinate.
 
     Attributes:
@@ -214,7 +216,7 @@ def _numerator(s: Substitution, x: sp.Symbol, y: sp.Symbol) -> sp.Expr | None:
 
 def _of_moderate_size(N: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> sp.Expr:
     """N over a power of two: exact constants of many digits leave coefficients beyond all doubles."""
-    largest = max((mpmath.mag(mpmath.mpf(sp.N(c, _DIGITS))) for c in sp.Poly(N, *symbols).coeffs()), default=0)
+    largest = max((mp.mag(mp.mpf(sp.N(c, _DIGITS))) for c in sp.Poly(N, *symbols).coeffs()), default=0)
     return N if abs(largest) < _MODERATE else sp.expand(N * sp.Integer(2) ** -int(largest))
 
 
@@ -258,31 +260,31 @@ def _tables(
     terms = sp.Poly(N, t, *constants).terms()
     degree = max(k for (k, _, _), _ in terms)
     monomials = tuple(sorted({(i, j) for (_, i, j), _ in terms}))
-    with mpmath.workdps(_DIGITS):
-        rows = {ij: [mpmath.mpf(0)] * (degree + 1) for ij in monomials}
+    with mp.workdps(_DIGITS):
+        rows = {ij: [mp.mpf(0)] * (degree + 1) for ij in monomials}
         for (k, i, j), c in terms:
-            rows[i, j][k] = mpmath.mpf(sp.N(c, _DIGITS))
+            rows[i, j][k] = mp.mpf(sp.N(c, _DIGITS))
         table = [rows[ij] for ij in monomials]
-        a, b = (mpmath.mpf(sp.N(e, _DIGITS)) if e.is_finite else mpmath.inf * (1 if e is sp.oo else -1) for e in ends)
-        if mpmath.isfinite(a) or mpmath.isfinite(b):
+        a, b = (mp.mpf(sp.N(e, _DIGITS)) if e.is_finite else mp.inf * (1 if e is sp.oo else -1) for e in ends)
+        if mp.isfinite(a) or mp.isfinite(b):
             return monomials, (_piece(table, a, b, length),)
-        middle = mpmath.mpf(length) / 137
+        middle = mp.mpf(length) / 137
         return monomials, (_piece(table, a, middle, length), _piece(table, middle, b, length))
 
 
 def _piece(table: list[list[mpmath.mpf]], a: mpmath.mpf, b: mpmath.mpf, length: float) -> _Piece:
-    if mpmath.isinf(a):
+    if mp.isinf(a):
         turned = _piece(table, b, a, length)
         return _Piece(float(a), float(b), turned.length, np.ascontiguousarray(turned.table[:, ::-1]))
-    far = bool(mpmath.isinf(b))
-    size = mpmath.mpf(length) if far else abs(b - a)
+    far = bool(mp.isinf(b))
+    size = mp.mpf(length) if far else abs(b - a)
     shifted = [_shifted(row, a, size * (1 if b > a else -1)) for row in table]
     n = len(table[0]) - 1
     if far:
-        found = [[row[k] / mpmath.binomial(n, k) for k in range(n + 1)] for row in shifted]
+        found = [[row[k] / mp.binomial(n, k) for k in range(n + 1)] for row in shifted]
     else:
         found = [
-            [sum(row[k] * mpmath.binomial(i, k) / mpmath.binomial(n, k) for k in range(i + 1)) for i in range(n + 1)]
+            [sum(row[k] * mp.binomial(i, k) / mp.binomial(n, k) for k in range(i + 1)) for i in range(n + 1)]
             for row in shifted
         ]
     return _Piece(float(a), float(b), float(size), np.array([[float(c) for c in row] for row in found]))

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import sympy as sp
 
+from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
 from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window
@@ -30,8 +31,8 @@ _LONGEST = 1.0
 _TURNED = 0.1234
 
 
-@dataclass(frozen=True, repr=False)
-class IsolatedCriticalValue(Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class IsolatedCriticalValue(ByValue, Shown):
     """A point of the map at which a motion rests, and round which the same kinds of motion are on every side.
 
     Attributes:
@@ -48,8 +49,8 @@ class IsolatedCriticalValue(Shown):
     radius: float
 
 
-@dataclass(frozen=True, repr=False)
-class Monodromy(Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class Monodromy(ByValue, Shown):
     """What becomes of a basis of the periods of the tori over a circle, once round it.
 
     Attributes:

@@ -95,7 +95,8 @@ def _batch(
         p[own.name] = np.sqrt(np.maximum(np.asarray(square, float), 0)) - np.asarray(shift, float) + np.zeros(len(x))
     parameters = {s.name: first.values[s.symbol] for s in solution.system.parameters}
     subject = solution.system if solution.chart is not None else solution
-    return ensemble(subject, q=q, p=p, want=want, parameters=parameters, fallback=every)
+    threads = 1 if every else None  # a report holds the lock that single orbits ask for
+    return ensemble(subject, q=q, p=p, want=want, parameters=parameters, fallback=every, threads=threads)
 
 
 def _number(value: sp.Expr | Reals) -> float | Reals:

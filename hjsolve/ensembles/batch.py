@@ -139,6 +139,20 @@ class Batch(OrbitColumns):
         """
         return xarray_dataset(self)
 
+    def to_table(self) -> Any:
+        """Return an astropy ``QTable``: one row an orbit, with the units of the system where it declares them.
+
+        Columns are those of ``columns``, the status as words; of a batch with several axes ``axis_0``, ``axis_1``, …
+        come first. The shape is in ``meta``.
+
+        Raises:
+            InvalidInputError: the units that the system declares do not fit T and V.
+            MissingExtraError: astropy is not installed (extra ``units``).
+        """
+        from hjsolve.ensembles.in_units import quantity_table
+
+        return quantity_table(self.compute())
+
     def save(self, path: str | PathLike[str]) -> Path:
         """Write a Parquet file: one row an orbit, the columns of ``columns``, the status as words.
 

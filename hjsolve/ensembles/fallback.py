@@ -10,12 +10,12 @@ import numpy as np
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.layout import ERROR, Layout
-from hjsolve.ensembles.task import ONE_AT_A_TIME
 from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
 from hjsolve.motion.charted.in_a_plane import MotionInPlane
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
 from hjsolve.one_coordinate.coordinate_motion import AtRest
+from hjsolve.precision import shared_libraries
 from hjsolve.solution.quadratures import Solution
 from hjsolve.time_law.torus import TorusEquations, oscillation
 
@@ -44,7 +44,7 @@ def single_orbit(
     Returns:
         The status, and the columns that exist.
     """
-    with ONE_AT_A_TIME:
+    with shared_libraries:
         try:
             want = layout.want
             motion = solution.motion(**start, parameters=parameters, want=_TIMELESS if endless else want)

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from hjsolve.arithmetic.measured import Measured, measured_in
 from hjsolve.display.shown import Shown
+from hjsolve.ensembles.export import axis_names, with_words
+from hjsolve.ensembles.layout import ERROR
 from hjsolve.ensembles.orbit_columns import OrbitColumns
 from hjsolve.mechanics.quantities_given import Measures
-from hjsolve.motion.in_units import told_of
-from hjsolve.units.libraries import Number
+from hjsolve.motion.in_units import measures_of, told_of
+from hjsolve.units.libraries import Number, library
 
 _ROLES = {
     "actions": "action", "frequencies": "frequency", "periods": "period", "angles": "angle", "constants": "constant",
@@ -80,3 +85,30 @@ class BatchInUnits(Shown):
 
     def _numbers(self, value: Number, error: Number, name: str, role: str) -> Measured:
         return measured_in(value, error, self.measures.unit(name, role), self.measures.library)
+
+
+def quantity_table(batch: OrbitColumns) -> Number:
+    """Return the astropy ``QTable`` of a batch, one row an orbit.
+
+    Args:
+        batch: of numpy arrays.
+
+    Raises:
+        InvalidInputError: the units that the system declares do not fit T and V.
+        MissingExtraError: astropy is not installed.
+    """
+    found = library("astropy")
+    solution = batch.layout.solution
+    measures = None if solution is None else measures_of(solution, "astropy")
+    table = importlib.import_module("astropy.table").QTable(meta={"shape": list(batch.shape)})
+    if len(batch.shape) > 1:
+        for name, places in zip(axis_names(batch.shape), np.indices(batch.shape)):
+            table[name] = places.reshape(-1)
+    for name, column in with_words(batch).items():
+        flat = np.asarray(column).reshape(-1)
+        quantity, _, rest = name.removeprefix(ERROR).partition(".")
+        if measures is not None and rest:
+            coordinate = rest.rpartition(".")[0] if quantity == "turning_points" else rest
+            flat = found.quantity(flat, measures.unit(coordinate, _ROLES.get(quantity, "q")))
+        table[name] = flat
+    return table

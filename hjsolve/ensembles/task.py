@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -17,10 +16,8 @@ from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, momenta
 from hjsolve.motion.initial_data import domain_ends, sign, to_bits
 from hjsolve.motion.velocity_frame import COORDINATE, factors_of
+from hjsolve.precision import shared_libraries
 from hjsolve.solution.quadratures import Solution, solve
-
-ONE_AT_A_TIME = threading.RLock()
-"""sympy and mpmath keep caches that were not made for threads, and hold Python's lock anyway."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +89,7 @@ def tools_of(task: EnsembleTask) -> TaskContext:
     Args:
         task: what is to be computed of each orbit.
     """
-    with ONE_AT_A_TIME:
+    with shared_libraries:
         return _tools(task)
 
 

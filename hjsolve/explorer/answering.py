@@ -27,6 +27,7 @@ from hjsolve.reports.formats.html import block_html
 from hjsolve.reports.sections import obstruction, system_and_verdict
 from hjsolve.reports.sections.chart import chart_section
 from hjsolve.reports.sections.motion import numbers_section
+from hjsolve.reports.sections.refused_motion import section_of_refused_motion
 from hjsolve.reports.sections.solution import forms_section, solution_sections
 from hjsolve.reports.write import report
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
@@ -34,6 +35,8 @@ from hjsolve.solution.quadratures import Solution, solve
 
 _DRAGGED = 4
 """Digits of a place that was dragged to: as fine as a mouse is."""
+_SEARCH = 10.0
+"""Seconds for coordinates that separate: a part of those that a question may take."""
 _CARRIED = 12
 """Digits of velocities that follow from it."""
 
@@ -153,13 +156,13 @@ def _parameter_values(system: System) -> dict[sp.Symbol, sp.Expr]:
 # ------------------------------------------------------------------------------------------- what is told
 def _told(question: PageQuestion, system: System) -> PageAnswer:
     verdict = separate(system)
-    solution = _solved(question, system, verdict)
+    solution, search = _solved(question, system, verdict)
     if question.wanted == "scene":
         return PageAnswer(file=scene_text(question, system))
     if question.wanted == "report":
         return PageAnswer(file=_report(solution if solution is not None else verdict, question))
     if solution is None:
-        return _refused(verdict)
+        return _refused(question, verdict, search)
     lead = _html(Paragraph(system_and_verdict.answer(solution.separation)))
     chart = chart_section(solution.chart) if solution.chart is not None else None
     details = _sections([chart, forms_section(solution.separation)])
@@ -173,22 +176,38 @@ def _told(question: PageQuestion, system: System) -> PageAnswer:
         return replace(told, problem=_line(error))
 
 
-def _solved(question: PageQuestion, system: System, verdict: Separation | Obstruction | Undecided) -> Solution | None:
+def _solved(
+    question: PageQuestion, system: System, verdict: Separation | Obstruction | Undecided
+) -> tuple[Solution | None, str]:
+    """The solution, or None and what the search for other coordinates answered, where there was one."""
     if isinstance(verdict, Separation):
-        return solve(verdict)
+        return solve(verdict), ""
     if not question.find:
-        return None
+        return None, ""
     try:
-        return solve(system, coordinates="find")
-    except NotSeparableError:
-        return None
+        return solve(system, coordinates="find", budget=_SEARCH), ""
+    except NotSeparableError as error:
+        reason = _line(error)
+        return None, f"Other coordinates: none found. {reason[:1].upper()}{reason[1:]}"
 
 
-def _refused(verdict: Separation | Obstruction | Undecided) -> PageAnswer:
+def _refused(question: PageQuestion, verdict: Separation | Obstruction | Undecided, search: str) -> PageAnswer:
+    """The refusal, what the search for other coordinates answered, and the motion, integrated step by step."""
     assert not isinstance(verdict, Separation)
     lead = _html(Paragraph(system_and_verdict.answer(verdict)))
-    open_ = isinstance(verdict, Undecided)
-    return PageAnswer("open" if open_ else "no", lead, _sections([obstruction.refusal_section(verdict)]))
+    if search:
+        lead += "\n" + _html(Paragraph((search,)))
+    told = PageAnswer(
+        "open" if isinstance(verdict, Undecided) else "no", lead, _sections([obstruction.refusal_section(verdict)])
+    )
+    if not any(text.strip() for text in question.q.values()):
+        return told
+    try:
+        moving = section_of_refused_motion(verdict.system, _start(question), returns=False)
+    except HJSolveError as error:
+        return replace(told, problem=_line(error))
+    words = "The motion is drawn where two coordinates are left once the ignorable ones are gone; here it is not."
+    return replace(told, drawings=_html(Paragraph((words,))) if moving is None else _sections([moving]))
 
 
 def _start(question: PageQuestion) -> dict[str, dict[str, str]]:

@@ -82,7 +82,14 @@ class ExplorerPage:
             with ui.element("section").props('aria-label="What follows" aria-live="polite"'):
                 self._build_answers()
         self._write(question)
-        self.desk.put(question)
+        self._begun = False
+        self.client.on_connect(self._begin)
+
+    def _begin(self) -> None:
+        """Ask the first question once the socket is there; a page that nobody looks at computes nothing."""
+        if not self._begun:
+            self._begun = True
+            self.desk.put(self.question)
 
     # --------------------------------------------------------------------------------------- fields
     def _build_fields(self) -> None:
@@ -90,7 +97,7 @@ class ExplorerPage:
         entries = ui.select(catalog.titles(), label="from the catalog", with_input=True, on_change=self._chosen)
         entries.props("dense clearable").mark("catalog")
         self.coordinates = self._area("coordinates, one a line: x: line, r: 0 < r, theta: angle")
-        self.kinetic = self._area("T, with dot(q) for a velocity")
+        self.kinetic = self._area("T, with dot(q) or q' for a velocity")
         self.potential = self._area("V")
         self.parameters = self._area("parameters, one a line: k = 1 : positive")
         self.start = ui.element("div").classes("start")

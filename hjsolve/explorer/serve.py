@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import math
+import secrets
 import socket
 from pathlib import Path
 
+from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingExtraError
 from hjsolve.explorer.first_question import question_about
 
 HOST = "127.0.0.1"
+_NAMES = (HOST, "localhost")
+_MOST_PAGES = 64
+"""Pages that are open, or were opened in the last minute."""
 
 
 def serve_explorer(
@@ -32,14 +38,20 @@ def serve_explorer(
 
     Raises:
         MissingExtraError: NiceGUI is not installed.
-        InvalidInputError: there is no such subject, or the port is taken.
+        InvalidInputError: there is no such subject, the port is none or is taken, or a limit makes no sense.
     """
+    arguments.whole(port, "--port", 0, 65535)
+    arguments.whole(megabytes, "--memory", 1)
+    arguments.whole(workers, "workers", 1)
+    if not 0 < arguments.seconds(seconds, "--seconds") < math.inf:
+        raise InvalidInputError(f"--seconds: a number of seconds above 0 is needed, not {seconds:g}")
     try:
-        from nicegui import app, ui
+        from nicegui import Client, app, ui
     except ImportError as missing:
         raise MissingExtraError('the explorer needs NiceGUI: pip install "hjsolve[explore]"') from missing
     from starlette.middleware.trustedhost import TrustedHostMiddleware
 
+    from hjsolve.explorer.gate import Gate
     from hjsolve.explorer.page import ExplorerPage
     from hjsolve.explorer.worker import Workers
 
@@ -49,15 +61,21 @@ def serve_explorer(
 
     @ui.page("/")
     def page() -> None:
-        ExplorerPage(pool, question)
+        if len(Client.instances) > _MOST_PAGES:
+            ui.label(f"{_MOST_PAGES} pages are open; close some, wait a minute and load this one again")
+        else:
+            ExplorerPage(pool, question)
 
-    app.add_middleware(TrustedHostMiddleware, allowed_hosts=[HOST, "localhost"])
+    token = secrets.token_urlsafe(24)
+    address = f"/?token={token}"
+    app.add_middleware(Gate, token=token, port=chosen, hosts=_NAMES)
+    app.add_middleware(TrustedHostMiddleware, allowed_hosts=list(_NAMES))
     app.on_startup(pool.begin)
     app.on_shutdown(pool.end)
-    print(f"hjsolve explore: http://{HOST}:{chosen} (Ctrl-C ends it)", flush=True)
+    print(f"hjsolve explore: http://{HOST}:{chosen}{address} (Ctrl-C ends it)", flush=True)
     ui.run(
-        host=HOST, port=chosen, title="hjsolve explore", show=show, reload=False, show_welcome_message=False,
-        uvicorn_logging_level="error", dark=None,
+        host=HOST, port=chosen, title="hjsolve explore", show=address if show else False, reload=False,
+        show_welcome_message=False, uvicorn_logging_level="error", dark=None,
     )  # fmt: skip
 
 

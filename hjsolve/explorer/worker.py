@@ -9,14 +9,18 @@ from __future__ import annotations
 import asyncio
 import multiprocessing
 import os
+import signal
+import threading
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from hjsolve.explorer.question import PageAnswer, PageQuestion
 
-_BEGINNING = 60.0
-"""Seconds that the engine may take to be imported."""
+_BEGINNING, _ENDING = 60.0, 5.0
+"""Seconds that the engine may take to be imported, and a process to end that has closed its connection."""
+_OUT_OF_MEMORY, _WITHOUT_SERVER = 75, 76
+"""Exit statuses of the process."""
 
 
 class Worker:
@@ -40,7 +44,11 @@ class Worker:
         process.start()
         there.close()
         self._process, self._connection = process, here
-        if not here.poll(_BEGINNING) or here.recv() != "ready":
+        try:
+            ready = here.poll(_BEGINNING) and here.recv() == "ready"
+        except (EOFError, OSError):  # it ended, or this server does
+            ready = False
+        if not ready:
             self.end()
 
     def ready(self) -> None:
@@ -65,10 +73,23 @@ class Worker:
                 assert isinstance(answered, PageAnswer)
                 return answered
         except (EOFError, OSError):
+            why = self._cause()
             self.end()
-            return PageAnswer(problem=f"this took more than {self.megabytes} MB of memory, and was stopped")
+            return PageAnswer(problem=why)
         self.end()
         return PageAnswer(problem=f"this took more than {self.seconds:g} s, and was stopped; make it simpler")
+
+    def _cause(self) -> str:
+        """Say why the process has ended."""
+        assert self._process is not None
+        self._process.join(_ENDING)
+        code = self._process.exitcode
+        if code == _OUT_OF_MEMORY:
+            return f"this took more than {self.megabytes} MB of memory, and was stopped"
+        if code is not None and code < 0:
+            name = signal.Signals(-code).name if -code in set(signal.Signals) else str(-code)
+            return f"the process that computes was ended by the signal {name}, not by hjsolve; ask again"
+        return f"the process that computes ended with status {code}; ask again"
 
     def end(self) -> None:
         """End the process, whatever it does."""
@@ -131,6 +152,7 @@ def _answer_all(connection: Connection, megabytes: int) -> None:
     from hjsolve.errors import FAULTS, HJSolveError
     from hjsolve.explorer.answering import answer_question
 
+    threading.Thread(target=_end_with_server, daemon=True).start()
     _warm()
     _limit(megabytes)
     connection.send("ready")
@@ -142,13 +164,21 @@ def _answer_all(connection: Connection, megabytes: int) -> None:
         try:
             answered = answer_question(question)
         except MemoryError:
-            os._exit(1)
+            os._exit(_OUT_OF_MEMORY)
         except HJSolveError as error:
             answered = PageAnswer(problem=" ".join(str(error).split()))
         except FAULTS as error:  # a fault of ours must not end the page of who found it
             fault = f"{type(error).__name__}: {error}"
             answered = PageAnswer(problem=f"a fault of hjsolve itself, please report it: {fault}")
         connection.send(answered)
+
+
+def _end_with_server() -> None:
+    """End this process once the server is gone, whatever is being computed."""
+    server = multiprocessing.parent_process()
+    if server is not None:
+        server.join()
+        os._exit(_WITHOUT_SERVER)
 
 
 def _warm() -> None:

@@ -31,6 +31,7 @@ from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_t
 from hjsolve.motion.initial_data import complete_numbers, one_of_velocity_and_p, parameter_values, to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, State
+from hjsolve.precision import one_at_a_time
 from hjsolve.solution.quadratures import solve
 
 LAMBDA = sp.Symbol("lambda")
@@ -162,6 +163,7 @@ def _speeds(modes: LinearModes) -> list[list[Mpf]]:
     return [list(row) for row in found.tolist()]
 
 
+@one_at_a_time
 def gyroscopic_modes(
     system: System | str | Path, *, parameters: Mapping[str, object] | None = None, digits: int = 30
 ) -> LinearModes:

@@ -25,6 +25,7 @@ from hjsolve.extended.one_freedom import LinearInMomentum, NonlinearInMomentum
 from hjsolve.formulas.read import parse
 from hjsolve.mechanics.periodicity import is_periodic
 from hjsolve.mechanics.system import System
+from hjsolve.precision import one_at_a_time
 
 if TYPE_CHECKING:
     from hjsolve.arithmetic.number_types import Mpf
@@ -116,6 +117,7 @@ class GeneralHamiltonian(NonlinearInMomentum):
         return start_on_level(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
 
 
+@one_at_a_time
 def from_hamiltonian(
     hamiltonian: str, coordinates: Mapping[str, str], parameters: Mapping[str, object] | None = None, *,
     title: str = "", id: str = "",  # noqa: A002

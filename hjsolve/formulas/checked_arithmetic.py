@@ -15,9 +15,12 @@ from typing import NamedTuple
 
 import mpmath
 import sympy as sp
+from mpmath import libmp
 
 from hjsolve.errors import ExpressionError
+from hjsolve.formulas.polar_angle import MAX_MULTIPLE, angle_of_point, largest_multiple
 from hjsolve.formulas.tokens import MAX_DIGITS
+from hjsolve.precision import multiprecision
 
 MAX_BITS = 7_000
 MAX_EXPONENT = 100
@@ -31,8 +34,7 @@ _MAX_TERMS_OF_POWER = 500
 _MAX_ANGLE = 10**15
 _MAX_LOGARITHM = 2_500
 _OF_LOGARITHMS = frozenset({"exp", "sinh", "cosh", "tanh", "coth", "sech", "csch"})
-_CONTEXT = mpmath.MPContext()
-_CONTEXT.dps = 60
+_CONTEXT = multiprecision(libmp.dps_to_prec(60))
 _HUGE = _CONTEXT.mpf(10) ** MAX_DIGITS
 _TINY = 1 / _HUGE
 _VANISHING = _CONTEXT.mpf(10) ** -40
@@ -224,9 +226,43 @@ def call(name: str, argument: Node, fail: Fail) -> Node:
     elif name == "log" and argument.expression.is_nonpositive:
         raise fail("log is not real here: its argument is never positive")
     _check_argument(argument, fail)
+    if largest_multiple(argument.expression) > MAX_MULTIPLE:
+        raise fail(f"multiples of atan2 beyond {MAX_MULTIPLE} cannot stand inside a function")
     _check_sizes(1, argument.nesting + 1, fail)
     expression = _built(lambda: FUNCTIONS[name](argument.expression), name, fail)
     return _checked(Node(expression, value, 1, argument.nesting + 1, 0 if value is not None else 1), fail)
+
+
+def absolute_value(node: Node) -> Node:
+    """|a|, which no formula may keep outside a real root; ``power`` and the others refuse it.
+
+    Args:
+        node: a.
+    """
+    return node._replace(expression=sp.Abs(node.expression), value=None if node.value is None else abs(node.value))
+
+
+def polar_angle(y: Node, x: Node, fail: Fail) -> Node:
+    """atan2(y, x), the angle of the point (x, y) in (−π, π].
+
+    Args:
+        y, x: the coordinates of the point, in the order of the C library.
+        fail: makes the error of a message, with the place in the text.
+
+    Raises:
+        ExpressionError: both are zero, or beyond the limits of a formula (argument, nesting, size).
+    """
+    if y.expression.is_zero and x.expression.is_zero:
+        raise fail("atan2(0, 0) has no value")
+    value = None
+    if y.value is not None and x.value is not None:
+        value = _within(_CONTEXT.atan2(y.value, x.value), fail)
+    for argument in (y, x):
+        _check_argument(argument, fail)
+    nesting = max(y.nesting, x.nesting) + 1
+    _check_sizes(1, nesting, fail)
+    expression = _built(lambda: angle_of_point(y.expression, x.expression), "atan2", fail)
+    return _checked(Node(expression, value, 1, nesting, 0 if value is not None else 1), fail)
 
 
 def _check_base(base: Node, n: mpmath.mpf | None, fail: Fail) -> None:
@@ -278,7 +314,7 @@ def _defined(compute: Callable[[], mpmath.mpf], what: str, fail: Fail) -> mpmath
     """A constant's value, or the error that says why it has none."""
     try:
         value = compute()
-    except (ValueError, ZeroDivisionError, OverflowError, mpmath.libmp.NoConvergence):
+    except (ValueError, ZeroDivisionError, OverflowError, libmp.NoConvergence):
         raise fail(f"{what} has no finite value here") from None
     if isinstance(value, _CONTEXT.mpc):
         raise fail(f"{what} is not real here")
@@ -310,7 +346,7 @@ def _checked(node: Node, fail: Fail) -> Node:
         raise fail("the value is not finite (a division by zero, or a pole)")
     if expression.has(sp.I):
         raise fail("the value is not real")
-    if expression.has(sp.Abs, sp.sign, sp.arg, sp.re, sp.im):
+    if has_absolute_value(expression):
         raise fail("this is an absolute value such as sqrt(x**2); write x, on a domain where it keeps its sign")
     if _bits(expression.as_coeff_Mul()[0]) > MAX_BITS:
         raise fail(f"the number is beyond 1e±{MAX_DIGITS}; choose other units")
@@ -320,6 +356,16 @@ def _checked(node: Node, fail: Fail) -> Node:
         _within(value, fail)
     _check_sizes(max(node.terms, node.below), node.nesting, fail)
     return node
+
+
+def has_absolute_value(expression: sp.Expr) -> bool:
+    """Whether an absolute value occurs in it, other than in a real root such as (x**2)**(1/3) = |x|**(2/3).
+
+    Args:
+        expression: real.
+    """
+    roots = {e: sp.S.One for e in expression.atoms(sp.Pow) if isinstance(e.base, sp.Abs) and e.exp.is_integer is False}
+    return bool(expression.xreplace(roots).has(sp.Abs, sp.sign, sp.arg, sp.re, sp.im))
 
 
 def _value(expression: sp.Expr) -> mpmath.mpf:

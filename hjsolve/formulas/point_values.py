@@ -6,10 +6,12 @@ from collections.abc import Mapping
 
 import mpmath
 import sympy as sp
+from mpmath import libmp
 from sympy.core.function import AppliedUndef
 
-CONTEXT = mpmath.MPContext()
-CONTEXT.dps = 80
+from hjsolve.precision import multiprecision
+
+CONTEXT = multiprecision(libmp.dps_to_prec(80))
 _MAX_ARGUMENT = 1_000_000
 _GROWING = (sp.exp, sp.sinh, sp.cosh, sp.tanh)
 

@@ -13,14 +13,24 @@ from decimal import Decimal
 from fractions import Fraction
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
+from hjsolve.arguments import ascii_name
 from hjsolve.errors import ExpressionError
-from hjsolve.formulas.checked_arithmetic import FUNCTIONS, MAX_BITS
+from hjsolve.formulas.checked_arithmetic import FUNCTIONS, MAX_BITS, has_absolute_value
 from hjsolve.formulas.parser import Parser
-from hjsolve.formulas.tokens import MAX_DIGITS, FormulaText, instead_of_word, printable, scan
+from hjsolve.formulas.polar_angle import without_polar_angles
+from hjsolve.formulas.tokens import (
+    MAX_DIGITS,
+    FormulaText,
+    coordinate_of_velocity,
+    instead_of_word,
+    printable,
+    scan,
+)
 
 _ARITHMETIC: tuple[type, ...] = (sp.Symbol, sp.Add, sp.Mul, sp.Pow, type(sp.pi), type(sp.E))
-_ELEMENTARY: tuple[type, ...] = (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan)
+_ELEMENTARY: tuple[type, ...] = (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, sp.atan2, sp.Abs)
 _HYPERBOLIC: tuple[type, ...] = (sp.sinh, sp.cosh, sp.tanh, sp.asinh, sp.acosh, sp.atanh)
 _KNOWN = _ARITHMETIC + _ELEMENTARY + _HYPERBOLIC
 _NO_VELOCITIES: Mapping[str, sp.Symbol] = {}
@@ -41,7 +51,8 @@ def parse(
     """Read a formula.
 
     Args:
-        text: the formula, in ASCII; ``dot(q)`` is a velocity, ``pi`` the constant, ``**`` a power.
+        text: the formula, in ASCII and Greek letters; ``dot(q)``, ``q'`` and ``qdot`` are a velocity, ``pi`` the
+            constant, ``**`` and ``^`` a power.
         names: the names that may occur and what they stand for; symbols are taken to be real.
         velocities: what ``dot(q)`` stands for, by the name of the coordinate; none are accepted when left out.
         functions: functions left undetermined, name → ``v1(r)`` as it must be written.
@@ -73,7 +84,8 @@ def admit(
     """Take over a sympy expression: symbols are matched by name, floats become the exact numbers they are.
 
     Args:
-        expression: sums, products, powers and the functions of ``parse``; a velocity is ``Symbol("dot(q)")``.
+        expression: sums, products, powers and the functions of ``parse``; a velocity is ``Symbol("dot(q)")`` or, with
+            coordinates that are functions of the time as of ``dynamicsymbols``, ``Derivative(q(t), t)``.
         names: the names that may occur and what they stand for.
         velocities: what ``Symbol("dot(q)")`` stands for, by the name of the coordinate.
         source: what the expression is called in an error.
@@ -86,33 +98,66 @@ def admit(
     """
     known = {**names, **{f"dot({name})": symbol for name, symbol in velocities.items()}}
     replaced: dict[sp.Basic, sp.Basic] = {}
-    for count, node in enumerate(sp.preorder_traversal(expression)):
+    nodes = sp.preorder_traversal(expression)
+    for count, node in enumerate(nodes):
         if count > MAX_NODES:
             raise ExpressionError(f"{source}: the expression has more than {MAX_NODES} nodes", source=source)
         if isinstance(node, sp.Symbol):
-            if node.name not in known:
-                raise _refused(source, instead_of_word(node.name, names, velocities, FUNCTIONS), expression)
-            replaced[node] = known[node.name]
+            replaced[node] = _declared(node, known, velocities, source, expression)
+        elif isinstance(node, (sp.Derivative, AppliedUndef)) and not _is_undetermined(node, known):
+            replaced[node] = _of_time(node, names, velocities, source)
+            nodes.skip()
         elif isinstance(node, sp.Float):
             replaced[node] = sp.Rational(node)
         elif not node.is_Rational and not isinstance(node, _KNOWN):
             _check_node(node, source, known)
-    return _real(expression.xreplace(replaced).replace(_is_reciprocal, _as_quotient), source)
+    taken_over = expression.xreplace(replaced).replace(_is_reciprocal, _as_quotient)
+    return _real(without_polar_angles(taken_over), source)
+
+
+def _declared(
+    symbol: sp.Symbol,
+    known: Mapping[str, sp.Expr],
+    velocities: Mapping[str, sp.Symbol],
+    source: str,
+    expression: sp.Expr,
+) -> sp.Expr:
+    name = ascii_name(symbol.name)
+    if name in known:
+        return known[name]
+    coordinate = coordinate_of_velocity(name, velocities)
+    if coordinate:
+        return velocities[coordinate]
+    names = [known_name for known_name in known if known_name.isidentifier()]
+    raise _refused(source, instead_of_word(symbol.name, names, velocities, FUNCTIONS), expression)
+
+
+def _of_time(node: sp.Basic, names: Mapping[str, sp.Expr], velocities: Mapping[str, sp.Symbol], source: str) -> sp.Expr:
+    """The symbol of q(t) or of Derivative(q(t), t), where q is a coordinate and t no declared name."""
+    derived = isinstance(node, sp.Derivative)
+    inner = node.args[0] if derived else node
+    times = {variable for variable, _ in node.variable_count} if derived else set(node.args)
+    name = ascii_name(inner.func.__name__) if isinstance(inner, AppliedUndef) else ""
+    time = next(iter(times))
+    if len(times) > 1 or not isinstance(time, sp.Symbol) or time.name in names or inner.args != (time,) or not name:
+        raise _refused(source, "a derivative of a coordinate q is Derivative(q(t), t), with nothing else in it", node)
+    if name not in names:
+        raise _refused(source, instead_of_word(name, names, velocities, FUNCTIONS), node)
+    if name not in velocities and (derived or velocities):
+        raise _refused(source, f"{name} is not a coordinate here, so it does not depend on {time}; write {name}", node)
+    if derived and node.derivative_count > 1:
+        raise _refused(source, "accelerations do not occur in T and V", node)
+    return velocities[name] if derived else names[name]
 
 
 def _check_node(node: sp.Basic, source: str, known: Mapping[str, sp.Basic]) -> None:
-    if _is_reciprocal(node) or _is_undetermined(node, known):
-        return
-    if isinstance(node, sp.Derivative):
-        raise _refused(source, "write a velocity as Symbol('dot(q)'), not as a derivative", node)
-    if isinstance(node, sp.core.function.AppliedUndef):
-        raise _refused(source, f"write the symbol {node.func} instead of a function of time", node)
-    raise _refused(source, f"{type(node).__name__} is not accepted; known are {', '.join(FUNCTIONS)}", node)
+    if not (_is_reciprocal(node) or _is_undetermined(node, known)):
+        raise _refused(source, f"{type(node).__name__} is not accepted; known are {', '.join(FUNCTIONS)}", node)
 
 
 def _is_undetermined(node: sp.Basic, known: Mapping[str, sp.Basic]) -> bool:
     """Whether the node is a function left undetermined, f(r), of declared names; q(t) is not."""
-    if not isinstance(node, sp.core.function.AppliedUndef) or node.func.__name__ in known:
+    if not isinstance(node, AppliedUndef) or node.func.__name__ in known:
         return False
     return all(symbol.name in known for symbol in node.free_symbols)
 
@@ -130,7 +175,7 @@ def _real(expression: sp.Expr, source: str) -> sp.Expr:
         raise _refused(source, "the value is not finite", expression)
     if expression.has(sp.I):
         raise _refused(source, "the value is not real", expression)
-    if expression.has(sp.Abs, sp.sign, sp.arg, sp.re, sp.im):
+    if has_absolute_value(expression):
         raise _refused(source, "absolute values are not accepted; they have no derivative at zero", expression)
     return expression
 

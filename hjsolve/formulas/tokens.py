@@ -1,8 +1,8 @@
 """Text of a formula → tokens, and what to write instead where a character or a word is not one.
 
 A formula is ASCII, but for Greek letters, which are read as their names: numbers, names,
-``+ - * / **``, round brackets and commas. Everything else is refused at its
-place with the spelling that would be accepted; nothing is guessed.
+``+ - * / **``, round brackets, commas and the prime of a velocity; ``^`` is read as ``**``. Everything else is refused
+at its place with the spelling that would be accepted; nothing is guessed.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ _EXCERPT = 24
 
 _TOKEN = re.compile(
     r"(?P<space>\s+)|(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
-    r"|(?P<name>[A-Za-z_\u0370-\u03ff\u00b5][A-Za-z0-9_\u0370-\u03ff\u00b5]*)|(?P<operator>\*\*|[-+*/(),])|(?P<other>.)",
+    r"|(?P<name>[A-Za-z_\u0370-\u03ff\u00b5][A-Za-z0-9_\u0370-\u03ff\u00b5]*)|(?P<operator>\*\*|[-+*/(),^'’′])|(?P<other>.)",
     re.DOTALL,
 )
 
+_SAME_OPERATOR = {"^": "**", "’": "'", "′": "'"}
 _INSTEAD_OF_CHARACTER = {
-    "^": "write ** for a power",
     "=": "a formula has no equals sign; give one side of the equation alone",
     "[": "write round brackets ( )",
     "]": "write round brackets ( )",
@@ -51,7 +51,7 @@ _INSTEAD_OF_CHARACTER |= dict.fromkeys("<>≤≥≠", "a formula has no comparis
 _INSTEAD_OF_CHARACTER |= dict.fromkeys("−–—‐‑⁻", "write - (the ASCII minus)")
 _INSTEAD_OF_CHARACTER |= dict.fromkeys("·×⋅∗∙•", "write * for a product")
 _INSTEAD_OF_CHARACTER |= dict.fromkeys("÷∕⁄", "write / for a quotient")
-_DOTS_AND_PRIMES = "'’′`´\u0307\u0308"
+_DOTS_AND_PRIMES = "`´\u0307\u0308"
 
 _INSTEAD_OF_WORD = {
     "dot": "write dot(q) for the velocity of q",
@@ -70,7 +70,6 @@ _INSTEAD_OF_WORD = {
     "log10": "write log(x)/log(10)",
     "log2": "write log(x)/log(2)",
     "pow": "write x**y",
-    "atan2": "write atan(y/x)",
     "abs": "absolute values have no derivative at zero; give each side its own domain and leave the bars out",
     "Abs": "absolute values have no derivative at zero; give each side its own domain and leave the bars out",
     "fabs": "absolute values have no derivative at zero; give each side its own domain and leave the bars out",
@@ -109,7 +108,7 @@ _INSTEAD_OF_WORD |= dict.fromkeys(
 
 
 class Token(NamedTuple):
-    """One number, name, operator, or the end of the text, with its zero-based place."""
+    """One number, name, operator, or the end of the text, with its zero-based position."""
 
     kind: str
     text: str
@@ -178,7 +177,8 @@ def scan(source: FormulaText) -> list[Token]:
         if kind == "name" and not (word := ascii_name(match.group())).isascii():
             raise source.error(_instead_of_character(source.text, match.start()), match.start())
         if kind != "space":
-            tokens.append(Token(kind, word if kind == "name" else match.group(), match.start()))
+            text = word if kind == "name" else _SAME_OPERATOR.get(match.group(), match.group())
+            tokens.append(Token(kind, text, match.start()))
     if not tokens:
         raise source.error("the text is empty; write a formula such as m*x**2/2, or 0", None)
     return [*tokens, Token("end", "", len(source.text.rstrip()))]
@@ -261,7 +261,7 @@ def instead_of_word(
     """
     names, velocities = list(names), list(velocities)
     shown = word if len(word) <= 40 else word[:40] + "…"
-    velocity = _velocity_meant(word, velocities)
+    velocity = coordinate_of_velocity(word, velocities, ("dot{}", "dot_{}", "d{}", "{}d", "{}_t", "v_{}"))
     if velocity:
         return f"{shown!r} is not declared; write dot({velocity}) for the velocity"
     if word in _INSTEAD_OF_WORD:
@@ -280,9 +280,16 @@ def instead_of_word(
     return f"{shown!r} is not declared; declared are {', '.join(sorted(names)[:12])}{', …' if len(names) > 12 else ''}"
 
 
-def _velocity_meant(word: str, velocities: list[str]) -> str:
-    spellings = ("{}dot", "{}_dot", "dot{}", "dot_{}", "d{}", "{}d", "{}_t", "v_{}")
-    return next((name for name in velocities if word in {spelling.format(name) for spelling in spellings}), "")
+def coordinate_of_velocity(word: str, velocities: Iterable[str], spellings: Iterable[str] = ("{}dot", "{}_dot")) -> str:
+    """Return the coordinate whose velocity a word spells, ``thetadot`` or ``theta_dot``; nothing where it spells none.
+
+    Args:
+        word: what the user wrote.
+        velocities: names of the coordinates whose velocities may be written.
+        spellings: of a velocity, with {} for the coordinate.
+    """
+    spelled = list(spellings)
+    return next((name for name in velocities if word in {spelling.format(name) for spelling in spelled}), "")
 
 
 def _split(word: str, names: set[str]) -> list[str]:

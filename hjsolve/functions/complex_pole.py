@@ -16,6 +16,7 @@ from sympy.core.sorting import ordered
 from hjsolve.functions.carlson import CarlsonRD
 from hjsolve.functions.many_digits import remembered
 from hjsolve.functions.printing import Printable
+from hjsolve.precision import mp
 
 Parts = tuple[sp.Expr, sp.Expr]
 """Real and imaginary part."""
@@ -23,47 +24,47 @@ _COMPLEX_DOUBLES = "hjsolve.arithmetic.carlson_complex"
 
 
 def _rc_real(x: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpf:
-    return mpmath.re(_rc(x, a, b))
+    return mp.re(_rc(x, a, b))
 
 
 def _rc_imaginary(x: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpf:
-    return mpmath.im(_rc(x, a, b))
+    return mp.im(_rc(x, a, b))
 
 
 @remembered
 def _rc(x: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpc:
-    if mpmath.im(x) != 0 or mpmath.im(a) != 0 or mpmath.im(b) != 0 or x < 0:
+    if mp.im(x) != 0 or mp.im(a) != 0 or mp.im(b) != 0 or x < 0:
         raise ValueError("R_C(x, a + ib) needs x ≥ 0 and real a, b")
-    return mpmath.elliprc(x, mpmath.mpc(a, b))
+    return mp.elliprc(x, mp.mpc(a, b))
 
 
 def _rj_real(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpf:
-    return mpmath.re(_rj(x, y, z, a, b))
+    return mp.re(_rj(x, y, z, a, b))
 
 
 def _rj_imaginary(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpf:
-    return mpmath.im(_rj(x, y, z, a, b))
+    return mp.im(_rj(x, y, z, a, b))
 
 
 @remembered
 def _rj(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf, a: mpmath.mpf, b: mpmath.mpf) -> mpmath.mpc:
-    if any(mpmath.im(v) != 0 for v in (x, y, z, a, b)) or min(x, y, z) < 0:
+    if any(mp.im(v) != 0 for v in (x, y, z, a, b)) or min(x, y, z) < 0:
         raise ValueError("R_J(x, y, z, a + ib) needs x, y, z ≥ 0 and real a, b")
-    with mpmath.extraprec(20):
-        return _duplicated(mpmath.mpf(x), mpmath.mpf(y), mpmath.mpf(z), mpmath.mpc(a, b))
+    with mp.extraprec(20):
+        return _duplicated(mp.mpf(x), mp.mpf(y), mp.mpf(z), mp.mpc(a, b))
 
 
 def _duplicated(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf, p: mpmath.mpc) -> mpmath.mpc:
     """Carlson, Numer. Algorithms 10 (1995) 13, (2.17)–(2.26); mpmath's own integrates numerically for Re p < 0."""
     A = (x + y + z + 2 * p) / 5
-    bound = max(abs(A - v) for v in (x, y, z, p)) / mpmath.root(mpmath.eps / 4, 6)
-    product, total, weight = (p - x) * (p - y) * (p - z), mpmath.mpc(0), mpmath.mpf(1)
+    bound = max(abs(A - v) for v in (x, y, z, p)) / mp.root(mp.eps / 4, 6)
+    product, total, weight = (p - x) * (p - y) * (p - z), mp.mpc(0), mp.mpf(1)
     while bound > abs(A):
-        roots, last = [mpmath.sqrt(v) for v in (x, y, z)], mpmath.sqrt(p)
+        roots, last = [mp.sqrt(v) for v in (x, y, z)], mp.sqrt(p)
         λ = roots[0] * roots[1] + roots[0] * roots[2] + roots[1] * roots[2]
         d = (last + roots[0]) * (last + roots[1]) * (last + roots[2])
-        w = mpmath.sqrt(product / (d * d))
-        total += weight / d * (mpmath.atan(w) / w if w else 1)
+        w = mp.sqrt(product / (d * d))
+        total += weight / d * (mp.atan(w) / w if w else 1)
         weight, product, bound = weight / 4, product / 64, bound / 4
         x, y, z, p, A = (x + λ) / 4, (y + λ) / 4, (z + λ) / 4, (p + λ) / 4, (A + λ) / 4
     X, Y, Z = (A - x) / A, (A - y) / A, (A - z) / A
@@ -72,7 +73,7 @@ def _duplicated(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf, p: mpmath.mpc) -> m
     E3 = X * Y * Z + 2 * E2 * P + 4 * P**3
     E4, E5 = (2 * X * Y * Z + E2 * P + 3 * P**3) * P, X * Y * Z * P * P
     series = 1 - 3 * E2 / 14 + E3 / 6 + 9 * E2 * E2 / 88 - 3 * E4 / 22 - 9 * E2 * E3 / 52 + 3 * E5 / 26
-    return weight * series / (A * mpmath.sqrt(A)) + 6 * total
+    return weight * series / (A * mp.sqrt(A)) + 6 * total
 
 
 class ComplexPole(Printable):

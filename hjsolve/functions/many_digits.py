@@ -11,7 +11,8 @@ from typing import Any
 
 import mpmath
 import sympy as sp
-from mpmath import mp
+
+from hjsolve.precision import for_any_context, mp
 
 _GUARD = 24
 _DOUBLINGS = 6
@@ -90,6 +91,7 @@ def _float(value: mpmath.mpf | mpmath.mpc, bits: int) -> sp.Expr:
 
 
 # ------------------------------------------------------------------------------------------------ Carlson's integrals
+@for_any_context
 def carlson_rf(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf) -> mpmath.mpf:
     """R_F(x, y, z), DLMF 19.16.1.
 
@@ -103,6 +105,7 @@ def carlson_rf(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf) -> mpmath.mpf:
     return mp.elliprf(x, y, z)
 
 
+@for_any_context
 def carlson_rc(x: mpmath.mpf, y: mpmath.mpf) -> mpmath.mpf:
     """R_C(x, y), DLMF 19.16.6; Cauchy's principal value where y < 0, 19.6.15.
 
@@ -117,6 +120,7 @@ def carlson_rc(x: mpmath.mpf, y: mpmath.mpf) -> mpmath.mpf:
     return mp.elliprc(x, y)
 
 
+@for_any_context
 def carlson_rd(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf) -> mpmath.mpf:
     """R_D(x, y, z) = R_J(x, y, z, z), DLMF 19.16.5.
 
@@ -131,6 +135,7 @@ def carlson_rd(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf) -> mpmath.mpf:
     return mp.elliprd(x, y, z)
 
 
+@for_any_context
 def carlson_rj(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf, p: mpmath.mpf) -> mpmath.mpf:
     """R_J(x, y, z, p), DLMF 19.16.2; Cauchy's principal value where p < 0, 19.20.14 with the middle one for z.
 
@@ -159,6 +164,7 @@ def _refuse_negative(*arguments: mpmath.mpf) -> None:
 
 
 # ------------------------------------------------------------------------------------------------ Jacobi's functions
+@for_any_context
 def jacobi_am(u: mpmath.mpf, m: mpmath.mpf) -> mpmath.mpf:
     """Jacobi's amplitude for real u and m: odd and continuous in u, with derivative dn(u|m).
 
@@ -174,6 +180,7 @@ def jacobi_am(u: mpmath.mpf, m: mpmath.mpf) -> mpmath.mpf:
     return _jacobi(u, m)[0]
 
 
+@for_any_context
 def jacobi_sn(u: mpmath.mpf, m: mpmath.mpf) -> mpmath.mpf:
     """Give Jacobi's sn(u|m), by real formulas where u and m are real.
 
@@ -183,6 +190,7 @@ def jacobi_sn(u: mpmath.mpf, m: mpmath.mpf) -> mpmath.mpf:
     return _jacobi(u, m)[1] if _real(u, m) else mp.ellipfun("sn", u, m=m)
 
 
+@for_any_context
 def jacobi_cn(u: mpmath.mpf, m: mpmath.mpf) -> mpmath.mpf:
     """Give Jacobi's cn(u|m), by real formulas where u and m are real.
 
@@ -192,6 +200,7 @@ def jacobi_cn(u: mpmath.mpf, m: mpmath.mpf) -> mpmath.mpf:
     return _jacobi(u, m)[2] if _real(u, m) else mp.ellipfun("cn", u, m=m)
 
 
+@for_any_context
 def jacobi_dn(u: mpmath.mpf, m: mpmath.mpf) -> mpmath.mpf:
     """Give Jacobi's dn(u|m), by real formulas where u and m are real.
 
@@ -201,6 +210,7 @@ def jacobi_dn(u: mpmath.mpf, m: mpmath.mpf) -> mpmath.mpf:
     return _jacobi(u, m)[3] if _real(u, m) else mp.ellipfun("dn", u, m=m)
 
 
+@for_any_context
 def jacobi_epsilon(u: mpmath.mpf, m: mpmath.mpf) -> mpmath.mpf:
     """Jacobi's ℰ(u|m) = ∫₀ᵘ dn²(v|m) dv for real u and m, DLMF 22.16.14.
 

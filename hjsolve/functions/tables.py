@@ -6,13 +6,12 @@ import importlib
 from collections.abc import Callable
 from typing import Any
 
-import mpmath
-
 from hjsolve.errors import InvalidInputError
 from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
 from hjsolve.functions.complex_pole import CarlsonRCIm, CarlsonRCRe, CarlsonRJIm, CarlsonRJRe
 from hjsolve.functions.jacobi import JacobiAM, JacobiCN, JacobiDN, JacobiEpsilon, JacobiSN
 from hjsolve.functions.printing import DOUBLES, Printable
+from hjsolve.precision import NUMBERS, for_any_context, mp
 
 _OWN: tuple[type[Printable], ...] = (
     CarlsonRF, CarlsonRC, CarlsonRD, CarlsonRJ, CarlsonRCRe, CarlsonRCIm, CarlsonRJRe, CarlsonRJIm,
@@ -42,12 +41,20 @@ def modules(backend: str) -> list[dict[str, Callable[..., Any]] | str]:
         1.854074677301
     """
     if backend == "mpmath":
-        own = {f.__name__: f.value for f in _OWN}
-        table = dict(zip(LEGENDRE, (mpmath.ellipk, mpmath.ellipf, mpmath.ellipe, mpmath.ellippi), strict=True))
-    elif backend == "numpy":
+        return [{name: for_any_context(f) for name, f in _many_digits().items()}, backend]
+    if backend == "numpy":
         home = importlib.import_module(DOUBLES)
         own = {f.__name__: getattr(importlib.import_module(f.doubles), f.code_name()) for f in _OWN}
         table = {name: getattr(home, name.replace("elliptic", "legendre")) for name in LEGENDRE}
-    else:
-        raise InvalidInputError(f'modules: "numpy" or "mpmath" is needed, not {backend!r}')
-    return [own | table, backend]
+        return [own | table, backend]
+    raise InvalidInputError(f'modules: "numpy" or "mpmath" is needed, not {backend!r}')
+
+
+def own_modules() -> list[dict[str, Callable[..., Any]] | str]:
+    """What ``sympy.lambdify`` is given for functions of the numbers of ``precision.mp``, elliptic ones among them."""
+    return [NUMBERS | _many_digits(), "mpmath"]
+
+
+def _many_digits() -> dict[str, Callable[..., Any]]:
+    own = {f.__name__: f.value for f in _OWN}
+    return own | dict(zip(LEGENDRE, (mp.ellipk, mp.ellipf, mp.ellipe, mp.ellippi), strict=True))

@@ -12,6 +12,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.display.shown import Shown
+from hjsolve.display.visible_text import hidden_character
 from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.parser import RESERVED
 from hjsolve.formulas.point_values import CONTEXT, evaluate
@@ -85,6 +86,8 @@ def parameter(name: str, value: object = None, *, assume: str = "real", unit: st
     """
     name = arguments.ascii_name(name)
     check_name(name, "parameter")
+    for part, text in (("unit", unit), ("meaning", meaning)):
+        refuse_hidden(text, f"parameter {name}: {part}")
     if name == "t":
         raise InvalidSystemError("parameter t: t is the time; T and V must not depend on it. Rename the constant")
     known = next((known for known in _ASSUMPTIONS if known == assume), None)
@@ -98,6 +101,20 @@ def parameter(name: str, value: object = None, *, assume: str = "real", unit: st
     declared = Parameter(name, symbol, exact, known, unit, meaning)
     check_value(declared)
     return declared
+
+
+def refuse_hidden(text: object, source: str) -> None:
+    """Refuse a text for display that holds a control or bidirectional character.
+
+    Args:
+        text: as the user wrote it.
+        source: what it is called in the message.
+
+    Raises:
+        InvalidSystemError: it holds one.
+    """
+    if hidden := hidden_character(str(text)):
+        raise InvalidSystemError(f"{source}: the character {hidden} in it is not shown as it stands; leave it out")
 
 
 def check_value(declared: Parameter) -> None:

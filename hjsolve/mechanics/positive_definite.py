@@ -13,6 +13,7 @@ from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.point_values import CONTEXT, BeyondRangeError, NoValueError, evaluate
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter
 from hjsolve.mechanics.domains import Domain
+from hjsolve.precision import mp
 
 _POINTS = 16
 _TRIALS = 6
@@ -161,7 +162,7 @@ def _at(part: sp.Basic, point: Point) -> str:
 
 
 def _short(value: mpmath.mpf) -> str:
-    return str(mpmath.nstr(value, 4)).removesuffix(".0")
+    return str(mp.nstr(value, 4)).removesuffix(".0")
 
 
 def _parameter_values(parameters: Sequence[Parameter]) -> Iterator[Point]:

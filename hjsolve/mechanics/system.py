@@ -7,10 +7,10 @@ Everything else here is a pure function of a system.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal
+from typing import Any, Literal
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -19,6 +19,7 @@ from hjsolve import arguments
 from hjsolve.display.shown import Shown, as_call, cut
 from hjsolve.errors import InvalidSystemError, MissingValueError
 from hjsolve.formulas.point_values import NoValueError, evaluate
+from hjsolve.mechanics.canonical_functions import energy, right_hand_side
 from hjsolve.mechanics.coordinates_and_parameters import (
     Coordinate,
     Parameter,
@@ -26,6 +27,7 @@ from hjsolve.mechanics.coordinates_and_parameters import (
     read_coordinates,
     read_functions,
     read_parameters,
+    refuse_hidden,
     replaced,
     unknown_names,
 )
@@ -43,6 +45,7 @@ from hjsolve.mechanics.positive_definite import check_mass_matrix, end_values
 from hjsolve.mechanics.quantities_given import in_units, without_quantities
 from hjsolve.mechanics.relativity import Relativity, relativity_of
 from hjsolve.mechanics.units import Units, check_units, names_and_units, read_units
+from hjsolve.precision import one_at_a_time
 
 __all__ = [
     "Coordinate", "Domain", "Parameter", "System", "hamiltonian", "inverse_mass_matrix", "kinetic_rest", "linear_terms",
@@ -56,8 +59,9 @@ class System(Shown):
 
     Args:
         coordinates: name → domain: ``"line"``, ``"angle"`` or an inequality such as ``"0 < r"``, ``"-a < x < a"``.
-        kinetic: T, as text or as a sympy expression in which a velocity is ``Symbol("dot(q)")``. A polynomial of second
-            degree in the velocities; terms linear in them (a charge in a magnetic field, a moving frame) belong here.
+        kinetic: T, as text or as a sympy expression in which a velocity is ``Derivative(q(t), t)`` or
+            ``Symbol("dot(q)")``. A polynomial of second degree in the velocities; terms linear in them (a charge in a
+            magnetic field, a moving frame) belong here.
         potential: V, of the coordinates only.
         parameters: name → default value, ``None`` for no default, or a ``parameter(...)`` with assumption and unit;
             with ``units`` a quantity as well.
@@ -74,6 +78,7 @@ class System(Shown):
         units: in which units coordinates, the time and parameters are, ``{"r": "kpc", "t": "Myr", "m": "solMass"}``,
             so that quantities of pint or astropy can be given; those that follow from T and V need not be said.
             ``declared_units`` is what was declared.
+        constraints: refused, so that none is taken for one that is used.
 
     Raises:
         InvalidSystemError: the parts do not make a mechanical system; the message says which and why.
@@ -97,6 +102,7 @@ class System(Shown):
     places: Places
     declared_units: Units
 
+    @one_at_a_time
     def __init__(
         self,
         coordinates: Mapping[str, str],
@@ -111,7 +117,14 @@ class System(Shown):
         functions: Iterable[str] = (),
         place: Mapping[str, object] | None = None,
         units: Mapping[str, object] | None = None,
+        constraints: Iterable[str] = (),
     ):
+        if constraints:
+            raise InvalidSystemError(
+                "constraints: they are not eliminated; choose coordinates in which they hold, and write T and V in them"
+            )
+        for name, text in (("title", title), ("id", id)):
+            refuse_hidden(text, name)
         numbers, quantities = without_quantities({} if parameters is None else parameters)
         constants = read_parameters(numbers)
         places = read_coordinates(coordinates, constants)
@@ -169,6 +182,45 @@ class System(Shown):
             if coordinate.name == name:
                 return coordinate
         raise unknown_names(name, (c.name for c in self.coordinates), "coordinate")
+
+    def rhs(
+        self, parameters: Mapping[str, object] | None = None, *, module: str = "numpy"
+    ) -> Callable[[Any, Any], Any]:
+        """Return Hamilton's equations as a function f(t, y) for integrators, y = [q…, p…] as of ``State.as_array``.
+
+        Args:
+            parameters: name → value, where other than the default or where there is none.
+            module: ``numpy`` for doubles, ``mpmath`` for many digits.
+
+        Returns:
+            A function of t and of y: an array of shape (2n,) or, for many states at once, (2n, m); or a list of 2n
+            numbers. It returns dy/dt in the same form.
+
+        Raises:
+            MissingValueError: a parameter has no value.
+            InvalidSystemError: a name is not a parameter, or a value contradicts what was declared.
+            InvalidInputError: another module, or a function that is left undetermined.
+
+        Example:
+            >>> System({"x": "line"}, "m/2*dot(x)**2", "k/2*x**2", {"m": 2, "k": 3}).rhs()(0.0, [1.0, 4.0])
+            [2.0, -3.0]
+        """
+        told = with_values(self, parameters or {})
+        return right_hand_side(told, hamiltonian(told).xreplace(require_values(told)), module)
+
+    def hamiltonian_function(
+        self, parameters: Mapping[str, object] | None = None, *, module: str = "numpy"
+    ) -> Callable[[Any], Any]:
+        """Return the Hamiltonian as a function H(y), y as of ``rhs``; for y of shape (2n, m) an array of shape (m,).
+
+        Args:
+            parameters, module: as of ``rhs``.
+
+        Raises:
+            MissingValueError, InvalidSystemError, InvalidInputError: as of ``rhs``.
+        """
+        told = with_values(self, parameters or {})
+        return energy(told, hamiltonian(told).xreplace(require_values(told)), module)
 
     def __repr__(self) -> str:
         """The call that makes the system, as far as it differs from the defaults."""

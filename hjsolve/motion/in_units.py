@@ -10,6 +10,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.measured import Measured, measured_in
+from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.quantities_given import Measures, measures
@@ -89,8 +90,8 @@ class _Told(Protocol):
         """As of ``Motion``."""
 
 
-@dataclass(frozen=True, repr=False)
-class StateInUnits(Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class StateInUnits(ByValue, Shown):
     """A state, every number a ``Measured``.
 
     Attributes:

@@ -6,7 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
+import numpy as np
+
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 
@@ -14,8 +17,8 @@ if TYPE_CHECKING:
     from hjsolve.arithmetic.number_types import AtTimes, Mpf
 
 
-@dataclass(frozen=True, repr=False)
-class Errors(Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class Errors(ByValue, Shown):
     """Absolute error bounds, laid out like the state itself; scalars or arrays shaped like t."""
 
     q: Mapping[str, Any]
@@ -57,8 +60,8 @@ class KnownErrors:
         return self.errors
 
 
-@dataclass(frozen=True, repr=False)
-class State(Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class State(ByValue, Shown):
     """The state at the times ``t``.
 
     Attributes:
@@ -116,6 +119,19 @@ class State(Shown):
         value = self.q[name]
         pi = value.context.pi if hasattr(value, "context") else _pi_of(value)
         return value + 2 * pi * self.turns[name]
+
+
+    def as_array(self, *, unwrapped: bool = False) -> Any:
+        """Return the state as integrators take it, [q…, p…] in the order of the coordinates.
+
+        Args:
+            unwrapped: whether angles are counted on over their whole turns, without jumps by 2π.
+
+        Returns:
+            An array of shape (2n,) for one time, (…, 2n) for an array of times; of doubles, or of mpf beyond 15 digits.
+        """
+        places = [self.unwrapped(name) if unwrapped else self.q[name] for name in self.q]
+        return np.stack([np.asarray(x) for x in (*places, *self.p.values())], axis=-1)
 
 
 def _pi_of(value: Any) -> float | Mpf:

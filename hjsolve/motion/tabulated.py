@@ -15,6 +15,7 @@ import numpy as np
 
 from hjsolve.arithmetic.error_free import Pair, split
 from hjsolve.arithmetic.number_types import Mask, Numbers, Reals
+from hjsolve.display.by_value import same
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.near_poles import roundings
 from hjsolve.motion.positions import constant_index
@@ -54,6 +55,11 @@ class OnDemand(Mapping[str, T]):
 
     def __len__(self) -> int:
         return len(self._names)
+
+    def __eq__(self, other: object) -> bool:
+        return same(dict(self), dict(other)) if isinstance(other, Mapping) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[type, tuple[dict[str, T]]]:
         return dict, (dict(self),)

@@ -18,6 +18,7 @@ from hjsolve.motion.motion import Motion
 from hjsolve.motion.placing import PlaceFormulas
 from hjsolve.motion.state import Placing
 from hjsolve.motion.wanted import QUANTITIES
+from hjsolve.precision import one_at_a_time
 from hjsolve.rays.family_curve import FamilyCurve
 from hjsolve.rays.same_constants import SameConstants, momentum_shift, started_with_same_constants
 from hjsolve.rays.same_place import SamePlace, started_at_one_place
@@ -95,6 +96,7 @@ class Wavefronts(Shown):
         return importlib.import_module("hjsolve.plots").plotted_wavefronts(self, ax)
 
 
+@one_at_a_time
 def wavefronts(motion: Motion, family: str = "constants", *, fronts: int = 24, orbits: int | None = None) -> Wavefronts:
     """Return the lines W = const about a motion, the orbits that cross them, and the caustics.
 

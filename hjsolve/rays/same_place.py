@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import partial
 
-import mpmath
 import numpy as np
 import sympy as sp
 
@@ -22,6 +21,7 @@ from hjsolve.mechanics.system import mass_matrix
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, Placing
 from hjsolve.motion.tabulated import needs_table
+from hjsolve.precision import mp
 from hjsolve.rays.family_curve import FamilyCurve
 from hjsolve.rays.same_constants import started_with_same_constants
 
@@ -340,8 +340,8 @@ def started_at_one_place(motion: Motion, placing: Placing | None, directions: in
     parameters = {p.name: values[p.symbol] for p in system.parameters if p.symbol in values}
     rays: list[Motion | None] = [motion]
     for k in range(1, directions):
-        ψ = 2 * mpmath.pi * k / directions
-        c, s = float(mpmath.cos(ψ)), float(mpmath.sin(ψ))
+        ψ = 2 * mp.pi * k / directions
+        c, s = float(mp.cos(ψ)), float(mp.sin(ψ))
         p = root @ np.array([c * across[0] - s * across[1], s * across[0] + c * across[1]])
         p[np.abs(p) < _NOTHING * np.abs(p).max()] = 0.0
         rays.append(_ray(motion, q, dict(zip(names, map(float, p))), parameters))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
@@ -11,6 +12,7 @@ from typing import Any, TypeAlias, TypeVar
 import sympy as sp
 
 from hjsolve import catalog
+from hjsolve.arguments import refuse_unused
 from hjsolve.catalog import moving_frames
 from hjsolve.errors import InvalidInputError, NotConvergedError, NotSeparableError
 from hjsolve.extended.moving_frame import Frame
@@ -31,7 +33,7 @@ from hjsolve.reports.sections.moving_frame import frame_section
 from hjsolve.reports.sections.prose import heading
 from hjsolve.reports.sections.refused_motion import other_coordinates, section_of_refused_motion
 from hjsolve.reports.sections.wavefronts import wavefront_section
-from hjsolve.separation import Obstruction, Separation, Undecided, separate
+from hjsolve.separation import DEFAULT_BUDGET, Obstruction, Separation, Undecided, separate
 from hjsolve.solution.quadratures import Solution, solve
 
 T = TypeVar("T")
@@ -67,7 +69,13 @@ class Material:
 
 
 def gather(
-    subject: Subject, *, initial: Mapping[str, Any] | None = None, motion: str = "default", digits: int = 15
+    subject: Subject,
+    *,
+    initial: Mapping[str, Any] | None = None,
+    motion: str = "default",
+    digits: int = 15,
+    budget: float = DEFAULT_BUDGET,
+    decision: AbstractContextManager[None] | None = None,
 ) -> Material:
     """Bring a subject as far as its data allow: decide, solve, start a motion.
 
@@ -76,6 +84,8 @@ def gather(
         initial: keyword arguments for ``solution.motion``; without them those of the catalog entry.
         motion: which motion of the catalog entry.
         digits: of the numbers.
+        budget: seconds for the decision, as of ``separate``.
+        decision: what the decision is done within, such as a limit on its time.
 
     Returns:
         What there is to tell.
@@ -85,21 +95,24 @@ def gather(
     """
     clock: dict[str, float] = {}
     if isinstance(subject, Motion):
+        changed = {"initial": initial is not None, "motion": motion != "default", "digits": digits != 15}
+        refuse_unused(changed, "the motion given has its own")
         return Material(
             subject.solution.separation, subject.solution, subject.as_solved, catalog.entry_of(subject.solution.system),
             clock=clock,
         )  # fmt: skip
     named = subject if isinstance(subject, str | Path) else None
-    entry = catalog.describe(subject) if isinstance(subject, str | Path) else None
-    if isinstance(subject, str | Path):
-        assert entry is not None
-        if entry.system is None:
-            raise NotSeparableError(str(entry.refusal), entry.refusal)
-        subject = entry.system
-    verdict, solution = _decided(subject, clock)
-    entry = entry or catalog.entry_of(verdict.system)
-    if isinstance(verdict, Separation) and solution is None:
-        solution = _timed(clock, "solution by quadratures", lambda: solve(verdict))
+    with decision or nullcontext():
+        entry = catalog.describe(subject) if isinstance(subject, str | Path) else None
+        if isinstance(subject, str | Path):
+            assert entry is not None
+            if entry.system is None:
+                raise NotSeparableError(str(entry.refusal), entry.refusal)
+            subject = entry.system
+        verdict, solution = _decided(subject, clock, budget)
+        entry = entry or catalog.entry_of(verdict.system)
+        if isinstance(verdict, Separation) and solution is None:
+            solution = _timed(clock, "solution by quadratures", lambda: solve(verdict))
     frame = moving_frames.of(named if named is not None else entry.id) if entry is not None else None
     if solution is None:
         return Material(verdict, entry=entry, frame=frame, initial=initial_of(entry, initial, motion)[0], clock=clock)
@@ -125,10 +138,12 @@ def told(error: NotConvergedError) -> str:
     return f"{' '.join(str(error).split())}{reached}"
 
 
-def _decided(subject: object, clock: dict[str, float]) -> tuple[Separation | Obstruction | Undecided, Solution | None]:
+def _decided(
+    subject: object, clock: dict[str, float], budget: float
+) -> tuple[Separation | Obstruction | Undecided, Solution | None]:
     match subject:
         case System():
-            return _timed(clock, "reduction and test", lambda: separate(subject)), None
+            return _timed(clock, "reduction and test", lambda: separate(subject, budget=budget)), None
         case Separation() | Obstruction() | Undecided():
             return subject, None
         case Solution():
@@ -153,8 +168,10 @@ def initial_of(
         InvalidInputError: the entry has no such motion.
     """
     if given is not None:
+        refuse_unused({"motion": name != "default"}, "the initial data given are those of another motion")
         return given, ""
     if entry is None or not entry.motions:
+        refuse_unused({"motion": name != "default"}, "the system is not a catalog entry with motions")
         return None, ""
     if name not in entry.motions:
         raise InvalidInputError(f'motion: {entry.id} has no motion "{name}"; it has {", ".join(entry.motions)}')

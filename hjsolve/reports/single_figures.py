@@ -7,12 +7,14 @@ import sympy as sp
 from hjsolve.arguments import described
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.motion import Motion
+from hjsolve.precision import one_at_a_time
 from hjsolve.reports.document import Figure
 from hjsolve.reports.drawings import orbit_paths
 from hjsolve.reports.drawings.effective_potential import effective_potential_of
 from hjsolve.reports.drawings.motion_figures import effective_potential, phase_portrait
 
 
+@one_at_a_time
 def figures(motion: Motion) -> dict[str, Figure]:
     """Draw the figures that the report of a motion has.
 

@@ -9,10 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from hjsolve import catalog
+from hjsolve.arguments import refuse_unused
 from hjsolve.display.progress import Progress
+from hjsolve.display.visible_text import visible
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.motion.motion import Motion
+from hjsolve.precision import one_at_a_time
 from hjsolve.reports.content import Material, Subject, document, gather, initial_of
 from hjsolve.reports.document import Document, files, pdf
 from hjsolve.reports.document.files import SUFFIXES, checked_path, checked_title, readable_errors
@@ -55,6 +58,7 @@ _WRITERS: Mapping[str, Callable[[Document], str]] = {
 }
 
 
+@one_at_a_time
 def report(
     subject: Subject | Scene | LinearHamiltonian,
     path: str | Path,
@@ -105,16 +109,20 @@ def report(
     target, title = checked_path(path, (".html",) if live else SUFFIXES), checked_title(title)
     if sliders and not live:
         raise InvalidInputError("sliders: only a live report has them; write live=True")
+    own = {"initial": initial is not None, "motion": motion != "default", "digits": digits != 15}
     if isinstance(subject, Scene):
         refuse_live(live)
+        refuse_unused({**own, "brief": brief}, "a scene says everything itself")
         return save_scene(subject, target, cost, title=title)
     if (outside := outside_entry(subject)) is not None:
         refuse_live(live)
+        refuse_unused({**own, "cost": bool(cost), "brief": brief}, "the entry is no T and V, and has no motions")
         return write_document(outside_document(outside), target, title=title)
     if isinstance(subject, LinearHamiltonian) or (
         isinstance(subject, str | Path) and catalog.hamiltonian(subject) is not None
     ):
         refuse_live(live)
+        refuse_unused({"cost": bool(cost), "brief": brief}, "H(q, p) is linear in p, and all of it is closed forms")
         return save_hamiltonian(subject, target, initial=initial, motion=motion, digits=digits, title=title)
     material = gather(subject, initial=initial, motion=motion, digits=digits)
     return save(material, target, cost, live=live, sliders=sliders, brief=brief, title=title)
@@ -270,7 +278,7 @@ def write_document(
         InvalidInputError: the file cannot be written, or no browser prints the PDF.
     """
     text = _WRITERS[target.suffix.lower()](replace(content, title=title or content.title))
-    text = text if completed is None else completed(text)
+    text = visible(text if completed is None else completed(text))
     made = pdf.printed(text, target) if target.suffix.lower() == ".pdf" else text
     with readable_errors(target):
         files.replace(target, made)

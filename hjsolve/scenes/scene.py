@@ -18,6 +18,7 @@ from hjsolve.catalog import toml_file
 from hjsolve.catalog.effects import forces, with_effects
 from hjsolve.catalog.schema import nearest
 from hjsolve.catalog.toml_file import Toml
+from hjsolve.display.first_lines import few_lines
 from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System
@@ -76,7 +77,7 @@ class Scene(Question):
         table, source, folder = _opened(scene)
         problems = list(scene_faults(table))
         if problems:
-            raise CatalogError("\n".join(f"{source}: {problem}" for problem in problems))
+            raise CatalogError(few_lines(f"{source}: {problem}" for problem in problems))
         try:
             return _built(table, source, folder)
         except InvalidInputError as error:
@@ -140,7 +141,7 @@ def _built(table: Toml, source: str, folder: Path) -> Scene:
     )  # fmt: skip
     problems = list(_disagreements(result))
     if problems:
-        raise CatalogError("\n".join(f"{source}: {problem}" for problem in problems))
+        raise CatalogError(few_lines(f"{source}: {problem}" for problem in problems))
     return result
 
 
@@ -176,6 +177,10 @@ def _parameters(table: Toml, entry: Toml, source: str) -> dict[str, object]:
 def _initial(table: Toml, entry: Toml, source: str, system: System) -> InitialGroups | None:
     """The initial data; velocities along unit vectors become rates here, those of a sweep when it computes them."""
     data = table.get("initial") or _motion_table(table, entry, source)
+    if "velocity_frame" in table and not {"initial", "sweep"} & table.keys():
+        raise CatalogError(
+            f"{source}: velocity_frame: it says what the velocities in initial or sweep mean; this scene has neither"
+        )
     if not data:
         return None
     velocity = data.get("velocity")
@@ -229,6 +234,7 @@ def _disagreements(scene: Scene) -> Iterator[str]:
         yield "times: missing; trajectory and angles are wanted, say when: {start = 0, stop = 10, count = 101}"
     if any(event.kind == "wall" for event in scene.events) and scene.times is None:
         yield "times: missing; a wall is met again and again, say until when"
+    yield from _unused(scene)
     if scene.orbit is not None:
         for word in (scene.orbit.of, scene.orbit.along):
             if word not in names and scene.coordinates == "as given":
@@ -242,6 +248,13 @@ def _disagreements(scene: Scene) -> Iterator[str]:
     if scene.events:
         yield from _out_of_proportion(scene)
     yield from _time_order(scene)
+
+
+def _unused(scene: Scene) -> Iterator[str]:
+    """Keys that nothing wanted asks for."""
+    timed = {"trajectory", "angles"} & set(scene.want) or scene.events or scene.method == "integrate"
+    if scene.times is not None and not timed:
+        yield "times: nothing wanted depends on them; leave them out, or add trajectory or angles to want"
 
 
 def _out_of_proportion(scene: Scene) -> Iterator[str]:

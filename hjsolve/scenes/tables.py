@@ -10,6 +10,7 @@ from hjsolve import arguments
 from hjsolve.catalog import schema, toml_file
 from hjsolve.catalog.schema import Key
 from hjsolve.catalog.toml_file import Toml
+from hjsolve.display.first_lines import MOST
 from hjsolve.errors import CatalogError
 from hjsolve.motion.velocity_frame import COORDINATE, ORTHONORMAL
 from hjsolve.scenes.initial_grid import sweep_faults
@@ -76,9 +77,9 @@ def scene_faults(table: Toml) -> Iterator[str]:
     if "times" in table:
         yield from _time_faults(table["times"])
     if isinstance(want := table.get("want"), list):
-        for word in want:
-            if isinstance(word, str) and word not in WANTED:
-                yield f'want: "{word}" is not known{schema.nearest(word, WANTED)}'
+        others = [word for word in want if isinstance(word, str) and word not in WANTED]
+        for count, word in enumerate(others):
+            yield f'want: "{word}" is not known{schema.nearest(word, WANTED) if count < MOST else ""}'
     accuracy = table.get("accuracy")
     digits = accuracy.get("digits") if isinstance(accuracy, Mapping) else None
     if isinstance(accuracy, Mapping) and ("digits" in accuracy) == ("seconds" in accuracy):
@@ -141,6 +142,8 @@ def _event_faults(event: Toml, where: str) -> Iterator[str]:
         if passage is not None and not (whole and 0 <= passage <= MOST_PASSAGES):
             which = f"0 for the first passage after the start, 1 for the next, {MOST_PASSAGES} at most"
             yield f"{where}.at.passage: must be {which}, not {passage}"
+        if passage is not None and "coordinate" not in at:
+            yield f"{where}.at.passage: belongs to a coordinate and its value; at a time t there is one event"
     if event.get("kind") == "impulse":
         if ("momentum" in event) == ("velocity" in event):
             yield f"{where}: an impulse gives momentum or velocity, the jump of one of the two"

@@ -16,6 +16,7 @@ from hjsolve.algebra.reader import HYPERBOLIC
 from hjsolve.mechanics.energy_shell import Irreducible, ReductionStep, Shell, reduce
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
+from hjsolve.precision import one_at_a_time
 from hjsolve.separation import relativistic
 from hjsolve.separation.constants.constants import constants_of
 from hjsolve.separation.forms import levi_civita, liouville, stackel
@@ -34,6 +35,7 @@ DEFAULT_BUDGET = 20.0
 SMALL_SYSTEM = 120
 
 
+@one_at_a_time
 def separate(system: System | str | Path, *, budget: float = DEFAULT_BUDGET) -> Verdict:
     """Decide whether the Hamilton–Jacobi equation of a system separates in its coordinates.
 

@@ -30,6 +30,7 @@ from hjsolve.mechanics.coordinates_and_parameters import free_name
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
+from hjsolve.precision import one_at_a_time
 from hjsolve.separation import DEFAULT_BUDGET, Constant, Obstruction, Separation, Undecided, separate
 from hjsolve.separation.relativistic import shell_energy
 from hjsolve.separation.verdicts import Verdict
@@ -171,6 +172,7 @@ def refuse_null(solution: Solution) -> None:
         )
 
 
+@one_at_a_time
 def solve(
     system: System | Separation | str | Path, coordinates: str = "as given", *, budget: float = DEFAULT_BUDGET
 ) -> Solution:

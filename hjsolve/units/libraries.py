@@ -106,6 +106,12 @@ class Pint(Shown):
     registry: Unit = field(repr=False)
     name: str = "pint"
 
+    def __deepcopy__(self, memo: object) -> Pint:
+        return self
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _pint_of_this_process, ()  # a registry is no data; pint's own quantities come back in this one, too
+
     def unit(self, powers: Powers) -> Unit:
         """Return the unit that is a product of powers."""
         found = self.registry.Unit("dimensionless")
@@ -128,6 +134,10 @@ class Pint(Shown):
     def quantity(self, number: Number, unit: Unit) -> Quantity:
         """Return the quantity of a number."""
         return self.registry.Quantity(number, unit)
+
+
+def _pint_of_this_process() -> Pint:
+    return Pint(_imported("pint").get_application_registry())
 
 
 def _unknown(text: str, library: str) -> InvalidInputError:
@@ -171,7 +181,7 @@ def library(wanted: object) -> UnitLibrary:
         _imported("astropy")
         return Astropy()
     if name == "pint":
-        return Pint(_imported("pint").get_application_registry())
+        return _pint_of_this_process()
     if _root(wanted) == "pint" and hasattr(wanted, "parse_units"):
         return Pint(wanted)
     found = library_of(wanted)

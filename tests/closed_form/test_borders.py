@@ -20,6 +20,7 @@ from hjsolve.closed_form.regions import middle_of, root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.strata import special_strata
 from hjsolve.closed_form.workshop import Workshop, workshop_of
+from hjsolve.precision import mp
 from tests.support.entries import forms
 
 STEPS = [sp.Rational(sign, 10**k) for k in (1, 5, 12) for sign in (-1, 1)] + [sp.S.Zero]
@@ -58,12 +59,12 @@ def _across_borders(shop: Workshop) -> Iterator[Sample]:
                 moved = dict(sample.values) | {constant: sample.values[constant] + step}
                 numbers = many_digits(moved, 60)
                 squares = [
-                    number_of(square, {**numbers, system.coordinate(n).symbol: mpmath.mpf(int(q.p)) / int(q.q)})
+                    number_of(square, {**numbers, system.coordinate(n).symbol: mp.mpf(int(q.p)) / int(q.q)})
                     for (n, square), q in zip(
                         shop.solution.momentum_squared.items(), sample.places.values(), strict=True
                     )
                 ]  # fmt: skip
-                if all(not isinstance(p2, mpmath.mpc) and p2 > mpmath.mpf("1e-8") for p2 in squares):
+                if all(not isinstance(p2, mp.mpc) and p2 > mp.mpf("1e-8") for p2 in squares):
                     yield Sample(moved, sample.places)
 
 
@@ -77,7 +78,7 @@ def _compared(form: RegimeForms, sample: Sample) -> int:
     if form.characteristic_function is None:
         return 0
     solution = form.solution
-    values, expected = dict(sample.values), mpmath.mpf(0)
+    values, expected = dict(sample.values), mp.mpf(0)
     for c in solution.system.coordinates:
         if c.name not in solution.coordinates:
             values |= {c.symbol: sp.S.Zero}
@@ -86,16 +87,16 @@ def _compared(form: RegimeForms, sample: Sample) -> int:
         end = begin + sp.Rational(1, 10**4)
         values |= {c.symbol: end, solution.lower_limits[c.name]: begin}
         numbers = many_digits(sample.values, 60)
-        with mpmath.workdps(50):
+        with mp.workdps(50):
             square = solution.momentum_squared[c.name]
-            ends = [mpmath.mpf(int(e.p)) / int(e.q) for e in (begin, end)]
-            path = mpmath.quad(
-                lambda q, s=square, n=numbers, c=c: mpmath.sqrt(number_of(s, {**n, c.symbol: q})), ends, maxdegree=4
+            ends = [mp.mpf(int(e.p)) / int(e.q) for e in (begin, end)]
+            path = mp.quad(
+                lambda q, s=square, n=numbers, c=c: mp.sqrt(number_of(s, {**n, c.symbol: q})), ends, maxdegree=4
             )
             expected += path
     beside = solution.characteristic_function.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
-    with mpmath.workdps(50):
-        expected += mpmath.mpmathify(sp.N(beside.xreplace(values), 50))  # the potential of the shift p = P − A
+    with mp.workdps(50):
+        expected += mp.mpmathify(sp.N(beside.xreplace(values), 50))  # the potential of the shift p = P − A
     got = form.evaluate("characteristic_function", {s.name: v for s, v in _held(form, values).items()}, 30)
     assert abs(got.value - expected) <= 1e-25 * abs(expected) + abs(got.error), (form.regime.words, got, expected)
     return 1

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import random
 
-import mpmath
 import pytest
 import sympy as sp
 
 from hjsolve.closed_form.evaluation import Evaluator, many_digits, number_of
 from hjsolve.functions import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ, JacobiAM, JacobiCN, JacobiSN
+from hjsolve.precision import mp
 
 x, m, a = sp.symbols("x m a", real=True)
 FORMULAS = [
@@ -25,18 +25,18 @@ FORMULAS = [
 def test_values_and_slopes_are_those_of_sympy(formula: sp.Expr) -> None:
     draw = random.Random(str(formula))
     at = {x: sp.Rational(draw.randint(10, 90), 100), m: sp.Rational(draw.randint(10, 90), 100), a: sp.Rational(7, 5)}
-    with mpmath.workdps(50):
+    with mp.workdps(50):
         along = Evaluator([formula], x).along(many_digits({m: at[m], a: at[a]}, 60), x)
-        value, slope = along(mpmath.mpf(int(at[x].p)) / int(at[x].q))
+        value, slope = along(mp.mpf(int(at[x].p)) / int(at[x].q))
     for got, exact in ((value, formula), (slope, sp.diff(formula, x))):
-        truth = mpmath.mpmathify(sp.N(exact.xreplace(at), 50))
-        assert abs(got - truth) <= abs(truth) * mpmath.mpf(10) ** -44
+        truth = mp.mpmathify(sp.N(exact.xreplace(at), 50))
+        assert abs(got - truth) <= abs(truth) * mp.mpf(10) ** -44
 
 
 def test_what_is_no_number_is_nan_or_complex() -> None:
-    with mpmath.workdps(30):
-        assert mpmath.isnan(number_of(1 / (x - 1), {x: mpmath.mpf(1)}))
-        assert isinstance(number_of(sp.sqrt(x), {x: mpmath.mpf(-1)}), mpmath.mpc)
+    with mp.workdps(30):
+        assert mp.isnan(number_of(1 / (x - 1), {x: mp.mpf(1)}))
+        assert isinstance(number_of(sp.sqrt(x), {x: mp.mpf(-1)}), mp.mpc)
         for arc in (sp.acos, sp.asin):
-            assert mpmath.isnan(number_of(arc(x), {x: mpmath.mpc(mpmath.nan, 1)}))
+            assert mp.isnan(number_of(arc(x), {x: mp.mpc(mp.nan, 1)}))
     assert Evaluator([sp.S(3)], x).at({})[1] == 0

@@ -18,6 +18,7 @@ from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.regions import middle_of, root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
+from hjsolve.precision import mp
 from tests.support.entries import forms
 from tests.support.gauss import gauss
 
@@ -80,7 +81,7 @@ def _compared(form: RegimeForms, sample: Sample) -> set[str]:
     for name, expression in form.named().items():
         if name not in integrals:
             continue
-        with mpmath.workdps(60):
+        with mp.workdps(60):
             expected = _quadrature(integrals[name], values)
         known = {*form.regime.example, *expression.free_symbols}
         got = form.evaluate(name, {s.name: v for s, v in values.items() if s in known}, 40)
@@ -92,7 +93,7 @@ def _compared(form: RegimeForms, sample: Sample) -> set[str]:
 def _beside(solution: hjsolve.Solution, c: Coordinate, begin: sp.Expr, sample: Sample) -> sp.Expr:
     """A place near another one, on the side on which p² is greater: away from the nearest turning point."""
     square, numbers = solution.momentum_squared[c.name], many_digits(sample.values, 30)
-    with mpmath.workdps(30):
+    with mp.workdps(30):
         return max(
             (begin - STEP, begin + STEP), key=lambda q: number_of(square, numbers | many_digits({c.symbol: q}, 30))
         )
@@ -117,8 +118,8 @@ def _integral(integrand: Callable[[mpmath.mpf], mpmath.mpf], low: mpmath.mpf, hi
     """With ever shorter pieces towards the lower end, where a turning point may be near."""
     for pieces in (0, 10):
         cuts = [low, *(low + (high - low) / 8**k for k in range(pieces, 0, -1)), high]
-        value, error = mpmath.quad(integrand, cuts, error=True, method=gauss)
-        if error <= mpmath.mpf(10) ** -42 * abs(value):
+        value, error = mp.quad(integrand, cuts, error=True, method=gauss)
+        if error <= mp.mpf(10) ** -42 * abs(value):
             return value
     raise AssertionError(f"the reference itself is not known well enough: {value} ± {error}")
 

@@ -308,7 +308,8 @@ def test_undecided_is_status_3(monkeypatch: pytest.MonkeyPatch, capsys: Capture)
     import hjsolve
     from hjsolve.separation import Undecided
 
-    def unsure(system: hjsolve.System) -> Undecided:
+    def unsure(system: hjsolve.System, *, budget: float) -> Undecided:
+        assert budget == 60
         return Undecided(
             system, None, ("x", "y"), "potential", sp.Symbol("x"), {"x": sp.Rational(1, 2)}, None, "try more digits", ()
         )

@@ -158,7 +158,9 @@ def test_other_shells_have_a_script_that_knows_the_catalog(shell: str, capsys: C
 def test_initial_values_are_repeated_listed_or_parted_by_commas(start: list[str], capsys: Capture) -> None:
     given = ["motion", "kepler-planar", *start, "--times", "1,2"]
     assert main(given) == 0
-    motion = hjsolve.solve(hjsolve.catalog.load("kepler-planar")).motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "-6/5"})
+    motion = hjsolve.solve(hjsolve.catalog.load("kepler-planar")).motion(
+        q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "-6/5"}
+    )
     rows = list(csv.DictReader(capsys.readouterr().out.splitlines()))
     assert [float(row["q.theta"]) for row in rows] == list(motion.at([1, 2]).q["theta"])
 

@@ -85,6 +85,35 @@ def test_a_refused_system_shows_its_obstruction_and_coordinates_are_found_when_a
     assert found.portraits
 
 
+def test_a_system_that_separates_nowhere_says_so_and_shows_its_motion() -> None:
+    quartic = PageQuestion(
+        "x: line; y: line", "(x'^2 + y'^2)/2", "k/2*(x^2 + y^2) + c*x^2*y^2", "k = 1; c = 1",
+        q={"x": "0.5", "y": "0.3"}, velocity={"x": "0", "y": "0.1"}, find=True,
+    )  # fmt: skip
+
+    told, asked_less = answer_question(quartic), answer_question(replace(quartic, find=False))
+    at_rest = answer_question(replace(quartic, q={"x": "", "y": ""}, velocity={"x": "", "y": ""}))
+
+    assert told.verdict == "no"
+    assert "none found" in told.lead
+    assert "none found" not in asked_less.lead
+    assert "<svg" in told.drawings
+    assert "integrated step by step" in told.drawings
+    assert not told.problem
+    assert at_rest.drawings == at_rest.problem == ""
+
+
+def test_a_motion_of_more_than_two_coordinates_that_is_refused_is_not_drawn_and_that_is_said() -> None:
+    told = answer_question(PageQuestion(
+        "x: line; y: line; z: line", "(x'^2 + y'^2 + z'^2)/2", "x^2*y^2*z^2 + x*y + x^4*z^2",
+        q={"x": "1", "y": "0", "z": "0"}, velocity={"x": "0", "y": "1", "z": "0"},
+    ))  # fmt: skip
+
+    assert told.verdict == "no"
+    assert "two coordinates" in told.drawings
+    assert "<svg" not in told.drawings
+
+
 @pytest.mark.parametrize(
     ("changed", "words"),
     [

@@ -53,6 +53,19 @@ def refusal(text: str) -> str:
         ("cbrt(-8) + cbrt(27)", sp.Integer(1)),
         ("asinh(x) + atan(y/x) + acosh(2)", sp.asinh(x) + sp.atan(y / x) + sp.acosh(2)),
         ("\n m*g \n * x \t", m * g * x),
+        ("m/2*r^2 - x^-2", m * r**2 / 2 - x**-2),
+        ("x^2^3", x**8),
+        ("m r'^2/2 + r′*x’", m * VELOCITIES["r"] ** 2 / 2 + VELOCITIES["r"] * VELOCITIES["x"]),
+        ("θ'^2 + thetadot + x_dot", VELOCITIES["theta"] ** 2 + VELOCITIES["theta"] + VELOCITIES["x"]),
+        ("2 m g", 2 * m * g),
+        ("2x - 2 pi r", 2 * x - 2 * sp.pi * r),
+        ("2(x + y)(x - y)", sp.Mul(2, x + y, x - y)),
+        ("m x^2 y/2", m * x**2 * y / 2),
+        ("x/2*m g", m * g * x / 2),
+        ("sin(x) cos(y) y", sp.sin(x) * sp.cos(y) * y),
+        ("-2 m g -x", -2 * m * g - x),
+        ("(x**2)**(1/3) + abs(x)**(4/3)", sp.Abs(x) ** sp.Rational(2, 3) + sp.Abs(x) ** sp.Rational(4, 3)),
+        ("abs(x)**2", x**2),
     ],
 )
 def test_a_formula_means_what_it_says(text, expected):
@@ -81,18 +94,28 @@ def test_precedence_and_values_are_those_of_python(pieces):
 
 
 HINTS = {
-    "m/2*r^2": (6, "write ** for a power"),
-    "2x": (2, "write 2*x"),
-    "m r": (3, "write m*r"),
-    "2(x)": (2, "write 2*(...)"),
-    "(x)(y)": (4, "write (...)*(...)"),
+    "1/2 m": (5, "may be read in two ways; write /2*m or /(2*m)"),
+    "x/y k": (5, "may be read in two ways; write /y*k or /(y*k)"),
+    "x^2y": (4, "may be read in two ways; write **2*y or **(2*y)"),
+    "x^k y": (5, "may be read in two ways; write **k*y or **(k*y)"),
+    "x 2": (3, "write x*2"),
+    "m g (1 - cos(x))": (3, "g is not a function; write g*(...)"),
+    "x'(y)": (3, "an operator is missing"),
+    "k'": (2, "'k' is not a coordinate; velocities are x', r', theta'"),
+    "x''": (3, "accelerations do not occur"),
+    "(x + y)'": (8, "a prime stands behind the name of a coordinate"),
+    "r`": (2, "write dot(r)"),
+    "dr**2": (1, "write dot(r)"),
+    "atan2(y)": (1, "atan2(y, x)"),
+    "atan2(y, x, r)": (11, "comma"),
+    "atan2(0, 0)": (1, "has no value"),
+    "cos(25*atan2(y, x))": (1, "beyond 24"),
+    "(x**2)**(3/2)": (7, "absolute value"),
+    "(x**2)**(1/3)*(x**2)**(1/6)": (1, "absolute value"),
     "sin x": (1, "write sin(x)"),
     "sin**2(x)": (1, "write sin(x)**2"),
     "sinx": (1, "write sin(x)"),
     "mgx": (1, "write m*g*x"),
-    "theta'": (6, "write dot(theta)"),
-    "rdot**2": (1, "write dot(r)"),
-    "r_dot": (1, "write dot(r)"),
     "dot(k)": (5, "not a coordinate"),
     "dot(r**2)": (1, "dot(q)"),
     "dot": (1, "write dot(q)"),
@@ -100,7 +123,6 @@ HINTS = {
     "Sin(x)": (1, "did you mean sin?"),
     "arctan(x)": (1, "write atan"),
     "ln(x)": (1, "write log"),
-    "atan2(y, x)": (1, "write atan(y/x)"),
     "abs(x)": (1, "no derivative at zero"),
     "sqrt(x**2)": (1, "absolute value"),
     "k*t": (3, "explicit time"),
@@ -152,7 +174,8 @@ def test_an_error_names_the_input_the_place_and_what_to_write(text):
 
 
 def test_the_place_in_a_text_of_several_lines_is_a_line_and_a_column():
-    assert refusal("x +\n  y^2").startswith("potential, line 2, column 4: ")
+    assert "write x*y" in refusal("x\ny")
+    assert refusal("x +\n  y²").startswith("potential, line 2, column 4: ")
 
 
 def test_an_undeclared_name_lists_what_is_declared():
@@ -297,10 +320,13 @@ def test_sympy_expressions_are_taken_over_by_the_names_of_their_symbols():
 t = sp.Symbol("t")
 FOREIGN = [
     (sp.Symbol("q_17"), "'q_17' is not declared"),
-    (sp.Symbol("rdot"), "write dot(r)"),
-    (sp.Function("r")(t).diff(t), "write a velocity as Symbol('dot(q)')"),
-    (sp.Function("r")(t), "write the symbol r"),
-    (sp.Abs(x), "Abs is not accepted"),
+    (sp.Function("r")(t).diff(t, 2), "accelerations do not occur"),
+    (sp.Function("m")(t), "m is not a coordinate here, so it does not depend on t; write m"),
+    (sp.Function("m")(t).diff(t), "m is not a coordinate here"),
+    (sp.Function("q")(t), "'q' is not declared"),
+    (sp.Function("r")(x), "Derivative(q(t), t), with nothing else in it"),
+    (sp.Derivative(sp.cos(sp.Function("r")(t)), t), "Derivative(q(t), t), with nothing else in it"),
+    (sp.Abs(x), "absolute values are not accepted"),
     (sp.Piecewise((x, x > 0), (0, True)), "Piecewise is not accepted"),
     (sp.Integral(x, x), "Integral is not accepted"),
     (sp.I * x, "not accepted"),
@@ -322,3 +348,46 @@ def test_a_sympy_expression_with_anything_else_is_refused(expression, message):
 def test_what_is_not_a_text_is_refused():
     with pytest.raises(ExpressionError, match="V: expected a text, got int"):
         parse(3, NAMES, source="V")
+
+
+def test_the_velocities_of_sympy_are_read_as_dynamicsymbols_makes_them():
+    from sympy.physics.mechanics import dynamicsymbols
+
+    angle, distance = dynamicsymbols("theta r")
+    time = dynamicsymbols._t
+    lagrangian = m / 2 * (distance.diff(time) ** 2 + distance**2 * angle.diff(time) ** 2) - m * g * sp.cos(angle)
+    expected = m / 2 * (VELOCITIES["r"] ** 2 + r**2 * VELOCITIES["theta"] ** 2) - m * g * sp.cos(theta)
+    assert admit(lagrangian, NAMES, velocities=VELOCITIES, source="kinetic") == expected
+    assert admit(sp.Symbol("thetadot") + sp.Symbol("θ"), NAMES, velocities=VELOCITIES, source="kinetic") == (
+        VELOCITIES["theta"] + theta
+    )
+
+
+def test_a_name_that_spells_a_velocity_is_the_name_where_it_is_declared():
+    assert parse("rdot", {**NAMES, "rdot": k}, velocities=VELOCITIES, source="V") == k
+
+
+POINTS = [(1.0, 0.5), (-1.0, 0.5), (-1.0, -0.5), (1.0, -0.5), (0.25, -3.0), (-2.0, 1e-3), (0.0, 1.0), (0.0, -2.0)]
+
+
+@pytest.mark.parametrize(("a", "b"), POINTS)
+def test_atan2_is_the_angle_of_the_point_on_all_sides(a, b):
+    from math import atan2, cos, isclose, sin, tan
+
+    angle = atan2(b, a)
+    for text, value in (
+        ("atan2(y, x)", angle),
+        ("cos(3*atan2(y, x)) + 2", cos(3 * angle) + 2),
+        ("sin(2*atan2(y, x) + k)", sin(2 * angle + 0.7)),
+        ("cos(atan2(y, x)/2)", cos(angle / 2)),
+        ("tan(atan2(y, 3 + x))", tan(atan2(b, 3 + a))),
+    ):
+        got = float(read(text).evalf(30, subs={x: sp.Rational(a), y: sp.Rational(b), k: sp.Rational("0.7")}))
+        assert isclose(got, value, rel_tol=1e-12)
+    assert isclose(float(read(f"atan2({b}, {a})")), angle, rel_tol=1e-14)
+
+
+def test_multiples_of_the_angle_of_a_point_are_algebraic():
+    assert read("cos(2*atan2(y, x))").equals((x**2 - y**2) / (x**2 + y**2))
+    assert not read("cos(24*atan2(y, x)) + sin(atan2(y, x))").atoms(sp.atan, sp.cos, sp.sin)
+    assert admit(sp.cos(2 * sp.atan2(y, x)), NAMES, source="V").equals((x**2 - y**2) / (x**2 + y**2))

@@ -222,11 +222,11 @@ def test_two_walls_met_at_once_turn_both_momenta() -> None:
 
 def test_passages_are_counted_over_other_events() -> None:
     """theta = 0 is passed every half period; an impulse of zero strength at t = 1 does not disturb the count."""
-    base = {"system": "pendulum", "initial": {"q": {"theta": "0.3"}, "velocity": {"theta": "0"}}, "want": ["periods"],
-            "times": [5]}  # fmt: skip
+    base = {"system": "pendulum", "initial": {"q": {"theta": "0.3"}, "velocity": {"theta": "0"}}, "want": ["periods"]}  # fmt: skip
     third = {"kind": "impulse", "at": {"coordinate": "theta", "value": "0", "passage": 2}, "momentum": {"theta": "1"}}
     idle = {"kind": "impulse", "at": {"t": "1"}, "momentum": {"theta": "0"}}
     period = Scene.load(base).run().quantity("periods")["theta"].value
+    base["times"] = [5]
     alone = Scene.load({**base, "events": [third]}).run().arcs
     both = Scene.load({**base, "events": [idle, third]}).run().arcs
     assert abs(alone[0].ends.value - 1.25 * period) < 1e-14

@@ -16,6 +16,7 @@ from sympy.core.function import AppliedUndef
 from hjsolve.algebra.shared_parts import common_parts, derivatives
 from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.killing.constant_field import EquationTable
+from hjsolve.precision import NAMES, mp
 
 
 def _concrete(V: sp.Expr) -> sp.Expr:
@@ -39,11 +40,11 @@ def _numerical_rows(V: sp.Expr, x: Sequence[sp.Symbol], table: EquationTable, wi
     parameters = sorted(V.free_symbols - set(x), key=str)
     values = {p: sp.Rational(random.randint(3, 90), 37) * (-1 if p.is_negative else 1) for p in parameters}
     named, left = common_parts([d.xreplace(values) for d in derivatives(V, tuple(x))])
-    functions = sp.lambdify(list(x), left, "mpmath", cse=lambda _: (named, left))
+    functions = sp.lambdify(list(x), left, NAMES, cse=lambda _: (named, left))
     rows: list[list[mpmath.mpf]] = []
     while len(rows) < width + 8:
         check_time()
-        point = [mpmath.mpf(random.randint(-99, 99) * 2 + 1) / 83 for _ in x]
+        point = [mp.mpf(random.randint(-99, 99) * 2 + 1) / 83 for _ in x]
         try:
             slots = functions(*point)
         except (ZeroDivisionError, ValueError):
@@ -57,10 +58,10 @@ def _coefficient(
     point: Sequence[mpmath.mpf],
 ) -> mpmath.mpf:  # fmt: skip
     """Return the coefficient of one tensor in an equation at a point."""
-    total = mpmath.mpf(0)
+    total = mp.mpf(0)
     for slot, terms in tensor:
         for exponents, c in terms:
-            monomial = mpmath.fprod(q**e for q, e in zip(point, exponents, strict=True))
+            monomial = mp.fprod(q**e for q, e in zip(point, exponents, strict=True))
             total += slots[slot] * monomial * int(c.p) / int(c.q)
     return total
 
@@ -76,7 +77,7 @@ def _numerical_echelon(rows: list[list[mpmath.mpf]], width: int) -> tuple[list[l
             ((abs(row[c]), r, c) for r, row in enumerate(rest) for c in range(width) if c not in pivots),
             default=(0, 0, 0),
         )
-        if size < mpmath.mpf(10) ** -25:
+        if size < mp.mpf(10) ** -25:
             break
         k = len(pivots)
         rows[k], rows[r + k] = rows[r + k], rows[k]
@@ -97,7 +98,7 @@ def rank_in_numbers(V: sp.Expr, x: Sequence[sp.Symbol], table: EquationTable, wi
         table: the equations, as terms in the derivatives of V, for each tensor.
         width: how many tensors there are.
     """
-    with mpmath.workdps(60):
+    with mp.workdps(60):
         return len(_numerical_echelon(_numerical_rows(V, x, table, width), width)[1])
 
 
@@ -112,7 +113,7 @@ def reconstructed_kernel(
         table: the equations, as terms in the derivatives of V, for each tensor.
         width: how many tensors there are.
     """
-    with mpmath.workdps(60):
+    with mp.workdps(60):
         rows, pivots = _numerical_echelon(_numerical_rows(V, x, table, width), width)
         free = [c for c in range(width) if c not in pivots]
         vectors = []
@@ -124,17 +125,17 @@ def reconstructed_kernel(
             vectors.append(vector)
         residual = max(
             (
-                abs(mpmath.fsum(a * mpmath.mpf(int(b.p)) / int(b.q) for a, b in zip(row, v, strict=True)))
+                abs(mp.fsum(a * mp.mpf(int(b.p)) / int(b.q) for a, b in zip(row, v, strict=True)))
                 for row in _numerical_rows(V, x, table, width)
                 for v in vectors
             ),
             default=1,
         )
-    if residual > mpmath.mpf(10) ** -20:
+    if residual > mp.mpf(10) ** -20:
         return None
     return tuple(tuple(row) for row in sp.Matrix(vectors).rref()[0].tolist())
 
 
 def _rational(number: mpmath.mpf) -> sp.Rational:
     """Return the simplest rational number within 10⁻²⁵ of a real number."""
-    return sp.nsimplify(sp.Float(str(mpmath.re(number)), 40), rational=True, tolerance=sp.Float("1e-25", 30))
+    return sp.nsimplify(sp.Float(str(mp.re(number)), 40), rational=True, tolerance=sp.Float("1e-25", 30))

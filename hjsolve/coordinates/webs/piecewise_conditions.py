@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from random import Random
 
-import mpmath
 import sympy as sp
 
 from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.webs.orthonormal_frames import TooHardError
+from hjsolve.precision import mp
 
 _MOST_BRANCHES = 400
 
@@ -245,11 +245,11 @@ def _inside_another(
     numbers = {s: sp.Rational(random.randint(11, 99), 17) for s in symbols}
     numbers.update({u: value.subs(numbers) for u, value in piece.values.items()})
     jacobian = [[sp.diff(e, u).subs(numbers) for u in unknowns] for e in equations]
-    with mpmath.workdps(40):
-        singular = mpmath.svd_c(
-            mpmath.matrix([[mpmath.mpmathify(e.evalf(40)) for e in row] for row in jacobian]), compute_uv=False
+    with mp.workdps(40):
+        singular = mp.svd_c(
+            mp.matrix([[mp.mpmathify(e.evalf(40)) for e in row] for row in jacobian]), compute_uv=False
         )
-        rank = sum(1 for value in singular if abs(value) > mpmath.mpf(10) ** -20)
+        rank = sum(1 for value in singular if abs(value) > mp.mpf(10) ** -20)
     return len(unknowns) - rank in {len(other.free) for other in larger}
 
 

@@ -23,9 +23,11 @@ from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.through_poles.continued_motion import motion_through_poles
 from hjsolve.motion.velocity_frame import COORDINATE, factors_of, lengths_in_units, rates_of
 from hjsolve.motion.wanted import parts_of
+from hjsolve.precision import one_at_a_time
 from hjsolve.solution.quadratures import Solution
 
 
+@one_at_a_time
 def start(
     solution: Solution,
     *,

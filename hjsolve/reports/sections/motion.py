@@ -7,7 +7,6 @@ import platform
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 
-import mpmath
 import numpy as np
 import sympy as sp
 
@@ -18,6 +17,7 @@ from hjsolve.lowering import lower
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.motion.motion import Motion
+from hjsolve.precision import mp
 from hjsolve.reports.document import (
     Block,
     Figure,
@@ -113,7 +113,7 @@ def _end(motion: Motion, name: str, end: Estimate | None) -> Text:
     values = exact_values_of(motion)
     at_rest = (coordinate.momentum + motion.solution.shift[name]).xreplace(values) == 0
     here = values[coordinate.symbol]
-    same = at_rest and abs(mpmath.mpf(sp.N(here, 40)) - mpmath.mpf(end.value)) <= mpmath.mpf(end.error)
+    same = at_rest and abs(mp.mpf(sp.N(here, 40)) - mp.mpf(end.value)) <= mp.mpf(end.error)
     return _known(here if same else _short_root(motion, name, end), end)
 
 
@@ -123,7 +123,7 @@ def _short_root(motion: Motion, name: str, end: Estimate) -> sp.Rational | None:
     Another zero within the error would need P²′ to vanish in between, so |P²′| ≤ |P²″| times the error.
     """
     nearby = sp.Rational(f"{float(end.value):.{_SHORT}g}") if math.isfinite(end.value) else None
-    if nearby is None or abs(mpmath.mpf(sp.N(nearby, 40)) - mpmath.mpf(end.value)) > mpmath.mpf(end.error):
+    if nearby is None or abs(mp.mpf(sp.N(nearby, 40)) - mp.mpf(end.value)) > mp.mpf(end.error):
         return None
     q = motion.solution.system.coordinate(name).symbol
     values = {symbol: value for symbol, value in exact_values_of(motion).items() if symbol != q}

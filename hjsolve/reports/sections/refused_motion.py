@@ -50,12 +50,13 @@ def other_coordinates(system: System) -> Section:
     return Section("coordinates", "In which coordinates would it separate?", tuple(blocks))
 
 
-def section_of_refused_motion(system: System, initial: Mapping[str, Any]) -> Section | None:
+def section_of_refused_motion(system: System, initial: Mapping[str, Any], *, returns: bool = True) -> Section | None:
     """Draw how a system moves that is not solved by quadratures, by integration with its error.
 
     Args:
         system: one that does not separate.
         initial: keywords of ``Solution.motion``.
+        returns: whether a surface of section is drawn, which takes most of the time.
 
     Returns:
         The section; None where other than two coordinates are left when ignorable ones are gone, or the initial data
@@ -70,7 +71,8 @@ def section_of_refused_motion(system: System, initial: Mapping[str, Any]) -> Sec
     times, states = path(plane)
     if not np.isfinite(states).all() or times[-1] == 0:
         return None
-    figures, found = [contour_figure(plane, times, states, "contours")], surface_of_section(plane)
+    figures = [contour_figure(plane, times, states, "contours")]
+    found = surface_of_section(plane) if returns else None
     E = float(plane.energy(plane.start))
     lost = float(np.max(np.abs(plane.energy(states) - E)))
     told: list[Inline] = [
@@ -82,7 +84,7 @@ def section_of_refused_motion(system: System, initial: Mapping[str, Any]) -> Sec
     if found is not None:
         figures.append(section_figure(plane, found, "surface-of-section"))
         told += _validated(found)
-    else:
+    elif returns:
         told.append(" It does not come back often enough to one surface for a section to be drawn.")
     return Section("refused-motion", "How it moves", (Paragraph(tuple(told)), Figures(tuple(figures))))
 

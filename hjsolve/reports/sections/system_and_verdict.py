@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import mpmath
 import sympy as sp
 
 from hjsolve.arithmetic.printed_digits import shortest
 from hjsolve.mechanics.energy_shell import ReductionStep
 from hjsolve.mechanics.system import System, hamiltonian, linear_terms, mass_matrix, momenta
+from hjsolve.precision import mp
 from hjsolve.reports.document import (
     ArgumentStep,
     Block,
@@ -67,7 +67,7 @@ def exactly(value: sp.Expr) -> Text:
     ending = terminating(value)
     if ending is not None:
         return (ending,)
-    return (math(value), " ≈ ", Number(shortest(mpmath.mpf(sp.N(value, 20)), _FIRST_DIGITS)))
+    return (math(value), " ≈ ", Number(shortest(mp.mpf(sp.N(value, 20)), _FIRST_DIGITS)))
 
 
 def formula(left: Box, expression: sp.Basic, tag: str = "") -> Formula:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import sympy as sp
-from mpmath import mp
 
 from hjsolve.algebra.field import Element
 from hjsolve.algebra.readable import printed_length, shortest_form
@@ -13,6 +12,7 @@ from hjsolve.algebra.reader import Reader
 from hjsolve.mechanics.coordinates_and_parameters import free_name
 from hjsolve.mechanics.energy_shell import Shell, domain_bounds
 from hjsolve.mechanics.system import Coordinate, System, kinetic_rest, linear_terms, mass_matrix
+from hjsolve.precision import mp
 from hjsolve.separation.constants.known_integrals import Naming
 from hjsolve.separation.forms.stackel import Matrix
 from hjsolve.separation.verdicts import Constant

@@ -15,6 +15,7 @@ from statistics import median
 import mpmath
 import sympy as sp
 
+from hjsolve.precision import mp
 from hjsolve.separation.zero_test.interval_evaluation import UNKNOWNS, NoEnclosureError, Region, Walk, finite
 
 SAMPLES = 6
@@ -73,7 +74,7 @@ def _errors(
 ) -> list[mpmath.mpf]:
     """Errors at up to ``SAMPLES`` points, fewer where evaluation is slow, with the base point given."""
     deadline = time.monotonic() + SECONDS
-    with mpmath.workprec(PRECISION):
+    with mp.workprec(PRECISION):
         g0 = _values(functions, base)
         found = []
         for point in points:
@@ -85,7 +86,7 @@ def _errors(
                 break
         if part == "metric":
             return [max(abs(a / b - 1) for a, b in zip(new[:-1], old[:-1])) for new, old in found]
-        scale = median([abs(old[-1] - g0[-1]) for _, old in found]) if found else mpmath.mpf(0)
+        scale = median([abs(old[-1] - g0[-1]) for _, old in found]) if found else mp.mpf(0)
         return [abs(new[-1] - old[-1]) / scale for new, old in found]
 
 
@@ -94,14 +95,14 @@ def _rebuilt(
 ) -> tuple[list[mpmath.mpf], list[mpmath.mpf]]:
     """The metric and the potential at a point as rebuilt from the lines through the base point, and as they are."""
     n = len(symbols)
-    s, u = mpmath.matrix(n, n), mpmath.matrix(n, 1)
+    s, u = mp.matrix(n, n), mp.matrix(n, 1)
     for i, q in enumerate(symbols):
         on_line = _values(functions, {**base, q: point[q]})
         u[i] = (on_line[-1] - g0[-1]) / on_line[i]
         for j in range(n):
             s[j, i] = 1 / on_line[i] if i == j else (1 - on_line[j] / g0[j]) / on_line[i]
-    g = mpmath.lu_solve(s, mpmath.ones(n, 1))
-    return [*g, g0[-1] + mpmath.fdot(g, u)], _values(functions, point)
+    g = mp.lu_solve(s, mp.ones(n, 1))
+    return [*g, g0[-1] + mp.fdot(g, u)], _values(functions, point)
 
 
 def _values(functions: Sequence[sp.Expr], point: Point) -> list[mpmath.mpf]:

@@ -7,10 +7,13 @@ from dataclasses import dataclass
 import mpmath
 import sympy as sp
 
-from hjsolve.display.shown import Shown
+from hjsolve.display.shown import Shown, cut, listed_names
 from hjsolve.mechanics.energy_shell import ReductionStep, Shell
 from hjsolve.mechanics.system import System
 from hjsolve.separation.zero_test.interval_evaluation import Witness
+
+_LONGEST = 120
+"""Letters of a formula in a sentence."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -51,6 +54,13 @@ class Obstruction(Shown):
     conformal: bool | None = None
     conformal_energy: sp.Expr | None = None
 
+    def __str__(self) -> str:
+        """The verdict in one sentence."""
+        names, pair = listed_names(c.name for c in self.system.coordinates), dict.fromkeys(self.pair)
+        who = f"couples {listed_names(pair)}" if len(pair) > 1 else f"is in the way of {listed_names(pair)}"
+        part = _PARTS.get(self.part, self.part)
+        return f"Does not separate in {names}: the {part} {who}, since {_shown(self.residual)} is not zero everywhere."
+
 
 @dataclass(frozen=True, repr=False)
 class Undecided(Shown):
@@ -77,3 +87,15 @@ class Undecided(Shown):
     value: mpmath.mpf | None
     advice: str
     evidence: tuple[ReductionStep, ...]
+
+    def __str__(self) -> str:
+        """The verdict in one sentence."""
+        names = listed_names(c.name for c in self.system.coordinates)
+        return f"Not decided in {names}: {_shown(self.residual)} was proved neither to vanish everywhere nor not to."
+
+
+_PARTS = {"metric": "kinetic energy", "gyroscopic": "gyroscopic term"}
+
+
+def _shown(residual: sp.Expr) -> str:
+    return cut(str(residual), _LONGEST)

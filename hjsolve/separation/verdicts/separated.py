@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from hjsolve.display.shown import Shown
+from hjsolve.display.shown import Shown, listed_names
 from hjsolve.mechanics.energy_shell import ReductionStep, Shell
 from hjsolve.mechanics.system import System
 
@@ -96,3 +96,12 @@ class Separation(Shown):
     reduced: Reduced
     evidence: tuple[ReductionStep, ...]
     seconds: float
+
+    def __str__(self) -> str:
+        """The verdict in one sentence."""
+        form = "of Liouville form" if self.liouville else "of Stäckel form" if self.stackel else ""
+        shell = "of Liouville form" if self.reduced.liouville else "of Stäckel form" if self.reduced.stackel else ""
+        why = f"it is {form}" if form else f"its energy shell is {shell}" if shell else "no coordinate is essential"
+        are = "is" if len(self.ignorable) == 1 else "are"
+        free = f", and {listed_names(self.ignorable)} {are} ignorable" if self.ignorable else ""
+        return f"Separates in {listed_names(c.name for c in self.system.coordinates)}: {why}{free}."

@@ -18,6 +18,7 @@ from hjsolve.algebra.intervals import Interval, NoEnclosureError, Walk, enclose,
 from hjsolve.algebra.poly import Budget
 from hjsolve.algebra.signs import Bounds
 from hjsolve.display.shown import Shown
+from hjsolve.precision import mp
 
 PRECISIONS = (64, 160, 400)
 POINTS = 24
@@ -189,7 +190,7 @@ def value_to_40_digits(expression: sp.Expr, region: Region) -> tuple[dict[str, s
             lower, upper = enclose(expression, point, 400)
         except NoEnclosureError:
             continue
-        with mpmath.workdps(40):
+        with mp.workdps(40):
             return {sp.sstr(s): v for s, v in point.items()}, (lower + upper) / 2
     return None
 
