@@ -22,7 +22,7 @@ from hjsolve.motion.phases import Phases, courses_of
 from hjsolve.one_coordinate.coordinate_motion import arithmetic_of
 from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.time_law.phase_reduction import principal as principal_of_doubles
-from hjsolve.time_law.phase_reduction import turns_and_rest
+from hjsolve.time_law.phase_reduction import grown_by, turns_and_rest
 from hjsolve.time_law.torus import mean_rate, oscillation
 
 if TYPE_CHECKING:
@@ -309,10 +309,10 @@ def grown(
     if exact is not None:
         context = exact[0].context
         values = np.array([begin(context.prec) + rate * t for t in exact], dtype=object) + wave
-        return values, np.zeros(len(values))
+        return values, np.zeros(len(values), dtype=int)
     if not angle:
-        whole, rest = turns_and_rest(split(multiprecision(256).mpf(rate)), time)
-        return float(begin(256)) + rest + wave + whole, 0 * whole
+        value = grown_by(split(multiprecision(256).mpf(rate)), time, float(begin(256)) + wave)
+        return value, np.zeros(value.shape, dtype=int)
     turn = 2 * multiprecision(256).pi
     whole, rest = turns_and_rest(split(rate / turn), time, split(begin(256) / turn))
     return 2 * np.pi * rest + wave, whole

@@ -187,7 +187,7 @@ class _Quantities:
         count: Numbers
         if name == self.separated:
             course, whole = motion.located[name].course, self.arguments[1]
-            value, count = self.times.values(self.table, 0), course.direction * whole if course.rotates else 0.0 * whole
+            value, count = self.times.values(self.table, 0), course.direction * whole if course.rotates else 0 * whole
         else:
             index, begin = self.table.waves[name]
             wave = self.times.values(self.table, index) - begin

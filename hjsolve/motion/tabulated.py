@@ -110,7 +110,7 @@ class DenseOutput:
             if not self.table.even:
                 behind, beyond = θ < self.first, θ >= self.first + 2 * np.pi
                 if behind.any() or beyond.any():
-                    shift = behind.astype(float) - beyond
+                    shift = behind.astype(int) - beyond
                     θ += 2 * np.pi * shift
                     whole -= shift
             return θ, whole, np.zeros(θ.shape, dtype=bool)

@@ -35,7 +35,7 @@ def on_torus(
     bounds = [np.empty(len(time), dtype=object) for _ in range(n)]
     cut = context.matrix([sum(_left_out(series) for series in row) for row in system.oscillations])
     for m, t in enumerate(time):
-        goal = [system.starts[k] + system.rates[k] * t - turn * context.convert(float(whole[k][m])) for k in range(n)]
+        goal = [system.starts[k] + system.rates[k] * t - turn * int(whole[k][m]) for k in range(n)]
 
         def equations(x: list[Mpf], goal: list[Mpf] = goal) -> tuple[MpfMatrix, MpfMatrix]:
             residual = context.matrix(

@@ -152,7 +152,7 @@ def torus_phases(system: TorusEquations, time: tuple[Reals, Reals]) -> tuple[lis
         time: high and low parts, float arrays of shape (m,).
 
     Returns:
-        For each coordinate: χ near [−π, π], the whole turns (float array), and a bound on the error of χ; shape (m,).
+        For each coordinate: χ near [−π, π], the whole turns (integers), and a bound on the error of χ; shape (m,).
     """
     n = len(system.courses)
     angles, whole = [], []
