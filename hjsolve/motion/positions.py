@@ -21,8 +21,8 @@ from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import Phases, courses_of
 from hjsolve.one_coordinate.coordinate_motion import arithmetic_of
 from hjsolve.one_coordinate.fourier_series import FourierSeries
-from hjsolve.time_law.phase_reduction import principal as principal_of_doubles
 from hjsolve.time_law.phase_reduction import grown_by, turns_and_rest
+from hjsolve.time_law.phase_reduction import principal as principal_of_doubles
 from hjsolve.time_law.torus import mean_rate, oscillation
 
 if TYPE_CHECKING:
