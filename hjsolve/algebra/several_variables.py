@@ -83,7 +83,8 @@ def _watched(f: sp.Expr) -> list[sp.Expr]:
 
 
 _BELOW = {
-    sp.tan: sp.cos, sp.sec: sp.cos, sp.cot: sp.sin, sp.csc: sp.sin, sp.coth: sp.sinh, sp.csch: sp.sinh, sp.sign: lambda u: u,
+    sp.tan: sp.cos, sp.sec: sp.cos, sp.cot: sp.sin, sp.csc: sp.sin, sp.coth: sp.sinh, sp.csch: sp.sinh,
+    sp.sign: lambda u: u,
 }  # fmt: skip
 """Function → what vanishes where it has a pole, or jumps."""
 
