@@ -21,6 +21,7 @@ from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import Phases, courses_of
 from hjsolve.one_coordinate.coordinate_motion import arithmetic_of
 from hjsolve.one_coordinate.fourier_series import FourierSeries
+from hjsolve.time_law.open_motion import integral_at_start
 from hjsolve.time_law.phase_reduction import grown_by, turns_and_rest
 from hjsolve.time_law.phase_reduction import principal as principal_of_doubles
 from hjsolve.time_law.torus import mean_rate, oscillation
@@ -253,8 +254,9 @@ def _grown_from(
         return grown(begin, mean_rate(torus, j), phases.time, phases.exact, angle, wave)
     total = gauge
     for course, χ, n in zip(courses_of(motion, phases), phases.χ, phases.whole, strict=True):
-        first = np.array([course.start], dtype=object) if χ.dtype == object else np.array([float(course.start)])
-        total = total - (course.integral(j, χ) - course.integral(j, first)[0])
+        many = χ.dtype == object
+        first = course.integral(j, np.array([course.start], dtype=object))[0] if many else integral_at_start(course, j)
+        total = total - (course.integral(j, χ) - first)
         if course.cycle is not None and n.any():
             turn = 2 * multiprecision(bits_for(motion.digits, 96)).pi if χ.dtype == object else 2 * np.pi
             growth = course.cycle.growth(j) if χ.dtype == object else float(course.cycle.growth(j))

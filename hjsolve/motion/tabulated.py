@@ -20,7 +20,7 @@ from hjsolve.motion.near_poles import roundings
 from hjsolve.motion.positions import constant_index
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.one_coordinate.fourier_series import FourierSeries
-from hjsolve.time_law.open_motion import reaching
+from hjsolve.time_law.open_motion import integral_at_start, reaching
 from hjsolve.time_law.phase_reduction import turns_and_rest
 from hjsolve.time_law.table import DEGREE, InterpolationTable, tabulate
 from hjsolve.time_law.torus import oscillation
@@ -272,9 +272,7 @@ def _open(motion: SeparatedMotion, power: int) -> DenseOutput:
         origin=first,
         grains=lambda y: [0.0, 0.0, *(course.grain(j, y) for j in indices)],
     )
-    begin = np.array([float(course.start)])
     waves = {
-        name: (2 + k, float(-np.ravel(course.integral(j, begin))[0]))
-        for k, (name, j) in enumerate(zip(names, indices, strict=True))
+        name: (2 + k, -integral_at_start(course, j)) for k, (name, j) in enumerate(zip(names, indices, strict=True))
     }
-    return DenseOutput(table, waves, first, float(np.ravel(course.integral(0, begin))[0]))
+    return DenseOutput(table, waves, first, integral_at_start(course, 0))

@@ -258,7 +258,21 @@ def reaching(
 
 def _targets(courses: list[CoordinateMotion], n: int) -> list[float]:
     """Cⱼ = Σᵢ Gᵢⱼ at the start."""
-    return [sum(float(np.asarray(c.integral(j, np.array([float(c.start)])))[0]) for c in courses) for j in range(n)]
+    return [sum(integral_at_start(c, j) for c in courses) for j in range(n)]
+
+
+def integral_at_start(course: CoordinateMotion, j: int) -> float:
+    """Return Gⱼ at the start, a phase of many digits.
+
+    Next to the top of a barrier Gⱼ is so steep that the phase rounded to a double is another time.
+
+    Args:
+        course: the coordinate.
+        j: position of the constant.
+    """
+    near = np.array([float(course.start)])
+    value, slope = (float(np.ravel(np.asarray(f(j, near)))[0]) for f in (course.integral, course.rate))
+    return value + slope * float(course.start - near[0])
 
 
 def _right_side(
