@@ -11,7 +11,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import UNIT, Float64, Multi, bits_for, multiprecision
-from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, Reals
+from hjsolve.arithmetic.number_types import Counts, Elementwise, Mpf, Numbers, Reals
 from hjsolve.arithmetic.running_error import RunningError
 from hjsolve.arithmetic.running_error import WithErrorBound as Rounded
 from hjsolve.arithmetic.tape import Tape
@@ -42,7 +42,7 @@ def constant_index(motion: SeparatedMotion, name: str) -> int:
 
 def positions_at(
     motion: SeparatedMotion, phases: Phases
-) -> tuple[dict[str, Numbers], dict[str, Numbers], dict[str, Numbers]]:
+) -> tuple[dict[str, Numbers], dict[str, Numbers], dict[str, Counts]]:
     """Return q, canonical p, and whole turns of the angles.
 
     Args:
@@ -54,7 +54,7 @@ def positions_at(
     """
     q: dict[str, Numbers] = {}
     shell: dict[str, Numbers] = {}
-    whole: dict[str, Numbers] = {}
+    whole: dict[str, Counts] = {}
     for name, course, χ, n in zip(
         motion.solution.coordinates, courses_of(motion, phases), phases.χ, phases.whole, strict=True
     ):
@@ -77,7 +77,7 @@ def positions_at(
     return {n: q[n] for n in names}, p, {n: whole[n] for n in names if n in whole}
 
 
-def principal_values(angle: Numbers) -> tuple[Numbers, Numbers]:
+def principal_values(angle: Numbers) -> tuple[Numbers, Counts]:
     """Reduce to (−π, π] and count the turns taken away.
 
     Args:
@@ -92,7 +92,7 @@ def principal_values(angle: Numbers) -> tuple[Numbers, Numbers]:
     )
 
 
-def _principal_of_digits(angle: Numbers, arithmetic: Multi) -> tuple[Numbers, Numbers]:
+def _principal_of_digits(angle: Numbers, arithmetic: Multi) -> tuple[Numbers, Counts]:
     context, turn = arithmetic.context, 2 * arithmetic.pi()
     n = np.array([int(context.ceil((x - context.pi) / turn)) for x in angle])
     return np.array([x - turn * int(k) for x, k in zip(angle, n, strict=True)], dtype=object), n
@@ -219,7 +219,7 @@ def travelled(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str
     return _grown_from(motion, phases, name, q, to_bits(sp.S.Zero), angle=False)[0]
 
 
-def _ignorable(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Numbers]) -> tuple[Numbers, Numbers]:
+def _ignorable(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Numbers]) -> tuple[Numbers, Counts]:
     """An ignorable coordinate, and the whole turns taken from it."""
     coordinate = motion.solution.system.coordinate(name)
     begin = to_bits(motion.initial.values[coordinate.symbol])
@@ -234,7 +234,7 @@ def _grown_from(
     begin: Callable[[int], Mpf],
     *,
     angle: bool,
-) -> tuple[Numbers, Numbers]:
+) -> tuple[Numbers, Counts]:
     """φ(t) = φ₀ − Σᵢ [Gᵢ(χᵢ) − Gᵢ(χᵢ⁰)] + ∂χ/∂c: Greenwood (5-83). On a torus the mean growth is reduced exactly."""
     solution, torus = motion.solution, motion.torus
     coordinate = solution.system.coordinate(name)
@@ -294,7 +294,7 @@ def grown(
     exact: list[Mpf] | None,
     angle: bool,
     wave: Numbers | float,
-) -> tuple[Numbers, Numbers]:
+) -> tuple[Numbers, Counts]:
     """Return begin + rate·(t − t₀) + wave, with whole turns of the growth taken out.
 
     Args:

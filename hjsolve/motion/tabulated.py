@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from hjsolve.arithmetic.error_free import Pair, split
-from hjsolve.arithmetic.number_types import Mask, Numbers, Reals
+from hjsolve.arithmetic.number_types import Counts, Mask, Numbers, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.near_poles import roundings
 from hjsolve.motion.positions import constant_index
@@ -94,7 +94,7 @@ class DenseOutput:
         below, above, shell = self.table.evaluate([*self.ends, 1], θ)
         return {name: course.beside(below, above)}, {name: shell}
 
-    def argument(self, motion: SeparatedMotion, time: tuple[Reals, Reals]) -> tuple[Reals, Reals, Mask]:
+    def argument(self, motion: SeparatedMotion, time: tuple[Reals, Reals]) -> tuple[Reals, Counts, Mask]:
         """Return the table's argument, the whole turns, and where the motion has ended, at times relative to t₀.
 
         Args:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.number_types import Mask, Reals
+from hjsolve.arithmetic.number_types import Counts, Mask, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.time_law.coupled_pair import CoupledPair, choose_pair, solve_pair
@@ -118,7 +118,7 @@ def _own(i: int, left: list[int], samples: list[Reals]) -> DecoupledStep | None:
 
 def open_phases(
     scheme: TriangularScheme, time: tuple[Reals, Reals]
-) -> tuple[list[Reals], list[Reals], list[Reals], Mask]:
+) -> tuple[list[Reals], list[Counts], list[Reals], Mask]:
     """Solve for the phases at times relative to t₀.
 
     Args:
@@ -139,7 +139,7 @@ def open_phases(
 
 def _phases(
     scheme: TriangularScheme, time: tuple[Reals, Reals], span: float, attempt: int
-) -> tuple[list[Reals], list[Reals], list[Reals], Mask, Mask]:
+) -> tuple[list[Reals], list[Counts], list[Reals], Mask, Mask]:
     """The same with panels that reach so far; True last where that is not far enough."""
     t = time[0] + time[1]
     courses = [reaching(c, scheme, span * 8.0**attempt, i, attempt) for i, c in enumerate(scheme.courses)]

@@ -23,12 +23,11 @@ def kinds(potential, p: float, E: float) -> str:
 
 
 @pytest.mark.parametrize(
-    ("n", "m", "strength"), [(12, 6, 4), *(pytest.param(*x, marks=pytest.mark.nightly) for x in ((9, 6, 1), (10, 5, 1), (14, 7, 2)))]
+    ("n", "m", "strength"),
+    [(12, 6, 4), *(pytest.param(*x, marks=pytest.mark.nightly) for x in ((9, 6, 1), (10, 5, 1), (14, 7, 2)))],
 )
 def test_maps_of_lennard_jones_have_the_kinds_that_the_effective_potential_shows(n: int, m: int, strength: int) -> None:
-    solution = hjsolve.solve(
-        hjsolve.System({"r": "0 < r", "theta": "angle"}, T, f"{strength}*(1/r**{n} - 1/r**{m})")
-    )
+    solution = hjsolve.solve(hjsolve.System({"r": "0 < r", "theta": "angle"}, T, f"{strength}*(1/r**{n} - 1/r**{m})"))
     window = {"p_theta": (0.005, 3), "E": (-2, 2)}
     found = hjsolve.energy_momentum_map(solution, x="p_theta", y="E", window=window)
     met = set()
