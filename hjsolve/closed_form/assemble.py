@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import sympy as sp
 
+from hjsolve.closed_form.anomalies import anomaly_forms
 from hjsolve.closed_form.curves import W
+from hjsolve.closed_form.elliptic_inverses import in_moduli
 from hjsolve.closed_form.energy_from_actions import solved_for_energy
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.inverses import inverse_forms, orbit_formulas, parametric_formulas
 from hjsolve.closed_form.involutions import why_no_form
+from hjsolve.closed_form.named_quantities import Where
+from hjsolve.closed_form.names_of_regime import names_of
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
 from hjsolve.closed_form.tidy import LONGEST, elliptic, longer_than, shortened_powers
@@ -18,7 +23,6 @@ from hjsolve.closed_form.workshop import Stratum, Workshop
 from hjsolve.solution.quadratures import Solution
 
 Integrals = Mapping[str, CoordinateIntegrals]
-Where = dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 
 
 def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum) -> RegimeForms:
@@ -45,25 +49,34 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
     function = _closed(solution, solution.characteristic_function, W, pieces, special, reasons)
     if isinstance(function, str):
         why_not["characteristic_function"], function = function, None
-    where = {symbol: meaning for own in pieces.values() for symbol, meaning in own.where.items()}
+    where: Where = {symbol: meaning for own in pieces.values() for symbol, meaning in own.where.items()}
+    names = names_of(solution, pieces, where)
     numbers = _numbers(shop, pieces, special, made, why_not, where)
-    inverse = inverse_forms(shop, pieces, special, why_not)
-    orbit = orbit_formulas(shop, pieces, special)
+    inverse = inverse_forms(shop, pieces, special, why_not, names)
+    orbit = orbit_formulas(shop, pieces, special, names)
+    parametric = parametric_formulas(shop, pieces, special, names)
+    anomaly = anomaly_forms(shop, pieces, names, inverse, why_not)
     energy = solved_for_energy(shop, numbers["actions"], made, why_not)
 
     def plain(group: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:
-        return {name: settled(made, value) for name, value in group.items()}
+        return {name: settled(made, in_moduli(value, names, of_roots=True)) for name, value in group.items()}
 
     def relation(equation: sp.Eq) -> sp.Eq:
-        return sp.Eq(equation.lhs, settled(made, equation.rhs), evaluate=False)
+        return sp.Eq(equation.lhs, settled(made, in_moduli(equation.rhs, names)), evaluate=False)
 
-    return RegimeForms(
+    form = RegimeForms(
         solution, made, None if time_law is None else relation(time_law),
         {name: relation(equation) for name, equation in equations.items()},
-        None if function is None else settled(made, function), _turning_points(pieces, made), plain(numbers["periods"]),
-        plain(numbers["actions"]), plain(numbers["frequencies"]), plain(numbers["mean_velocities"]), plain(inverse),
-        plain(orbit), plain(parametric_formulas(shop, pieces, special)), energy, where, why_not,
+        None if function is None else settled(made, in_moduli(function, names)), _turning_points(pieces, made),
+        plain(numbers["periods"]), plain(numbers["actions"]), plain(numbers["frequencies"]),
+        plain(numbers["mean_velocities"]), plain(inverse), plain(orbit), plain(parametric), plain(anomaly), energy,
+        where, why_not,
     )  # fmt: skip
+    for symbol in set(where) - names.roots:
+        if symbol.name.startswith("Omega_"):
+            where[symbol] = in_moduli(sp.sympify(where[symbol]), names, of_roots=True)
+    where = names.kept(form.named().values(), lambda e: settled(made, shortened_powers(e)))
+    return replace(form, where=where)
 
 
 def _equation(

@@ -10,7 +10,6 @@ import sympy as sp
 from hjsolve.closed_form.branch_points import NamedRoots
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.signs import Signs
-from hjsolve.closed_form.tidy import multiplied_out
 from hjsolve.functions import elliptic
 
 
@@ -121,28 +120,5 @@ def carlson_integral(R: elliptic.PartialFractions, way: CarlsonMap, x: sp.Expr |
         if x is None:
             return elliptic.complete(R, way.points, way.roots.interval)
         return way.direction * elliptic.incomplete(R, way.points, way.roots.interval, x, way.start)
-    except elliptic.NoForm as error:
-        raise NoFormError(str(error)) from error
-
-
-def carlson_inverse(way: CarlsonMap, value: sp.Expr, begin: sp.Expr) -> sp.Expr:
-    """The x at which ∫ dx/√P from a place has a value.
-
-    Args:
-        way: the interval.
-        value: of the integral.
-        begin: the place, an x.
-
-    Raises:
-        NoFormError: P has no real root to begin at.
-    """
-    if isinstance(way, PairsMap):
-        return elliptic.inverse_between(way.points, begin, multiplied_out(value), farther=way.farther)
-    first = elliptic.PartialFractions(((0, sp.S.One),))
-    try:
-        passed = elliptic.incomplete(first, way.points, way.roots.interval, begin, way.start)
-        return elliptic.inverse(
-            way.points, way.roots.interval, passed + way.direction * multiplied_out(value), way.start
-        )
     except elliptic.NoForm as error:
         raise NoFormError(str(error)) from error

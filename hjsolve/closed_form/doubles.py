@@ -158,7 +158,7 @@ def place_test(
     rest, at_ends = prepared
     s = curve.substitution
     x = s.place.subs(curve.coordinate.symbol, place)
-    away = place - s.inverse.subs(s.x, 0) if s.closed else sp.S.Zero
+    away = 2 * sp.pi * (place - s.inverse.subs(s.x, 0)) / s.turn if s.closed else sp.S.Zero  # in parts of a turn
     formulas = [*rest.all_coeffs(), s.lower, s.upper, x, away]
     return PlaceTest(sp.lambdify(list(symbols), formulas, modules=modules("numpy"), cse=True), at_ends[0], region)
 

@@ -74,31 +74,6 @@ class BasicIntegral:
         """The sign of u on the piece; of a logarithm only."""
         return self.side
 
-    def solved(self, value: sp.Expr) -> sp.Expr:
-        """The x at which the integral has a value.
-
-        Args:
-            value: of the integral.
-        """
-        A, B, C = self.quadratic
-        D, w = sp.factor_terms(sp.expand(B**2 / 4 - A * C)), -self.side * value
-        match self.kind:
-            case "arcsine":
-                u = -(B / 2 + positive_root(D) * sp.sin(sp.expand(positive_root(-A) * w))) / A
-            case "area sine":
-                u = (positive_root(-D) * sp.sinh(sp.expand(positive_root(A) * w)) - B / 2) / A
-            case "area cosine right":
-                u = (positive_root(D) * sp.cosh(sp.expand(positive_root(A) * w)) - B / 2) / A
-            case "area cosine left":
-                u = -(positive_root(D) * sp.cosh(sp.expand(positive_root(A) * w)) + B / 2) / A
-            case "root":
-                u = ((B * w / 2) ** 2 - C) / B
-            case "line":
-                u = positive_root(C) * w
-            case _:
-                u = self.sign_of_u * sp.exp(self.sign_of_u * positive_root(A) * w)
-        return u if self.place is None else self.place + 1 / u
-
     def complete(self) -> sp.Expr | None:
         """The integral from root to root; None where P does not have two roots with P > 0 between."""
         A = self.quadratic[0]
@@ -209,7 +184,11 @@ def elementary_antiderivative(
             _short(P.as_expr().subs(x, place)), _short(sp.diff(P.as_expr(), x).subs(x, place)), A
         )  # fmt: skip
         side = -1 if place is None else side_of(place)
-        kept.append((weight, BasicIntegral(_kind(quadratic, signs, place), quadratic, place, side)))
+        kind = _kind(quadratic, signs, place)
+        if kind == "root" and place is None:  # c ∫dx/√(Bx + C) is a multiple of √P as well
+            algebraic += 2 * weight / B
+            continue
+        kept.append((weight, BasicIntegral(kind, quadratic, place, side)))
     return Antiderivative(x, P.as_expr(), algebraic, tuple(kept))
 
 

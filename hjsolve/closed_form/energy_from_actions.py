@@ -84,7 +84,8 @@ def _solved(
     elif len(bases) == 1:
         (base,) = bases
         if sp.Poly(base, unknown).degree() != 1:
-            return None
+            found = _without_root(action - J, base, radicals, unknown)
+            return _right_one(found, made, actions, named, unknown)
         z, step = sp.Dummy("z", positive=True), 2
         b, c = sp.Poly(base, unknown).all_coeffs()
         back = (z**step - c) / b
@@ -92,13 +93,51 @@ def _solved(
         if not plain.is_rational_function(z):
             return None
         found = [back.subs(z, root) for root in _roots(sp.numer(sp.together(plain - J)), z)]
+    return _right_one(found, made, actions, named, unknown)
+
+
+def _without_root(
+    equation: sp.Expr, base: sp.Expr, radicals: list[sp.Pow], unknown: sp.Symbol
+) -> list[sp.Expr]:  # fmt: skip
+    """The roots of an equation with one square root in it, squared: Sommerfeld's energy."""
+    if any(p.exp.q != 2 for p in radicals) or not base.is_polynomial(unknown):
+        return []
+    z = sp.Dummy("z")
+    plain = sp.together(equation.xreplace({p: z ** (2 * p.exp) for p in radicals}))
+    w, even = sp.Dummy("w"), sp.Poly(base, unknown)
+    homogeneous = sp.cancel(plain.subs(unknown, w * z))
+    if not homogeneous.has(z) and sp.degree(sp.numer(homogeneous), w) == 1 and even.coeff_monomial(unknown) == 0:
+        w_J = _plain_root(sp.solve_linear(homogeneous, symbols=[w])[1])  # E = w √(b E² + c)
+        b, c = even.coeff_monomial(unknown**2), even.coeff_monomial(1)
+        return [side * sp.sqrt(sp.factor(c)) / sp.sqrt(w_J**-2 - b) for side in (1, -1)]
+    top = sp.numer(plain)
+    if not top.is_polynomial(z) or sp.degree(top, z) != 1:
+        return []
+    one, zero = sp.Poly(top, z).all_coeffs()
+    return _roots(sp.expand(one**2 * base - zero**2), unknown)
+
+
+def _plain_root(expression: sp.Expr) -> sp.Expr:
+    """A sum with √s in place of s/√s."""
+    held = [p for p in expression.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2]
+    roots = {p.base: sp.Dummy(positive=True) for p in held}
+    plain = expression.xreplace({p: roots[p.base] * p.base ** (p.exp - sp.S.Half) for p in held})
+    terms = sp.collect(sp.expand(plain), [*roots.values()], evaluate=False)
+    short = sp.Add(*(sp.cancel(sp.together(c)) * r for r, c in terms.items()))
+    return sp.factor(short).xreplace({r: sp.sqrt(base) for base, r in roots.items()})
+
+
+def _right_one(
+    found: list[sp.Expr], made: Regime, actions: Mapping[str, sp.Expr], named: Mapping[str, sp.Expr], unknown: sp.Symbol
+) -> sp.Expr | None:  # fmt: skip
+    """The root that is right at the regime's example, to 40 digits."""
     numbers = many_digits(made.example, _DIGITS)
     with mpmath.workdps(_DIGITS):
         numbers |= {named[name]: number_of(other, numbers) for name, other in actions.items()}
         for root in found:
             got = number_of(root, numbers)
             if mpmath.isfinite(got) and abs(got - numbers[unknown]) <= abs(got) * mpmath.mpf(10) ** -_AGREE:
-                return sp.factor(root)
+                return min((root, sp.factor(root)), key=sp.count_ops)
     return None
 
 

@@ -20,8 +20,6 @@ from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.real_branch_points import FAR, LegendreIntegrals, LegendreMap, over_s
 from hjsolve.closed_form.signs import Signs
-from hjsolve.closed_form.tidy import multiplied_out
-from hjsolve.functions import JacobiCN, JacobiDN, JacobiSN
 
 
 @dataclass(frozen=True)
@@ -96,7 +94,9 @@ def _short(expression: sp.Expr) -> sp.Expr:
     return sp.factor(sp.cancel(sp.together(expression)))
 
 
-def even_integral(R: sp.Expr, way: EvenMap, x: sp.Symbol, signs: Signs, *, complete: bool) -> sp.Expr:
+def even_integral(
+    R: sp.Expr, way: EvenMap, x: sp.Symbol, signs: Signs, *, complete: bool, own: LegendreIntegrals | None = None
+) -> sp.Expr:  # fmt: skip
     """∫ R dx/√P: up to x, from x = 0 (sn) or from the upper end (dn, cn); or over the whole piece.
 
     Args:
@@ -105,6 +105,7 @@ def even_integral(R: sp.Expr, way: EvenMap, x: sp.Symbol, signs: Signs, *, compl
         x: the variable.
         signs: of the sample.
         complete: whether over the whole piece.
+        own: the integrals of dφ/Δ, up to another amplitude than that of x.
 
     Raises:
         NoFormError: R is not even, or has a pole that these integrals do not reach.
@@ -113,20 +114,8 @@ def even_integral(R: sp.Expr, way: EvenMap, x: sp.Symbol, signs: Signs, *, compl
         raise NoFormError("the integrand is not even in x")
     X = sp.Symbol(x.name, positive=True)
     parts = partial_fractions(sp.cancel(sp.powdenest(R.subs(x, sp.sqrt(X)), force=True)), X, signs)
-    own = LegendreIntegrals(way.m, None if complete else way.amplitude(x))
+    own = own or LegendreIntegrals(way.m, None if complete else way.amplitude(x))
     low, high = way.line
     linear = LegendreMap(low, high, FAR, FAR, 1, sp.S.One)
     total = over_s(parts, linear, own, pole_at_c=low + (high - low) / way.m) / way.Ω
     return way.quarters * total if complete else way.direction * total
-
-
-def even_inverse(way: EvenMap, value: sp.Expr, start: sp.Expr) -> sp.Expr:
-    """The x at which ∫ dx/√P from a place has a value.
-
-    Args:
-        way: the map.
-        value: of the integral.
-        start: the place, an x.
-    """
-    argument = sp.elliptic_f(way.amplitude(start)[0], way.m) + way.direction * multiplied_out(way.Ω * value)
-    return way.side * way.scale * {"sn": JacobiSN, "dn": JacobiDN, "cn": JacobiCN}[way.kind](argument, way.m)

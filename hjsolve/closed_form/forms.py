@@ -9,7 +9,8 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.closed_form.numbers import form_at_numbers, functions
+from hjsolve.closed_form.named_quantities import written_out
+from hjsolve.closed_form.numbers import form_at_numbers, functions, wanted_form
 from hjsolve.closed_form.regime import Regime
 from hjsolve.closed_form.source_code import source
 from hjsolve.display.shown import Shown
@@ -38,6 +39,8 @@ class RegimeForms(Shown):
         orbit: coordinate → q as a function of another coordinate, the one that it holds.
         parametric: coordinate → q(τ) of two separated coordinates, τ the common value of the integrals of first kind in
             the orbit equation of the separation constant (Liouville's τ, Mino's time); zero at the lower limits.
+        anomaly: coordinate, or t → q(ξ) and t(ξ) where t(q) cannot be solved for q: ξ is the eccentric anomaly of an
+            ellipse, its hyperbolic twin, or tan ν/2 of a parabola; q grows where ξ is positive.
         energy: E as a function of the actions J_<name>; None where it was not solved for.
         where: symbol → its definition: an expression, or (polynomial, index of the real root).
         why_not: quantity → why there is no form of it.
@@ -56,6 +59,7 @@ class RegimeForms(Shown):
     inverse: Mapping[str, sp.Expr]
     orbit: Mapping[str, sp.Expr]
     parametric: Mapping[str, sp.Expr]
+    anomaly: Mapping[str, sp.Expr]
     energy: sp.Expr | None
     where: Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
     why_not: Mapping[str, str]
@@ -72,7 +76,16 @@ class RegimeForms(Shown):
         if self.characteristic_function is not None:
             found["characteristic_function"] = self.characteristic_function
         found |= {f"orbit_equations.{name}": equation.rhs for name, equation in self.orbit_equations.items()}
-        for group in ("periods", "actions", "frequencies", "mean_velocities", "inverse", "orbit", "parametric"):
+        for group in (
+            "periods",
+            "actions",
+            "frequencies",
+            "mean_velocities",
+            "inverse",
+            "orbit",
+            "parametric",
+            "anomaly",
+        ):
             found |= {f"{group}.{name}": value for name, value in getattr(self, group).items()}
         for name, ends in self.turning_points.items():
             for side, end in zip(("lower", "upper"), ends, strict=True):
@@ -81,6 +94,17 @@ class RegimeForms(Shown):
         if self.energy is not None:
             found["energy"] = self.energy
         return found
+
+    def written_out(self, name: str) -> sp.Expr:
+        """One form with the definitions of ``where`` in place of their names; roots of polynomials stay by name.
+
+        Args:
+            name: of the form, as in ``named``.
+
+        Raises:
+            InvalidInputError: an unknown name.
+        """
+        return written_out(wanted_form(self, name), self.where)
 
     def evaluate(self, name: str, values: Mapping[str, object], digits: int = 15) -> Estimate:
         """One form at numbers.

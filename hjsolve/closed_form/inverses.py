@@ -7,23 +7,33 @@ from collections.abc import Mapping
 import mpmath
 import sympy as sp
 
-from hjsolve.closed_form.carlson import CarlsonMap, carlson_inverse
-from hjsolve.closed_form.elementary import Antiderivative
-from hjsolve.closed_form.even_curves import EvenMap, even_inverse
+from hjsolve.closed_form.elementary import Antiderivative, positive_root
+from hjsolve.closed_form.elementary_inverses import (
+    accelerated,
+    elementary_inverse,
+    separatrix_inverse,
+    square_root_inverse,
+)
+from hjsolve.closed_form.elementary_motion import OTHER, elementary_in_time
+from hjsolve.closed_form.elliptic_inverses import elliptic_inverse
+from hjsolve.closed_form.ignorable_in_time import integral_in_time
+from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monotone_inverse
-from hjsolve.closed_form.real_branch_points import elliptic_inverse
-from hjsolve.closed_form.tidy import multiplied_out, shortened_powers
+from hjsolve.closed_form.tidy import elliptic, multiplied_out, shortened_powers
 from hjsolve.closed_form.time_limit import check_time
-from hjsolve.closed_form.verification import monotone_span, sample_numbers, value_at
+from hjsolve.closed_form.verification import nearby, sample_numbers, value_at
 from hjsolve.closed_form.workshop import Stratum, Workshop
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate
+from hjsolve.solution.quadratures import Solution
 
 _DIGITS = 40
 
 
 def inverse_forms(
-    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, why_not: dict[str, str]
+    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, why_not: dict[str, str],
+    names: NamedQuantities,
 ) -> dict[str, sp.Expr]:  # fmt: skip
     """q(t) of every coordinate that can be had.
 
@@ -35,26 +45,32 @@ def inverse_forms(
         pieces: separated coordinate → its integrals.
         special: constant → what it is.
         why_not: gets a reason for every coordinate without one.
+        names: of the quantities of the forms.
     """
     solution, found = shop.solution, dict[str, sp.Expr]()
-    try:
-        values = _phases(shop, pieces, special)
-    except NoFormError as error:
-        return _refused(shop, why_not, str(error))
+    values = _values(shop, pieces, special, why_not)
     for name, (integral, τ) in values.items():
         try:
-            found[name] = inverted(pieces[name], integral, τ, solution.lower_limits[name])
+            found[name] = inverted(pieces[name], integral, τ, solution.lower_limits[name], names)
         except NoFormError as error:
             why_not[f"inverse.{name}"] = str(error)
     for c in solution.separation.shell.ignorable:
         equation = solution.orbit_equations[c.momentum.name]
         if not solution.coordinates:
-            found[c.name] = sp.expand(equation.lhs - (equation.rhs - c.symbol))
+            found[c.name] = _straight(sp.expand(equation.lhs - (equation.rhs - c.symbol)), shop)
+            continue
+        without = [
+            n
+            for n in solution.coordinates
+            if n not in values and (n not in pieces or c.momentum in pieces[n].numerators)
+        ]
+        if without:
+            why_not.setdefault(f"inverse.{c.name}", f"{c.name}(t) contains {without[0]}(t)")
             continue
         try:
-            moved = sp.Add(*(_multiple(pieces[n], c.momentum, i) * τ for n, (i, τ) in values.items()))
-        except NoFormError:
-            why_not[f"inverse.{c.name}"] = "its equation contains another integral than the time law"
+            moved = sp.Add(*(_moved(shop, pieces[n], c.momentum, (i, τ), found, names) for n, (i, τ) in values.items()))
+        except NoFormError as error:
+            why_not[f"inverse.{c.name}"] = str(error)
             continue
         constant = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero) - c.symbol
         along = {solution.system.coordinate(n).symbol: found.get(n) for n in solution.coordinates}
@@ -62,14 +78,79 @@ def inverse_forms(
             why_not[f"inverse.{c.name}"] = "the shift of the momenta enters its equation, and with it q(t) of another"
             continue
         constant = constant.xreplace({q: place for q, place in along.items() if place is not None})
-        found[c.name] = shortened_powers(sp.expand(equation.lhs - constant.subs(dict(special)) - moved))
+        place = equation.lhs - constant.subs(dict(special)) - moved
+        found[c.name] = _in_time(place, c, shop, names)
     return found
 
 
-def _refused(shop: Workshop, why_not: dict[str, str], reason: str) -> dict[str, sp.Expr]:
-    for c in shop.solution.system.coordinates:
+def _moved(
+    shop: Workshop, own: CoordinateIntegrals, key: sp.Symbol, time: tuple[PieceIntegral, sp.Expr],
+    found: Mapping[str, sp.Expr], names: NamedQuantities,
+) -> sp.Expr:  # fmt: skip
+    """∫ ∂p/∂c dq along the motion: a multiple of the integral in the time law, or another one over the same u."""
+    reference, τ = time
+    try:
+        return _multiple(own, key, reference) * τ
+    except NoFormError:
+        law = shop.solution.time_law
+        if key not in own.integrals or law is None or sp.expand(τ - law.lhs) != 0:
+            raise NoFormError(OTHER) from None
+    start, place = shop.solution.lower_limits[own.name], found.get(own.name)
+    if place is None:
+        raise NoFormError(f"its equation contains {own.name}(t), of which there is no form")
+    if reference.law is not None:
+        explicit = names.written_out(place)
+        return elementary_in_time(own, reference, own.integrals[key], place, law.lhs, start, explicit)
+    return integral_in_time(own, reference, own.integrals[key], law.lhs, start, names)
+
+
+def _in_time(place: sp.Expr, c: Coordinate, shop: Workshop, names: NamedQuantities) -> sp.Expr:
+    """A polynomial of the time; else φ_p + what has been added since t_p."""
+    if not elliptic(place):
+        straight = _straight(shortened_powers(sp.expand(place)), shop)
+        if all(straight.is_polynomial(t) for t in time_of(shop.solution)):
+            return straight
+    constant, running = sp.expand(place, deep=False).as_independent(*time_of(shop.solution), as_Add=True)
+    return names.named(f"{c.name}_p", constant, short=3 * SHORT) + running
+
+
+def _straight(place: sp.Expr, shop: Workshop) -> sp.Expr:
+    """A polynomial of the time in powers of t − t₀."""
+    law = shop.solution.time_law
+    if law is None:
+        return place
+    (t,), s = time_of(shop.solution), sp.Dummy("s")
+    moved = sp.expand(place.subs(t, s + t - law.lhs))
+    if not moved.is_polynomial(s) or not moved.has(s):
+        return place
+    terms = sp.Poly(moved, s).terms()
+    return sp.Add(*(sp.factor(sp.cancel(c)) * law.lhs**n if n else sp.expand(c) for (n,), c in terms))
+
+
+def _values(
+    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, why_not: dict[str, str]
+) -> dict[str, tuple[PieceIntegral, sp.Expr]]:  # fmt: skip
+    """As ``_phases``; where the equations must be solved together, of the coordinate that is alone in the time law."""
+    solution, key = shop.solution, shop.constants[0]
+    try:
+        return _phases(shop, pieces, special)
+    except NoFormError as error:
+        reason = str(error)
+    for c in solution.system.coordinates:
         why_not[f"inverse.{c.name}"] = reason
-    return {}
+    held = [n for n in solution.coordinates if n not in pieces or key in pieces[n].numerators]
+    if solution.time_law is None or len(held) != 1 or held[0] not in pieces or key not in pieces[held[0]].integrals:
+        return {}
+    rest = solution.time_law.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
+    if rest != 0:
+        return {}
+    (name,) = held
+    for c in solution.system.coordinates:
+        why_not[f"inverse.{c.name}"] = (
+            f"its equation contains {name}(t) under an integral of another kind than the time law"
+        )
+    del why_not[f"inverse.{name}"]
+    return {name: (pieces[name].integrals[key], solution.time_law.lhs)}
 
 
 def _phases(
@@ -124,7 +205,8 @@ Numbers = Mapping[sp.Symbol, mpmath.mpf]
 
 
 def inverted(
-    own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol, others: Numbers | None = None
+    own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol, names: NamedQuantities,
+    others: Numbers | None = None,
 ) -> sp.Expr:  # fmt: skip
     """The q at which an integral from a lower limit has a value.
 
@@ -133,27 +215,31 @@ def inverted(
         integral: ∫ N dq/P.
         value: what it is to be.
         start: the lower limit, a symbol.
+        names: of the quantities of the forms.
         others: numbers for other symbols of the value, to try the inverse with.
 
     Raises:
         NoFormError: it contains more than one function of q.
     """
     if integral.law is None:
-        return _elliptic(own, integral, value, start, others)
+        return _elliptic(own, integral, value, start, names, others)
     law, q = integral.law, integral.curve.coordinate.symbol
     s = integral.curve.substitution
     if not law.terms and law.algebraic != 0:
-        return _algebraic(own, integral, value, start, others)
-    if law.algebraic != 0 or len(law.terms) != 1:
+        return _algebraic(own, integral, value, start, names, others)
+    x = separatrix_inverse(law, value, s.place.subs(q, start), names)
+    if x is None and (law.algebraic != 0 or len(law.terms) != 1):
         raise NoFormError(_why_not_inverted(own, law))
-    weight, basic = law.terms[0]
-    begin = basic.written(s.place.subs(q, start))
-    x = basic.solved(sp.expand(value / weight) + begin)
-    return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start, others)
+    if x is None:
+        weight, basic = law.terms[0]
+        x = elementary_inverse(basic, sp.expand(value / weight), s.place.subs(q, start), names)
+    place = shortened_powers(s.inverse.subs(s.x, x))
+    return verified_inverse(own, integral, place, value, start, names, others)
 
 
 def _elliptic(
-    own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol, others: Numbers | None
+    own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol, names: NamedQuantities,
+    others: Numbers | None,
 ) -> sp.Expr:  # fmt: skip
     """sn² of an integral of the first kind."""
     s, q = integral.curve.substitution, integral.curve.coordinate.symbol
@@ -162,38 +248,66 @@ def _elliptic(
     if integral.first is None or integral.way is None:
         raise NoFormError(f"t({own.name}) contains integrals of the second or third kind: they have no inverse")
     amount, begin = multiplied_out(value / integral.first), s.place.subs(q, start)
-    way = integral.way
-    match way:
-        case EvenMap():
-            x = even_inverse(way, amount, begin)
-        case CarlsonMap():
-            x = carlson_inverse(way, amount, begin)
-        case _:
-            x = elliptic_inverse(way, amount, begin)
+    x = elliptic_inverse(integral.way, amount, begin, names)
     place = shortened_powers(s.inverse.subs(s.x, x))
-    if own.kind == "rotation":  # asin(sn u) turns back after a quarter of a turn, am u goes on
-        place = place.replace(
-            lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiSN), lambda e: JacobiAM(*e.args[0].args)
-        ).replace(
-            lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiCN),
-            lambda e: sp.pi / 2 - JacobiAM(*e.args[0].args),
-        )
-    return verified_inverse(own, integral, monotone_inverse(place), value, start, others)
+    found, reason = [place], NoFormError("")
+    if (
+        own.kind == "rotation"
+    ):  # asin(sn u) turns back after a quarter of a turn, am u goes on; cn u is even, am u is not
+        found = [_turning(place, side) for side in ((1, -1) if place.has(JacobiCN) else (1,))]
+    for one in found:
+        try:
+            return verified_inverse(own, integral, monotone_inverse(one), value, start, names, others)
+        except NoFormError as error:
+            reason = error
+    raise reason
+
+
+def _turning(place: sp.Expr, side: int) -> sp.Expr:
+    """A place with am u for asin(sn u) and π/2 ∓ am u for asin(cn u)."""
+    return place.replace(
+        lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiSN), lambda e: JacobiAM(*e.args[0].args)
+    ).replace(
+        lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiCN),
+        lambda e: sp.pi / 2 - side * JacobiAM(*e.args[0].args),
+    )
 
 
 def _algebraic(
-    own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol, others: Numbers | None
+    own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol, names: NamedQuantities,
+    others: Numbers | None,
 ) -> sp.Expr:  # fmt: skip
     """C √(Bx + C) = w: the uniformly accelerated motion."""
     law, s, q = integral.law, integral.curve.substitution, integral.curve.coordinate.symbol
     assert law is not None
     P = sp.Poly(law.polynomial, law.x)
+    if P.degree() == 2 and not law.algebraic.has(law.x):
+        x = square_root_inverse(law, own_side(own, integral), value, s.place.subs(q, start), names)
+        return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start, names, others)
     if P.degree() != 1 or law.algebraic.has(law.x):
         raise NoFormError(_why_not_inverted(own, law))
     B, C = P.all_coeffs()
-    w = value / law.algebraic + sp.sqrt(law.polynomial).subs(law.x, s.place.subs(q, start))
-    x = sp.expand((w**2 - C) / B)
-    return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start, others)
+    begin, running = s.place.subs(q, start), sp.expand(2 * value / (law.algebraic * B))
+    moving, root = [v for v in names.variables if running.has(v)], positive_root(B * begin + C)
+    if len(moving) == 1 and not running.has(*names.places):
+        x = accelerated(names, begin, running, moving[0], root, B)
+    else:
+        x = sp.cancel(-C / B) + B / 4 * Phase(names, running, sp.S.One, 2 * root / B, even=True).argument ** 2
+    place = shortened_powers(s.inverse.subs(s.x, x))
+    return verified_inverse(own, integral, place, value, start, names, others)
+
+
+def own_side(own: CoordinateIntegrals, integral: PieceIntegral) -> int:
+    """On which side of the middle of the roots of P, deg P = 2, a motion is.
+
+    Args:
+        own: the coordinate.
+        integral: on the curve of P.
+    """
+    region = next(r for c, r in own.regions if c is integral.curve)
+    _, B, A = (integral.curve.polynomial.coeff_monomial(integral.curve.x**k) for k in range(3))
+    middle = value_at(-B / (2 * A), sample_numbers(own))
+    return 1 if region.place > middle else -1
 
 
 def _why_not_inverted(own: CoordinateIntegrals, law: Antiderivative) -> str:
@@ -209,7 +323,7 @@ def _why_not_inverted(own: CoordinateIntegrals, law: Antiderivative) -> str:
 
 def verified_inverse(
     own: CoordinateIntegrals, integral: PieceIntegral, place: sp.Expr, value: sp.Expr, start: sp.Symbol,
-    others: Numbers | None,
+    names: NamedQuantities, others: Numbers | None,
 ) -> sp.Expr:  # fmt: skip
     """An inverse, once it gives back a place from the integral there, to 40 digits.
 
@@ -219,14 +333,16 @@ def verified_inverse(
         place: the inverse, q as a function of the value.
         value: what the integral from the lower limit is to be, an expression of t and β.
         start: the lower limit.
+        names: of the quantities that the inverse holds.
         others: numbers for other symbols of the value.
 
     Raises:
         NoFormError: it does not.
     """
     check_time()
+    explicit = names.written_out(place)
     q = integral.curve.coordinate.symbol
-    begin, stop = own.sample.places[own.name], _nearby(own, integral)
+    begin, stop = own.sample.places[own.name], nearby(own, integral)
     with mpmath.workdps(_DIGITS + 20):
         numbers = {**sample_numbers(own), **(others or {})}
         free = sorted(value.free_symbols - set(numbers), key=str)
@@ -237,24 +353,21 @@ def verified_inverse(
         )
         unknown, offset = free[0], value_at(value, numbers)
         numbers[unknown] += (difference - offset) / value_at(sp.diff(value, unknown), numbers)
-        got = value_at(place, numbers)
+        got = value_at(explicit, numbers)
         if not abs(got - target) <= (abs(target) + mpmath.mpf(10) ** -5) * mpmath.mpf(10) ** -_DIGITS:
             raise NoFormError(f"not verified: the inverse gives {mpmath.nstr(got, 15)} for {mpmath.nstr(target, 15)}")
         if own.kind == "rotation" and integral.cycle is not None:
             numbers[unknown] += value_at(integral.cycle, numbers) / value_at(sp.diff(value, unknown), numbers)
-            turned = mpmath.sin((value_at(place, numbers) - target) / 2)
+            turn = value_at(integral.curve.substitution.turn, numbers)
+            turned = mpmath.sin((value_at(explicit, numbers) - target) * mpmath.pi / turn)
             if not abs(turned) <= mpmath.mpf(10) ** -_DIGITS:
                 raise NoFormError("the inverse that was found is right on one turn only")
     return place
 
 
-def _nearby(own: CoordinateIntegrals, integral: PieceIntegral) -> sp.Expr:
-    """Another place of the same region, on the same side of the turning points."""
-    low, high = monotone_span(own, integral)
-    return sp.Rational(str(mpmath.nstr(low + (high - low) * mpmath.mpf("0.64"), 15)))
-
-
-def orbit_formulas(shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum) -> dict[str, sp.Expr]:
+def orbit_formulas(
+    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, names: NamedQuantities
+) -> dict[str, sp.Expr]:  # fmt: skip
     """A coordinate as a function of another one, from an orbit equation −β = ….
 
     That of an ignorable momentum, θ + ∫ ∂p/∂c dq, gives q(θ); that of a separation constant over two coordinates,
@@ -264,6 +377,7 @@ def orbit_formulas(shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], sp
         shop: of the solution.
         pieces: separated coordinate → its integrals.
         special: constant → what it is.
+        names: of the quantities of the forms.
     """
     solution, found = shop.solution, dict[str, sp.Expr]()
     ignorable = {c.momentum for c in solution.separation.shell.ignorable}
@@ -276,16 +390,18 @@ def orbit_formulas(shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], sp
         for target in held:
             try:
                 check_time()
-                found.setdefault(target, _along(shop, pieces, name, key, target, held))
+                found.setdefault(target, _along(shop, pieces, (name, key), target, held, names))
             except NoFormError:
                 continue
     return found
 
 
 def _along(
-    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], name: str, key: sp.Symbol, target: str, held: list[str]
+    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], equation_of: tuple[str, sp.Symbol], target: str,
+    held: list[str], names: NamedQuantities,
 ) -> sp.Expr:  # fmt: skip
     """One coordinate from an orbit equation."""
+    name, key = equation_of
     solution, own = shop.solution, pieces[target]
     equation = solution.orbit_equations[name]
     rest = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
@@ -299,12 +415,12 @@ def _along(
             value -= along.value - along.value.xreplace({q: start})
             with mpmath.workdps(_DIGITS + 20):
                 numbers |= sample_numbers(more)
-                numbers |= {q: _fraction(_nearby(more, along)), start: _fraction(more.sample.places[other])}
-    return inverted(own, own.integrals[key], value, solution.lower_limits[target], numbers)
+                numbers |= {q: _fraction(nearby(more, along)), start: _fraction(more.sample.places[other])}
+    return inverted(own, own.integrals[key], value, solution.lower_limits[target], names, numbers)
 
 
 def parametric_formulas(
-    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum
+    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, names: NamedQuantities
 ) -> dict[str, sp.Expr]:  # fmt: skip
     """q₁(τ) and q₂(τ) from ∫ ∂p₁/∂α dq₁ + ∫ ∂p₂/∂α dq₂ = −β: dτ = ±∂p₁/∂α dq₁ = ∓∂p₂/∂α dq₂, growing with both.
 
@@ -314,20 +430,20 @@ def parametric_formulas(
         shop: of the solution.
         pieces: separated coordinate → its integrals.
         special: constant → what it is.
+        names: of the quantities of the forms.
     """
-    solution, names = shop.solution, list(shop.solution.coordinates)
+    solution, two = shop.solution, list(shop.solution.coordinates)
     ignorable = {c.momentum for c in solution.separation.shell.ignorable}
-    taken = {s.name for s in solution.characteristic_function.free_symbols}
-    τ = sp.Symbol("tau" if "tau" not in taken else "tau_1", real=True)
-    if len(names) != 2 or any(name not in pieces for name in names):
+    τ = common_parameter(solution)
+    if len(two) != 2 or any(name not in pieces for name in two):
         return {}
     for constant in solution.orbit_equations:
         key, found = solution.constants[constant].symbol, dict[str, sp.Expr]()
-        if key in ignorable or key in special or any(key not in pieces[n].integrals for n in names):
+        if key in ignorable or key in special or any(key not in pieces[n].integrals for n in two):
             continue
-        for name in names:
+        for name in two:
             try:
-                found[name] = _on_branch(pieces[name], key, τ, solution.lower_limits[name])
+                found[name] = _on_branch(pieces[name], key, τ, solution.lower_limits[name], names)
             except NoFormError:
                 continue
         if found:
@@ -335,13 +451,35 @@ def parametric_formulas(
     return {}
 
 
-def _on_branch(own: CoordinateIntegrals, key: sp.Symbol, τ: sp.Symbol, start: sp.Symbol) -> sp.Expr:
+def common_parameter(solution: Solution) -> sp.Symbol:
+    """τ of the parametric forms, by a name that the solution does not use.
+
+    Args:
+        solution: of which they are forms.
+    """
+    taken = {s.name for s in solution.characteristic_function.free_symbols}
+    return sp.Symbol("tau" if "tau" not in taken else "tau_1", real=True)
+
+
+def time_of(solution: Solution) -> tuple[sp.Symbol, ...]:
+    """The time; none where no coordinate is separated.
+
+    Args:
+        solution: whose time law holds it.
+    """
+    law = solution.time_law
+    return () if law is None else tuple(term for term in law.lhs.args if term.is_Symbol)
+
+
+def _on_branch(
+    own: CoordinateIntegrals, key: sp.Symbol, τ: sp.Symbol, start: sp.Symbol, names: NamedQuantities
+) -> sp.Expr:  # fmt: skip
     """Q(τ) of a coordinate that grows with τ."""
     integral, numbers = own.integrals[key], sample_numbers(own)
     numerator = value_at(
         integral.numerator, numbers | {integral.curve.coordinate.symbol: _fraction(own.sample.places[own.name])}
     )
-    return inverted(own, integral, τ if numerator > 0 else -τ, start)
+    return inverted(own, integral, τ if numerator > 0 else -τ, start, names)
 
 
 def _fraction(value: sp.Expr) -> mpmath.mpf:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -16,6 +15,7 @@ from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.doubles import RootsOfPolynomial, place_test, region_test, roots_of
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.named_forms import NamedForms
+from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.regions import (
     DIGITS,
     RootInterval,
@@ -45,10 +45,10 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
         InvalidInputError: an unknown name, or constants that are not of this regime.
         MissingValueError: a value that is missing.
     """
-    expression = _wanted(form, name)
+    expression = wanted_form(form, name)
     exact = _exact(form, expression, values)
     refuse_outside(form, exact)
-    _refuse_places(form, exact)
+    refuse_places(form, exact)
     working = 2 * (digits + _GUARD)
     table = many_digits(exact, working) | root_values(form, exact, working)
     with mpmath.workdps(digits + _GUARD):
@@ -85,16 +85,24 @@ def refuse_outside(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None
         )
 
 
-def _refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
-    """Refuse a coordinate, or a lower limit, at which the motion of the regime never is."""
+def refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
+    """Refuse a coordinate, or a lower limit, at which the motion of the regime never is.
+
+    Args:
+        form: of a regime.
+        exact: symbol → exact value, of constants, coordinates and lower limits.
+
+    Raises:
+        InvalidInputError: it is such a place.
+    """
     for curve, region, symbol in curves_held(form, exact):
         numbers = many_digits(exact, DIGITS)
         if holds_place(curve, region, numbers[symbol], numbers):
             continue
         told = ""
         if curve.substitution.closed:
-            middle = float(middle_of(curve, numbers))
-            told = f"; the form is that of one turn, {symbol} from {middle - math.pi:.3g} to {middle + math.pi:.3g}"
+            middle, half = float(middle_of(curve, numbers)), float(number_of(curve.substitution.turn, numbers)) / 2
+            told = f"; the form is that of one turn, {symbol} from {middle - half:.3g} to {middle + half:.3g}"
         raise InvalidInputError(f"{symbol} = {float(numbers[symbol]):.6g} is no place of this regime's motion{told}")
 
 
@@ -114,7 +122,16 @@ def curves_held(form: NamedForms, held: Iterable[sp.Symbol]) -> list[tuple[Momen
     ]
 
 
-def _wanted(form: NamedForms, name: str) -> sp.Expr:
+def wanted_form(form: NamedForms, name: str) -> sp.Expr:
+    """A form by its name.
+
+    Args:
+        form: of a regime.
+        name: of the quantity.
+
+    Raises:
+        InvalidInputError: an unknown name, or one of which there is no form.
+    """
     named = form.named()
     if name not in named:
         reason = form.why_not.get(name)
@@ -126,7 +143,7 @@ def _wanted(form: NamedForms, name: str) -> sp.Expr:
 def _exact(form: NamedForms, expression: sp.Expr, values: Mapping[str, object]) -> dict[sp.Symbol, sp.Expr]:
     """Symbol → exact value, of everything the regime and the expression need."""
     exact = {p.symbol: p.value for p in form.solution.system.parameters if p.value is not None}
-    needed = {s.name: s for s in (*form.regime.example, *expression.free_symbols) if s not in form.where}
+    needed = {s.name: s for s in (*form.regime.example, *needed_names(expression.free_symbols, form.where)[1])}
     for name, value in values.items():
         if name not in needed:
             raise InvalidInputError(
@@ -145,7 +162,7 @@ def _exact(form: NamedForms, expression: sp.Expr, values: Mapping[str, object]) 
 def root_values(
     form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr], digits: int
 ) -> dict[sp.Symbol, mpmath.mpf]:  # fmt: skip
-    """Values of the symbols that ``where`` defines.
+    """Values of the symbols that ``where`` defines, as far as what they rest on is known.
 
     Args:
         form: of a regime.
@@ -155,12 +172,14 @@ def root_values(
     known = many_digits(exact, digits)
     with mpmath.workdps(digits):
         for symbol, meaning in form.where.items():
+            if not needed_names([symbol], form.where)[1] <= set(exact):
+                continue
             if isinstance(meaning, tuple):
                 polynomial, index = meaning
                 known[symbol] = ordered_real_roots(polynomial, known, digits)[index]
             else:
                 known[symbol] = mpmath.re(number_of(meaning, known))
-    return {symbol: known[symbol] for symbol in form.where}
+    return {symbol: known[symbol] for symbol in form.where if symbol in known}
 
 
 def functions(form: NamedForms, module: str) -> dict[str, Callable[..., Any]]:
@@ -199,7 +218,8 @@ class _CompiledForm:
         made, where = form.regime, form.where
         self.form, self.roots = form, [s for s in expression.free_symbols if s in where]
         self.curves = [(c, r) for c, r in made.regions if c.degree > 2]
-        held = {s for s in expression.free_symbols if s not in where} | set(made.special)
+        plain = needed_names(expression.free_symbols, where)[1]
+        held = plain | set(made.special)
         held |= {s for e in (*made.conditions, *made.special.values()) for s in e.free_symbols}
         held |= {s for c, _ in self.curves for p in c.polynomial.coeffs() for s in p.free_symbols}
         self.symbols = sorted(held, key=str)
@@ -209,7 +229,7 @@ class _CompiledForm:
         self.plain = sp.lambdify([*self.symbols, *self.roots], expression, modules=known, cse=True)
         self.tests = [sp.lambdify(self.symbols, sign * e, modules=known) for e, sign in made.conditions.items()]
         self.equal = [sp.lambdify(self.symbols, c - e, modules=known) for c, e in made.special.items()]
-        self.placed = curves_held(form, expression.free_symbols)
+        self.placed = curves_held(form, plain)
         self.inside = [place_test(c, r, s, self.symbols) for c, r, s in self.placed] if self.numpy else []
         self.regions = [region_test(c, r, self.symbols) for c, r in self.curves] if self.numpy else []
         self.named = self._definitions() if self.roots and self.numpy else []

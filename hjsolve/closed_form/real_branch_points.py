@@ -21,8 +21,7 @@ import sympy as sp
 from hjsolve.closed_form.branch_points import NamedRoots
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.signs import Signs
-from hjsolve.closed_form.tidy import multiplied_out
-from hjsolve.functions import JacobiSN
+from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
 from hjsolve.functions.elliptic import PartialFractions
 
 FAR = sp.zoo
@@ -62,19 +61,6 @@ class LegendreMap:
         """
         return _ratio((x, self.a), (self.b, self.d), (x, self.d), (self.b, self.a))
 
-    def place(self, s: sp.Expr) -> sp.Expr:
-        """The x at s.
-
-        Args:
-            s: sin² φ.
-        """
-        if self.d is FAR:
-            return self.a + (self.b - self.a) * s
-        if self.b is FAR:
-            return (self.a - self.d * s) / (1 - s)
-        n = self.pole(FAR)
-        return (self.a - n * self.d * s) / (1 - n * s)
-
     def pole(self, r: sp.Expr) -> sp.Expr:
         """n, with s = 1/n at x = r.
 
@@ -110,9 +96,10 @@ def legendre_map(roots: NamedRoots, signs: Signs) -> LegendreMap:
         raise NoFormError("P has complex roots in this regime")
     circle = [*roots.real] if len(roots.real) == 4 else [*roots.real, FAR]
     low, high = roots.interval
-    start = low if low is not None else high
+    upwards = low is not None and not (len(roots.real) == 3 and (low, high) == (1, 2))  # so that ∞ is where s is ∞
+    start = low if upwards else high
     assert start is not None
-    direction = 1 if low is not None else -1
+    direction = 1 if upwards else -1
     a, b, c, d = (circle[(start + direction * k) % 4] for k in range(4))
     size = roots.leading
     for p, q in ((c, a), (b, d)):
@@ -142,6 +129,18 @@ class LegendreIntegrals:
         Δ = sp.sqrt(1 - m * self.s)
         self.edge, self.edge_at_c = sine * cosine * Δ, m * sine * cosine / Δ
         self.F, self.E = sp.elliptic_f(self.φ, m), sp.elliptic_e(self.φ, m)
+
+    @classmethod
+    def along(cls, u: sp.Expr, m: sp.Expr) -> LegendreIntegrals:
+        """The integrals up to φ = am u: smooth functions of u for all u.
+
+        Args:
+            u: the argument, ∫ dφ/Δ.
+            m: the parameter.
+        """
+        own = cls(m, (JacobiAM(u, m), JacobiSN(u, m), JacobiCN(u, m)))
+        own.F = u
+        return own
 
     def power(self, k: int) -> sp.Expr:
         """Return ∫ sᵏ dφ/Δ; Byrd and Friedman 310.05.
@@ -190,13 +189,16 @@ class LegendreIntegrals:
         return (self.E - self.edge_at_c) / (1 - self.m)
 
 
-def elliptic_integral(R: PartialFractions, way: LegendreMap, x: sp.Expr | None) -> sp.Expr:
+def elliptic_integral(
+    R: PartialFractions, way: LegendreMap, x: sp.Expr | None, own: LegendreIntegrals | None = None
+) -> sp.Expr:  # fmt: skip
     """∫ R dx/√P, increasing x: from a to x, or to a from x where the motion is below a; complete where x is None.
 
     Args:
         R: in partial fractions.
         way: the map.
         x: the upper end; None for b.
+        own: the integrals of dφ/Δ, up to another amplitude than that of x.
 
     Raises:
         NoFormError: a pole that these integrals do not reach.
@@ -205,7 +207,7 @@ def elliptic_integral(R: PartialFractions, way: LegendreMap, x: sp.Expr | None) 
     if x is not None:
         s = way.s(x)
         amplitude = (sp.asin(sp.sqrt(s)), sp.sqrt(s), sp.sqrt(1 - s))
-    own = LegendreIntegrals(way.m, amplitude)
+    own = own or LegendreIntegrals(way.m, amplitude)
     value = over_s(R, way, own, pole_at_c=way.c) / way.Ω
     return value if x is None else way.direction * value
 
@@ -264,16 +266,3 @@ def _fraction(line: tuple[sp.Expr, sp.Expr], n: sp.Expr, k: int, own: LegendreIn
     if k > 1 and sp.cancel(sp.together(n - own.m)) == 0:
         raise NoFormError("a multiple pole at a branch point")
     return sp.Add(*(sp.binomial(k, j) * α ** (k - j) * β**j * own.third(n, j) for j in range(k + 1)))
-
-
-def elliptic_inverse(way: LegendreMap, value: sp.Expr, start: sp.Expr) -> sp.Expr:
-    """The x at which ∫ dx/√P from a place has a value.
-
-    Args:
-        way: the map.
-        value: of the integral.
-        start: the place, an x.
-    """
-    φ = sp.asin(sp.sqrt(way.s(start)))
-    argument = multiplied_out(way.direction * way.Ω * value) + sp.elliptic_f(φ, way.m)
-    return way.place(JacobiSN(argument, way.m) ** 2)

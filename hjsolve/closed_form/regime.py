@@ -145,9 +145,13 @@ def settled(made: Regime, expression: sp.Expr) -> sp.Expr:
     """
     table = dict[sp.Expr, sp.Expr]()
     for relation in made.relations:
-        if isinstance(relation, (sp.StrictGreaterThan, sp.StrictLessThan)) and relation.rhs == 0:
+        if isinstance(relation, (sp.StrictGreaterThan, sp.StrictLessThan)):
             side = 1 if isinstance(relation, sp.StrictGreaterThan) else -1
-            table |= {sp.Abs(relation.lhs): side * relation.lhs, sp.sign(relation.lhs): sp.Integer(side)}
+            for gap in (relation.lhs - relation.rhs, relation.rhs - relation.lhs):
+                table |= {
+                    sp.Abs(gap): side * (relation.lhs - relation.rhs),
+                    sp.sign(relation.lhs - relation.rhs): sp.Integer(side),
+                }
     return expression.xreplace(table) if table else expression
 
 

@@ -67,9 +67,10 @@ class RootInterval(Shown):
             signs: of the sample.
         """
         own = Signs(signs.values, self.place)
+        own.sign(self.curve.substitution.condition)
         P, s = self.curve.polynomial, self.curve.substitution
         if P.degree() > 2:
-            return {}
+            return own.decided
         own.sign(P.LC())
         if P.degree() == 2:
             own.sign(sp.discriminant(P.as_expr(), self.curve.x))
@@ -171,6 +172,8 @@ def root_interval_of(curve: MomentumCurve, sample: Sample) -> RootInterval | Non
     if any(c.has(sp.nan) for c in curve.polynomial.coeffs()):
         return None
     with mpmath.workdps(DIGITS):
+        if not number_of(s.condition, numbers) > 0:
+            return None
         start = sample.places[curve.coordinate.name]
         place = number_of(s.place, {**numbers, q: mpmath.mpf(int(start.p)) / int(start.q)})
         roots, double = real_roots(curve, numbers)
@@ -294,7 +297,7 @@ def holds_place(curve: MomentumCurve, like: RootInterval, place: mpmath.mpf, num
     s = curve.substitution
     with mpmath.workdps(DIGITS):
         slack = (1 + abs(place)) * mpmath.mpf(10) ** -12  # of ends that were given in doubles
-        if s.closed and abs(place - middle_of(curve, numbers)) > mpmath.pi + slack:
+        if s.closed and abs(place - middle_of(curve, numbers)) > number_of(s.turn, numbers) / 2 + slack:
             return False
         roots, _ = real_roots(curve, numbers)
         low, high = (number_of(end, numbers) for end in (s.lower, s.upper))

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 import sympy as sp
 from sympy.printing.c import C99CodePrinter, get_math_macros
 from sympy.printing.pycode import PythonCodePrinter
 
 from hjsolve.closed_form.named_forms import NamedForms
+from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.errors import InvalidInputError
 from hjsolve.functions.c_code import c_source, in_c
 from hjsolve.functions.printing import DOUBLES, Printable
 from hjsolve.functions.tables import LEGENDRE
+
+Where = Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 
 
 class _PythonPrinter(PythonCodePrinter):
@@ -40,9 +44,10 @@ def source(form: NamedForms, language: str) -> str:
     head = [f"{mark} {form.solution.system.id or 'closed forms'}: {form.regime.words}"]
     head += [f"{mark} {symbol}: {_meaning(meaning)}" for symbol, meaning in form.where.items()]
     named = form.named()
-    every = sp.Tuple(*named.values())
+    defined = needed_names({s for e in named.values() for s in e.free_symbols}, form.where)[0].values()
+    every = sp.Tuple(*named.values(), *(e for e in defined if not isinstance(e, tuple)))
     write = _python if language == "python" else _c
-    functions = [write(name.replace(".", "_"), e) for name, e in named.items()]
+    functions = [write(name.replace(".", "_"), e, form.where) for name, e in named.items()]
     if language == "python":
         head += _python_head(every)
     else:
@@ -64,29 +69,34 @@ def _meaning(meaning: object) -> str:
     return sp.sstr(meaning)
 
 
-def _symbols(expression: sp.Expr) -> list[str]:
-    return sorted(s.name for s in expression.free_symbols)
+def _arguments(expression: sp.Expr, where: Where) -> tuple[list[str], list[tuple[sp.Symbol, sp.Expr]]]:
+    """What a function is given, roots of polynomials among it, and the quantities that it works out first."""
+    defined, plain = needed_names(expression.free_symbols, {s: e for s, e in where.items() if not isinstance(e, tuple)})
+    return sorted(s.name for s in plain), [(s, e) for s, e in defined.items() if not isinstance(e, tuple)]
 
 
-def _lines(expression: sp.Expr) -> tuple[list[tuple[sp.Symbol, sp.Expr]], sp.Expr]:
-    """Parts that occur more than once, by names that the form does not use, and what is left."""
-    taken = set(_symbols(expression))
+def _lines(
+    expression: sp.Expr, where: Where
+) -> tuple[list[str], list[tuple[sp.Symbol, sp.Expr]], sp.Expr]:  # fmt: skip
+    """Arguments; definitions and parts that occur more than once, by names that the form does not use; what is left."""
+    given, defined = _arguments(expression, where)
+    taken = {*given, *(s.name for s, _ in defined)}
     names = (s for s in sp.numbered_symbols("part", start=1) if s.name not in taken)
     parts, (rest,) = sp.cse(_without_signs(expression), symbols=names)
-    return parts, rest
+    return given, [*((s, _without_signs(e)) for s, e in defined), *parts], rest
 
 
-def _python(name: str, expression: sp.Expr) -> str:
+def _python(name: str, expression: sp.Expr, where: Where) -> str:
     printer = _PythonPrinter({"fully_qualified_modules": True, "allow_unknown_functions": True})
-    parts, rest = _lines(expression)
+    given, parts, rest = _lines(expression, where)
     lines = [f"    {part} = {printer.doprint(value)}" for part, value in parts]
-    return "\n".join([f"def {name}({', '.join(_symbols(expression))}):", *lines, f"    return {printer.doprint(rest)}"])
+    return "\n".join([f"def {name}({', '.join(given)}):", *lines, f"    return {printer.doprint(rest)}"])
 
 
-def _c(name: str, expression: sp.Expr) -> str:
+def _c(name: str, expression: sp.Expr, where: Where) -> str:
     printer = C99CodePrinter({"allow_unknown_functions": True})
-    parts, rest = _lines(expression)
-    arguments = ", ".join(f"double {s}" for s in _symbols(expression)) or "void"
+    given, parts, rest = _lines(expression, where)
+    arguments = ", ".join(f"double {s}" for s in given) or "void"
     lines = [f"    const double {part} = {printer.doprint(in_c(value))};" for part, value in parts]
     return "\n".join([f"double {name}({arguments}) {{", *lines, f"    return {printer.doprint(in_c(rest))};", "}"])
 

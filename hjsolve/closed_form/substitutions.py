@@ -3,13 +3,15 @@
 With G(x) = φ′(q)², every integral of a separated solution is ∫ N dq/√P² = ∫ N dx/√(P² G): rational in x but for one
 square root, where both P² and G are rational in x. Candidates: q, q², 1/q, √(q² + c), and of sines, hyperbolic
 sines and exponentials of multiples of one argument κq: cos, sin, tan of the half, sin of the half shifted, cosh, sinh,
-tanh, exp. Each is used only where it is monotone on the whole domain of the coordinate.
+tanh, exp; q^(1/n), and e^u with q = a sinh u. Each is used only where it is monotone on the whole domain of the
+coordinate, or on a turn of an angle, or of a line on which P² is periodic. Where the sign of κ is open, each sign is a
+case of its own.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy as sp
 
@@ -38,6 +40,8 @@ class Substitution(Shown):
         upper: the upper end.
         increasing: whether x grows with q.
         closed: whether x runs over its whole range while q makes one turn: a rotation is then the whole range.
+        turn: how long a turn is, in q.
+        condition: positive where the variable is that; 1 where it is so for every value of the letters.
     """
 
     x: sp.Symbol
@@ -49,6 +53,8 @@ class Substitution(Shown):
     upper: sp.Expr
     increasing: bool
     closed: bool = False
+    turn: sp.Expr = 2 * sp.pi
+    condition: sp.Expr = sp.S.One
 
 
 def known_substitutions(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Iterator[Substitution]:
@@ -66,6 +72,8 @@ def known_substitutions(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -
         yield from _algebraic(square, q, lower, upper, x)
     elif all(isinstance(a, sp.Pow) for a in inner):
         yield from _with_root(square, q, inner, lower, upper, x)
+        yield from _with_root_on_a_line(square, q, inner, lower, upper, x)
+        yield from _rational_powers(square, q, inner, lower, upper, x)
     elif all(a.func in (sp.sin, sp.cos, sp.tan) for a in inner):
         yield from _trigonometric(square, coordinate, x)
     elif all(a.func in (sp.sinh, sp.cosh, sp.tanh, sp.exp) or isinstance(a, sp.exp) for a in inner):
@@ -138,6 +146,50 @@ def _with_root(
     yield Substitution(x, sp.sqrt(radicand), sp.sqrt((x**2 - c0) / c2), slope, function, low, high, True)
 
 
+def _with_root_on_a_line(
+    square: sp.Expr, q: sp.Symbol, roots: list[sp.Expr], lower: sp.Expr, upper: sp.Expr, x: sp.Symbol
+) -> Iterator[Substitution]:  # fmt: skip
+    """One root √(q² + c), q of both signs: x = q + √(q² + c), Euler's."""
+    inside = {root.base for root in roots}
+    if len(inside) != 1 or any(sp.denom(root.exp) != 2 for root in roots) or lower.is_nonnegative:
+        return
+    (radicand,) = inside
+    if not radicand.is_polynomial(q) or sp.degree(radicand, q) != 2:
+        return
+    c2, c1, c0 = sp.Poly(radicand, q).all_coeffs()
+    if c1 != 0 or not c2.is_positive or (not (c0 / c2).is_positive and (c0 / c2).is_nonnegative is not True):
+        return
+    c, y = sp.cancel(c0 / c2), sp.Dummy("y", positive=True)
+    place, root = (y - c / y) / 2, (y + c / y) / 2
+    table = {r: (sp.sqrt(c2) * root) ** (2 * r.exp) for r in roots}
+    function = sp.cancel(sp.together(square.xreplace(table).subs(q, place))).subs(y, x)
+    if function.has(q):
+        return
+    euler = q + sp.sqrt(q**2 + c)
+    low, high = (
+        (sp.S.Zero if lower is -sp.oo else euler.subs(q, lower)),
+        (sp.oo if upper is sp.oo else euler.subs(q, upper)),
+    )
+    yield Substitution(x, euler, place.subs(y, x), (x / root.subs(y, x)) ** 2, function, low, high, True)
+
+
+def _rational_powers(
+    square: sp.Expr, q: sp.Symbol, powers: list[sp.Expr], lower: sp.Expr, upper: sp.Expr, x: sp.Symbol
+) -> Iterator[Substitution]:  # fmt: skip
+    """Fractional powers of multiples of q > 0: x = q^(1/n)."""
+    factors = {power: sp.cancel(power.base / q) for power in powers}
+    if not lower.is_nonnegative or any(f.has(q) or not p.exp.is_Rational for p, f in factors.items()):
+        return
+    n = sp.ilcm(1, *(int(p.exp.q) for p in powers))
+    if n == 1:
+        return
+    y = sp.Dummy("y", positive=True)
+    function = square.xreplace({p: f**p.exp * y ** (n * p.exp) for p, f in factors.items()}).subs(q, y**n).subs(y, x)
+    high = sp.oo if upper is sp.oo else upper ** sp.Rational(1, n)
+    slope = (x ** (1 - n) / n) ** 2
+    yield Substitution(x, q ** sp.Rational(1, n), x**n, slope, function, lower ** sp.Rational(1, n), high, True)
+
+
 # -------------------------------------------------------------------------------------------- circular functions
 def _trigonometric(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Iterator[Substitution]:
     q = coordinate.symbol
@@ -146,16 +198,15 @@ def _trigonometric(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Ite
     if found is None:
         return
     κ, function = found
-    w0, w1 = κ * lower, κ * upper
-    turn = coordinate.domain.kind == "angle" and κ == 1
+    w0, w1 = _scaled(κ, lower), _scaled(κ, upper)
+    turn = (coordinate.domain.kind == "angle" and κ == 1) or (lower is -sp.oo and upper is sp.oo)
     w = κ * q
     even_s, even_c = _even(function, S, C), _even(function, C, S)
     if turn:
-        yield from _half_sine(function, q, x)
-        if even_s is not None and (not even_s.is_polynomial(C) or sp.degree(even_s, C) > 1):
-            for middle, sign in ((sp.S.Zero, 1), (sp.pi, -1)):
-                yield _about(q, x, middle, even_s.subs(C, sign * (1 - 2 * x**2)))
-    elif _inside(w0, w1, sp.S.Zero, sp.pi) and even_s is not None:
+        for side in _sides(κ):
+            yield from _on_a_turn(function.subs(S, side * S), side * κ, q, x, even_s)
+        return
+    if _inside(w0, w1, sp.S.Zero, sp.pi) and even_s is not None:
         yield Substitution(
             x, sp.cos(w), sp.acos(x) / κ, κ**2 * (1 - x**2), even_s.subs(C, x), sp.cos(w1), sp.cos(w0), False
         )
@@ -163,18 +214,45 @@ def _trigonometric(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Ite
         yield Substitution(
             x, sp.sin(w), sp.asin(x) / κ, κ**2 * (1 - x**2), even_c.subs(S, x), sp.sin(w0), sp.sin(w1), True
         )
-    if turn or _inside(w0, w1, -sp.pi, sp.pi):
+    if _inside(w0, w1, -sp.pi, sp.pi):
         half = function.subs({S: 2 * x / (1 + x**2), C: (1 - x**2) / (1 + x**2)}, simultaneous=True)
-        low, high = (-sp.oo, sp.oo) if turn else (_tan(w0 / 2), _tan(w1 / 2))
         yield Substitution(
-            x, sp.tan(w / 2), 2 * sp.atan(x) / κ, κ**2 * (1 + x**2) ** 2 / 4, half, low, high, True, closed=turn
+            x, sp.tan(w / 2), 2 * sp.atan(x) / κ, κ**2 * (1 + x**2) ** 2 / 4, half, _tan(w0 / 2), _tan(w1 / 2), True
         )
-    if turn:  # about the opposite place: a libration about π is one interval of x
-        half = function.subs({S: -2 * x / (1 + x**2), C: (x**2 - 1) / (1 + x**2)}, simultaneous=True)
-        yield Substitution(
-            x, sp.tan((w - sp.pi) / 2), sp.pi + 2 * sp.atan(x), (1 + x**2) ** 2 / 4, half, -sp.oo, sp.oo, True,
-            closed=True,
-        )  # fmt: skip
+
+
+def _on_a_turn(
+    function: sp.Expr, κ: sp.Expr, q: sp.Symbol, x: sp.Symbol, even: sp.Expr | None
+) -> Iterator[Substitution]:  # fmt: skip
+    """Of an angle, or of a line along which P² is periodic: sines of the half about a place, tangents of the half."""
+    scale = _Turn(q, x, κ)
+    yield from _half_sine(function, scale)
+    if even is not None and (not even.is_polynomial(C) or sp.degree(even, C) > 1):
+        for middle, sign in ((sp.S.Zero, 1), (sp.pi, -1)):
+            yield scale.about(middle, even.subs(C, sign * (1 - 2 * x**2)))
+    half = function.subs({S: 2 * x / (1 + x**2), C: (1 - x**2) / (1 + x**2)}, simultaneous=True)
+    slope, turn, more = κ**2 * (1 + x**2) ** 2 / 4, 2 * sp.pi / κ, _condition(κ)
+    place, inverse = sp.tan(κ * q / 2), 2 * sp.atan(x) / κ
+    yield Substitution(x, place, inverse, slope, half, -sp.oo, sp.oo, True, True, turn, more)
+    # about the opposite place: a libration about π is one interval of x
+    half = function.subs({S: -2 * x / (1 + x**2), C: (x**2 - 1) / (1 + x**2)}, simultaneous=True)
+    place, inverse = sp.tan((κ * q - sp.pi) / 2), (sp.pi + 2 * sp.atan(x)) / κ
+    yield Substitution(x, place, inverse, slope, half, -sp.oo, sp.oo, True, True, turn, more)
+
+
+def _sides(κ: sp.Expr) -> tuple[int, ...]:
+    """The signs of a factor that are possible."""
+    return (1,) if κ.is_positive else (-1,) if κ.is_negative else (1, -1)
+
+
+def _condition(κ: sp.Expr) -> sp.Expr:
+    """What must be positive; 1 where it is."""
+    return sp.S.One if κ.is_positive else κ
+
+
+def _scaled(κ: sp.Expr, end: sp.Expr) -> sp.Expr:
+    """An end of the domain times a positive factor."""
+    return end if end in (sp.oo, -sp.oo) else κ * end
 
 
 def _tan(w: sp.Expr) -> sp.Expr:
@@ -184,8 +262,35 @@ def _tan(w: sp.Expr) -> sp.Expr:
     return value
 
 
-def _half_sine(function: sp.Expr, q: sp.Symbol, x: sp.Symbol) -> Iterator[Substitution]:
-    """A + b cos q + c sin q = a + d cos(q − δ), d > 0: x = sin((q − δ)/2), as for the pendulum."""
+@dataclass(frozen=True)
+class _Turn:
+    """A coordinate over a turn.
+
+    Attributes:
+        q: the coordinate.
+        x: the variable.
+        κ: 2π over the turn; positive.
+    """
+
+    q: sp.Symbol
+    x: sp.Symbol
+    κ: sp.Expr
+
+    def about(self, δ: sp.Expr, function: sp.Expr) -> Substitution:
+        """X = sin((κq − δ)/2).
+
+        Args:
+            δ: the middle of the turn.
+            function: P² in x.
+        """
+        κ, x = self.κ, self.x
+        slope, inverse, place = κ**2 * (1 - x**2) / 4, (δ + 2 * sp.asin(x)) / κ, sp.sin((κ * self.q - δ) / 2)
+        turn, one = 2 * sp.pi / κ, sp.S.One
+        return Substitution(x, place, inverse, slope, function, -one, one, True, True, turn, _condition(κ))
+
+
+def _half_sine(function: sp.Expr, scale: _Turn) -> Iterator[Substitution]:
+    """A + b cos w + c sin w = a + d cos(w − δ), d > 0: x = sin((w − δ)/2), as for the pendulum."""
     if not function.is_polynomial(S, C):
         return
     terms = sp.Poly(function, S, C)
@@ -206,12 +311,7 @@ def _half_sine(function: sp.Expr, q: sp.Symbol, x: sp.Symbol) -> Iterator[Substi
     if d.is_negative:
         δ, d = δ + sp.pi, -d
     for middle, size in ((δ, d), (δ + sp.pi, -d)):  # about either place of rest
-        yield _about(q, x, middle, a + size * (1 - 2 * x**2))
-
-
-def _about(q: sp.Symbol, x: sp.Symbol, δ: sp.Expr, function: sp.Expr) -> Substitution:
-    slope, inverse = (1 - x**2) / 4, δ + 2 * sp.asin(x)
-    return Substitution(x, sp.sin((q - δ) / 2), inverse, slope, function, -sp.S.One, sp.S.One, True, closed=True)
+        yield scale.about(middle, a + size * (1 - 2 * scale.x**2))
 
 
 def _base(
@@ -276,19 +376,17 @@ def _hyperbolic(square: sp.Expr, q: sp.Symbol, lower: sp.Expr, upper: sp.Expr, x
     step = ratios[0]
     for r in ratios[1:]:
         step = sp.gcd(step, r)
-    κ = abs(step) * slopes[0]
-    κ = -κ if κ.is_negative else κ
-    if not κ.is_positive:
-        return
-    table = {
-        a: X ** sp.cancel(slope / κ) * sp.exp(a.args[0] - slope * q) for a, slope in zip(atoms, slopes, strict=True)
-    }
-    function, w = sp.cancel(sp.together(plain.xreplace(table))), κ * q
-    if function.has(q):
-        return
-    w0, w1 = κ * lower, κ * upper
-    yield from _both_exponentials(function, κ, w, (w0, w1), x)
-    yield from _even_hyperbolic(function, κ, w, (w0, w1), x)
+    for side in _sides(slopes[0]):
+        κ = side * abs(step) * slopes[0]
+        table = {
+            a: X ** sp.cancel(slope / κ) * sp.exp(a.args[0] - slope * q) for a, slope in zip(atoms, slopes, strict=True)
+        }
+        function, w = sp.cancel(sp.together(plain.xreplace(table))), κ * q
+        if function.has(q):
+            return
+        ends = _scaled(κ, lower), _scaled(κ, upper)
+        for found in (*_both_exponentials(function, κ, w, ends, x), *_even_hyperbolic(function, κ, w, ends, x)):
+            yield replace(found, condition=_condition(κ))
 
 
 def _both_exponentials(

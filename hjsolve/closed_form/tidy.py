@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import sympy as sp
 
 from hjsolve.functions import (
@@ -22,6 +24,8 @@ ELLIPTIC = (
 """The integrals that occur in forms."""
 LONGEST = 150
 """Operations above which a form with elliptic integrals is left as it is."""
+_FACTORED = 80
+"""Operations up to which the coefficient of an integral is factored."""
 
 
 def elliptic(expression: sp.Expr) -> bool:
@@ -66,6 +70,65 @@ def shortened_powers(expression: sp.Expr) -> sp.Expr:
     if elliptic(expression) and longer_than(expression, LONGEST):
         return expression
     return expression.replace(lambda e: e.is_Mul, _product)
+
+
+def collected(expression: sp.Expr) -> sp.Expr:
+    """A linear combination of elliptic integrals with each written once, its coefficient in factors.
+
+    Args:
+        expression: of a form; of any that is not linear in them it is given back.
+    """
+    coefficients = _linear(expression)
+    if coefficients is None or len(coefficients) < 2:
+        return expression
+    return sp.Add(*(_factored(c) * one for one, c in coefficients.items()))
+
+
+def _linear(e: sp.Expr) -> dict[sp.Expr, sp.Expr] | None:
+    """Elliptic integral, or 1 → its coefficient; None of what is not linear in them."""
+    if not elliptic(e):
+        return {sp.S.One: e}
+    if isinstance(e, ELLIPTIC):
+        return {e: sp.S.One}
+    if e.is_Mul:
+        held = [f for f in e.args if elliptic(f)]
+        inner = _linear(held[0]) if len(held) == 1 else None
+        rest = sp.Mul(*(f for f in e.args if f is not held[0]))
+        return None if inner is None else {one: rest * c for one, c in inner.items()}
+    if not e.is_Add:
+        return None
+    found = dict[sp.Expr, sp.Expr]()
+    for term in e.args:
+        inner = _linear(term)
+        if inner is None:
+            return None
+        for one, c in inner.items():
+            found[one] = found.get(one, sp.S.Zero) + c
+    return found
+
+
+@lru_cache(maxsize=1024)
+def _factored(coefficient: sp.Expr) -> sp.Expr:
+    if not coefficient.is_Add and not any(f.is_Add for f in coefficient.args):
+        return shortened_powers(coefficient)
+    return shortened_powers(coefficient if longer_than(coefficient, _FACTORED) else sp.factor(coefficient))
+
+
+def square_root(radicand: sp.Expr) -> sp.Expr:
+    """√ of what is positive where a form holds, with the absolute values of its squared factors taken out.
+
+    Args:
+        radicand: rational in real symbols.
+    """
+    outside, inside = sp.S.One, sp.S.One
+    for factor in sp.Mul.make_args(sp.factor(radicand)):
+        base, power = factor.as_base_exp()
+        if power.is_Integer and not base.is_number:
+            outside *= sp.Abs(base) ** (power // 2)
+            inside *= base ** (power % 2)
+        else:
+            inside *= factor
+    return outside * sp.sqrt(inside)
 
 
 def _product(product: sp.Expr) -> sp.Expr:

@@ -15,6 +15,7 @@ import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.evaluation import Evaluator, many_digits, number_of
+from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral
 from hjsolve.closed_form.regions import RootInterval, ordered_real_roots, place_of_rest
 from hjsolve.closed_form.time_limit import check_time
@@ -147,7 +148,7 @@ class _Trial:
         """∮ N dq/P by the midpoint rule, trebled until it no longer moves; and ∮ |N| dq/P."""
         whole = self.region.kind == "rotation"
         if whole:
-            middle, half = mpmath.mpf(0), mpmath.pi
+            middle, half = mpmath.mpf(0), number_of(self.curve.substitution.turn, self.numbers) / 2
         else:
             sides = (self.region.lower, self.region.upper)
             roots = ordered_real_roots(self.curve.polynomial, self.numbers, mpmath.mp.dps)
@@ -160,7 +161,7 @@ class _Trial:
             cosine, sine = mpmath.cos_sin(χ)
             return [half * sine * f for f in self.integrands(middle - half * cosine)]
 
-        turn, count, step = (2 * mpmath.pi if whole else mpmath.pi), 16, mpmath.mpf(1) / 2
+        turn, count, step = (2 * half if whole else mpmath.pi), 16, mpmath.mpf(1) / 2
         rows = [terms(turn * (k + step) / count) for k in range(count)]
         sums = _sums(rows, turn / count)
         while count < _MOST:
@@ -256,3 +257,46 @@ def _end(region: RootInterval, side: tuple[str, int], numbers: dict[sp.Symbol, m
 def _place(integral: PieceIntegral, x: mpmath.mpf | None, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
     s = integral.curve.substitution
     return mpmath.re(number_of(s.inverse, {**numbers, s.x: x}))
+
+
+def value_along(
+    own: CoordinateIntegrals, integrals: tuple[PieceIntegral, PieceIntegral], value: sp.Expr,
+    symbols: tuple[sp.Symbol, sp.Symbol], digits: int = DIGITS,
+) -> None:  # fmt: skip
+    """Compare an integral as a function of the time with itself as a function of the place, between two places.
+
+    Args:
+        own: the coordinate.
+        integrals: that of the time law, and the other, both verified.
+        value: the latter from t₀ on, in terms of constants, t, t₀ and the lower limit.
+        symbols: the time and the lower limit.
+        digits: to which they are compared.
+
+    Raises:
+        NoFormError: they differ.
+    """
+    t, start = symbols
+    q = integrals[0].curve.coordinate.symbol
+    with mpmath.workdps(digits + GUARD):
+        numbers = sample_numbers(own)
+        begin, stop = (
+            mpmath.mpf(int(p.p)) / int(p.q) for p in (own.sample.places[own.name], nearby(own, integrals[0]))
+        )
+        lasted, expected = (
+            value_at(i.value, numbers | {q: stop}) - value_at(i.value, numbers | {q: begin}) for i in integrals
+        )
+        free = value.free_symbols - set(numbers) - {t, start}  # t₀
+        got = value_at(value, numbers | dict.fromkeys(free, mpmath.mpf(0)) | {start: begin, t: lasted})
+        if not abs(got - expected) <= abs(expected) * mpmath.mpf(10) ** -digits:
+            raise NoFormError("not verified: the form along the motion differs from the integral")
+
+
+def nearby(own: CoordinateIntegrals, integral: PieceIntegral) -> sp.Expr:
+    """Another place of the same region, on the same side of the turning points.
+
+    Args:
+        own: the coordinate.
+        integral: with the curve on which the region is meant.
+    """
+    low, high = monotone_span(own, integral)
+    return sp.Rational(str(mpmath.nstr(low + (high - low) * mpmath.mpf("0.64"), 15)))

@@ -20,10 +20,11 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.evaluation import Evaluator, many_digits
 from hjsolve.closed_form.forms import RegimeForms
-from hjsolve.closed_form.numbers import root_values
+from hjsolve.closed_form.named_quantities import needed_names
+from hjsolve.closed_form.numbers import refuse_places, root_values
 from hjsolve.costs.answers import Answer
 from hjsolve.costs.trial import Task, Trial
-from hjsolve.errors import NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.motion.motion import Motion
 from hjsolve.scenes.question import Times
 from hjsolve.scenes.run import first_arguments
@@ -116,8 +117,12 @@ def derived_form(task: Task, seconds: float) -> DerivedForm | None:
     exact = _exact(motion)
     states, missing = dict[str, sp.Expr](), list[str]()
     if task.states:
-        known = set(exact) | set(form.where) | {_T}
-        found = {f"q.{n}": e for n, e in form.inverse.items() if _positive(motion) and e.free_symbols <= known}
+        known = set(exact) | {_T}
+        found = {
+            f"q.{n}": e
+            for n, e in form.inverse.items()
+            if _positive(motion) and _in_place(form, exact) and needed_names(e.free_symbols, form.where)[1] <= known
+        }
         states, missing = found, [] if len(found) == len(motion.solution.system.coordinates) else ["the states"]
     missing += [w.replace("_", " ") for w in _NUMBERS if w in task.scene.want and _lacks(motion, w, fixed)]
     return DerivedForm(fixed, states, form, exact, motion.t0, tuple(missing)) if fixed or states else None
@@ -130,6 +135,15 @@ def _lacks(motion: Motion, word: str, fixed: Mapping[str, sp.Expr]) -> bool:
 def _positive(motion: Motion) -> bool:
     at, system = motion.initial.values, motion.solution.system
     return all(at[system.coordinate(name).momentum].is_positive for name in motion.solution.coordinates)
+
+
+def _in_place(form: RegimeForms, exact: Mapping[sp.Symbol, sp.Expr]) -> bool:
+    """Whether the motion starts on the piece, or in the turn, that the form is of."""
+    try:
+        refuse_places(form, exact)
+    except InvalidInputError:
+        return False
+    return True
 
 
 def _exact(motion: Motion) -> dict[sp.Symbol, sp.Expr]:

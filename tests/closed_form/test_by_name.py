@@ -34,7 +34,7 @@ def _constants(motion: hjsolve.Motion, form: RegimeForms) -> dict[str, sp.Expr]:
 
 
 def _value(form: RegimeForms, name: str, values: Mapping[str, sp.Expr]) -> float:
-    held = {s.name for s in (*form.regime.example, *form.named()[name].free_symbols)}
+    held = {s.name for s in (*form.regime.example, *form.written_out(name).free_symbols)}
     return float(form.evaluate(name, {n: v for n, v in values.items() if n in held}).value)
 
 
@@ -120,7 +120,7 @@ def test_schwarzschilds_orbit() -> None:
     motion = hjsolve.solve("schwarzschild").motion(**entry.motions["default"].arguments)
     form = own_form(motion)
     assert form is not None
-    assert {s.name for s in form.orbit["r"].free_symbols} >= {"theta", "theta_0", "r_0"}
+    assert {s.name for s in form.written_out("orbit.r").free_symbols} >= {"theta", "theta_0", "r_0"}
     assert {"r", "theta", "phi"} <= set(form.actions)
     assert {"r", "theta", "phi"} <= set(form.frequencies)
 

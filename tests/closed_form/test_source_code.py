@@ -32,9 +32,6 @@ def _places(form: RegimeForms, count: int) -> Iterator[dict[sp.Symbol, sp.Expr]]
             if isinstance(meaning, tuple):
                 roots = sp.Poly(meaning[0].as_expr().xreplace(at), meaning[0].gen).nroots(n=30)
                 at[symbol] = sorted(r for r in roots if r.is_real)[meaning[1]]
-        for symbol, meaning in form.where.items():
-            if not isinstance(meaning, tuple):
-                at[symbol] = sp.N(meaning.xreplace(at).xreplace(at), 30)
         yield at
 
 
@@ -42,7 +39,8 @@ def _cases(form: RegimeForms) -> list[tuple[str, list[sp.Symbol], list[float], f
     """Function, its arguments, their values, and the value of the form there to 25 digits."""
     cases = []
     for at in _places(form, 2):
-        for name, expression in form.named().items():
+        for name in form.named():
+            expression = form.written_out(name)
             if name.startswith(("inverse", "orbit.")):
                 free = sorted(expression.free_symbols - set(at), key=str)
                 at = at | {s: sp.Rational(k + 1, 19) for k, s in enumerate(free)}

@@ -44,7 +44,7 @@ def given(motion: Motion, t: sp.Expr) -> dict[str, object]:
 
 
 def evaluated(form: RegimeForms, name: str, values: dict[str, object]) -> object:
-    held = {s.name for s in (*form.regime.example, *form.named()[name].free_symbols)}
+    held = {s.name for s in (*form.regime.example, *form.written_out(name).free_symbols)}
     texts = {n: v if isinstance(v, sp.Expr) else str(v) for n, v in values.items() if n in held}
     return form.evaluate(name, texts, 32).value
 

@@ -92,7 +92,7 @@ def _state(started: hjsolve.Motion, form: RegimeForms, name: str, t: sp.Expr, ty
         (beta,) = (s for s in equation.lhs.free_symbols)
         start = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
         betas[beta] = -start.xreplace(at).xreplace({sp.Symbol("t", real=True): started.t0})
-    expression = form.inverse[name]
+    expression = form.written_out(f"inverse.{name}")
     value = expression.xreplace(
         betas | {s: v for s, v in table.items() if s != solution.system.coordinate(name).symbol}
     )

@@ -34,7 +34,7 @@ def test_a_solution_without_a_motion_shows_its_first_regimes() -> None:
 
 def test_what_is_too_long_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(closed_forms, "LONGEST_SHOWN", 5)
-    assert "too long to be read" in _text(closed_form_report(_motion("harmonic-oscillator")))
+    assert "take more than a page" in _text(closed_form_report(_motion("harmonic-oscillator")))
 
 
 @pytest.mark.nightly

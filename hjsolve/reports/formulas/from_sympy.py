@@ -91,8 +91,10 @@ def _outside(integral: sp.Integral) -> sp.Expr:
 
 # ------------------------------------------------------------------------------------------------ sums and products
 def _terms(expression: sp.Add) -> list[sp.Expr]:
-    """Give the terms in sympy's order, the first one positive if any is."""
-    terms = list(expression.as_ordered_terms())
+    """Give the terms in sympy's order, those with functions last, the first one positive if any is: 1 + e cos θ."""
+    terms = sorted(
+        expression.as_ordered_terms(), key=lambda term: bool(term.atoms(sp.Function) - term.atoms(sp.Abs, sp.sign))
+    )
     first = next((i for i, term in enumerate(terms) if not term.could_extract_minus_sign()), 0)
     return [terms[first], *terms[:first], *terms[first + 1 :]]
 

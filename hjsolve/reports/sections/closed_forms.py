@@ -9,23 +9,34 @@ from typing import Any
 
 import sympy as sp
 
+from hjsolve.closed_form.anomalies import TIME
 from hjsolve.closed_form.closed_forms import closed_forms, own_form
 from hjsolve.closed_form.forms import RegimeForms
+from hjsolve.closed_form.named_quantities import needed_names
+from hjsolve.functions import JacobiAM, JacobiCN, JacobiDN, JacobiSN
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Code, Formula, Inline, Mathematics, Paragraph, Section, Table, Text
 from hjsolve.reports.formulas.from_sympy import box
-from hjsolve.reports.formulas.layout import Fence, Glyph, row, width
+from hjsolve.reports.formulas.layout import Box, Fence, Glyph, row, width
 from hjsolve.reports.formulas.line_breaks import NARROW, broken, display, narrowed
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import plain
+from hjsolve.reports.sections.long_formulas import in_parts
 from hjsolve.reports.sections.prose import typeset_prose
 from hjsolve.reports.sections.system_and_verdict import IN_A_CELL, equation, formula, math
 from hjsolve.solution.quadratures import Solution
 
 _GROUPS = {"periods": "Period", "frequencies": "Frequency", "actions": "Action", "mean_velocities": "Mean velocity"}
 _MOST_REGIMES = 3
-LONGEST_SHOWN = 250
-"""Operations of a formula that a reader can still take in."""
+LONGEST_SHOWN = 400
+"""Operations of a formula that takes a page."""
+_WITH_PARAMETER = (
+    sp.elliptic_k, sp.elliptic_f, sp.elliptic_e, sp.elliptic_pi, JacobiSN, JacobiCN, JacobiDN, JacobiAM,
+)  # fmt: skip
+_CONVENTION = (
+    "The last argument of K, E, F, Π, sn, cn, dn and am is the parameter m = k², the square of the modulus k; "
+    "the first argument of Π is the characteristic ν."
+)
 _WIDEST = NARROW / 0.65
 """Letters of the longest piece of a formula that cannot be broken; it is set smaller on a narrow screen."""
 _WIDEST_CELL = 1.2 * IN_A_CELL
@@ -80,37 +91,41 @@ def _section(form: RegimeForms, number: int) -> Section:
         "to its integrand and compared with the quadrature to 40 digits; the separated momenta are positive.",
     )  # fmt: skip
     blocks: list[Block | _TooLong] = [Paragraph(intro), *conditions]
-    for meaning, symbols in _by_meaning(form.where):
-        blocks += _meaning(symbols, meaning)
+    told = _Told(form.where)
     if form.time_law is not None:
-        blocks.append(_shown("time_law", form.time_law, lambda e: equation(e, "Greenwood (5-71)")))
+        blocks += told.shown("time_law", form.time_law, lambda e: equation(e, "Greenwood (5-71)"))
     for q, e in form.inverse.items():
-        blocks.append(_shown(f"inverse.{q}", e, partial(formula, row(name_box(q), Glyph("(t) ", "text")))))
+        blocks += told.shown(f"inverse.{q}", e, partial(formula, row(name_box(q), Fence(name_box("t")))))
+    blocks += _anomaly(form, told)
     for name, law in form.orbit_equations.items():
-        blocks.append(_shown(f"orbit_equations.{name}", law, lambda e: equation(e, "Greenwood (5-70)")))
+        blocks += told.shown(f"orbit_equations.{name}", law, lambda e: equation(e, "Greenwood (5-70)"))
     for q, e in form.orbit.items():
-        blocks.append(_shown(f"orbit.{q}", e, partial(formula, row(name_box(q), Glyph(" along the orbit ", "text")))))
+        blocks += told.shown(f"orbit.{q}", e, partial(formula, row(name_box(q), Fence(_along(form, q)))))
     for q, e in form.parametric.items():
-        blocks.append(_shown(f"parametric.{q}", e, partial(formula, row(name_box(q), Fence(name_box("tau"))))))
+        blocks += told.shown(f"parametric.{q}", e, partial(formula, row(name_box(q), Fence(name_box("tau")))))
     if form.characteristic_function is not None:
         W = form.characteristic_function
-        blocks.append(_shown("characteristic_function", W, lambda e: formula(Glyph("W"), e, "Greenwood (5-65)")))
+        blocks += told.shown("characteristic_function", W, lambda e: formula(Glyph("W"), e, "Greenwood (5-65)"))
     if form.energy is not None:
-        blocks.append(_shown("energy", form.energy, partial(formula, name_box("E"))))
+        blocks += told.shown("energy", form.energy, partial(formula, name_box("E")))
     numbers = [(group, q, e) for group in _GROUPS for q, e in getattr(form, group).items()]
     narrow = [one for one in numbers if width(display(one[2], IN_A_CELL)) <= _WIDEST_CELL]
     if narrow:
+        blocks += told.meanings([e for *_, e in narrow])
         rows = tuple((typeset_prose(f"{_GROUPS[group]} of {q}", system), (math(e),)) for group, q, e in narrow)
         blocks.append(Table((("Quantity",), ("Closed form",)), rows, "Numbers of the motion"))
     for group, q, e in numbers:
         if (group, q, e) not in narrow:
             left = row(Glyph(f"{_GROUPS[group]} of ", "text"), name_box(q))
-            blocks.append(_shown(f"{group}.{q}", e, partial(formula, left)))
-    long = tuple(((Code(block.name),), (str(block.operations),)) for block in blocks if isinstance(block, _TooLong))
+            blocks += told.shown(f"{group}.{q}", e, partial(formula, left))
+    long = [block.name for block in blocks if isinstance(block, _TooLong)]
     shown: list[Block] = [block for block in blocks if not isinstance(block, _TooLong)]
+    if any(value.has(*_WITH_PARAMETER) for value in form.named().values()):
+        shown.append(Paragraph((_CONVENTION,)))
     if long:
-        shown.append(Paragraph(("Forms too long to be read here; ", Code("form.code()"), " writes them.")))
-        shown.append(Table((("Form",), ("Operations",)), long, "Longer closed forms"))
+        shown.append(
+            Paragraph(("Forms that take more than a page: ", *_names(long), ". ", Code("form.code()"), " writes them."))
+        )
     if form.why_not:
         missing = tuple((_names(names), typeset_prose(reason, system)) for reason, names in _by_reason(form.why_not))
         shown.append(Table((("Without a form",), ("Why",)), missing, "What has no closed form"))
@@ -119,12 +134,78 @@ def _section(form: RegimeForms, number: int) -> Section:
     return Section(f"closed-forms{suffix}", title, tuple(shown))
 
 
+class _Told:
+    """Which definitions a section has given: each stands after the first formula that uses it.
+
+    Args:
+        where: symbol → definition.
+    """
+
+    def __init__(self, where: Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]):
+        self.where, self.known = where, set[sp.Symbol]()
+        self.letters, self.lettered = sp.numbered_symbols("u_", start=1, real=True), dict[sp.Expr, sp.Symbol]()
+
+    def shown(self, name: str, e: sp.Basic, write: Callable[[Any], Formula]) -> list[Block | _TooLong]:
+        """A formula, and what the quantities in it are."""
+        found = (
+            None
+            if sp.count_ops(e) > LONGEST_SHOWN
+            else in_parts(e, lambda part: _fits(part, write), self.letters, self.lettered)
+        )
+        if found is None:
+            return [_TooLong(name)]
+        shown, parts = found
+        with_parts = [block for letter, part in parts for block in _meaning([(letter, -1)], part)]
+        return [write(shown), *with_parts, *self.meanings([e])]
+
+    def meanings(self, shown: Sequence[sp.Basic]) -> list[Block | _TooLong]:
+        """What the quantities of formulas are, those of which nothing was said."""
+        needed, _ = needed_names({s for e in shown for s in e.free_symbols}, self.where)
+        new = {s: meaning for s, meaning in reversed(needed.items()) if s not in self.known}
+        self.known |= set(new)
+        short = [s for s, e in new.items() if _fits_a_sentence(s, e)]
+        pieces: list[Inline] = []
+        for s in short:
+            pieces += [", " if pieces else "with ", math(sp.Eq(s, new[s], evaluate=False))]
+        blocks: list[Block | _TooLong] = [Paragraph(tuple(pieces))] if short else []
+        rest = {s: new[s] for s in reversed(new) if s not in short}
+        return blocks + [block for meaning, symbols in _by_meaning(rest) for block in _meaning(symbols, meaning)]
+
+
+def _fits_a_sentence(symbol: sp.Symbol, meaning: object) -> bool:
+    if isinstance(meaning, tuple):
+        return False
+    return width(box(sp.Eq(symbol, meaning, evaluate=False))) <= NARROW
+
+
+def _along(form: RegimeForms, q: str) -> Box:
+    """The coordinate on which an orbit formula depends."""
+    held = form.written_out(f"orbit.{q}").free_symbols
+    return name_box(next(c.name for c in form.solution.system.coordinates if c.symbol in held and c.name != q))
+
+
+def _anomaly(form: RegimeForms, told: _Told) -> list[Block | _TooLong]:
+    """q(ξ) and n (t − t_p) = ξ − e sin ξ."""
+    blocks: list[Block | _TooLong] = []
+    for q, e in form.anomaly.items():
+        ξ = next(s for s in e.free_symbols if s.name in ("xi", "chi", "xi_1"))
+        if q != TIME:
+            blocks += told.shown(f"anomaly.{q}", e, partial(formula, row(name_box(q), Fence(box(ξ)))))
+            continue
+        assert form.time_law is not None
+        t = next(term for term in form.time_law.lhs.args if term.is_Symbol)
+        passed, running = e.as_independent(ξ, as_Add=True)
+        scale, rest = running.as_independent(ξ, as_Add=False)
+        equal = sp.Eq(sp.Mul(1 / scale, t - passed, evaluate=False), rest, evaluate=False)
+        blocks += told.shown(f"anomaly.{q}", equal, equation)
+    return blocks
+
+
 @dataclass(frozen=True)
 class _TooLong:
-    """In place of a formula that is long, or cannot be broken: its name and length."""
+    """In place of a formula that takes more than a page: its name."""
 
     name: str
-    operations: int
 
 
 def _by_meaning(where: Mapping[sp.Symbol, object]) -> list[tuple[object, list[tuple[sp.Symbol, int]]]]:
@@ -164,11 +245,14 @@ def _conditions(words: Text) -> tuple[Text, list[Formula]]:
     return tuple(kept), displayed
 
 
+def _fits(e: sp.Basic, write: Callable[[Any], Formula]) -> bool:
+    """Whether every piece of a formula that cannot be broken is narrow enough."""
+    return width(narrowed(write(e).box)) <= _WIDEST
+
+
 def _shown(name: str, e: sp.Basic, write: Callable[[Any], Formula]) -> Formula | _TooLong:
-    """A formula; of one that is long, or cannot be broken, its name and length."""
-    if sp.count_ops(e) > LONGEST_SHOWN or width(narrowed((shown := write(e)).box)) > _WIDEST:
-        return _TooLong(name, int(sp.count_ops(e)))
-    return shown
+    """A definition; of one that takes more than a page its name."""
+    return write(e) if sp.count_ops(e) <= LONGEST_SHOWN and _fits(e, write) else _TooLong(name)
 
 
 def _meaning(symbols: list[tuple[sp.Symbol, int]], meaning: object) -> list[Block | _TooLong]:

@@ -1,0 +1,150 @@
+"""x as a function of ∫ du/√(Au² + Bu + C): a + b cos, p/(1 + e cos), their hyperbolic twins, a square, an exponential.
+
+With the centre c = −B/2A and half the distance of the roots, h = √(B²/4 − AC)/|A|, u = c + h cos ψ between two roots,
+u = c ± h cosh ψ outside, u = c + h sinh ψ where there are none; ψ = √|A| (v − v_p). In u = 1/(x − r) these are the
+conics x = r + p/(1 + e cos ψ), p = 1/c, e = h/c. Greenwood (5-122).
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from hjsolve.closed_form.elementary import Antiderivative, BasicIntegral, positive_root
+from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase, sign_of_factors
+from hjsolve.closed_form.tidy import square_root
+
+_CENTRED = {"arcsine": sp.cos, "area sine": sp.sinh, "area cosine right": sp.cosh, "area cosine left": sp.cosh}
+
+
+def elementary_inverse(basic: BasicIntegral, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities) -> sp.Expr:
+    """The x at which an integral from a place has a value.
+
+    Args:
+        basic: the integral.
+        amount: the value.
+        begin: the place, an x.
+        names: of the quantities of the form.
+    """
+    A, _, C = basic.quadratic
+    u_0, direction = basic.variable(begin), -basic.side
+    if basic.kind in _CENTRED:
+        return _centred(basic, direction * amount, u_0, names)
+    if basic.kind == "root":
+        u = _squared(basic, direction * amount, u_0, names)
+    elif basic.kind == "line":
+        u = u_0 + sp.expand(positive_root(C) * direction * amount)
+    else:
+        u = u_0 * sp.exp(sp.expand(basic.sign_of_u * direction * positive_root(A) * amount))
+    return u if basic.place is None else basic.place + 1 / u
+
+
+def separatrix_inverse(
+    law: Antiderivative, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities
+) -> sp.Expr | None:  # fmt: skip
+    """The x at which w ln((x − r₁)/(r₂ − x)) has a value: the middle of r₁ and r₂ and half their distance times tanh.
+
+    Args:
+        law: the integral; of two logarithms with opposite weights.
+        amount: the value.
+        begin: the place, an x.
+        names: of the quantities of the form.
+
+    Returns:
+        The place; None of any other integral.
+    """
+    if law.algebraic != 0 or len(law.terms) != 2 or any(t.kind != "logarithm" or t.place is None for _, t in law.terms):
+        return None
+    (w, one), (w_2, other) = law.terms
+    if one.quadratic[0] != other.quadratic[0] or sp.cancel(w + w_2) != 0 or one.side == other.side:
+        return None
+    if one.side < 0:
+        (w, one), (w_2, other) = (w_2, other), (w, one)
+    assert one.place is not None
+    assert other.place is not None
+    middle, h = sp.cancel((one.place + other.place) / 2), sp.cancel((other.place - one.place) / 2)
+    factor, start = positive_root(one.quadratic[0]) / (2 * w), sp.atanh((begin - middle) / h)
+    return middle + h * sp.tanh(Phase(names, amount, factor, start, even=False).argument)
+
+
+def square_root_inverse(
+    law: Antiderivative, side: int, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities
+) -> sp.Expr:  # fmt: skip
+    """The x at which a √(Ax² + Bx + C) has a value: c ± √(h² + (v − v_p)²…), the hyperbolic motion.
+
+    Args:
+        law: the integral, a multiple of √P, deg P = 2.
+        side: on which side of the middle of the roots x is.
+        amount: the value.
+        begin: the place, an x.
+        names: of the quantities of the form.
+    """
+    C, B, A = (sp.Poly(law.polynomial, law.x).coeff_monomial(law.x**k) for k in range(3))
+    middle, square = sp.cancel(-B / (2 * A)), sp.expand(sp.cancel(B**2 / (4 * A**2) - C / A))
+    start = positive_root(sp.sympify(law.polynomial).subs(law.x, begin))
+    root = Phase(names, amount, 1 / law.algebraic, start, even=True).argument
+    return middle + side * sp.sqrt(sp.factor(square) + root**2 / A)
+
+
+def _centred(basic: BasicIntegral, amount: sp.Expr, u_0: sp.Expr, names: NamedQuantities) -> sp.Expr:
+    """About the middle of the roots of Q."""
+    A, B, C = basic.quadratic
+    centre, square = sp.cancel(-B / (2 * A)), sp.expand(sp.cancel(B**2 / (4 * A**2) - C / A))
+    square = -square if basic.kind == "area sine" else square
+    side = -1 if basic.kind == "area cosine left" else 1
+    function, rate = _CENTRED[basic.kind], positive_root(-A if basic.kind == "arcsine" else A)
+    if basic.place is None or centre == 0:
+        h = names.named("a", square_root(square), positive=True)
+        middle = names.named("c", centre, short=3 * SHORT)
+        level = side * (u_0 - middle) / h
+        if basic.place is not None:
+            d = names.named("d", 1 / square_root(square), positive=True)
+            level = side * u_0 * d
+    else:
+        h = side * _eccentricity(basic, names)
+        p = names.named("p", sp.factor(1 / centre))
+        level = (p * u_0 - 1) / h
+    begin = {sp.cos: -sp.acos(level), sp.sinh: sp.asinh(level), sp.cosh: side * sp.acosh(level)}[function]
+    wave = function(Phase(names, amount, rate, begin, even=function is not sp.sinh).argument)
+    if basic.place is None:
+        return middle + side * h * wave
+    return basic.place + (side * d / wave if centre == 0 else p / (1 + h * wave))
+
+
+def _eccentricity(basic: BasicIntegral, names: NamedQuantities) -> sp.Expr:
+    """h/c."""
+    A, B, C = basic.quadratic
+    square = sp.expand(sp.cancel(1 - 4 * A * C / B**2))
+    square = -square if basic.kind == "area sine" else square
+    sign = sign_of_factors(sp.factor(B)) * (1 if basic.kind == "arcsine" else -1)
+    return sign * names.named("e", sp.sqrt(square), positive=True)
+
+
+def _squared(basic: BasicIntegral, amount: sp.Expr, u_0: sp.Expr, names: NamedQuantities) -> sp.Expr:
+    """√(Bu + C) grows evenly: u is a square."""
+    _, B, C = basic.quadratic
+    root = positive_root(B * u_0 + C)
+    argument = Phase(names, amount, sp.S.One, 2 * root / B, even=True).argument
+    return sp.cancel(-C / B) + B / 4 * argument**2
+
+
+def accelerated(
+    names: NamedQuantities, u_0: sp.Expr, running: sp.Expr, v: sp.Symbol, root: sp.Expr, B: sp.Expr
+) -> sp.Expr:  # fmt: skip
+    """u₀ + √(Bu₀ + C) s + (B/4) s², a parabola in the variable v of which s is a linear function.
+
+    Args:
+        names: of the quantities of the form.
+        u_0: where it begins.
+        running: s.
+        v: the variable.
+        root: √(Bu₀ + C).
+        B: the slope of the radicand.
+    """
+    α = sp.factor_terms(running.coeff(v))
+    start = sp.expand(sp.cancel((α * v - running) / α))
+    shift = v - start
+    letter = "v" if v.name in ("t", "tau") else "slope"
+    velocity = names.named(
+        f"{letter}_{u_0.name.removesuffix('_0')}" if u_0.is_Symbol else letter, root * α, short=SHORT
+    )
+    return u_0 + velocity * shift + sp.factor(sp.cancel(B * α**2 / 4)) * shift**2

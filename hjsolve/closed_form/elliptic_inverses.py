@@ -1,0 +1,121 @@
+"""x as a function of ∫ dx/√P, deg P = 3 or 4: x₃ − (x₃ − x₂) sn², a sn, a cn, a dn, of ω(v − v_p) and the modulus k."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from hjsolve.closed_form.carlson import CarlsonMap, PairsMap
+from hjsolve.closed_form.even_curves import EvenMap
+from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase
+from hjsolve.closed_form.no_form import NoFormError
+from hjsolve.closed_form.pieces import monotone_inverse
+from hjsolve.closed_form.real_branch_points import FAR, LegendreMap
+from hjsolve.closed_form.tidy import collected, multiplied_out, square_root
+from hjsolve.functions import JacobiCN, JacobiDN, JacobiSN, elliptic
+
+_FUNCTIONS = {"sn": JacobiSN, "cn": JacobiCN, "dn": JacobiDN}
+
+
+def elliptic_inverse(
+    way: EvenMap | LegendreMap | CarlsonMap, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities
+) -> sp.Expr:  # fmt: skip
+    """The x at which ∫ dx/√P from a place has a value.
+
+    Args:
+        way: the map to Legendre's or Carlson's integrals.
+        amount: the value.
+        begin: the place, an x.
+        names: of the quantities of the form.
+
+    Raises:
+        NoFormError: P has no real root to begin at.
+    """
+    if isinstance(way, PairsMap):
+        return elliptic.inverse_between(way.points, begin, multiplied_out(amount), farther=way.farther)
+    if isinstance(way, CarlsonMap):
+        return _complex_pair(way, amount, begin, names)
+    k = modulus(names, way.m)
+    if isinstance(way, EvenMap):
+        scale = way.scale if sp.cancel(way.scale**2 - way.m) != 0 else k
+        scale = names.named("a", scale, short=SHORT, positive=True)
+        y = begin / scale
+        φ_0 = {"sn": sp.asin(y), "cn": sp.acos(y), "dn": sp.asin(sp.sqrt(1 - y**2) / k)}[way.kind]
+        factor, start = way.direction * way.Ω, sp.elliptic_f(monotone_inverse(φ_0), k**2)
+        argument = Phase(names, amount, factor, start, even=way.kind != "sn").argument
+        return way.side * scale * _FUNCTIONS[way.kind](argument, k**2)
+    Ω, s_0 = sp.sqrt(names.oriented(sp.factor(way.Ω**2))), names.oriented(sp.factor(way.s(begin)))
+    φ_0 = monotone_inverse(sp.asin(sp.sqrt(s_0)))
+    argument = Phase(names, amount, way.direction * Ω, sp.elliptic_f(φ_0, k**2), even=True).argument
+    s = JacobiSN(argument, k**2) ** 2
+    if way.d is FAR:
+        a, b = (names.named(f"x_{mark}", end, short=3 * SHORT) for mark, end in (("a", way.a), ("b", way.b)))
+        return a - (names.oriented(way.a - way.b) if (a, b) == (way.a, way.b) else a - b) * s
+    if way.b is FAR:
+        return (way.a - way.d * s) / (1 - s)
+    n = names.named("nu", names.oriented(way.pole(FAR)), short=SHORT)
+    return (way.a - n * way.d * s) / (1 - n * s)
+
+
+def modulus(names: NamedQuantities, m: sp.Expr) -> sp.Expr:
+    """The modulus k by its name, of which the parameter is k².
+
+    Args:
+        names: of the quantities of the form.
+        m: the parameter.
+    """
+    if m not in names.moduli:
+        ratio = names.oriented(sp.factor(m))
+        root = sp.sqrt(ratio) if ratio.free_symbols <= names.roots else square_root(ratio)
+        names.moduli[m] = names.named("k", root, positive=True)
+    return names.moduli[m]
+
+
+def characteristic(names: NamedQuantities, n: sp.Expr) -> sp.Expr:
+    """The characteristic ν of an integral of the third kind by its name.
+
+    Args:
+        names: of the quantities of the form.
+        n: the characteristic.
+    """
+    if n not in names.moduli:
+        names.moduli[n] = names.named("nu", names.oriented(sp.factor(n)))
+    return names.moduli[n]
+
+
+def in_moduli(expression: sp.Expr, names: NamedQuantities, *, of_roots: bool = False) -> sp.Expr:
+    """An expression with the parameters of its elliptic integrals as k², and their characteristics by name.
+
+    Args:
+        expression: of a form.
+        names: of the quantities of the forms.
+        of_roots: whether only parameters that are made of named roots are named.
+    """
+    table = dict[sp.Expr, sp.Expr]()
+    for one in sorted(
+        expression.atoms(sp.elliptic_k, sp.elliptic_f, sp.elliptic_e, sp.elliptic_pi), key=sp.default_sort_key
+    ):
+        parameters = (one.args[-1], one.args[0]) if isinstance(one, sp.elliptic_pi) else one.args[-1:]
+        for k, m in enumerate(parameters):
+            if m.is_number or sp.count_ops(m) <= SHORT or (of_roots and not m.free_symbols <= names.roots):
+                continue
+            table[m] = characteristic(names, m) if k else modulus(names, m) ** 2
+    return collected(expression.xreplace(table))
+
+
+def _complex_pair(way: CarlsonMap, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities) -> sp.Expr:
+    """A ratio of linear functions of cn, or of sn²; lengths in it that are roots get names."""
+    first, u = elliptic.PartialFractions(((0, sp.S.One),)), sp.Dummy("u", positive=True)
+    try:
+        passed = elliptic.incomplete(first, way.points, way.roots.interval, begin, way.start)
+        place = elliptic.inverse(way.points, way.roots.interval, u, way.start)
+    except elliptic.NoForm as error:
+        raise NoFormError(str(error)) from error
+    (wave,) = place.atoms(JacobiCN, JacobiSN)
+    rate, k = wave.args[0] / u, modulus(names, wave.args[1])
+    phase = Phase(names, amount, way.direction * rate, rate * passed, even=True)
+    value = wave.func(phase.argument, k**2)
+    z = sp.Dummy("z")
+    place = place.xreplace({wave: z})
+    lengths = [p for p in place.atoms(sp.Pow) if p.exp == sp.S.Half and not p.has(z) and sp.count_ops(p) > 3 * SHORT]
+    place = place.xreplace({p: names.named("h", p, positive=True) for p in sorted(lengths, key=sp.count_ops)})
+    return place.xreplace({z: value})

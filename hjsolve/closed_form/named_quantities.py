@@ -1,0 +1,214 @@
+"""Names for the quantities of which a form is made: amplitude, eccentricity, modulus, frequency, phase.
+
+A form is written in few quantities that carry the physics; each is defined once, in ``where``, by the constants.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+import mpmath
+import sympy as sp
+
+from hjsolve.closed_form.evaluation import number_of
+from hjsolve.closed_form.tidy import multiplied_out, shortened_powers
+
+Where = dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
+"""Symbol → its definition: an expression, or (polynomial, index of the real root)."""
+SHORT, LONG_FACTOR = 2, 12
+"""Operations up to which a quantity, or a factor that may cancel, is written where it stands."""
+
+
+class NamedQuantities:
+    """The names given in the forms of one regime.
+
+    Args:
+        taken: names that have another meaning.
+        variables: on which coordinates depend: the time, the parameter τ, ignorable coordinates.
+        places: separated coordinates.
+        where: known definitions, of roots; new ones are added.
+        numbers: symbol → value at a motion of the regime, of constants and roots.
+    """
+
+    def __init__(
+        self, taken: Iterable[str], variables: Iterable[sp.Symbol], places: Iterable[sp.Symbol], where: Where,
+        numbers: Mapping[sp.Symbol, mpmath.mpf],
+    ):  # fmt: skip
+        self.roots, self.numbers = frozenset(where), numbers
+        self.moduli = dict[sp.Expr, sp.Expr]()  # parameter or characteristic → its name
+        self.where, self.variables, self.places = where, frozenset(variables), frozenset(places)
+        self._taken = {*taken, *(s.name for s in where)}
+
+    def named(self, letter: str, meaning: sp.Expr, *, short: int = 0, positive: bool | None = None) -> sp.Expr:
+        """A symbol for a quantity, the same for the same meaning; the quantity itself where it is short.
+
+        Args:
+            letter: wished for; a number is added where it is taken.
+            meaning: the definition.
+            short: operations up to which the quantity needs no name; of numbers and symbols none has.
+            positive: whether it is known to be positive.
+        """
+        if meaning.is_number or meaning.is_Symbol or (short and sp.count_ops(meaning) <= short):
+            return meaning
+        known = next((s for s, m in self.where.items() if not isinstance(m, tuple) and m == meaning), None)
+        if known is not None:
+            return known
+        name, number = letter, 0
+        while name in self._taken:
+            number += 1
+            name = f"{letter}_{number}"
+        self._taken.add(name)
+        symbol = sp.Symbol(name, positive=True) if positive else sp.Symbol(name, real=True)
+        self.where[symbol] = meaning
+        return symbol
+
+    def oriented(self, expression: sp.Expr) -> sp.Expr:
+        """A product with the greater root first in every difference of roots, whose order the regime fixes.
+
+        Args:
+            expression: of a form.
+        """
+        value, sign = sp.S.One, sp.S.One
+        for factor in sp.Mul.make_args(expression):
+            base, power = factor.as_base_exp()
+            difference = base.is_Add and power.is_Integer and base.free_symbols and base.free_symbols <= self.roots
+            if difference and number_of(base, self.numbers) < 0:
+                base, sign = -base, sign * (-1) ** power
+            value *= base**power
+        return sign * value
+
+    def kept(self, forms: Iterable[sp.Expr], written: Callable[[sp.Expr], sp.Expr]) -> Where:
+        """The definitions of roots, and those that forms use, each after those that it uses.
+
+        Args:
+            forms: of the regime.
+            written: how a definition is written.
+        """
+        used, _ = needed_names({s for form in forms for s in form.free_symbols}, self.where)
+        ordered = needed_names(self.roots, self.where)[0] | used
+        return {
+            s: meaning if isinstance(meaning, tuple) or s in self.roots else written(meaning)
+            for s, meaning in ordered.items()
+        }
+
+    def written_out(self, expression: sp.Expr) -> sp.Expr:
+        """An expression with the definitions in place of the names.
+
+        Args:
+            expression: of a form.
+        """
+        return written_out(expression, self.where)
+
+
+def written_out(expression: sp.Expr, where: Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]) -> sp.Expr:
+    """An expression with definitions in place of names; roots of polynomials stay by name.
+
+    Args:
+        expression: of a form.
+        where: symbol → definition.
+    """
+    table = {s: meaning for s, meaning in where.items() if not isinstance(meaning, tuple)}
+    while held := expression.free_symbols & set(table):
+        expression = expression.xreplace({s: table[s] for s in held})
+    return expression
+
+
+def needed_names(
+    held: Iterable[sp.Symbol], where: Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
+) -> tuple[dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]], set[sp.Symbol]]:
+    """The definitions that symbols rest on, each after those that it uses, and the symbols without a definition.
+
+    Args:
+        held: symbols of a form.
+        where: symbol → definition.
+    """
+    ordered: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]] = {}
+    plain = set[sp.Symbol]()
+
+    def visit(symbol: sp.Symbol) -> None:
+        if symbol not in where:
+            plain.add(symbol)
+        elif symbol not in ordered:
+            meaning = where[symbol]
+            inner = (
+                {s for c in meaning[0].all_coeffs() for s in c.free_symbols}
+                if isinstance(meaning, tuple)
+                else meaning.free_symbols
+            )
+            for s in sorted(inner, key=str):
+                visit(s)
+            ordered[symbol] = meaning
+
+    for s in sorted(held, key=str):
+        visit(s)
+    return ordered, plain
+
+
+class Phase:
+    """The argument α(v − v_p) of a periodic or hyperbolic function, by the place v_p at which it is zero.
+
+    Args:
+        names: of the regime.
+        amount: what the integral from the lower limit is, an expression in v.
+        factor: of the amount in the argument.
+        begin: the argument where the amount is zero.
+        even: whether the function does not see the sign of its argument.
+    """
+
+    def __init__(self, names: NamedQuantities, amount: sp.Expr, factor: sp.Expr, begin: sp.Expr, *, even: bool):
+        self.names, self.even = names, even
+        running = sp.expand(multiplied_out(amount), deep=False)
+        moving = [v for v in names.variables if running.has(v)]
+        if len(moving) == 1 and not running.has(*names.places) and (α := running.coeff(moving[0])) != 0:
+            self.argument = self._about(moving[0], factor * α, running / α, begin)
+            return
+        held = [*moving, *(q for q in names.places if running.has(q))]
+        size, sign = _without_sign(shortened_powers(factor))
+        rate = sign * names.named("kappa", size, short=LONG_FACTOR, positive=True)
+        parts = [shortened_powers(rate * term) for term in sp.Add.make_args(running)]
+        δ = names.named("delta", -sp.Add(*(part for part in parts if not part.has(*held)), begin))
+        self.argument = sp.Add(*(part for part in parts if part.has(*held))) - δ
+
+    def _about(self, v: sp.Symbol, α: sp.Expr, running: sp.Expr, begin: sp.Expr) -> sp.Expr:
+        size, sign = _without_sign(shortened_powers(sp.factor_terms(α)))
+        rate = self.names.named("omega" if v.name in ("t", "tau") else "kappa", size, short=SHORT, positive=True)
+        terms = sp.Add.make_args(sp.expand(running, deep=False))
+        start = sp.Add(*(shortened_powers(sp.cancel(-term)) for term in terms if not term.has(v)))
+        passed = self.names.named(f"{v.name}_p", start - begin * sign / rate)
+        return (sp.S.One if self.even else sign) * rate * (v - passed)
+
+
+def _without_sign(α: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """A factor without −1 and signs of constants, and those: the former is positive where the constants' signs are."""
+    sign = sp.S.One
+    size = sp.S.One
+    for factor in sp.Mul.make_args(α):
+        if isinstance(factor, sp.sign):
+            sign *= factor
+        elif factor.is_number and factor.is_negative:
+            sign, size = -sign, -factor * size
+        elif factor.is_nonnegative or factor.is_number or _is_root(factor):
+            size *= factor
+        else:  # a sum, or a symbol of either sign: its absolute value
+            base, power = factor.as_base_exp()
+            sign, size = sign * sign_of_factors(factor), size * sp.Abs(base) ** power
+    return size, sign
+
+
+def sign_of_factors(product: sp.Expr) -> sp.Expr:
+    """The sign of a product as that of its factors, even powers left out.
+
+    Args:
+        product: real, not zero.
+    """
+    sign = sp.S.One
+    for factor in sp.Mul.make_args(product):
+        base, power = factor.as_base_exp()
+        whole = power.is_Integer and not base.is_number
+        sign *= (sp.sign(base) if power % 2 else sp.S.One) if whole else sp.sign(factor)
+    return sign
+
+
+def _is_root(factor: sp.Expr) -> bool:
+    """Whether a factor is a root with an even denominator: real, and so positive, where its form holds."""
+    return isinstance(factor, sp.Pow) and factor.exp.is_Rational and not factor.exp.is_Integer and factor.exp.q % 2 == 0
