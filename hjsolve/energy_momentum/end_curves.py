@@ -11,7 +11,7 @@ import sympy as sp
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
 from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window, real_roots_of_rows
-from hjsolve.energy_momentum.real_roots import real_roots
+from hjsolve.energy_momentum.multiple_roots import real_roots
 from hjsolve.lowering import lower
 
 _LARGEST = 10**7

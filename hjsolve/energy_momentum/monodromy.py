@@ -20,8 +20,8 @@ from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
 from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window
 from hjsolve.energy_momentum.end_curves import end_polynomials
 from hjsolve.energy_momentum.isolation import Reals
+from hjsolve.energy_momentum.multiple_roots import real_roots
 from hjsolve.energy_momentum.orbits import bounded_orbits
-from hjsolve.energy_momentum.real_roots import real_roots
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.solution.quadratures import Solution
 

@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 
 import hjsolve
-from hjsolve.energy_momentum.real_roots import real_roots
+from hjsolve.energy_momentum.multiple_roots import real_roots
 
 T = "(dot(r)**2 + r**2*dot(theta)**2)/2"
 
