@@ -15,7 +15,8 @@ import sympy as sp
 from hjsolve.algebra import poly
 from hjsolve.algebra.constants import constant_is_zero
 from hjsolve.algebra.elementary import PRIMITIVES, at_one_place, composed
-from hjsolve.algebra.poly import WorkLimitError
+from hjsolve.algebra.one_variable import vanishes
+from hjsolve.algebra.poly import Budget, WorkLimitError
 from hjsolve.algebra.reading import FieldReader
 from hjsolve.algebra.signs import sign_of
 
@@ -45,8 +46,31 @@ def constant_zero(
     return not value.has(sp.I, sp.zoo, sp.nan) and constant_is_zero(value) is True
 
 
+def is_one_constant(reader: FieldReader, f: sp.Expr, symbol: sp.Symbol, inside: sp.Expr, budget: Budget) -> bool:
+    """Proof that f, whose derivative by a variable vanishes, has one value along it: that it does not jump.
+
+    x − atan(tan x) is constant between the poles of the tangent, and another constant beyond each of them.
+
+    Args:
+        reader: reads f; its bounds are the box.
+        f: the function.
+        symbol: the variable.
+        inside: a value of the variable in its interval.
+        budget: of the proof.
+    """
+    ends = reader.bounds.get(symbol, (None, None))
+    try:
+        if not reader.element(f).depends_on(symbol) or all(_is_signed(reader, w) for w in _watched(f)):
+            return True
+        part = sp.Add(*(term for term in sp.Add.make_args(f) if term.has(symbol)))
+        alone = part.free_symbols == {symbol} and all(e is None or e.is_number for e in ends)
+        return alone and vanishes(part - part.subs(symbol, inside), symbol, ends, budget)
+    except (WorkLimitError, ZeroDivisionError):
+        return False
+
+
 def _watched(f: sp.Expr) -> list[sp.Expr]:
-    """What must not vanish: denominators, radicands, arguments of logarithms, 1 − u² of inverse sines."""
+    """What must not vanish: denominators, radicands, arguments of logarithms, 1 − u² of inverse sines, cos of tan."""
     found = [p.base for p in f.atoms(sp.Pow) if p.base.free_symbols and (p.exp.is_negative or not p.exp.is_Integer)]
     for p in f.atoms(*PRIMITIVES):
         u = p.args[0]
@@ -54,7 +78,15 @@ def _watched(f: sp.Expr) -> list[sp.Expr]:
             found.append(u)
         elif isinstance(p, (sp.asin, sp.acos, sp.acosh, sp.atanh)):
             found.append(1 - u**2)
+    found += [below(p.args[0]) for p in f.atoms(*_BELOW) for below in [_BELOW[p.func]]]
     return [w for w in found if w.free_symbols]
+
+
+_BELOW = {
+    sp.tan: sp.cos, sp.sec: sp.cos, sp.cot: sp.sin, sp.csc: sp.sin, sp.coth: sp.sinh, sp.csch: sp.sinh,
+    sp.sign: lambda u: u,
+}  # fmt: skip
+"""Function → what vanishes where it has a pole, or jumps."""
 
 
 def _is_signed(reader: FieldReader, x: sp.Expr) -> bool:

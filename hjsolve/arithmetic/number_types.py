@@ -40,6 +40,8 @@ Which = Integers | Mask
 """Which of some rows: their positions, or True where they are meant."""
 Numbers = NDArray[np.float64] | NDArray[np.object_]
 """An array of doubles, or of ``mpf``."""
+Counts = Integers | NDArray[np.float64] | NDArray[np.object_]
+"""An array of whole numbers, of whatever type: turns, cycles."""
 Columns = Mapping[str, NDArray[np.generic]]
 """Named columns of a table, each an array of shape (n,): numbers, words, truth values."""
 Truth = bool | Mask

@@ -11,6 +11,7 @@ import sympy as sp
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
 from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window, real_roots_of_rows
+from hjsolve.energy_momentum.multiple_roots import real_roots
 from hjsolve.lowering import lower
 
 _LARGEST = 10**7
@@ -60,7 +61,7 @@ def _zeros_of(own: CoordinateKinds, kind: str, factor: sp.Expr, window: Window) 
     none = np.zeros(0)
     if not factor.has(y) or not factor.has(x):
         here, which = (x, 0) if factor.has(x) else (y, 1)
-        roots = [float(r) for r in sp.Poly(sp.N(factor, 30), here).nroots(n=20, maxsteps=200) if abs(sp.im(r)) < 1e-12]
+        roots = [float(r) for r in real_roots(sp.Poly(factor, here))]
         along = np.linspace(*window[1 - which], 2)
         lines = [(np.full(2, r), along) if which == 0 else (along, np.full(2, r)) for r in roots]
         return [CriticalCurve(kind, own.name, across, up, none, factor) for across, up in lines]
@@ -90,9 +91,9 @@ def symmetric_curves(own: CoordinateKinds, window: Window) -> list[CriticalCurve
     common = sp.Integer(0)
     for slope in slopes:
         common = sp.gcd(common, slope)
-    for t in sp.Poly(common, s.x).nroots(n=30) if common.has(s.x) else ():
-        if abs(sp.im(t)) < 1e-20 and s.lower < t < s.upper:
-            exact = sp.nsimplify(sp.re(t), rational=True, tolerance=1e-25)
+    for t in real_roots(sp.Poly(common, s.x)) if common.has(s.x) else ():
+        if s.lower < t < s.upper:
+            exact = sp.nsimplify(t, rational=True, tolerance=1e-25)
             place = float(sp.N(s.inverse.subs(s.x, exact)))
             found += _resting(own, sp.diff(N, s.x, 2).subs(s.x, exact), sp.expand(N.subs(s.x, exact)), place, window)
     if own.polynomial.closed and s.upper.is_finite:  # t has its largest value at the opposite place: t = sin q/2

@@ -21,6 +21,7 @@ from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
 from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window
 from hjsolve.energy_momentum.end_curves import end_polynomials
 from hjsolve.energy_momentum.isolation import Reals
+from hjsolve.energy_momentum.multiple_roots import real_roots
 from hjsolve.energy_momentum.orbits import bounded_orbits
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.solution.quadratures import Solution
@@ -124,10 +125,9 @@ def rests_at_ends(own: CoordinateKinds) -> list[tuple[float, float, float]]:
                     level = sp.expand(rest.subs(s.x, ends[0]))
                     if not level.has(second):
                         continue
-                    for other in sp.Poly(sp.N(level, 40), second).nroots(n=30):
-                        if abs(sp.im(other)) < 1e-20:
-                            pair = (float(root), float(sp.re(other)))
-                            found.append((*(pair if which == 0 else pair[::-1]), _place(own, ends[0])))
+                    for other in real_roots(sp.Poly(level, second)):
+                        pair = (float(root), float(other))
+                        found.append((*(pair if which == 0 else pair[::-1]), _place(own, ends[0])))
     return found
 
 

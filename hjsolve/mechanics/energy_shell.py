@@ -24,6 +24,7 @@ from hjsolve.algebra.modular_jets import at_random_points
 from hjsolve.algebra.poly import Budget
 from hjsolve.algebra.readable import shortest_form
 from hjsolve.algebra.reader import Reader
+from hjsolve.algebra.several_variables import is_one_constant
 from hjsolve.algebra.signs import Bounds
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError
@@ -31,6 +32,9 @@ from hjsolve.mechanics.coordinates_and_parameters import time_letter
 from hjsolve.mechanics.ignorable_coordinates import Eliminated, eliminate
 from hjsolve.mechanics.kinetic_energy import mass_as_written
 from hjsolve.mechanics.system import Coordinate, System, kinetic_rest, linear_terms
+
+_SECONDS = 5.0
+"""Of the budget, for the proof that a function whose derivative vanishes is one constant."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -270,7 +274,11 @@ def _find_ignorable(
             continue
         if any(not reader.field.total(reader.diff_terms(x, c.symbol)).is_zero for x in elements):
             continue
-        if any(c.symbol in x.free_symbols for x in lagrangian.parts()):
+        own = reader.field.budget.part(_SECONDS, reader.field.budget.terms)
+        holding = [x for x in lagrangian.parts() if c.symbol in x.free_symbols]
+        if not all(is_one_constant(reader, x, c.symbol, _inside(c), own) for x in holding):
+            continue
+        if holding:
             lagrangian = lagrangian.subs(c.symbol, _inside(c))
         if c.domain.kind != "interval" or lagrangian.couples(i):
             found.append(c)

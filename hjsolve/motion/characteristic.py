@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
-from hjsolve.arithmetic.number_types import Mpf, Numbers, Reals
+from hjsolve.arithmetic.number_types import Counts, Mpf, Numbers, Reals
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import Phases, courses_of, phases_at
 from hjsolve.motion.positions import evaluate_along, positions_at, travelled
@@ -108,7 +108,7 @@ def _zeros(motion: SeparatedMotion, phases: Phases) -> Numbers:
 
 
 def swept_from_start(
-    course: CoordinateMotion, χ: Numbers, whole: Numbers, *, many: bool
+    course: CoordinateMotion, χ: Numbers, whole: Counts, *, many: bool
 ) -> tuple[Numbers, Numbers, Numbers]:
     """Return ∫ P dq from the start to χ + 2π·whole, its slope by χ, and the size that rounding refers to.
 
@@ -130,7 +130,7 @@ def swept_from_start(
     return value, slope, size
 
 
-def gauge(motion: SeparatedMotion, q: dict[str, Numbers], whole: dict[str, Numbers]) -> tuple[Numbers, Reals]:
+def gauge(motion: SeparatedMotion, q: dict[str, Numbers], whole: dict[str, Counts]) -> tuple[Numbers, Reals]:
     """Return Δχ from the start, χ(q) the potential of the shift with angles not reduced, and its rounding.
 
     Args:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hjsolve.arithmetic.floats import bits_for, multiprecision
-from hjsolve.arithmetic.number_types import Elementwise, Mask, Mpf, Numbers, Reals
+from hjsolve.arithmetic.number_types import Counts, Elementwise, Mask, Mpf, Numbers, Reals
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.times import whole_numbers, within_doubles
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
@@ -34,7 +34,7 @@ class Phases:
     time: tuple[Reals, Reals]
     exact: list[Mpf] | None
     χ: Sequence[Numbers]
-    whole: Sequence[Reals]
+    whole: Sequence[Counts]
     errors: Sequence[Numbers]
     ended: Mask
 
@@ -79,7 +79,7 @@ def phases_at(
 
 def solve_phases(
     motion: SeparatedMotion, time: tuple[Reals, Reals]
-) -> tuple[list[Reals], list[Reals], list[Reals], Mask]:
+) -> tuple[list[Reals], list[Counts], list[Reals], Mask]:
     """Return phases, whole turns, error bounds and "has ended" at times relative to t₀ (two doubles, shape (m,)).
 
     Args:
@@ -102,7 +102,7 @@ def _where_it_goes_on(ended: Mask, χ: Reals, course: CoordinateMotion) -> Reals
 
 
 def _refined_where(
-    going: Mask, motion: SeparatedMotion, χ: list[Reals], whole: list[Reals], precise: list[Mpf], bits: int
+    going: Mask, motion: SeparatedMotion, χ: list[Reals], whole: list[Counts], precise: list[Mpf], bits: int
 ) -> tuple[Sequence[Numbers], Sequence[Numbers]]:
     """Phases in many digits where the motion goes on; where it has ended there is nothing to refine."""
     if going.all():
@@ -118,7 +118,7 @@ def _refined_where(
 
 
 def _refined(
-    motion: SeparatedMotion, χ: list[Reals], whole: list[Reals], precise: list[Mpf], bits: int
+    motion: SeparatedMotion, χ: list[Reals], whole: list[Counts], precise: list[Mpf], bits: int
 ) -> tuple[Sequence[Numbers], Sequence[Numbers]]:
     if motion.torus is not None:
         return refine.on_torus(motion.torus, χ, whole, precise, bits)

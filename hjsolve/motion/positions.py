@@ -11,7 +11,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import UNIT, Float64, Multi, bits_for, multiprecision
-from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, Reals
+from hjsolve.arithmetic.number_types import Counts, Elementwise, Mpf, Numbers, Reals
 from hjsolve.arithmetic.running_error import RunningError
 from hjsolve.arithmetic.running_error import WithErrorBound as Rounded
 from hjsolve.arithmetic.tape import Tape
@@ -21,8 +21,9 @@ from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import Phases, courses_of
 from hjsolve.one_coordinate.coordinate_motion import arithmetic_of
 from hjsolve.one_coordinate.fourier_series import FourierSeries
+from hjsolve.time_law.open_motion import integral_at_start
+from hjsolve.time_law.phase_reduction import grown_by, turns_and_rest
 from hjsolve.time_law.phase_reduction import principal as principal_of_doubles
-from hjsolve.time_law.phase_reduction import turns_and_rest
 from hjsolve.time_law.torus import mean_rate, oscillation
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def constant_index(motion: SeparatedMotion, name: str) -> int:
 
 def positions_at(
     motion: SeparatedMotion, phases: Phases
-) -> tuple[dict[str, Numbers], dict[str, Numbers], dict[str, Numbers]]:
+) -> tuple[dict[str, Numbers], dict[str, Numbers], dict[str, Counts]]:
     """Return q, canonical p, and whole turns of the angles.
 
     Args:
@@ -53,7 +54,7 @@ def positions_at(
     """
     q: dict[str, Numbers] = {}
     shell: dict[str, Numbers] = {}
-    whole: dict[str, Numbers] = {}
+    whole: dict[str, Counts] = {}
     for name, course, χ, n in zip(
         motion.solution.coordinates, courses_of(motion, phases), phases.χ, phases.whole, strict=True
     ):
@@ -76,7 +77,7 @@ def positions_at(
     return {n: q[n] for n in names}, p, {n: whole[n] for n in names if n in whole}
 
 
-def principal_values(angle: Numbers) -> tuple[Numbers, Numbers]:
+def principal_values(angle: Numbers) -> tuple[Numbers, Counts]:
     """Reduce to (−π, π] and count the turns taken away.
 
     Args:
@@ -91,7 +92,7 @@ def principal_values(angle: Numbers) -> tuple[Numbers, Numbers]:
     )
 
 
-def _principal_of_digits(angle: Numbers, arithmetic: Multi) -> tuple[Numbers, Numbers]:
+def _principal_of_digits(angle: Numbers, arithmetic: Multi) -> tuple[Numbers, Counts]:
     context, turn = arithmetic.context, 2 * arithmetic.pi()
     n = np.array([int(context.ceil((x - context.pi) / turn)) for x in angle])
     return np.array([x - turn * int(k) for x, k in zip(angle, n, strict=True)], dtype=object), n
@@ -218,7 +219,7 @@ def travelled(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str
     return _grown_from(motion, phases, name, q, to_bits(sp.S.Zero), angle=False)[0]
 
 
-def _ignorable(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Numbers]) -> tuple[Numbers, Numbers]:
+def _ignorable(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Numbers]) -> tuple[Numbers, Counts]:
     """An ignorable coordinate, and the whole turns taken from it."""
     coordinate = motion.solution.system.coordinate(name)
     begin = to_bits(motion.initial.values[coordinate.symbol])
@@ -233,7 +234,7 @@ def _grown_from(
     begin: Callable[[int], Mpf],
     *,
     angle: bool,
-) -> tuple[Numbers, Numbers]:
+) -> tuple[Numbers, Counts]:
     """φ(t) = φ₀ − Σᵢ [Gᵢ(χᵢ) − Gᵢ(χᵢ⁰)] + ∂χ/∂c: Greenwood (5-83). On a torus the mean growth is reduced exactly."""
     solution, torus = motion.solution, motion.torus
     coordinate = solution.system.coordinate(name)
@@ -253,8 +254,9 @@ def _grown_from(
         return grown(begin, mean_rate(torus, j), phases.time, phases.exact, angle, wave)
     total = gauge
     for course, χ, n in zip(courses_of(motion, phases), phases.χ, phases.whole, strict=True):
-        first = np.array([course.start], dtype=object) if χ.dtype == object else np.array([float(course.start)])
-        total = total - (course.integral(j, χ) - course.integral(j, first)[0])
+        many = χ.dtype == object
+        first = course.integral(j, np.array([course.start], dtype=object))[0] if many else integral_at_start(course, j)
+        total = total - (course.integral(j, χ) - first)
         if course.cycle is not None and n.any():
             turn = 2 * multiprecision(bits_for(motion.digits, 96)).pi if χ.dtype == object else 2 * np.pi
             growth = course.cycle.growth(j) if χ.dtype == object else float(course.cycle.growth(j))
@@ -292,7 +294,7 @@ def grown(
     exact: list[Mpf] | None,
     angle: bool,
     wave: Numbers | float,
-) -> tuple[Numbers, Numbers]:
+) -> tuple[Numbers, Counts]:
     """Return begin + rate·(t − t₀) + wave, with whole turns of the growth taken out.
 
     Args:
@@ -309,10 +311,10 @@ def grown(
     if exact is not None:
         context = exact[0].context
         values = np.array([begin(context.prec) + rate * t for t in exact], dtype=object) + wave
-        return values, np.zeros(len(values))
+        return values, np.zeros(len(values), dtype=int)
     if not angle:
-        whole, rest = turns_and_rest(split(multiprecision(256).mpf(rate)), time)
-        return float(begin(256)) + rest + wave + whole, 0 * whole
+        value = grown_by(split(multiprecision(256).mpf(rate)), time, float(begin(256)) + wave)
+        return value, np.zeros(value.shape, dtype=int)
     turn = 2 * multiprecision(256).pi
     whole, rest = turns_and_rest(split(rate / turn), time, split(begin(256) / turn))
     return 2 * np.pi * rest + wave, whole

@@ -10,7 +10,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS, Multi, multiprecision
-from hjsolve.arithmetic.number_types import Mask, Numbers, Reals
+from hjsolve.arithmetic.number_types import Counts, Mask, Numbers, Reals
 from hjsolve.mechanics.system import hamiltonian, velocities
 from hjsolve.motion.near_poles import lost_in_two_doubles, places, worked_out
 from hjsolve.motion.phases import Phases, courses_of
@@ -35,7 +35,7 @@ def errors_of_state(
     phases: Phases,
     q: Mapping[str, Numbers],
     p: Mapping[str, Numbers],
-    whole: Mapping[str, Numbers],
+    whole: Mapping[str, Counts],
     sharp: Mask | None = None,
 ) -> tuple[dict[str, Reals], dict[str, Reals], dict[str, Reals]]:
     """Bounds on q, p and velocity from the bounds on the phases.
@@ -196,7 +196,7 @@ def _shifted(motion: SeparatedMotion, name: str, q: Mapping[str, Numbers]) -> tu
     return np.abs(np.asarray(slope, dtype=float)), np.abs(np.asarray(value, dtype=float)) + own
 
 
-def _unreduced(course: CoordinateMotion, q: Numbers, whole: Numbers | None) -> Reals:
+def _unreduced(course: CoordinateMotion, q: Numbers, whole: Counts | None) -> Reals:
     """The size of q before whole turns were taken from it: that is what was rounded."""
     if whole is None:
         return np.abs(q.astype(float))

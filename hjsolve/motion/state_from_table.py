@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from hjsolve.arithmetic.number_types import AtTimes, Mask, Numbers, Reals
+from hjsolve.arithmetic.number_types import AtTimes, Counts, Mask, Numbers, Reals
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.endings import end_statuses
 from hjsolve.motion.initial_data import InBits, to_bits
@@ -132,7 +132,7 @@ class _Quantities:
     ends: bool
 
     @cached_property
-    def arguments(self) -> tuple[Reals, Reals, Mask]:
+    def arguments(self) -> tuple[Reals, Counts, Mask]:
         """Arguments of the table, whole turns, and where the motion has ended."""
         return self.table.argument(self.motion, self.times.elapsed)
 
@@ -149,7 +149,7 @@ class _Quantities:
         return self.motion.solution.coordinates[0]
 
     @cached_property
-    def places(self) -> OnDemand[tuple[Numbers, Numbers]]:
+    def places(self) -> OnDemand[tuple[Numbers, Counts]]:
         """Coordinates in their principal values, and the whole turns of angles."""
         return OnDemand(self.names, self._place)
 
@@ -181,13 +181,13 @@ class _Quantities:
             return self._until_the_end(value)
         return self.places[name][0]
 
-    def _place(self, name: str) -> tuple[Numbers, Numbers]:
+    def _place(self, name: str) -> tuple[Numbers, Counts]:
         motion = self.motion
         value: Numbers
-        count: Numbers
+        count: Counts
         if name == self.separated:
             course, whole = motion.located[name].course, self.arguments[1]
-            value, count = self.times.values(self.table, 0), course.direction * whole if course.rotates else 0.0 * whole
+            value, count = self.times.values(self.table, 0), course.direction * whole if course.rotates else 0 * whole
         else:
             index, begin = self.table.waves[name]
             wave = self.times.values(self.table, index) - begin

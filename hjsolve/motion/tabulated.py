@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from hjsolve.arithmetic.error_free import Pair, split
-from hjsolve.arithmetic.number_types import Mask, Numbers, Reals
+from hjsolve.arithmetic.number_types import Counts, Mask, Numbers, Reals
 from hjsolve.display.by_value import same
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.near_poles import roundings
 from hjsolve.motion.positions import constant_index
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.one_coordinate.fourier_series import FourierSeries
-from hjsolve.time_law.open_motion import reaching
+from hjsolve.time_law.open_motion import integral_at_start, reaching
 from hjsolve.time_law.phase_reduction import turns_and_rest
 from hjsolve.time_law.table import DEGREE, InterpolationTable, tabulate
 from hjsolve.time_law.torus import oscillation
@@ -100,7 +100,7 @@ class DenseOutput:
         below, above, shell = self.table.evaluate([*self.ends, 1], θ)
         return {name: course.beside(below, above)}, {name: shell}
 
-    def argument(self, motion: SeparatedMotion, time: tuple[Reals, Reals]) -> tuple[Reals, Reals, Mask]:
+    def argument(self, motion: SeparatedMotion, time: tuple[Reals, Reals]) -> tuple[Reals, Counts, Mask]:
         """Return the table's argument, the whole turns, and where the motion has ended, at times relative to t₀.
 
         Args:
@@ -116,7 +116,7 @@ class DenseOutput:
             if not self.table.even:
                 behind, beyond = θ < self.first, θ >= self.first + 2 * np.pi
                 if behind.any() or beyond.any():
-                    shift = behind.astype(float) - beyond
+                    shift = behind.astype(int) - beyond
                     θ += 2 * np.pi * shift
                     whole -= shift
             return θ, whole, np.zeros(θ.shape, dtype=bool)
@@ -278,9 +278,7 @@ def _open(motion: SeparatedMotion, power: int) -> DenseOutput:
         origin=first,
         grains=lambda y: [0.0, 0.0, *(course.grain(j, y) for j in indices)],
     )
-    begin = np.array([float(course.start)])
     waves = {
-        name: (2 + k, float(-np.ravel(course.integral(j, begin))[0]))
-        for k, (name, j) in enumerate(zip(names, indices, strict=True))
+        name: (2 + k, -integral_at_start(course, j)) for k, (name, j) in enumerate(zip(names, indices, strict=True))
     }
-    return DenseOutput(table, waves, first, float(np.ravel(course.integral(0, begin))[0]))
+    return DenseOutput(table, waves, first, integral_at_start(course, 0))

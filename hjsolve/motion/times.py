@@ -7,7 +7,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from hjsolve.arguments import described
-from hjsolve.arithmetic.number_types import Integers, Numbers, Reals
+from hjsolve.arithmetic.number_types import Counts, Integers, Reals
 from hjsolve.errors import InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.motion.initial_data import InBits, to_bits
@@ -72,7 +72,7 @@ MOST_TURNS = 2.0**60
 """Of an angle, and cycles of a coordinate: beyond, two doubles do not tell a phase."""
 
 
-def whole_numbers(whole: Numbers) -> Integers:
+def whole_numbers(whole: Counts) -> Integers:
     """Whole turns as integers.
 
     Args:

@@ -158,10 +158,10 @@ class Growing:
         elif self.way.end != "infinity":
             most = min(most, _LONGEST)
         for _ in range(_RETRIES):
-            reach = longest(around, most, self.digits)
+            reach = longest(around, most, self.digits, float(y))
             if reach is None or (self.way.end == "infinity" and reach.length <= y * self.finest):
                 break
-            self.step = self.last - y if reach.length == rest else self.context.mpf(reach.length)
+            self.step = self.last - y if reach.length == rest else self._to_a_double(y, reach.length)
             count, most = reach.nodes, reach.length / 2
             ends = [y + self.step] if self.last is None or y + self.step < self.last else []
             extra = max([self.extra, *(self.course.cancelled(end, self.extra) for end in ends)])
@@ -177,6 +177,16 @@ class Growing:
             f"the integrand could not be shown to be smooth near y = {float(y):.6g} on its way to {self.way.end}; "
             + self._reached(y)
         )
+
+    def _to_a_double(self, y: Mpf, length: float) -> Mpf:
+        """A step of at most this length whose end is a double where doubles are wanted.
+
+        Edges that are rounded later shift each panel by itself; where the integrals are steep that is another time.
+        """
+        end = float(y + length)
+        if end > y + length:
+            end = float(np.nextafter(end, 0.0))
+        return self.context.mpf(end) - y if self.digits <= 15 and end > y else self.context.mpf(length)
 
     def _reached(self, y: Mpf) -> str:
         q, _ = self.way.position(y, Multi(self.bits))

@@ -26,7 +26,7 @@ _ROUNDS = 3
 _WORTH = 2.5
 """Sectors are quartered up to so many times the panel that the nearest one allows."""
 _SHORT = 1 / 64
-"""Of the longest panel; where one is shorter, the surroundings are looked at with all care."""
+"""Of the way so far, or of the longest panel; where one is shorter, the surroundings are looked at with all care."""
 _SHARES = 0.84 ** np.arange(13)
 """Parts of the longest panel that is proved, from which the one with the fewest nodes for its length is taken."""
 _MOST_NODES = 2.0
@@ -84,23 +84,25 @@ def nodes_for(excess: float, digits: int) -> int:
     return int(np.ceil((max(excess, 0.0) + _LOSS + (digits + 1) * np.log(10)) / np.log(RHO))) + 1
 
 
-def longest(surroundings: Surroundings, most: float, digits: int) -> Reach | None:
+def longest(surroundings: Surroundings, most: float, digits: int, so_far: float = 0.0) -> Reach | None:
     """Return the panel that is worth most; None where none can be proved.
 
     Args:
         surroundings: of the place where the panel begins.
         most: greatest length.
         digits: relative digits wanted.
+        so_far: length of the way before it. Towards a near zero of p² panels shrink one after the other, each only a
+            little shorter than the longest that was thought of: they are short by this measure.
     """
     for _ in range(_DEEPEST):
-        found = _within(surroundings, most, digits)
+        found = _within(surroundings, most, digits, _SHORT * max(most, so_far))
         if found is not None:
             return found
         most *= 2.0**-_OCTAVES
     return None
 
 
-def _within(surroundings: Surroundings, most: float, digits: int) -> Reach | None:
+def _within(surroundings: Surroundings, most: float, digits: int, short: float) -> Reach | None:
     """The same, not shorter than most/2^``_OCTAVES``."""
     sectors = around(_OCTAVES).scaled(most)
     sizes = surroundings(sectors.disks(), False)
@@ -112,9 +114,9 @@ def _within(surroundings: Surroundings, most: float, digits: int) -> Reach | Non
         if turn == _ROUNDS or length >= most:
             break
         least = most * 2.0**-_OCTAVES
-        if length < _SHORT * most and not careful:
+        if length < short and not careful:
             careful = True
-            sizes = _again(surroundings, sectors, sizes, bad & (lengths < _WORTH * _SHORT * most))
+            sizes = _again(surroundings, sectors, sizes, bad & (lengths < _WORTH * short))
             continue
         if length == 0:
             break

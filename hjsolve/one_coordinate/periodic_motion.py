@@ -9,7 +9,7 @@ import numpy as np
 
 from hjsolve.arithmetic.error_free import Pair, moved, split
 from hjsolve.arithmetic.floats import Float64, Multi, context_of, multiprecision
-from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, Reals
+from hjsolve.arithmetic.number_types import Counts, Elementwise, Mpf, Numbers, Reals
 from hjsolve.arithmetic.work_counter import count
 from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
 from hjsolve.one_coordinate.fourier_series import FourierSeries
@@ -282,7 +282,7 @@ class Periodic(KindOfMotion):
         """
         return self.anomaly.phase(q / self.radian, 1, arithmetic)
 
-    def length_of_turns(self, count: Numbers, like: Numbers) -> Numbers:
+    def length_of_turns(self, count: Counts, like: Numbers) -> Numbers:
         """Return what a rotation has gone in whole turns.
 
         Args:

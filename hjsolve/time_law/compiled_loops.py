@@ -14,6 +14,7 @@ import numba
 import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.time_law.phase_reduction import TOO_MANY
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -49,8 +50,16 @@ def fill_relative(times: Reals, high: float, low: float, upper: Reals, lower: Re
 
 
 @_kernel
+def _counted(n: float, more: float) -> int:
+    """The sum of whole numbers as an integer; ± ``TOO_MANY`` beyond them, 0 for nan."""
+    if abs(n) < TOO_MANY:
+        return int(n) + int(more)
+    return 0 if n != n else (-TOO_MANY if n < 0 else TOO_MANY)
+
+
+@_kernel
 def turns(
-    rate: tuple[float, float], upper: Reals, lower: Reals, start: tuple[float, float], whole: Reals, rest: Reals
+    rate: tuple[float, float], upper: Reals, lower: Reals, start: tuple[float, float], whole: Integers, rest: Reals
 ) -> None:
     """Fill whole turns and rest of start + rate·time; see ``phase_reduction.turns_and_rest``.
 
@@ -78,7 +87,7 @@ def turns(
         part = s - a
         w = ((a - (s - part)) + (sh - part)) + (e + sl)
         more = np.rint(s + w)
-        whole[i] = n + more
+        whole[i] = _counted(n, more)
         rest[i] = (s - more) + w
 
 
@@ -145,7 +154,7 @@ def look_up(argument: Reals, edges: Reals, guide: Integers, rows: Reals, parity:
 
 
 @_kernel
-def fill_principal(angle: Reals, value: Reals, count: Reals) -> None:
+def fill_principal(angle: Reals, value: Reals, count: Integers) -> None:
     """Fill ``value`` in (−π, π] and the turns taken away.
 
     Args:
@@ -155,5 +164,5 @@ def fill_principal(angle: Reals, value: Reals, count: Reals) -> None:
     for i in range(angle.size):
         x = angle[i]
         n = np.ceil((x - np.pi) / _TURN)
-        count[i] = n
+        count[i] = _counted(n, 0.0)
         value[i] = x if n == 0 else x - _TURN * n

@@ -70,7 +70,7 @@ def _of_cycle(
     if own:
         count, rest = turns_and_rest(split(own / total.mean / (2 * multiprecision(160).pi)), time)
         start = angle - own / float(total.mean) * (time[0] + time[1])
-        whole = count + np.rint(rest)
+        whole = count + np.rint(rest).astype(int)
         angle = 2 * np.pi * (rest - np.rint(rest)) + start
     x, error = _alone(scaled, angle, residual_bound / abs(float(total.mean)))
     return x, whole, error, np.zeros(value.shape, dtype=bool)

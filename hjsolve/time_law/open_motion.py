@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.number_types import Mask, Reals
+from hjsolve.arithmetic.number_types import Counts, Mask, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.time_law.coupled_pair import CoupledPair, choose_pair, solve_pair
@@ -118,7 +118,7 @@ def _own(i: int, left: list[int], samples: list[Reals]) -> DecoupledStep | None:
 
 def open_phases(
     scheme: TriangularScheme, time: tuple[Reals, Reals]
-) -> tuple[list[Reals], list[Reals], list[Reals], Mask]:
+) -> tuple[list[Reals], list[Counts], list[Reals], Mask]:
     """Solve for the phases at times relative to t₀.
 
     Args:
@@ -139,7 +139,7 @@ def open_phases(
 
 def _phases(
     scheme: TriangularScheme, time: tuple[Reals, Reals], span: float, attempt: int
-) -> tuple[list[Reals], list[Reals], list[Reals], Mask, Mask]:
+) -> tuple[list[Reals], list[Counts], list[Reals], Mask, Mask]:
     """The same with panels that reach so far; True last where that is not far enough."""
     t = time[0] + time[1]
     courses = [reaching(c, scheme, span * 8.0**attempt, i, attempt) for i, c in enumerate(scheme.courses)]
@@ -258,7 +258,21 @@ def reaching(
 
 def _targets(courses: list[CoordinateMotion], n: int) -> list[float]:
     """Cⱼ = Σᵢ Gᵢⱼ at the start."""
-    return [sum(float(np.asarray(c.integral(j, np.array([float(c.start)])))[0]) for c in courses) for j in range(n)]
+    return [sum(integral_at_start(c, j) for c in courses) for j in range(n)]
+
+
+def integral_at_start(course: CoordinateMotion, j: int) -> float:
+    """Return Gⱼ at the start, a phase of many digits.
+
+    Next to the top of a barrier Gⱼ is so steep that the phase rounded to a double is another time.
+
+    Args:
+        course: the coordinate.
+        j: position of the constant.
+    """
+    near = np.array([float(course.start)])
+    value, slope = (float(np.ravel(np.asarray(f(j, near)))[0]) for f in (course.integral, course.rate))
+    return value + slope * float(course.start - near[0])
 
 
 def _right_side(

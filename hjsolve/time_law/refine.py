@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjsolve.arithmetic.floats import multiprecision
-from hjsolve.arithmetic.number_types import Context, Mpf, MpfMatrix, Numbers, Reals
+from hjsolve.arithmetic.number_types import Context, Counts, Mpf, MpfMatrix, Numbers, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.one_coordinate.fourier_series import FourierSeries
@@ -16,7 +16,7 @@ from hjsolve.time_law.torus import TorusEquations
 
 
 def on_torus(
-    system: TorusEquations, χ: list[Reals], whole: list[Reals], time: list[Mpf], bits: int
+    system: TorusEquations, χ: list[Reals], whole: list[Counts], time: list[Mpf], bits: int
 ) -> tuple[list[Numbers], list[Numbers]]:
     """Refine phases of a bounded motion.
 
@@ -35,7 +35,7 @@ def on_torus(
     bounds = [np.empty(len(time), dtype=object) for _ in range(n)]
     cut = context.matrix([sum(_left_out(series) for series in row) for row in system.oscillations])
     for m, t in enumerate(time):
-        goal = [system.starts[k] + system.rates[k] * t - turn * context.convert(float(whole[k][m])) for k in range(n)]
+        goal = [system.starts[k] + system.rates[k] * t - turn * int(whole[k][m]) for k in range(n)]
 
         def equations(x: list[Mpf], goal: list[Mpf] = goal) -> tuple[MpfMatrix, MpfMatrix]:
             residual = context.matrix(

@@ -17,7 +17,7 @@ import numpy as np
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import EPS, multiprecision
-from hjsolve.arithmetic.number_types import Context, Elementwise, Mpf, Reals
+from hjsolve.arithmetic.number_types import Context, Counts, Elementwise, Mpf, Reals
 from hjsolve.arithmetic.root_finding import bracketed_roots
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import AtRest, Periodic
@@ -144,7 +144,7 @@ def _ordering(needs: list[list[int]]) -> tuple[tuple[int, ...], tuple[int, ...]]
     return tuple(order), tuple(sorted(left))
 
 
-def torus_phases(system: TorusEquations, time: tuple[Reals, Reals]) -> tuple[list[Reals], list[Reals], list[Reals]]:
+def torus_phases(system: TorusEquations, time: tuple[Reals, Reals]) -> tuple[list[Reals], list[Counts], list[Reals]]:
     """Solve for the phases at times given as two doubles each, relative to t₀.
 
     Args:
@@ -152,10 +152,11 @@ def torus_phases(system: TorusEquations, time: tuple[Reals, Reals]) -> tuple[lis
         time: high and low parts, float arrays of shape (m,).
 
     Returns:
-        For each coordinate: χ near [−π, π], the whole turns (float array), and a bound on the error of χ; shape (m,).
+        For each coordinate: χ near [−π, π], the whole turns (integers), and a bound on the error of χ; shape (m,).
     """
     n = len(system.courses)
-    angles, whole = [], []
+    angles: list[Reals] = []
+    whole: list[Counts] = []
     for k in range(n):
         turn = 2 * multiprecision(160).pi
         count, rest = turns_and_rest(split(system.rates[k] / turn), time, split(system.starts[k] / turn))

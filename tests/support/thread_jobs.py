@@ -61,14 +61,14 @@ def motion(**more: Any) -> Any:
     return bits([*told, state.q, state.p, state.velocity, state.error.q])
 
 
-def ensemble(compiled: bool) -> Any:
+def ensemble() -> Any:
     """Orbits of Kepler's problem, nearly radial ones among them, whose anomaly is stretched."""
     import hjsolve
 
     k = np.arange(20)
     q, p = {"r": 1 + 0.025 * k, "theta": 0}, {"r": 0.1, "theta": 10.0 ** (-0.3 - k % 5)}
     found = hjsolve.ensemble(
-        "kepler-planar", q=q, p=p, want={"actions", "frequencies", "angles"}, compiled=compiled, shown=False,
+        "kepler-planar", q=q, p=p, want={"actions", "frequencies", "angles"}, shown=False,
     )  # fmt: skip
     return bits(found.columns)
 
@@ -113,8 +113,7 @@ JOBS: dict[str, Callable[[], Any]] = {
     "50 digits": lambda: motion(digits=50),
     "certified": lambda: motion(certified=True),
     "certified, 40 digits": lambda: motion(certified=True, digits=40),
-    "ensemble": lambda: ensemble(False),
-    "compiled ensemble": lambda: ensemble(True),
+    "ensemble": ensemble,
     "closed forms": forms,
     "separate": separate,
     "find": find,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from fractions import Fraction
 
 import mpmath
 import numpy as np
@@ -171,3 +172,16 @@ def test_few_times_do_not_load_numba() -> None:
         "assert 'numba' in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_compiled_and_numpy_count_the_same_whole_turns_beyond_2_to_the_53() -> None:
+    from hjsolve.time_law import compiled_loops, phase_reduction
+
+    times = np.array([8.856613100308274e16, -8.089436646608065e17, 1.25, 1e40, -1e40])
+    rate, start = (0.2794118, 1e-18), (0.25, 0.0)
+    whole, rest = np.empty(5, dtype=np.int64), np.empty(5)
+    compiled_loops.turns(rate, times, 0 * times, start, whole, rest)
+    theirs, left = phase_reduction._turns(rate, times, 0 * times, start)
+    exact = [round(Fraction(rate[0]) * Fraction(t) + Fraction(rate[1]) * Fraction(t) + Fraction(1, 4)) for t in times[:3]]
+    assert whole.tolist() == theirs.tolist() == [*exact, 2**62, -(2**62)]
+    assert np.array_equal(rest[:3], left[:3])
