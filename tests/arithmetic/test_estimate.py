@@ -39,8 +39,7 @@ ONE = sorted({
 
 
 def truth(name: str, x: mpmath.mpf) -> mpmath.mpf:
-    with MANY.workprec(2600):
-        return OWN[name](x) if name in OWN else getattr(MANY, NAMES.get(name) or name)(x)
+    return OWN[name](x) if name in OWN else getattr(MANY, NAMES.get(name) or name)(x)
 
 
 def drawn(source: random.Random, many: bool = False, wide: float = 20.0) -> tuple[Estimate, mpmath.mpf]:
