@@ -90,7 +90,15 @@ def exactly(function: F) -> F:
 def _compiled(function: F, **options: Any) -> F:
     if not available():
         return function
-    from numba import njit
+    from numba import njit, types
 
-    made: F = njit(**PLAIN, **options)(function)
-    return made
+    made: Any = njit(**PLAIN, **options)(function)
+    template = made.get_call_template
+
+    def of_any_number(args: Any, named: Any) -> Any:
+        """One machine code for all whole numbers: a first argument 0 would have code of its own."""
+        return template(tuple(map(types.unliteral, args)), {name: types.unliteral(a) for name, a in named.items()})
+
+    made.get_call_template = of_any_number
+    kept: F = made
+    return kept
