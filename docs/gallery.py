@@ -55,7 +55,9 @@ def write(folder: Path) -> None:
     drawings.mkdir()
     groups: dict[str, list[Card]] = {kind: [] for kind in GROUPS}
     for name in catalog.ids():  # brief: two thirds of the time of whole reports goes into what no card shows
-        card = card_of(name, hjsolve.report(name, reports / f"{name}.html", brief=True).read_text(encoding="utf-8"))
+        brief = catalog.kind_of(name) != "outside" and catalog.hamiltonian(name) is None
+        report = hjsolve.report(name, reports / f"{name}.html", brief=brief)
+        card = card_of(name, report.read_text(encoding="utf-8"))
         if card.drawing:
             (drawings / f"{name}.svg").write_text(card.drawing, encoding="utf-8")
         groups[catalog.kind_of(name)].append(card)
