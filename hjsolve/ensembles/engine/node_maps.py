@@ -197,9 +197,9 @@ def _shared_tables() -> Tables:
     cosines = []
     squares, slopes = (np.zeros((2, size, _WIDEST)) for _ in range(2))
     for k, count in enumerate(COUNTS):
-        table = nodes.libration_nodes(count, 0)
-        last[k, :, :count], middle[k, :, :count] = table.cosines[table.last], table.cosines[table.middle][1:-1]
-        cosines.append(table.cosines.ravel())
+        rows = nodes.series(count)
+        last[k, :, :count], middle[k, :, :count] = rows[-5:], rows[count // 2 - 3 : count // 2]
+        cosines.append(rows.ravel())
         for symmetry in (1, 2):
             squares[symmetry - 1, k, :count], slopes[symmetry - 1, k, : count - 1] = nodes.shifts(count, symmetry)
     none, counted = np.empty(0), np.empty(0, dtype=np.int64)

@@ -14,18 +14,14 @@ keeps the symmetries of χ = 0 and π, with γ such that du/dχ is least at χ =
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 
 import numpy as np
 
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Mask, Reals
-from hjsolve.arithmetic.reproducible_products import rowwise
 from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
-
-COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 768, 1024)
-"""Numbers of nodes in use, over half a period (librations) or over a period (rotations, twice as many)."""
 
 MOST = 44
 """Least k′² in use: 4^−MOST."""
@@ -42,8 +38,6 @@ class Nodes:
         complement, quarter: k′² and K.
         derivative: π/K du/dχ.
         node_map: γ₁, γ₂.
-        cosines, sines: cos kχ and sin kχ, shape (terms, count), k = 1, 2, …
-        last: rows of the series that tell whether the nodes suffice; middle: rows half way.
         slow: how many slow places of a rotation there are, 1 or 2; see ``turned_circle``.
     """
 
@@ -55,29 +49,7 @@ class Nodes:
     quarter: float
     derivative: Reals
     node_map: tuple[float, float]
-    cosines: Reals
-    sines: Reals
-    last: slice
-    middle: slice
     slow: int = 1
-
-    def cosine_sums(self, terms: Reals) -> Reals:
-        """Return Σ cₖ cos kχ at the nodes, shape (n, count); half of them are enough.
-
-        cos k(π − χ) is cos kχ for even k and −cos kχ for odd k, and cos k(2π − χ), for rotations, is cos kχ.
-
-        Args:
-            terms: cₖ, k = 1, 2, …, shape (n, terms).
-        """
-        odd, even = (rowwise(terms[:, k::2], half) for k, half in enumerate(self._halves))
-        first = even + odd
-        return np.concatenate([first, (first if self.low[0] < 0 else even - odd)[:, ::-1]], axis=1)
-
-    @cached_property
-    def _halves(self) -> tuple[Reals, Reals]:
-        """The first half of cos kχ for odd and for even k; in columns, as ``rowwise`` wants them."""
-        first = self.cosines[:, : len(self.χ) // 2]
-        return np.asfortranarray(first[0::2]), np.asfortranarray(first[1::2])
 
 
 @cache
@@ -94,16 +66,18 @@ def libration_nodes(count: int, level: int, node_map: int = 0) -> Nodes:
     complement, quarter, low, high, derivative = _places(χ, level, node_map)
     return Nodes(
         χ.high, low, high, symmetry, complement, quarter, derivative, WARPS[node_map],
-        *_series(count, count, 2 * count), slice(-5, None), slice(count // 2 - 4, count // 2 + 1),
     )  # fmt: skip
 
 
-@cache
-def _series(count: int, terms: int, parts: int) -> tuple[Reals, Reals]:
-    """Cosines and sines of kχ for k < terms, at χ = (j + ½) 2π/(2 parts), j < count; one pair for all maps."""
-    exact = (np.arange(1, terms)[:, None] * (2 * np.arange(count) + 1)) % (2 * parts)
-    angle = exact * (np.pi / parts)
-    return np.cos(angle), np.sin(angle)
+def series(count: int) -> Reals:
+    """Return cos kχ, 0 < k < count, at the nodes of half a period, shape (count − 1, count).
+
+    Args:
+        count: number of nodes.
+    """
+    exact = (np.arange(1, count)[:, None] * (2 * np.arange(count) + 1)) % (4 * count)
+    found: Reals = np.cos(exact * (np.pi / (2 * count)))
+    return found
 
 
 def libration_places(χ: Pair, level: int, node_map: int) -> tuple[float, float, Reals, Reals, Reals]:
@@ -141,23 +115,9 @@ def rotation_nodes(count: int, level: int, slow: int = 1) -> Nodes:
     complement, quarter, sn, cn, dn = _functions(turn, level)
     angle_of_turn = 2 * np.arctan2(-cn.high, sn.high)
     low = angle_of_turn if slow == 1 else np.concatenate([0.5 * (angle_of_turn + side * np.pi) for side in (-1, 1)])
-    half = count // 2
     return Nodes(
-        χ.high, low, np.tile(dn.high, slow), 1, complement, quarter, np.ones(count), WARPS[0],
-        *_series(count, half, count), slice(-3, None), slice(half // 2 - 2, half // 2 + 1), slow,
+        χ.high, low, np.tile(dn.high, slow), 1, complement, quarter, np.ones(count), WARPS[0], slow,
     )  # fmt: skip
-
-
-def node_table(turning: bool, count: int, level: int, node_map: int) -> Nodes:
-    """Return the nodes for librations or rotations; ``count`` in half a period.
-
-    Args:
-        turning: True for librations.
-        count: nodes in half a period.
-        level: l in k′² = 4^−l.
-        node_map: place in the table of crowdings; for rotations 1 where there are two slow places.
-    """
-    return libration_nodes(count, level, node_map) if turning else rotation_nodes(2 * count, level, 1 + node_map)
 
 
 def _twice(x: Pair) -> Pair:

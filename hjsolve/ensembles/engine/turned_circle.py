@@ -11,27 +11,6 @@ import numpy as np
 from hjsolve.arithmetic.number_types import Complexes, Reals
 
 
-def moved(θ: Reals, m: Reals) -> tuple[Reals, Reals]:
-    """Return q in (−π, π] and dq/dθ.
-
-    Args:
-        θ: angles in (−π, π].
-        m: of the transformation, positive; of a shape that broadcasts.
-    """
-    s, c = np.sin(0.5 * θ), np.cos(0.5 * θ)
-    return 2 * np.arctan2(m * s, c), m / (c * c + (m * s) ** 2)
-
-
-def moved_back(q: Reals, m: Reals) -> Reals:
-    """Return θ in (−π, π].
-
-    Args:
-        q: angles in (−π, π].
-        m: of the transformation.
-    """
-    return 2 * np.arctan2(np.sin(0.5 * q), m * np.cos(0.5 * q))
-
-
 def moved_disks(E: Complexes, reach: Reals, m: Reals) -> tuple[Complexes, Reals]:
     """Return the places q of the middles of some disks, their real parts in (−π, π], and radii that hold the disks.
 
@@ -65,13 +44,3 @@ def reach(m: Reals) -> Reals:
     """
     with np.errstate(divide="ignore"):
         return np.asarray(2 * np.arctanh(np.minimum(m, 1 / m)))
-
-
-def half_turns(θ: Reals) -> tuple[Reals, Reals]:
-    """Return R = 2θ ± π of either half, and by how much the anomaly of R is to be increased before it is halved.
-
-    Args:
-        θ: angles in (−π, π].
-    """
-    right = θ > 0
-    return 2 * θ + np.where(right, -np.pi, np.pi), np.where(right, 2 * np.pi, 0.0)
