@@ -22,7 +22,7 @@ from hjsolve.solution.quadratures import Solution
 CHUNK = 16384
 """Orbits worked on together."""
 
-FAST = 1e-12
+FAST = 4e-12
 """Largest claimed relative error with which the first pass lets an orbit go; the true one is fifty times less."""
 
 
