@@ -119,15 +119,16 @@ class ResolutionProof:
     def _fill(self, some: Integers, maps: Integers, sizes: Integers) -> None:
         """Complete the tables for some orbits."""
         strips, motions = self.maps.strips, self.motions
-        codes = maps * len(COUNTS) + sizes
+        codes, low, high = maps * len(COUNTS) + sizes, [np.empty(0, dtype=complex)], [np.empty(0, dtype=complex)]
         for code in np.unique(codes):
             part = some[codes == code]
             count, below, start = strips.counts[:, code // len(COUNTS), code % len(COUNTS)]
             window, W = slice(start, start + count), motions.width[part, None]
             z = strips.along[window] + 1j * strips.away[window]
-            self.below.radius(motions.lower[part, None] + W * _seen(z[:below], motions.signs[0]))
-            if below < count:
-                self.above.radius(motions.upper[part, None] + W * _seen(z[below:], motions.signs[1]))
+            low.append((motions.lower[part, None] + W * _seen(z[:below], motions.signs[0])).ravel())
+            high.append((motions.upper[part, None] + W * _seen(z[below:], motions.signs[1])).ravel())
+        self.below.radius(np.concatenate(low))  # all at once: what a table costs is calls of numpy
+        self.above.radius(np.concatenate(high))
 
 
 def _seen(z: Any, sign: float) -> Any:
