@@ -14,8 +14,8 @@ import numpy as np
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.arithmetic.reproducible_products import stacked
+from hjsolve.ensembles.engine.kernels.types import Sums
 from hjsolve.ensembles.engine.lowered_solution import Model
-from hjsolve.ensembles.engine.sums import Sums
 
 
 @dataclass(frozen=True)

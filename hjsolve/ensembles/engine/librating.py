@@ -22,13 +22,12 @@ from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
 from hjsolve.ensembles.engine.kernels.cycle_integrals import integrals
 from hjsolve.ensembles.engine.kernels.outward_search import Lanes, SearchSide, smallness, turning_points
 from hjsolve.ensembles.engine.kernels.small_motions import small_ends
-from hjsolve.ensembles.engine.kernels.types import Modes, Motions, Results
+from hjsolve.ensembles.engine.kernels.types import Modes, Motions, Sums, no_sums
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMaps, fitting, node_maps, views
 from hjsolve.ensembles.engine.programs import ExactPrograms, ViewPrograms, sides
 from hjsolve.ensembles.engine.programs_of_small_motions import SmallPrograms, has_slopes
 from hjsolve.ensembles.engine.proof_of_resolution import ResolutionProof, least_at_a_glance
-from hjsolve.ensembles.engine.sums import Sums, empty
 
 _SEARCHING = 72
 """Lanes of searches."""
@@ -92,7 +91,7 @@ def librations(one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bo
         The sums, good only where this was enough, and the turning points.
     """
     n = len(one.q)
-    sums, found = empty(len(one.constants), n), TurningPoints(*(np.full((2, n), np.nan) for _ in range(3)))
+    sums, found = no_sums(len(one.constants), n), TurningPoints(*(np.full((2, n), np.nan) for _ in range(3)))
     narrow = np.flatnonzero(_smallness(one) > _SEEN_FROM_START)
     if len(narrow):
         _narrow(one.take(narrow), narrow, modes._replace(chords=modes.kernels, shifts=False), sums, found, places)
@@ -194,26 +193,21 @@ def _resolved(one: CoordinateOfOrbits, motions: Motions, placed: Motions, modes:
         most = len(COUNTS) - 1
         least = np.where(least < 0, least, np.minimum(least + np.where(motions.first < len(WARPS), 1, 2), most))
     motions.least[:] = least
-    sums, chosen = _integrated(one, motions, modes, programs)
-    crowded = np.flatnonzero(sums.good & (chosen[1] != motions.first))
+    sums = _integrated(one, motions, modes, programs)
+    crowded = np.flatnonzero(sums.good & (sums.chosen[1] != motions.first))
     if len(crowded):
-        size, map_ = chosen[:, crowded]
+        size, map_ = sums.chosen[:, crowded]
         sums.good[crowded] = proof.least(crowded, map_, np.stack([size, size + 1])) >= 0
     return sums
 
 
-def _integrated(one: CoordinateOfOrbits, motions: Motions, modes: Modes, programs: _Halves) -> tuple[Sums, Integers]:
+def _integrated(one: CoordinateOfOrbits, motions: Motions, modes: Modes, programs: _Halves) -> Sums:
     tables, m = node_maps().tables, len(one.constants)
-    sums = empty(m, len(motions.width))
-    chosen = np.zeros((2, len(motions.width)), dtype=np.int64)
-    results = Results(
-        sums.action, sums.action_error, sums.means, sums.mean_errors, sums.oscillations, sums.oscillation_errors,
-        sums.phase, sums.phase_error, sums.speeds, sums.good, chosen,
-    )  # fmt: skip
+    sums = no_sums(m, len(motions.width))
     below, above = (types.side(p.fill, p.errors, p.relative, tables, one.parameters) for p in programs)
     work = types.scratch(tables, m if modes.kernels else 0)
-    integrals(below, above, motions, tables, modes, results, work, np.zeros(m))
-    return sums, chosen
+    integrals(below, above, motions, tables, modes, sums, work, np.zeros(m))
+    return sums
 
 
 def _told(one: CoordinateOfOrbits, lower: Reals, upper: Reals) -> tuple[Reals, Reals]:
@@ -345,7 +339,7 @@ def _small(one: CoordinateOfOrbits, modes: Modes, known: Reals, ends: Reals) -> 
         proof = ResolutionProof(maps, placed, plain.clearance, plain.clearance)
         least[some] = proof.least(some, motions.first[some], span)
     made = one.programs.small
-    return _integrated(one, motions, modes, (made, made))[0]
+    return _integrated(one, motions, modes, (made, made))
 
 
 def _told_from_start(one: CoordinateOfOrbits, known: Reals, ends: Reals) -> tuple[Reals, Reals]:
@@ -368,7 +362,7 @@ def _at_rest(one: CoordinateOfOrbits, first: Reals) -> Sums:
     """A stable double zero of p²: J = 0 and ∂J/∂cⱼ = kⱼ/√(−½F″), the limit of a vanishing libration."""
     m, made = len(one.constants), one.programs.small
     given = np.stack([one.q, *one.constants, *one.uncertainty])
-    sums = empty(m, len(one.q))
+    sums = no_sums(m, len(one.q))
     with np.errstate(all="ignore"):
         bend, doubt = run_rows(made.bounds, one.parameters, given)
         kernels, errors = np.split(run_rows(made.kernels, one.parameters, given), 2)

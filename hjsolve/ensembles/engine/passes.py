@@ -11,14 +11,13 @@ from hjsolve.ensembles.engine.columns import Columns, blank
 from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
 from hjsolve.ensembles.engine.escapes import escaping
-from hjsolve.ensembles.engine.kernels.types import Modes
+from hjsolve.ensembles.engine.kernels.types import Modes, Sums, no_sums
 from hjsolve.ensembles.engine.librating import TurningPoints, librations, rough_ones
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import SystemPrograms
 from hjsolve.ensembles.engine.rotating import going_round, rotations
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.status import ENDLESS, UNDECIDED, Status
-from hjsolve.ensembles.engine.sums import Sums, empty
 
 TOLERANCE = 1e-10
 """Largest claimed relative error with which an orbit is called ``OK``; of an angle, relative to ten radians."""
@@ -50,13 +49,13 @@ def run_pass(
     count = starts.q.shape[1]
     columns = blank(names, count)
     start = initial_constants(model, programs, starts)
-    modes = Modes(False, bool(TIMED & names.keys()), "angles" in names, False)
+    modes = modes_of(names)
     status = np.full(count, Status.OK, dtype=np.uint8)
     directions = np.ones((len(model.separated), count))
     sums = []
     for k, coordinate in enumerate(model.separated):
         left = np.flatnonzero(status == Status.OK)  # what is lost in one coordinate is lost
-        total = empty(len(model.constants), count)
+        total = no_sums(len(model.constants), count)
         one = CoordinateOfOrbits.of(model, programs, start, k).take(left)
         part, found, round_ = integrated(one, modes, exact=exact, places="turning_points" in names)
         total.put(left, part)
@@ -76,6 +75,15 @@ def run_pass(
     return columns
 
 
+def modes_of(names: Names) -> Modes:
+    """Return what the integrals must give; how F is seen is settled for each kind of motion.
+
+    Args:
+        names: quantity → names of its columns.
+    """
+    return Modes(chords=False, kernels=bool(TIMED & names.keys()), oscillations="angles" in names, shifts=False)
+
+
 def integrated(
     one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bool
 ) -> tuple[Sums, TurningPoints, Mask]:
@@ -91,7 +99,7 @@ def integrated(
         The sums, the turning points, and which of the orbits go round.
     """
     n = len(one.q)
-    sums, round_ = empty(len(one.constants), n), np.zeros(n, dtype=bool)
+    sums, round_ = no_sums(len(one.constants), n), np.zeros(n, dtype=bool)
     found = TurningPoints(*(np.full((2, n), np.nan) for _ in range(3)))
     if one.coordinate.periodic and not one.coordinate.shifted:
         going = going_round(one)
@@ -133,7 +141,7 @@ def run_escapes(model: Model, programs: SystemPrograms, names: Names, starts: St
     left = np.ones(count, dtype=bool)
     endless = np.zeros((len(model.separated), count), dtype=bool)
     sums: list[Sums] = []
-    directions, modes = np.ones(endless.shape), Modes(False, False, False, False)
+    directions, modes = np.ones(endless.shape), modes_of({})
     for k, coordinate in enumerate(model.separated):
         one = CoordinateOfOrbits.of(model, programs, start, k)
         total, found, round_ = integrated(one, modes, exact=False, places="turning_points" in names)

@@ -12,13 +12,12 @@ from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
 from hjsolve.ensembles.engine.kernels.turn_integrals import Rounds, TurnScratch
 from hjsolve.ensembles.engine.kernels.turn_integrals import rotations as integrated
-from hjsolve.ensembles.engine.kernels.types import Modes, Results
+from hjsolve.ensembles.engine.kernels.types import Modes, Sums, no_sums
 from hjsolve.ensembles.engine.maps_of_turns import COUNTS, turn_maps
 from hjsolve.ensembles.engine.nodes import rotation_nodes
 from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.engine.rotation_anomalies import SlowPlaces, slow_places
 from hjsolve.ensembles.engine.strips_of_analyticity import covered_turn
-from hjsolve.ensembles.engine.sums import Sums, empty
 from hjsolve.ensembles.engine.turned_circle import moved_disks
 
 _POINTS = 32
@@ -95,15 +94,11 @@ def rotations(one: CoordinateOfOrbits, slow: SlowPlaces, modes: Modes, *, finely
     )  # fmt: skip
     view = one.programs.views[0]
     fill, errors = (one.programs.exact[0].fill, one.programs.exact[0].errors) if finely else (view.turn, view.errors)
-    sums, tables = empty(m, len(one.q)), maps.tables
-    results = Results(
-        sums.action, sums.action_error, sums.means, sums.mean_errors, sums.oscillations, sums.oscillation_errors,
-        sums.phase, sums.phase_error, sums.speeds, sums.good, np.zeros((2, len(one.q)), dtype=np.int64),
-    )  # fmt: skip
+    sums, tables = no_sums(m, len(one.q)), maps.tables
     width = tables.angle.shape[2]
     work = TurnScratch(np.empty(1 + (m if modes.kernels else 0)), np.empty((2, width)))
     nodes, bounds = (code.program(width, one.parameters) for code in (fill, errors))
-    integrated(nodes, bounds, motions, tables, modes, results, work, finely)
+    integrated(nodes, bounds, motions, tables, modes, sums, work, finely)
     return sums
 
 

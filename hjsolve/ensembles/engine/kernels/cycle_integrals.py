@@ -23,9 +23,9 @@ from hjsolve.ensembles.engine.kernels.types import (
     LANES,
     Modes,
     Motions,
-    Results,
     Scratch,
     Side,
+    Sums,
     Tables,
 )
 
@@ -282,7 +282,7 @@ def _gathered(below: Side, above: Side, work: Scratch, t: int, n: int, split: in
 
 
 @helper
-def _finished(motions: Motions, i: int, t: int, tables: Tables, modes: Modes, results: Results, work: Scratch,
+def _finished(motions: Motions, i: int, t: int, tables: Tables, modes: Modes, results: Sums, work: Scratch,
               steady: Reals) -> None:  # fmt: skip
     """Write the results of an orbit whose nodes sufficed; they are in the buffer."""
     buffer, found, m, size = work.buffer, work.found, work.block[_MAP, t], work.block[_SIZE, t]
@@ -310,7 +310,7 @@ def _finished(motions: Motions, i: int, t: int, tables: Tables, modes: Modes, re
 
 
 @kernel
-def integrals(below: Side, above: Side, motions: Motions, tables: Tables, modes: Modes, results: Results,
+def integrals(below: Side, above: Side, motions: Motions, tables: Tables, modes: Modes, results: Sums,
               work: Scratch, steady: Reals) -> None:  # fmt: skip
     """Integrate one coordinate of many orbits.
 

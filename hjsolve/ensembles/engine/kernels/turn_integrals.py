@@ -19,7 +19,7 @@ from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.ensembles.engine.kernels.midpoint_rule import dot
 from hjsolve.ensembles.engine.kernels.start_phase import elliptic
-from hjsolve.ensembles.engine.kernels.types import Modes, Results
+from hjsolve.ensembles.engine.kernels.types import Modes, Sums
 
 _SAFETY = 1.5
 _GOAL = 4e-16
@@ -160,7 +160,7 @@ def _largest(rows: Reals, x: Reals, n: int) -> float:
 
 
 @helper
-def _ruled(fill: MachineProgram, noise: Reals, results: Results, i: int, place: tuple[int, int], tables: Turns,
+def _ruled(fill: MachineProgram, noise: Reals, results: Sums, i: int, place: tuple[int, int], tables: Turns,
            modes: Modes) -> float:  # fmt: skip
     """Apply the rule; returns how many nodes of half a turn are needed, −1 where these suffice."""
     size, n = place
@@ -242,7 +242,7 @@ def _running(weights: Reals, χ: float, sign: float, n: int, circle: Reals) -> N
 
 
 @helper
-def _timed(fill: MachineProgram, motions: Rounds, i: int, place: tuple[int, int, int], tables: Turns, results: Results,
+def _timed(fill: MachineProgram, motions: Rounds, i: int, place: tuple[int, int, int], tables: Turns, results: Sums,
            work: TurnScratch) -> None:  # fmt: skip
     """The phase of the start, and the running integrals up to it less their mean growth."""
     (m, size, n), weights, kernels = place, work.rows[0], work.noise.shape[0] - 1
@@ -265,7 +265,7 @@ def _timed(fill: MachineProgram, motions: Rounds, i: int, place: tuple[int, int,
 
 @kernel
 def rotations(fill: MachineProgram, errors: MachineProgram, motions: Rounds, tables: Turns, modes: Modes,
-              results: Results, work: TurnScratch, finely: bool) -> None:  # fmt: skip
+              results: Sums, work: TurnScratch, finely: bool) -> None:  # fmt: skip
     """Integrate one coordinate of many orbits that go round.
 
     Args:

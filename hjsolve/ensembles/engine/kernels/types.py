@@ -8,7 +8,7 @@ import numpy as np
 
 from hjsolve.arithmetic.machine.run import MachineProgram
 from hjsolve.arithmetic.machine.writer import MachineCode
-from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals, Which
 
 VECTOR = 8
 """Lanes of a vector of doubles."""
@@ -93,8 +93,19 @@ class Motions(NamedTuple):
     share: Integers
 
 
-class Results(NamedTuple):
-    """Arrays that are filled: those of ``sums.Sums``, and size and map that were chosen, shape (2, n)."""
+class Sums(NamedTuple):
+    """Integrals of one coordinate; arrays (n,), or (constants, n).
+
+    Attributes:
+        action: (1/2π) ∮ |p| dq.
+        means: ∂J/∂cⱼ.
+        oscillations: ∫₀^χ₀ kⱼ r dχ less its mean growth.
+        phase: χ of the start.
+        speeds: kⱼ r there.
+        action_error, mean_errors, oscillation_errors, phase_error: bounds.
+        good: True where the nodes sufficed.
+        chosen: size and map that did, shape (2, n).
+    """
 
     action: Reals
     action_error: Reals
@@ -107,6 +118,36 @@ class Results(NamedTuple):
     speeds: Reals
     good: Mask
     chosen: Integers
+
+    def put(self, index: Which, other: Sums) -> None:
+        """Write the results of some orbits into these.
+
+        Args:
+            index: the places of the orbits, positions or a mask.
+            other: their results, in the same order.
+        """
+        for mine, theirs in zip(self, other, strict=True):
+            mine[..., index] = theirs
+
+    def take(self, index: Which) -> Sums:
+        """Return the results of some of the orbits.
+
+        Args:
+            index: which, positions or a mask.
+        """
+        return Sums._make(array[..., index] for array in self)
+
+
+def no_sums(constants: int, count: int) -> Sums:
+    """Return sums that hold nothing: nan, and ``good`` nowhere true.
+
+    Args:
+        constants: how many constants of the motion there are.
+        count: how many orbits.
+    """
+    row, block = (lambda: np.full(count, np.nan)), (lambda: np.full((constants, count), np.nan))
+    good, chosen = np.zeros(count, dtype=bool), np.zeros((2, count), dtype=np.int64)
+    return Sums(row(), row(), block(), block(), block(), block(), row(), row(), block(), good, chosen)
 
 
 class Side(NamedTuple):
