@@ -1,55 +1,71 @@
-"""How long a search may take, by the clock on the wall: one deadline that its loops look at.
+"""How long a computation may take: a deadline that its loops look at.
 
-Closed forms have a deadline of their own (``closed_form.time_limit``), in processor time, that ends one form at a time.
+``SEARCH`` limits searches for coordinates by the clock on the wall. Closed forms have a limit of their own, in
+processor time, that ends one form at a time (``closed_form.time_limit``).
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
 _Deadline = tuple[float, float]
-"""The value of the monotonic clock at which the search ends, and the seconds that were allowed."""
-_DEADLINE: ContextVar[_Deadline | None] = ContextVar("deadline", default=None)
+"""The value of the clock at which the work ends, and the seconds that were allowed."""
 
 
 class SearchTimeError(Exception):
     """The time allowed is used up. Never leaves the search."""
 
 
-@contextmanager
-def within_seconds(seconds: float) -> Iterator[None]:
-    """Allow what is done inside so many seconds; fewer where an outer limit ends before.
+class TimeLimit:
+    """A deadline of the present context.
 
     Args:
-        seconds: from now on.
+        clock: seconds that have passed, such as ``time.monotonic``.
+        error: makes the exception that ends the work, from the seconds that were allowed.
     """
-    outer, own = _DEADLINE.get(), (time.monotonic() + seconds, seconds)
-    token = _DEADLINE.set(own if outer is None else min(outer, own))
-    try:
-        yield
-    finally:
-        _DEADLINE.reset(token)
+
+    def __init__(self, clock: Callable[[], float], error: Callable[[float], Exception]) -> None:
+        self._clock, self._error = clock, error
+        self._deadline: ContextVar[_Deadline | None] = ContextVar("deadline", default=None)
+
+    @contextmanager
+    def within_seconds(self, seconds: float | None) -> Iterator[None]:
+        """Allow what is done inside so many seconds; fewer where an outer limit ends before.
+
+        Args:
+            seconds: from now on; None for no limit.
+        """
+        own = None if seconds is None else (self._clock() + seconds, seconds)
+        known = (deadline for deadline in (self._deadline.get(), own) if deadline is not None)
+        token = self._deadline.set(min(known, default=None))
+        try:
+            yield
+        finally:
+            self._deadline.reset(token)
+
+    def out_of_time(self) -> bool:
+        """Tell whether the time is used up."""
+        deadline = self._deadline.get()
+        return deadline is not None and self._clock() > deadline[0]
+
+    def check_time(self) -> None:
+        """End the work where its time is used up; raises what ``error`` makes."""
+        deadline = self._deadline.get()
+        if deadline is not None and self._clock() > deadline[0]:
+            raise self._error(deadline[1])
+
+    def seconds_left(self, most: float) -> float:
+        """Return the seconds that are left, at most so many, and none below zero.
+
+        Args:
+            most: seconds.
+        """
+        deadline = self._deadline.get()
+        return most if deadline is None else max(0.0, min(most, deadline[0] - self._clock()))
 
 
-def check_time() -> None:
-    """End the search where its time is used up.
-
-    Raises:
-        SearchTimeError: it is.
-    """
-    deadline = _DEADLINE.get()
-    if deadline is not None and time.monotonic() > deadline[0]:
-        raise SearchTimeError(f"not decided in {deadline[1]:g} s")
-
-
-def seconds_left(most: float) -> float:
-    """Return the seconds that are left, at most so many, and none below zero.
-
-    Args:
-        most: seconds.
-    """
-    deadline = _DEADLINE.get()
-    return most if deadline is None else max(0.0, min(most, deadline[0] - time.monotonic()))
+SEARCH = TimeLimit(time.monotonic, lambda seconds: SearchTimeError(f"not decided in {seconds:g} s"))
+within_seconds, check_time, seconds_left = SEARCH.within_seconds, SEARCH.check_time, SEARCH.seconds_left
