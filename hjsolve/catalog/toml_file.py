@@ -10,8 +10,8 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from hjsolve.catalog.regular_files import bytes_of
 from hjsolve.errors import CatalogError, InvalidInputError
-from hjsolve.regular_files import bytes_of
 
 LONGEST = 1_000_000
 """Bytes of a file: far more than any entry or scene has."""

@@ -27,12 +27,12 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hjsolve.arithmetic.number_types import Columns
+from hjsolve.catalog.regular_files import bytes_of, opened_regular
 from hjsolve.display.first_lines import few_lines
 from hjsolve.ensembles.export import columns_of_words
 from hjsolve.ensembles.layout import RECOMPUTED, STATUS
 from hjsolve.ensembles.orbit_columns import WORDS
 from hjsolve.errors import InvalidInputError
-from hjsolve.regular_files import bytes_of, opened_regular
 from hjsolve.sweeps.journal import JOURNAL, Journal, NotedPart
 
 MANIFEST, _LOCK, _WRITING = "_manifest.json", "_lock", "_writing-"

@@ -12,7 +12,7 @@ import re
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from hjsolve.regular_files import bytes_of, opened_regular
+from hjsolve.catalog.regular_files import bytes_of, opened_regular
 
 JOURNAL = "_journal.jsonl"
 _ROOM, _ROOM_OF_A_PART = 10_000_000, 1_000
