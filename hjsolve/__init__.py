@@ -12,6 +12,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from hjsolve._version import __version__ as __version__
+from hjsolve.display import renderers as _renderers
 
 if TYPE_CHECKING:
     from hjsolve import catalog as catalog
@@ -108,15 +109,23 @@ _MODULES = {"catalog": "catalog", "functions": "functions", "frames": "catalog.m
 __all__ = ["__version__", *sorted(_MODULES), *sorted(_HOMES)]  # noqa: PLE0604
 
 
+def _room(name: str) -> Any:
+    return importlib.import_module(f"hjsolve.{name}")
+
+
+_renderers.register("plots", lambda: _room("plots"))
+_renderers.register("notebook", lambda: _room("reports.notebook"))
+
+
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first asked for (PEP 562)."""
     if name in _MODULES:
-        return importlib.import_module(f"hjsolve.{_MODULES[name]}")
+        return _room(_MODULES[name])
     if name in _RENAMED:
         return _renamed(name)
     if name not in _HOMES:
         raise AttributeError(f"module 'hjsolve' has no attribute {name!r}")
-    value = getattr(importlib.import_module(f"hjsolve.{_HOMES[name]}"), name)
+    value = getattr(_room(_HOMES[name]), name)
     globals()[name] = value
     return value
 

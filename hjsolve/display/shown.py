@@ -1,17 +1,18 @@
 """What a value shows of itself: a few short lines in a terminal, blocks of a report in a notebook.
 
-Every public value is a ``Shown``. Its text is made here, from its fields, and imports nothing; what a notebook draws is
-asked of ``hjsolve.reports.notebook`` when a notebook asks for it.
+Every public value is a ``Shown``. Its text is made here, from its fields, and imports nothing; what a notebook or
+a plot draws is asked of ``renderers`` when it is drawn.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import importlib
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
+
+from hjsolve.display.renderers import renderer
 
 if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
@@ -39,7 +40,7 @@ class Shown:
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""
-        return str(importlib.import_module("hjsolve.reports.notebook").html_of(self))
+        return str(renderer("notebook").html_of(self))
 
 
 class ShownMotion(Shown):
@@ -63,7 +64,7 @@ class ShownMotion(Shown):
             InvalidInputError: another kind, or a coordinate that is not separated.
             MissingExtraError: matplotlib is not installed.
         """
-        return importlib.import_module("hjsolve.plots").plotted(self, kind, name, ax)
+        return renderer("plots").plotted(self, kind, name, ax)
 
     def animate(self, *, seconds: float = 8.0, frames: int = 240, ax: Axes | None = None) -> FuncAnimation:
         """Move a point along the orbit, at equal steps of time (extra ``report``).
@@ -80,7 +81,7 @@ class ShownMotion(Shown):
             InvalidInputError: a length or a number of pictures that makes no sense.
             MissingExtraError: matplotlib is not installed.
         """
-        return importlib.import_module("hjsolve.plots").animated(self, seconds, frames, ax)
+        return renderer("plots").animated(self, seconds, frames, ax)
 
 
 class ShownSolution(Shown):
@@ -102,7 +103,7 @@ class ShownSolution(Shown):
             InvalidInputError: initial data are missing or cannot be used; another kind or coordinate.
             MissingExtraError: matplotlib is not installed.
         """
-        return importlib.import_module("hjsolve.plots").plotted_solution(self, kind, name, ax, initial)
+        return renderer("plots").plotted_solution(self, kind, name, ax, initial)
 
 
 def fields_of(value: Any) -> Iterator[tuple[str, object]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from hjsolve import arguments, catalog
 from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.display.by_value import ByValue
+from hjsolve.display.renderers import renderer
 from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.all_curves import critical_curves
 from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
@@ -217,7 +217,7 @@ class EnergyMomentumMap(ByValue, Shown):
         Raises:
             MissingExtraError: matplotlib is not installed.
         """
-        return importlib.import_module("hjsolve.plots").plotted_map(self, ax)
+        return renderer("plots").plotted_map(self, ax)
 
 
 def _points(x: object, y: object) -> tuple[Reals, Reals, tuple[int, ...]]:

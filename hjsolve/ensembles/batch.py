@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from os import PathLike
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hjsolve.display.renderers import renderer
 from hjsolve.ensembles.batch_html import batch_as_html
 from hjsolve.ensembles.export import arrow_table, pandas_frame, write_parquet, xarray_dataset
 from hjsolve.ensembles.layout import STATUS
@@ -85,7 +85,7 @@ class Batch(OrbitColumns):
             InvalidInputError: names that are no columns of numbers, or axes that are none.
             MissingExtraError: matplotlib is not installed.
         """
-        return importlib.import_module("hjsolve.plots").plotted_batch(self, x, y, colour, ax)
+        return renderer("plots").plotted_batch(self, x, y, colour, ax)
 
     def __len__(self) -> int:
         """Orbits along the first axis."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -11,6 +10,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.display.renderers import renderer
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 from hjsolve.formulas.read import number
@@ -93,7 +93,7 @@ class Wavefronts(Shown):
             InvalidInputError: the coordinates have no place in a plane.
             MissingExtraError: matplotlib is not installed.
         """
-        return importlib.import_module("hjsolve.plots").plotted_wavefronts(self, ax)
+        return renderer("plots").plotted_wavefronts(self, ax)
 
 
 @one_at_a_time

@@ -79,6 +79,21 @@ def test_no_star_import_no_eval_no_broad_except() -> None:
     ]
 
 
+def hidden_imports(tree: ast.Module) -> list[int]:
+    """Lines that import a module of ours by its name in a text, which no contract on imports sees."""
+    return [
+        node.lineno
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and "import_module" in ast.unparse(node.func) and node.args
+        and isinstance(node.args[0], ast.Constant) and str(node.args[0].value).startswith("hjsolve")
+    ]  # fmt: skip
+
+
+def test_no_import_is_hidden_in_a_text() -> None:
+    assert not {named(path): lines for path in SOURCES if (lines := hidden_imports(tree_of(path)))}
+    assert hidden_imports(ast.parse('importlib.import_module("hjsolve.plots").plotted()')) == [1]
+
+
 def test_the_rule_against_eval_sees_what_it_forbids() -> None:
     text = "from os import *\neval('1')\nsympy.parse_expr('x')\ntry:\n    pass\nexcept (ValueError, Exception):\n    pass\n"
     said = list(forbidden(ast.parse(text), set()))

@@ -1,0 +1,30 @@
+"""What draws public values: rooms above all values, which the package makes known here when it is imported.
+
+A value asks for a renderer when it is drawn, so that nothing that draws is loaded before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+_LOADERS: dict[str, Callable[[], Any]] = {}
+
+
+def register(name: str, load: Callable[[], Any]) -> None:
+    """Make a renderer known.
+
+    Args:
+        name: by which values ask for it.
+        load: imports it.
+    """
+    _LOADERS[name] = load
+
+
+def renderer(name: str) -> Any:
+    """Return a renderer: the module whose functions draw.
+
+    Args:
+        name: ``plots`` or ``notebook``.
+    """
+    return _LOADERS[name]()
