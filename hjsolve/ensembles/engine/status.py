@@ -36,10 +36,9 @@ _MEANINGS = {
     Status.FORBIDDEN: "no real motion has these constants",
     Status.OUTSIDE_DOMAIN: "the place lies outside the domain, or on a singularity of the coordinates",
     Status.NOT_FINITE: "an input is NaN or infinite",
-    Status.NOT_CONVERGED: "a number could not be had to 15 digits",
+    Status.NOT_CONVERGED: "a result did not reach 15 digits",
 }
 
 
-UNDECIDED, EQUILIBRIUM, ENDLESS = len(Status), len(Status) + 1, len(Status) + 2
-"""Codes between the passes, never shown: not decided in doubles; at rest at a double zero of p²; no turning
-point was met on the way out, which proves nothing."""
+UNDECIDED, ENDLESS = len(Status), len(Status) + 1
+"""Codes between the passes, never shown: not decided; no turning point was found, which proves nothing."""
