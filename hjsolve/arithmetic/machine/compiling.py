@@ -40,7 +40,7 @@ def kernel(function: F) -> F:
     Args:
         function: over arrays and bundles of arrays.
     """
-    made = _compiled(function, fastmath={"contract"})
+    made = _compiled_alone(function, fastmath={"contract"})
     if available():
         from hjsolve.arithmetic.machine.kept_code import keep
 
@@ -55,7 +55,16 @@ def inlined(function: F) -> F:
     Args:
         function: over numbers, arrays and bundles of arrays.
     """
-    return _compiled(function, fastmath={"contract"}, forceinline=True)
+    return _compiled_within(function, fastmath={"contract"}, forceinline=True)
+
+
+def of_numbers(function: F) -> F:
+    """Compile an elementary function into the kernels that call it.
+
+    Args:
+        function: over numbers.
+    """
+    return _compiled_alone(function, fastmath={"contract"}, forceinline=True)
 
 
 def helper(function: F) -> F:
@@ -66,7 +75,7 @@ def helper(function: F) -> F:
     Args:
         function: over numbers, arrays and bundles of arrays.
     """
-    return _compiled(function, fastmath={"contract"})
+    return _compiled_within(function, fastmath={"contract"})
 
 
 def reducing(function: F) -> F:
@@ -75,7 +84,7 @@ def reducing(function: F) -> F:
     Args:
         function: over numbers and arrays.
     """
-    return _compiled(function, fastmath={"contract", "reassoc"})
+    return _compiled_within(function, fastmath={"contract", "reassoc"})
 
 
 def exactly(function: F) -> F:
@@ -84,21 +93,29 @@ def exactly(function: F) -> F:
     Args:
         function: over numbers.
     """
-    return _compiled(function, forceinline=True)
+    return _compiled_alone(function, forceinline=True)
 
 
-def _compiled(function: F, **options: Any) -> F:
+def _compiled_within(function: F, **options: Any) -> F:
+    """Let kernels contain or call a function; Python runs it as it stands.
+
+    No code is made that takes apart what comes from Python: for bundles of arrays it took a quarter of all time.
+    """
     if not available():
         return function
-    from numba import njit, types
+    from numba.extending import register_jitable
 
-    made: Any = njit(**PLAIN, **options)(function)
-    template = made.get_call_template
+    kept: F = register_jitable(**PLAIN, **options, no_cfunc_wrapper=True)(function)
+    return kept
 
-    def of_any_number(args: Any, named: Any) -> Any:
-        """One machine code for all whole numbers: a first argument 0 would have code of its own."""
-        return template(tuple(map(types.unliteral, args)), {name: types.unliteral(a) for name, a in named.items()})
 
-    made.get_call_template = of_any_number
+def _compiled_alone(function: F, **options: Any) -> F:
+    """Compile a function once for all that call it, whatever their own options, and for Python too."""
+    if not available():
+        return function
+    from numba import njit
+
+    all_: dict[str, Any] = PLAIN | options | {"no_cfunc_wrapper": True}
+    made: Any = njit(**all_)(function)
     kept: F = made
     return kept

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from hjsolve.arithmetic.machine.compiling import inlined
+from hjsolve.arithmetic.machine.compiling import of_numbers
 from hjsolve.arithmetic.machine.intrinsics import as_float, whole
 
 ROUNDINGS = 4
@@ -23,7 +23,7 @@ _COS = tuple((-1.0) ** k / math.factorial(2 * k) for k in range(9))
 _SINH = tuple(1.0 / math.factorial(2 * k + 1) for k in range(10))
 
 
-@inlined
+@of_numbers
 def power_of_two(k: float) -> float:
     """Return 2ᵏ.
 
@@ -33,7 +33,7 @@ def power_of_two(k: float) -> float:
     return as_float((whole(k) + 1022) << 52) * 2.0
 
 
-@inlined
+@of_numbers
 def exp_(x: float) -> float:
     """Return the exponential; 0 below −708 and infinity above 709.
 
@@ -52,7 +52,7 @@ def exp_(x: float) -> float:
     return value if x == x else x
 
 
-@inlined
+@of_numbers
 def sincos(x: float) -> tuple[float, float]:
     """Return sin x and cos x.
 
@@ -78,7 +78,7 @@ def sincos(x: float) -> tuple[float, float]:
     return (first if inside else np.nan), (second if inside else np.nan)
 
 
-@inlined
+@of_numbers
 def sinhcosh(x: float) -> tuple[float, float]:
     """Return sinh x and cosh x.
 
@@ -95,7 +95,7 @@ def sinhcosh(x: float) -> tuple[float, float]:
     return (small if s < 1.0 else e - other), e + other
 
 
-@inlined
+@of_numbers
 def tan_(x: float) -> float:
     """Return sin x/cos x.
 
@@ -106,7 +106,7 @@ def tan_(x: float) -> float:
     return s / c
 
 
-@inlined
+@of_numbers
 def tanh_(x: float) -> float:
     """Return sinh x/cosh x.
 
@@ -117,7 +117,7 @@ def tanh_(x: float) -> float:
     return s / c
 
 
-@inlined
+@of_numbers
 def sech_(x: float) -> float:
     """Return 1/cosh x.
 
@@ -128,7 +128,7 @@ def sech_(x: float) -> float:
     return 2.0 * decay / (1.0 + decay * decay)
 
 
-@inlined
+@of_numbers
 def log_(x: float) -> float:
     """Return the logarithm.
 
@@ -138,7 +138,7 @@ def log_(x: float) -> float:
     return math.log(x) if x > 0.0 else np.nan
 
 
-@inlined
+@of_numbers
 def asin_(x: float) -> float:
     """Return arcsin.
 
@@ -148,7 +148,7 @@ def asin_(x: float) -> float:
     return math.asin(x) if abs(x) <= 1 else np.nan
 
 
-@inlined
+@of_numbers
 def acos_(x: float) -> float:
     """Return arccos.
 
@@ -158,7 +158,7 @@ def acos_(x: float) -> float:
     return math.acos(x) if abs(x) <= 1 else np.nan
 
 
-@inlined
+@of_numbers
 def atan_(x: float) -> float:
     """Return arctan.
 
@@ -168,7 +168,7 @@ def atan_(x: float) -> float:
     return math.atan(x)
 
 
-@inlined
+@of_numbers
 def asinh_(x: float) -> float:
     """Return arsinh.
 
@@ -178,7 +178,7 @@ def asinh_(x: float) -> float:
     return math.asinh(x)
 
 
-@inlined
+@of_numbers
 def acosh_(x: float) -> float:
     """Return arcosh.
 
@@ -188,7 +188,7 @@ def acosh_(x: float) -> float:
     return math.acosh(x) if x >= 1 else np.nan
 
 
-@inlined
+@of_numbers
 def atanh_(x: float) -> float:
     """Return artanh.
 
@@ -205,7 +205,7 @@ _WHOLE = tuple(1.0 / math.factorial(k + 2) for k in range(16))
 _ARTANH = tuple(2.0 / (2 * k + 3) for k in range(12))
 
 
-@inlined
+@of_numbers
 def _tails(square: float) -> tuple[float, float]:
     """1/2! + s/4! + … and 1/3! + s/5! + …; NaN where the terms do not suffice."""
     even, odd = _EVEN[8], _ODD[8]
@@ -216,7 +216,7 @@ def _tails(square: float) -> tuple[float, float]:
     return (even if inside else np.nan), (odd if inside else np.nan)
 
 
-@inlined
+@of_numbers
 def sincos_bends(x: float, d: float) -> tuple[float, float, float, float]:
     """Return sin x and cos x, and Φ[x, x, x + d] of both for |d| ≤ 0.7, NaN beyond; see ``second_differences``.
 
@@ -228,7 +228,7 @@ def sincos_bends(x: float, d: float) -> tuple[float, float, float, float]:
     return s, c, -s * even - c * (d * odd), s * (d * odd) - c * even
 
 
-@inlined
+@of_numbers
 def sinhcosh_bends(x: float, d: float) -> tuple[float, float, float, float]:
     """Return the same of sinh and cosh.
 
@@ -240,7 +240,7 @@ def sinhcosh_bends(x: float, d: float) -> tuple[float, float, float, float]:
     return s, c, s * even + c * (d * odd), c * even + s * (d * odd)
 
 
-@inlined
+@of_numbers
 def exp_bend(x: float, d: float) -> tuple[float, float]:
     """Return the exponential and its Φ[x, x, x + d] for |d| ≤ 0.7.
 
@@ -253,7 +253,7 @@ def exp_bend(x: float, d: float) -> tuple[float, float]:
     return e, (e * total if abs(d) <= _SERIES else np.nan)
 
 
-@inlined
+@of_numbers
 def log_bend(x: float, d: float) -> tuple[float, float, float]:
     """Return the logarithm, 1/x and Φ[x, x, x + d], for |d| ≤ 0.35 x.
 
@@ -269,7 +269,7 @@ def log_bend(x: float, d: float) -> tuple[float, float, float]:
     return log_(x), 1.0 / x, (bend if abs(r) <= 0.5 * _SERIES else np.nan)
 
 
-@inlined
+@of_numbers
 def common_sign(x: float, y: float) -> float:
     """Return the sign of x, NaN where that of y is another.
 
@@ -279,7 +279,7 @@ def common_sign(x: float, y: float) -> float:
     return math.copysign(1.0, x) if x * y > 0.0 else np.nan
 
 
-@inlined
+@of_numbers
 def min_(x: float, y: float) -> float:
     """Return the lesser of two numbers, nan where one of them is.
 
@@ -289,7 +289,7 @@ def min_(x: float, y: float) -> float:
     return x if (x <= y) | (x != x) else y
 
 
-@inlined
+@of_numbers
 def max_(x: float, y: float) -> float:
     """Return the greater of two numbers, nan where one of them is.
 
@@ -299,7 +299,7 @@ def max_(x: float, y: float) -> float:
     return x if (x >= y) | (x != x) else y
 
 
-@inlined
+@of_numbers
 def signed(x: float, y: float) -> float:
     """Return y where x is positive, −y elsewhere.
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.machine.compiling import PLAIN, available, inlined
+from hjsolve.arithmetic.machine.compiling import PLAIN, available
 from hjsolve.arithmetic.machine.loops import execute, loop_of
 from hjsolve.arithmetic.machine.operations import APART, NAMES
 from hjsolve.arithmetic.number_types import Integers, Reals
@@ -79,21 +79,40 @@ def _compiled(code: int | None) -> Any:
 
 
 if available():
+    import ctypes
+
+    from numba.extending import overload
+
     from hjsolve.arithmetic.machine.intrinsics import call_machine
 
-    @inlined
+    _WORD = ctypes.c_int64
+    _MACHINE = ctypes.CFUNCTYPE(None, *[_WORD] * 6)  # addresses are words, too
+
     def run(program: MachineProgram, n: int) -> None:
-        """Run a program over its first n lanes; from kernels.
+        """Run a program over its first n lanes.
 
         Args:
             program: inputs lie in its first registers.
             n: lanes, a multiple of eight.
         """
         code, registers = program.code, program.registers
-        call_machine(
-            program.entry, program.others.ctypes.data, code.ctypes.data, code.shape[0],
+        _MACHINE(program.entry)(
+            program.others.ctypes.data, code.ctypes.data, code.shape[0],
             registers.ctypes.data, registers.shape[1], n,
         )  # fmt: skip
+
+    _OPTIONS: Any = PLAIN | {"forceinline": True, "no_cfunc_wrapper": True}
+
+    @overload(run, jit_options=_OPTIONS)
+    def _run_from_kernels(program: Any, n: Any) -> Any:  # noqa: ARG001  their types
+        def called(program: Any, n: Any) -> Any:
+            code, registers = program.code, program.registers
+            call_machine(
+                program.entry, program.others.ctypes.data, code.ctypes.data, code.shape[0],
+                registers.ctypes.data, registers.shape[1], n,
+            )  # fmt: skip
+
+        return called
 
 else:
     _LOOPS = {code: loop_of(name) for code, name in enumerate(NAMES) if code >= APART}

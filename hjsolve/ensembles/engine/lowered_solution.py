@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import lru_cache
 
 import sympy as sp
 from mpmath import frexp, ldexp
@@ -25,6 +26,8 @@ from hjsolve.solution.quadratures import Solution
 
 _HIGHEST_DEGREE = 4
 """Of p² in the constants, which is 2 wherever H is quadratic in the momenta."""
+_KEPT = 32
+"""Tables of clearances that stay, each of some 0.6 MB."""
 _BITS = 256
 """Of a parameter that is no fraction."""
 
@@ -162,10 +165,14 @@ def _separated(
     def formula(origin: sp.Expr, sign: int, near: Callable[[sp.Expr], sp.Expr]) -> LoweredFormula:
         arguments = [q, *constants, *parameters]
         seen = [near(e) for e in (F, *kernels)]
-        apart = lower(seen if parts is None else [near(e) for e in parts if e.has(q)], arguments)
         side = 1 if origin == lower_end or sign < 0 else -1 if origin == upper_end else 0
-        numbers = tuple(_pair(values[s]) for s in parameters)
-        clearance = Clearance(apart, numbers, alone=parts is not None, side=side)
+        if parts is None:
+            numbers = tuple(_pair(values[s]) for s in parameters)
+            clearance = Clearance(lower(seen, arguments), numbers, alone=False, side=side)
+        else:
+            shapes = _shapes([near(e) for e in parts], q)
+            inner = tuple(s for s in parameters if any(e.has(s) for e in shapes))
+            clearance = _clearance(shapes, (q, *inner), tuple(_pair(values[s]) for s in inner), side)
         return LoweredFormula(
             _pair(origin.subs(values)), sign, lower(seen[:1], arguments), lower(seen, arguments), clearance
         )
@@ -199,6 +206,27 @@ def _parts(F: sp.Expr, constants: list[sp.Symbol]) -> list[sp.Expr] | None:
         if not level:
             return list(dict.fromkeys(found))
     return None
+
+
+def _shapes(parts: list[sp.Expr], q: sp.Symbol) -> tuple[sp.Expr, ...]:
+    """Some functions of q without their strengths, so that formulas that differ by these alone share a table.
+
+    A factor that q is not in changes nothing of where a function is analytic, nor of how it grows. A sum of powers of q
+    gives way to the powers: each of them grows in a disk as it does about every other place.
+    """
+    shapes: set[sp.Expr] = set()
+    for part in parts:
+        terms = [term.as_independent(q, as_Add=False)[1] for term in sp.Add.make_args(part)]
+        powers = all(term.as_base_exp()[0] == q for term in terms if term.has(q))
+        shapes.update(terms if powers else [part.as_independent(q, as_Add=False)[1]])
+    return tuple(sorted((shape for shape in shapes if shape.has(q)), key=sp.default_sort_key))
+
+
+@lru_cache(maxsize=_KEPT)
+def _clearance(
+    shapes: tuple[sp.Expr, ...], inputs: tuple[sp.Symbol, ...], numbers: tuple[Pair, ...], side: int
+) -> Clearance:
+    return Clearance(lower(list(shapes), list(inputs)), numbers, alone=True, side=side)
 
 
 def multiplied_out(expression: sp.Expr, x: sp.Symbol) -> sp.Expr:
