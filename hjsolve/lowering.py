@@ -35,8 +35,25 @@ def lower(expressions: Sequence[sp.Expr], arguments: Sequence[sp.Symbol]) -> Tap
         InvalidInputError: a function or symbol that has no numerical value.
     """
     writer = _Writer(tuple(arguments))
-    outputs = tuple(writer.slot(sp.sympify(expression)) for expression in expressions)
+    outputs = tuple(writer.slot(without_inverse_functions(expression)) for expression in expressions)
     return Tape(tuple(str(s) for s in arguments), tuple(writer.operations), outputs)
+
+
+def without_inverse_functions(expression: sp.Expr) -> sp.Expr:
+    """Write 1/tan and cot as cos/sin, 1/cot as sin/cos, 1/sec as cos and 1/csc as sin.
+
+    Where tan has a pole, 1/tan is regular and zero: a motion passes there, so its formula must not divide by infinity.
+
+    Args:
+        expression: any formula.
+    """
+    inverse = {sp.tan: lambda u: sp.cos(u) / sp.sin(u), sp.cot: sp.tan, sp.sec: sp.cos, sp.csc: sp.sin}
+
+    def is_inverse(e: sp.Expr) -> bool:
+        return e.is_Pow and e.base.func in inverse and bool(e.exp.could_extract_minus_sign())
+
+    found = sp.sympify(expression).replace(is_inverse, lambda e: inverse[e.base.func](e.base.args[0]) ** -e.exp)
+    return found.replace(sp.cot, lambda u: sp.cos(u) / sp.sin(u))
 
 
 def spread_exponentials(e: sp.Expr) -> sp.Expr:

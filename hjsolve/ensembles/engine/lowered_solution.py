@@ -20,7 +20,7 @@ from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.errors import InvalidInputError
-from hjsolve.lowering import lower, with_plain_exponents
+from hjsolve.lowering import lower, with_plain_exponents, without_inverse_functions
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.solution.quadratures import Solution
 
@@ -236,7 +236,7 @@ def multiplied_out(expression: sp.Expr, x: sp.Symbol) -> sp.Expr:
         expression: a formula in x and other symbols.
         x: the symbol that tends to zero.
     """
-    expression = expression.rewrite(sp.tan) if expression.has(sp.cot) else expression
+    expression = without_inverse_functions(expression)
 
     def expanded(e: sp.Expr) -> sp.Expr:
         if e.is_Add and e.has(x):
