@@ -16,7 +16,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
-from hjsolve.arithmetic.number_types import Mpf, Numbers
+from hjsolve.arithmetic.number_types import Numbers
 from hjsolve.display.shown import ShownMotion
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.motion import quantities
@@ -28,6 +28,7 @@ from hjsolve.one_coordinate.allowed_regions import others
 from hjsolve.solution.quadratures import Solution
 
 if TYPE_CHECKING:
+    from hjsolve.motion.angle_variables import AngleVariables
     from hjsolve.motion.in_units import MotionInUnits
 
 
@@ -224,7 +225,7 @@ class Motion(ShownMotion):
         times = crossing_times(self._source, along, values)
         return self.at(times).unwrapped(name)
 
-    def angles(self, t: object) -> dict[str, Numbers | float | Mpf]:
+    def angles(self, t: object) -> AngleVariables:
         """Return the angle variables θ = θ₀ + Ω (t − t₀), in (−π, π], of every coordinate that has a frequency.
 
         All θ are zero where librations stand at their lower turning points and rotations opposite to their highest
@@ -234,9 +235,13 @@ class Motion(ShownMotion):
             t: a time or an array of times.
 
         Returns:
-            Coordinate → angle in radians; a number for one time, else an array of the shape of t.
+            Coordinate → angle in radians; a number for one time, else an array of the shape of t. ``.error`` holds
+            the bounds on their errors, modulo 2π.
+
+        Raises:
+            InvalidInputError: a time that is no finite real number.
         """
-        from hjsolve.motion.crossings import angle_variables
+        from hjsolve.motion.angle_variables import angle_variables
 
         self._require("angles")
         return angle_variables(self._source, t)
