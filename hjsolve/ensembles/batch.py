@@ -70,6 +70,22 @@ class Batch(OrbitColumns):
             raise InvalidInputError('to_units: the system declares no units; System(…, units={"r": "kpc", "t": "Myr"})')
         return BatchInUnits(self.compute(), measures_of(self.layout.solution, library))
 
+    def in_conventions(self, program: str) -> Batch:
+        """Return the batch with actions, frequencies and angles counted as another program counts them.
+
+        Args:
+            program: ``"galpy"``: angles in [0, 2π), the vertical one from where the orbit crosses the plane z = 0
+                upward; of orbits with L_z = 0 the values of the limit L_z → 0 (J_r is half of what it is here).
+
+        Raises:
+            InvalidInputError: another program, a system that is not known to be symmetric about the z axis, or orbits
+                with L_z = 0 without ``"actions"`` and ``"turning_points"`` in ``want``.
+        """
+        from hjsolve.ensembles.conventions import in_conventions_of
+
+        known = self.compute()
+        return Batch(in_conventions_of(program, dict(known.columns), self.layout.roles), self.layout, self.shape)
+
     def plot(self, x: str | None = None, y: str | None = None, *, colour: str | None = None, ax: Any = None) -> Any:
         """Draw one number of the orbits against another with matplotlib (extra ``report``), a point an orbit.
 

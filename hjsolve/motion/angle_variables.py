@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import sympy as sp
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import EPS, Multi, multiprecision
@@ -114,7 +115,7 @@ def _in_many_digits(line: _Line, time: list[Mpf], bits: int, unit: float) -> tup
 def _lines(motion: SeparatedMotion, bits: int) -> dict[str, _Line]:
     torus = motion.torus
     if torus is None:
-        return {}
+        return {name: _even(motion, name, bits) for name in motion.frequencies} if motion.equations is None else {}
     context, unit = multiprecision(bits), unit_of(motion)
     begins = [_begin(course, context, bits) for course in torus.courses]
     result = {}
@@ -122,19 +123,26 @@ def _lines(motion: SeparatedMotion, bits: int) -> dict[str, _Line]:
         if name in motion.located:
             k = list(motion.solution.coordinates).index(name)
             rate, series = torus.rates[k], torus.oscillations[k]
+            direction = 1 if float(frequency.value) * float(rate) > 0 else -1
             start, doubt = torus.starts[k] - begins[k], torus.roundings[k] + _slopes(torus, series, unit)
             start -= sum(_oscillation(s, begin) for s, begin in zip(series, begins, strict=True))
         else:
             j = constant_index(motion, name)
-            rate, doubt = mean_rate(torus, j), 0.0
+            rate, direction = mean_rate(torus, j), 1  # Ω is the mean growth itself, which may be 0
             start = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(bits)
             series = tuple(oscillation(torus, i, j) for i in range(len(torus.courses)))
             for course, s, begin in zip(torus.courses, series, begins, strict=True):
                 start -= _oscillation(s, context.mpf(course.start)) - _oscillation(s, begin)
             doubt = _slopes(torus, series, unit)
-        direction = 1 if float(frequency.value) * float(rate) > 0 else -1
         result[name] = _Line(rate, start, direction, float(doubt) + sum(map(_inexact, series)) * unit)
     return result
+
+
+def _even(motion: SeparatedMotion, name: str, bits: int) -> _Line:
+    """The angle of an ignorable coordinate where no coordinate is left: it grows evenly, Ω = ∂H/∂p."""
+    coordinate, values = motion.solution.system.coordinate(name), motion.initial.values
+    rate = sp.diff(motion.solution.separation.shell.potential, coordinate.momentum).subs(values)
+    return _Line(to_bits(rate)(bits), to_bits(values[coordinate.symbol])(bits), 1, 0.0)
 
 
 def _begin(course: Periodic | AtRest, context: Context, bits: int) -> Mpf:
