@@ -8,7 +8,7 @@
     L_z = 0 exactly: an orbit through the poles       J_z ≥ 0, Ω_z ≥ 0
     has the sign of its turning in J and Ω
 
-(docs/conventions.md; compared with galpy 1.11 by numbers.)
+(docs/conventions.md; compared with galpy 1.12 by numbers.)
 """
 
 from __future__ import annotations

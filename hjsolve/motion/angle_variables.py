@@ -26,7 +26,7 @@ from hjsolve.motion.phases import times_at
 from hjsolve.motion.positions import constant_index, principal_values
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.shapes import shaped
-from hjsolve.motion.times import read_times, whole_numbers
+from hjsolve.motion.times import read_times, whole_numbers, within_doubles
 from hjsolve.one_coordinate.anomaly import Rotation, TwoBarrierAnomaly
 from hjsolve.one_coordinate.coordinate_motion import Periodic
 from hjsolve.one_coordinate.fourier_series import FourierSeries
@@ -79,10 +79,11 @@ def angle_variables(motion: SeparatedMotion, t: object) -> AngleVariables:
         t: a time or an array of times.
 
     Raises:
-        InvalidInputError: a time that is no finite real number.
+        InvalidInputError: a time that is no finite real number, or beyond what two doubles hold.
     """
     shape, floats, exact = read_times(t)
     time, precise, bits = times_at(motion, floats, exact)
+    time = within_doubles(time)
     value, error = {}, {}
     for name, line in _lines(motion, bits).items():
         if motion.digits > FLOAT_DIGITS:
