@@ -2,9 +2,9 @@
 
     python -m benchmarks.letters [NAME ...] [--budget SECONDS]
 
-One line for each: processor seconds of ``solve(…, coordinates="find")`` with numbers and with letters, their ratio,
-and the kind of the chart. A chart that is another one with letters is marked. With ``--budget`` the search with letters gets
-so many seconds, and the column says by how much the wall clock exceeded them. Read it on a quiet machine.
+One line for each: processor seconds of ``solve(…, coordinates="find")`` with numbers and with letters, their ratio, and
+the kind of the chart. A chart that is another one is marked. With ``--budget`` the search with letters gets so many
+seconds, and the column says by how much the wall clock exceeded them. Read it on a quiet machine.
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hjsolve.display.by_value import ByValue
 from hjsolve.display.renderers import renderer
 from hjsolve.ensembles.batch_html import batch_as_html
 from hjsolve.ensembles.export import arrow_table, pandas_frame, write_parquet, xarray_dataset
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Batch(OrbitColumns):
+class Batch(ByValue, OrbitColumns):
     """The numbers of many orbits; numpy arrays, or dask arrays where dask arrays came in, all of one shape.
 
     ``actions``, ``frequencies``, ``periods``, ``angles``, ``constants`` map names to arrays, ``turning_points`` to

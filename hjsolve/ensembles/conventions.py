@@ -101,8 +101,8 @@ def in_conventions_of(program: object, columns: dict[str, Any], roles: AxialRole
         raise InvalidInputError(f'in_conventions: "{GALPY}" is known, not {program!r}')
     if roles is None:
         raise InvalidInputError(
-            "in_conventions: it is not known which coordinates are the radial and the vertical one; solve the system in "
-            'x, y, z or in cylindrical or spherical coordinates with coordinates="find"'
+            "in_conventions: it is not known which coordinates are the radial and the vertical one; solve the system "
+            'in x, y, z, or in cylindrical or spherical coordinates, with coordinates="find"'
         )
     result = {name: np.array(column) for name, column in columns.items()}
     _radial(result, roles)

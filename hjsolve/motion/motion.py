@@ -17,6 +17,7 @@ import sympy as sp
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.arithmetic.number_types import Numbers
+from hjsolve.display.by_value import same
 from hjsolve.display.shown import ShownMotion
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.motion import quantities
@@ -245,6 +246,22 @@ class Motion(ShownMotion):
 
         self._require("angles")
         return angle_variables(self._source, t)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are the same motion of the same system, with the same digits and the same proofs."""
+        if type(other) is not type(self):
+            return NotImplemented
+        one, two = self.separated, other.separated
+        return (
+            one.solution.system == two.solution.system
+            and (one.digits, one.parts, one.t0) == (two.digits, two.parts, two.t0)
+            and same(one.initial.values, two.initial.values)
+            and (self.states is None) == (other.states is None)
+            and same(self.constants, other.constants)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.separated.solution.system, self.separated.digits, self.separated.t0))
 
     def to_units(self, library: object) -> MotionInUnits:
         """Tell the numbers as quantities of pint or astropy, in the units of the system.

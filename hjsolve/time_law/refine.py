@@ -15,7 +15,6 @@ from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.time_law.torus import TorusEquations
 
-
 _MOST_BITS = 900
 """Above, steps underflow in doubles."""
 _MOST_UNEVEN = 1e8
@@ -66,7 +65,9 @@ def _together(
     error, spread = np.array([context.inf] * m, dtype=object), np.full((m, n), np.inf)
     if bits > _MOST_BITS or not m:
         return x, error, spread
-    slopes = np.stack([np.stack([(k == i) + _slope(system, k, i, c) + 0 * c for i, c in enumerate(χ)]) for k in range(n)])
+    slopes = np.stack(
+        [np.stack([(k == i) + _slope(system, k, i, c) + 0 * c for i, c in enumerate(χ)]) for k in range(n)]
+    )
     with np.errstate(all="ignore"):
         good = np.linalg.cond(slopes.transpose(2, 0, 1)) < _MOST_UNEVEN
     open_, last = np.flatnonzero(good), np.full(m, np.inf)

@@ -70,7 +70,7 @@ def test_orbits_without_angular_momentum_have_the_values_of_the_limit(stars, nam
             if group == "angles":
                 difference = np.angle(np.exp(1j * difference))
             assert np.max(np.abs(difference)) < 1e-6, (group, name, difference)
-    assert all(((0 <= angle) & (angle < 2 * np.pi)).all() for name, angle in other.angles.items())
+    assert all(((angle >= 0) & (angle < 2 * np.pi)).all() for name, angle in other.angles.items())
 
 
 def test_what_is_not_known_is_asked_for():

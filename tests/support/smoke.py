@@ -54,9 +54,7 @@ def batch() -> None:
 def found() -> None:
     """Two centres in the plane."""
     V = "-m1/sqrt((x-d)**2+y**2) - m2/sqrt((x+d)**2+y**2)"
-    given = hjsolve.System(
-        {"x": "line", "y": "line"}, "(dot(x)**2+dot(y)**2)/2", V, {"m1": 1, "m2": 2, "d": 1}
-    )
+    given = hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2+dot(y)**2)/2", V, {"m1": 1, "m2": 2, "d": 1})
     holds(hjsolve.solve(given, coordinates="find").chart.kind == "elliptic", "two centres separate in elliptic ones")
 
 
