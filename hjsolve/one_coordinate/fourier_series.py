@@ -190,7 +190,7 @@ def _horner_of_many(coefficients: Numbers, χ: Numbers) -> tuple[Numbers, Number
     """
     if not len(coefficients) or not χ.size:
         return 0 * χ, 0 * χ
-    context = χ.flat[0].context
+    context = cast("Mpf", χ.flat[0]).context
     numbers = [context.convert(c) for c in coefficients]
     largest = max(map(abs, numbers))
     if not largest:

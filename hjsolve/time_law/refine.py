@@ -37,8 +37,8 @@ def on_torus(
     """
     context = multiprecision(bits)
     n, turn = len(system.courses), 2 * context.pi
-    t = np.array(time, dtype=object)
-    goal = [system.starts[k] + system.rates[k] * t - turn * whole[k].astype(object) for k in range(n)]
+    t: Elementwise = np.array(time, dtype=object)
+    goal: list[Numbers] = [system.starts[k] + system.rates[k] * t - turn * whole[k].astype(object) for k in range(n)]
     cut = np.array([float(sum(_left_out(series) for series in row)) for row in system.oscillations])
     x, error, spread = _together(system, goal, χ, cut, context, bits)
     for m in np.flatnonzero(~np.isfinite(error.astype(float))):

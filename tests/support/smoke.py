@@ -92,7 +92,7 @@ def sweep() -> None:
 
 
 def units() -> None:
-    """Quantities of astropy."""
+    """Quantities of astropy and of pint."""
     import astropy.units as u
 
     given = hjsolve.System(
@@ -103,6 +103,9 @@ def units() -> None:
         q={"r": 1 * u.kpc, "theta": 0}, velocity={"r": 0 * u.kpc / u.Myr, "theta": 1.2 / u.Myr}
     )
     near(state.periods["r"].value, PERIOD)
+    import pint
+
+    near(state.to_units(pint.UnitRegistry()).periods["r"].value.magnitude, PERIOD)
 
 
 CALLS: dict[str, tuple[tuple[str, ...], Callable[[], object]]] = {
@@ -119,7 +122,7 @@ CALLS: dict[str, tuple[tuple[str, ...], Callable[[], object]]] = {
     "report": (("matplotlib", "rich"), report),
     "cost": (("flint",), lambda: holds(hjsolve.cost("kepler-planar", seconds=3), "costs are measured")),
     "sweep": (("pyarrow",), sweep),
-    "units": (("astropy",), units),
+    "units": (("astropy", "pint"), units),
     "command line": ((), command),
 }
 
