@@ -29,7 +29,7 @@ from hjsolve.one_coordinate.allowed_regions import others
 from hjsolve.solution.quadratures import Solution
 
 if TYPE_CHECKING:
-    from hjsolve.motion.angle_variables import AngleVariables
+    from hjsolve.motion.angles_along import AngleVariables
     from hjsolve.motion.in_units import MotionInUnits
 
 
@@ -242,7 +242,7 @@ class Motion(ShownMotion):
         Raises:
             InvalidInputError: a time that is no finite real number.
         """
-        from hjsolve.motion.angle_variables import angle_variables
+        from hjsolve.motion.angles_along import angle_variables
 
         self._require("angles")
         return angle_variables(self._source, t)

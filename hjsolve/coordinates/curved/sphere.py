@@ -19,7 +19,7 @@ from hjsolve.coordinates.charts.simplify_potential import ChangeOfVariables
 from hjsolve.coordinates.charts.transform import Cartesian, domain_sign, remark_of, symbol_maker
 from hjsolve.coordinates.curved.embedding import NORMAL, Sphere, agree
 from hjsolve.coordinates.killing.killing_tensors import Kernel, kernel
-from hjsolve.coordinates.webs.flattened import flattened
+from hjsolve.coordinates.webs.expanded_potential import flattened
 from hjsolve.coordinates.webs.orthonormal_frames import sign_by
 from hjsolve.coordinates.webs.spheres import rotation_tensors, sphere_webs
 from hjsolve.coordinates.webs.web import Geometry, Web

@@ -16,7 +16,7 @@ import sympy as sp
 from hjsolve.coordinates.killing.killing_tensors import kernel
 from hjsolve.coordinates.webs.concircular_families import representatives
 from hjsolve.coordinates.webs.describe import in_words
-from hjsolve.coordinates.webs.flattened import flattened
+from hjsolve.coordinates.webs.expanded_potential import flattened
 from hjsolve.coordinates.webs.orthonormal_frames import (
     Sign,
     eigenframe,
