@@ -21,6 +21,7 @@ from hjsolve.solution.quadratures import Solution
 
 _ROUNDING = 2.0**-50
 
+
 @dataclass(frozen=True)
 class AboutAxis:
     """The user's names of R, φ and z, and of x, y, z.

@@ -102,7 +102,9 @@ def test_motions_and_batches_are_equal_by_their_values():
     assert one != solution.motion(**start, digits=20)
     assert one != solution.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.1"})
     batch, same, another = (
-        hjsolve.ensemble("kepler-planar", q={"r": np.ones(2), "theta": 0}, velocity={"r": 0, "theta": v}, want="actions")
+        hjsolve.ensemble(
+            "kepler-planar", q={"r": np.ones(2), "theta": 0}, velocity={"r": 0, "theta": v}, want="actions"
+        )
         for v in (1.2, 1.2, 1.1)
     )
     assert batch == same
@@ -115,7 +117,9 @@ def test_positions_of_a_table_print_as_their_values():
 
     import hjsolve
 
-    state = hjsolve.solve("kepler-planar").motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"}).at(
-        np.linspace(0, 1, 3000)
+    state = (
+        hjsolve.solve("kepler-planar")
+        .motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"})
+        .at(np.linspace(0, 1, 3000))
     )
     assert repr(state.q) == repr({name: state.q[name] for name in state.q})

@@ -68,5 +68,7 @@ def test_other_pythons(version: str, tmp_path: Path) -> None:
     python = shutil.which(f"python{version}")
     if python is None:
         pytest.skip(f"Python {version} is not here")
-    own = environment(python, ["sympy", "mpmath", "numpy", "python-flint", "numba", "rich", "matplotlib"], tmp_path / "it")
+    own = environment(
+        python, ["sympy", "mpmath", "numpy", "python-flint", "numba", "rich", "matplotlib"], tmp_path / "it"
+    )
     assert smoke(own, tmp_path / "code", "-O").count(": ok") >= 12
