@@ -7,11 +7,13 @@ Exit status: 0 an answer · 1 the system does not separate, and the answer is th
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import re
 import sys
 from collections.abc import Sequence
-from contextlib import nullcontext, redirect_stdout
+from contextlib import redirect_stdout
+from typing import TextIO, cast
 
 from hjsolve.command_line import commands
 from hjsolve.command_line.commands import ANSWER, BAD_INPUT, INTERRUPTED, REFUSED, UNSETTLED
@@ -47,15 +49,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         top = command_parser()
         given = _joined(sys.argv[1:] if arguments is None else arguments, top)
-        if not given:
-            top.print_help()
-            return BAD_INPUT
-        with redirect_stdout(VisibleStream(sys.stdout)) if sys.stdout is not None else nullcontext():
-            status = _run(top.parse_args(given))
-        if sys.stdout is not None:  # it is where the stream is closed, as by >&- or without a console
+        with redirect_stdout(_output()):
+            if given:
+                status = _printed(top, given)
+            else:
+                top.print_help()
+                status = BAD_INPUT
             sys.stdout.flush()
-    except SystemExit as exit_request:  # argparse after --help and --version
-        return exit_request.code if isinstance(exit_request.code, int) else ANSWER
     except KeyboardInterrupt:
         return _complain("interrupted; nothing was written", INTERRUPTED)
     except BrokenPipeError:
@@ -68,10 +68,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ClusterError as error:
         return _complain(str(error), UNSETTLED)
     except OSError as error:
+        if error.filename is None and sys.stdout is not None:  # what could not be written is not tried again at the end
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _complain(f"{error.filename or 'output'}: {error.strerror or type(error).__name__}", BAD_INPUT)
     except (HJSolveError, *FAULTS) as error:
         return _complain(_fault(error), UNSETTLED)
     return status
+
+
+def _output() -> TextIO:
+    """Where a command prints; nowhere where the stream is closed, as by ``>&-`` or without a console."""
+    return cast("TextIO", VisibleStream(sys.stdout if sys.stdout is not None else io.StringIO()))
+
+
+def _printed(top: argparse.ArgumentParser, given: Sequence[str]) -> int:
+    """Run a command; ``--help`` and ``--version`` of argparse end by an exception."""
+    try:
+        return _run(top.parse_args(given))
+    except SystemExit as exit_request:
+        return exit_request.code if isinstance(exit_request.code, int) else ANSWER
 
 
 def _joined(arguments: Sequence[str], top: argparse.ArgumentParser) -> list[str]:

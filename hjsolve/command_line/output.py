@@ -16,6 +16,7 @@ class VisibleStream:
 
     def __init__(self, stream: TextIO):
         self._stream = stream
+        self._failed: OSError | None = None
 
     def write(self, text: str) -> int:
         """Write a text.
@@ -23,7 +24,21 @@ class VisibleStream:
         Args:
             text: any.
         """
-        return self._stream.write(visible(text))
+        try:
+            return self._stream.write(visible(text))
+        except OSError as error:  # argparse would pass over it
+            self._failed = error
+            raise
+
+    def flush(self) -> None:
+        """Write what is held back.
+
+        Raises:
+            OSError: now, or when something was written before.
+        """
+        if self._failed is not None:
+            raise self._failed
+        self._stream.flush()
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)

@@ -14,16 +14,12 @@ import sympy as sp
 
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.coordinates.charts.curvilinear import AZIMUTH, FROM_AXIS, HEIGHT, CurvilinearMap
-from hjsolve.errors import InvalidInputError
+from hjsolve.coordinates.charts.outer_map import flat_map
 from hjsolve.motion.velocity_frame import ORTHONORMAL
 from hjsolve.separation import Zero, is_zero
 from hjsolve.solution.quadratures import Solution
 
 _ROUNDING = 2.0**-50
-_HOW = (
-    "coordinates: ensembles in coordinates that were found are started in x, y, z, or from columns of stars in "
-    'cylindrical coordinates with velocity_frame="orthonormal" (v_R, v_T, v_z), which nothing rounds'
-)
 
 
 @dataclass(frozen=True)
@@ -76,20 +72,17 @@ def about_axis(solution: Solution, frame: str) -> AboutAxis | None:
     Args:
         solution: in coordinates that were found.
         frame: of the velocities.
-
-    Raises:
-        InvalidInputError: starts of such a system would be rounded.
     """
     outer = None if solution.chart is None else solution.chart.outer
     if solution.chart is None or not isinstance(outer, CurvilinearMap):
         return None
     names = dict(zip(outer.roles, (c.name for c in solution.chart.original.coordinates), strict=True))
     if set(names) != {FROM_AXIS, AZIMUTH, HEIGHT} or frame != ORTHONORMAL:
-        raise InvalidInputError(_HOW)
+        return None
     x, y = (c.symbol for c in outer.space.coordinates[:2])
     V = outer.space.potential
     if not isinstance(is_zero(x * sp.diff(V, y) - y * sp.diff(V, x)), Zero):
-        raise InvalidInputError(f"{_HOW}, where V is symmetric about the axis; this one is not")
+        return None
     own = solution.chart.coordinates[-1]
     standing = solution.chart.frame == sp.eye(3) and solution.chart.origin[0] == 0 == solution.chart.origin[1]
     turns = standing and solution.system.coordinate(own).domain.kind == "angle"
@@ -106,4 +99,4 @@ def solved_in_space(solution: Solution) -> Solution:
     assert solution.chart is not None
     outer = solution.chart.outer
     assert isinstance(outer, CurvilinearMap)
-    return replace(solution, chart=replace(solution.chart, original=outer.space))
+    return replace(solution, chart=replace(solution.chart, original=outer.space, outer=flat_map(outer.space)))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hjsolve.display.by_value import ByValue
 from hjsolve.display.renderers import renderer
 from hjsolve.ensembles.batch_html import batch_as_html
 from hjsolve.ensembles.export import arrow_table, pandas_frame, write_parquet, xarray_dataset
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Batch(OrbitColumns):
+class Batch(ByValue, OrbitColumns):
     """The numbers of many orbits; numpy arrays, or dask arrays where dask arrays came in, all of one shape.
 
     ``actions``, ``frequencies``, ``periods``, ``angles``, ``constants`` map names to arrays, ``turning_points`` to
@@ -69,6 +70,22 @@ class Batch(OrbitColumns):
         if self.layout.solution is None:
             raise InvalidInputError('to_units: the system declares no units; System(…, units={"r": "kpc", "t": "Myr"})')
         return BatchInUnits(self.compute(), measures_of(self.layout.solution, library))
+
+    def in_conventions(self, program: str) -> Batch:
+        """Return the batch with actions, frequencies and angles counted as another program counts them.
+
+        Args:
+            program: ``"galpy"``: angles in [0, 2π), the vertical one from where the orbit crosses the plane z = 0
+                upward; of orbits with L_z = 0 the values of the limit L_z → 0 (J_r is half of what it is here).
+
+        Raises:
+            InvalidInputError: another program, a system that is not known to be symmetric about the z axis, or orbits
+                with L_z = 0 without ``"actions"`` and ``"turning_points"`` in ``want``.
+        """
+        from hjsolve.ensembles.conventions import in_conventions_of
+
+        known = self.compute()
+        return Batch(in_conventions_of(program, dict(known.columns), self.layout.roles), self.layout, self.shape)
 
     def plot(self, x: str | None = None, y: str | None = None, *, colour: str | None = None, ax: Any = None) -> Any:
         """Draw one number of the orbits against another with matplotlib (extra ``report``), a point an orbit.

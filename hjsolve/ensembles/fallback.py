@@ -13,14 +13,9 @@ from hjsolve.ensembles.layout import ERROR, Layout
 from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
 from hjsolve.motion.charted.in_a_plane import MotionInPlane
 from hjsolve.motion.motion import Motion
-from hjsolve.motion.positions import constant_index
 from hjsolve.one_coordinate.coordinate_motion import AtRest
 from hjsolve.precision import shared_libraries
 from hjsolve.solution.quadratures import Solution
-from hjsolve.time_law.torus import TorusEquations, oscillation
-
-_ANGLE_ROUNDING = 2.0**-48
-"""An angle is reduced, summed and rounded in doubles of size up to 2π: a few 2⁻⁵⁰."""
 
 _TIMELESS = ("constants", "turning_points", "actions")
 _KINDS = {"escape": Status.UNBOUNDED, "asymptotic": Status.ASYMPTOTIC, "boundary": Status.REACHES_BOUNDARY}
@@ -97,28 +92,4 @@ def _angles(motion: Motion) -> dict[str, Estimate]:
     if not motion.frequencies:
         return {}
     values = motion.angles(motion.t0)
-    return {name: Estimate(float(value), _angle_error(motion, name)) for name, value in values.items()}
-
-
-def _angle_error(motion: Motion, name: str) -> float:
-    """Rounding of the angle, and of the oscillations between it and the phases, which are summed in doubles.
-
-    An oscillation is a periodic series; its slope at the phase, found by moving it, multiplies the rounding of the
-    phase.
-    """
-    torus = motion.separated.equations
-    if not isinstance(torus, TorusEquations):
-        return _ANGLE_ROUNDING
-    if name in motion.separated.located:
-        oscillations = torus.oscillations[list(motion.solution.coordinates).index(name)]
-    else:
-        j = constant_index(motion.separated, name)
-        oscillations = tuple(oscillation(torus, i, j) for i in range(len(torus.courses)))
-    error = _ANGLE_ROUNDING
-    for series, course in zip(oscillations, torus.courses, strict=True):
-        if len(series.cosines):
-            phase = float(course.start)
-            step = 2.0**-50 * max(1.0, abs(phase))
-            moved = series.oscillation(np.array([phase - step, phase, phase + step]))
-            error += 2 * float(np.ptp(moved)) + 2.0**-50 * float(np.sum(np.abs(series.cosines)))
-    return error
+    return {name: Estimate(float(value), float(values.error[name])) for name, value in values.items()}

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from hjsolve import arguments
 from hjsolve.catalog.schema import nearest
+from hjsolve.ensembles.conventions import AxialRoles, axial_roles
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.wanted import OF_MANY_ORBITS
 from hjsolve.solution.quadratures import Solution
@@ -25,10 +26,12 @@ class Layout:
     Attributes:
         names: wanted quantity → the coordinates (constants) it has values for; in the order of ``QUANTITIES``.
         solution: of the system, where that declares units.
+        roles: of the coordinates of an axially symmetric system.
     """
 
     names: Mapping[str, tuple[str, ...]]
     solution: Solution | None = field(default=None, repr=False, compare=False)
+    roles: AxialRoles | None = field(default=None, repr=False, compare=False)
 
     @property
     def want(self) -> tuple[str, ...]:
@@ -84,4 +87,8 @@ def layout_of(solution: Solution, want: Iterable[str] | str | None) -> Layout:
     names["constants"] = tuple(solution.constants)
     names["turning_points"] = tuple(solution.coordinates)
     system = solution.system if solution.chart is None else solution.chart.original
-    return Layout({quantity: names[quantity] for quantity in wanted(want)}, solution if system.declared_units else None)
+    return Layout(
+        {quantity: names[quantity] for quantity in wanted(want)},
+        solution if system.declared_units else None,
+        axial_roles(solution),
+    )

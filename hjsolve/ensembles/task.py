@@ -129,7 +129,7 @@ def _chart(task: EnsembleTask, solution: Solution, engine: batch.Engine) -> Char
     if solution.chart is None:
         return None
     values = {solution.system.symbols[name]: value for name, value in task.parameters}
-    return chart_map(solution, engine.model, values, task.kind)
+    return chart_map(solution, engine.model, values, task.kind, task.frame)
 
 
 def _bounds(task: EnsembleTask) -> list[DomainEnd]:

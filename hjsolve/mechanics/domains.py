@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import sympy as sp
@@ -26,11 +26,13 @@ class Domain:
         kind: ``line`` (−∞ < q < ∞), ``angle`` (of period 2π), or ``interval``.
         lower: the open lower end of an interval; None where it has none.
         upper: the open upper end of an interval; None where it has none.
+        closed: ends that were written with ``<=``; they have to be an axis or a pole of T (``check_closed_ends``).
     """
 
     kind: Literal["line", "angle", "interval"]
     lower: sp.Expr | None = None
     upper: sp.Expr | None = None
+    closed: tuple[sp.Expr, ...] = field(default=(), compare=False)
 
     def written(self, name: str) -> str:
         """The text that declares this domain for the coordinate ``name``, e.g. ``0 < r``.
@@ -57,7 +59,8 @@ def read_domain(name: str, text: object, parameters: Mapping[str, sp.Expr]) -> D
 
     Args:
         name: the coordinate.
-        text: ``line``, ``angle``, or an inequality such as ``0 < r``, ``r > 0``, ``-a < x < a``; ends are open.
+        text: ``line``, ``angle``, or an inequality such as ``0 < r``, ``r > 0``, ``-a < x < a``; ends are open. An
+            axis or a pole may be written as an end that is included: ``0 <= R``, ``0 <= theta <= pi``.
         parameters: the names that bounds may use.
 
     Raises:
@@ -70,9 +73,12 @@ def read_domain(name: str, text: object, parameters: Mapping[str, sp.Expr]) -> D
     if word in ("line", "angle"):
         return Domain(kind="line" if word == "line" else "angle")
     shown = printable(word[:60])
-    if re.search(r"[≤≥=]", word):
-        advice = 'write "angle" for a full turn' if "2*pi" in word else "an end is never reached; write < or >"
-        raise InvalidSystemError(f'domain of {name}: "{shown}" includes an end, and domains are open; {advice}')
+    strict = word.replace("≤", "<=").replace("≥", ">=")
+    if "=" in re.sub(r"[<>]=", "", strict) or ("=" in strict and "2*pi" in word.replace(" ", "")):
+        advice = 'write "angle" for a full turn' if "pi" in word else f"write {_EXAMPLES}"
+        raise InvalidSystemError(f'domain of {name}: "{shown}" is not a domain; {advice}')
+    included = [relation.endswith("=") for relation in re.findall(r"[<>]=?", strict)]
+    word = strict.replace("=", "")
     sides = [ascii_name(side.strip()) for side in re.split(r"[<>]", word)]
     signs = set(re.findall(r"[<>]", word))
     if len(sides) not in (2, 3) or len(signs) != 1 or not all(side.strip() for side in sides):
@@ -81,7 +87,11 @@ def read_domain(name: str, text: object, parameters: Mapping[str, sp.Expr]) -> D
         raise InvalidSystemError(f'domain of {name}: "{shown}" is not a domain; {hint}')
     if signs == {">"}:
         sides.reverse()
-    return _interval(name, [side.strip() for side in sides], shown, parameters)
+        included.reverse()
+    domain = _interval(name, [side.strip() for side in sides], shown, parameters)
+    ends = [domain.lower, domain.upper] if len(sides) == 3 else [domain.lower if sides[1] == name else domain.upper]
+    closed = tuple(end for end, inside in zip(ends, included, strict=True) if inside and end is not None)
+    return replace(domain, closed=closed)
 
 
 def _interval(name: str, sides: list[str], shown: str, parameters: Mapping[str, sp.Expr]) -> Domain:

@@ -20,6 +20,7 @@ from hjsolve.display.shown import Shown, as_call, cut
 from hjsolve.errors import InvalidSystemError, MissingValueError
 from hjsolve.formulas.point_values import NoValueError, evaluate
 from hjsolve.mechanics.canonical_functions import energy, right_hand_side
+from hjsolve.mechanics.closed_ends import check_closed_ends
 from hjsolve.mechanics.coordinates_and_parameters import (
     Coordinate,
     Parameter,
@@ -257,6 +258,7 @@ def _check_values(system: System) -> None:
         ends = [end for end in (c.domain.lower, c.domain.upper) if end is not None]
         if all(end.free_symbols <= defaults.keys() for end in ends):
             _check_ends(c, defaults)
+    check_closed_ends(mass_matrix(system), system.coordinates)
     check_mass_matrix(mass_matrix(system), system.coordinates, system.parameters, system.signature)
     refuse_turns_that_differ(system, system.parameters)
 

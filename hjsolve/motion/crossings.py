@@ -1,4 +1,4 @@
-"""t(q): when a coordinate passes a place, reaches an end of its domain, and the angle variables."""
+"""t(q): when a coordinate passes a position or reaches an end of its domain."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hjsolve import arguments
-from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Numbers
@@ -19,20 +18,12 @@ from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionEr
 from hjsolve.formulas.read import number
 from hjsolve.motion.coupled_crossing import coupled_crossing_time
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.motion.phases import phases_at, solve_phases
-from hjsolve.motion.positions import constant_index, principal_values
-from hjsolve.motion.shapes import shaped
+from hjsolve.motion.phases import solve_phases
 from hjsolve.motion.state_at import state_at_times
-from hjsolve.motion.times import exact_numbers, read_times, whole_numbers
-from hjsolve.one_coordinate.anomaly import Rotation, TwoBarrierAnomaly
+from hjsolve.motion.times import exact_numbers
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic
-from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.one_coordinate.open_branch import farthest
-from hjsolve.one_coordinate.resting_motion import AtRest
-from hjsolve.one_coordinate.stretched_anomaly import Stretched
 from hjsolve.time_law.open_motion import DecoupledStep
-from hjsolve.time_law.phase_reduction import turns_and_rest
-from hjsolve.time_law.torus import mean_rate, oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -321,52 +312,4 @@ def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
             phase = course.branches[0].way.last(context) or context.mpf(farthest(motion.digits))
             with suppress(OutsideMotionError):  # the others run away before, in a time of its own that ends
                 result[name] = _shifted(motion, *_elapsed(motion, k, phase))
-    return result
-
-
-def _begin_of_angle(course: Periodic | AtRest) -> float:
-    """The phase from which an angle is counted: of a rotation that of the place opposite to its highest barrier."""
-    if not isinstance(course, Periodic):
-        return 0.0
-    anomaly = course.anomaly.inner if isinstance(course.anomaly, Stretched) else course.anomaly
-    if not isinstance(anomaly, Rotation | TwoBarrierAnomaly):
-        return 0.0
-    arithmetic = Multi(160)
-    return float(course.anomaly.phase(arithmetic.convert(anomaly.slow) + arithmetic.pi(), 1, arithmetic))
-
-
-def _ripple(series: FourierSeries, phase: float) -> float:
-    return float(series.oscillation(np.array([phase]))[0]) if len(series.cosines) and phase else 0.0
-
-
-def angle_variables(motion: SeparatedMotion, t: object) -> dict[str, Numbers | float | Mpf]:
-    """Return θ = θ₀ + Ω (t − t₀) in (−π, π]; see ``Motion.angles``.
-
-    Args:
-        motion: the one looked at.
-        t: a time or an array of times.
-    """
-    torus = motion.torus
-    shape, floats, exact = read_times(t)
-    phases = phases_at(motion, floats, exact)
-    begins = [_begin_of_angle(course) for course in torus.courses] if torus is not None else []
-    result = {}
-    for name, frequency in motion.frequencies.items():
-        if torus is None:
-            continue
-        if name in motion.located:
-            k = list(motion.solution.coordinates).index(name)
-            rate, start = torus.rates[k], torus.starts[k] - begins[k]
-            start -= sum(_ripple(torus.oscillations[k][i], begin) for i, begin in enumerate(begins))
-        else:
-            j = constant_index(motion, name)
-            rate = mean_rate(torus, j)
-            start = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(160)
-            for i, course in enumerate(torus.courses):
-                series = oscillation(torus, i, j)
-                start -= _ripple(series, float(course.start)) - _ripple(series, begins[i])
-        whole, rest = turns_and_rest(split(rate / (2 * multiprecision(160).pi)), phases.time)
-        whole_numbers(whole)
-        direction = 1 if float(frequency.value) * float(rate) > 0 else -1
-        result[name] = shaped(principal_values(direction * (2 * np.pi * rest + float(start)))[0], shape)
     return result

@@ -16,7 +16,8 @@ import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
-from hjsolve.arithmetic.number_types import Mpf, Numbers
+from hjsolve.arithmetic.number_types import Numbers
+from hjsolve.display.by_value import same
 from hjsolve.display.shown import ShownMotion
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.motion import quantities
@@ -28,6 +29,7 @@ from hjsolve.one_coordinate.allowed_regions import others
 from hjsolve.solution.quadratures import Solution
 
 if TYPE_CHECKING:
+    from hjsolve.motion.angles_along import AngleVariables
     from hjsolve.motion.in_units import MotionInUnits
 
 
@@ -224,7 +226,7 @@ class Motion(ShownMotion):
         times = crossing_times(self._source, along, values)
         return self.at(times).unwrapped(name)
 
-    def angles(self, t: object) -> dict[str, Numbers | float | Mpf]:
+    def angles(self, t: object) -> AngleVariables:
         """Return the angle variables θ = θ₀ + Ω (t − t₀), in (−π, π], of every coordinate that has a frequency.
 
         All θ are zero where librations stand at their lower turning points and rotations opposite to their highest
@@ -234,12 +236,32 @@ class Motion(ShownMotion):
             t: a time or an array of times.
 
         Returns:
-            Coordinate → angle in radians; a number for one time, else an array of the shape of t.
+            Coordinate → angle in radians; a number for one time, else an array of the shape of t. ``.error`` holds
+            the bounds on their errors, modulo 2π.
+
+        Raises:
+            InvalidInputError: a time that is no finite real number.
         """
-        from hjsolve.motion.crossings import angle_variables
+        from hjsolve.motion.angles_along import angle_variables
 
         self._require("angles")
         return angle_variables(self._source, t)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are the same motion of the same system, with the same digits and the same proofs."""
+        if type(other) is not type(self):
+            return NotImplemented
+        one, two = self.separated, other.separated
+        return (
+            one.solution.system == two.solution.system
+            and (one.digits, one.parts, one.t0) == (two.digits, two.parts, two.t0)
+            and same(one.initial.values, two.initial.values)
+            and (self.states is None) == (other.states is None)
+            and same(self.constants, other.constants)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.separated.solution.system, self.separated.digits, self.separated.t0))
 
     def to_units(self, library: object) -> MotionInUnits:
         """Tell the numbers as quantities of pint or astropy, in the units of the system.

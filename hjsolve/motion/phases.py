@@ -53,6 +53,30 @@ def phases_at(
         exact: rules that give each t in any number of binary digits.
         time: t − t₀ as two doubles, where it is known already.
     """
+    many = motion.digits > 15
+    relative_time, precise, bits = times_at(motion, floats, exact, doubles=time is None)
+    time = relative_time if time is None else time
+    χ, whole, errors, ended = solve_phases(motion, within_doubles(time))
+    for cycles in whole:
+        whole_numbers(cycles)
+    χ = [_where_it_goes_on(ended, x, c) for x, c in zip(χ, _courses(motion), strict=True)]
+    if many and precise:
+        refined, errors_left = _refined_where(~ended, motion, χ, whole, precise, bits)
+        return Phases(time, precise, refined, whole, errors_left, ended)
+    return Phases(time, precise if many else None, χ, whole, errors, ended)
+
+
+def times_at(
+    motion: SeparatedMotion, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]], *, doubles: bool = True
+) -> tuple[tuple[Reals, Reals], list[Mpf], int]:
+    """Return t − t₀ as two doubles, in many digits (empty where doubles are enough), and the bits of these.
+
+    Args:
+        motion: the one looked at.
+        floats: t as a double array of shape (m,), where all times are finite floats; None otherwise.
+        exact: rules that give each t in any number of binary digits.
+        doubles: whether the two doubles are wanted.
+    """
     start = to_bits(motion.t0)
     many = motion.digits > 15
     bits = bits_for(motion.digits, 96)
@@ -64,17 +88,10 @@ def phases_at(
         rate = max((abs(f.value) for f in motion.frequencies.values()), default=0.0)
         bits += max(0, int(np.log2(min(largest * float(rate), 1e300) + 1.0)))
     rules = exact if floats is None else [_rule(x) for x in floats] if many else []
-    precise = relative_exact(rules, start, bits) if rules else None
-    if time is None:
-        time = relative(floats, start) if floats is not None else halves(precise or [])
-    χ, whole, errors, ended = solve_phases(motion, within_doubles(time))
-    for cycles in whole:
-        whole_numbers(cycles)
-    χ = [_where_it_goes_on(ended, x, c) for x, c in zip(χ, _courses(motion), strict=True)]
-    if many and precise is not None:
-        refined, errors_left = _refined_where(~ended, motion, χ, whole, precise, bits)
-        return Phases(time, precise, refined, whole, errors_left, ended)
-    return Phases(time, precise if many else None, χ, whole, errors, ended)
+    precise = relative_exact(rules, start, bits) if rules else []
+    if not doubles:
+        return (np.zeros(0), np.zeros(0)), precise, bits
+    return relative(floats, start) if floats is not None else halves(precise), precise, bits
 
 
 def solve_phases(

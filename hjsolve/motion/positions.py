@@ -267,7 +267,7 @@ def _grown_from(
 def _rise(series: FourierSeries, χ: Numbers, start: Mpf | int) -> Numbers:
     """Ripple at χ minus ripple at the start."""
     if χ.dtype == object:
-        return np.array([series.oscillation(x) for x in χ], dtype=object) - series.oscillation(start)
+        return series.oscillation(χ) - series.oscillation(start)
     return series.oscillation(χ) - series.oscillation(np.array([float(start)]))
 
 

@@ -65,7 +65,7 @@ class OnDemand(Mapping[str, T]):
         return dict, (dict(self),)
 
     def __repr__(self) -> str:
-        return f"OnDemand({', '.join(self._names)})"
+        return repr(dict(self))
 
 
 @dataclass(frozen=True, eq=False)

@@ -98,7 +98,7 @@ class Periodic(KindOfMotion):
             χ: phases, shape (m,).
         """
         mean = self.kernels[j].mean
-        return (float(mean) if χ.dtype == float else mean) * χ + elementwise(self.kernels[j].oscillation, χ, 1)
+        return (float(mean) if χ.dtype == float else mean) * χ + self.kernels[j].oscillation(χ)
 
     def rate(self, j: int, χ: Numbers) -> Numbers:
         """Return dGⱼ/dχ.
@@ -107,7 +107,7 @@ class Periodic(KindOfMotion):
             j: position of the constant.
             χ: phases, shape (m,).
         """
-        return elementwise(self.kernels[j].value, χ, 1)
+        return self.kernels[j].value(χ)
 
     def growth(self, j: int) -> float | Mpf:
         """Return the growth of Gⱼ per unit phase, in the mean.
@@ -144,7 +144,7 @@ class Periodic(KindOfMotion):
         assert series is not None  # it was asked for
         mean: Elementwise = float(series.mean) if χ.dtype == float else series.mean
         size = abs(mean) * abs(χ) + float(np.sum(np.abs(series.cosines.astype(float))))
-        return mean * χ + elementwise(series.oscillation, χ, 1), abs(elementwise(series.value, χ, 1)), size
+        return mean * χ + series.oscillation(χ), abs(series.value(χ)), size
 
     def rounding_size(self, weights: Weights, χ: Reals) -> Reals:
         """Return what the rounding of Σ wⱼ Gⱼ(χ) is relative to: the growth, and all the terms of the series.
@@ -252,11 +252,13 @@ class Periodic(KindOfMotion):
         return total / self.ratio(χ) * self.anomaly.slope_at(χ)
 
     def ratio(self, χ: Elementwise) -> Elementwise:
-        """Return p/(dq/dχ) to full relative accuracy; χ a float array or one ``mpf``.
+        """Return p/(dq/dχ) to full relative accuracy.
 
         Args:
-            χ: phase.
+            χ: phase; one ``mpf``, or an array of doubles or of ``mpf``.
         """
+        if isinstance(χ, np.ndarray) and χ.dtype == object:
+            return elementwise(lambda x: x.context.exp(x), self.momentum.value(χ), 1)
         if (context := context_of(χ)) is not None:
             return context.exp(self.momentum.value(χ))
         rest = replace(self.momentum, mean=0.0)
@@ -322,7 +324,8 @@ class Periodic(KindOfMotion):
 
         def at(x: Elementwise) -> tuple[Elementwise, Elementwise]:
             place = anomaly.place(x, arithmetic)
-            return place.q, self.ratio(x) * place.speed
+            return place.q, place.speed
 
-        q, p = elementwise(at, rest, 2)
+        q, speed = elementwise(at, rest, 2)
+        p = self.ratio(rest) * speed
         return (q, p) if self.anomaly.even else (q + self.anomaly.direction * 2 * pi * turn, p)

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hjsolve.arithmetic.floats import multiprecision
-from hjsolve.arithmetic.number_types import Context, Counts, Mpf, MpfMatrix, Numbers, Reals
+from hjsolve.arithmetic.number_types import Context, Counts, Elementwise, Mpf, MpfMatrix, Numbers, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.time_law.torus import TorusEquations
+
+_MOST_BITS = 900
+"""Above, steps underflow in doubles."""
+_MOST_UNEVEN = 1e8
+"""Condition of the slopes up to which steps with slopes in doubles contract."""
 
 
 def on_torus(
@@ -31,24 +37,75 @@ def on_torus(
     """
     context = multiprecision(bits)
     n, turn = len(system.courses), 2 * context.pi
-    result = [np.empty(len(time), dtype=object) for _ in range(n)]
-    bounds = [np.empty(len(time), dtype=object) for _ in range(n)]
-    cut = context.matrix([sum(_left_out(series) for series in row) for row in system.oscillations])
-    for m, t in enumerate(time):
-        goal = [system.starts[k] + system.rates[k] * t - turn * int(whole[k][m]) for k in range(n)]
-
-        def equations(x: list[Mpf], goal: list[Mpf] = goal) -> tuple[MpfMatrix, MpfMatrix]:
-            residual = context.matrix(
-                [x[k] - goal[k] + sum(_ripple(system, k, i, x[i]) for i in range(n)) for k in range(n)]
-            )
-            slopes = context.matrix([[(k == i) + _slope(system, k, i, x[i]) for i in range(n)] for k in range(n)])
-            return residual, slopes
-
-        x, error = _newton(equations, [context.convert(float(χ[k][m])) for k in range(n)], context, bits)
-        spread = (equations(x)[1] ** -1).apply(abs) * cut
+    t: Elementwise = np.array(time, dtype=object)
+    goal: list[Numbers] = [system.starts[k] + system.rates[k] * t - turn * whole[k].astype(object) for k in range(n)]
+    cut = np.array([float(sum(_left_out(series) for series in row)) for row in system.oscillations])
+    x, error, spread = _together(system, goal, χ, cut, context, bits)
+    for m in np.flatnonzero(~np.isfinite(error.astype(float))):
+        one = [goal[k][m] for k in range(n)]
+        place, left, inverse = _alone(system, one, [float(χ[k][m]) for k in range(n)], context, bits)
+        error[m] = left
         for k in range(n):
-            result[k][m], bounds[k][m] = x[k], error + spread[k]
-    return result, bounds
+            x[k][m], spread[m, k] = place[k], float(sum(abs(inverse[k, i]) * cut[i] for i in range(n)))
+    return x, [error + spread[:, k] for k in range(n)]
+
+
+def _together(
+    system: TorusEquations, goal: list[Numbers], χ: list[Reals], cut: Reals, context: Context, bits: int
+) -> tuple[list[Numbers], Numbers, Reals]:
+    """Take steps at all times at once, with slopes in doubles: each one brings some fifteen digits.
+
+    Returns:
+        The phases, bounds on what the steps leave, infinite where they do not contract, and what the terms that the
+        series lack do to the phases, shape (m, n).
+    """
+    n, m = len(goal), len(goal[0])
+    as_digits = np.frompyfunc(lambda v: context.mpf(float(v)), 1, 1)
+    x = [as_digits(c) for c in χ]
+    error, spread = np.array([context.inf] * m, dtype=object), np.full((m, n), np.inf)
+    if bits > _MOST_BITS or not m:
+        return x, error, spread
+    slopes = np.stack(
+        [np.stack([(k == i) + _slope(system, k, i, c) + 0 * c for i, c in enumerate(χ)]) for k in range(n)]
+    )
+    with np.errstate(all="ignore"):
+        good = np.linalg.cond(slopes.transpose(2, 0, 1)) < _MOST_UNEVEN
+    open_, last = np.flatnonzero(good), np.full(m, np.inf)
+    inverse = np.linalg.inv(slopes[:, :, open_].transpose(2, 0, 1))
+    spread[open_] = np.abs(inverse) @ cut
+    least = 2.0 ** (12 - bits)
+    for _ in range(4 + bits // 24):
+        if not len(open_):
+            break
+        at = [c[open_] for c in x]
+        residual = [at[k] - goal[k][open_] + sum(_ripple(system, k, i, at[i]) for i in range(n)) for k in range(n)]
+        step = (inverse @ np.stack([r.astype(float) for r in residual], axis=1)[:, :, None])[:, :, 0]
+        size = np.max(np.abs(step), axis=1)
+        for k in range(n):
+            x[k][open_] = at[k] - as_digits(step[:, k])
+        done = (size < least) & (size <= last[open_] / 4)
+        error[open_[done]] = context.mpf(4 * least)
+        going = ~done & (size <= last[open_] / 4)  # those that do not contract are left to Newton's method
+        last[open_] = size
+        open_, inverse = open_[going], inverse[going]
+    return x, error, spread
+
+
+def _alone(
+    system: TorusEquations, goal: list[Mpf], χ: list[float], context: Context, bits: int
+) -> tuple[list[Mpf], Mpf, MpfMatrix]:
+    """One time by Newton's method in many digits: the phases, a bound, and the inverse of the slopes there."""
+    n = len(goal)
+
+    def equations(x: list[Mpf]) -> tuple[MpfMatrix, MpfMatrix]:
+        residual = context.matrix(
+            [x[k] - goal[k] + sum(_ripple(system, k, i, x[i]) for i in range(n)) for k in range(n)]
+        )
+        slopes = context.matrix([[(k == i) + _slope(system, k, i, x[i]) for i in range(n)] for k in range(n)])
+        return residual, slopes
+
+    x, error = _newton(equations, [context.convert(c) for c in χ], context, bits)
+    return x, error, equations(x)[1] ** -1
 
 
 def _left_out(series: FourierSeries) -> Mpf | int:
@@ -59,14 +116,14 @@ def _left_out(series: FourierSeries) -> Mpf | int:
     return 2 * series.tail * (abs(series.mean) + sum(map(abs, series.cosines)) + sum(map(abs, sines)))
 
 
-def _ripple(system: TorusEquations, k: int, i: int, x: Mpf) -> Mpf | int:
+def _ripple(system: TorusEquations, k: int, i: int, x: Elementwise) -> Elementwise:
     series = system.oscillations[k][i]
     return series.oscillation(x) if len(series.cosines) else 0
 
 
-def _slope(system: TorusEquations, k: int, i: int, x: Mpf) -> Mpf | int:
+def _slope(system: TorusEquations, k: int, i: int, x: Elementwise) -> Elementwise:
     series = system.oscillations[k][i]
-    return series.value(x) - series.mean if len(series.cosines) else 0
+    return replace(series, mean=0 * series.mean).value(x) if len(series.cosines) else 0
 
 
 def unbounded(

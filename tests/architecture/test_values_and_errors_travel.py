@@ -87,3 +87,39 @@ def test_a_motion_in_units_of_pint_can_be_pickled_and_copied():
     assert again.periods["r"].value.magnitude == motion.periods["r"].value.magnitude
     assert str(again.periods["r"].value.units) == str(motion.periods["r"].value.units)
     assert copy.deepcopy(motion).measures.library.registry is registry
+
+
+def test_motions_and_batches_are_equal_by_their_values():
+    import numpy as np
+
+    import hjsolve
+
+    start = {"q": {"r": 1, "theta": 0}, "velocity": {"r": 0, "theta": "1.2"}}
+    solution = hjsolve.solve("kepler-planar")
+    one, other = solution.motion(**start), solution.motion(**start)
+    assert one == other
+    assert hash(one) == hash(other)
+    assert one != solution.motion(**start, digits=20)
+    assert one != solution.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.1"})
+    batch, same, another = (
+        hjsolve.ensemble(
+            "kepler-planar", q={"r": np.ones(2), "theta": 0}, velocity={"r": 0, "theta": v}, want="actions"
+        )
+        for v in (1.2, 1.2, 1.1)
+    )
+    assert batch == same
+    assert batch != another
+
+
+def test_positions_of_a_table_print_as_their_values():
+    """``print(state.q)`` showed ``OnDemand(r, theta)``."""
+    import numpy as np
+
+    import hjsolve
+
+    state = (
+        hjsolve.solve("kepler-planar")
+        .motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"})
+        .at(np.linspace(0, 1, 3000))
+    )
+    assert repr(state.q) == repr({name: state.q[name] for name in state.q})

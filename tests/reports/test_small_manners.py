@@ -1,5 +1,7 @@
 """Small things a reader sees at once: letters in italics, numbers typeset, columns that say something, exact places."""
 
+from pathlib import Path
+
 import pytest
 
 import hjsolve
@@ -16,8 +18,18 @@ def said(text, names=()):
 
 
 def test_letters_of_the_system_are_formulas_and_words_are_not():
-    assert said("T and V do not contain t, phi, so W is linear in x", ("t", "phi", "x")) == ["T", "V", "t", "φ", "W", "x"]
-    assert said("a bound orbit, e.g. d'Alembert's; 5 m deep, a T-shaped beam; M. V. Berry", ("a", "e", "g", "d", "s", "m")) == []
+    assert said("T and V do not contain t, phi, so W is linear in x", ("t", "phi", "x")) == [
+        "T",
+        "V",
+        "t",
+        "φ",
+        "W",
+        "x",
+    ]
+    assert (
+        said("a bound orbit, e.g. d'Alembert's; 5 m deep, a T-shaped beam; M. V. Berry", ("a", "e", "g", "d", "s", "m"))
+        == []
+    )
     assert said("L_1 and L_2 vanish, a_jt is not zero; hjsolve.find_coordinates") == ["L₁", "L₂", "aⱼₜ"]
 
 
@@ -33,7 +45,8 @@ def test_a_column_that_is_empty_is_left_out():
 
 
 @pytest.mark.parametrize(
-    ("name", "expected"), [("harmonic-oscillator", ["-1", "1"]), ("parabola", ["-0.5", "0.5"]), ("kepler-planar", ["1", ""])]
+    ("name", "expected"),
+    [("harmonic-oscillator", ["-1", "1"]), ("parabola", ["-0.5", "0.5"]), ("kepler-planar", ["1", ""])],
 )
 def test_turning_points_that_are_short_decimals_are_exact(name, expected):
     motion = hjsolve.solve(name).motion(**hjsolve.catalog.describe(name).initial.arguments)
@@ -49,3 +62,14 @@ def test_an_estimate_beside_a_short_decimal_stays_one():
     table = next(b for b in numbers_section(motion).blocks if isinstance(b, Table) and b.caption == "Turning points")
     assert all(piece.error for cell in table.rows[0][1:] for piece in cell if isinstance(piece, Number))
     assert not any(isinstance(piece, Code) for cell in table.rows[0] for piece in cell)
+
+
+def test_reports_are_the_same_byte_for_byte_where_asked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They held durations."""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "0")
+    pages = []
+    for name in ("a.html", "b.html"):
+        hjsolve.report("free-particle", tmp_path / name, brief=True)
+        pages.append((tmp_path / name).read_bytes())
+    assert pages[0] == pages[1]
+    assert b"Time spent" not in pages[0]

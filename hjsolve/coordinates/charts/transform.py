@@ -11,7 +11,8 @@ import sympy as sp
 from hjsolve.algebra.time_limit import seconds_left
 from hjsolve.coordinates.charts.charts import MERIDIAN, CoordinateRange, SeparableChart, chart
 from hjsolve.coordinates.charts.covering import covering_chart
-from hjsolve.coordinates.charts.simplify_potential import ChangeOfVariables, flattened
+from hjsolve.coordinates.charts.simplify_potential import ChangeOfVariables
+from hjsolve.coordinates.webs.expanded_potential import flattened
 from hjsolve.coordinates.webs.orthonormal_frames import norm_squared, tidy_constant
 from hjsolve.coordinates.webs.web import Geometry, Vector, Web
 from hjsolve.mechanics.system import System

@@ -15,10 +15,11 @@ import sympy as sp
 from hjsolve.algebra.time_limit import seconds_left
 from hjsolve.coordinates.charts.charts import SeparableChart, chart
 from hjsolve.coordinates.charts.covering import covering_chart
-from hjsolve.coordinates.charts.simplify_potential import ChangeOfVariables, flattened
+from hjsolve.coordinates.charts.simplify_potential import ChangeOfVariables
 from hjsolve.coordinates.charts.transform import Cartesian, domain_sign, remark_of, symbol_maker
 from hjsolve.coordinates.curved.embedding import NORMAL, Sphere, agree
 from hjsolve.coordinates.killing.killing_tensors import Kernel, kernel
+from hjsolve.coordinates.webs.expanded_potential import flattened
 from hjsolve.coordinates.webs.orthonormal_frames import sign_by
 from hjsolve.coordinates.webs.spheres import rotation_tensors, sphere_webs
 from hjsolve.coordinates.webs.web import Geometry, Web
@@ -76,7 +77,7 @@ def sphere_kernel(given: OnSphere) -> tuple[Kernel, tuple[sp.ImmutableMatrix, ..
     Args:
         given: the system.
     """
-    basis = rotation_tensors(_CENTRE, NORMAL)
+    basis = rotation_tensors(NORMAL)
     return kernel(given.space.potential, NORMAL, basis), basis
 
 

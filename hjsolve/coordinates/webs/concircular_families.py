@@ -179,3 +179,27 @@ def representatives(
     if hard and not best:
         raise TooHardError
     return best
+
+
+def simplest_members(
+    choices: Callable[[tuple[sp.Expr, ...]], Member | None],
+    count: int,
+    kind: Callable[[Member], str],
+    cost: Callable[[Member], int],
+    in_numbers: Callable[[tuple[sp.Expr, ...]], Member | None] | None,
+) -> dict[str, FamilyMember[Member]]:
+    """Return the simplest member of a family of one kind, of one with letters that which is simplest at their values.
+
+    Args:
+        choices, count, kind, cost: as for ``representatives``.
+        in_numbers: the member at values of the letters; None where there are no letters.
+
+    Raises:
+        TooHardError: no member was found, and some were too hard to compute.
+    """
+    if in_numbers is not None:
+        for name, found in representatives(in_numbers, count, kind, 1, cost).items():
+            member = choices(found.values)
+            if member is not None and kind(member) == name:
+                return {name: FamilyMember(member, found.values)}
+    return representatives(choices, count, kind, 1, cost)

@@ -3,31 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
 
 import sympy as sp
 
 from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.webs.web import Geometry, Vector
 
-Sign = Callable[[sp.Expr], int]
 
+@dataclass(frozen=True)
+class Sign:
+    """Tells the sign of a constant, where assumptions do not by the values of the parameters.
 
-def sign_by(values: Mapping[sp.Symbol, sp.Expr]) -> Sign:
-    """Return a function that tells the sign of a constant, where assumptions do not by the values of the parameters.
-
-    Args:
+    Attributes:
         values: parameter → default value; parameters that have none count as 2, 3, 5, … in alphabetical order.
     """
 
-    def sign(constant: sp.Expr) -> int:
+    values: Mapping[sp.Symbol, sp.Expr]
+
+    def __call__(self, constant: sp.Expr) -> int:
+        """Return −1, 0 or 1.
+
+        Args:
+            constant: without coordinates.
+        """
         if constant.is_zero or constant.is_positive or constant.is_negative:
             return 0 if constant.is_zero else 1 if constant.is_positive else -1
-        missing = sorted(constant.free_symbols - set(values), key=str)
-        chosen = {s: sp.prime(i + 1) * (-1 if s.is_negative else 1) for i, s in enumerate(missing)}
-        number = constant.xreplace({**values, **chosen}).evalf(30)
+        number = constant.xreplace(self._numbers(constant)).evalf(30)
         return 0 if abs(number) < sp.Float("1e-20") else 1 if number > 0 else -1
 
-    return sign
+    def in_numbers(self, matrix: sp.MatrixBase) -> sp.MatrixBase:
+        """Return a matrix with the values of its parameters.
+
+        Args:
+            matrix: of constants.
+        """
+        return matrix.xreplace(self._numbers(matrix))
+
+    def _numbers(self, holder: sp.Expr | sp.MatrixBase) -> dict[sp.Symbol, sp.Expr]:
+        missing = sorted(holder.free_symbols - set(self.values), key=str)
+        chosen = {s: sp.prime(i + 1) * (-1 if s.is_negative else 1) for i, s in enumerate(missing)}
+        return {**self.values, **chosen}
+
+
+def sign_by(values: Mapping[sp.Symbol, sp.Expr]) -> Sign:
+    """Return what tells the sign of a constant by the values of its parameters.
+
+    Args:
+        values: parameter → default value.
+    """
+    return Sign(values)
 
 
 class TooHardError(ArithmeticError):
@@ -76,7 +102,8 @@ def norm_squared(v: Sequence[sp.Expr]) -> sp.Expr:
 def unit(v: Sequence[sp.Expr]) -> Vector:
     """Return v/|v|, with the first component that is not zero positive where its sign is known.
 
-    A symbolic vector is divided by its first component before, so that ratios of components stay short.
+    A symbolic vector is divided by its first component before, so that ratios of components stay short, and quotients
+    of polynomials are made polynomials: (a − c, b − d), whose length is the distance of (a, b) and (c, d).
 
     Args:
         v: not zero; shape (n,).
@@ -85,6 +112,9 @@ def unit(v: Sequence[sp.Expr]) -> Vector:
     lead = next(c for c in entries if c != 0)
     if any(c.free_symbols for c in entries):
         entries = [sp.S.Zero if c == 0 else sp.S.One if c == lead else sp.radsimp(sp.cancel(c / lead)) for c in entries]
+        if all(c.is_rational_function() for c in entries):
+            common = reduce(sp.lcm, (sp.denom(sp.together(c)) for c in entries))
+            entries = [sp.factor(sp.cancel(c * common)) for c in entries]
         length = real_root(sp.simplify(norm_squared(entries)))
         return tuple(c / length for c in entries)
     length = sp.sqrt(norm_squared(entries))

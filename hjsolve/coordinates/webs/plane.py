@@ -12,7 +12,13 @@ from functools import reduce
 
 import sympy as sp
 
-from hjsolve.coordinates.webs.concircular_families import Family, combination, representatives, tensor_parts
+from hjsolve.coordinates.webs.concircular_families import (
+    Family,
+    combination,
+    representatives,
+    simplest_members,
+    tensor_parts,
+)
 from hjsolve.coordinates.webs.describe import in_words
 from hjsolve.coordinates.webs.orthonormal_frames import Sign, attempt, real_root, stepped, tidy_constant, unit
 from hjsolve.coordinates.webs.piecewise_conditions import real_pieces
@@ -82,16 +88,24 @@ def _parabolic(A: sp.MatrixBase, w: sp.MatrixBase) -> Geometry:
 def _family_webs(
     kind: str, base: sp.MatrixBase | None, terms: Sequence[sp.MatrixBase], freedom: int, sign: Sign, lift: Lift
 ) -> list[Geometry]:
-    """Return the simplest web of one kind in the linear family base + Σ t·term."""
+    """Return the simplest web of one kind in the linear family base + Σ t·term.
+
+    Where the family holds letters, the simplest member is looked for at their values.
+    """
 
     def member(values: tuple[sp.Expr, ...]) -> Geometry | None:
         found = classify(combination(base, terms, values, 2), sign)
         return lift(found) if found is not None and found.kind == kind else None
 
+    def in_numbers(values: tuple[sp.Expr, ...]) -> Geometry | None:
+        found = classify(sign.in_numbers(combination(base, terms, values, 2)), sign)
+        return lift(found) if found is not None and found.kind == kind else None
+
     if freedom == 0:
         only = member(tuple(sp.S.One for _ in terms))
         return [only] if only is not None else []
-    best = representatives(member, len(terms), lambda _: kind, 1, lambda g: g.complexity)
+    letters = any(M is not None and M.free_symbols for M in (base, *terms))
+    best = simplest_members(member, len(terms), lambda _: kind, lambda g: g.complexity, in_numbers if letters else None)
     return [in_words(best[kind], freedom, member)] if best else []
 
 

@@ -16,6 +16,7 @@ import sympy as sp
 from hjsolve.coordinates.killing.killing_tensors import kernel
 from hjsolve.coordinates.webs.concircular_families import representatives
 from hjsolve.coordinates.webs.describe import in_words
+from hjsolve.coordinates.webs.expanded_potential import flattened
 from hjsolve.coordinates.webs.orthonormal_frames import (
     Sign,
     eigenframe,
@@ -25,20 +26,20 @@ from hjsolve.coordinates.webs.orthonormal_frames import (
     tidy_constant,
 )
 from hjsolve.coordinates.webs.piecewise_conditions import SolutionPiece
+from hjsolve.coordinates.webs.rank_one import V as DIRECTION
 from hjsolve.coordinates.webs.rank_one import direction, directions
-from hjsolve.coordinates.webs.web import Geometry, Vector
+from hjsolve.coordinates.webs.web import Geometry
 
 _PAIRS = tuple(combinations_with_replacement(range(3), 2))
 
 
-def rotation_tensors(centre: Vector, x: Sequence[sp.Symbol]) -> tuple[sp.ImmutableMatrix, ...]:
-    """Return the six Killing tensors L_a ⊙ L_b of rotations about a centre.
+def rotation_tensors(x: Sequence[sp.Symbol]) -> tuple[sp.ImmutableMatrix, ...]:
+    """Return the six Killing tensors L_a ⊙ L_b of rotations about the origin.
 
     Args:
-        centre: shape (3,).
         x: Cartesian coordinates.
     """
-    radius = sp.Matrix([q - c for q, c in zip(x, centre, strict=True)])
+    radius = sp.Matrix(list(x))
     turns = [sp.Matrix([int(i == a) for i in range(3)]).cross(radius) for a in range(3)]
     products = [(turns[a] * turns[b].T + turns[b] * turns[a].T) / 2 for a, b in _PAIRS]
     return tuple(sp.ImmutableMatrix(p.applyfunc(sp.expand)) for p in products)
@@ -56,7 +57,9 @@ def sphere_webs(sphere: Geometry, V: sp.Expr, x: Sequence[sp.Symbol], sign: Sign
     Returns:
         Spherical and conical webs; the sphere itself (kind ``sphere``) where V on it does not separate.
     """
-    solutions = kernel(V, x, rotation_tensors(sphere.centre, x), check=False)
+    moved = {q: q + c for q, c in zip(x, sphere.centre, strict=True) if c != 0}  # the origin becomes the centre
+    about = flattened(V.subs(moved, simultaneous=True), x) if moved else V
+    solutions = kernel(about, x, rotation_tensors(x), check=False)
     forms = [_form(v) for v in solutions.vectors]
     rows = sp.Matrix([[f[0, 0] - f[2, 2], f[1, 1] - f[2, 2], f[0, 1], f[0, 2], f[1, 2]] for f in forms])
     basis = [_unform(row) for row in rows.rref(simplify=True)[0].tolist() if any(row)]
@@ -117,6 +120,8 @@ def _spherical(basis: Sequence[sp.Matrix], sphere: Geometry) -> list[Geometry]:
     for piece in directions(basis):
 
         def member(values: tuple[sp.Expr, ...], piece: SolutionPiece = piece) -> Geometry | None:
+            if piece.free[-1] == DIRECTION[2]:  # the z axis is the first that is tried
+                values = (*values[1:], values[0])
             axis = direction(piece, values)
             return None if axis is None else Geometry("spherical", sphere.centre, perpendicular_frame(axis))
 

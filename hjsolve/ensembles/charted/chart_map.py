@@ -17,11 +17,13 @@ from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.coordinates.chart import Chart
+from hjsolve.coordinates.charts.curvilinear import CurvilinearMap
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import mass_matrix
 from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.motion.velocity_frame import COORDINATE, ORTHONORMAL
 from hjsolve.solution.quadratures import Solution
 
 _BITS, _NOUGHT = 600, 400
@@ -38,9 +40,9 @@ class ChartMap:
         names: the separated system's coordinates in the order of ``Chart.symbols``.
         order: place of each coordinate of the system among these.
         lengths: named constants of the chart.
-        local: X from (x, numbers).
+        local: X from (x, numbers); x are the user's coordinates, Cartesian or not.
         step: δu from (u, x, numbers).
-        lifted: p_u from (u, p or v, numbers).
+        lifted: p_u from (u, x, p or v, numbers).
         numbers: values of the last inputs, in two doubles.
         edges: for each of the first two coordinates whether it has to be positive, and whether π is its end.
         unitless: for each coordinate whether it is no length (an angle, a hyperbolic argument), so that its scale is 1.
@@ -60,7 +62,9 @@ class ChartMap:
     model: Model
 
 
-def chart_map(solution: Solution, model: Model, values: Mapping[sp.Symbol, sp.Expr], kind: str) -> ChartMap:
+def chart_map(
+    solution: Solution, model: Model, values: Mapping[sp.Symbol, sp.Expr], kind: str, frame: str = COORDINATE
+) -> ChartMap:
     """Write the map of a solution in coordinates that were found.
 
     Args:
@@ -68,6 +72,7 @@ def chart_map(solution: Solution, model: Model, values: Mapping[sp.Symbol, sp.Ex
         model: of the same solution.
         values: every parameter → exact number.
         kind: ``p`` or ``velocity``, what comes with the places.
+        frame: of the velocities (``motion.velocity_frame``).
 
     Raises:
         InvalidInputError: the web is none with these values of the parameters.
@@ -79,9 +84,10 @@ def chart_map(solution: Solution, model: Model, values: Mapping[sp.Symbol, sp.Ex
     n, own = len(chart.symbols), [c.name for c in chart.original.coordinates]
     x = [sp.Symbol(f"_x{i}", real=True) for i in range(n)]
     rates = [sp.Symbol(f"_w{i}", real=True) for i in range(len(own))]
+    place, momentum = _in_space(chart, x, rates, kind, frame)
     origin, inverse, forward = _frame(chart, numbers, kind)
-    X = [sum(inverse[i][j] * (x[j] - origin[j]) for j in range(n)) for i in range(n)]
-    P = [sum(forward[i][j] * rates[j] for j in range(n)) for i in range(n)]
+    X = [sum(inverse[i][j] * (place[j] - origin[j]) for j in range(n)) for i in range(n)]
+    P = [sum(forward[i][j] * momentum[j] for j in range(n)) for i in range(n)]
     lengths = {name: numbers.value(e) for name, e in chart.lengths.items()}
     if any(not float(a) > 0 for name, a in lengths.items() if name == "a"):
         raise InvalidInputError(f"parameters: the {chart.kind} coordinates do not hold for these values")
@@ -100,12 +106,31 @@ def chart_map(solution: Solution, model: Model, values: Mapping[sp.Symbol, sp.Ex
     return ChartMap(
         chart.kind, chart.coordinates, tuple(chart.coordinates.index(name) for name in names),
         {name: float(a) for name, a in lengths.items()},
-        lower(X, [*x, *fixed]), lower(steps, [*u, *x, *fixed]), lower(lifted, [*u, *rates, *fixed]),
+        lower(X, [*x, *fixed]), lower(steps, [*u, *x, *fixed]), lower(lifted, [*u, *x, *rates, *fixed]),
         (*(_pair(to_bits(values[p.symbol])(_BITS)) for p in chart.system.parameters), *numbers.known.values()),
         tuple((d.lower == 0, d.upper == sp.pi) for d in domains[:2]),
         tuple(d.kind == "angle" or s.has(sp.sin, sp.sinh) for d, s in zip(domains, _functions_of(chart), strict=True)),
         model,
     )  # fmt: skip
+
+
+def _in_space(
+    chart: Chart, x: list[sp.Symbol], rates: list[sp.Symbol], kind: str, frame: str
+) -> tuple[list[sp.Expr], list[sp.Expr]]:
+    """The point of space, and its momentum (velocity where T is that of Cartesian coordinates and velocities come)."""
+    outer = chart.outer
+    if not isinstance(outer, CurvilinearMap):
+        return list(x), list(rates)
+    own = chart.original.coordinates
+    at = dict(zip((c.symbol for c in own), x, strict=True))
+    given = dict(zip((c.momentum for c in own), rates, strict=True))
+    if kind == "velocity":
+        power = 1 if frame == ORTHONORMAL else 2
+        given = {p: outer.mass * h**power * v for (p, v), h in zip(given.items(), outer.scales, strict=True)}
+    return (
+        [sp.sympify(e).xreplace(at) for e in outer.place],
+        [sp.cancel(sp.sympify(e).xreplace(given)).xreplace(at) for e in outer.momentum],
+    )
 
 
 def _functions_of(chart: Chart) -> list[sp.Expr]:
@@ -141,7 +166,7 @@ def _frame(chart: Chart, numbers: _Numbers, kind: str) -> tuple[list[sp.Expr], A
     c = Multi(_BITS).context
     frame = c.matrix([[numbers.value(e) for e in row] for row in chart.frame.tolist()])
     forward = frame.T
-    if kind == "velocity":
+    if kind == "velocity" and not isinstance(chart.outer, CurvilinearMap):
         forward = forward * c.matrix([[numbers.value(e) for e in row] for row in mass_matrix(chart.original).tolist()])
     try:
         inverse = frame**-1

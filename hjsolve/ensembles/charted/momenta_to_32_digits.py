@@ -126,7 +126,7 @@ def exactly(
     u = in_order_of_chart(formulas.order, q)
     for _ in range(_NEWTON):
         u = [moved(a, b) for a, b in zip(u, formulas.step.run(pairs, [*u, *x, *numbers]), strict=True)]
-    lifted = formulas.lifted.run(pairs, [*u, *rates, *numbers])
+    lifted = formulas.lifted.run(pairs, [*u, *x, *rates, *numbers])
     places, momenta = [u[k] for k in formulas.order], [lifted[k] for k in formulas.order]
     constants = formulas.rule.run(pairs, [*places, *momenta, *parameters])
     squares = [
@@ -145,7 +145,7 @@ def _rounding(
     start = [WithErrorBound(row) for row in (*in_order_of_chart(formulas.order, q), *x)]
     steps = [r.error for r in formulas.step.run(errors, [*start, *known.numbers])]
     inputs = [WithErrorBound(a, e) for a, e in zip(in_order_of_chart(formulas.order, q), steps, strict=True)]
-    lifted = formulas.lifted.run(errors, [*inputs, *(WithErrorBound(row) for row in rates), *known.numbers])
+    lifted = formulas.lifted.run(errors, [*inputs, *(WithErrorBound(row) for row in (*x, *rates)), *known.numbers])
     momenta, places = [lifted[k] for k in formulas.order], [inputs[k] for k in formulas.order]
     uncertain = [r.error for r in formulas.rule.run(errors, [*places, *momenta, *known.parameters])]
     bounded = [WithErrorBound(c, e) for c, e in zip(constants, uncertain, strict=True)]

@@ -80,7 +80,7 @@ def _written(formulas: ChartFormulas, steps: int) -> MachineCode:
     last = formulas.step.run(errors, [*(WithErrorBound(row) for row in (*u, *x)), *known.numbers])
     sizes = [plain.add(plain.unary("abs", step.value), or_zero(step.error)) for step in last]
     loss = [plain.mul(plain.number(_SAFETY), size) for size in sizes]
-    inputs = [WithErrorBound(a, e) for a, e in zip(u, loss, strict=True)] + [WithErrorBound(w) for w in rates]
+    inputs = [WithErrorBound(a, e) for a, e in zip(u, loss, strict=True)] + [WithErrorBound(w) for w in (*x, *rates)]
     lifted = formulas.lifted.run(errors, [*inputs, *known.numbers])
     places, momenta = [u[k] for k in formulas.order], [lifted[k].value for k in formulas.order]
     constants = formulas.rule.run(plain, [*places, *momenta, *parameters])

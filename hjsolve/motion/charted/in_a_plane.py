@@ -20,7 +20,7 @@ import sympy as sp
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.coordinates.chart import Chart
 from hjsolve.coordinates.charts.curvilinear import CurvilinearMap
-from hjsolve.coordinates.charts.simplify_potential import flattened
+from hjsolve.coordinates.webs.expanded_potential import flattened
 from hjsolve.errors import HJSolveError, InternalError
 from hjsolve.mechanics.system import System
 from hjsolve.motion.charted.charted_motion import ChartedMotion

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-import tempfile
+import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -68,7 +68,7 @@ def checked_title(title: str) -> str:
 
 
 def replace(target: Path, content: str | bytes) -> None:
-    """Write a file completely and only then put it in its place.
+    """Write a file completely and only then put it in its place; a link is followed, and stays a link.
 
     Args:
         target: the file.
@@ -77,17 +77,20 @@ def replace(target: Path, content: str | bytes) -> None:
     Raises:
         OSError: it cannot be written; then nothing has changed.
     """
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    place = target.resolve() if target.is_symlink() else target
+    name = place.parent / f".{place.name}.{secrets.token_hex(6)}"
+    handle = os.open(name, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(content if isinstance(content, bytes) else content.encode())
-        mask = os.umask(0)
-        os.umask(mask)
-        Path(name).chmod(target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~mask)
-        Path(name).replace(target)
+            file.flush()
+            os.fsync(file.fileno())
+        if place.exists():
+            name.chmod(place.stat().st_mode & 0o777)
+        name.replace(place)
     finally:  # nothing is left beside the target, whatever went wrong
         with suppress(OSError):
-            Path(name).unlink(missing_ok=True)
+            name.unlink(missing_ok=True)
 
 
 @contextmanager

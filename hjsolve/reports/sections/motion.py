@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import platform
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
@@ -211,7 +212,7 @@ def _cycles(motion: Motion, names: list[str]) -> Table:
 def how_section(
     clock: Mapping[str, float], motion: Motion | None, trace: orbit_paths.Trace | None, *, brief: bool = False
 ) -> Section:
-    """Say with what the report was computed and how long each part took.
+    """Say with what the report was computed and, unless ``SOURCE_DATE_EPOCH`` is set, how long each part took.
 
     Args:
         clock: part → seconds, in the order they ran.
@@ -235,8 +236,9 @@ def how_section(
     if brief:
         left_out = "Closed forms, wavefronts, the map of all motions and surfaces of section were left out: "
         blocks.append(Paragraph((left_out, "a brief report was asked.")))
-    spent = tuple(((part,), (written_duration(time),)) for part, time in clock.items())
-    blocks.append(Table((("Part",), ("Time",)), spent, "Time spent"))
+    if "SOURCE_DATE_EPOCH" not in os.environ:  # what asks for reports that are the same byte for byte
+        spent = tuple(((part,), (written_duration(time),)) for part, time in clock.items())
+        blocks.append(Table((("Part",), ("Time",)), spent, "Time spent"))
     versions = tuple(((name,), (number,)) for name, number in _versions().items())
     blocks.append(Table((("Software",), ("Version",)), versions, "Versions"))
     return Section("how", "How this was computed", tuple(blocks))
