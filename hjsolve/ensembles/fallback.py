@@ -116,9 +116,9 @@ def _angle_error(motion: Motion, name: str) -> float:
         oscillations = tuple(oscillation(torus, i, j) for i in range(len(torus.courses)))
     error = _ANGLE_ROUNDING
     for series, course in zip(oscillations, torus.courses, strict=True):
-        if len(series.cosines):
+        if not series.constant:
             phase = float(course.start)
             step = 2.0**-50 * max(1.0, abs(phase))
             moved = series.oscillation(np.array([phase - step, phase, phase + step]))
-            error += 2 * float(np.ptp(moved)) + 2.0**-50 * float(np.sum(np.abs(series.cosines)))
+            error += 2 * float(np.ptp(moved)) + 2.0**-50 * series.size
     return error

@@ -196,9 +196,9 @@ def _integrals_at_start(motion: SeparatedMotion, j: int) -> tuple[Mpf, float, in
             continue
         if (cycle := course.cycle) is not None:
             series = cycle.kernels[j]
-            periodic = series.oscillation(course.start) if len(series.cosines) else 0
+            periodic = 0 if series.constant else series.oscillation(course.start)
             part, nodes = series.mean * course.start + periodic, max(nodes, series.nodes)
-            size += abs(float(series.mean * course.start)) + _wave_size(series, course.start)
+            size += abs(float(series.mean * course.start)) + series.wave_size_at(course.start)
         else:
             begin = np.array([course.start], dtype=object if motion.digits > FLOAT_DIGITS else float)
             reaching = course.with_reach(abs(float(course.start)))
@@ -211,19 +211,6 @@ def _integrals_at_start(motion: SeparatedMotion, j: int) -> tuple[Mpf, float, in
 def _turns(course: CoordinateMotion) -> bool:
     """Whether phase 0 is a turning point; else the lower limit is the place at t₀ itself, and nothing is integrated."""
     return all(branch.way.turning for branch in course.branches[:1]) and not course.rotates
-
-
-def _wave_size(series: FourierSeries, χ: Mpf | int) -> float:
-    """What the rounding of a ripple at χ refers to; nothing at a turning point."""
-    parts = ((series.cosines, np.sin), (series.sines, lambda x: 1 - np.cos(x)))
-    return float(
-        sum(
-            abs(float(c) / k * wave(k * float(χ)))
-            for part, wave in parts
-            if part is not None
-            for k, c in enumerate(part, 1)
-        )
-    )
 
 
 def _outside_integrals(motion: SeparatedMotion, name: str) -> tuple[Mpf, float]:

@@ -187,17 +187,17 @@ def open_phases(name: str, course: CoordinateMotion, place: Mpf, bits: int) -> l
 def _elapsed(motion: SeparatedMotion, k: int, phase: Mpf) -> tuple[Time, Time]:
     """Time from t₀ until coordinate k has a phase, and a bound on its error."""
     torus, scheme, many = motion.torus, motion.scheme, motion.digits > 15
-    if torus is not None and all(not len(s.cosines) for i, s in enumerate(torus.oscillations[k]) if i != k):
+    if torus is not None and all(s.constant for i, s in enumerate(torus.oscillations[k]) if i != k):
         periodic = torus.oscillations[k][k]
         wave = (
             0
-            if not len(periodic.cosines)
+            if periodic.constant
             else periodic.oscillation(phase)
             if many
             else float(periodic.oscillation(np.array([float(phase)]))[0])
         )
         time = (phase + wave - torus.starts[k]) / torus.rates[k]
-        size = float(np.sum(np.abs(periodic.cosines.astype(float)))) + 4.0
+        size = periodic.size + 4.0
         return time, _noise(motion) * size / abs(torus.rates[k])
     if (
         scheme is not None
@@ -336,7 +336,7 @@ def _begin_of_angle(course: Periodic | AtRest) -> float:
 
 
 def _ripple(series: FourierSeries, phase: float) -> float:
-    return float(series.oscillation(np.array([phase]))[0]) if len(series.cosines) and phase else 0.0
+    return float(series.oscillation(np.array([phase]))[0]) if phase and not series.constant else 0.0
 
 
 def angle_variables(motion: SeparatedMotion, t: object) -> dict[str, Numbers | float | Mpf]:

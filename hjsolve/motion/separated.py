@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -14,13 +14,14 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.display.shown import Shown
 from hjsolve.errors import NotConvergedError
 from hjsolve.lowering import momentum_squared_tapes, with_plain_exponents
+from hjsolve.mechanics.kinks import Kink, smooth_intervals
 from hjsolve.motion import quantities
 from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, sign, to_bits
 from hjsolve.motion.joined_terms import by_half_angles, with_exact_coefficients
 from hjsolve.motion.winding import radians_of_a_unit
 from hjsolve.one_coordinate.allowed_regions import forbidden
 from hjsolve.one_coordinate.classify import Located, locate
-from hjsolve.one_coordinate.coordinate_start import CoordinateStart, Winding
+from hjsolve.one_coordinate.coordinate_start import Cell, CoordinateStart, Winding
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, has_period
 from hjsolve.solution.quadratures import Solution
 from hjsolve.time_law.open_motion import TriangularScheme, plan
@@ -120,7 +121,28 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Coordin
         name: of the separated coordinate.
     """
     coordinate = solution.system.coordinate(name)
-    F = with_plain_exponents(solution.momentum_squared[name], initial.values)
+    kinks = [kink for kink in solution.system.kinks if kink.coordinate == name]
+    if kinks:
+        return _with_kinks(solution, initial, name, kinks)
+    return _smooth_start(solution, initial, name, solution.momentum_squared[name])
+
+
+def _with_kinks(solution: Solution, initial: Initial, name: str, kinks: Sequence[Kink]) -> CoordinateStart:
+    """A coordinate along which p² has kinks, cut into intervals on which it is analytic."""
+    F, q = solution.momentum_squared[name], solution.system.coordinate(name).symbol
+    cells, here = [], smooth_intervals(kinks, q, initial.values, domain_ends(solution.system, name, initial.values))
+    for low, high, signs in here:
+        start = _smooth_start(solution, initial, name, F.xreplace(signs))
+        lower, upper = (None if end is None else to_bits(end) for end in (low, high))
+        cells.append(Cell(lower, upper, start.radicand))
+    own = _smooth_start(solution, initial, name, F.xreplace({k.symbol: initial.values[k.symbol] for k in kinks}))
+    return replace(own, winding=None, cells=tuple(cells))
+
+
+def _smooth_start(solution: Solution, initial: Initial, name: str, squared: sp.Expr) -> CoordinateStart:
+    """The same of one p², analytic in the coordinate."""
+    coordinate = solution.system.coordinate(name)
+    F = with_plain_exponents(squared, initial.values)
     constants = tuple(solution.constants[c].symbol for c in solution.constants)
     parameters = tuple(p.symbol for p in solution.system.parameters)
     exact = [initial.constants[c] for c in solution.constants] + [initial.values[s] for s in parameters]
@@ -139,7 +161,7 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Coordin
     angle = coordinate.domain.kind == "angle" and (periodic or has_period(radicand, place))
     root = expanded(momentum + shift.subs(initial.values)) if shift != 0 else expanded(momentum)
     forward = sign(root)
-    if forward:
+    if forward and not solution.system.kinks:
         radicand = radicand.guarded(place, _square(to_bits(root)))
     start = CoordinateStart(name, radicand, place, forward, ends[0], ends[1], angle, absent)
     if coordinate.domain.kind != "line":

@@ -8,6 +8,8 @@ its end; the map q(y) is chosen by the two ends so that dq/p is analytic in y up
     turning → boundary     x = ℓ sin²(y/2), y ≤ π          the same, and an integer power of p² at the end
     turning → asymptote    x = ℓ tanh² y                   the same, and the double zero: t grows like y
     regular → infinity     x = L y
+    turning → kink         x = ℓ y², y ≤ 1                 at a kink p² goes on with another formula
+    regular → kink         x = ℓ y, y ≤ 1
     regular → boundary     x = ℓ (1 − (1 − y)²), y ≤ 1
     regular → asymptote    x = ℓ (1 − e^{−y})
     … → fall               as to an asymptote: reached in a finite time, but an angle winds for ever on the way
@@ -34,7 +36,7 @@ class EndMap:
 
     Attributes:
         turning: True where the branch starts at a turning point.
-        end: ``infinity``, ``boundary``, ``fall`` or ``asymptote``.
+        end: ``infinity``, ``boundary``, ``fall``, ``asymptote`` or ``kink``.
         start: q at y = 0.
         side: +1 where q grows with y.
         length: ℓ, the distance to the end; for infinity the length L that makes y a number of order one.
@@ -54,6 +56,8 @@ class EndMap:
         Args:
             context: of mpmath.
         """
+        if self.end == "kink":
+            return context.mpf(1)
         if self.end != "boundary":
             return None
         return +context.pi if self.turning else context.mpf(1)
@@ -74,14 +78,14 @@ class EndMap:
         return 1
 
     def distances(self, y: Numeric, arithmetic: Float64 | Multi) -> tuple[Numeric, Numeric | None, Numeric]:
-        """Return x, the distance left to the end (None for infinity) and dx/dy, none of them by cancellation.
+        """Return x, the distance left to the end (None for infinity and kinks) and dx/dy, none of them by cancellation.
 
         Args:
             y: place on the branch, y ≥ 0.
             arithmetic: that y belongs to.
         """
         call = arithmetic.unary
-        if self.end == "infinity":
+        if self.end in {"infinity", "kink"}:
             return (
                 (self.length * y * y, None, 2 * self.length * y)
                 if self.turning

@@ -11,6 +11,7 @@ from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Numeric
 from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.errors import NotConvergedError
+from hjsolve.one_coordinate import kinks
 from hjsolve.one_coordinate.anomaly import Rotation, libration_anomaly, rotation_anomaly
 from hjsolve.one_coordinate.anomaly_choice import over_near_zeros, over_other_near_zeros, over_the_best_map
 from hjsolve.one_coordinate.barriers import slow_place
@@ -59,6 +60,8 @@ def locate(start: CoordinateStart, digits: int) -> Located:
     Raises:
         NotConvergedError: a zero of p² could not be decided, or an integrand stays rough.
     """
+    if start.cells:
+        return _through_kinks(start, digits)
     forward = start.forward or _push(start)
     if forward == 0:
         return _rest(start, digits)
@@ -77,6 +80,32 @@ def locate(start: CoordinateStart, digits: int) -> Located:
     if ahead.kind == "round":
         return Located(_rotation(start, forward, digits), lower, upper)
     return Located(_open(start, forward, lower, upper, digits), lower, upper)
+
+
+def _through_kinks(start: CoordinateStart, digits: int) -> Located:
+    """The motion of a coordinate along which p² has kinks.
+
+    Raises:
+        NotConvergedError: it passes a kink and does not come back.
+    """
+    at_kink = kinks.cell_of(start, -1) != kinks.cell_of(start, 1)
+    own = kinks.in_its_cell(start, kinks.cell_of(start, start.forward))
+    forward = start.forward or (kinks.push(start) if at_kink else _push(own))
+    if forward == 0:
+        return _rest(own, digits, stable=not at_kink)
+    ahead = kinks.reached(start, forward, digits)
+    behind = kinks.Reached(kinks.cell_of(start, forward), End("turning", start.place))
+    if start.forward:
+        behind = kinks.reached(start, -forward, digits)
+    if ahead.cell == behind.cell and "wall" not in {ahead.end.kind, behind.end.kind}:
+        return locate(kinks.in_its_cell(start, ahead.cell), digits)
+    lower, upper = (behind, ahead) if forward > 0 else (ahead, behind)
+    if not {lower.end.kind, upper.end.kind} <= {"turning", "wall"}:
+        raise NotConvergedError(
+            f"{start.name}: a motion that passes a kink or a jump of V and does not come back is not worked out; give "
+            "the coordinate a domain that ends at the kink"
+        )
+    return Located(kinks.libration(start, lower, upper, start.forward, digits), lower.end, upper.end)
 
 
 def _push(start: CoordinateStart) -> int:
@@ -113,11 +142,11 @@ def _distance(one: Number, other: Number, bits: int) -> Mpf:
     return abs(other(bits) - one(bits))
 
 
-def _rest(start: CoordinateStart, digits: int) -> Located:
+def _rest(start: CoordinateStart, digits: int, *, stable: bool = True) -> Located:
     bits = bits_for(digits, 96)
     q = start.place(bits)
     _, _, bend = start.radicand.jet(q, bits)
-    stable = bool(bend < 0)
+    stable = stable and bool(bend < 0)
     scale = (-bend / 2) ** 0.5 if stable else 1
     size, h = abs(q) or 1, multiprecision(bits).mpf(2) ** -20
     weights, beside = start.radicand.weights(q, bits), start.radicand.weights(q + size * h, bits)

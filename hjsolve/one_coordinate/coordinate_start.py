@@ -22,6 +22,7 @@ class CoordinateStart:
         skipped: kernels that are zero everywhere.
         parts: what is to be integrated; see ``coordinate_motion.PARTS``.
         winding: of a coordinate on a line along which p² repeats itself: the same as an angle.
+        cells: where p² has kinks: the intervals on which it is analytic, upwards, with their own p²; else none.
     """
 
     name: str
@@ -34,6 +35,21 @@ class CoordinateStart:
     skipped: tuple[bool, ...]
     parts: frozenset[str] = PARTS
     winding: Winding | None = None
+    cells: tuple[Cell, ...] = ()
+
+
+@dataclass(frozen=True)
+class Cell:
+    """An interval between kinks.
+
+    Attributes:
+        lower, upper: its ends at any precision: kinks, or ends of the domain; None where there is none.
+        radicand: p² and its kernels there.
+    """
+
+    lower: Number | None
+    upper: Number | None
+    radicand: MomentumSquared
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.number_types import Context, Counts, Mpf, MpfMatrix, Numbers, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
-from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.time_law.torus import TorusEquations
 
 
@@ -33,7 +32,8 @@ def on_torus(
     n, turn = len(system.courses), 2 * context.pi
     result = [np.empty(len(time), dtype=object) for _ in range(n)]
     bounds = [np.empty(len(time), dtype=object) for _ in range(n)]
-    cut = context.matrix([sum(_left_out(series) for series in row) for row in system.oscillations])
+    # where dt/dχ is far below its mean, terms that a series lacks move the phase by much more
+    cut = context.matrix([sum(series.left_out for series in row) for row in system.oscillations])
     for m, t in enumerate(time):
         goal = [system.starts[k] + system.rates[k] * t - turn * int(whole[k][m]) for k in range(n)]
 
@@ -51,22 +51,14 @@ def on_torus(
     return result, bounds
 
 
-def _left_out(series: FourierSeries) -> Mpf | int:
-    """The terms that a series lacks; where dt/dχ is far below its mean they move the phase by much more."""
-    if not len(series.cosines):
-        return 0
-    sines: Numbers = series.sines if series.sines is not None else np.zeros(0)
-    return 2 * series.tail * (abs(series.mean) + sum(map(abs, series.cosines)) + sum(map(abs, sines)))
-
-
 def _ripple(system: TorusEquations, k: int, i: int, x: Mpf) -> Mpf | int:
     series = system.oscillations[k][i]
-    return series.oscillation(x) if len(series.cosines) else 0
+    return 0 if series.constant else series.oscillation(x)
 
 
 def _slope(system: TorusEquations, k: int, i: int, x: Mpf) -> Mpf | int:
     series = system.oscillations[k][i]
-    return series.value(x) - series.mean if len(series.cosines) else 0
+    return 0 if series.constant else series.value(x) - series.mean
 
 
 def unbounded(

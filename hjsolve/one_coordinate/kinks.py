@@ -1,0 +1,179 @@
+"""The motion of a coordinate along which p² has kinks: found piece by piece, from one kink to the next."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import NamedTuple
+
+from hjsolve.arithmetic.floats import bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.errors import InvalidInputError, NotConvergedError
+from hjsolve.one_coordinate.chebyshev_panels import EndMap
+from hjsolve.one_coordinate.coordinate_start import Cell, CoordinateStart
+from hjsolve.one_coordinate.kinked_libration import KinkedLibration, Piece, PieceByPiece, PieceMap, integrated
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
+from hjsolve.one_coordinate.open_branch import Branch
+from hjsolve.one_coordinate.ray import Ray
+from hjsolve.one_coordinate.turning_points import End, first_end
+
+_BITS = 1024
+_ZERO = 512
+"""Bits at which p² at a kink is looked at, and bits of its terms below which it is zero."""
+_MORE = 5
+"""Digits to which pieces are integrated, more than asked."""
+
+
+class Reached(NamedTuple):
+    """Where a way through kinks ends: the cell, and its end."""
+
+    cell: int
+    end: End
+
+
+def cell_of(start: CoordinateStart, forward: int) -> int:
+    """Return the cell in which a motion goes on; that of the higher places at a kink, if it does not go down.
+
+    Args:
+        start: the coordinate.
+        forward: sign of its momentum.
+    """
+    q = start.place(_BITS)
+    for k, cell in enumerate(start.cells):
+        if cell.upper is None or q < cell.upper(_BITS) or (forward < 0 and q == cell.upper(_BITS)):
+            return k
+    return len(start.cells) - 1
+
+
+def in_its_cell(start: CoordinateStart, k: int) -> CoordinateStart:
+    """Return the coordinate with the p² of one cell, which ends where that does.
+
+    Args:
+        start: the coordinate.
+        k: which cell.
+    """
+    cell = start.cells[k]
+    return replace(start, radicand=cell.radicand, lower=cell.lower, upper=cell.upper, cells=())
+
+
+def push(start: CoordinateStart) -> int:
+    """Return where a coordinate at rest at a kink is pushed; 0 where it stays.
+
+    Args:
+        start: the coordinate, its place a kink, p² = 0 there.
+
+    Raises:
+        NotConvergedError: to both sides: more than one motion begins there.
+    """
+    below, above = cell_of(start, -1), cell_of(start, 1)
+    q = start.place(_BITS)
+    up = _size(start.cells[above].radicand.jet(q, _BITS)[1], q) > 0
+    down = _size(start.cells[below].radicand.jet(q, _BITS)[1], q) < 0
+    if up and down:
+        raise _undetermined(start.name, q)
+    return int(up) - int(down)
+
+
+def _undetermined(name: str, q: Mpf) -> NotConvergedError:
+    return NotConvergedError(
+        f"{name} comes to rest at {float(q):.9g}, a kink of V, and may leave it to either side in a finite time: "
+        "the motion is not determined; change the energy a little"
+    )
+
+
+def _size(value: Mpf, q: Mpf) -> Mpf:
+    """The value; 0 where it is rounding."""
+    return value if abs(value) > value.context.ldexp(1 + abs(q), -_ZERO) else 0 * value
+
+
+def reached(start: CoordinateStart, side: int, digits: int) -> Reached:
+    """Walk through kinks to the first place at which the coordinate turns, or to where its way ends.
+
+    Args:
+        start: the coordinate.
+        side: +1 upwards, −1 downwards.
+        digits: relative digits wanted.
+
+    Raises:
+        NotConvergedError: it comes to rest at a kink from which it may go on or go back.
+    """
+    k, origin = cell_of(start, side), start.place
+    while True:
+        cell = start.cells[k]
+        last = cell.upper if side > 0 else cell.lower
+        reach = None if last is None else partial(_distance, origin, last)
+        if reach is None or reach(_BITS) > 0:
+            end = first_end(Ray(cell.radicand, origin, side, reach), digits=digits)
+        else:
+            end = End("boundary", origin)
+        beyond = k + side
+        if end.kind not in {"boundary", "asymptote"} or last is None or not 0 <= beyond < len(start.cells):
+            return Reached(k, end)
+        q = last(_BITS)
+        if end.kind == "asymptote" and end.place is not None and abs(end.place(_BITS) - q) > abs(q) * 1e-30:
+            return Reached(k, end)
+        here, there = (_at_kink(start.cells[i].radicand, q) for i in (k, beyond))
+        if here is None or there is None:
+            return Reached(k, end)
+        if there < 0:
+            return Reached(k, End("wall" if here > 0 else "turning", last))
+        if there == 0 or here == 0:
+            slope = side * start.cells[beyond].radicand.jet(q, _BITS)[1]
+            if there == 0 and slope < 0 and here > 0:
+                return Reached(k, End("wall", last))
+            if there == 0 and slope < 0:
+                return Reached(k, End("turning", last))
+            raise _undetermined(start.name, q)
+        k, origin = beyond, last
+
+
+def _at_kink(radicand: MomentumSquared, q: Mpf) -> Mpf | None:
+    """p² on one side of a kink; None where it is infinite."""
+    try:
+        value = radicand.value(q, _BITS)
+    except ZeroDivisionError:
+        return None
+    return _size(value, q) if abs(value) < value.context.inf else None
+
+
+def _distance(one: Number, other: Number, bits: int) -> Mpf:
+    return abs(other(bits) - one(bits))
+
+
+def libration(start: CoordinateStart, lower: Reached, upper: Reached, forward: int, digits: int) -> KinkedLibration:
+    """Integrate a libration through kinks.
+
+    Args:
+        start: the coordinate.
+        lower, upper: its ends.
+        forward: sign of its momentum; 0 at an end.
+        digits: decimal digits asked.
+    """
+    more = max(digits, 15) + _MORE
+    bits = bits_for(more, 128)
+    exact = bits + 256 + start.radicand.guard
+    assert lower.end.place is not None
+    assert upper.end.place is not None
+    places = [lower.end.place, *(_upper(start.cells[k]) for k in range(lower.cell, upper.cell)), upper.end.place]
+    pieces = []
+    for k, (low, high) in enumerate(zip(places[:-1], places[1:], strict=True)):
+        a, b = low(exact), high(exact)
+        first, last = k == 0 and lower.end.kind == "turning", k == len(places) - 2 and upper.end.kind == "turning"
+        way = EndMap(first or last, "kink", b if last else a, -1 if last else 1, b - a)
+        radicand = start.cells[lower.cell + k].radicand
+        pieces.append(
+            Piece(Branch(way, radicand, start.skipped, more, bits), PieceMap(a, b - a, int(last) - int(first)))
+        )
+    anomaly = PieceByPiece(tuple(p.map for p in pieces), places[0](exact), places[-1](exact))
+    kernels, momentum, density = integrated(pieces, more, bits)
+    arithmetic = multiprecision(bits)
+    from hjsolve.arithmetic.floats import Multi
+
+    χ = anomaly.phase(arithmetic.convert(start.place(exact)), forward, Multi(bits))
+    return KinkedLibration("libration", anomaly, kernels, momentum, density, χ, start.radicand)  # type: ignore[arg-type]
+
+
+def _upper(cell: Cell) -> Number:
+    if cell.upper is None:
+        raise InvalidInputError("a cell between kinks ends at a kink")
+    return cell.upper
