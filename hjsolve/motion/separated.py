@@ -16,7 +16,7 @@ from hjsolve.errors import NotConvergedError
 from hjsolve.lowering import momentum_squared_tapes, with_plain_exponents
 from hjsolve.mechanics.kinks import Kink, smooth_intervals
 from hjsolve.motion import quantities
-from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, sign, to_bits
+from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, number_is_zero, sign, to_bits
 from hjsolve.motion.joined_terms import by_half_angles, with_exact_coefficients
 from hjsolve.motion.winding import radians_of_a_unit
 from hjsolve.one_coordinate.allowed_regions import forbidden
@@ -130,13 +130,27 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Coordin
 def _with_kinks(solution: Solution, initial: Initial, name: str, kinks: Sequence[Kink]) -> CoordinateStart:
     """A coordinate along which p² has kinks, cut into intervals on which it is analytic."""
     F, q = solution.momentum_squared[name], solution.system.coordinate(name).symbol
-    cells, here = [], smooth_intervals(kinks, q, initial.values, domain_ends(solution.system, name, initial.values))
-    for low, high, signs in here:
-        start = _smooth_start(solution, initial, name, F.xreplace(signs))
+    known = {solution.constants[c].symbol: value for c, value in initial.constants.items()}
+    known |= {symbol: value for symbol, value in initial.values.items() if symbol != q}
+    cells = []
+    ends = domain_ends(solution.system, name, initial.values)
+    for low, high, signs in smooth_intervals(kinks, q, initial.values, ends):
+        own = F.xreplace(signs)
+        start = _smooth_start(solution, initial, name, own)
         lower, upper = (None if end is None else to_bits(end) for end in (low, high))
-        cells.append(Cell(lower, upper, start.radicand))
+        cells.append(Cell(lower, upper, start.radicand, *(_limit(own.xreplace(known), q, end) for end in (low, high))))
     own = _smooth_start(solution, initial, name, F.xreplace({k.symbol: initial.values[k.symbol] for k in kinks}))
     return replace(own, winding=None, cells=tuple(cells))
+
+
+def _limit(squared: sp.Expr, q: sp.Symbol, end: sp.Expr | None) -> InBits | None:
+    """p² at an end of an interval; None where it is infinite, or where there is no end."""
+    if end is None:
+        return None
+    value = expanded(squared.xreplace({q: end}))
+    if value.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
+        return None
+    return to_bits(sp.S.Zero if number_is_zero(value) else value)
 
 
 def _smooth_start(solution: Solution, initial: Initial, name: str, squared: sp.Expr) -> CoordinateStart:

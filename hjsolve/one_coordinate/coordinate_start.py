@@ -45,11 +45,14 @@ class Cell:
     Attributes:
         lower, upper: its ends at any precision: kinks, or ends of the domain; None where there is none.
         radicand: p² and its kernels there.
+        at_lower, at_upper: p² at the ends, the limit from inside; None where that is infinite, or there is no end.
     """
 
     lower: Number | None
     upper: Number | None
     radicand: MomentumSquared
+    at_lower: Number | None = None
+    at_upper: Number | None = None
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,8 @@ from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
+import numpy as np
+
 from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import InvalidInputError, NotConvergedError
@@ -18,8 +20,7 @@ from hjsolve.one_coordinate.ray import Ray
 from hjsolve.one_coordinate.turning_points import End, first_end
 
 _BITS = 1024
-_ZERO = 512
-"""Bits at which p² at a kink is looked at, and bits of its terms below which it is zero."""
+"""Bits at which p² next to a kink is looked at."""
 _MORE = 5
 """Digits to which pieces are integrated, more than asked."""
 
@@ -67,11 +68,10 @@ def push(start: CoordinateStart) -> int:
     """
     below, above = cell_of(start, -1), cell_of(start, 1)
     q = start.place(_BITS)
-    up = _size(start.cells[above].radicand.jet(q, _BITS)[1], q) > 0
-    down = _size(start.cells[below].radicand.jet(q, _BITS)[1], q) < 0
-    if up and down:
+    up, down = (_rises(start.cells[k].radicand, q, side) for k, side in ((above, 1), (below, -1)))
+    if (up > 0 and down > 0) or (_at_kink(start.cells[below], 1) or 0) > 0:
         raise _undetermined(start.name, q)
-    return int(up) - int(down)
+    return int(up > 0) - int(down > 0)
 
 
 def _undetermined(name: str, q: Mpf) -> NotConvergedError:
@@ -79,11 +79,6 @@ def _undetermined(name: str, q: Mpf) -> NotConvergedError:
         f"{name} comes to rest at {float(q):.9g}, a kink of V, and may leave it to either side in a finite time: "
         "the motion is not determined; change the energy a little"
     )
-
-
-def _size(value: Mpf, q: Mpf) -> Mpf:
-    """The value; 0 where it is rounding."""
-    return value if abs(value) > value.context.ldexp(1 + abs(q), -_ZERO) else 0 * value
 
 
 def reached(start: CoordinateStart, side: int, digits: int) -> Reached:
@@ -103,7 +98,9 @@ def reached(start: CoordinateStart, side: int, digits: int) -> Reached:
         last = cell.upper if side > 0 else cell.lower
         reach = None if last is None else partial(_distance, origin, last)
         if reach is None or reach(_BITS) > 0:
-            end = first_end(Ray(cell.radicand, origin, side, reach), digits=digits)
+            begin = origin if origin is start.place else _inside(cell.radicand, origin, side, reach)
+            reach = None if last is None else partial(_distance, begin, last)
+            end = first_end(Ray(cell.radicand, begin, side, reach), digits=digits)
         else:
             end = End("boundary", origin)
         beyond = k + side
@@ -112,28 +109,54 @@ def reached(start: CoordinateStart, side: int, digits: int) -> Reached:
         q = last(_BITS)
         if end.kind == "asymptote" and end.place is not None and abs(end.place(_BITS) - q) > abs(q) * 1e-30:
             return Reached(k, end)
-        here, there = (_at_kink(start.cells[i].radicand, q) for i in (k, beyond))
+        here, there = _at_kink(cell, side), _at_kink(start.cells[beyond], -side)
         if here is None or there is None:
             return Reached(k, end)
         if there < 0:
             return Reached(k, End("wall" if here > 0 else "turning", last))
         if there == 0 or here == 0:
-            slope = side * start.cells[beyond].radicand.jet(q, _BITS)[1]
-            if there == 0 and slope < 0 and here > 0:
-                return Reached(k, End("wall", last))
-            if there == 0 and slope < 0:
-                return Reached(k, End("turning", last))
+            if there == 0 and _rises(start.cells[beyond].radicand, q, side) < 0:
+                return Reached(k, End("wall" if here > 0 else "turning", last))
             raise _undetermined(start.name, q)
         k, origin = beyond, last
 
 
-def _at_kink(radicand: MomentumSquared, q: Mpf) -> Mpf | None:
-    """p² on one side of a kink; None where it is infinite."""
+def _inside(radicand: MomentumSquared, kink: Number, side: int, reach: Number | None) -> Number:
+    """The kink, or where p² has no slope there, as |x|^(1/2), a place beyond it before which p² is proved positive.
+
+    Raises:
+        NotConvergedError: there is none.
+    """
+    q = kink(_BITS)
     try:
-        value = radicand.value(q, _BITS)
-    except ZeroDivisionError:
-        return None
-    return _size(value, q) if abs(value) < value.context.inf else None
+        if all(abs(part) < part.context.inf for part in radicand.jet(q, _BITS)):
+            return kink
+    except InvalidInputError:
+        pass
+    length = reach(_BITS) if reach is not None else abs(q) or q.context.mpf(1)
+    for power in range(1, _BITS, 2):
+        x = q + side * q.context.ldexp(length, -power)
+        low = radicand.enclose(np.array([min(q, x)], dtype=object), np.array([max(q, x)], dtype=object), 256)[0].low[0]
+        if low > 0:
+            return partial(_beyond, kink, side, length, power)
+    raise NotConvergedError(f"p² could not be decided next to the kink at q = {float(q):.15g}")
+
+
+def _beyond(kink: Number, side: int, length: Mpf, power: int, bits: int) -> Mpf:
+    context = multiprecision(bits)
+    return context.convert(kink(bits)) + side * context.ldexp(context.convert(length), -power)
+
+
+def _at_kink(cell: Cell, side: int) -> Mpf | None:
+    """p² at an end of a cell; None where it is infinite."""
+    value = cell.at_upper if side > 0 else cell.at_lower
+    return None if value is None else value(_BITS)
+
+
+def _rises(radicand: MomentumSquared, q: Mpf, side: int) -> int:
+    """The sign of p² just beyond a kink where it is zero, as far as it shows nearby."""
+    values = [radicand.value(q + side * q.context.ldexp(1 + abs(q), -power), _BITS) for power in (80, 120)]
+    return int(values[1].context.sign(values[1])) if values[0] * values[1] > 0 else 0
 
 
 def _distance(one: Number, other: Number, bits: int) -> Mpf:
