@@ -167,18 +167,9 @@ def open_phases(name: str, course: CoordinateMotion, place: Mpf, bits: int) -> l
     """
     found = []
     for sign, branch in zip((1, -1), course.branches, strict=True):
-        way = branch.way
-        x = way.side * (place - way.start) / way.length
-        if x < 0 or (way.end != "infinity" and x >= 1):
-            continue
-        context = multiprecision(bits)
-        if way.end == "infinity":
-            y = context.sqrt(x) if way.turning else x
-        elif way.end == "boundary":
-            y = 2 * context.asin(context.sqrt(x)) if way.turning else 1 - context.sqrt(1 - x)
-        else:
-            y = context.atanh(context.sqrt(x)) if way.turning else -context.log(1 - x)
-        found.append(sign * y)
+        y = branch.way.parameter(multiprecision(bits).convert(place))
+        if y is not None:
+            found.append(sign * y)
     if not found:
         raise OutsideMotionError(f"{name} never reaches {float(place):.12g}")
     return found

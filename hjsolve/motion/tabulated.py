@@ -167,7 +167,7 @@ def dense_output(motion: SeparatedMotion, span: float) -> DenseOutput | None:
     if motion.digits > 15 or equations is None or len(equations.courses) != 1:
         return None
     course = equations.courses[0]
-    if course.cycle is not None and not course.cycle.tabular:
+    if not all(part.tabular for part in (*course.branches, *filter(None, [course.cycle]))):
         return None
     try:
         if course.branches:

@@ -20,7 +20,7 @@ The integrals are Chebyshev series on panels, each as long as its integrands are
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -61,6 +61,25 @@ class EndMap:
         if self.end != "boundary":
             return None
         return +context.pi if self.turning else context.mpf(1)
+
+    def in_doubles(self) -> EndMap:
+        """Return the same with its constants rounded to doubles."""
+        return replace(self, start=float(self.start), length=float(self.length))  # type: ignore[arg-type]
+
+    def parameter(self, q: Mpf) -> Mpf | None:
+        """Return y of a place; None where the branch does not pass it.
+
+        Args:
+            q: the place.
+        """
+        x, context = self.side * (q - self.start) / self.length, q.context
+        if x < 0 or (self.end == "kink" and x > 1) or (self.end not in {"infinity", "kink"} and x >= 1):
+            return None
+        if self.end in {"infinity", "kink"}:
+            return context.sqrt(x) if self.turning else x
+        if self.end == "boundary":
+            return 2 * context.asin(context.sqrt(x)) if self.turning else 1 - context.sqrt(1 - x)
+        return context.atanh(context.sqrt(x)) if self.turning else -context.log(1 - x)
 
     def rest(self, y: Numeric, arithmetic: Float64 | Multi) -> Numeric | int:
         """Return what |p|/|dq/dy| is multiplied by to stay finite: a power of the share of the way that is left.

@@ -15,6 +15,7 @@ from hjsolve.one_coordinate import kinks
 from hjsolve.one_coordinate.anomaly import Rotation, libration_anomaly, rotation_anomaly
 from hjsolve.one_coordinate.anomaly_choice import over_near_zeros, over_other_near_zeros, over_the_best_map
 from hjsolve.one_coordinate.barriers import slow_place
+from hjsolve.one_coordinate.chain import Chain
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
 from hjsolve.one_coordinate.coordinate_motion import Anomaly, AtRest, CoordinateMotion, Periodic, Unbounded
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart, Winding
@@ -86,7 +87,7 @@ def _through_kinks(start: CoordinateStart, digits: int) -> Located:
     """The motion of a coordinate along which p² has kinks.
 
     Raises:
-        NotConvergedError: it passes a kink and does not come back.
+        NotConvergedError: it comes to rest at a kink that it may leave to either side.
     """
     at_kink = kinks.cell_of(start, -1) != kinks.cell_of(start, 1)
     own = kinks.in_its_cell(start, kinks.cell_of(start, start.forward))
@@ -101,10 +102,7 @@ def _through_kinks(start: CoordinateStart, digits: int) -> Located:
         return locate(kinks.in_its_cell(start, ahead.cell), digits)
     lower, upper = (behind, ahead) if forward > 0 else (ahead, behind)
     if not {lower.end.kind, upper.end.kind} <= {"turning", "wall"}:
-        raise NotConvergedError(
-            f"{start.name}: a motion that passes a kink or a jump of V and does not come back is not worked out; give "
-            "the coordinate a domain that ends at the kink"
-        )
+        return Located(_open_through_kinks(start, forward, lower, upper, digits), lower.end, upper.end)
     return Located(kinks.libration(start, lower, upper, start.forward, digits), lower.end, upper.end)
 
 
@@ -319,10 +317,55 @@ def _open(start: CoordinateStart, forward: int, lower: End, upper: End, digits: 
     return Unbounded(kind, branch(here, ahead, forward), branch(here, behind, -forward), 0 * start.place(bits))
 
 
+def _open_through_kinks(
+    start: CoordinateStart, forward: int, lower: kinks.Reached, upper: kinks.Reached, digits: int
+) -> Unbounded:
+    """A motion that passes kinks, or is thrown back by a wall, and does not come back."""
+    bits = bits_for(digits, 128)
+    exact = bits + 512 + start.radicand.guard
+    low, high = (
+        kinks.Reached(k, _judged(kinks.in_its_cell(start, k), end)) for k, end in (lower, upper)
+    )
+    kind = _kind_of_open(low.end, high.end, forward)
+
+    def part(origin: End, target: End, side: int, k: int) -> Branch:
+        own = kinks.in_its_cell(start, k)
+        assert origin.place is not None
+        first, turning = origin.place(exact), origin.kind == "turning"
+        length = (
+            abs(target.place(exact) - first)
+            if target.place is not None
+            else _length(own, first, bits, turning=turning)
+        )
+        end = "infinity" if target.kind == "infinity" else target.kind
+        way = EndMap(turning, end, first, side, length, max(0, round(-target.power)))
+        return Branch(way, own.radicand, start.skipped, digits, bits)
+
+    def chain(origin: End, begin: int, target: kinks.Reached, side: int) -> Chain:
+        ends = kinks.ends_between(start, begin, target, side)
+        origins = [origin, *ends[:-1]]
+        parts = [part(a, b, side, begin + side * k) for k, (a, b) in enumerate(zip(origins, ends, strict=True))]
+        return Chain(tuple(parts), origin.kind == "wall")
+
+    for near, far, side in ((low, high, 1), (high, low, -1)):
+        if near.end.kind in {"turning", "wall"}:
+            out = chain(near.end, near.cell, far, side)
+            place = multiprecision(bits).convert(start.place(exact))
+            y = 0 * place if start.forward == 0 else out.way.parameter(place)
+            assert y is not None
+            return Unbounded(kind, out, out, y if forward == side else -y)
+    here = End("boundary", start.place)
+    ahead, behind = (high, low) if forward > 0 else (low, high)
+    ways = (
+        chain(here, kinks.cell_of(start, side), target, side) for target, side in ((ahead, forward), (behind, -forward))
+    )
+    return Unbounded(kind, *ways, 0 * start.place(bits))
+
+
 def _kind_of_open(lower: End, upper: End, forward: int) -> Kind:
     """The kind of a motion that does not come back: what it does in the end, whatever it came from."""
     ahead, behind = (upper, lower) if forward > 0 else (lower, upper)
-    match (behind if ahead.kind == "turning" else ahead).kind:
+    match (behind if ahead.kind in {"turning", "wall"} else ahead).kind:
         case "boundary" | "fall":
             return "boundary"
         case "asymptote":

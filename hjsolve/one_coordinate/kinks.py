@@ -121,6 +121,19 @@ def reached(start: CoordinateStart, side: int, digits: int) -> Reached:
         k, origin = beyond, last
 
 
+def ends_between(start: CoordinateStart, begin: int, target: Reached, side: int) -> list[End]:
+    """Return the kinks on the way from a cell to an end, and the end.
+
+    Args:
+        start: the coordinate.
+        begin: the cell in which the way begins.
+        target: where it ends.
+        side: +1 upwards, −1 downwards.
+    """
+    cells = [start.cells[k] for k in range(begin, target.cell, side)]
+    return [*(End("kink", cell.upper if side > 0 else cell.lower) for cell in cells), target.end]
+
+
 def _inside(radicand: MomentumSquared, kink: Number, side: int, reach: Number | None) -> Number:
     """The kink, or where p² has no slope there, as |x|^(1/2), a place beyond it before which p² is proved positive.
 
