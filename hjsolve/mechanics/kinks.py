@@ -158,6 +158,16 @@ def with_signs(expression: sp.Expr, kinks: Iterable[Kink]) -> sp.Expr:
     return expression.xreplace({kink.symbol: kink.sign for kink in kinks})
 
 
+def with_quotients(expression: sp.Expr, kinks: Iterable[Kink]) -> sp.Expr:
+    """Return a formula with u/|u| for its letters, for drawings.
+
+    Args:
+        expression: of V, p² ….
+        kinks: of the system.
+    """
+    return expression.xreplace({kink.symbol: kink.argument / sp.Abs(kink.argument) for kink in kinks})
+
+
 def refuse_kinks(kinks: Iterable[Kink], what: str) -> None:
     """Refuse what is not worked out where V has kinks.
 

@@ -22,6 +22,7 @@ from hjsolve.motion.winding import radians_of_a_unit
 from hjsolve.one_coordinate.allowed_regions import forbidden
 from hjsolve.one_coordinate.classify import Located, locate
 from hjsolve.one_coordinate.coordinate_start import Cell, CoordinateStart, Winding
+from hjsolve.one_coordinate.kinks import cell_of, in_its_cell
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, has_period
 from hjsolve.solution.quadratures import Solution
 from hjsolve.time_law.open_motion import TriangularScheme, plan
@@ -224,5 +225,5 @@ def checked(begin: CoordinateStart) -> CoordinateStart:
         raise NotConvergedError(f"q[{begin.name}]: is so far out that doubles cannot tell places apart there; {cure}")
     value = begin.radicand.value(place, 256)
     if begin.forward and value < 0:
-        raise forbidden(begin)
+        raise forbidden(in_its_cell(begin, cell_of(begin, begin.forward)) if begin.cells else begin)
     return begin
