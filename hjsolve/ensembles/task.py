@@ -110,7 +110,9 @@ def _tools(task: EnsembleTask) -> TaskContext:
             lower([formulas[c.name] for c in system.coordinates], [*arguments, *(system.symbols[n] for n in names)]),
             tuple(split(to_bits(value)(128)) for _, value in task.parameters),
         ),
-        chart=None if engine is None else _chart(task, solution if about is None else solved_in_space(solution), engine),
+        chart=None
+        if engine is None
+        else _chart(task, solution if about is None else solved_in_space(solution), engine),
         about=about,
     )
 

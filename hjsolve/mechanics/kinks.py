@@ -37,7 +37,7 @@ class Kink(Shown):
 
     @property
     def sign(self) -> sp.Expr:
-        """s as a function of the coordinate."""
+        """The sign as a function of the coordinate."""
         return sp.sign(self.argument)
 
 
@@ -98,7 +98,9 @@ class _Writer:
 
     def _pieces(self, pieces: list[tuple[sp.Expr, sp.Basic]]) -> sp.Expr:
         if not pieces:
-            raise InvalidSystemError("potential: a Piecewise without a last piece has no value somewhere; add (…, True)")
+            raise InvalidSystemError(
+                "potential: a Piecewise without a last piece has no value somewhere; add (…, True)"
+            )
         (value, condition), rest = pieces[0], pieces[1:]
         share = self._share(condition)
         return value if share == 1 else share * value + (1 - share) * self._pieces(rest)
@@ -186,7 +188,10 @@ def refuse_kinks(kinks: Iterable[Kink], what: str) -> None:
 
 
 def smooth_intervals(
-    kinks: Sequence[Kink], q: sp.Symbol, values: Mapping[sp.Symbol, sp.Expr], ends: tuple[sp.Expr | None, sp.Expr | None]
+    kinks: Sequence[Kink],
+    q: sp.Symbol,
+    values: Mapping[sp.Symbol, sp.Expr],
+    ends: tuple[sp.Expr | None, sp.Expr | None],
 ) -> list[Interval]:
     """Return the intervals between kinks, upwards: their ends, None where there is none, and the letters' values.
 

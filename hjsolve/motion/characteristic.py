@@ -28,7 +28,6 @@ from hjsolve.motion.state_errors import ignorable_error, phase_errors
 from hjsolve.motion.tabulated import needs_table
 from hjsolve.motion.times import read_times
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
-from hjsolve.one_coordinate.fourier_series import FourierSeries
 
 FINER = 26
 """Digits of the phases where doubles leave too much of them open (``tabulated.needs_table``)."""

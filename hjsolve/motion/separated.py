@@ -121,7 +121,6 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Coordin
         initial: the exact initial data and constants.
         name: of the separated coordinate.
     """
-    coordinate = solution.system.coordinate(name)
     kinks = [kink for kink in solution.system.kinks if kink.coordinate == name]
     if kinks:
         return _with_kinks(solution, initial, name, kinks)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -43,7 +43,7 @@ class ChainMap:
 
     @property
     def start(self) -> Mpf:
-        """q at y = 0."""
+        """The place at y = 0."""
         return self.maps[0].start
 
     @property
@@ -120,14 +120,16 @@ class ChainMap:
                 return k + y
         return None
 
-    def _of_part(self, y: Numeric, answer: Any) -> tuple[Any, ...]:
+    def _of_part(self, y: Any, answer: Any) -> tuple[Any, ...]:
         """What the part to which y belongs answers."""
         last = len(self.maps) - 1
         if context_of(y) is not None or not np.ndim(y):
             k = min(int(y), last)
             return tuple(answer(self.maps[k], y - k))
         inside = np.clip(np.asarray(y).astype(int), 0, last)
-        found = [answer(part, np.clip(y - k, 0, 1) if k < last else np.maximum(y - k, 0)) for k, part in enumerate(self.maps)]
+        found = [
+            answer(part, np.clip(y - k, 0, 1) if k < last else np.maximum(y - k, 0)) for k, part in enumerate(self.maps)
+        ]
         return tuple(np.choose(inside, rows) for rows in zip(*found, strict=True))
 
 
@@ -148,7 +150,7 @@ class Chain:
     @property
     def way(self) -> ChainMap:
         """The map q(y)."""
-        return ChainMap(tuple(cast("EndMap", part.way) for part in self.parts), self.thrown_back)
+        return ChainMap(tuple(part.way for part in self.parts), self.thrown_back)
 
     @property
     def digits(self) -> int:
@@ -191,7 +193,8 @@ def _joined(
         final = k == len(chain.parts) - 1
         asked = (weights, amount) if final else (None, 1.0)
         tables.append(swept(part, *asked) if momentum else part.panels(*asked, partly=partly and final))
-    edges, coefficients, sums = [tables[0].edges[:1]], [], []
+    edges: list[Any] = [tables[0].edges[:1]]
+    coefficients, sums = [], []
     before: Any = 0
     for k, table in enumerate(tables):
         own = table.edges[1:].copy()
@@ -203,10 +206,12 @@ def _joined(
         coefficients.append(table.coefficients)
         sums.append(added)
         before = np.sum(added[:, -1, :], axis=-1)
-    return Panels(np.concatenate(edges), _padded(coefficients), _padded(sums), max(t.nodes for t in tables), tables[-1].finished)
+    return Panels(
+        np.concatenate(edges), _padded(coefficients), _padded(sums), max(t.nodes for t in tables), tables[-1].finished
+    )
 
 
-def _padded(tables: list[Numbers]) -> Numbers:
+def _padded(tables: list[Numbers]) -> Any:
     longest = max(t.shape[2] for t in tables)
     wide = [np.concatenate([t, np.zeros((*t.shape[:2], longest - t.shape[2]), dtype=t.dtype)], axis=2) for t in tables]
     return np.concatenate(wide, axis=1)

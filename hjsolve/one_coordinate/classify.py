@@ -323,9 +323,7 @@ def _open_through_kinks(
     """A motion that passes kinks, or is thrown back by a wall, and does not come back."""
     bits = bits_for(digits, 128)
     exact = bits + 512 + start.radicand.guard
-    low, high = (
-        kinks.Reached(k, _judged(kinks.in_its_cell(start, k), end)) for k, end in (lower, upper)
-    )
+    low, high = (kinks.Reached(k, _judged(kinks.in_its_cell(start, k), end)) for k, end in (lower, upper))
     kind = _kind_of_open(low.end, high.end, forward)
 
     def part(origin: End, target: End, side: int, k: int) -> Branch:
@@ -333,9 +331,7 @@ def _open_through_kinks(
         assert origin.place is not None
         first, turning = origin.place(exact), origin.kind == "turning"
         length = (
-            abs(target.place(exact) - first)
-            if target.place is not None
-            else _length(own, first, bits, turning=turning)
+            abs(target.place(exact) - first) if target.place is not None else _length(own, first, bits, turning=turning)
         )
         end = "infinity" if target.kind == "infinity" else target.kind
         way = EndMap(turning, end, first, side, length, max(0, round(-target.power)))
@@ -356,10 +352,10 @@ def _open_through_kinks(
             return Unbounded(kind, out, out, y if forward == side else -y)
     here = End("boundary", start.place)
     ahead, behind = (high, low) if forward > 0 else (low, high)
-    ways = (
+    one, other = (
         chain(here, kinks.cell_of(start, side), target, side) for target, side in ((ahead, forward), (behind, -forward))
     )
-    return Unbounded(kind, *ways, 0 * start.place(bits))
+    return Unbounded(kind, one, other, 0 * start.place(bits))
 
 
 def _kind_of_open(lower: End, upper: End, forward: int) -> Kind:

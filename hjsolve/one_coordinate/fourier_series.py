@@ -82,7 +82,11 @@ class FourierSeries:
     def left_out(self) -> Mpf | float:
         """A bound on the terms that the series lacks."""
         sines: Numbers = self.sines if self.sines is not None else np.zeros(0)
-        return 0 if self.constant else 2 * self.tail * (abs(self.mean) + sum(map(abs, self.cosines)) + sum(map(abs, sines)))
+        return (
+            0
+            if self.constant
+            else 2 * self.tail * (abs(self.mean) + sum(map(abs, self.cosines)) + sum(map(abs, sines)))
+        )
 
     def unresolved(self, χ: Mpf) -> float:
         """Return what rounded coefficients leave open of ``oscillation`` at one phase; nothing at a turning point.

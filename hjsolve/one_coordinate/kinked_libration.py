@@ -11,6 +11,7 @@ At a wall V jumps above the energy, and p changes its sign (Greenwood, item 102,
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
@@ -80,7 +81,7 @@ class PieceByPiece(Unstretched):
     even: ClassVar[bool] = True
     direction: ClassVar[int] = 1
 
-    def place(self, χ: Numeric, arithmetic: Float64 | Multi) -> Place:
+    def place(self, χ: Any, arithmetic: Float64 | Multi) -> Place:
         """Return the place at χ, |χ| ≤ 2π.
 
         Args:
@@ -93,7 +94,7 @@ class PieceByPiece(Unstretched):
         if context_of(χ) is not None:
             k = min(int(abs(folded) / step), n - 1)
             below, above, speed = self._within(k, (abs(folded) - k * step) / step, step)
-            sign = 1 if folded >= 0 else -1
+            sign: Any = 1 if folded >= 0 else -1
         else:
             a = np.abs(folded)
             inside = np.clip((a / step).astype(int), 0, n - 1)
@@ -105,7 +106,7 @@ class PieceByPiece(Unstretched):
         return Place(q, sign * speed, product, abs(speed), 1, below, above)
 
     def _within(self, k: int, y: Elementwise, step: Elementwise) -> tuple[Elementwise, Elementwise, Elementwise]:
-        """q − lower, upper − q and |dq/dχ| on a piece."""
+        """Distances from both ends and |dq/dχ| on a piece."""
         piece = self.pieces[k]
         x, left, slope = piece.distances(y)
         return piece.lower - self.lower + x, self.upper - (piece.lower + piece.length) + left, slope / step
@@ -125,8 +126,7 @@ class PieceByPiece(Unstretched):
 
     def in_doubles(self) -> Self:
         """Return the same with its constants rounded to doubles, for vectorised use."""
-        rounded = tuple(PieceMap(float(p.lower), float(p.length), p.turning) for p in self.pieces)
-        return type(self)(rounded, float(self.lower), float(self.upper))
+        return self._converted(float)
 
     def lowered(self, arithmetic: Multi) -> Self:
         """Return the same with its constants rounded to fewer digits.
@@ -134,7 +134,9 @@ class PieceByPiece(Unstretched):
         Args:
             arithmetic: with fewer.
         """
-        convert = arithmetic.convert
+        return self._converted(arithmetic.convert)
+
+    def _converted(self, convert: Callable[[Mpf], Any]) -> Self:
         pieces = tuple(PieceMap(convert(p.lower), convert(p.length), p.turning) for p in self.pieces)
         return type(self)(pieces, convert(self.lower), convert(self.upper))
 
@@ -150,7 +152,7 @@ class KinkedLibration(Periodic):
         """Lower and upper end, turning points or walls."""
         return self.anomaly.lower, self.anomaly.upper  # type: ignore[union-attr]
 
-    def in_doubles(self) -> Periodic:
+    def in_doubles(self) -> KinkedLibration:
         """Return the motion itself: its series serve doubles as well."""
         return self
 
@@ -191,7 +193,7 @@ class KinkedLibration(Periodic):
 
 
 @dataclass(frozen=True)
-class Piece:
+class SmoothPiece:
     """A piece with its integrals.
 
     Attributes:
@@ -203,7 +205,7 @@ class Piece:
     map: PieceMap
 
 
-def integrated(pieces: list[Piece], digits: int, bits: int) -> tuple[list[PanelSeries], PanelSeries, PanelSeries]:
+def integrated(pieces: list[SmoothPiece], digits: int, bits: int) -> tuple[list[PanelSeries], PanelSeries, PanelSeries]:
     """Return the series of all kernels, of p/(dq/dχ), and of p dq/dχ.
 
     Args:
@@ -218,7 +220,7 @@ def integrated(pieces: list[Piece], digits: int, bits: int) -> tuple[list[PanelS
     return kernels, _joined(pieces, own, count - 1, digits, bits, 1), _joined(pieces, sweeps, 0, digits, bits, -1)
 
 
-def _joined(pieces: list[Piece], panels: list[Panels], j: int, digits: int, bits: int, power: int) -> PanelSeries:
+def _joined(pieces: list[SmoothPiece], panels: list[Panels], j: int, digits: int, bits: int, power: int) -> PanelSeries:
     """One function over half a turn: that of each piece divided by dχ/dy, or multiplied where ``power`` is 1."""
     context = Multi(bits).context
     step = context.pi / len(pieces)

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import bits_for, multiprecision
+from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
 from hjsolve.one_coordinate.coordinate_start import Cell, CoordinateStart
-from hjsolve.one_coordinate.kinked_libration import KinkedLibration, Piece, PieceByPiece, PieceMap, integrated
+from hjsolve.one_coordinate.kinked_libration import KinkedLibration, SmoothPiece, PieceByPiece, PieceMap, integrated
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
 from hjsolve.one_coordinate.open_branch import Branch
 from hjsolve.one_coordinate.ray import Ray
@@ -192,20 +193,18 @@ def libration(start: CoordinateStart, lower: Reached, upper: Reached, forward: i
     assert upper.end.place is not None
     places = [lower.end.place, *(_upper(start.cells[k]) for k in range(lower.cell, upper.cell)), upper.end.place]
     pieces = []
-    for k, (low, high) in enumerate(zip(places[:-1], places[1:], strict=True)):
+    for k, (low, high) in enumerate(itertools.pairwise(places)):
         a, b = low(exact), high(exact)
         first, last = k == 0 and lower.end.kind == "turning", k == len(places) - 2 and upper.end.kind == "turning"
         way = EndMap(first or last, "kink", b if last else a, -1 if last else 1, b - a)
         radicand = start.cells[lower.cell + k].radicand
         pieces.append(
-            Piece(Branch(way, radicand, start.skipped, more, bits), PieceMap(a, b - a, int(last) - int(first)))
+            SmoothPiece(Branch(way, radicand, start.skipped, more, bits), PieceMap(a, b - a, int(last) - int(first)))
         )
     anomaly = PieceByPiece(tuple(p.map for p in pieces), places[0](exact), places[-1](exact))
     kernels, momentum, density = integrated(pieces, more, bits)
-    arithmetic = multiprecision(bits)
-    from hjsolve.arithmetic.floats import Multi
-
-    χ = anomaly.phase(arithmetic.convert(start.place(exact)), forward, Multi(bits))
+    arithmetic = Multi(bits)
+    χ = anomaly.phase(arithmetic.convert(start.place(exact)), forward, arithmetic)
     return KinkedLibration("libration", anomaly, kernels, momentum, density, χ, start.radicand)  # type: ignore[arg-type]
 
 

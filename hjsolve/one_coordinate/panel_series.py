@@ -115,7 +115,7 @@ class PanelSeries:
         """
         rows, sums = (sum(w * getattr(s, part) for w, s in terms) for part in ("rows", "sums"))
         nodes, digits = max(s.nodes for _, s in terms), min(s.digits for _, s in terms)
-        return PanelSeries(self.edges, rows, sums, nodes, digits)  # type: ignore[arg-type]
+        return PanelSeries(self.edges, rows, sums, nodes, digits)
 
     @cached_property
     def _doubles(self) -> tuple[Reals, Reals, Reals]:
@@ -150,5 +150,3 @@ def clenshaw(row: Elementwise, x: Elementwise) -> Elementwise:
     for k in range(len(row) - 1, 0, -1):
         b1, b2 = 2 * x * b1 - b2 + row[k], b1
     return x * b1 - b2 + row[0]
-
-

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, cast
+from typing import ClassVar, Self, cast
 
 import numpy as np
 
@@ -210,7 +210,7 @@ class Periodic(KindOfMotion):
             return np.abs(cast("Reals", self.place(χ)[0])) + np.pi * float(self.radian)
         return np.minimum(*self.distances(χ))
 
-    def in_doubles(self) -> Periodic:
+    def in_doubles(self) -> Self:
         """Return the motion with the series of its momentum rounded to doubles, for vectorised use."""
         series = self.momentum
         if series.cosines.dtype != object:

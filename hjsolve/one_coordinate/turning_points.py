@@ -42,10 +42,10 @@ class End:
     """Where the allowed region stops on one side.
 
     Attributes:
-        kind: ``turning`` a simple zero of p²; ``wall`` a jump of V that it is thrown back by; ``asymptote`` a multiple zero, never reached; ``boundary``
-            an end of the coordinate's domain (``fall`` where an integral over the way there has no limit, see
-            ``chebyshev_panels``); ``infinity``; ``round`` none within a full turn of an angle; ``kink`` where p² goes on
-            with another formula.
+        kind: ``turning`` a simple zero of p²; ``wall`` a jump of V that it is thrown back by; ``asymptote`` a multiple
+            zero, never reached; ``boundary`` an end of the coordinate's domain (``fall`` where an integral over the way
+            there has no limit, see ``chebyshev_panels``); ``infinity``; ``round`` none within a full turn of an angle;
+            ``kink`` where p² goes on with another formula.
         place: the position at any precision; None for infinity and round.
         power: at a boundary or at infinity, p² ~ distance**power.
     """
