@@ -119,7 +119,9 @@ def swept_from_start(
     """
     start = np.array([course.start], dtype=object) if many else np.array([float(course.start)])
     there, slope, size = course.momentum_integral(χ)
-    begin, _, first = course.momentum_integral(start)
+    begin, rate, first = course.momentum_integral(start)
+    if not many:  # the rounding of the phase of the start, to first order
+        begin = begin + rate * float(course.start - start[0])
     value, size = there - begin[0], size + first[0]
     if course.cycle is not None and whole.any():
         context = course.cycle.density.mean.context  # type: ignore[union-attr]

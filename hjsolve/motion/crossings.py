@@ -22,6 +22,7 @@ from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import phases_at, solve_phases
 from hjsolve.motion.positions import constant_index, principal_values
 from hjsolve.motion.shapes import shaped
+from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.state_at import state_at_times
 from hjsolve.motion.times import exact_numbers, read_times, whole_numbers
 from hjsolve.one_coordinate.anomaly import Rotation, TwoBarrierAnomaly
@@ -30,7 +31,7 @@ from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.one_coordinate.open_branch import farthest
 from hjsolve.one_coordinate.resting_motion import AtRest
 from hjsolve.one_coordinate.stretched_anomaly import Stretched
-from hjsolve.time_law.open_motion import DecoupledStep
+from hjsolve.time_law.open_motion import DecoupledStep, integral_at
 from hjsolve.time_law.phase_reduction import turns_and_rest
 from hjsolve.time_law.torus import mean_rate, oscillation
 
@@ -206,15 +207,22 @@ def _noise(motion: SeparatedMotion) -> Time:
 
 def _own_time(motion: SeparatedMotion, course: CoordinateMotion, step: DecoupledStep, phase: Mpf) -> tuple[Time, Time]:
     """Time of a coordinate whose equation holds no other."""
-    kind = object if motion.digits > 15 else float
-    here, start = np.array([phase], dtype=kind), np.array([course.start], dtype=kind)
     course = course.with_reach(abs(float(phase)))
     total, size = 0, 0
     for j, w in enumerate(step.weights):
         if w:
-            there, begin = course.integral(j, here)[0], course.integral(j, start)[0]
-            total, size = total + w * (there - begin), size + abs(w * there) + abs(w * begin)
+            (there, first), (begin, second) = (_integral_at(motion, course, j, χ) for χ in (phase, course.start))
+            total, size = total + w * (there - begin), size + abs(w) * (first + second)
     return total / step.weights[0], _noise(motion) * size / abs(step.weights[0])
+
+
+def _integral_at(motion: SeparatedMotion, course: CoordinateMotion, j: int, χ: Mpf | int) -> tuple[Time, float]:
+    """Gⱼ at one phase of many digits, and the size that its rounding refers to: that of the series of its panel."""
+    near = np.array([float(χ)])
+    size = float(course.grain(j, near)[0])
+    if motion.digits > FLOAT_DIGITS:
+        return course.integral(j, np.array([χ], dtype=object))[0], size
+    return integral_at(course, j, χ), size
 
 
 def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[float, float]:

@@ -16,6 +16,7 @@ from hjsolve.errors import NotConvergedError
 from hjsolve.lowering import momentum_squared_tapes, with_plain_exponents
 from hjsolve.mechanics.kinks import Kink, smooth_intervals
 from hjsolve.motion import quantities
+from hjsolve.motion.exact_square import ExactZeros
 from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, number_is_zero, sign, to_bits
 from hjsolve.motion.joined_terms import by_half_angles, with_exact_coefficients
 from hjsolve.motion.winding import radians_of_a_unit
@@ -177,7 +178,8 @@ def _smooth_start(solution: Solution, initial: Initial, name: str, squared: sp.E
     forward = sign(root)
     if forward and not solution.system.kinks:
         radicand = radicand.guarded(place, _square(to_bits(root)))
-    start = CoordinateStart(name, radicand, place, forward, ends[0], ends[1], angle, absent)
+    zeros = ExactZeros(F, coordinate.symbol, known, initial.values[coordinate.symbol])
+    start = CoordinateStart(name, radicand, place, forward, ends[0], ends[1], angle, absent, exact=zeros)
     if coordinate.domain.kind != "line":
         return start
     return replace(start, winding=_winding(start, F, coordinate.symbol, constants, parameters, initial))

@@ -10,7 +10,7 @@ from functools import partial
 from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Numeric
 from hjsolve.arithmetic.root_finding import bisected
-from hjsolve.errors import NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.one_coordinate import kinks
 from hjsolve.one_coordinate.anomaly import Rotation, libration_anomaly, rotation_anomaly
 from hjsolve.one_coordinate.anomaly_choice import over_near_zeros, over_other_near_zeros, over_the_best_map
@@ -29,6 +29,8 @@ _NEAREST = 200
 """Bits by which a turning point may be nearer to an end of the domain than to the other one."""
 
 
+_STEP = 20
+"""Powers of two by which a step is shorter than |q| that tells a simple zero from others."""
 _WIDEST, _CURVED = 2.0**500, 2.0**1000
 """Width of a motion, and p² over its square, from whose inverse to which doubles hold what is worked out with them."""
 _LONG = 2**16
@@ -68,13 +70,13 @@ def locate(start: CoordinateStart, digits: int) -> Located:
         return _rest(start, digits)
     if start.winding is not None and (wound := _wound(start, start.winding, digits)) is not None:
         return wound
-    ahead = first_end(ray(start, forward), digits=digits)
+    ahead = _first_end(start, forward, digits)
     if start.forward == 0:
         behind = End("turning", start.place)
     elif ahead.kind == "round":
         behind = ahead
     else:
-        behind = first_end(ray(start, -forward), digits=digits)
+        behind = _first_end(start, -forward, digits)
     lower, upper = (behind, ahead) if forward > 0 else (ahead, behind)
     if lower.kind == "turning" and upper.kind == "turning":
         return Located(_libration(start, lower, upper, digits), lower, upper)
@@ -108,6 +110,8 @@ def _through_kinks(start: CoordinateStart, digits: int) -> Located:
 
 def _push(start: CoordinateStart) -> int:
     """Direction in which a coordinate leaves a turning point: the sign of F′ (Greenwood, item 102); 0 when it rests."""
+    if start.exact is not None and _looks_multiple(start) and start.exact.order_at_start() > 1:
+        return 0
     for bits in (256, 1024, 2048):
         q = start.place(bits)
         value, slope, bend = start.radicand.jet(q, bits)
@@ -115,6 +119,36 @@ def _push(start: CoordinateStart) -> int:
         if abs(slope) > rounding:
             return 1 if slope > 0 else -1
     return 0
+
+
+def _first_end(start: CoordinateStart, side: int, digits: int) -> End:
+    """The end of the motion on one side; a zero proved to be triple or higher is an asymptote.
+
+    Raises:
+        NotConvergedError: a zero of p² could not be decided.
+    """
+    way = ray(start, side)
+    try:
+        return first_end(way, digits=digits)
+    except NotConvergedError:
+        q = start.place(1024)
+        zeros = start.exact.multiple_zeros() if start.exact is not None else ()
+        beyond = [zero for zero in zeros if side * (zero(1024) - q) > 0]
+        if not beyond:
+            raise
+        nearest = min(beyond, key=lambda zero: abs(zero(1024) - q))
+        return first_end(replace(way, reach=partial(_distance, start.place, nearest), turns=False), digits=digits)
+
+
+def _looks_multiple(start: CoordinateStart) -> bool:
+    """Whether p² at a turning point grows by much more than its slope lets it."""
+    q = start.place(256)
+    step = q.context.ldexp(abs(q) or 1, -_STEP)
+    try:
+        grown = max(abs(start.radicand.value(q + side * step, 256)) for side in (1, -1))
+        return bool(abs(start.radicand.jet(q, 256)[1]) * step < q.context.ldexp(grown, -_STEP // 2))
+    except (InvalidInputError, TypeError):
+        return True
 
 
 def ray(start: CoordinateStart, side: int) -> Ray:
@@ -144,7 +178,7 @@ def _rest(start: CoordinateStart, digits: int, *, stable: bool = True) -> Locate
     bits = bits_for(digits, 96)
     q = start.place(bits)
     _, _, bend = start.radicand.jet(q, bits)
-    stable = stable and bool(bend < 0)
+    stable = stable and bool(bend < 0) and (start.exact is None or start.exact.order_at_start() == 2)
     scale = (-bend / 2) ** 0.5 if stable else 1
     size, h = abs(q) or 1, multiprecision(bits).mpf(2) ** -20
     weights, beside = start.radicand.weights(q, bits), start.radicand.weights(q + size * h, bits)

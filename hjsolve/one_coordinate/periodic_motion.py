@@ -82,7 +82,8 @@ class Periodic(KindOfMotion):
     @property
     def tail(self) -> float:
         """The largest of the last coefficients, relative to the size of its function."""
-        return max(float(s.tail) for s in (*self.kernels, self.momentum))
+        own = (self.momentum,) if self.density is None else (self.momentum, self.density)
+        return max(float(s.tail) for s in (*self.kernels, *own))
 
     @property
     def signed_action(self) -> Mpf | int:
