@@ -21,8 +21,8 @@ from hjsolve.motion.coupled_crossing import coupled_crossing_time
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import phases_at, solve_phases
 from hjsolve.motion.positions import constant_index, principal_values
-from hjsolve.motion.shapes import shaped
 from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.shapes import shaped
 from hjsolve.motion.state_at import state_at_times
 from hjsolve.motion.times import exact_numbers, read_times, whole_numbers
 from hjsolve.one_coordinate.anomaly import Rotation, TwoBarrierAnomaly
@@ -208,7 +208,8 @@ def _noise(motion: SeparatedMotion) -> Time:
 def _own_time(motion: SeparatedMotion, course: CoordinateMotion, step: DecoupledStep, phase: Mpf) -> tuple[Time, Time]:
     """Time of a coordinate whose equation holds no other."""
     course = course.with_reach(abs(float(phase)))
-    total, size = 0, 0
+    total: Time = 0.0
+    size = 0.0
     for j, w in enumerate(step.weights):
         if w:
             (there, first), (begin, second) = (_integral_at(motion, course, j, χ) for χ in (phase, course.start))

@@ -95,7 +95,8 @@ def _through_kinks(start: CoordinateStart, digits: int) -> Located:
     own = kinks.in_its_cell(start, kinks.cell_of(start, start.forward))
     forward = start.forward or (kinks.push(start) if at_kink else _push(own))
     if forward == 0:
-        return _rest(own, digits, stable=not at_kink)
+        sides = [start.cells[kinks.cell_of(start, side)].radicand for side in (-1, 1)]
+        return _rest(own, digits, sides=None if not at_kink else sides)
     ahead = kinks.reached(start, forward, digits)
     behind = kinks.Reached(kinks.cell_of(start, forward), End("turning", start.place))
     if start.forward:
@@ -174,11 +175,11 @@ def _distance(one: Number, other: Number, bits: int) -> Mpf:
     return abs(other(bits) - one(bits))
 
 
-def _rest(start: CoordinateStart, digits: int, *, stable: bool = True) -> Located:
+def _rest(start: CoordinateStart, digits: int, *, sides: list[MomentumSquared] | None = None) -> Located:
     bits = bits_for(digits, 96)
     q = start.place(bits)
     _, _, bend = start.radicand.jet(q, bits)
-    stable = stable and bool(bend < 0) and (start.exact is None or start.exact.order_at_start() == 2)
+    stable = sides is None and bool(bend < 0) and (start.exact is None or start.exact.order_at_start() == 2)
     scale = (-bend / 2) ** 0.5 if stable else 1
     size, h = abs(q) or 1, multiprecision(bits).mpf(2) ** -20
     weights, beside = start.radicand.weights(q, bits), start.radicand.weights(q + size * h, bits)
@@ -186,7 +187,19 @@ def _rest(start: CoordinateStart, digits: int, *, stable: bool = True) -> Locate
     changes = [abs(after - w) / h / scale for w, after in zip(weights, beside, strict=True)]
     sizes = [abs(r) + (c if c < multiprecision(bits).inf else 0) for r, c in zip(rates, changes, strict=True)]
     end = End("turning" if stable else "asymptote", start.place)
-    return Located(AtRest(q, rates, sizes, stable), end, end)
+    return Located(AtRest(q, rates, sizes, stable, stable or _hollow(q, sides or [start.radicand] * 2)), end, end)
+
+
+def _hollow(q: Mpf, sides: list[MomentumSquared]) -> bool:
+    """Whether p² is negative on both sides of a place at which it is zero, as far as it shows nearby."""
+    try:
+        return all(
+            sides[side > 0].value(q + side * q.context.ldexp(abs(q) or 1, -power), 512) < 0
+            for side in (-1, 1)
+            for power in (20, 40)
+        )
+    except (InvalidInputError, TypeError):
+        return False
 
 
 def _libration(start: CoordinateStart, lower: End, upper: End, digits: int) -> Periodic:

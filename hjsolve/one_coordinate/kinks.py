@@ -14,7 +14,7 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
 from hjsolve.one_coordinate.coordinate_start import Cell, CoordinateStart
-from hjsolve.one_coordinate.kinked_libration import KinkedLibration, SmoothPiece, PieceByPiece, PieceMap, integrated
+from hjsolve.one_coordinate.kinked_libration import KinkedLibration, PieceByPiece, PieceMap, SmoothPiece, integrated
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
 from hjsolve.one_coordinate.open_branch import Branch
 from hjsolve.one_coordinate.ray import Ray
