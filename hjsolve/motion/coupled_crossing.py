@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Generic
 import numpy as np
 
 from hjsolve.arithmetic.floats import UNIT, bits_for, multiprecision
-from hjsolve.arithmetic.number_types import Elementwise, Mpf, X
+from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, X
 from hjsolve.errors import OutsideMotionError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 

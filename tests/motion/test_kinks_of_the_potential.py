@@ -125,7 +125,10 @@ def test_a_kink_in_one_of_two_coordinates_and_in_a_central_field() -> None:
 def test_ensembles_go_through_kinks_with_the_right_statuses() -> None:
     system = hjsolve.System({"x": "line"}, "m/2*dot(x)**2", "F*abs(x)", {"m": 1, "F": 2})
     batch = hjsolve.ensemble(
-        system, q={"x": np.array([1.0, -2.0, np.nan, 0.0])}, p={"x": np.array([0.0, 1.0, 0.0, 0.0])}, want={"frequencies"}
+        system,
+        q={"x": np.array([1.0, -2.0, np.nan, 0.0])},
+        p={"x": np.array([0.0, 1.0, 0.0, 0.0])},
+        want={"frequencies"},
     )
     assert list(batch.status) == ["ok", "ok", "not_finite", "ok"]
     truth = [exact.pi / 2, 2 * exact.pi / (4 * exact.sqrt(2 * exact.mpf("4.5")) / 2)]
