@@ -13,6 +13,7 @@ from hjsolve.closed_form.time_limit import within_seconds
 from hjsolve.closed_form.verification import DIGITS
 from hjsolve.closed_form.workshop import Workshop, workshop_of
 from hjsolve.errors import InvalidInputError
+from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
 from hjsolve.precision import one_at_a_time
@@ -64,11 +65,13 @@ def closed_forms(
             f"closed_forms: expected a solution, a motion, a system or a catalog id, got {type(subject).__name__}"
         )
     if isinstance(subject, Motion):
+        refuse_kinks(subject.solution.system.kinks, "closed_forms")
         with within_seconds(seconds):
             shop = workshop_of(subject.solution, digits)
             own = [form for form in (_own_form(shop, subject),) if form is not None]
             return (*own, *forms_of_solution(shop, own))
     solution = subject if isinstance(subject, Solution) else solve(subject)
+    refuse_kinks(solution.system.kinks, "closed_forms")
     with within_seconds(seconds):
         return forms_of_solution(workshop_of(solution, digits))
 

@@ -26,6 +26,7 @@ from hjsolve.coordinates.small_oscillations import normal_modes
 from hjsolve.coordinates.superintegrable import independent_integrals, told_of_modes, webs_in_words
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError, NotSeparableError
+from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.system import System, linear_terms, placed
 from hjsolve.separation import Separation, separate
 from hjsolve.separation.obstruction.advice import small_oscillations
@@ -105,6 +106,7 @@ def find_chart(system: System, refused: object, *, budget: float = 20.0) -> Char
         NotSeparableError: there are none, none could be certified, or that was not decided within the budget; the
             error carries the verdict.
     """
+    refuse_kinks(system.kinks, "the search for coordinates")
     why = "the given coordinates do not separate"
     with within_seconds(budget):
         try:

@@ -32,6 +32,7 @@ from hjsolve.coordinates.webs.orthonormal_frames import sign_by, tidy_constant
 from hjsolve.coordinates.webs.plane import plane_webs
 from hjsolve.coordinates.webs.space import Potential, space_webs
 from hjsolve.errors import InvalidSystemError
+from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
 from hjsolve.precision import one_at_a_time
@@ -92,6 +93,7 @@ def find_coordinates(
         [('elliptic', (2, 1/2), sqrt(13)/2, True)]
     """
     system = system_of(system, "find_coordinates")
+    refuse_kinks(system.kinks, "find_coordinates")
     budget = arguments.seconds(budget, "budget")
     with within_seconds(budget):
         curved = curvilinear_map(system)

@@ -21,6 +21,7 @@ from hjsolve.coordinates.webs.orthonormal_frames import Sign, sign_by, tidy_cons
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.read import number
+from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
 from hjsolve.precision import one_at_a_time
@@ -105,6 +106,7 @@ def normal_modes(
         [g*(2 - sqrt(2))/l, g*(sqrt(2) + 2)/l]
     """
     system = system_of(system, "normal_modes")
+    refuse_kinks(system.kinks, "normal_modes")
     quadratic = _quadratic(system, None if about is None else arguments.table(about, "about", '{"theta": 0}'))
     sign = sign_by({p.symbol: p.value for p in system.parameters if p.value is not None})
     columns = _columns(quadratic, sign)

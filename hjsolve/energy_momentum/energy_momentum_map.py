@@ -27,6 +27,7 @@ from hjsolve.energy_momentum.windows import chosen_window, first_window
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.energy_shell import time_name
+from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.motion.initial_data import domain_ends, parameter_values
 from hjsolve.motion.motion import Motion
 from hjsolve.precision import one_at_a_time
@@ -270,6 +271,7 @@ def energy_momentum_map(
     names = list(solved.constants)
     if len(names) < 2 or not solved.coordinates:
         raise InvalidInputError("energy_momentum_map: the system has one constant only; its phase plane is the map")
+    refuse_kinks(solved.system.kinks, "energy_momentum_map")
     x, y = _names(solved, x, y)
     for name in (x, y):
         if name not in names or x == y:

@@ -117,6 +117,14 @@ def _fill(
         done(len(codes))
         return
     places, speeds = ({name: np.ascontiguousarray(x[good]) for name, x in group.items()} for group in (places, speeds))
+    if tools.engine is None:
+        for k, row in enumerate(map(int, good)):
+            if stop.is_set():
+                return
+            _one(task, tools, columns, window.start + row, _start(task, places, speeds, k), False)
+            done(1)
+        done(len(codes) - len(good))
+        return
     if tools.chart is not None:
         at = (places, speeds) if tools.about is None else tools.about.in_space(places, speeds)
         found = run_charted(tools.engine, tools.chart, *at)
@@ -142,12 +150,15 @@ def _fill(
     for k in map(int, singly):
         if stop.is_set():
             return
-        start: dict[str, Any] = {"q": _picked(places, k), task.kind: _picked(speeds, k)}
-        if task.frame != COORDINATE:
-            start["velocity_frame"] = task.frame
         endless = bool(found.status[k] == ENDLESS)
-        _one(task, tools, columns, window.start + int(good[k]), start, endless)
+        _one(task, tools, columns, window.start + int(good[k]), _start(task, places, speeds, k), endless)
         done(1)
+
+
+def _start(task: EnsembleTask, places: Mapping[str, Any], speeds: Mapping[str, Any], k: int) -> dict[str, Any]:
+    """The initial data of one orbit."""
+    start: dict[str, Any] = {"q": _picked(places, k), task.kind: _picked(speeds, k)}
+    return start if task.frame == COORDINATE else {**start, "velocity_frame": task.frame}
 
 
 def _at_the_door(tools: TaskContext, q: Mapping[str, Any], rates: Mapping[str, Any]) -> Any:

@@ -65,7 +65,7 @@ def _status(motion: Motion) -> Status:
         if kind in kinds:
             return _KINDS[kind]
     frozen = (place.course for place in motion.separated.located.values() if isinstance(place.course, AtRest))
-    return Status.OK if all(course.stable for course in frozen) else Status.ASYMPTOTIC
+    return Status.OK if all(course.settled for course in frozen) else Status.ASYMPTOTIC
 
 
 def _row(motion: Motion, layout: Layout) -> Row:

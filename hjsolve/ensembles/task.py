@@ -67,7 +67,7 @@ class TaskContext:
     Attributes:
         solution: of the system.
         layout: of the columns.
-        engine: the vectorised one.
+        engine: the vectorised one; None where V has kinks, and single motions serve.
         bounds: of the domains.
         momenta: from places and velocities.
         chart: the map to the separated coordinates; None where they are the user's.
@@ -76,7 +76,7 @@ class TaskContext:
 
     solution: Solution
     layout: Layout
-    engine: batch.Engine
+    engine: batch.Engine | None
     bounds: tuple[DomainEnd, ...]
     momenta: batch.MomentumRule
     chart: ChartMap | None = None
@@ -100,7 +100,7 @@ def _tools(task: EnsembleTask) -> TaskContext:
     formulas = _momenta(task)
     about = about_axis(solution, task.frame)
     arguments = [c.symbol for c in system.coordinates] + [c.velocity for c in system.coordinates]
-    engine = batch.build(solution, frozenset(task.want), parameters=dict(task.parameters))
+    engine = None if system.kinks else batch.build(solution, frozenset(task.want), parameters=dict(task.parameters))
     return TaskContext(
         solution=solution,
         layout=layout_of(solution, task.want),
@@ -110,7 +110,9 @@ def _tools(task: EnsembleTask) -> TaskContext:
             lower([formulas[c.name] for c in system.coordinates], [*arguments, *(system.symbols[n] for n in names)]),
             tuple(split(to_bits(value)(128)) for _, value in task.parameters),
         ),
-        chart=_chart(task, solution if about is None else solved_in_space(solution), engine),
+        chart=None
+        if engine is None
+        else _chart(task, solution if about is None else solved_in_space(solution), engine),
         about=about,
     )
 

@@ -26,6 +26,7 @@ from hjsolve.arithmetic.number_types import AtTimes, Context, Elementwise, Mpc, 
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, InvalidSystemError, NotConvergedError
 from hjsolve.formulas.read import number
+from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta, velocities
 from hjsolve.motion.initial_data import complete_numbers, one_of_velocity_and_p, parameter_values, to_bits
@@ -187,6 +188,7 @@ def gyroscopic_modes(
         Greenwood (1977), (3-117), (3-129), Ex 3-4, P3-10; Arnold, Mathematical Methods, appendix 6.
     """
     system = system_of(system, "gyroscopic_modes")
+    refuse_kinks(system.kinks, "gyroscopic_modes")
     digits = arguments.digits(digits)
     M, Γ, K = _matrices(system)
     values = parameter_values(system, parameters or {})

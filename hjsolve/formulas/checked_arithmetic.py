@@ -234,12 +234,22 @@ def call(name: str, argument: Node, fail: Fail) -> Node:
 
 
 def absolute_value(node: Node) -> Node:
-    """|a|, which no formula may keep outside a real root; ``power`` and the others refuse it.
+    """|a|, which only V may keep outside a real root; the parser refuses it elsewhere.
 
     Args:
         node: a.
     """
     return node._replace(expression=sp.Abs(node.expression), value=None if node.value is None else abs(node.value))
+
+
+def sign_of(node: Node) -> Node:
+    """sign(a), which only V may keep.
+
+    Args:
+        node: a.
+    """
+    value = None if node.value is None else _CONTEXT.sign(node.value)
+    return node._replace(expression=sp.sign(node.expression), value=value)
 
 
 def polar_angle(y: Node, x: Node, fail: Fail) -> Node:
@@ -346,8 +356,6 @@ def _checked(node: Node, fail: Fail) -> Node:
         raise fail("the value is not finite (a division by zero, or a pole)")
     if expression.has(sp.I):
         raise fail("the value is not real")
-    if has_absolute_value(expression):
-        raise fail("this is an absolute value such as sqrt(x**2); write x, on a domain where it keeps its sign")
     if _bits(expression.as_coeff_Mul()[0]) > MAX_BITS:
         raise fail(f"the number is beyond 1e±{MAX_DIGITS}; choose other units")
     if any(map(_is_high_power, sp.Mul.make_args(expression))):

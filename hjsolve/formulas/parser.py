@@ -26,7 +26,7 @@ from hjsolve.formulas.tokens import (
 )
 
 MAX_DEPTH = 50
-_ABSOLUTE_VALUES = ("abs", "Abs", "fabs")
+_ABSOLUTE_VALUES, _SIGNS = ("abs", "Abs", "fabs"), ("sign", "sgn")
 RESERVED = frozenset({*FUNCTIONS, "pi", "dot"})
 
 
@@ -43,9 +43,11 @@ class Parser:
         names: Mapping[str, sp.Expr],
         velocities: Mapping[str, sp.Symbol],
         functions: Mapping[str, sp.Expr] = _NO_FUNCTIONS,
+        *,
+        kinks: bool = False,
     ):
         self._source, self._tokens, self._names, self._velocities = source, tokens, names, velocities
-        self._functions = functions
+        self._functions, self._kinks = functions, kinks
         self._index, self._depth = 0, 0
         self._exponent = ""  # of the factor read last, where it is a power
 
@@ -103,7 +105,7 @@ class Parser:
         if len(nodes) == 1:
             return checked_arithmetic.negative(nodes[0]) if negative else nodes[0]
         sign = [checked_arithmetic.leaf(sp.S.NegativeOne)] if negative else []
-        return checked_arithmetic.product([*sign, *nodes], self._fail(start))
+        return self._smooth(checked_arithmetic.product([*sign, *nodes], self._fail(start)), start)
 
     def _operator_is_left_out(self, operator: Token | None) -> bool:
         """Whether the factor read last is followed by another one without an operator, as in ``2 m g``.
@@ -158,9 +160,19 @@ class Parser:
         exponent, negative = self._signed()
         self._depth -= 1
         self._exponent = "number" if first.kind == "number" and self._tokens[self._index - 1] is first else "formula"
-        return checked_arithmetic.power(
-            base, checked_arithmetic.negative(exponent) if negative else exponent, self._fail(operator)
+        return self._smooth(
+            checked_arithmetic.power(
+                base, checked_arithmetic.negative(exponent) if negative else exponent, self._fail(operator)
+            ),
+            operator,
         )
+
+    def _smooth(self, node: Node, token: Token) -> Node:
+        """A node, once it has no absolute value where none may stand."""
+        if not self._kinks and checked_arithmetic.has_absolute_value(node.expression):
+            message = "this is an absolute value such as sqrt(x**2); write x, on a domain where it keeps its sign"
+            raise self._source.error(message, token.position)
+        return node
 
     def _atom(self) -> Node:
         token = self._next
@@ -187,7 +199,7 @@ class Parser:
             return self._call(token)
         if token.text == "atan2" and opened:
             return self._polar_angle(token)
-        if token.text in _ABSOLUTE_VALUES and opened:
+        if opened and (token.text in _ABSOLUTE_VALUES or (self._kinks and token.text in _SIGNS)):
             return self._root_of_square(token)
         if token.text == "dot" and opened:
             return self._velocity(token)
@@ -259,7 +271,9 @@ class Parser:
         self._index += 1
         argument = self._sum()
         self._close(opening)
-        if self._next.text != "**":
+        if self._kinks and token.text in _SIGNS:
+            return checked_arithmetic.sign_of(argument)
+        if not self._kinks and self._next.text != "**":
             raise self._source.error(instead_of_word(token.text, (), (), FUNCTIONS), token.position)
         return checked_arithmetic.absolute_value(argument)
 
@@ -275,7 +289,7 @@ class Parser:
                 f"{token.text} takes one argument; a decimal comma is written as a point", self._next.position
             )
         self._close(opening)
-        return checked_arithmetic.call(token.text, argument, self._fail(token))
+        return self._smooth(checked_arithmetic.call(token.text, argument, self._fail(token)), token)
 
     def _close(self, opening: Token) -> None:
         if self._take(")"):

@@ -32,6 +32,10 @@ from hjsolve.formulas.tokens import (
 _ARITHMETIC: tuple[type, ...] = (sp.Symbol, sp.Add, sp.Mul, sp.Pow, type(sp.pi), type(sp.E))
 _ELEMENTARY: tuple[type, ...] = (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, sp.atan2, sp.Abs)
 _HYPERBOLIC: tuple[type, ...] = (sp.sinh, sp.cosh, sp.tanh, sp.asinh, sp.acosh, sp.atanh)
+_KINKED: tuple[type, ...] = (
+    sp.sign, sp.Heaviside, sp.Piecewise, sp.functions.elementary.piecewise.ExprCondPair, sp.Max, sp.Min,
+    sp.core.relational.Relational, sp.logic.boolalg.Boolean,
+)  # fmt: skip
 _KNOWN = _ARITHMETIC + _ELEMENTARY + _HYPERBOLIC
 _NO_VELOCITIES: Mapping[str, sp.Symbol] = {}
 _NO_FUNCTIONS: Mapping[str, sp.Expr] = {}
@@ -46,6 +50,7 @@ def parse(
     *,
     velocities: Mapping[str, sp.Symbol] = _NO_VELOCITIES,
     functions: Mapping[str, sp.Expr] = _NO_FUNCTIONS,
+    kinks: bool = False,
     source: str,
 ) -> sp.Expr:
     """Read a formula.
@@ -56,6 +61,7 @@ def parse(
         names: the names that may occur and what they stand for; symbols are taken to be real.
         velocities: what ``dot(q)`` stands for, by the name of the coordinate; none are accepted when left out.
         functions: functions left undetermined, name → ``v1(r)`` as it must be written.
+        kinks: whether absolute values and signs, abs(x) and sign(x), may occur.
         source: what the text is called in an error, e.g. ``potential``.
 
     Returns:
@@ -71,7 +77,7 @@ def parse(
     if not isinstance(text, str):
         raise ExpressionError(f"{source}: expected a text, got {type(text).__name__}", source=source)
     given = FormulaText(source, text)
-    return Parser(given, scan(given), names, velocities, functions).formula()
+    return Parser(given, scan(given), names, velocities, functions, kinks=kinks).formula()
 
 
 def admit(
@@ -79,6 +85,7 @@ def admit(
     names: Mapping[str, sp.Expr],
     *,
     velocities: Mapping[str, sp.Symbol] = _NO_VELOCITIES,
+    kinks: bool = False,
     source: str,
 ) -> sp.Expr:
     """Take over a sympy expression: symbols are matched by name, floats become the exact numbers they are.
@@ -88,6 +95,7 @@ def admit(
             coordinates that are functions of the time as of ``dynamicsymbols``, ``Derivative(q(t), t)``.
         names: the names that may occur and what they stand for.
         velocities: what ``Symbol("dot(q)")`` stands for, by the name of the coordinate.
+        kinks: whether absolute values, signs and pieces may occur.
         source: what the expression is called in an error.
 
     Returns:
@@ -109,10 +117,12 @@ def admit(
             nodes.skip()
         elif isinstance(node, sp.Float):
             replaced[node] = sp.Rational(node)
+        elif kinks and isinstance(node, _KINKED):
+            continue
         elif not node.is_Rational and not isinstance(node, _KNOWN):
             _check_node(node, source, known)
     taken_over = expression.xreplace(replaced).replace(_is_reciprocal, _as_quotient)
-    return _real(without_polar_angles(taken_over), source)
+    return _real(without_polar_angles(taken_over), source, kinks=kinks)
 
 
 def _declared(
@@ -170,12 +180,12 @@ def _as_quotient(node: sp.Expr) -> sp.Expr:
     return FUNCTIONS[type(node).__name__](node.args[0])
 
 
-def _real(expression: sp.Expr, source: str) -> sp.Expr:
+def _real(expression: sp.Expr, source: str, *, kinks: bool = False) -> sp.Expr:
     if expression.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
         raise _refused(source, "the value is not finite", expression)
     if expression.has(sp.I):
         raise _refused(source, "the value is not real", expression)
-    if has_absolute_value(expression):
+    if not kinks and has_absolute_value(expression):
         raise _refused(source, "absolute values are not accepted; they have no derivative at zero", expression)
     return expression
 

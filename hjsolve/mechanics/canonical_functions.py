@@ -29,7 +29,7 @@ def right_hand_side(system: System, hamiltonian: sp.Expr, module: str) -> Callab
     """
     places, momenta = [c.symbol for c in system.coordinates], [c.momentum for c in system.coordinates]
     rates = [sp.diff(hamiltonian, p) for p in momenta] + [-sp.diff(hamiltonian, q) for q in places]
-    compute = _function([*places, *momenta], rates, module)
+    compute = _function([*places, *momenta], [rate.xreplace(_signs(system)) for rate in rates], module)
 
     def rate(t: Any, y: Any) -> Any:  # noqa: ARG001 - integrators give the time
         found = compute(*y)
@@ -50,8 +50,13 @@ def energy(system: System, hamiltonian: sp.Expr, module: str) -> Callable[[Any],
         system, hamiltonian, module: as of ``right_hand_side``.
     """
     symbols = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
-    compute = _function(symbols, [hamiltonian], module)
+    compute = _function(symbols, [hamiltonian.xreplace(_signs(system))], module)
     return lambda y: compute(*y)[0] + 0 * y[0]
+
+
+def _signs(system: System) -> dict[sp.Symbol, sp.Expr]:
+    """What the letters for signs stand for."""
+    return {kink.symbol: kink.sign.xreplace(system.defaults) for kink in system.kinks}
 
 
 def _function(symbols: Sequence[sp.Symbol], formulas: list[sp.Expr], module: str) -> Callable[..., Any]:

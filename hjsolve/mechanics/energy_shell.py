@@ -268,8 +268,10 @@ def _find_ignorable(
     symbols = [c.symbol for c in system.coordinates]
     elements = [reader.element(x) for x in lagrangian.parts() if not x.free_symbols.isdisjoint(symbols)]
     places = at_random_points(reader, symbols, elements, points=1) or []
-    found = []
+    found, kinked = [], {kink.coordinate for kink in system.kinks}
     for i, c in enumerate(system.coordinates):
+        if c.name in kinked:
+            continue
         if any(jet.slopes[i] for _, jets in places for jet in jets):
             continue
         if any(not reader.field.total(reader.diff_terms(x, c.symbol)).is_zero for x in elements):

@@ -57,7 +57,7 @@ class Formulas:
         return check_quadratic(self._read(given, "kinetic"), [c.velocity for c in self.coordinates])
 
     def potential(self, given: object) -> sp.Expr:
-        """Read V.
+        """Read V; absolute values, signs and pieces stand in it as written.
 
         Args:
             given: text, sympy expression or number.
@@ -66,7 +66,7 @@ class Formulas:
             InvalidSystemError: it is none of these, or depends on a velocity.
             ExpressionError: it cannot be read.
         """
-        potential = self._read(given, "potential")
+        potential = self._read(given, "potential", kinks=True)
         for c in self.coordinates:
             if c.velocity in potential.free_symbols:
                 raise InvalidSystemError(
@@ -75,12 +75,12 @@ class Formulas:
                 )
         return potential
 
-    def _read(self, given: object, source: str) -> sp.Expr:
+    def _read(self, given: object, source: str, *, kinks: bool = False) -> sp.Expr:
         speeds = {c.name: c.velocity for c in self.coordinates}
         if isinstance(given, str):
-            return parse(given, self.symbols, velocities=speeds, functions=self.functions, source=source)
+            return parse(given, self.symbols, velocities=speeds, functions=self.functions, kinks=kinks, source=source)
         if isinstance(given, sp.Expr):
-            return admit(given, self.symbols, velocities=speeds, source=source)
+            return admit(given, self.symbols, velocities=speeds, kinks=kinks, source=source)
         if isinstance(given, (int, float)):
             return number(given, source=source)
         raise InvalidSystemError(

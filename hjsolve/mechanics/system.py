@@ -40,6 +40,7 @@ from hjsolve.mechanics.kinetic_energy import (
     mass_entries,
     velocity_coefficients,
 )
+from hjsolve.mechanics.kinks import Kink, with_signs, without_kinks
 from hjsolve.mechanics.periodicity import check_periodic
 from hjsolve.mechanics.place import Places, place_of, read_place
 from hjsolve.mechanics.positive_definite import check_mass_matrix, end_values
@@ -63,7 +64,9 @@ class System(Shown):
         kinetic: T, as text or as a sympy expression in which a velocity is ``Derivative(q(t), t)`` or
             ``Symbol("dot(q)")``. A polynomial of second degree in the velocities; terms linear in them (a charge in a
             magnetic field, a moving frame) belong here.
-        potential: V, of the coordinates only.
+        potential: V, of the coordinates only. ``abs(x)``, ``sign(x)``, sympy's ``Piecewise`` and roots of squares may
+            depend on one coordinate by a polynomial: V then has kinks or jumps (``kinks``), and a letter sign_x stands
+            for the sign in V and in all formulas of the solution.
         parameters: name → default value, ``None`` for no default, or a ``parameter(...)`` with assumption and unit;
             with ``units`` a quantity as well.
         signature: ``definite``: T must be positive definite on the domain; ``indefinite``: not degenerate (relativity).
@@ -102,6 +105,7 @@ class System(Shown):
     relativity: Relativity | None
     places: Places
     declared_units: Units
+    kinks: tuple[Kink, ...]
 
     @one_at_a_time
     def __init__(
@@ -134,7 +138,9 @@ class System(Shown):
         _set(self, signature=read_signature(signature))
         unknowns = read_functions(functions, (c.name for c in places), self.symbols)
         formulas = Formulas(places, self.symbols, unknowns)
-        _set(self, kinetic=formulas.kinetic(kinetic), potential=formulas.potential(potential))
+        _set(self, kinetic=formulas.kinetic(kinetic))
+        smooth, kinks = without_kinks(formulas.potential(potential), places, [*self.symbols, *unknowns])
+        _set(self, potential=smooth, kinks=kinks)
         _set(self, declared_units=read_units(units, places, constants), places=())
         if units or quantities:
             check_units(self)
@@ -207,7 +213,7 @@ class System(Shown):
             [2.0, -3.0]
         """
         told = with_values(self, parameters or {})
-        return right_hand_side(told, hamiltonian(told).xreplace(require_values(told)), module)
+        return right_hand_side(told, _in_numbers(told), module)
 
     def hamiltonian_function(
         self, parameters: Mapping[str, object] | None = None, *, module: str = "numpy"
@@ -221,14 +227,14 @@ class System(Shown):
             MissingValueError, InvalidSystemError, InvalidInputError: as of ``rhs``.
         """
         told = with_values(self, parameters or {})
-        return energy(told, hamiltonian(told).xreplace(require_values(told)), module)
+        return energy(told, _in_numbers(told), module)
 
     def __repr__(self) -> str:
         """The call that makes the system, as far as it differs from the defaults."""
         places = {c.name: c.domain.written(c.name) for c in self.coordinates}
         values = {p.name: None if p.value is None else str(p.value) for p in self.parameters}
         parts: dict[str, object] = {"coordinates": places, "kinetic": str(self.kinetic)}
-        parts |= {"potential": str(self.potential), "parameters": values}
+        parts |= {"potential": str(with_signs(self.potential, self.kinks)), "parameters": values}
         if self.relativity is not None:
             parts["relativity"] = {"mass": str(self.relativity.mass), "light": str(self.relativity.light)}
         if self.functions:
@@ -243,7 +249,7 @@ class System(Shown):
         return as_call("System", parts)
 
     def _label(self) -> str:
-        return self.id or cut(f"T = {self.kinetic}, V = {self.potential}", 60)
+        return self.id or cut(f"T = {self.kinetic}, V = {with_signs(self.potential, self.kinks)}", 60)
 
 
 def _set(system: System, **fields: object) -> None:
@@ -393,6 +399,11 @@ def inverse_mass_matrix(system: System) -> sp.ImmutableMatrix:
         system: with T = ½ q̇ᵀM q̇ + aᵀq̇ + T₀.
     """
     return inverse_of_mass_matrix(mass_matrix(system))
+
+
+def _in_numbers(system: System) -> sp.Expr:
+    """H with the values of the parameters."""
+    return hamiltonian(system).xreplace(require_values(system))
 
 
 def _shifted(system: System) -> list[sp.Expr]:

@@ -157,16 +157,12 @@ def _begin(course: Periodic | AtRest, context: Context, bits: int) -> Mpf:
 
 
 def _oscillation(series: FourierSeries, phase: Mpf) -> Mpf | int:
-    return series.oscillation(phase) if len(series.cosines) and phase else 0
+    return 0 if series.constant or not phase else series.oscillation(phase)
 
 
 def _inexact(series: FourierSeries) -> float:
     """What the rounding of an oscillation is relative to: twice, at the start and at the beginning of the angle."""
-    if not len(series.cosines):
-        return 0.0
-    k = np.arange(1, len(series.cosines) + 1)
-    sines = 0.0 if series.sines is None else float(np.sum(np.abs(series.sines.astype(float) / k)))
-    return 2 * (float(np.sum(np.abs(series.cosines.astype(float) / k))) + 2 * sines)
+    return 0.0 if series.constant else 2 * series.oscillation_size
 
 
 def _slopes(torus: TorusEquations, series: tuple[FourierSeries, ...], unit: float) -> float:
@@ -174,7 +170,7 @@ def _slopes(torus: TorusEquations, series: tuple[FourierSeries, ...], unit: floa
     total = 0.0
     for course, s in zip(torus.courses, series, strict=True):
         phase = float(course.start)
-        slope = abs(float(s.value(np.array([phase]))[0]) - float(s.mean)) if len(s.cosines) else 0.0
+        slope = abs(float(s.value(np.array([phase]))[0]) - float(s.mean)) if not s.constant else 0.0
         grown = course.phase_rounding(np.array([phase]))[0] * (unit / EPS) if isinstance(course, Periodic) else 0.0
         total += (1 + slope) * (unit * abs(phase) + float(grown))
     return total

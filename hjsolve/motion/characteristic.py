@@ -28,7 +28,6 @@ from hjsolve.motion.state_errors import ignorable_error, phase_errors
 from hjsolve.motion.tabulated import needs_table
 from hjsolve.motion.times import read_times
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
-from hjsolve.one_coordinate.fourier_series import FourierSeries
 
 FINER = 26
 """Digits of the phases where doubles leave too much of them open (``tabulated.needs_table``)."""
@@ -120,7 +119,9 @@ def swept_from_start(
     """
     start = np.array([course.start], dtype=object) if many else np.array([float(course.start)])
     there, slope, size = course.momentum_integral(χ)
-    begin, _, first = course.momentum_integral(start)
+    begin, rate, first = course.momentum_integral(start)
+    if not many:  # the rounding of the phase of the start, to first order
+        begin = begin + rate * float(course.start - start[0])
     value, size = there - begin[0], size + first[0]
     if course.cycle is not None and whole.any():
         context = course.cycle.density.mean.context  # type: ignore[union-attr]
@@ -196,9 +197,9 @@ def _integrals_at_start(motion: SeparatedMotion, j: int) -> tuple[Mpf, float, in
             continue
         if (cycle := course.cycle) is not None:
             series = cycle.kernels[j]
-            periodic = series.oscillation(course.start) if len(series.cosines) else 0
+            periodic = 0 if series.constant else series.oscillation(course.start)
             part, nodes = series.mean * course.start + periodic, max(nodes, series.nodes)
-            size += abs(float(series.mean * course.start)) + _wave_size(series, course.start)
+            size += abs(float(series.mean * course.start)) + series.wave_size_at(course.start)
         else:
             begin = np.array([course.start], dtype=object if motion.digits > FLOAT_DIGITS else float)
             reaching = course.with_reach(abs(float(course.start)))
@@ -211,19 +212,6 @@ def _integrals_at_start(motion: SeparatedMotion, j: int) -> tuple[Mpf, float, in
 def _turns(course: CoordinateMotion) -> bool:
     """Whether phase 0 is a turning point; else the lower limit is the place at t₀ itself, and nothing is integrated."""
     return all(branch.way.turning for branch in course.branches[:1]) and not course.rotates
-
-
-def _wave_size(series: FourierSeries, χ: Mpf | int) -> float:
-    """What the rounding of a ripple at χ refers to; nothing at a turning point."""
-    parts = ((series.cosines, np.sin), (series.sines, lambda x: 1 - np.cos(x)))
-    return float(
-        sum(
-            abs(float(c) / k * wave(k * float(χ)))
-            for part, wave in parts
-            if part is not None
-            for k, c in enumerate(part, 1)
-        )
-    )
 
 
 def _outside_integrals(motion: SeparatedMotion, name: str) -> tuple[Mpf, float]:

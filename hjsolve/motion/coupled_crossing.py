@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Generic
 import numpy as np
 
 from hjsolve.arithmetic.floats import UNIT, bits_for, multiprecision
-from hjsolve.arithmetic.number_types import Elementwise, Mpf, X
+from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, X
 from hjsolve.errors import OutsideMotionError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 
@@ -55,11 +55,12 @@ def coupled_crossing_time(motion: SeparatedMotion, k: int, target: Mpf) -> tuple
         return None
     there, χ = found
     parts = [here.integral(0, phase), here.integral(0, begin), there.integral(0, χ), there.integral(0, start)]
-    second = [here.integral(1, phase), here.integral(1, begin), there.integral(1, χ), there.integral(1, start)]
+    second = [here.size(1, phase), here.size(1, begin), there.size(1, χ), there.size(1, start)]
     time = parts[0] - parts[1] + parts[2] - parts[3]
+    sizes = [here.size(0, phase), here.size(0, begin), there.size(0, χ), there.size(0, start)]
     inside = χ if there.rate(1, χ) else χ - (χ - start) * 2.0**-20
-    slide = abs(there.rate(0, inside) / there.rate(1, inside)) * sum(map(abs, second))
-    return time, 4 * noise * (sum(map(abs, parts)) + slide + abs(there.rate(0, χ)) * (1 + abs(χ)))
+    slide = abs(there.rate(0, inside) / there.rate(1, inside)) * sum(second)
+    return time, 4 * noise * (sum(sizes) + slide + abs(there.rate(0, χ)) * (1 + abs(χ)))
 
 
 def _falling(course: CoordinateMotion) -> bool:
@@ -74,6 +75,11 @@ class _Values(Generic[X]):
 
     def integral(self, j: int, χ: X) -> X:
         return np.ravel(self.course.integral(j, np.array([χ], dtype=self.kind)))[0]
+
+    def size(self, j: int, χ: X) -> float:
+        """What the rounding of an integral, and of its phase, refers to."""
+        near: Numbers = np.array([χ], dtype=self.kind)
+        return float(self.course.grain(j, near)[0]) + abs(float(self.rate(j, χ)) * float(χ))
 
     def rate(self, j: int, χ: X) -> X:
         return np.ravel(self.course.rate(j, np.array([χ], dtype=self.kind)))[0]

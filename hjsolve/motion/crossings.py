@@ -19,11 +19,12 @@ from hjsolve.formulas.read import number
 from hjsolve.motion.coupled_crossing import coupled_crossing_time
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import solve_phases
+from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.state_at import state_at_times
 from hjsolve.motion.times import exact_numbers
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic
 from hjsolve.one_coordinate.open_branch import farthest
-from hjsolve.time_law.open_motion import DecoupledStep
+from hjsolve.time_law.open_motion import DecoupledStep, integral_at
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -158,18 +159,9 @@ def open_phases(name: str, course: CoordinateMotion, place: Mpf, bits: int) -> l
     """
     found = []
     for sign, branch in zip((1, -1), course.branches, strict=True):
-        way = branch.way
-        x = way.side * (place - way.start) / way.length
-        if x < 0 or (way.end != "infinity" and x >= 1):
-            continue
-        context = multiprecision(bits)
-        if way.end == "infinity":
-            y = context.sqrt(x) if way.turning else x
-        elif way.end == "boundary":
-            y = 2 * context.asin(context.sqrt(x)) if way.turning else 1 - context.sqrt(1 - x)
-        else:
-            y = context.atanh(context.sqrt(x)) if way.turning else -context.log(1 - x)
-        found.append(sign * y)
+        y = branch.way.parameter(multiprecision(bits).convert(place))
+        if y is not None:
+            found.append(sign * y)
     if not found:
         raise OutsideMotionError(f"{name} never reaches {float(place):.12g}")
     return found
@@ -178,17 +170,17 @@ def open_phases(name: str, course: CoordinateMotion, place: Mpf, bits: int) -> l
 def _elapsed(motion: SeparatedMotion, k: int, phase: Mpf) -> tuple[Time, Time]:
     """Time from t₀ until coordinate k has a phase, and a bound on its error."""
     torus, scheme, many = motion.torus, motion.scheme, motion.digits > 15
-    if torus is not None and all(not len(s.cosines) for i, s in enumerate(torus.oscillations[k]) if i != k):
+    if torus is not None and all(s.constant for i, s in enumerate(torus.oscillations[k]) if i != k):
         periodic = torus.oscillations[k][k]
         wave = (
             0
-            if not len(periodic.cosines)
+            if periodic.constant
             else periodic.oscillation(phase)
             if many
             else float(periodic.oscillation(np.array([float(phase)]))[0])
         )
         time = (phase + wave - torus.starts[k]) / torus.rates[k]
-        size = float(np.sum(np.abs(periodic.cosines.astype(float)))) + 4.0
+        size = periodic.size + 4.0
         return time, _noise(motion) * size / abs(torus.rates[k])
     if (
         scheme is not None
@@ -206,15 +198,23 @@ def _noise(motion: SeparatedMotion) -> Time:
 
 def _own_time(motion: SeparatedMotion, course: CoordinateMotion, step: DecoupledStep, phase: Mpf) -> tuple[Time, Time]:
     """Time of a coordinate whose equation holds no other."""
-    kind = object if motion.digits > 15 else float
-    here, start = np.array([phase], dtype=kind), np.array([course.start], dtype=kind)
     course = course.with_reach(abs(float(phase)))
-    total, size = 0, 0
+    total: Time = 0.0
+    size = 0.0
     for j, w in enumerate(step.weights):
         if w:
-            there, begin = course.integral(j, here)[0], course.integral(j, start)[0]
-            total, size = total + w * (there - begin), size + abs(w * there) + abs(w * begin)
+            (there, first), (begin, second) = (_integral_at(motion, course, j, χ) for χ in (phase, course.start))
+            total, size = total + w * (there - begin), size + abs(w) * (first + second)
     return total / step.weights[0], _noise(motion) * size / abs(step.weights[0])
+
+
+def _integral_at(motion: SeparatedMotion, course: CoordinateMotion, j: int, χ: Mpf | int) -> tuple[Time, float]:
+    """Gⱼ at one phase of many digits, and the size that its rounding refers to: that of the series of its panel."""
+    near = np.array([float(χ)])
+    size = float(course.grain(j, near)[0])
+    if motion.digits > FLOAT_DIGITS:
+        return course.integral(j, np.array([χ], dtype=object))[0], size
+    return integral_at(course, j, χ), size
 
 
 def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[float, float]:

@@ -18,6 +18,7 @@ from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter
+from hjsolve.mechanics.kinks import signs_at
 from hjsolve.mechanics.system import System, momenta, refuse_turns_that_differ
 from hjsolve.motion.exact_numbers import ZERO_BITS as ZERO_BITS
 from hjsolve.motion.exact_numbers import InBits as InBits
@@ -153,6 +154,7 @@ def read_places(system: System, q: Values, parameters: Values | None) -> dict[sp
     values = parameter_values(system, arguments.table(parameters, "parameters", '{"m": 1}'))
     places = complete_numbers(system.coordinates, q, "q")
     values |= {c.symbol: places[c.name] for c in system.coordinates}
+    values |= signs_at(system.kinks, values)
     _inside_domains(system, values)
     return values
 

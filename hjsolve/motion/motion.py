@@ -20,6 +20,7 @@ from hjsolve.arithmetic.number_types import Numbers
 from hjsolve.display.by_value import same
 from hjsolve.display.shown import ShownMotion
 from hjsolve.errors import InternalError, InvalidInputError
+from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.motion import quantities
 from hjsolve.motion.initial_data import Initial
 from hjsolve.motion.separated import SeparatedMotion, coordinate_start
@@ -305,6 +306,7 @@ class Motion(ShownMotion):
         an end that is no turning point. At most ``one_coordinate.allowed_regions.MOST`` on each side. Worked out when
         it is read.
         """
+        refuse_kinks(self.solution.system.kinks, "other_regions")
         result = {}
         for name, place in self.separated.located.items():
             begin = coordinate_start(self.separated.solution, self.separated.initial, name)

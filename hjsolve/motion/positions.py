@@ -249,7 +249,7 @@ def _grown_from(
         wave = gauge
         for i, bounded in enumerate(torus.courses):
             series = oscillation(torus, i, j)
-            if len(series.cosines):
+            if not series.constant:
                 wave = wave + _rise(series, phases.χ[i], bounded.start)
         return grown(begin, mean_rate(torus, j), phases.time, phases.exact, angle, wave)
     total = gauge

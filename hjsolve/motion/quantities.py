@@ -68,7 +68,7 @@ def turning_points_of(place: Located | AllowedRegion, digits: int) -> tuple[Esti
         Lower, upper.
     """
     bits = bits_for(digits, 32)
-    kinds = {"turning", "asymptote"} if isinstance(place, AllowedRegion) else {"turning"}
+    kinds = {"turning", "asymptote"} if isinstance(place, AllowedRegion) else {"turning", "wall"}
     places = [end.place(bits) if end.kind in kinds and end.place else None for end in (place.lower, place.upper)]
     rounding = max((abs(x) for x in places if x is not None), default=0) * multiprecision(64).mpf(2) ** -bits
     lower_end, upper_end = (None if x is None else _less_exact(rounded(x, digits), rounding) for x in places)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -14,13 +14,16 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.display.shown import Shown
 from hjsolve.errors import NotConvergedError
 from hjsolve.lowering import momentum_squared_tapes, with_plain_exponents
+from hjsolve.mechanics.kinks import Kink, smooth_intervals
 from hjsolve.motion import quantities
-from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, sign, to_bits
+from hjsolve.motion.exact_square import ExactZeros
+from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, number_is_zero, sign, to_bits
 from hjsolve.motion.joined_terms import by_half_angles, with_exact_coefficients
 from hjsolve.motion.winding import radians_of_a_unit
 from hjsolve.one_coordinate.allowed_regions import forbidden
 from hjsolve.one_coordinate.classify import Located, locate
-from hjsolve.one_coordinate.coordinate_start import CoordinateStart, Winding
+from hjsolve.one_coordinate.coordinate_start import Cell, CoordinateStart, Winding
+from hjsolve.one_coordinate.kinks import cell_of, in_its_cell
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, has_period
 from hjsolve.solution.quadratures import Solution
 from hjsolve.time_law.open_motion import TriangularScheme, plan
@@ -119,8 +122,42 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Coordin
         initial: the exact initial data and constants.
         name: of the separated coordinate.
     """
+    kinks = [kink for kink in solution.system.kinks if kink.coordinate == name]
+    if kinks:
+        return _with_kinks(solution, initial, name, kinks)
+    return _smooth_start(solution, initial, name, solution.momentum_squared[name])
+
+
+def _with_kinks(solution: Solution, initial: Initial, name: str, kinks: Sequence[Kink]) -> CoordinateStart:
+    """A coordinate along which p² has kinks, cut into intervals on which it is analytic."""
+    F, q = solution.momentum_squared[name], solution.system.coordinate(name).symbol
+    known = {solution.constants[c].symbol: value for c, value in initial.constants.items()}
+    known |= {symbol: value for symbol, value in initial.values.items() if symbol != q}
+    cells = []
+    ends = domain_ends(solution.system, name, initial.values)
+    for low, high, signs in smooth_intervals(kinks, q, initial.values, ends):
+        own = F.xreplace(signs)
+        start = _smooth_start(solution, initial, name, own)
+        lower, upper = (None if end is None else to_bits(end) for end in (low, high))
+        cells.append(Cell(lower, upper, start.radicand, *(_limit(own.xreplace(known), q, end) for end in (low, high))))
+    own = _smooth_start(solution, initial, name, F.xreplace({k.symbol: initial.values[k.symbol] for k in kinks}))
+    return replace(own, winding=None, cells=tuple(cells))
+
+
+def _limit(squared: sp.Expr, q: sp.Symbol, end: sp.Expr | None) -> InBits | None:
+    """p² at an end of an interval; None where it is infinite, or where there is no end."""
+    if end is None:
+        return None
+    value = expanded(squared.xreplace({q: end}))
+    if value.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
+        return None
+    return to_bits(sp.S.Zero if number_is_zero(value) else value)
+
+
+def _smooth_start(solution: Solution, initial: Initial, name: str, squared: sp.Expr) -> CoordinateStart:
+    """The same of one p², analytic in the coordinate."""
     coordinate = solution.system.coordinate(name)
-    F = with_plain_exponents(solution.momentum_squared[name], initial.values)
+    F = with_plain_exponents(squared, initial.values)
     constants = tuple(solution.constants[c].symbol for c in solution.constants)
     parameters = tuple(p.symbol for p in solution.system.parameters)
     exact = [initial.constants[c] for c in solution.constants] + [initial.values[s] for s in parameters]
@@ -139,9 +176,10 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Coordin
     angle = coordinate.domain.kind == "angle" and (periodic or has_period(radicand, place))
     root = expanded(momentum + shift.subs(initial.values)) if shift != 0 else expanded(momentum)
     forward = sign(root)
-    if forward:
+    if forward and not solution.system.kinks:
         radicand = radicand.guarded(place, _square(to_bits(root)))
-    start = CoordinateStart(name, radicand, place, forward, ends[0], ends[1], angle, absent)
+    zeros = ExactZeros(F, coordinate.symbol, known, initial.values[coordinate.symbol])
+    start = CoordinateStart(name, radicand, place, forward, ends[0], ends[1], angle, absent, exact=zeros)
     if coordinate.domain.kind != "line":
         return start
     return replace(start, winding=_winding(start, F, coordinate.symbol, constants, parameters, initial))
@@ -188,5 +226,5 @@ def checked(begin: CoordinateStart) -> CoordinateStart:
         raise NotConvergedError(f"q[{begin.name}]: is so far out that doubles cannot tell places apart there; {cure}")
     value = begin.radicand.value(place, 256)
     if begin.forward and value < 0:
-        raise forbidden(begin)
+        raise forbidden(in_its_cell(begin, cell_of(begin, begin.forward)) if begin.cells else begin)
     return begin

@@ -257,7 +257,7 @@ def ignorable_error(motion: SeparatedMotion, phases: Phases, phase_error: list[R
         rate = np.abs(np.asarray(course.rate(j, χ[i] if phases.exact is None else phases.χ[i]), dtype=float))
         total = total + rate * phase_error[i]
         if motion.torus is not None:
-            total = total + 4 * unit * float(np.sum(np.abs(oscillation(motion.torus, i, j).cosines.astype(float))))
+            total = total + 4 * unit * oscillation(motion.torus, i, j).size
         elif course.branches:
             begin = np.array([float(course.start)])
             total = total + 4 * unit * (course.grain(j, χ[i]) + course.grain(j, begin)[0])

@@ -150,7 +150,7 @@ def needs_table(motion: SeparatedMotion) -> bool:
     if torus is None or len(torus.courses) != 1 or "place" not in motion.parts:
         return False
     course = torus.courses[0].cycle
-    if course is None:
+    if course is None or not course.tabular:
         return False
     pace = np.abs(course.pace((1.0,), np.linspace(0.0 if course.anomaly.even else -np.pi, np.pi, 129)))
     return bool(np.min(pace) < 0.05 * float(course.kernels[0].mean))
@@ -167,6 +167,8 @@ def dense_output(motion: SeparatedMotion, span: float) -> DenseOutput | None:
     if motion.digits > 15 or equations is None or len(equations.courses) != 1:
         return None
     course = equations.courses[0]
+    if not all(part.tabular for part in (*course.branches, *filter(None, [course.cycle]))):
+        return None
     try:
         if course.branches:
             return None if roundings(motion, course) else _open(motion, int(np.ceil(np.log2(max(span, 1e-290)))))
@@ -190,7 +192,7 @@ def _bounded(motion: SeparatedMotion) -> DenseOutput:
     flat = [0.0] * (len(names) + len(more))
     edges = np.linspace(0 if even else -np.pi, np.pi, 17)
     own = equations.oscillations[0][0]
-    moved = own.oscillation(np.array([-np.pi]))[0] if len(own.cosines) else 0.0
+    moved = own.oscillation(np.array([-np.pi]))[0] if not own.constant else 0.0
     first = 0.0 if even else float(-np.pi + moved)
 
     def outputs(χ: Reals) -> list[Numbers]:
@@ -226,13 +228,13 @@ def _resting(motion: SeparatedMotion) -> DenseOutput:
 
 def _angle(periodic: FourierSeries, χ: Reals) -> Reals:
     """χ + D(χ), the sum taken in extended precision."""
-    if not len(periodic.cosines):
+    if periodic.constant:
         return χ
     return (χ.astype(np.longdouble) + periodic.oscillation(χ.astype(np.longdouble))).astype(float)
 
 
 def _wave(series: FourierSeries, χ: Reals) -> Reals:
-    return series.oscillation(χ) if len(series.cosines) else 0 * χ
+    return 0 * χ if series.constant else series.oscillation(χ)
 
 
 def _scale(motion: SeparatedMotion) -> float:

@@ -8,6 +8,8 @@ its end; the map q(y) is chosen by the two ends so that dq/p is analytic in y up
     turning → boundary     x = ℓ sin²(y/2), y ≤ π          the same, and an integer power of p² at the end
     turning → asymptote    x = ℓ tanh² y                   the same, and the double zero: t grows like y
     regular → infinity     x = L y
+    turning → kink         x = ℓ y², y ≤ 1                 at a kink p² goes on with another formula
+    regular → kink         x = ℓ y, y ≤ 1
     regular → boundary     x = ℓ (1 − (1 − y)²), y ≤ 1
     regular → asymptote    x = ℓ (1 − e^{−y})
     … → fall               as to an asymptote: reached in a finite time, but an angle winds for ever on the way
@@ -18,7 +20,7 @@ The integrals are Chebyshev series on panels, each as long as its integrands are
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -34,7 +36,7 @@ class EndMap:
 
     Attributes:
         turning: True where the branch starts at a turning point.
-        end: ``infinity``, ``boundary``, ``fall`` or ``asymptote``.
+        end: ``infinity``, ``boundary``, ``fall``, ``asymptote`` or ``kink``.
         start: q at y = 0.
         side: +1 where q grows with y.
         length: ℓ, the distance to the end; for infinity the length L that makes y a number of order one.
@@ -54,9 +56,30 @@ class EndMap:
         Args:
             context: of mpmath.
         """
+        if self.end == "kink":
+            return context.mpf(1)
         if self.end != "boundary":
             return None
         return +context.pi if self.turning else context.mpf(1)
+
+    def in_doubles(self) -> EndMap:
+        """Return the same with its constants rounded to doubles."""
+        return replace(self, start=float(self.start), length=float(self.length))  # type: ignore[arg-type]
+
+    def parameter(self, q: Mpf) -> Mpf | None:
+        """Return y of a place; None where the branch does not pass it.
+
+        Args:
+            q: the place.
+        """
+        x, context = self.side * (q - self.start) / self.length, q.context
+        if x < 0 or (self.end == "kink" and x > 1) or (self.end not in {"infinity", "kink"} and x >= 1):
+            return None
+        if self.end in {"infinity", "kink"}:
+            return context.sqrt(x) if self.turning else x
+        if self.end == "boundary":
+            return 2 * context.asin(context.sqrt(x)) if self.turning else 1 - context.sqrt(1 - x)
+        return context.atanh(context.sqrt(x)) if self.turning else -context.log(1 - x)
 
     def rest(self, y: Numeric, arithmetic: Float64 | Multi) -> Numeric | int:
         """Return what |p|/|dq/dy| is multiplied by to stay finite: a power of the share of the way that is left.
@@ -74,14 +97,14 @@ class EndMap:
         return 1
 
     def distances(self, y: Numeric, arithmetic: Float64 | Multi) -> tuple[Numeric, Numeric | None, Numeric]:
-        """Return x, the distance left to the end (None for infinity) and dx/dy, none of them by cancellation.
+        """Return x, the distance left to the end (None for infinity and kinks) and dx/dy, none of them by cancellation.
 
         Args:
             y: place on the branch, y ≥ 0.
             arithmetic: that y belongs to.
         """
         call = arithmetic.unary
-        if self.end == "infinity":
+        if self.end in {"infinity", "kink"}:
             return (
                 (self.length * y * y, None, 2 * self.length * y)
                 if self.turning

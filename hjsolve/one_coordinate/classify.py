@@ -10,10 +10,12 @@ from functools import partial
 from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Numeric
 from hjsolve.arithmetic.root_finding import bisected
-from hjsolve.errors import NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError
+from hjsolve.one_coordinate import kinks
 from hjsolve.one_coordinate.anomaly import Rotation, libration_anomaly, rotation_anomaly
 from hjsolve.one_coordinate.anomaly_choice import over_near_zeros, over_other_near_zeros, over_the_best_map
 from hjsolve.one_coordinate.barriers import slow_place
+from hjsolve.one_coordinate.chain import Chain
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
 from hjsolve.one_coordinate.coordinate_motion import Anomaly, AtRest, CoordinateMotion, Periodic, Unbounded
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart, Winding
@@ -27,6 +29,8 @@ _NEAREST = 200
 """Bits by which a turning point may be nearer to an end of the domain than to the other one."""
 
 
+_STEP = 20
+"""Powers of two by which a step is shorter than |q| that tells a simple zero from others."""
 _WIDEST, _CURVED = 2.0**500, 2.0**1000
 """Width of a motion, and p² over its square, from whose inverse to which doubles hold what is worked out with them."""
 _LONG = 2**16
@@ -59,18 +63,20 @@ def locate(start: CoordinateStart, digits: int) -> Located:
     Raises:
         NotConvergedError: a zero of p² could not be decided, or an integrand stays rough.
     """
+    if start.cells:
+        return _through_kinks(start, digits)
     forward = start.forward or _push(start)
     if forward == 0:
         return _rest(start, digits)
     if start.winding is not None and (wound := _wound(start, start.winding, digits)) is not None:
         return wound
-    ahead = first_end(ray(start, forward), digits=digits)
+    ahead = _first_end(start, forward, digits)
     if start.forward == 0:
         behind = End("turning", start.place)
     elif ahead.kind == "round":
         behind = ahead
     else:
-        behind = first_end(ray(start, -forward), digits=digits)
+        behind = _first_end(start, -forward, digits)
     lower, upper = (behind, ahead) if forward > 0 else (ahead, behind)
     if lower.kind == "turning" and upper.kind == "turning":
         return Located(_libration(start, lower, upper, digits), lower, upper)
@@ -79,8 +85,34 @@ def locate(start: CoordinateStart, digits: int) -> Located:
     return Located(_open(start, forward, lower, upper, digits), lower, upper)
 
 
+def _through_kinks(start: CoordinateStart, digits: int) -> Located:
+    """The motion of a coordinate along which p² has kinks.
+
+    Raises:
+        NotConvergedError: it comes to rest at a kink that it may leave to either side.
+    """
+    at_kink = kinks.cell_of(start, -1) != kinks.cell_of(start, 1)
+    own = kinks.in_its_cell(start, kinks.cell_of(start, start.forward))
+    forward = start.forward or (kinks.push(start) if at_kink else _push(own))
+    if forward == 0:
+        sides = [start.cells[kinks.cell_of(start, side)].radicand for side in (-1, 1)]
+        return _rest(own, digits, sides=None if not at_kink else sides)
+    ahead = kinks.reached(start, forward, digits)
+    behind = kinks.Reached(kinks.cell_of(start, forward), End("turning", start.place))
+    if start.forward:
+        behind = kinks.reached(start, -forward, digits)
+    if ahead.cell == behind.cell and "wall" not in {ahead.end.kind, behind.end.kind}:
+        return locate(kinks.in_its_cell(start, ahead.cell), digits)
+    lower, upper = (behind, ahead) if forward > 0 else (ahead, behind)
+    if not {lower.end.kind, upper.end.kind} <= {"turning", "wall"}:
+        return Located(_open_through_kinks(start, forward, lower, upper, digits), lower.end, upper.end)
+    return Located(kinks.libration(start, lower, upper, start.forward, digits), lower.end, upper.end)
+
+
 def _push(start: CoordinateStart) -> int:
     """Direction in which a coordinate leaves a turning point: the sign of F′ (Greenwood, item 102); 0 when it rests."""
+    if start.exact is not None and _looks_multiple(start) and start.exact.order_at_start() > 1:
+        return 0
     for bits in (256, 1024, 2048):
         q = start.place(bits)
         value, slope, bend = start.radicand.jet(q, bits)
@@ -88,6 +120,36 @@ def _push(start: CoordinateStart) -> int:
         if abs(slope) > rounding:
             return 1 if slope > 0 else -1
     return 0
+
+
+def _first_end(start: CoordinateStart, side: int, digits: int) -> End:
+    """The end of the motion on one side; a zero proved to be triple or higher is an asymptote.
+
+    Raises:
+        NotConvergedError: a zero of p² could not be decided.
+    """
+    way = ray(start, side)
+    try:
+        return first_end(way, digits=digits)
+    except NotConvergedError:
+        q = start.place(1024)
+        zeros = start.exact.multiple_zeros() if start.exact is not None else ()
+        beyond = [zero for zero in zeros if side * (zero(1024) - q) > 0]
+        if not beyond:
+            raise
+        nearest = min(beyond, key=lambda zero: abs(zero(1024) - q))
+        return first_end(replace(way, reach=partial(_distance, start.place, nearest), turns=False), digits=digits)
+
+
+def _looks_multiple(start: CoordinateStart) -> bool:
+    """Whether p² at a turning point grows by much more than its slope lets it."""
+    q = start.place(256)
+    step = q.context.ldexp(abs(q) or 1, -_STEP)
+    try:
+        grown = max(abs(start.radicand.value(q + side * step, 256)) for side in (1, -1))
+        return bool(abs(start.radicand.jet(q, 256)[1]) * step < q.context.ldexp(grown, -_STEP // 2))
+    except (InvalidInputError, TypeError):
+        return True
 
 
 def ray(start: CoordinateStart, side: int) -> Ray:
@@ -113,11 +175,11 @@ def _distance(one: Number, other: Number, bits: int) -> Mpf:
     return abs(other(bits) - one(bits))
 
 
-def _rest(start: CoordinateStart, digits: int) -> Located:
+def _rest(start: CoordinateStart, digits: int, *, sides: list[MomentumSquared] | None = None) -> Located:
     bits = bits_for(digits, 96)
     q = start.place(bits)
     _, _, bend = start.radicand.jet(q, bits)
-    stable = bool(bend < 0)
+    stable = sides is None and bool(bend < 0) and (start.exact is None or start.exact.order_at_start() == 2)
     scale = (-bend / 2) ** 0.5 if stable else 1
     size, h = abs(q) or 1, multiprecision(bits).mpf(2) ** -20
     weights, beside = start.radicand.weights(q, bits), start.radicand.weights(q + size * h, bits)
@@ -125,7 +187,19 @@ def _rest(start: CoordinateStart, digits: int) -> Located:
     changes = [abs(after - w) / h / scale for w, after in zip(weights, beside, strict=True)]
     sizes = [abs(r) + (c if c < multiprecision(bits).inf else 0) for r, c in zip(rates, changes, strict=True)]
     end = End("turning" if stable else "asymptote", start.place)
-    return Located(AtRest(q, rates, sizes, stable), end, end)
+    return Located(AtRest(q, rates, sizes, stable, stable or _hollow(q, sides or [start.radicand] * 2)), end, end)
+
+
+def _hollow(q: Mpf, sides: list[MomentumSquared]) -> bool:
+    """Whether p² is negative on both sides of a place at which it is zero, as far as it shows nearby."""
+    try:
+        return all(
+            sides[side > 0].value(q + side * q.context.ldexp(abs(q) or 1, -power), 512) < 0
+            for side in (-1, 1)
+            for power in (20, 40)
+        )
+    except (InvalidInputError, TypeError):
+        return False
 
 
 def _libration(start: CoordinateStart, lower: End, upper: End, digits: int) -> Periodic:
@@ -290,10 +364,51 @@ def _open(start: CoordinateStart, forward: int, lower: End, upper: End, digits: 
     return Unbounded(kind, branch(here, ahead, forward), branch(here, behind, -forward), 0 * start.place(bits))
 
 
+def _open_through_kinks(
+    start: CoordinateStart, forward: int, lower: kinks.Reached, upper: kinks.Reached, digits: int
+) -> Unbounded:
+    """A motion that passes kinks, or is thrown back by a wall, and does not come back."""
+    bits = bits_for(digits, 128)
+    exact = bits + 512 + start.radicand.guard
+    low, high = (kinks.Reached(k, _judged(kinks.in_its_cell(start, k), end)) for k, end in (lower, upper))
+    kind = _kind_of_open(low.end, high.end, forward)
+
+    def part(origin: End, target: End, side: int, k: int) -> Branch:
+        own = kinks.in_its_cell(start, k)
+        assert origin.place is not None
+        first, turning = origin.place(exact), origin.kind == "turning"
+        length = (
+            abs(target.place(exact) - first) if target.place is not None else _length(own, first, bits, turning=turning)
+        )
+        end = "infinity" if target.kind == "infinity" else target.kind
+        way = EndMap(turning, end, first, side, length, max(0, round(-target.power)))
+        return Branch(way, own.radicand, start.skipped, digits, bits)
+
+    def chain(origin: End, begin: int, target: kinks.Reached, side: int) -> Chain:
+        ends = kinks.ends_between(start, begin, target, side)
+        origins = [origin, *ends[:-1]]
+        parts = [part(a, b, side, begin + side * k) for k, (a, b) in enumerate(zip(origins, ends, strict=True))]
+        return Chain(tuple(parts), origin.kind == "wall")
+
+    for near, far, side in ((low, high, 1), (high, low, -1)):
+        if near.end.kind in {"turning", "wall"}:
+            out = chain(near.end, near.cell, far, side)
+            place = multiprecision(bits).convert(start.place(exact))
+            y = 0 * place if start.forward == 0 else out.way.parameter(place)
+            assert y is not None
+            return Unbounded(kind, out, out, y if forward == side else -y)
+    here = End("boundary", start.place)
+    ahead, behind = (high, low) if forward > 0 else (low, high)
+    one, other = (
+        chain(here, kinks.cell_of(start, side), target, side) for target, side in ((ahead, forward), (behind, -forward))
+    )
+    return Unbounded(kind, one, other, 0 * start.place(bits))
+
+
 def _kind_of_open(lower: End, upper: End, forward: int) -> Kind:
     """The kind of a motion that does not come back: what it does in the end, whatever it came from."""
     ahead, behind = (upper, lower) if forward > 0 else (lower, upper)
-    match (behind if ahead.kind == "turning" else ahead).kind:
+    match (behind if ahead.kind in {"turning", "wall"} else ahead).kind:
         case "boundary" | "fall":
             return "boundary"
         case "asymptote":

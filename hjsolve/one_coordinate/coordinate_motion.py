@@ -7,7 +7,7 @@ What every kind answers is in ``kind_of_motion.py``; the kinds are in ``periodic
 from hjsolve.one_coordinate.kind_of_motion import PARTS, Kind, KindOfMotion, Weights, arithmetic_of, elementwise
 from hjsolve.one_coordinate.periodic_motion import Anomaly, Periodic
 from hjsolve.one_coordinate.resting_motion import AtRest
-from hjsolve.one_coordinate.unbounded_motion import Unbounded, float_way
+from hjsolve.one_coordinate.unbounded_motion import Unbounded
 
 CoordinateMotion = Periodic | AtRest | Unbounded
 
@@ -23,5 +23,4 @@ __all__ = [
     "Weights",
     "arithmetic_of",
     "elementwise",
-    "float_way",
 ]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from hjsolve.one_coordinate.coordinate_motion import PARTS
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
@@ -22,6 +24,8 @@ class CoordinateStart:
         skipped: kernels that are zero everywhere.
         parts: what is to be integrated; see ``coordinate_motion.PARTS``.
         winding: of a coordinate on a line along which p² repeats itself: the same as an angle.
+        exact: what exact arithmetic tells of p², where it is known exactly.
+        cells: where p² has kinks: the intervals on which it is analytic, upwards, with their own p²; else none.
     """
 
     name: str
@@ -34,6 +38,37 @@ class CoordinateStart:
     skipped: tuple[bool, ...]
     parts: frozenset[str] = PARTS
     winding: Winding | None = None
+    cells: tuple[Cell, ...] = ()
+    exact: ExactSquare | None = None
+
+
+class ExactSquare(Protocol):
+    """p² in exact numbers."""
+
+    def order_at_start(self) -> int:
+        """Return the order of the zero of p² at the initial place, 0 of none; 3 for all from 3 on."""
+        ...
+
+    def multiple_zeros(self) -> Sequence[Number]:
+        """Return the zeros of p² proved to be triple or higher; none where p² is no rational function."""
+        ...
+
+
+@dataclass(frozen=True)
+class Cell:
+    """An interval between kinks.
+
+    Attributes:
+        lower, upper: its ends at any precision: kinks, or ends of the domain; None where there is none.
+        radicand: p² and its kernels there.
+        at_lower, at_upper: p² at the ends, the limit from inside; None where that is infinite, or there is no end.
+    """
+
+    lower: Number | None
+    upper: Number | None
+    radicand: MomentumSquared
+    at_lower: Number | None = None
+    at_upper: Number | None = None
 
 
 @dataclass(frozen=True)

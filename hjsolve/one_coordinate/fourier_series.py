@@ -13,7 +13,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import context_of, multiprecision
+from hjsolve.arithmetic.floats import EPS, context_of, multiprecision
 from hjsolve.arithmetic.fourier import waves
 from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers
 
@@ -64,7 +64,87 @@ class FourierSeries:
     @property
     def vanishes(self) -> bool:
         """True for the zero function."""
-        return not self.mean and not len(self.cosines)
+        return not self.mean and self.constant
+
+    @property
+    def constant(self) -> bool:
+        """True for a function that is its mean."""
+        return not len(self.cosines)
+
+    @property
+    def size(self) -> float:
+        """Σ |cₖ|: what rounding of a value refers to, next to the mean."""
+        return float(np.sum(np.abs(self.cosines.astype(float))))
+
+    @property
+    def wave_size(self) -> float:
+        """Σ |cₖ|/k: what rounding of the periodic part of the integral refers to."""
+        return float(np.sum(np.abs(self.cosines.astype(float) / np.arange(1, len(self.cosines) + 1))))
+
+    @property
+    def oscillation_size(self) -> float:
+        """What rounding of ``oscillation`` refers to, wherever the phase is."""
+        sines = np.zeros(0) if self.sines is None else self.sines.astype(float)
+        return self.wave_size + 2 * float(np.sum(np.abs(sines / np.arange(1, len(sines) + 1))))
+
+    @property
+    def left_out(self) -> Mpf | float:
+        """A bound on the terms that the series lacks."""
+        sines: Numbers = self.sines if self.sines is not None else np.zeros(0)
+        return (
+            0
+            if self.constant
+            else 2 * self.tail * (abs(self.mean) + sum(map(abs, self.cosines)) + sum(map(abs, sines)))
+        )
+
+    def unresolved(self, χ: Mpf) -> float:
+        """Return what rounded coefficients leave open of ``oscillation`` at one phase; nothing at a turning point.
+
+        Args:
+            χ: phase in many digits.
+        """
+        if self.constant or self.cosines.dtype == object:
+            return 0.0
+        total = self.wave_size_at(χ)
+        return EPS * total if total > EPS * np.pi else 0.0
+
+    def wave_size_at(self, χ: Mpf | int) -> float:
+        """Return what rounding of ``oscillation`` at one phase refers to; nothing at a turning point.
+
+        Args:
+            χ: phase in many digits.
+        """
+        if not χ:
+            return 0.0
+        context, total = cast("Mpf", χ).context, 0.0
+        for part, wave in ((self.cosines, context.sin), (self.sines, lambda x: 1 - context.cos(x))):
+            if part is not None:
+                total += sum(abs(float(c) / k * float(wave(k * χ))) for k, c in enumerate(part, 1))
+        return total
+
+    def combined(self, terms: list[tuple[Any, Any]]) -> FourierSeries:
+        """Return Σ wⱼ·seriesⱼ.
+
+        Args:
+            terms: pairs (wⱼ, seriesⱼ) of this class, none of which vanishes.
+        """
+        floats = all(s.cosines.dtype == float for _, s in terms)
+        length = max(len(s.cosines) for _, s in terms)
+
+        def total(parts: list[tuple[Any, Any]]) -> Numbers:
+            result = np.zeros(length) if floats else np.array([0 * terms[0][0]] * length, dtype=object)
+            for w, part in parts:
+                result[: len(part)] += (float(w) if floats else w) * part
+            return result
+
+        sines = [(w, s.sines) for w, s in terms if s.sines is not None]
+        return FourierSeries(
+            sum(w * s.mean for w, s in terms),
+            total([(w, s.cosines) for w, s in terms]),
+            total(sines) if sines else None,
+            max(s.nodes for _, s in terms),
+            max(s.tail for _, s in terms),
+        )
 
 
 def combine(weights: list[float | Mpf], series: list[FourierSeries]) -> FourierSeries:
@@ -77,23 +157,7 @@ def combine(weights: list[float | Mpf], series: list[FourierSeries]) -> FourierS
     terms = [(w, s) for w, s in zip(weights, series, strict=True) if w and not s.vanishes]
     if not terms:
         return zero()
-    floats = all(s.cosines.dtype == float for _, s in terms)
-    length = max(len(s.cosines) for _, s in terms)
-
-    def total(parts: list[tuple[Any, Any]]) -> Numbers:
-        result = np.zeros(length) if floats else np.array([0 * terms[0][0]] * length, dtype=object)
-        for w, part in parts:
-            result[: len(part)] += (float(w) if floats else w) * part
-        return result
-
-    sines = [(w, s.sines) for w, s in terms if s.sines is not None]
-    return FourierSeries(
-        sum(w * s.mean for w, s in terms),
-        total([(w, s.cosines) for w, s in terms]),
-        total(sines) if sines else None,
-        max(s.nodes for _, s in terms),
-        max(s.tail for _, s in terms),
-    )
+    return terms[0][1].combined(terms)
 
 
 def zero() -> FourierSeries:

@@ -18,6 +18,7 @@ from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, Reals
 
 if TYPE_CHECKING:
+    from hjsolve.one_coordinate.chain import Chain
     from hjsolve.one_coordinate.open_branch import Branch
 
 Kind = Literal["libration", "rotation", "escape", "equilibrium", "asymptotic", "boundary"]
@@ -146,7 +147,7 @@ class KindOfMotion(ABC):
         """
 
     @property
-    def branches(self) -> tuple[Branch, ...]:
+    def branches(self) -> tuple[Branch | Chain, ...]:
         """The two ways of an open motion, ahead and behind; none of any other."""
         return ()
 

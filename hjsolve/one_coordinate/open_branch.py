@@ -30,6 +30,8 @@ class Branch:
     digits: int
     bits: int
 
+    tabular = True
+
     def integrands(self, y: Mpf, extra: int = 0) -> list[Mpf]:
         """Return kernels kⱼ |dq/dy| / |p|, then |p|/|dq/dy| (times ``EndMap.rest``), at y, with so many bits more.
 
@@ -113,6 +115,16 @@ class Branch:
             if float(known.edges[-1]) >= amount:
                 return known
         return _panels(self, weights, power)
+
+    def swept(self, weights: tuple[float, ...] | None, amount: float) -> Panels:
+        """Return panels of |P dq/dy| that reach as far as ``panels(weights, amount)``.
+
+        Args:
+            weights, amount: as of ``panels``.
+        """
+        from hjsolve.one_coordinate.momentum_integral import swept
+
+        return swept(self, weights, amount)
 
     def carries(self, j: int) -> bool:
         """Return False where a kernel is zero all along.

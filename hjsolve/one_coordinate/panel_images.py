@@ -35,7 +35,7 @@ def scale_along(way: EndMap) -> Scale:
     length = float(way.length)
     root = length**0.5
     match way.end, way.turning:
-        case "infinity", turning:
+        case "infinity" | "kink", turning:
             return Scale(2 * root, 0, 1 / (2 * root), 0) if turning else Scale(length, 0, 1 / length, 0)
         case "boundary", turning:
             return Scale(root, 1, 1 / root, way.pole) if turning else Scale(2 * length, 1, 1 / (2 * length), way.pole)
@@ -45,7 +45,7 @@ def scale_along(way: EndMap) -> Scale:
 
 
 class Spots(NamedTuple):
-    """Where disks of y lie: x, r, and q − q(y₀) times the side; r is 1 on the way to infinity."""
+    """Where disks of y lie: x, r, and q − q(y₀) times the side; r is 1 on the way to infinity or to a kink."""
 
     x: Disk
     root: Disk
@@ -63,7 +63,7 @@ def spots(way: EndMap, y: float, rest: float, z: Disk) -> Spots:
     """
     d, length = _D, float(way.length)
     here = d.shifted(z, y)
-    if way.end == "infinity":
+    if way.end in {"infinity", "kink"}:
         if way.turning:
             return Spots(d.times(d.power(here, 2), length), _ONE, d.times(d.mul(z, d.shifted(z, 2 * y)), length))
         return Spots(d.times(here, length), _ONE, d.times(z, length))

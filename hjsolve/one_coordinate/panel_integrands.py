@@ -166,6 +166,8 @@ class Sight:
     def view(self) -> View | None:
         """How the formulas look from the end of the way; None where that is not known."""
         tapes, way = self.tapes, self.way
+        if way.end == "kink":
+            return None
         if way.end == "infinity":
             unit = exponential_unit(tapes, self.inputs)
             view = View(way, -way.side * unit, 1.0)
@@ -263,9 +265,9 @@ class Surrounding:
         """Other ways to look at disks about which the plain formula knows nothing, those that apply here."""
         way = self.sight.way
         here: list[Callable[[Spots], Sizes]] = []
-        if way.end != "infinity":
+        if way.end not in {"infinity", "kink"}:
             here.append(self._from_end)
-        elif self._far:
+        elif way.end == "infinity" and self._far:
             several = self.sight.exponential and not (self.sight.view and self.sight.view.rate)
             here += [self._by_rates] * several + [self._from_end]
         return here + [self._closely] * careful
@@ -281,7 +283,7 @@ class Surrounding:
         """q, from the start or from the end of the way."""
         sight, side = self.sight, float(self.sight.way.side)
         q = _D.add(sight.start, _D.times(places.x, side))
-        if sight.way.end == "infinity":
+        if sight.way.end in {"infinity", "kink"}:
             return q
         left = _D.times(_D.power(places.root, 2), float(sight.way.length))
         return tighter(q, _D.sub(sight.finish, _D.times(left, side)))

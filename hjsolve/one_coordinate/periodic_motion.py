@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import cast
+from typing import ClassVar, Self, cast
 
 import numpy as np
 
@@ -33,6 +33,7 @@ class Periodic(KindOfMotion):
         start: χ of the initial place.
         radicand: p² and its kernels, functions of the angle that the anomaly gives.
         radian: what the coordinate moves by in a radian of a rotation: 1 of an angle, a length on a line.
+        tabular: False where the inverse of the time law is not to be read from a table.
     """
 
     kind: Kind
@@ -46,6 +47,7 @@ class Periodic(KindOfMotion):
 
     stable = True
     one_scale = True
+    tabular: ClassVar[bool] = True
 
     @property
     def cycle(self) -> Periodic:
@@ -80,7 +82,8 @@ class Periodic(KindOfMotion):
     @property
     def tail(self) -> float:
         """The largest of the last coefficients, relative to the size of its function."""
-        return max(float(s.tail) for s in (*self.kernels, self.momentum))
+        own = (self.momentum,) if self.density is None else (self.momentum, self.density)
+        return max(float(s.tail) for s in (*self.kernels, *own))
 
     @property
     def signed_action(self) -> Mpf | int:
@@ -124,8 +127,7 @@ class Periodic(KindOfMotion):
             j: position of the constant.
         """
         growth: Elementwise = self.growth(j)
-        waves: Elementwise = abs(self.kernels[j].cosines)
-        size: float | Mpf = abs(growth) + sum(waves)
+        size: float | Mpf = abs(growth) + self.kernels[j].size
         return size
 
     @property
@@ -143,7 +145,7 @@ class Periodic(KindOfMotion):
         series = self.density
         assert series is not None  # it was asked for
         mean: Elementwise = float(series.mean) if χ.dtype == float else series.mean
-        size = abs(mean) * abs(χ) + float(np.sum(np.abs(series.cosines.astype(float))))
+        size = abs(mean) * abs(χ) + series.size
         return mean * χ + series.oscillation(χ), abs(series.value(χ)), size
 
     def rounding_size(self, weights: Weights, χ: Reals) -> Reals:
@@ -156,8 +158,7 @@ class Periodic(KindOfMotion):
         used = [(j, abs(w)) for j, w in enumerate(weights) if w]
         size = cast("Reals", sum(w * phase_times(self.growth(j), χ) for j, w in used))
         for j, w in used:
-            waves = self.kernels[j].cosines.astype(float)
-            size = size + w * float(np.sum(np.abs(waves) / np.arange(1, len(waves) + 1)))
+            size = size + w * self.kernels[j].wave_size
         return size
 
     def rate_noise(self, j: int) -> float:
@@ -167,7 +168,7 @@ class Periodic(KindOfMotion):
             j: position of the constant.
         """
         series = self.kernels[j]
-        return 2.0**-48 * (abs(float(series.mean)) + float(np.sum(np.abs(series.cosines.astype(float)))))
+        return 2.0**-48 * (abs(float(series.mean)) + series.size)
 
     def distances(self, χ: Reals) -> tuple[Reals, Reals]:
         """Return distances from the lower and from the upper turning point of a libration, each to relative accuracy.
@@ -210,7 +211,7 @@ class Periodic(KindOfMotion):
             return np.abs(cast("Reals", self.place(χ)[0])) + np.pi * float(self.radian)
         return np.minimum(*self.distances(χ))
 
-    def in_doubles(self) -> Periodic:
+    def in_doubles(self) -> Self:
         """Return the motion with the series of its momentum rounded to doubles, for vectorised use."""
         series = self.momentum
         if series.cosines.dtype != object:
@@ -226,8 +227,7 @@ class Periodic(KindOfMotion):
         Args:
             χ: phases in doubles, shape (m,).
         """
-        waves: float = 2 * np.sum(np.abs(self.momentum.cosines.astype(float)))
-        return waves + 4 * self.in_doubles().crowding(χ)
+        return 2 * self.momentum.size + 4 * self.in_doubles().crowding(χ)
 
     def phase_rounding(self, χ: Reals) -> Reals:
         """Return the rounding of the anomaly itself as an uncertainty of χ in doubles; 0 where it has none.

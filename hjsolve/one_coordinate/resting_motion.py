@@ -20,7 +20,8 @@ class AtRest(KindOfMotion):
         rest: the place.
         rates: kⱼ/√(−F″/2) there (kⱼ alone where the rest is unstable).
         sizes: |rates| and what they change by over the distance |q|: as large as the terms that may cancel in them.
-        stable: True where F″ < 0.
+        stable: True where F″ < 0: small motions about the place have a frequency.
+        settled: True where F < 0 on both sides, also where F″ = 0 or there is a kink.
     """
 
     rest: Mpf
@@ -28,6 +29,7 @@ class AtRest(KindOfMotion):
     sizes: list[Mpf]
     stable: bool
 
+    settled: bool = False
     kind: Kind = "equilibrium"
     start: Mpf | int = 0
     action: Mpf | int | None = 0

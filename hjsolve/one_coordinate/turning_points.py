@@ -24,7 +24,7 @@ from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.momentum_squared import Number
 from hjsolve.one_coordinate.ray import Ray, SimpleZero
 
-EndKind = Literal["turning", "asymptote", "boundary", "fall", "infinity", "round"]
+EndKind = Literal["turning", "wall", "asymptote", "boundary", "fall", "infinity", "round", "kink"]
 _LAST_BITS = 2048
 _DEPTH = 40
 _MOST_WORK, _COST_OF_MANY_DIGITS = 2000, 10
@@ -42,9 +42,10 @@ class End:
     """Where the allowed region stops on one side.
 
     Attributes:
-        kind: ``turning`` a simple zero of p²; ``asymptote`` a multiple zero, never reached; ``boundary``
-            an end of the coordinate's domain (``fall`` where an integral over the way there has no limit, see
-            ``chebyshev_panels``); ``infinity``; ``round`` none within a full turn of an angle.
+        kind: ``turning`` a simple zero of p²; ``wall`` a jump of V that it is thrown back by; ``asymptote`` a multiple
+            zero, never reached; ``boundary`` an end of the coordinate's domain (``fall`` where an integral over the way
+            there has no limit, see ``chebyshev_panels``); ``infinity``; ``round`` none within a full turn of an angle;
+            ``kink`` where p² goes on with another formula.
         place: the position at any precision; None for infinity and round.
         power: at a boundary or at infinity, p² ~ distance**power.
     """

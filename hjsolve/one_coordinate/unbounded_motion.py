@@ -11,9 +11,9 @@ from hjsolve.arithmetic.error_free import Pair, moved, split
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Elementwise, Mask, Mpf, Numbers, Reals
 from hjsolve.arithmetic.work_counter import count
-from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels
+from hjsolve.one_coordinate.chain import Chain
+from hjsolve.one_coordinate.chebyshev_panels import Panels
 from hjsolve.one_coordinate.kind_of_motion import Kind, KindOfMotion, Weights, arithmetic_of, elementwise
-from hjsolve.one_coordinate.momentum_integral import swept
 from hjsolve.one_coordinate.open_branch import Branch
 
 
@@ -32,8 +32,8 @@ class Unbounded(KindOfMotion):
     """
 
     kind: Kind
-    ahead: Branch
-    behind: Branch
+    ahead: Branch | Chain
+    behind: Branch | Chain
     start: Mpf
     reach: tuple[tuple[float, ...] | None, float] = (None, 1.0)
     back: float | None = None
@@ -45,7 +45,7 @@ class Unbounded(KindOfMotion):
     bounded: ClassVar[None] = None
 
     @property
-    def branches(self) -> tuple[Branch, Branch]:
+    def branches(self) -> tuple[Branch | Chain, Branch | Chain]:
         """Ahead and behind."""
         return self.ahead, self.behind
 
@@ -159,7 +159,7 @@ class Unbounded(KindOfMotion):
         """
         weights, amount = self.reach
         back = amount if self.back is None or not self.two_ways else self.back
-        ahead, behind = swept(self.ahead, weights, amount), swept(self.behind, weights, back)
+        ahead, behind = self.ahead.swept(weights, amount), self.behind.swept(weights, back)
         forward, y = χ >= 0, np.abs(χ)
         values = np.where(forward, ahead.integral(0, y), -behind.integral(0, y))
         slopes: Numbers = np.abs(np.where(forward, ahead.value(0, y), behind.value(0, y)))
@@ -176,7 +176,7 @@ class Unbounded(KindOfMotion):
         """
         pairs = []
         for branch in self.branches:
-            way = float_way(branch.way)
+            way = branch.way.in_doubles()
             x, left, _ = cast("tuple[Elementwise, Elementwise, Elementwise]", way.distances(np.abs(χ), Float64()))
             start, end = split(branch.way.start), split(branch.way.start + branch.way.side * branch.way.length)
             from_start = moved(Pair(start.high + 0 * χ, start.low + 0 * χ), way.side * x)
@@ -275,17 +275,8 @@ class Unbounded(KindOfMotion):
         (q1, p1), (q2, p2) = self._on(self.ahead, ahead, χ, 1), self._on(self.behind, behind, χ, -1)
         return np.where(forward, q1, q2), np.where(forward, p1, p2)
 
-    def _on(self, branch: Branch, panels: Panels, χ: Numbers, sign: int) -> tuple[Numbers, Numbers]:
+    def _on(self, branch: Branch | Chain, panels: Panels, χ: Numbers, sign: int) -> tuple[Numbers, Numbers]:
         y, arithmetic = np.abs(χ), arithmetic_of(χ)
-        way = branch.way if χ.dtype == object else float_way(branch.way)
+        way = branch.way if χ.dtype == object else branch.way.in_doubles()
         q, slope = elementwise(lambda v: way.position(v, arithmetic), y, 2)
         return q, sign * slope * panels.value(-1, y) / elementwise(lambda v: way.rest(v, arithmetic), y, 1)
-
-
-def float_way(way: EndMap) -> EndMap:
-    """Round the constants of a map to doubles.
-
-    Args:
-        way: with constants of many digits.
-    """
-    return replace(way, start=float(way.start), length=float(way.length))  # type: ignore[arg-type]  # as many digits

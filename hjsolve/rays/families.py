@@ -14,6 +14,7 @@ from hjsolve.display.renderers import renderer
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 from hjsolve.formulas.read import number
+from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.placing import PlaceFormulas
 from hjsolve.motion.state import Placing
@@ -131,6 +132,7 @@ def wavefronts(motion: Motion, family: str = "constants", *, fronts: int = 24, o
     if family not in FAMILIES:
         raise InvalidInputError(f'wavefronts: family is one of {", ".join(FAMILIES)}, not "{family}"')
     motion = motion.as_solved
+    refuse_kinks(motion.solution.system.kinks, "wavefronts")
     usual = _ORBITS[family] if orbits is None else orbits
     counts = [min(_MOST, arguments.whole(n, name, 1)) for n, name in ((fronts, "fronts"), (usual, "orbits"))]
     if not QUANTITIES["characteristic_function"] <= motion.separated.parts:

@@ -13,6 +13,7 @@ from hjsolve.algebra.modular import Filter
 from hjsolve.algebra.poly import Budget, WorkLimitError
 from hjsolve.algebra.readable import shortest_form
 from hjsolve.algebra.reader import HYPERBOLIC
+from hjsolve.errors import InvalidSystemError
 from hjsolve.mechanics.energy_shell import Irreducible, ReductionStep, Shell, reduce
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
@@ -66,10 +67,29 @@ def separate(system: System | str | Path, *, budget: float = DEFAULT_BUDGET) -> 
         if isinstance(reduced, Irreducible):
             return refuse_without_shell(system, reduced, work)
         shell = reduced
-        return _decide(*_constructed(shell, work), start)
+        return _of_one_coordinate(_decide(*_constructed(shell, work), start))
     except WorkLimitError as fault:
         steps = (*(shell.steps if shell else ()), ReductionStep("Budget", f"Exact arithmetic stopped: {fault}."))
         return Undecided(system, shell, (), "reduction", sp.nan, {}, None, advice.for_undecided(), steps)
+
+
+def _of_one_coordinate(verdict: Verdict) -> Verdict:
+    """A verdict, once a kink of V in one coordinate leaves the separated equations of the others as they are.
+
+    Raises:
+        InvalidSystemError: V separates on both sides of a jump, but with other constants.
+    """
+    if not isinstance(verdict, Separation) or not verdict.system.kinks or verdict.reduced.stackel is None:
+        return verdict
+    matrix, column = verdict.reduced.stackel.matrix, verdict.reduced.stackel.column
+    for kink in verdict.system.kinks:
+        for i, c in enumerate(verdict.shell.coordinates):
+            if c.name != kink.coordinate and any(e.has(kink.symbol) for e in (*matrix.row(i), column[i])):
+                raise InvalidSystemError(
+                    f"potential: where {kink.argument} changes its sign V jumps by a function of {c.name}; on either "
+                    f"side the system separates, across it does not. Give {kink.coordinate} a domain that ends there"
+                )
+    return verdict
 
 
 def _constructed(shell: Shell, work: Budget) -> tuple[Setting, stackel.Matrix | None]:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.number_types import Counts, Mask, Reals
+from hjsolve.arithmetic.number_types import Counts, Mask, Mpf, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.time_law.coupled_pair import CoupledPair, choose_pair, solve_pair
@@ -261,18 +261,29 @@ def _targets(courses: list[CoordinateMotion], n: int) -> list[float]:
     return [sum(integral_at_start(c, j) for c in courses) for j in range(n)]
 
 
-def integral_at_start(course: CoordinateMotion, j: int) -> float:
-    """Return Gⱼ at the start, a phase of many digits.
+def integral_at(course: CoordinateMotion, j: int, χ: Mpf | int) -> float:
+    """Return Gⱼ in doubles at a phase of many digits.
 
-    Next to the top of a barrier Gⱼ is so steep that the phase rounded to a double is another time.
+    Where Gⱼ is steep, next to the top of a barrier, the phase rounded to a double is another time.
+
+    Args:
+        course: the coordinate.
+        j: position of the constant.
+        χ: phase.
+    """
+    near = np.array([float(χ)])
+    value, slope = (float(np.ravel(np.asarray(f(j, near)))[0]) for f in (course.integral, course.rate))
+    return value + slope * float(χ - near[0])
+
+
+def integral_at_start(course: CoordinateMotion, j: int) -> float:
+    """Return Gⱼ in doubles at the start, as ``integral_at``.
 
     Args:
         course: the coordinate.
         j: position of the constant.
     """
-    near = np.array([float(course.start)])
-    value, slope = (float(np.ravel(np.asarray(f(j, near)))[0]) for f in (course.integral, course.rate))
-    return value + slope * float(course.start - near[0])
+    return integral_at(course, j, course.start)
 
 
 def _right_side(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,6 @@ from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.number_types import Context, Counts, Elementwise, Mpf, MpfMatrix, Numbers, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
-from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.time_law.torus import TorusEquations
 
 _MOST_BITS = 900
@@ -39,7 +37,7 @@ def on_torus(
     n, turn = len(system.courses), 2 * context.pi
     t: Elementwise = np.array(time, dtype=object)
     goal: list[Numbers] = [system.starts[k] + system.rates[k] * t - turn * whole[k].astype(object) for k in range(n)]
-    cut = np.array([float(sum(_left_out(series) for series in row)) for row in system.oscillations])
+    cut = np.array([float(sum(series.left_out for series in row)) for row in system.oscillations])
     x, error, spread = _together(system, goal, χ, cut, context, bits)
     for m in np.flatnonzero(~np.isfinite(error.astype(float))):
         one = [goal[k][m] for k in range(n)]
@@ -108,22 +106,17 @@ def _alone(
     return x, error, equations(x)[1] ** -1
 
 
-def _left_out(series: FourierSeries) -> Mpf | int:
-    """The terms that a series lacks; where dt/dχ is far below its mean they move the phase by much more."""
-    if not len(series.cosines):
-        return 0
-    sines: Numbers = series.sines if series.sines is not None else np.zeros(0)
-    return 2 * series.tail * (abs(series.mean) + sum(map(abs, series.cosines)) + sum(map(abs, sines)))
-
-
 def _ripple(system: TorusEquations, k: int, i: int, x: Elementwise) -> Elementwise:
     series = system.oscillations[k][i]
-    return series.oscillation(x) if len(series.cosines) else 0
+    return 0 if series.constant else series.oscillation(x)
 
 
 def _slope(system: TorusEquations, k: int, i: int, x: Elementwise) -> Elementwise:
     series = system.oscillations[k][i]
-    return replace(series, mean=0 * series.mean).value(x) if len(series.cosines) else 0
+    if series.constant:
+        return 0
+    doubles = isinstance(x, np.ndarray) and x.dtype == float
+    return series.value(x) - (float(series.mean) if doubles else series.mean)
 
 
 def unbounded(

@@ -86,7 +86,7 @@ def torus_equations(courses: Sequence[Periodic | AtRest], bits: int) -> TorusEqu
             total += (c.start if i == k else 0) + _at(oscillations[k][i], c.start, context)
         starts.append(total)
         roundings.append(sum(_rounding(oscillations[k][i], c.start, context) for i, c in enumerate(courses)))
-    order, coupled = _ordering([[i for i in range(n) if len(oscillations[k][i].cosines)] for k in range(n)])
+    order, coupled = _ordering([[i for i in range(n) if not oscillations[k][i].constant] for k in range(n)])
     rates = tuple(growth[k][0] for k in range(n))
     return TorusEquations(tuple(courses), rates, tuple(starts), growth, oscillations, order, coupled, tuple(roundings))
 
@@ -120,18 +120,12 @@ def _ripple(weights: Sequence[Mpf], course: Periodic | AtRest, n: int) -> Fourie
 
 def _at(series: FourierSeries, χ: Mpf | int, context: Context) -> Mpf | int:
     """Ripple at one many-digit phase; nothing at a turning point, exactly."""
-    return series.oscillation(context.mpf(χ)) if len(series.cosines) else 0
+    return 0 if series.constant else series.oscillation(context.mpf(χ))
 
 
 def _rounding(series: FourierSeries, χ: Mpf | int, context: Context) -> float:
     """What rounded coefficients leave open of the ripple at one phase; nothing at a turning point."""
-    if not len(series.cosines) or series.cosines.dtype == object:
-        return 0.0
-    total = 0.0
-    for part, wave in ((series.cosines, context.sin), (series.sines, lambda x: 1 - context.cos(x))):
-        if part is not None:
-            total += sum(abs(float(c) / k * float(wave(k * context.mpf(χ)))) for k, c in enumerate(part, 1))
-    return EPS * total if total > EPS * np.pi else 0.0
+    return series.unresolved(context.mpf(χ))
 
 
 def _ordering(needs: list[list[int]]) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -179,22 +173,17 @@ def _of_others(
     total, error_bound = 0.0, 0.0
     for i in system.order:
         periodic = system.oscillations[k][i]
-        if i != k and χ[i] is not None and len(periodic.cosines):
+        if i != k and χ[i] is not None and not periodic.constant:
             total = total + periodic.oscillation(χ[i])
             slope = np.abs(periodic.value(χ[i]) - float(periodic.mean))
-            error_bound = error_bound + slope * errors[i] + 2 * EPS * _size(periodic)
+            error_bound = error_bound + slope * errors[i] + 2 * EPS * periodic.wave_size
     return total, error_bound
-
-
-def _size(periodic: FourierSeries) -> float:
-    """What the rounding of a ripple is relative to."""
-    return float(np.sum(np.abs(periodic.cosines.astype(float) / np.arange(1, len(periodic.cosines) + 1))))
 
 
 def _alone(periodic: FourierSeries, goal: Reals, error_bound: Reals) -> tuple[Reals, Reals]:
     """Solve χ + D(χ) = θ, monotone in χ; the start comes from a table of the inverse."""
     rounding = EPS * (np.abs(goal) + np.pi) + error_bound
-    if not len(periodic.cosines):
+    if periodic.constant:
         return goal, rounding
     # the goal is brought into the turn of the table, and bracketed between two of its places
     grid = np.linspace(-np.pi, np.pi, 1025)
@@ -210,7 +199,7 @@ def _alone(periodic: FourierSeries, goal: Reals, error_bound: Reals) -> tuple[Re
     χ, residual, slope = bracketed_roots(
         lambda x: (x + periodic.oscillation(x) - goal, 1 + periodic.value(x) - float(periodic.mean)), χ, low, high
     )
-    rounding = rounding + 2 * EPS * (_size(periodic) + np.pi) + np.abs(residual)
+    rounding = rounding + 2 * EPS * (periodic.wave_size + np.pi) + np.abs(residual)
     return χ + shift, rounding / np.maximum(slope, EPS) + EPS * np.pi
 
 
@@ -226,7 +215,7 @@ def _together(system: TorusEquations, angles: list[Reals], χ: list[Reals | None
         found[:, bad] = _follow(system, goal[:, bad])
     residual = _residual(system, goal, found)
     inverse = np.linalg.inv(_jacobian(system, found).transpose(2, 0, 1))
-    size = sum(float(np.sum(np.abs(system.oscillations[k][i].cosines.astype(float)))) for k in block for i in block)
+    size = sum(system.oscillations[k][i].size for k in block for i in block)
     rounding = np.max(np.abs(residual), axis=0) + 2 * EPS * (np.max(np.abs(goal), axis=0) + size + np.pi)
     rounding = rounding + np.max(np.stack([0 * rounding + error_bound for _, error_bound in others]), axis=0)
     bound = np.sum(np.abs(inverse), axis=2) * rounding[:, None]

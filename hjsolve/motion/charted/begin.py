@@ -15,6 +15,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.formulas.read import number
+from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.quantities_given import in_units
 from hjsolve.motion.charted.starting import start_charted
 from hjsolve.motion.initial_data import read_initial_data
@@ -92,6 +93,8 @@ def start(
     constants = in_units(system, constants, "constants", told)
     digits = arguments.digits(digits)
     arguments.refuse_other(certified, bool, "certified", "True or False is needed")
+    if certified:
+        refuse_kinks(system.kinks, "certified=True")
     initial = read_initial_data(
         solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters
     )

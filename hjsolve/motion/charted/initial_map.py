@@ -31,6 +31,8 @@ _ANGLES = {
     "prolate spheroidal": (2,), "oblate spheroidal": (2,),
 }  # fmt: skip
 """Coordinates that are angles about an axis or at a pole, by kind of chart."""
+_MANY_TURNS = 2**40
+"""Twelfths of π, beyond which no place is looked at as a multiple of them."""
 Values = Mapping[str, object]
 Frame = tuple[list[Mpf], list[Mpf], dict[str, Mpf]]
 """X, P and the lengths of a web."""
@@ -61,7 +63,8 @@ def carried(
     exact = [rational_of(a, b) for a, b in zip(far, near, strict=True)]
     system, n = solution.system, len(chart.symbols)
     values = {s.symbol: given[s.symbol] for s in system.parameters}
-    values |= {c.symbol: x for c, x in zip(system.coordinates, exact[:n], strict=True)}
+    places = [place_of(a, b) for a, b in zip(far[:n], near[:n], strict=True)]
+    values |= {c.symbol: x for c, x in zip(system.coordinates, places, strict=True)}
     values |= {c.momentum: x for c, x in zip(system.coordinates, exact[n : 2 * n], strict=True)}
     constants = dict(zip(solution.constants, exact[2 * n :], strict=False))
     if "E" in solution.constants:
@@ -171,6 +174,21 @@ def _refuse_singular(chart: Chart, given: Mapping[sp.Symbol, sp.Expr], u: list[M
         f"q: {place} is a singular point of the {chart.kind} coordinates in which the system separates (a focus or "
         "the centre), where momenta do not tell where the motion goes; start it at a place a little before"
     )
+
+
+def place_of(far: Mpf, near: Mpf) -> sp.Expr:
+    """Return a coordinate as an exact number: a multiple of π/12 where it is that but for rounding, else a fraction.
+
+    What vanishes on the equator, at θ = π/2, then does so exactly.
+
+    Args:
+        far, near: as of ``rational_of``.
+    """
+    share = 12 * far / far.context.pi
+    whole = int(far.context.nint(share)) if abs(share) < _MANY_TURNS else 0
+    if whole and abs(far - whole * far.context.pi / 12) <= max(abs(far - near), far.context.ldexp(1, -BITS // 3)):
+        return sp.pi * sp.Rational(whole, 12)
+    return rational_of(far, near)
 
 
 def rational_of(far: Mpf, near: Mpf) -> sp.Rational:

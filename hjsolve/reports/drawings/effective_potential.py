@@ -13,6 +13,7 @@ from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.lowering import lower
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
+from hjsolve.mechanics.kinks import with_quotients
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.formulas.from_sympy import compact
 from hjsolve.solution.quadratures import Solution
@@ -120,7 +121,8 @@ def effective_potential_of(motion: Motion, name: str) -> EffectivePotential:
     level_name, sign, weight, potential = _level(solution, F, coordinate.symbol, exact, window)
     level = sign * float(motion.constants[level_name].value) if level_name else 0.0
     V, A, shift = (
-        formula_curve(formula, coordinate.symbol, exact) for formula in (potential, weight, solution.shift[name])
+        formula_curve(with_quotients(formula, solution.system.kinks), coordinate.symbol, exact)
+        for formula in (potential, weight, solution.shift[name])
     )
     return EffectivePotential(
         name,

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.mechanics.energy_shell import time_name
+from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.drawings.svg import Array
 from hjsolve.reports.live.bounds import bounds_of, sizes_of
@@ -86,6 +87,7 @@ def live_tables(motion: Motion, asked: Asked | None = None) -> LiveTables:
         NotConvergedError: the tables stay too coarse.
     """
     motion, asked = motion.as_solved, dict(asked or {})
+    refuse_kinks(motion.solution.system.kinks, "live")
     subject, whole = slider_ranges(neighbours_of(motion, _names(motion, asked)), asked)
     sizes = sizes_of(subject)
     for share in _SHARES:

@@ -51,6 +51,8 @@ def closed_form_report(subject: Motion | Solution) -> list[Section]:
     Args:
         subject: a motion, or a solution where no motion is known.
     """
+    if (subject.solution if isinstance(subject, Motion) else subject).system.kinks:
+        return []
     if isinstance(subject, Motion):
         solution, own = subject.solution, own_form(subject, seconds=SECONDS)
         forms = [] if own is None else [own]

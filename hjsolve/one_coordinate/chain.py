@@ -1,0 +1,217 @@
+"""A way of an open motion through kinks: branches one after the other, each as long as p² is analytic.
+
+The parameter y of a chain runs through its parts, from k to k + 1 in the k-th; the last part goes on to the end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from hjsolve.arithmetic.floats import Float64, Multi, context_of
+from hjsolve.arithmetic.number_types import Context, Elementwise, Mpf, Numbers, Numeric
+from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels
+from hjsolve.one_coordinate.momentum_integral import swept
+from hjsolve.one_coordinate.open_branch import Branch
+from hjsolve.one_coordinate.turning_points import EndKind
+
+
+@dataclass(frozen=True)
+class ChainMap:
+    """The map q(y) of a chain; it answers what ``EndMap`` answers.
+
+    Attributes:
+        maps: of the parts, in their order.
+        thrown_back: whether it begins at a wall.
+    """
+
+    maps: tuple[EndMap, ...]
+    thrown_back: bool
+
+    @property
+    def turning(self) -> bool:
+        """True where the motion turns at the beginning, at a turning point or a wall."""
+        return self.thrown_back or self.maps[0].turning
+
+    @property
+    def end(self) -> EndKind:
+        """How it ends."""
+        return self.maps[-1].end
+
+    @property
+    def start(self) -> Mpf:
+        """The place at y = 0."""
+        return self.maps[0].start
+
+    @property
+    def side(self) -> int:
+        """+1 where q grows with y."""
+        return self.maps[0].side
+
+    @property
+    def length(self) -> Mpf:
+        """The distance to the end; for infinity that of the kinks and the natural length beyond."""
+        total: Mpf = sum(part.length for part in self.maps)  # type: ignore[assignment]
+        return total
+
+    def last(self, context: Context) -> Mpf | None:
+        """Return the greatest y, None where there is none.
+
+        Args:
+            context: of mpmath.
+        """
+        last = self.maps[-1].last(context)
+        return None if last is None else len(self.maps) - 1 + last
+
+    def in_doubles(self) -> ChainMap:
+        """Return the same with its constants rounded to doubles."""
+        return ChainMap(tuple(part.in_doubles() for part in self.maps), self.thrown_back)
+
+    def rest(self, y: Numeric, arithmetic: Float64 | Multi) -> Numeric | int:
+        """Return what |p|/|dq/dy| is multiplied by to stay finite.
+
+        Args:
+            y: place on the chain, y ≥ 0.
+            arithmetic: that y belongs to.
+        """
+        return self._of_part(y, lambda part, z: (part.rest(z, arithmetic) + 0 * z,))[0]
+
+    def distances(self, y: Numeric, arithmetic: Float64 | Multi) -> tuple[Numeric, Numeric | None, Numeric]:
+        """Return x, the distance left to the end (None for infinity) and dx/dy.
+
+        Args:
+            y: place on the chain, y ≥ 0.
+            arithmetic: that y belongs to.
+        """
+        ahead: dict[EndMap, Any] = {}
+        for k, part in enumerate(self.maps):
+            ahead[part] = (sum(p.length for p in self.maps[:k]), sum(p.length for p in self.maps[k + 1 :]))
+
+        def at(part: EndMap, z: Elementwise) -> tuple[Elementwise, ...]:
+            x, left, slope = part.distances(z, arithmetic)
+            before, after = ahead[part]
+            return before + x, after + (part.length - x if left is None else left), slope
+
+        x, left, slope = self._of_part(y, at)
+        return x, None if self.end == "infinity" else left, slope
+
+    def position(self, y: Numeric, arithmetic: Float64 | Multi) -> tuple[Numeric, Numeric]:
+        """Return q and dq/dy at y ≥ 0.
+
+        Args:
+            y: place on the chain, y ≥ 0.
+            arithmetic: that y belongs to.
+        """
+        q, slope = self._of_part(y, lambda part, z: part.position(z, arithmetic))
+        return q, slope
+
+    def parameter(self, q: Mpf) -> Mpf | None:
+        """Return y of a place; None where the chain does not pass it.
+
+        Args:
+            q: the place.
+        """
+        for k, part in enumerate(self.maps):
+            y = part.parameter(q)
+            if y is not None and (k == len(self.maps) - 1 or y <= 1):
+                return k + y
+        return None
+
+    def _of_part(self, y: Any, answer: Any) -> tuple[Any, ...]:
+        """What the part to which y belongs answers."""
+        last = len(self.maps) - 1
+        if context_of(y) is not None or not np.ndim(y):
+            k = min(int(y), last)
+            return tuple(answer(self.maps[k], y - k))
+        inside = np.clip(np.asarray(y).astype(int), 0, last)
+        found = [
+            answer(part, np.clip(y - k, 0, 1) if k < last else np.maximum(y - k, 0)) for k, part in enumerate(self.maps)
+        ]
+        return tuple(np.choose(inside, rows) for rows in zip(*found, strict=True))
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Branches one after the other; it answers what ``Branch`` answers.
+
+    Attributes:
+        parts: the branches.
+        thrown_back: whether it begins at a wall.
+    """
+
+    parts: tuple[Branch, ...]
+    thrown_back: bool = False
+
+    tabular = False
+
+    @property
+    def way(self) -> ChainMap:
+        """The map q(y)."""
+        return ChainMap(tuple(part.way for part in self.parts), self.thrown_back)
+
+    @property
+    def digits(self) -> int:
+        """Decimal digits asked."""
+        return self.parts[0].digits
+
+    def carries(self, j: int) -> bool:
+        """Return False where a kernel is zero all along.
+
+        Args:
+            j: position of the constant.
+        """
+        return self.parts[0].carries(j)
+
+    def panels(self, weights: tuple[float, ...] | None, amount: float, *, partly: bool = False) -> Panels:
+        """Return the integrals over all parts, over the last one so far that |Σ wⱼ Gⱼ| reaches ``amount`` there.
+
+        Args:
+            weights: wⱼ, one a constant; None where y itself is meant.
+            amount: how far the integrals must reach.
+            partly: as of ``Branch.panels``.
+        """
+        return _joined(self, weights, amount, partly, False)
+
+    def swept(self, weights: tuple[float, ...] | None, amount: float) -> Panels:
+        """Return panels of |P dq/dy| that reach as far.
+
+        Args:
+            weights, amount: as of ``panels``.
+        """
+        return _joined(self, weights, amount, False, True)
+
+
+@lru_cache(maxsize=32)
+def _joined(
+    chain: Chain, weights: tuple[float, ...] | None, amount: float, partly: bool, momentum: bool
+) -> Panels:  # fmt: skip
+    tables: list[Panels] = []
+    for k, part in enumerate(chain.parts):
+        final = k == len(chain.parts) - 1
+        asked = (weights, amount) if final else (None, 1.0)
+        tables.append(swept(part, *asked) if momentum else part.panels(*asked, partly=partly and final))
+    edges: list[Any] = [tables[0].edges[:1]]
+    coefficients, sums = [], []
+    before: Any = 0
+    for k, table in enumerate(tables):
+        own = table.edges[1:].copy()
+        if k < len(tables) - 1:
+            own[-1] = own[-1] * 0 + 1
+        edges.append(own + k)
+        added = table.sums.copy()
+        added[:, :, 0] = added[:, :, 0] + (before[:, None] if k else 0)
+        coefficients.append(table.coefficients)
+        sums.append(added)
+        before = np.sum(added[:, -1, :], axis=-1)
+    return Panels(
+        np.concatenate(edges), _padded(coefficients), _padded(sums), max(t.nodes for t in tables), tables[-1].finished
+    )
+
+
+def _padded(tables: list[Numbers]) -> Any:
+    longest = max(t.shape[2] for t in tables)
+    wide = [np.concatenate([t, np.zeros((*t.shape[:2], longest - t.shape[2]), dtype=t.dtype)], axis=2) for t in tables]
+    return np.concatenate(wide, axis=1)
