@@ -7,8 +7,11 @@ from collections.abc import Mapping
 import sympy as sp
 
 from hjsolve.closed_form.curves import named_constants
-from hjsolve.closed_form.evaluation import many_digits, number_of
+from hjsolve.closed_form.evaluation import number_of
+from hjsolve.closed_form.named_quantities import NamedQuantities
 from hjsolve.closed_form.regime import Regime
+from hjsolve.closed_form.tidy import elliptic
+from hjsolve.closed_form.why_not import NotFound, WhyNot
 from hjsolve.closed_form.workshop import Workshop
 from hjsolve.precision import mp
 
@@ -17,7 +20,7 @@ _DIGITS, _AGREE = 60, 40
 
 
 def solved_for_energy(
-    shop: Workshop, actions: Mapping[str, sp.Expr], made: Regime, why_not: dict[str, str]
+    shop: Workshop, actions: Mapping[str, sp.Expr], made: Regime, names: NamedQuantities, why_not: dict[str, WhyNot]
 ) -> sp.Expr | None:  # fmt: skip
     """Solve J_i(E, α, c) one constant after the other, as far as each equation holds only one that is not known.
 
@@ -25,6 +28,7 @@ def solved_for_energy(
         shop: of the solution.
         actions: coordinate → J.
         made: the regime.
+        names: of the quantities in the actions.
         why_not: gets the reason where there is none.
 
     Returns:
@@ -34,22 +38,45 @@ def solved_for_energy(
     if made.special or any(c.name not in actions for c in system.coordinates):
         return None
     named = {c.name: sp.Symbol(f"J_{c.name}", real=True) for c in system.coordinates}
+    actions = {name: names.written_out(action) for name, action in actions.items()}
     known, left = dict[sp.Symbol, sp.Expr](), dict(actions)
     while left:
-        step = _next(left, known, constants)
+        step = _next(left, known, constants) or _linear(left, known, constants)
         if step is None:
-            why_not["energy"] = "the actions could not be solved for the constants in closed form"
+            why_not["energy"] = NotFound(_unsolved(left, constants))
             return None
         name, unknown = step
-        solved = _solved(left.pop(name).xreplace(known), named[name], unknown, made, actions, named)
+        solved = _solved(left.pop(name).xreplace(known), named[name], unknown, names, actions, named)
         if solved is None:
-            why_not["energy"] = f"J_{name} could not be solved for {unknown} in closed form"
+            why_not["energy"] = NotFound(_unsolved({name: actions[name]}, [unknown]))
             return None
-        known[unknown] = solved.xreplace(known)
+        known = {c: e.xreplace({unknown: solved}) for c, e in known.items()} | {unknown: solved.xreplace(known)}
     energy = known.get(constants[0])
     if energy is None:
         return None
     return sp.factor(energy) if energy.is_rational_function() else energy
+
+
+def _linear(
+    left: Mapping[str, sp.Expr], known: Mapping[sp.Symbol, sp.Expr], constants: list[sp.Symbol]
+) -> tuple[str, sp.Symbol] | None:  # fmt: skip
+    """An action of first degree in a separation constant: it is solved for it, whatever else it holds."""
+    for name, action in left.items():
+        for c in constants[1:]:
+            slope = sp.diff(action.xreplace(dict(known)), c)
+            if c not in known and slope != 0 and not slope.has(c) and not elliptic(action):
+                return name, c
+    return None
+
+
+def _unsolved(left: Mapping[str, sp.Expr], constants: list[sp.Symbol]) -> str:
+    """Why actions are not solved for the constants."""
+    for name, action in left.items():
+        if elliptic(action):
+            held = ", ".join(str(c) for c in constants if action.has(c))
+            return f"J_{name} is made of complete elliptic integrals, a transcendental equation for {held}"
+    names = ", ".join(f"J_{name}" for name in left)
+    return f"{names} could not be solved for {', '.join(map(str, constants))}"
 
 
 def _next(
@@ -64,12 +91,15 @@ def _next(
 
 
 def _solved(
-    action: sp.Expr, J: sp.Symbol, unknown: sp.Symbol, made: Regime, actions: Mapping[str, sp.Expr],
+    action: sp.Expr, J: sp.Symbol, unknown: sp.Symbol, names: NamedQuantities, actions: Mapping[str, sp.Expr],
     named: Mapping[str, sp.Symbol],
 ) -> sp.Expr | None:  # fmt: skip
     """The root of J = action(unknown) that is right at the regime's example, to 30 digits."""
     if action == unknown:
         return J
+    slope = sp.diff(action, unknown)
+    if slope != 0 and not slope.has(unknown):
+        return J / slope - sp.expand((action - slope * unknown) / slope)
     radicals = [p for p in action.atoms(sp.Pow) if p.has(unknown) and p.exp.is_Rational and not p.exp.is_Integer]
     bases = {p.base for p in radicals}
     if action.atoms(sp.Function) - action.atoms(sp.Abs, sp.sign) or any(
@@ -85,7 +115,7 @@ def _solved(
         (base,) = bases
         if sp.Poly(base, unknown).degree() != 1:
             found = _without_root(action - J, base, radicals, unknown)
-            return _right_one(found, made, actions, named, unknown)
+            return _right_one(found, names, actions, named, unknown)
         z, step = sp.Dummy("z", positive=True), 2
         b, c = sp.Poly(base, unknown).all_coeffs()
         back = (z**step - c) / b
@@ -93,7 +123,7 @@ def _solved(
         if not plain.is_rational_function(z):
             return None
         found = [back.subs(z, root) for root in _roots(sp.numer(sp.together(plain - J)), z)]
-    return _right_one(found, made, actions, named, unknown)
+    return _right_one(found, names, actions, named, unknown)
 
 
 def _without_root(
@@ -128,10 +158,11 @@ def _plain_root(expression: sp.Expr) -> sp.Expr:
 
 
 def _right_one(
-    found: list[sp.Expr], made: Regime, actions: Mapping[str, sp.Expr], named: Mapping[str, sp.Expr], unknown: sp.Symbol
+    found: list[sp.Expr], names: NamedQuantities, actions: Mapping[str, sp.Expr], named: Mapping[str, sp.Expr],
+    unknown: sp.Symbol,
 ) -> sp.Expr | None:  # fmt: skip
     """The root that is right at the regime's example, to 40 digits."""
-    numbers = many_digits(made.example, _DIGITS)
+    numbers = dict(names.numbers)
     with mp.workdps(_DIGITS):
         numbers |= {named[name]: number_of(other, numbers) for name, other in actions.items()}
         for root in found:

@@ -9,10 +9,11 @@ from typing import Any
 
 import sympy as sp
 
-from hjsolve.closed_form.anomalies import TIME
+from hjsolve.closed_form.along_motion import TIME
 from hjsolve.closed_form.closed_forms import closed_forms, own_form
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.named_quantities import needed_names
+from hjsolve.closed_form.why_not import WhyNot
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiDN, JacobiSN
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Code, Formula, Inline, Mathematics, Paragraph, Section, Table, Text
@@ -217,10 +218,10 @@ def _by_meaning(where: Mapping[sp.Symbol, object]) -> list[tuple[object, list[tu
     return [(key[1], symbols) for key, symbols in groups.items()]
 
 
-def _by_reason(why_not: Mapping[str, str]) -> list[tuple[str, list[str]]]:
+def _by_reason(why_not: Mapping[str, WhyNot]) -> list[tuple[str, list[str]]]:
     groups: dict[str, list[str]] = {}
     for name, reason in why_not.items():
-        groups.setdefault(reason, []).append(name)
+        groups.setdefault(str(reason), []).append(name)
     return list(groups.items())
 
 
