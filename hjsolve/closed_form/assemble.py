@@ -19,7 +19,7 @@ from hjsolve.closed_form.named_quantities import NamedQuantities, Where
 from hjsolve.closed_form.names_of_regime import in_named_rates, names_of
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
-from hjsolve.closed_form.tidy import LONGEST, collected, elliptic, longer_than, shortened_powers
+from hjsolve.closed_form.tidy import LONGEST, collected, elliptic, longer_than, plain_roots, shortened_powers
 from hjsolve.closed_form.why_not import NotFound, OfCoordinate, WhyNot
 from hjsolve.closed_form.workshop import Stratum, Workshop
 
@@ -153,7 +153,7 @@ def _numbers(
             if isinstance(J, WhyNot):
                 why_not[f"actions.{c.name}"] = J
             else:
-                actions[c.name] = shortened_powers(J / (2 * sp.pi) if elliptic(J) else sp.expand(J / (2 * sp.pi)))
+                actions[c.name] = shortened_powers(J / (2 * sp.pi) if elliptic(J) else _plain_action(J / (2 * sp.pi)))
         elif c.name not in solution.coordinates and c.domain.kind == "angle":
             actions[c.name] = c.momentum.subs(dict(special))
     if len(cyclic) == len(solution.coordinates) and solution.coordinates:
@@ -170,6 +170,13 @@ def _numbers(
         "actions": actions, "frequencies": frequencies, "mean_velocities": velocities,
         "periods": {name: value for name, value in periods.items() if not value.has(sp.zoo)},
     }  # fmt: skip
+
+
+def _plain_action(J: sp.Expr) -> sp.Expr:
+    """A sum of roots with (E − U)/√(U − E) as −√(U − E), where that is shorter."""
+    J = sp.expand(J)
+    roots = [p for p in J.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2 and p.base.is_Add]
+    return min(J, plain_roots(J), key=sp.count_ops) if any(p.exp < 0 for p in roots) else J
 
 
 def _without_shift(cycle: sp.Expr, shift: sp.Expr, q: sp.Symbol) -> sp.Expr | WhyNot:

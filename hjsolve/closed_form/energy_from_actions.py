@@ -10,7 +10,7 @@ from hjsolve.closed_form.curves import named_constants
 from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.named_quantities import NamedQuantities
 from hjsolve.closed_form.regime import Regime
-from hjsolve.closed_form.tidy import elliptic
+from hjsolve.closed_form.tidy import elliptic, plain_roots
 from hjsolve.closed_form.why_not import NotFound, WhyNot
 from hjsolve.closed_form.workshop import Workshop
 from hjsolve.precision import mp
@@ -97,9 +97,11 @@ def _solved(
     """The root of J = action(unknown) that is right at the regime's example, to 30 digits."""
     if action == unknown:
         return J
+    if elliptic(action) or action.free_symbols & names.roots:
+        return None
     slope = sp.diff(action, unknown)
     if slope != 0 and not slope.has(unknown):
-        return J / slope - sp.expand((action - slope * unknown) / slope)
+        return _right_one([J / slope - sp.expand((action - slope * unknown) / slope)], names, actions, named, unknown)
     radicals = [p for p in action.atoms(sp.Pow) if p.has(unknown) and p.exp.is_Rational and not p.exp.is_Integer]
     bases = {p.base for p in radicals}
     if action.atoms(sp.Function) - action.atoms(sp.Abs, sp.sign) or any(
@@ -123,7 +125,27 @@ def _solved(
         if not plain.is_rational_function(z):
             return None
         found = [back.subs(z, root) for root in _roots(sp.numer(sp.together(plain - J)), z)]
+    elif len(bases) == 2:
+        found = _of_two_roots(action - J, sorted(radicals, key=sp.default_sort_key), unknown)
     return _right_one(found, names, actions, named, unknown)
+
+
+def _of_two_roots(equation: sp.Expr, radicals: list[sp.Pow], unknown: sp.Symbol) -> list[sp.Expr]:
+    """The root of α (√b₁ ± √b₂) + γ = 0 with b₁ − b₂ = d free of it: 2 √b₁ = w + d/w, w = −γ/α (Rosen and Morse)."""
+    if len(radicals) != 2 or any(p.exp != sp.S.Half or sp.degree(p.base, unknown) != 1 for p in radicals):
+        return []
+    y, z = sp.symbols("y z", positive=True)
+    plain = sp.expand(equation.xreplace(dict(zip(radicals, (y, z), strict=True))))
+    α, β, γ = plain.coeff(y), plain.coeff(z), plain.subs({y: 0, z: 0})
+    b, c = (p.base for p in radicals)
+    one, other = (sp.diff(e, unknown) for e in (b, c))
+    if plain.has(unknown) or α == 0 or sp.expand(plain - α * y - β * z - γ) != 0:
+        return []
+    if sp.cancel(α**2 * one - β**2 * other) != 0:
+        return []
+    w, d = -γ / α, sp.expand(b - (β / α) ** 2 * c)
+    w = sp.factor(w)
+    return [(w**2 + (d / w) ** 2) / (4 * one) + sp.cancel((d / 2 - b.subs(unknown, 0)) / one)]
 
 
 def _without_root(
@@ -137,7 +159,7 @@ def _without_root(
     w, even = sp.Dummy("w"), sp.Poly(base, unknown)
     homogeneous = sp.cancel(plain.subs(unknown, w * z))
     if not homogeneous.has(z) and sp.degree(sp.numer(homogeneous), w) == 1 and even.coeff_monomial(unknown) == 0:
-        w_J = _plain_root(sp.solve_linear(homogeneous, symbols=[w])[1])  # E = w √(b E² + c)
+        w_J = plain_roots(sp.solve_linear(homogeneous, symbols=[w])[1])  # E = w √(b E² + c)
         b, c = even.coeff_monomial(unknown**2), even.coeff_monomial(1)
         return [side * sp.sqrt(sp.factor(c)) / sp.sqrt(w_J**-2 - b) for side in (1, -1)]
     top = sp.numer(plain)
@@ -145,16 +167,6 @@ def _without_root(
         return []
     one, zero = sp.Poly(top, z).all_coeffs()
     return _roots(sp.expand(one**2 * base - zero**2), unknown)
-
-
-def _plain_root(expression: sp.Expr) -> sp.Expr:
-    """A sum with √s in place of s/√s."""
-    held = [p for p in expression.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2]
-    roots = {p.base: sp.Dummy(positive=True) for p in held}
-    plain = expression.xreplace({p: roots[p.base] * p.base ** (p.exp - sp.S.Half) for p in held})
-    terms = sp.collect(sp.expand(plain), [*roots.values()], evaluate=False)
-    short = sp.Add(*(sp.cancel(sp.together(c)) * r for r, c in terms.items()))
-    return sp.factor(short).xreplace({r: sp.sqrt(base) for base, r in roots.items()})
 
 
 def _right_one(

@@ -118,6 +118,7 @@ class CoordinateIntegrals:
         for way in task.ways:
             if not isinstance(way, CarlsonMap):
                 self.rates |= {s: e for s, e in ((way.k, sp.sqrt(way.m)), (way.rate, way.Ω)) if s in held}
+        held |= {s for e in self.rates.values() for s in e.free_symbols}
         for roots in (task.roots, *(way.roots for way in task.ways if isinstance(way, CarlsonMap))):
             if roots is not None:
                 self.where |= {s: meaning for s, meaning in roots.where.items() if s in held | _inside(roots)}

@@ -133,6 +133,20 @@ def _factored(coefficient: sp.Expr) -> sp.Expr:
     return shortened_powers(coefficient if longer_than(coefficient, _FACTORED) else sp.factor(coefficient))
 
 
+def plain_roots(expression: sp.Expr) -> sp.Expr:
+    """A sum with √s in place of s/√s, each root once.
+
+    Args:
+        expression: of constants, linear in each root.
+    """
+    held = [p for p in expression.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2]
+    roots = {p.base: sp.Dummy(positive=True) for p in held}
+    plain = expression.xreplace({p: roots[p.base] * p.base ** (p.exp - sp.S.Half) for p in held})
+    terms = sp.collect(sp.expand(plain), [*roots.values()], evaluate=False)
+    short = sp.Add(*(sp.cancel(sp.together(c)) * r for r, c in terms.items()))
+    return sp.factor(short).xreplace({r: sp.sqrt(base) for base, r in roots.items()})
+
+
 def square_root(radicand: sp.Expr) -> sp.Expr:
     """√ of what is positive where a form holds, with the absolute values of its squared factors taken out.
 
