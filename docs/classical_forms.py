@@ -71,7 +71,7 @@ def form_of(entry: str) -> RegimeForms:
     return form
 
 
-def _left(form: RegimeForms, name: str) -> str:
+def _left(name: str) -> str:
     group, _, q = name.partition(".")
     written = sp.latex(sp.Symbol(q)) if q else ""
     if group == "anomaly":
@@ -100,7 +100,7 @@ def written(line: Line) -> str:
         elif name.startswith("orbit_equations"):
             formula = f"{sp.latex(form.orbit_equations[name.partition('.')[2]].lhs)} = {sp.latex(value)}"
         else:
-            formula = f"{_left(form, name)} = {sp.latex(value)}"
+            formula = f"{_left(name)} = {sp.latex(value)}"
         text.append(f"$$\n{formula}\n$$\n")
     held = {s for name in line.names for s in form.named()[name].free_symbols}
     where = needed_names(held, form.where)[0]
@@ -121,9 +121,9 @@ def page() -> str:
     """The whole page."""
     head = (
         "# Closed forms of classical systems\n\n"
-        "Printed by `python docs/classical_forms.py` from the catalog: each form is derived, differentiated back and\n"
-        "compared with the quadrature to 40 digits. The last argument of K, E, F, Π, sn, cn, dn and am is the parameter\n"
-        "$m = k^2$, the square of the modulus; momenta of separated coordinates are positive at the lower limit $q_0$.\n"
+        "Printed by `python docs/classical_forms.py` from the catalog. Each form is derived, differentiated back and\n"
+        "compared with the quadrature to 40 digits. The last argument of K, E, F, Π, sn, cn, dn and am is the\n"
+        "parameter $m = k^2$, the square of the modulus. At the lower limit $q_0$ the momentum is positive.\n"
     )
     return "\n".join([head, *map(written, LINES)])
 

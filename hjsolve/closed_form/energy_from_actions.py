@@ -54,7 +54,9 @@ def solved_for_energy(
     energy = known.get(constants[0])
     if energy is None:
         return None
-    return sp.factor(energy) if energy.is_rational_function() else energy
+    energy = sp.factor(energy) if energy.is_rational_function() else energy
+    positive = {named[n]: sp.Dummy(positive=True) for n, kind in made.kinds.items() if kind == "libration"}
+    return energy.xreplace(positive).xreplace({d: J for J, d in positive.items()})
 
 
 def _linear(
