@@ -64,9 +64,9 @@ def _linear(
 ) -> tuple[str, sp.Symbol] | None:  # fmt: skip
     """An action of first degree in a separation constant: it is solved for it, whatever else it holds."""
     for name, action in left.items():
-        for c in constants[1:]:
+        for c in () if elliptic(action) else constants[1:]:
             slope = sp.diff(action.xreplace(dict(known)), c)
-            if c not in known and slope != 0 and not slope.has(c) and not elliptic(action):
+            if c not in known and slope != 0 and not slope.has(c):
                 return name, c
     return None
 
