@@ -50,7 +50,6 @@ napoleon_google_docstring, napoleon_numpy_docstring = True, False
 napoleon_use_ivar = True
 
 
-
 def setup(app: Sphinx) -> None:
     """Write the gallery first; links to files beside this folder lead to their pages.
 

@@ -7,20 +7,21 @@ from dataclasses import replace
 
 import sympy as sp
 
-from hjsolve.closed_form.anomalies import anomaly_forms
+from hjsolve.closed_form.along_motion import along_the_motion
+from hjsolve.closed_form.common_parameter import others_in_parameter
 from hjsolve.closed_form.curves import W
 from hjsolve.closed_form.elliptic_inverses import in_moduli
 from hjsolve.closed_form.energy_from_actions import solved_for_energy
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.inverses import inverse_forms, orbit_formulas, parametric_formulas
 from hjsolve.closed_form.involutions import why_no_form
-from hjsolve.closed_form.named_quantities import Where
-from hjsolve.closed_form.names_of_regime import names_of
+from hjsolve.closed_form.named_quantities import NamedQuantities, Where
+from hjsolve.closed_form.names_of_regime import in_named_rates, names_of
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
-from hjsolve.closed_form.tidy import LONGEST, elliptic, longer_than, shortened_powers
+from hjsolve.closed_form.tidy import LONGEST, collected, elliptic, longer_than, plain_roots, shortened_powers
+from hjsolve.closed_form.why_not import NotFound, OfCoordinate, WhyNot
 from hjsolve.closed_form.workshop import Stratum, Workshop
-from hjsolve.solution.quadratures import Solution
 
 Integrals = Mapping[str, CoordinateIntegrals]
 
@@ -34,85 +35,111 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
         made: the regime.
         special: constant → what it is there.
     """
-    solution, why_not = shop.solution, dict[str, str]()
-    reasons = {name: why_no_form(own) for name, own in shop.curves.items()}
-    time_law = _equation(solution, solution.time_law, shop.constants[0], pieces, special, reasons)
-    if isinstance(time_law, str):
-        time_law = why_not.setdefault("time_law", time_law) and None
-    equations = dict[str, sp.Eq]()
-    for name, equation in solution.orbit_equations.items():
-        found = _equation(solution, equation, solution.constants[name].symbol, pieces, special, reasons)
-        if isinstance(found, str):
-            why_not[f"orbit_equations.{name}"] = found
-        elif found is not None:
-            equations[name] = found
-    function = _closed(solution, solution.characteristic_function, W, pieces, special, reasons)
-    if isinstance(function, str):
-        why_not["characteristic_function"], function = function, None
+    solution, why_not = shop.solution, dict[str, WhyNot]()
     where: Where = {symbol: meaning for own in pieces.values() for symbol, meaning in own.where.items()}
     names = names_of(solution, pieces, where)
-    numbers = _numbers(shop, pieces, special, made, why_not, where)
+    pieces = in_named_rates(solution, pieces, names)
+    closing = _Closing(shop, pieces, special, names)
+    time_law = closing.equation("time_law", solution.time_law, shop.constants[0], why_not)
+    equations = dict[str, sp.Eq]()
+    for name, equation in solution.orbit_equations.items():
+        found = closing.equation(f"orbit_equations.{name}", equation, solution.constants[name].symbol, why_not)
+        if found is not None:
+            equations[name] = found
+    function = closing.closed("characteristic_function", solution.characteristic_function, W, why_not)
+    numbers = _numbers(shop, pieces, special, made, why_not, names)
     inverse = inverse_forms(shop, pieces, special, why_not, names)
     orbit = orbit_formulas(shop, pieces, special, names)
     parametric = parametric_formulas(shop, pieces, special, names)
-    anomaly = anomaly_forms(shop, pieces, names, inverse, why_not)
-    energy = solved_for_energy(shop, numbers["actions"], made, why_not)
+    parametric |= others_in_parameter(shop, pieces, special, parametric, names)
+    anomaly = along_the_motion(shop, pieces, names, inverse, why_not)
+    energy = solved_for_energy(shop, numbers["actions"], made, names, why_not)
+
+    short = names.short_rates()
 
     def plain(group: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:
-        return {name: settled(made, in_moduli(value, names, of_roots=True)) for name, value in group.items()}
+        return {name: parted(in_moduli(value, names, of_roots=True)) for name, value in group.items()}
+
+    def parted(value: sp.Expr) -> sp.Expr:
+        return settled(made, names.with_named_parts(settled(made, value)))
+
+    def written(group: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:
+        return plain({name: shortened_powers(value.xreplace(short)) for name, value in group.items()})
 
     def relation(equation: sp.Eq) -> sp.Eq:
-        return sp.Eq(equation.lhs, settled(made, in_moduli(equation.rhs, names)), evaluate=False)
+        return sp.Eq(equation.lhs, closed(equation.rhs), evaluate=False)
+
+    def closed(value: sp.Expr) -> sp.Expr:
+        return parted(names.in_brackets(in_moduli(value, names)))
 
     form = RegimeForms(
         solution, made, None if time_law is None else relation(time_law),
         {name: relation(equation) for name, equation in equations.items()},
-        None if function is None else settled(made, in_moduli(function, names)), _turning_points(pieces, made),
-        plain(numbers["periods"]), plain(numbers["actions"]), plain(numbers["frequencies"]),
-        plain(numbers["mean_velocities"]), plain(inverse), plain(orbit), plain(parametric), plain(anomaly), energy,
+        None if function is None else closed(function), _turning_points(pieces, made),
+        written(numbers["periods"]), written(numbers["actions"]), written(numbers["frequencies"]),
+        written(numbers["mean_velocities"]), plain(inverse), plain(orbit), plain(parametric), plain(anomaly), energy,
         where, why_not,
     )  # fmt: skip
     for symbol in set(where) - names.roots:
-        if symbol.name.startswith("Omega_"):
+        if symbol.name.startswith(("Omega_", "J_")):
             where[symbol] = in_moduli(sp.sympify(where[symbol]), names, of_roots=True)
     where = names.kept(form.named().values(), lambda e: settled(made, shortened_powers(e)))
     return replace(form, where=where)
 
 
-def _equation(
-    solution: Solution, equation: sp.Eq | None, key: sp.Symbol, pieces: Integrals, special: Stratum,
-    reasons: Mapping[str, str],
-) -> sp.Eq | str | None:  # fmt: skip
-    if equation is None:
-        return None
-    right = _closed(solution, equation.rhs, key, pieces, special, reasons)
-    return right if isinstance(right, str) else sp.Eq(equation.lhs, right, evaluate=False)
+class _Closing:
+    """Equations of a solution with their integrals done.
 
+    Args:
+        shop: of the solution.
+        pieces: separated coordinate → its integrals.
+        special: constant → what it is.
+        names: of the quantities of the forms.
+    """
 
-def _closed(
-    solution: Solution, expression: sp.Expr, key: sp.Symbol, pieces: Integrals, special: Stratum,
-    reasons: Mapping[str, str],
-) -> sp.Expr | str:  # fmt: skip
-    """An expression with its integrals replaced; the reason where one has no form."""
-    table = dict[sp.Expr, sp.Expr]()
-    for integral in sorted(expression.atoms(sp.Integral), key=sp.default_sort_key):
-        q, start, end = integral.limits[0]
-        name = next(n for n in solution.coordinates if solution.system.coordinate(n).symbol == q)
-        own = pieces.get(name)
+    def __init__(self, shop: Workshop, pieces: Integrals, special: Stratum, names: NamedQuantities):
+        self.solution, self.pieces, self.special, self.names = shop.solution, pieces, dict(special), names
+        self.reasons = {
+            name: why_no_form(own, shop.solution.momentum_squared[name], shop.solution.system.coordinate(name).symbol)
+            for name, own in shop.curves.items()
+            if name not in pieces
+        }
+
+    def equation(
+        self, name: str, equation: sp.Eq | None, key: sp.Symbol, why_not: dict[str, WhyNot]
+    ) -> sp.Eq | None:  # fmt: skip
+        """An equation in closed form; None where it has none, with the reason."""
+        right = None if equation is None else self.closed(name, equation.rhs, key, why_not)
+        return None if equation is None or right is None else sp.Eq(equation.lhs, right, evaluate=False)
+
+    def closed(self, name: str, expression: sp.Expr, key: sp.Symbol, why_not: dict[str, WhyNot]) -> sp.Expr | None:
+        """An expression with its integrals done; None where one has no form, with the reason."""
+        table = dict[sp.Expr, sp.Expr]()
+        for integral in sorted(expression.atoms(sp.Integral), key=sp.default_sort_key):
+            found = self._integral(integral, key)
+            if isinstance(found, WhyNot):
+                why_not[name] = found
+                return None
+            table[integral] = found
+        return expression.xreplace(table).xreplace(self.special)
+
+    def _integral(self, integral: sp.Integral, key: sp.Symbol) -> sp.Expr | WhyNot:
+        q, start, _ = integral.limits[0]
+        name = next(n for n in self.solution.coordinates if self.solution.system.coordinate(n).symbol == q)
+        own = self.pieces.get(name)
         if own is None:
-            return f"{name}: {reasons.get(name, 'its momentum enters H to first degree')}"
+            return OfCoordinate(name, self.reasons.get(name, NotFound("its momentum enters H to first degree")))
         if key in own.integrals:
-            value = shortened_powers(own.integrals[key].value)
-            table[integral] = value.xreplace({q: end}) - value.xreplace({q: start})
-        elif integral.function.subs(dict(special)) == 0:
-            table[integral] = sp.S.Zero
-        else:
-            return f"{name}: {own.why_not.get(key, 'no form was found')}"
-    return expression.xreplace(table).xreplace(dict(special))
+            here, there = self.names.amplitudes(shortened_powers(own.integrals[key].value), q, start)
+            return here - there
+        if integral.function.subs(self.special) == 0:
+            return sp.S.Zero
+        return OfCoordinate(name, own.why_not.get(key, NotFound("no form was found")))
 
 
 def _numbers(
-    shop: Workshop, pieces: Integrals, special: Stratum, made: Regime, why_not: dict[str, str], where: Where
+    shop: Workshop, pieces: Integrals, special: Stratum, made: Regime, why_not: dict[str, WhyNot],
+    names: NamedQuantities,
 ) -> dict[str, dict[str, sp.Expr]]:  # fmt: skip
     """Actions, frequencies, periods and mean velocities, where they exist; long frequencies are named in ``where``."""
     solution = shop.solution
@@ -121,22 +148,22 @@ def _numbers(
     for c in solution.system.coordinates:
         if c.name in cyclic:
             J = _cycle(pieces[c.name], W)
-            if pieces[c.name].kind == "rotation" and not isinstance(J, str):
+            if pieces[c.name].kind == "rotation" and not isinstance(J, WhyNot):
                 J = _without_shift(J, solution.shift[c.name].subs(dict(special)), c.symbol)
-            if isinstance(J, str):
+            if isinstance(J, WhyNot):
                 why_not[f"actions.{c.name}"] = J
             else:
-                actions[c.name] = shortened_powers(J / (2 * sp.pi) if elliptic(J) else sp.expand(J / (2 * sp.pi)))
+                actions[c.name] = shortened_powers(J / (2 * sp.pi) if elliptic(J) else _plain_action(J / (2 * sp.pi)))
         elif c.name not in solution.coordinates and c.domain.kind == "angle":
             actions[c.name] = c.momentum.subs(dict(special))
     if len(cyclic) == len(solution.coordinates) and solution.coordinates:
-        _rates(shop, pieces, frequencies, velocities, why_not)
+        _rates(shop, pieces, frequencies, velocities, why_not, names)
     elif not solution.coordinates:
         for c in solution.system.coordinates:
             rate = sp.diff(solution.separation.shell.potential, c.momentum)
             (frequencies if c.domain.kind == "angle" else velocities)[c.name] = rate
     periods = {
-        name: shortened_powers(2 * sp.pi / _size(name, rate, pieces.get(name), made, where))
+        name: shortened_powers(2 * sp.pi / _size(name, rate, pieces.get(name), made, names.where))
         for name, rate in frequencies.items()
     }
     return {
@@ -145,13 +172,20 @@ def _numbers(
     }  # fmt: skip
 
 
-def _without_shift(cycle: sp.Expr, shift: sp.Expr, q: sp.Symbol) -> sp.Expr | str:
+def _plain_action(J: sp.Expr) -> sp.Expr:
+    """A sum of roots with (E − U)/√(U − E) as −√(U − E), where that is shorter."""
+    J = sp.expand(J)
+    roots = [p for p in J.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2 and p.base.is_Add]
+    return min(J, plain_roots(J), key=sp.count_ops) if any(p.exp < 0 for p in roots) else J
+
+
+def _without_shift(cycle: sp.Expr, shift: sp.Expr, q: sp.Symbol) -> sp.Expr | WhyNot:
     """∮ (P − A) dq over a turn, of a trigonometric polynomial A(q); why not, of any other."""
     z = sp.Dummy("z")
     laurent = sp.expand(sp.expand(shift.rewrite(sp.exp)).subs(q, sp.log(z) / sp.I))
     terms = sp.Add.make_args(sp.expand(sp.powsimp(laurent)))
     if any(not term.as_independent(z)[1].as_base_exp()[1].is_Integer for term in terms):
-        return "the mean of A in p = P − A over a turn has no form here"
+        return NotFound("the mean of A in p = P − A over a turn has no form here")
     return cycle - 2 * sp.pi * sp.Add(*(term for term in terms if not term.has(z)))
 
 
@@ -194,31 +228,42 @@ def _size(name: str, rate: sp.Expr, own: CoordinateIntegrals | None, made: Regim
     return plain if positive_in(made, plain) else sp.Abs(rate)
 
 
-def _cycle(own: CoordinateIntegrals, key: sp.Symbol) -> sp.Expr | str:
+def _cycle(own: CoordinateIntegrals, key: sp.Symbol) -> sp.Expr | WhyNot:
     """∮ N dq/P over a full cycle, or why there is no form."""
     if key in own.why_not:
         return own.why_not[key]
     if key not in own.integrals:
         return sp.S.Zero
     cycle = own.integrals[key].cycle
-    return "no form of the complete integral" if cycle is None else cycle
+    return NotFound("no form of the complete integral") if cycle is None else cycle
+
+
+def _derivative(cycle: sp.Expr, letter: str, names: NamedQuantities, *, several: bool) -> sp.Expr:
+    """∂J/∂c = (1/2π) ∮ ∂p/∂c dq; of several coordinates by a name, where it holds elliptic integrals."""
+    value = cycle / (2 * sp.pi)
+    return names.named(letter, collected(value)) if several and elliptic(value) else value
 
 
 def _rates(
     shop: Workshop, pieces: Integrals, frequencies: dict[str, sp.Expr], velocities: dict[str, sp.Expr],
-    why_not: dict[str, str],
+    why_not: dict[str, WhyNot], named: NamedQuantities,
 ) -> None:  # fmt: skip
     """Ω = ∂E/∂J from 2π ∂J/∂c = ∮ ∂p/∂c dq, by inverting the matrix of the separated coordinates."""
     solution, names = shop.solution, list(shop.solution.coordinates)
     ignorable = {c.momentum: c for c in solution.separation.shell.ignorable}
     inner = [c for c in shop.constants if c not in ignorable]
     rows = [[_cycle(pieces[name], c) for c in inner] for name in names]
-    missing = next((f"{n}: {x}" for n, row in zip(names, rows, strict=True) for x in row if isinstance(x, str)), None)
+    missing = next(
+        (OfCoordinate(n, x) for n, row in zip(names, rows, strict=True) for x in row if isinstance(x, WhyNot)), None
+    )
     if missing is not None:
         for name in (*names, *(c.name for c in ignorable.values() if c.domain.kind == "angle")):
             why_not[f"frequencies.{name}"] = why_not[f"periods.{name}"] = missing
         return
-    M = [[value / (2 * sp.pi) for value in row] for row in rows]
+    M = [
+        [_derivative(value, f"J_{n}_{c}", named, several=len(names) > 1) for value, c in zip(row, inner, strict=True)]
+        for row, n in zip(rows, names, strict=True)
+    ]
     cofactors = [_cofactor(M, i) for i in range(len(names))]
     determinant = sp.Add(*(row[0] * cofactor for row, cofactor in zip(M, cofactors, strict=True)))
     top = [cofactor / determinant for cofactor in cofactors]
@@ -230,10 +275,14 @@ def _rates(
             frequencies[c.name] = Ω[c.name]
             continue
         parts = [_cycle(pieces[name], c.momentum) for name in names]
-        missing = next((f"{n}: {x}" for n, x in zip(names, parts, strict=True) if isinstance(x, str)), None)
+        missing = next((OfCoordinate(n, x) for n, x in zip(names, parts, strict=True) if isinstance(x, WhyNot)), None)
         if missing is not None:
             for group in ("frequencies", "periods"):
                 why_not[f"{group}.{c.name}"] = missing
             continue
-        rate = shortened_powers(sp.Add(*(-Ω[n] * part / (2 * sp.pi) for n, part in zip(names, parts, strict=True))))
+        given = [
+            _derivative(part, f"J_{n}_{c.momentum}", named, several=len(names) > 1)
+            for n, part in zip(names, parts, strict=True)
+        ]
+        rate = shortened_powers(sp.Add(*(-Ω[n] * part for n, part in zip(names, given, strict=True))))
         (frequencies if c.domain.kind == "angle" else velocities)[c.name] = rate if elliptic(rate) else sp.factor(rate)

@@ -62,8 +62,9 @@ def named_roots(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix
     else:
         found, pairs = radicals
         real = tuple(sorted(found, key=lambda e: mp.mpf(signs.number(e))))
-        if max((sp.count_ops(r) for r in real), default=0) > LONGEST_ROOT:
+        if any(sp.count_ops(r) > LONGEST_ROOT or _nested(r) for r in real):
             real, where = _by_names(real, signs, prefix)
+            pairs = tuple((re, _part_by_name(im, signs, prefix, where) if re == 0 else im) for re, im in pairs)
     if len(real) != len(region.roots) or len(real) + 2 * len(pairs) != P.degree():
         raise NoFormError(f"the roots of {P.as_expr()} in {x} could not be told apart")
     with mp.workdps(30):
@@ -72,19 +73,42 @@ def named_roots(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix
     return NamedRoots(P.LC(), real, pairs, where, (below[-1] if below else None, above[0] if above else None))
 
 
+def _nested(root: sp.Expr) -> bool:
+    """Whether a root is a root of a sum with another root in it."""
+    radicals = [p for p in root.atoms(sp.Pow) if p.exp.is_Rational and not p.exp.is_Integer]
+    return any(inner.has(*radicals) for p in radicals for inner in (p.base,) if inner.is_Add)
+
+
 def _by_names(
     real: tuple[sp.Expr, ...], signs: Signs, prefix: str
 ) -> tuple[tuple[sp.Expr, ...], dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]]:  # fmt: skip
-    """Names for the roots with radicals: their differences and ratios are not multiplied out."""
+    """Names for the roots with radicals, whose differences and ratios are not multiplied out; −x₁ has no new name."""
     where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]] = {}
-    named = list[sp.Expr]()
-    for k, root in enumerate(real):
-        symbol = root if root.is_Rational else sp.Symbol(f"{prefix}_{k + 1}", real=True)
+    named = dict[sp.Expr, sp.Expr]()
+    opposite = {r for r in real if -r in real and signs.number(r) < 0}
+    for root in real:
+        if root in opposite:
+            continue
+        symbol = root if root.is_Rational else sp.Symbol(f"{prefix}_{len(where) + 1}", real=True)
         if symbol != root:
+            if -root in opposite:
+                symbol = sp.Symbol(symbol.name, positive=True)
             where[symbol] = root
             signs.name({symbol: sp.Float(signs.number(root), 50)})
-        named.append(symbol)
-    return tuple(named), where
+        named[root] = symbol
+    return tuple(-named[-r] if r in opposite else named[r] for r in real), where
+
+
+def _part_by_name(
+    im: sp.Expr, signs: Signs, prefix: str, where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
+) -> sp.Expr:  # fmt: skip
+    """A name for an imaginary part of a pair with real part zero."""
+    if im.is_Symbol or im.is_number:
+        return im
+    symbol = sp.Symbol(f"{prefix}_im", positive=True)
+    where[symbol] = im
+    signs.name({symbol: sp.Float(signs.number(im), 50)})
+    return symbol
 
 
 def _remaining_pair(P: sp.Poly, real: list[sp.Symbol]) -> tuple[tuple[sp.Expr, sp.Expr], ...]:

@@ -1,8 +1,8 @@
 """∫ R(x) dx/√P(x) for deg P ≤ 2, in the functions that are real where the motion is.
 
-With u = 1/(x − r) a pole at r becomes a power: ∫ dx/((x − r)ᵏ √P) = −σ ∫ uᵏ⁻¹ du/√Q(u), Q = P(r) u² + P′(r) u + ½P″,
-σ the sign of x − r. Powers are reduced by d(uⁿ √Q), so that what is left are ∫ du/√Q: arc sine, area functions,
-a root or a logarithm, according to the signs of the leading coefficient and of the discriminant.
+Hermite's reduction leaves simple poles (``reduction.py``). With u = 1/(x − r), ∫ dx/((x − r) √P) = −σ ∫ du/√Q(u),
+Q = P(r) u² + P′(r) u + ½P″, σ the sign of x − r: arc sine, area functions, a root or a logarithm, according to the
+signs of the leading coefficient and of the discriminant.
 
 Gradshteyn and Ryzhik (2007), 2.26; the discriminant of Q is that of P.
 """
@@ -14,17 +14,20 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.no_form import NoFormError
+from hjsolve.closed_form.reduction import reduced
 from hjsolve.closed_form.signs import Signs
-from hjsolve.functions.elliptic import PartialFractions
 
 
 @dataclass(frozen=True)
 class BasicIntegral:
-    """∫ dx/√P, or ∫ dx/((x − r) √P) with u = 1/(x − r).
+    """∫ dx/√P, or ∫ dx/((x − r) √P) with u = 1/(x − r), or ∫ dx/((r² − x²) √P) where P is even and P(r) < 0 < P(0).
+
+    The last is arcsin(κ x/√(C (1 − x²/r²)))/(κ r²), κ² r² = −P(r): the great circle's arcsin(cot θ …).
 
     Attributes:
-        kind: arcsine, area sine, area cosine right, area cosine left, root, line, logarithm.
+        kind: arcsine, area sine, area cosine right, area cosine left, root, line, logarithm; pair.
         quadratic: A, B, C of Q = A u² + B u + C.
         place: r; None where u = x.
         side: σ, the sign of x − r; −1 where u = x, so that the integral is −σ ∫ du/√Q always.
@@ -50,6 +53,9 @@ class BasicIntegral:
             x: the variable of the curve, or what stands for it.
         """
         A, B, C = self.quadratic
+        if self.kind == "pair":
+            κ, r = self.rate, self.pole
+            return sp.asin(κ * x / (positive_root(C) * sp.sqrt(1 - x**2 / r**2))) / (κ * r**2)
         u = self.variable(x)
         slope, D = _halved(A, B, C, sp.Dummy("u"), u)
         match self.kind:
@@ -70,6 +76,34 @@ class BasicIntegral:
         return -self.side * value
 
     @property
+    def rate(self) -> sp.Expr:
+        """Κ of a pair of poles."""
+        A, _, C = self.quadratic
+        return positive_root(sp.factor(-(A * self.pole**2 + C))) / self.pole
+
+    @property
+    def pole(self) -> sp.Expr:
+        """R, of an integrand that has a pole."""
+        assert self.place is not None
+        return self.place
+
+    def integrand(self, x: sp.Symbol) -> sp.Expr:
+        """The rational factor of the integrand.
+
+        Args:
+            x: the variable.
+        """
+        if self.place is None:
+            return sp.S.One
+        return 1 / (self.place**2 - x**2) if self.kind == "pair" else 1 / (x - self.place)
+
+    @property
+    def leading(self) -> sp.Expr:
+        """The integral is a logarithm, or an arc function, over √ of this."""
+        A = self.quadratic[0]
+        return -((self.rate * self.pole**2) ** 2) if self.kind == "pair" else A
+
+    @property
     def sign_of_u(self) -> int:
         """The sign of u on the piece; of a logarithm only."""
         return self.side
@@ -77,6 +111,8 @@ class BasicIntegral:
     def complete(self) -> sp.Expr | None:
         """The integral from root to root; None where P does not have two roots with P > 0 between."""
         A = self.quadratic[0]
+        if self.kind == "pair":
+            return sp.pi / (self.rate * self.pole**2)
         if self.kind != "arcsine":
             return None
         return (1 if self.place is None else self.side) * sp.pi / positive_root(-A)
@@ -123,7 +159,7 @@ class Antiderivative:
         """
         P, a = self.polynomial, self.algebraic
         slope = sp.diff(a, self.x) * P + a * sp.diff(P, self.x) / 2
-        rest = sp.Add(*(c if t.place is None else c / (self.x - t.place) for c, t in self.terms))
+        rest = sp.Add(*(c * t.integrand(self.x) for c, t in self.terms))
         return sp.cancel(sp.together(slope + rest - integrand))
 
 
@@ -150,83 +186,50 @@ def positive_root(radicand: sp.Expr) -> sp.Expr:
 
 
 def elementary_antiderivative(
-    R: PartialFractions, P: sp.Poly, signs: Signs, side_of: Callable[[sp.Expr], int]
+    R: sp.Expr, P: sp.Poly, signs: Signs, side_of: Callable[[sp.Expr], int]
 ) -> Antiderivative:
     """Integrate R/√P, deg P ≤ 2, real on the piece of the x-axis that a motion is on.
 
     Args:
-        R: in partial fractions, all poles real.
+        R: rational in the variable.
         P: of degree 0, 1 or 2, squarefree.
         signs: decides between the real forms, and keeps what it decided.
         side_of: r ↦ the sign of x − r on the piece.
+
+    Raises:
+        NoFormError: R has poles at complex places, or at a root of P that is not rational.
     """
-    if R.complex_poles:
-        raise NoFormError("the integrand has poles at complex places: no real form of it is known here")
     (x,) = P.gens
+    algebraic, rest = reduced(R, P)
+    parts = partial_fractions(rest, x, signs)
+    if parts.complex_poles or any(power > 1 for _, power, _ in parts.poles):
+        raise NoFormError("the integrand has poles at complex places: no real form of it is known here")
     C, B, A = (P.coeff_monomial(x**k) for k in range(3))
-    algebraic, terms = sp.S.Zero, dict[sp.Expr | None, list[sp.Expr]]()
-    a, c = _powers(list(R.powers), (A, B, C), x, signs)
-    algebraic += a
-    terms.setdefault(None, []).append(c)
-    for place, weights in _by_place(R).items():
-        Q = (sp.factor(P.as_expr().subs(x, place)), sp.factor(sp.diff(P.as_expr(), x).subs(x, place)), A)
-        Q = (_short(Q[0]), _short(Q[1]), A)
-        side, u = side_of(place), sp.Dummy("u")
-        a, c = _powers([(power - 1, weight) for power, weight in weights], Q, u, signs)
-        # √Q(u) = σ √P/(x − r), and the integral is −σ times that over u
-        algebraic += -a.subs(u, 1 / (x - place)) / (x - place)
-        terms.setdefault(place, []).append(c)
-    kept = []
-    for place, found in terms.items():
-        if (weight := _short(sp.Add(*found))) == 0:
-            continue
-        quadratic = (A, B, C) if place is None else (
-            _short(P.as_expr().subs(x, place)), _short(sp.diff(P.as_expr(), x).subs(x, place)), A
-        )  # fmt: skip
-        side = -1 if place is None else side_of(place)
-        kind = _kind(quadratic, signs, place)
-        if kind == "root" and place is None:  # c ∫dx/√(Bx + C) is a multiple of √P as well
-            algebraic += 2 * weight / B
-            continue
-        kept.append((weight, BasicIntegral(kind, quadratic, place, side)))
-    return Antiderivative(x, P.as_expr(), algebraic, tuple(kept))
+    kept = [(weight, BasicIntegral(_kind((A, B, C), signs, None), (A, B, C), None, -1)) for _, weight in parts.powers]
+    for place, _, weight in parts.poles:
+        Q = (_short(P.as_expr().subs(x, place)), _short(sp.diff(P.as_expr(), x).subs(x, place)), A)
+        kept.append((_short(weight), BasicIntegral(_kind(Q, signs, place), Q, place, side_of(place))))
+    terms = _in_pairs([(w, one) for w, one in kept if w != 0], signs)
+    return Antiderivative(x, P.as_expr(), algebraic, tuple(terms))
 
 
-def _by_place(R: PartialFractions) -> dict[sp.Expr, list[tuple[int, sp.Expr]]]:
-    """Place → (power, weight) of the poles there."""
-    found = dict[sp.Expr, list[tuple[int, sp.Expr]]]()
-    for place, power, weight in R.poles:
-        found.setdefault(place, []).append((power, weight))
-    return found
+def _in_pairs(terms: list[tuple[sp.Expr, BasicIntegral]], signs: Signs) -> list[tuple[sp.Expr, BasicIntegral]]:
+    """Poles at ±r with opposite weights as one integral, where P is even, the motion between them and an arcsine."""
+    poles = [(w, one) for w, one in terms if one.place is not None]
+    if len(poles) != 2 or sum(w for w, _ in poles) != 0 or sum(one.place or 0 for _, one in poles) != 0:
+        return terms
+    (w, one), (_, other) = sorted(poles, key=lambda row: -row[1].side)  # right of −r, left of r
+    A, slope = one.quadratic[2], one.quadratic[1]
+    C = sp.expand(one.quadratic[0] - A * one.pole**2)
+    even = sp.expand(slope + other.quadratic[1]) == 0 and sp.expand(slope - 2 * A * one.pole) == 0
+    if one.kind != "arcsine" or not even or one.side == other.side or signs.sign(C) <= 0:
+        return terms
+    pair = BasicIntegral("pair", (A, sp.S.Zero, C), other.place, -1)  # w/(x + r) − w/(x − r) = 2wr/(r² − x²)
+    return [*(row for row in terms if row[1].place is None), (2 * w * other.place, pair)]
 
 
 def _short(expression: sp.Expr) -> sp.Expr:
     return sp.factor(sp.cancel(sp.together(sp.expand(expression))))
-
-
-def _powers(
-    weights: list[tuple[int, sp.Expr]], quadratic: tuple[sp.Expr, sp.Expr, sp.Expr], u: sp.Symbol, signs: Signs
-) -> tuple[sp.Expr, sp.Expr]:  # fmt: skip
-    """Σ w_n ∫ uⁿ du/√Q = a(u) √Q + c ∫ du/√Q: a and c."""
-    A, B, C = quadratic
-    a, left = sp.S.Zero, dict[int, sp.Expr]()
-    for n, weight in weights:
-        left[n] = left.get(n, sp.S.Zero) + weight
-    while left and (n := max(left)) > 0:
-        weight = left.pop(n)
-        if signs.sign(A) != 0:
-            a += weight * u ** (n - 1) / (n * A)
-            lower = {n - 1: -weight * (n - sp.Rational(1, 2)) * B / (n * A), n - 2: -weight * (n - 1) * C / (n * A)}
-        elif signs.sign(B) != 0:
-            a += weight * u**n / ((n + sp.Rational(1, 2)) * B)
-            lower = {n - 1: -weight * n * C / ((n + sp.Rational(1, 2)) * B)}
-        else:  # ∫ uⁿ du/√C = uⁿ⁺¹ √C/((n + 1) C)
-            a += weight * u ** (n + 1) / ((n + 1) * C)
-            lower = {}
-        for m, more in lower.items():
-            if m >= 0 and more != 0:
-                left[m] = left.get(m, sp.S.Zero) + more
-    return a, left.get(0, sp.S.Zero)
 
 
 def _kind(

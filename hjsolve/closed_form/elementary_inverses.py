@@ -11,6 +11,7 @@ import sympy as sp
 
 from hjsolve.closed_form.elementary import Antiderivative, BasicIntegral, positive_root
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase, sign_of_factors
+from hjsolve.closed_form.pieces import monotone_inverse
 from hjsolve.closed_form.tidy import square_root
 
 _CENTRED = {"arcsine": sp.cos, "area sine": sp.sinh, "area cosine right": sp.cosh, "area cosine left": sp.cosh}
@@ -26,6 +27,11 @@ def elementary_inverse(basic: BasicIntegral, amount: sp.Expr, begin: sp.Expr, na
         names: of the quantities of the form.
     """
     A, _, C = basic.quadratic
+    if basic.kind == "pair":
+        κ, r = basic.rate, basic.pole
+        level = monotone_inverse(κ * begin / (positive_root(C) * sp.sqrt(1 - begin**2 / r**2)))
+        sine = sp.sin(Phase(names, amount, κ * r**2, sp.asin(level), even=False).argument)
+        return sine / sp.sqrt(sp.factor(κ**2 / C) + sine**2 / r**2)
     u_0, direction = basic.variable(begin), -basic.side
     if basic.kind in _CENTRED:
         return _centred(basic, direction * amount, u_0, names)

@@ -34,19 +34,32 @@ def elliptic_inverse(
         return elliptic.inverse_between(way.points, begin, multiplied_out(amount), farther=way.farther)
     if isinstance(way, CarlsonMap):
         return _complex_pair(way, amount, begin, names)
-    k = modulus(names, way.m)
+    k = way.k
     if isinstance(way, EvenMap):
-        scale = way.scale if sp.cancel(way.scale**2 - way.m) != 0 else k
-        scale = names.named("a", scale, short=SHORT, positive=True)
-        y = begin / scale
+        y = begin / _scale(way, names)
         φ_0 = {"sn": sp.asin(y), "cn": sp.acos(y), "dn": sp.asin(sp.sqrt(1 - y**2) / k)}[way.kind]
-        factor, start = way.direction * way.Ω, sp.elliptic_f(monotone_inverse(φ_0), k**2)
-        argument = Phase(names, amount, factor, start, even=way.kind != "sn").argument
-        return way.side * scale * _FUNCTIONS[way.kind](argument, k**2)
-    Ω, s_0 = sp.sqrt(names.oriented(sp.factor(way.Ω**2))), names.oriented(sp.factor(way.s(begin)))
-    φ_0 = monotone_inverse(sp.asin(sp.sqrt(s_0)))
-    argument = Phase(names, amount, way.direction * Ω, sp.elliptic_f(φ_0, k**2), even=True).argument
-    s = JacobiSN(argument, k**2) ** 2
+    else:
+        φ_0 = sp.asin(sp.sqrt(names.oriented(sp.factor(way.s(begin)))))
+    even = isinstance(way, LegendreMap) or way.kind != "sn"
+    start = sp.elliptic_f(monotone_inverse(φ_0), k**2)
+    return place_of_argument(way, Phase(names, amount, way.direction * way.rate, start, even=even).argument, names)
+
+
+def _scale(way: EvenMap, names: NamedQuantities) -> sp.Expr:
+    return names.named("a", way.scale if sp.cancel(way.scale**2 - way.m) != 0 else way.k, short=SHORT, positive=True)
+
+
+def place_of_argument(way: EvenMap | LegendreMap, u: sp.Expr, names: NamedQuantities) -> sp.Expr:
+    """X(u): a sn, a cn, a dn, or x₃ − (x₃ − x₂) sn² u between two roots.
+
+    Args:
+        way: the map to Legendre's integrals.
+        u: the argument.
+        names: of the quantities of the form.
+    """
+    if isinstance(way, EvenMap):
+        return way.side * _scale(way, names) * _FUNCTIONS[way.kind](u, way.k**2)
+    s = JacobiSN(u, way.k**2) ** 2
     if way.d is FAR:
         a, b = (names.named(f"x_{mark}", end, short=3 * SHORT) for mark, end in (("a", way.a), ("b", way.b)))
         return a - (names.oriented(way.a - way.b) if (a, b) == (way.a, way.b) else a - b) * s
@@ -54,6 +67,23 @@ def elliptic_inverse(
         return (way.a - way.d * s) / (1 - s)
     n = names.named("nu", names.oriented(way.pole(FAR)), short=SHORT)
     return (way.a - n * way.d * s) / (1 - n * s)
+
+
+def slope_of_argument(way: EvenMap | LegendreMap, u: sp.Expr, names: NamedQuantities) -> sp.Expr:
+    """dx/du.
+
+    Args:
+        way: the map to Legendre's integrals.
+        u: the argument.
+        names: of the quantities of the form.
+    """
+    if isinstance(way, EvenMap):
+        return sp.diff(place_of_argument(way, u, names), u)
+    sn, cn, dn = (f(u, way.k**2) for f in (JacobiSN, JacobiCN, JacobiDN))
+    if way.d is FAR:
+        return 2 * (way.b - way.a) * sn * cn * dn
+    n = sp.S.One if way.b is FAR else names.named("nu", names.oriented(way.pole(FAR)), short=SHORT)
+    return 2 * n * (way.a - way.d) * sn * cn * dn / (1 - n * sn**2) ** 2
 
 
 def modulus(names: NamedQuantities, m: sp.Expr) -> sp.Expr:

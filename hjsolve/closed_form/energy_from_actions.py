@@ -7,8 +7,11 @@ from collections.abc import Mapping
 import sympy as sp
 
 from hjsolve.closed_form.curves import named_constants
-from hjsolve.closed_form.evaluation import many_digits, number_of
+from hjsolve.closed_form.evaluation import number_of
+from hjsolve.closed_form.named_quantities import NamedQuantities
 from hjsolve.closed_form.regime import Regime
+from hjsolve.closed_form.tidy import elliptic, plain_roots
+from hjsolve.closed_form.why_not import NotFound, WhyNot
 from hjsolve.closed_form.workshop import Workshop
 from hjsolve.precision import mp
 
@@ -17,7 +20,7 @@ _DIGITS, _AGREE = 60, 40
 
 
 def solved_for_energy(
-    shop: Workshop, actions: Mapping[str, sp.Expr], made: Regime, why_not: dict[str, str]
+    shop: Workshop, actions: Mapping[str, sp.Expr], made: Regime, names: NamedQuantities, why_not: dict[str, WhyNot]
 ) -> sp.Expr | None:  # fmt: skip
     """Solve J_i(E, α, c) one constant after the other, as far as each equation holds only one that is not known.
 
@@ -25,6 +28,7 @@ def solved_for_energy(
         shop: of the solution.
         actions: coordinate → J.
         made: the regime.
+        names: of the quantities in the actions.
         why_not: gets the reason where there is none.
 
     Returns:
@@ -34,22 +38,47 @@ def solved_for_energy(
     if made.special or any(c.name not in actions for c in system.coordinates):
         return None
     named = {c.name: sp.Symbol(f"J_{c.name}", real=True) for c in system.coordinates}
+    actions = {name: names.written_out(action) for name, action in actions.items()}
     known, left = dict[sp.Symbol, sp.Expr](), dict(actions)
     while left:
-        step = _next(left, known, constants)
+        step = _next(left, known, constants) or _linear(left, known, constants)
         if step is None:
-            why_not["energy"] = "the actions could not be solved for the constants in closed form"
+            why_not["energy"] = NotFound(_unsolved(left, constants))
             return None
         name, unknown = step
-        solved = _solved(left.pop(name).xreplace(known), named[name], unknown, made, actions, named)
+        solved = _solved(left.pop(name).xreplace(known), named[name], unknown, names, actions, named)
         if solved is None:
-            why_not["energy"] = f"J_{name} could not be solved for {unknown} in closed form"
+            why_not["energy"] = NotFound(_unsolved({name: actions[name]}, [unknown]))
             return None
-        known[unknown] = solved.xreplace(known)
+        known = {c: e.xreplace({unknown: solved}) for c, e in known.items()} | {unknown: solved.xreplace(known)}
     energy = known.get(constants[0])
     if energy is None:
         return None
-    return sp.factor(energy) if energy.is_rational_function() else energy
+    energy = sp.factor(energy) if energy.is_rational_function() else energy
+    positive = {named[n]: sp.Dummy(positive=True) for n, kind in made.kinds.items() if kind == "libration"}
+    return energy.xreplace(positive).xreplace({d: J for J, d in positive.items()})
+
+
+def _linear(
+    left: Mapping[str, sp.Expr], known: Mapping[sp.Symbol, sp.Expr], constants: list[sp.Symbol]
+) -> tuple[str, sp.Symbol] | None:  # fmt: skip
+    """An action of first degree in a separation constant: it is solved for it, whatever else it holds."""
+    for name, action in left.items():
+        for c in () if elliptic(action) else constants[1:]:
+            slope = sp.diff(action.xreplace(dict(known)), c)
+            if c not in known and slope != 0 and not slope.has(c):
+                return name, c
+    return None
+
+
+def _unsolved(left: Mapping[str, sp.Expr], constants: list[sp.Symbol]) -> str:
+    """Why actions are not solved for the constants."""
+    for name, action in left.items():
+        if elliptic(action):
+            held = ", ".join(str(c) for c in constants if action.has(c))
+            return f"J_{name} is made of complete elliptic integrals, a transcendental equation for {held}"
+    names = ", ".join(f"J_{name}" for name in left)
+    return f"{names} could not be solved for {', '.join(map(str, constants))}"
 
 
 def _next(
@@ -64,12 +93,17 @@ def _next(
 
 
 def _solved(
-    action: sp.Expr, J: sp.Symbol, unknown: sp.Symbol, made: Regime, actions: Mapping[str, sp.Expr],
+    action: sp.Expr, J: sp.Symbol, unknown: sp.Symbol, names: NamedQuantities, actions: Mapping[str, sp.Expr],
     named: Mapping[str, sp.Symbol],
 ) -> sp.Expr | None:  # fmt: skip
     """The root of J = action(unknown) that is right at the regime's example, to 30 digits."""
     if action == unknown:
         return J
+    if elliptic(action) or action.free_symbols & names.roots:
+        return None
+    slope = sp.diff(action, unknown)
+    if slope != 0 and not slope.has(unknown):
+        return _right_one([J / slope - sp.expand((action - slope * unknown) / slope)], names, actions, named, unknown)
     radicals = [p for p in action.atoms(sp.Pow) if p.has(unknown) and p.exp.is_Rational and not p.exp.is_Integer]
     bases = {p.base for p in radicals}
     if action.atoms(sp.Function) - action.atoms(sp.Abs, sp.sign) or any(
@@ -85,7 +119,7 @@ def _solved(
         (base,) = bases
         if sp.Poly(base, unknown).degree() != 1:
             found = _without_root(action - J, base, radicals, unknown)
-            return _right_one(found, made, actions, named, unknown)
+            return _right_one(found, names, actions, named, unknown)
         z, step = sp.Dummy("z", positive=True), 2
         b, c = sp.Poly(base, unknown).all_coeffs()
         back = (z**step - c) / b
@@ -93,7 +127,27 @@ def _solved(
         if not plain.is_rational_function(z):
             return None
         found = [back.subs(z, root) for root in _roots(sp.numer(sp.together(plain - J)), z)]
-    return _right_one(found, made, actions, named, unknown)
+    elif len(bases) == 2:
+        found = _of_two_roots(action - J, sorted(radicals, key=sp.default_sort_key), unknown)
+    return _right_one(found, names, actions, named, unknown)
+
+
+def _of_two_roots(equation: sp.Expr, radicals: list[sp.Pow], unknown: sp.Symbol) -> list[sp.Expr]:
+    """The root of α (√b₁ ± √b₂) + γ = 0 with b₁ − b₂ = d free of it: 2 √b₁ = w + d/w, w = −γ/α (Rosen and Morse)."""
+    if len(radicals) != 2 or any(p.exp != sp.S.Half or sp.degree(p.base, unknown) != 1 for p in radicals):
+        return []
+    y, z = sp.symbols("y z", positive=True)
+    plain = sp.expand(equation.xreplace(dict(zip(radicals, (y, z), strict=True))))
+    α, β, γ = plain.coeff(y), plain.coeff(z), plain.subs({y: 0, z: 0})
+    b, c = (p.base for p in radicals)
+    one, other = (sp.diff(e, unknown) for e in (b, c))
+    if plain.has(unknown) or α == 0 or sp.expand(plain - α * y - β * z - γ) != 0:
+        return []
+    if sp.cancel(α**2 * one - β**2 * other) != 0:
+        return []
+    w, d = -γ / α, sp.expand(b - (β / α) ** 2 * c)
+    w = sp.factor(w)
+    return [(w**2 + (d / w) ** 2) / (4 * one) + sp.cancel((d / 2 - b.subs(unknown, 0)) / one)]
 
 
 def _without_root(
@@ -107,7 +161,7 @@ def _without_root(
     w, even = sp.Dummy("w"), sp.Poly(base, unknown)
     homogeneous = sp.cancel(plain.subs(unknown, w * z))
     if not homogeneous.has(z) and sp.degree(sp.numer(homogeneous), w) == 1 and even.coeff_monomial(unknown) == 0:
-        w_J = _plain_root(sp.solve_linear(homogeneous, symbols=[w])[1])  # E = w √(b E² + c)
+        w_J = plain_roots(sp.solve_linear(homogeneous, symbols=[w])[1])  # E = w √(b E² + c)
         b, c = even.coeff_monomial(unknown**2), even.coeff_monomial(1)
         return [side * sp.sqrt(sp.factor(c)) / sp.sqrt(w_J**-2 - b) for side in (1, -1)]
     top = sp.numer(plain)
@@ -117,21 +171,12 @@ def _without_root(
     return _roots(sp.expand(one**2 * base - zero**2), unknown)
 
 
-def _plain_root(expression: sp.Expr) -> sp.Expr:
-    """A sum with √s in place of s/√s."""
-    held = [p for p in expression.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2]
-    roots = {p.base: sp.Dummy(positive=True) for p in held}
-    plain = expression.xreplace({p: roots[p.base] * p.base ** (p.exp - sp.S.Half) for p in held})
-    terms = sp.collect(sp.expand(plain), [*roots.values()], evaluate=False)
-    short = sp.Add(*(sp.cancel(sp.together(c)) * r for r, c in terms.items()))
-    return sp.factor(short).xreplace({r: sp.sqrt(base) for base, r in roots.items()})
-
-
 def _right_one(
-    found: list[sp.Expr], made: Regime, actions: Mapping[str, sp.Expr], named: Mapping[str, sp.Expr], unknown: sp.Symbol
+    found: list[sp.Expr], names: NamedQuantities, actions: Mapping[str, sp.Expr], named: Mapping[str, sp.Expr],
+    unknown: sp.Symbol,
 ) -> sp.Expr | None:  # fmt: skip
     """The root that is right at the regime's example, to 40 digits."""
-    numbers = many_digits(made.example, _DIGITS)
+    numbers = dict(names.numbers)
     with mp.workdps(_DIGITS):
         numbers |= {named[name]: number_of(other, numbers) for name, other in actions.items()}
         for root in found:

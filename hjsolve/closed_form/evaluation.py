@@ -271,4 +271,3 @@ def _third_kind(n: mpmath.mpf, *rest: mpmath.mpf) -> mpmath.mpf:
         return mp.nan
     sine = mp.sin(rest[0]) if len(rest) == 2 else mp.mpf(1)
     return mp.ellippi(n, *rest) if n * sine**2 < 1 else mp.nan
-

@@ -11,7 +11,8 @@ Byrd and Friedman, Handbook of elliptic integrals (1971), 219, 218, 213.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 
 import sympy as sp
 
@@ -33,6 +34,8 @@ class EvenMap:
         line: X = x² as a linear function of s: its value at s = 0 and at s = 1.
         m: the parameter.
         Ω: the factor of the argument.
+        k: the modulus in forms, by a name.
+        rate: Ω in forms, by a name.
     """
 
     kind: str
@@ -41,6 +44,8 @@ class EvenMap:
     line: tuple[sp.Expr, sp.Expr]
     m: sp.Expr
     Ω: sp.Expr
+    k: sp.Expr = field(default_factory=partial(sp.Dummy, "k", positive=True))
+    rate: sp.Expr = field(default_factory=partial(sp.Dummy, "rate", positive=True))
 
     @property
     def direction(self) -> int:
@@ -114,8 +119,7 @@ def even_integral(
         raise NoFormError("the integrand is not even in x")
     X = sp.Symbol(x.name, positive=True)
     parts = partial_fractions(sp.cancel(sp.powdenest(R.subs(x, sp.sqrt(X)), force=True)), X, signs)
-    own = own or LegendreIntegrals(way.m, None if complete else way.amplitude(x))
-    low, high = way.line
-    linear = LegendreMap(low, high, FAR, FAR, 1, sp.S.One)
-    total = over_s(parts, linear, own, pole_at_c=low + (high - low) / way.m) / way.Ω
+    own = own or LegendreIntegrals(way.k, way.m, None if complete else way.amplitude(x))
+    linear = LegendreMap(*way.line, FAR, FAR, 1, sp.S.One)
+    total = over_s(parts, linear, own) / way.rate
     return way.quarters * total if complete else way.direction * total

@@ -13,6 +13,7 @@ from hjsolve.closed_form.named_quantities import written_out
 from hjsolve.closed_form.numbers import form_at_numbers, functions, wanted_form
 from hjsolve.closed_form.regime import Regime
 from hjsolve.closed_form.source_code import source
+from hjsolve.closed_form.why_not import WhyNot
 from hjsolve.display.shown import Shown
 from hjsolve.solution.quadratures import Solution
 
@@ -43,7 +44,7 @@ class RegimeForms(Shown):
             ellipse, its hyperbolic twin, or tan ν/2 of a parabola; q grows where ξ is positive.
         energy: E as a function of the actions J_<name>; None where it was not solved for.
         where: symbol → its definition: an expression, or (polynomial, index of the real root).
-        why_not: quantity → why there is no form of it.
+        why_not: quantity → why there is no form of it: a proof as data, or what was not found (``why_not.py``).
     """
 
     solution: Solution = field(repr=False)
@@ -62,7 +63,7 @@ class RegimeForms(Shown):
     anomaly: Mapping[str, sp.Expr]
     energy: sp.Expr | None
     where: Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
-    why_not: Mapping[str, str]
+    why_not: Mapping[str, WhyNot]
 
     def named(self) -> dict[str, sp.Expr]:
         """Every form that is a function, by name: ``time_law``, ``periods.r``, ``inverse.x``….

@@ -14,15 +14,22 @@ from hjsolve.closed_form.elementary_inverses import (
     separatrix_inverse,
     square_root_inverse,
 )
-from hjsolve.closed_form.elementary_motion import OTHER, elementary_in_time
 from hjsolve.closed_form.elliptic_inverses import elliptic_inverse
-from hjsolve.closed_form.ignorable_in_time import integral_in_time
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monotone_inverse
 from hjsolve.closed_form.tidy import elliptic, multiplied_out, shortened_powers
 from hjsolve.closed_form.time_limit import check_time
 from hjsolve.closed_form.verification import nearby, sample_numbers, value_at
+from hjsolve.closed_form.why_not import (
+    Contains,
+    IndependentIntegrals,
+    NotFound,
+    NotOfTheFirstKind,
+    OfCoordinate,
+    TranscendentalEquation,
+    WhyNot,
+)
 from hjsolve.closed_form.workshop import Stratum, Workshop
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
@@ -33,7 +40,7 @@ _DIGITS = 40
 
 
 def inverse_forms(
-    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, why_not: dict[str, str],
+    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, why_not: dict[str, WhyNot],
     names: NamedQuantities,
 ) -> dict[str, sp.Expr]:  # fmt: skip
     """q(t) of every coordinate that can be had.
@@ -54,7 +61,7 @@ def inverse_forms(
         try:
             found[name] = inverted(pieces[name], integral, τ, solution.lower_limits[name], names)
         except NoFormError as error:
-            why_not[f"inverse.{name}"] = str(error)
+            why_not[f"inverse.{name}"] = error.why
     for c in solution.separation.shell.ignorable:
         equation = solution.orbit_equations[c.momentum.name]
         if not solution.coordinates:
@@ -66,43 +73,25 @@ def inverse_forms(
             if n not in values and (n not in pieces or c.momentum in pieces[n].numerators)
         ]
         if without:
-            why_not.setdefault(f"inverse.{c.name}", f"{c.name}(t) contains {without[0]}(t)")
+            why_not.setdefault(
+                f"inverse.{c.name}",
+                Contains(f"{c.name}(t)", f"{without[0]}(t)", why_not.get(f"inverse.{without[0]}")),
+            )
             continue
         try:
-            moved = sp.Add(*(_moved(shop, pieces[n], c.momentum, (i, τ), found, names) for n, (i, τ) in values.items()))
+            moved = sp.Add(*(_multiple(pieces[n], c.momentum, i) * τ for n, (i, τ) in values.items()))
         except NoFormError as error:
-            why_not[f"inverse.{c.name}"] = str(error)
+            why_not[f"inverse.{c.name}"] = error.why
             continue
         constant = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero) - c.symbol
         along = {solution.system.coordinate(n).symbol: found.get(n) for n in solution.coordinates}
         if any(constant.has(q) and place is None for q, place in along.items()):
-            why_not[f"inverse.{c.name}"] = "the shift of the momenta enters its equation, and with it q(t) of another"
+            why_not[f"inverse.{c.name}"] = NotFound("the shift of the momenta enters its equation")
             continue
         constant = constant.xreplace({q: place for q, place in along.items() if place is not None})
         place = equation.lhs - constant.subs(dict(special)) - moved
         found[c.name] = _in_time(place, c, shop, names)
     return found
-
-
-def _moved(
-    shop: Workshop, own: CoordinateIntegrals, key: sp.Symbol, time: tuple[PieceIntegral, sp.Expr],
-    found: Mapping[str, sp.Expr], names: NamedQuantities,
-) -> sp.Expr:  # fmt: skip
-    """∫ ∂p/∂c dq along the motion: a multiple of the integral in the time law, or another one over the same u."""
-    reference, τ = time
-    try:
-        return _multiple(own, key, reference) * τ
-    except NoFormError:
-        law = shop.solution.time_law
-        if key not in own.integrals or law is None or sp.expand(τ - law.lhs) != 0:
-            raise NoFormError(OTHER) from None
-    start, place = shop.solution.lower_limits[own.name], found.get(own.name)
-    if place is None:
-        raise NoFormError(f"its equation contains {own.name}(t), of which there is no form")
-    if reference.law is not None:
-        explicit = names.written_out(place)
-        return elementary_in_time(own, reference, own.integrals[key], place, law.lhs, start, explicit)
-    return integral_in_time(own, reference, own.integrals[key], law.lhs, start, names)
 
 
 def _in_time(place: sp.Expr, c: Coordinate, shop: Workshop, names: NamedQuantities) -> sp.Expr:
@@ -111,7 +100,8 @@ def _in_time(place: sp.Expr, c: Coordinate, shop: Workshop, names: NamedQuantiti
         straight = _straight(shortened_powers(sp.expand(place)), shop)
         if all(straight.is_polynomial(t) for t in time_of(shop.solution)):
             return straight
-    constant, running = sp.expand(place, deep=False).as_independent(*time_of(shop.solution), as_Add=True)
+    terms = sp.Add(*(sp.expand_mul(term, deep=False) for term in sp.Add.make_args(place)))
+    constant, running = terms.as_independent(*time_of(shop.solution), as_Add=True)
     return names.named(f"{c.name}_p", constant, short=3 * SHORT) + running
 
 
@@ -129,14 +119,14 @@ def _straight(place: sp.Expr, shop: Workshop) -> sp.Expr:
 
 
 def _values(
-    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, why_not: dict[str, str]
+    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, why_not: dict[str, WhyNot]
 ) -> dict[str, tuple[PieceIntegral, sp.Expr]]:  # fmt: skip
     """As ``_phases``; where the equations must be solved together, of the coordinate that is alone in the time law."""
     solution, key = shop.solution, shop.constants[0]
     try:
         return _phases(shop, pieces, special)
     except NoFormError as error:
-        reason = str(error)
+        reason = error.why
     for c in solution.system.coordinates:
         why_not[f"inverse.{c.name}"] = reason
     held = [n for n in solution.coordinates if n not in pieces or key in pieces[n].numerators]
@@ -147,10 +137,8 @@ def _values(
         return {}
     (name,) = held
     for c in solution.system.coordinates:
-        why_not[f"inverse.{c.name}"] = (
-            f"its equation contains {name}(t) under an integral of another kind than the time law"
-        )
-    del why_not[f"inverse.{name}"]
+        why_not[f"inverse.{c.name}"] = Contains(f"{c.name}(t)", f"{name}(t)", None)
+    why_not.pop(f"inverse.{name}")
     return {name: (pieces[name].integrals[key], solution.time_law.lhs)}
 
 
@@ -186,7 +174,7 @@ def _reference(own: CoordinateIntegrals, inner: list[sp.Symbol]) -> PieceIntegra
         if key in own.integrals:
             return own.integrals[key]
         if key in own.why_not:
-            raise NoFormError(f"{own.name}: {own.why_not[key]}")
+            raise NoFormError(OfCoordinate(own.name, own.why_not[key]))
     raise NoFormError(f"{own.name} has no integral")
 
 
@@ -195,10 +183,7 @@ def _multiple(own: CoordinateIntegrals, key: sp.Symbol, reference: PieceIntegral
     numerator = own.numerators.get(key, sp.S.Zero)
     ratio = sp.cancel(sp.together(numerator / reference.numerator))
     if ratio.has(reference.curve.coordinate.symbol):
-        raise NoFormError(
-            f"the time law and the orbit equations contain different integrals over {own.name}: "
-            "they must be solved together"
-        )
+        raise NoFormError(IndependentIntegrals(own.name, reference.curve.coordinate.symbol, ratio))
     return ratio
 
 
@@ -247,7 +232,7 @@ def _elliptic(
     if integral.curve.degree > 4:
         raise NoFormError(f"t({own.name}) is an integral on a curve of genus 2: its inverse is not given")
     if integral.first is None or integral.way is None:
-        raise NoFormError(f"t({own.name}) contains integrals of the second or third kind: they have no inverse")
+        raise NoFormError(NotOfTheFirstKind(own.name, integral.curve.x, integral.rational))
     amount, begin = multiplied_out(value / integral.first), s.place.subs(q, start)
     x = elliptic_inverse(integral.way, amount, begin, names)
     place = shortened_powers(s.inverse.subs(s.x, x))
@@ -311,15 +296,12 @@ def own_side(own: CoordinateIntegrals, integral: PieceIntegral) -> int:
     return 1 if region.place > middle else -1
 
 
-def _why_not_inverted(own: CoordinateIntegrals, law: Antiderivative) -> str:
-    kinds = [term.kind for _, term in law.terms]
-    if law.algebraic != 0 and len(kinds) == 1 and own.kind in ("libration", "escape", "boundary"):
-        what = {"arcsine": "Kepler's equation", "area cosine right": "Kepler's equation of the hyperbola"}.get(kinds[0])
-        if what is not None:
-            return f"t({own.name}) is {what}: {own.name}(t) has no closed form"
-    if not kinds:
-        return f"t({own.name}) is algebraic, of higher degree in the root"
-    return f"t({own.name}) contains more than one transcendental function of {own.name}"
+def _why_not_inverted(own: CoordinateIntegrals, law: Antiderivative) -> WhyNot:
+    """A proof where there is one: two independent functions of q in the time law."""
+    if not law.terms:
+        return NotFound(f"t({own.name}) is algebraic, of higher degree in the root")
+    proof = TranscendentalEquation(own.name, law)
+    return proof if proof.holds() else NotFound(f"t({own.name}) holds several logarithms, and was not solved")
 
 
 def verified_inverse(
@@ -458,8 +440,8 @@ def common_parameter(solution: Solution) -> sp.Symbol:
     Args:
         solution: of which they are forms.
     """
-    taken = {s.name for s in solution.characteristic_function.free_symbols}
-    return sp.Symbol("tau" if "tau" not in taken else "tau_1", real=True)
+    taken = {s.name for s in (*solution.characteristic_function.free_symbols, *time_of(solution))}
+    return sp.Symbol(next(n for n in ("tau", "lambda_", "tau_1") if n not in taken), real=True)
 
 
 def time_of(solution: Solution) -> tuple[sp.Symbol, ...]:

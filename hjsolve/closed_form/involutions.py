@@ -15,36 +15,39 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve, genus
+from hjsolve.closed_form.why_not import HighGenus, NotFound, WhyNot
 from hjsolve.precision import mp
 
 _DIGITS = 60
 _NOTHING = mp.mpf(10) ** -25
 
 
-def why_no_form(found: Iterable[MomentumCurve]) -> str:
+def why_no_form(found: Iterable[MomentumCurve], square: sp.Expr | None = None, q: sp.Symbol | None = None) -> WhyNot:
     """Why a coordinate has no form at all: the genus that is left, and which involutions were looked for.
 
     Args:
         found: its curves, the simplest first.
+        square: P²(q).
+        q: the coordinate.
     """
     curves = list(found)
     if not curves:
-        return (
-            "p² is algebraic in none of the variables q, q², 1/q, cos, sin, tan half, exp, cosh, sinh, tanh, √(q² + c)"
-        )
+        return NotFound(_mixture(square, q))
     reduced = [(curve, *_reduced(_at_random(curve.polynomial))) for curve in curves]
     curve, P, steps = min(reduced, key=lambda row: (genus(row[1].degree()), row[2]))
-    g, place = genus(P.degree()), curve.substitution.place
-    text = f"y² = P({place}) of degree {curve.degree} has genus {genus(curve.degree)}"
-    if steps:
-        text += f", by its reflections {g}"
-    if g == 2:
-        text += (
-            ", and reduces by a Möbius involution, which is not done here"
-            if _in_involution(P)
-            else ", and no Möbius involution reduces it"
-        )
-    return f"{text}: no closed form in these functions"
+    involution = _in_involution(P) if genus(P.degree()) == 2 else None
+    return HighGenus(curve.substitution.place, _at_random(curve.polynomial), P, steps, involution)
+
+
+def _mixture(square: sp.Expr | None, q: sp.Symbol | None) -> str:
+    """Of which functions a squared momentum is made that no one variable makes algebraic."""
+    if square is None or q is None:
+        return "p² is algebraic in no variable that is known here"
+    held = square.atoms(sp.Function) | {p for p in square.atoms(sp.Pow) if not p.exp.is_Integer}
+    functions = sorted(str(a) for a in held if a.has(q))
+    bare = square.xreplace({a: sp.Dummy() for a in square.atoms(sp.Function)}).has(q)
+    named = [str(q)] * bare + functions
+    return f"p² is made of {', '.join(named)}: it is algebraic in no variable that is known here"
 
 
 def _at_random(P: sp.Poly) -> sp.Poly:

@@ -8,6 +8,7 @@ from typing import Protocol
 import sympy as sp
 
 from hjsolve.closed_form.regime import Regime
+from hjsolve.closed_form.why_not import WhyNot
 from hjsolve.solution.quadratures import Solution
 
 
@@ -27,7 +28,7 @@ class NamedForms(Protocol):
         """Symbol → its definition: an expression, or (polynomial, index of the real root)."""
 
     @property
-    def why_not(self) -> Mapping[str, str]:
+    def why_not(self) -> Mapping[str, WhyNot]:
         """Quantity → why there is no form of it."""
 
     def named(self) -> dict[str, sp.Expr]:

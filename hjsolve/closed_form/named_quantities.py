@@ -11,10 +11,14 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.evaluation import number_of
-from hjsolve.closed_form.tidy import multiplied_out, shortened_powers
+from hjsolve.closed_form.tidy import elliptic, longer_than, multiplied_out, shortened_powers
+from hjsolve.functions.printing import Printable
+from hjsolve.precision import mp
 
 Where = dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 """Symbol → its definition: an expression, or (polynomial, index of the real root)."""
+LONG_FORM, LONG_PART = 150, 8
+"""Operations of a form whose constant parts get names, and of such a part."""
 SHORT, LONG_FACTOR = 2, 12
 """Operations up to which a quantity, or a factor that may cancel, is written where it stands."""
 
@@ -34,10 +38,13 @@ class NamedQuantities:
         self, taken: Iterable[str], variables: Iterable[sp.Symbol], places: Iterable[sp.Symbol], where: Where,
         numbers: Mapping[sp.Symbol, mpmath.mpf],
     ):  # fmt: skip
-        self.roots, self.numbers = frozenset(where), numbers
+        self.roots, self.numbers = frozenset(where), dict(numbers)
         self.moduli = dict[sp.Expr, sp.Expr]()  # parameter or characteristic → its name
+        self.rates = dict[sp.Symbol, sp.Expr]()  # moduli and rates of elliptic integrals → what they are
+        self.located = dict[sp.Symbol, mpmath.mpf]()  # coordinates and lower limits → where a motion is
         self.where, self.variables, self.places = where, frozenset(variables), frozenset(places)
         self._taken = {*taken, *(s.name for s in where)}
+        self._pairs = list[tuple[sp.Expr, sp.Expr]]()
 
     def named(self, letter: str, meaning: sp.Expr, *, short: int = 0, positive: bool | None = None) -> sp.Expr:
         """A symbol for a quantity, the same for the same meaning; the quantity itself where it is short.
@@ -62,8 +69,31 @@ class NamedQuantities:
         self.where[symbol] = meaning
         return symbol
 
+    def same(self, letter: str, meaning: sp.Expr) -> sp.Expr:
+        """As ``named``, the name of what has the same value at a motion of the regime where there is one.
+
+        Args:
+            letter: wished for.
+            meaning: the definition.
+        """
+        value = self._value(meaning)
+        known = (s for s, m in self.where.items() if s.name.startswith(letter) and not isinstance(m, tuple))
+        for symbol in known:
+            other = self._value(sp.sympify(self.where[symbol]))
+            if abs(value - other) <= abs(value) * mp.mpf(10) ** -40:
+                return symbol
+        return self.named(letter, meaning)
+
+    def _value(self, meaning: sp.Expr) -> mpmath.mpf:
+        """A number for a quantity: at the motion of the regime, what else it holds anywhere."""
+        explicit = self.written_out(meaning)
+        with mp.workdps(60):
+            numbers = self.numbers | self.located
+            free = sorted(explicit.free_symbols - set(numbers), key=str)
+            return number_of(explicit, numbers | {s: mp.mpf(k + 3) / 7 for k, s in enumerate(free)})
+
     def oriented(self, expression: sp.Expr) -> sp.Expr:
-        """A product with the greater root first in every difference of roots, whose order the regime fixes.
+        """A product with the greater one first in every difference of roots and places, whose order the regime fixes.
 
         Args:
             expression: of a form.
@@ -71,11 +101,104 @@ class NamedQuantities:
         value, sign = sp.S.One, sp.S.One
         for factor in sp.Mul.make_args(expression):
             base, power = factor.as_base_exp()
-            difference = base.is_Add and power.is_Integer and base.free_symbols and base.free_symbols <= self.roots
-            if difference and number_of(base, self.numbers) < 0:
+            held = base.free_symbols
+            difference = base.is_Add and power.is_Integer and held and held <= self.roots | set(self.located)
+            if difference and number_of(base, self.numbers | self.located) < 0:
                 base, sign = -base, sign * (-1) ** power
             value *= base**power
         return sign * value
+
+    def amplitudes(self, value: sp.Expr, q: sp.Symbol, start: sp.Symbol) -> tuple[sp.Expr, sp.Expr]:
+        """An integral at a place and at its lower limit, with long angles in it by names, χ and χ₀.
+
+        Args:
+            value: as a function of q.
+            q: the place.
+            start: the lower limit.
+        """
+        table = dict[sp.Expr, sp.Expr]()
+        for angle in sorted(_angles(value, q), key=sp.default_sort_key):
+            if sp.count_ops(angle) <= (3 if elliptic(value) else LONGEST_ANGLE):
+                continue
+            if not isinstance(angle, _ARCS):
+                table[angle] = angle
+                continue
+            function, (inside,) = angle.func, angle.args
+            even = inside.as_base_exp()[1] == sp.S.Half
+            plain = function(sp.sqrt(self.oriented(sp.factor(inside.base)))) if even else function(inside)
+            table[angle] = plain
+        return self._paired(value, table, q, start)
+
+    def _paired(
+        self, value: sp.Expr, table: Mapping[sp.Expr, sp.Expr], q: sp.Symbol, start: sp.Symbol
+    ) -> tuple[sp.Expr, sp.Expr]:  # fmt: skip
+        here, there = dict[sp.Expr, sp.Expr](), dict[sp.Expr, sp.Expr]()
+        for angle, plain in table.items():
+            number = 0
+            pair = next(((χ, χ_0) for χ, χ_0 in self._pairs if self.where[χ] == plain), None)
+            while pair is None:
+                letter = f"chi_{number}" if number else "chi"
+                number += 1
+                if not {letter, f"{letter}_0"} & self._taken:
+                    pair = (self.named(letter, plain), self.named(f"{letter}_0", plain.xreplace({q: start})))
+                    self._pairs.append(pair)
+            here[angle], there[angle] = pair
+        return value.xreplace(here), value.xreplace(there).xreplace({q: start})
+
+    def shortest(self, value: sp.Expr) -> sp.Expr:
+        """A constant in names or written by the constants, as it is shorter.
+
+        Args:
+            value: of constants.
+        """
+        if longer_than(value, LONG_FACTOR * 4):
+            return value
+        return min((shortened_powers(sp.factor(e)) for e in (value, self.written_out(value))), key=sp.count_ops)
+
+    def with_named_parts(self, value: sp.Expr) -> sp.Expr:
+        """A long form with its constant parts by names.
+
+        Args:
+            value: of a form; a short one is given back.
+        """
+        if not longer_than(value, LONG_FORM):
+            return value
+        varying = {*self.variables, *self.places, *self.located, *(χ for pair in self._pairs for χ in pair)}
+        varying |= {s for s in value.free_symbols if s.name in ("xi", "chi", "xi_1")}
+        return self._parts(value, varying)
+
+    def _parts(self, e: sp.Expr, varying: set[sp.Symbol]) -> sp.Expr:
+        if not e.free_symbols & varying and not elliptic(e):
+            return e if not e.args or sp.count_ops(e) < LONG_PART else self.named("c", e)
+        if not e.args or e.free_symbols <= varying:
+            return e
+        if not (e.is_Add or e.is_Mul):
+            return e.func(*(self._parts(part, varying) for part in e.args))
+        constant = e.func(*(part for part in e.args if not part.free_symbols & varying and not elliptic(part)))
+        moving = [part for part in e.args if part.free_symbols & varying or elliptic(part)]
+        return e.func(self._parts(constant, varying), *(self._parts(part, varying) for part in moving))
+
+    def in_brackets(self, value: sp.Expr) -> sp.Expr:
+        """A sum with c (χ − χ₀) in place of c χ − c χ₀.
+
+        Args:
+            value: of a form.
+        """
+        for χ, χ_0 in self._pairs:
+            c = value.coeff(χ)
+            if c != 0 and not c.has(χ, χ_0) and sp.expand(c + value.coeff(χ_0)) == 0:
+                rest = value - c * χ + c * χ_0
+                if not rest.has(χ, χ_0):
+                    value = rest + sp.factor(c) * (χ - χ_0)
+        return value
+
+    def short_rates(self) -> dict[sp.Symbol, sp.Expr]:
+        """Moduli and rates that are as well written by the constants."""
+        return {
+            s: e
+            for s, e in self.rates.items()
+            if not e.free_symbols & set(self.where) and min(sp.count_ops(e), sp.count_ops(e**2)) <= SHORT_RATE
+        }
 
     def kept(self, forms: Iterable[sp.Expr], written: Callable[[sp.Expr], sp.Expr]) -> Where:
         """The definitions of roots, and those that forms use, each after those that it uses.
@@ -144,6 +267,22 @@ def needed_names(
     return ordered, plain
 
 
+_ARCS = (sp.asin, sp.acos, sp.atan, sp.asinh, sp.acosh, sp.atanh, sp.log)
+SHORT_RATE = 12
+"""Operations of a modulus or a rate that is written by the constants in a period."""
+LONGEST_ANGLE = 10
+"""Operations of an arc function that is written where it stands."""
+
+
+def _angles(value: sp.Expr, q: sp.Symbol) -> set[sp.Expr]:
+    """The arc functions of a place in a formula that are in no other, and arguments of Carlson's integrals."""
+    if isinstance(value, _ARCS):
+        return {value} if value.has(q) else set()
+    if isinstance(value, Printable) and elliptic(value):
+        return {part for part in value.args if part.has(q)}
+    return set().union(*(_angles(part, q) for part in value.args if part.has(q)))
+
+
 class Phase:
     """The argument α(v − v_p) of a periodic or hyperbolic function, by the place v_p at which it is zero.
 
@@ -163,14 +302,14 @@ class Phase:
             self.argument = self._about(moving[0], factor * α, running / α, begin)
             return
         held = [*moving, *(q for q in names.places if running.has(q))]
-        size, sign = _without_sign(shortened_powers(factor))
+        size, sign = without_sign(shortened_powers(factor))
         rate = sign * names.named("kappa", size, short=LONG_FACTOR, positive=True)
         parts = [shortened_powers(rate * term) for term in sp.Add.make_args(running)]
         δ = names.named("delta", -sp.Add(*(part for part in parts if not part.has(*held)), begin))
         self.argument = sp.Add(*(part for part in parts if part.has(*held))) - δ
 
     def _about(self, v: sp.Symbol, α: sp.Expr, running: sp.Expr, begin: sp.Expr) -> sp.Expr:
-        size, sign = _without_sign(shortened_powers(sp.factor_terms(α)))
+        size, sign = without_sign(shortened_powers(sp.factor_terms(α)))
         rate = self.names.named("omega" if v.name in ("t", "tau") else "kappa", size, short=SHORT, positive=True)
         terms = sp.Add.make_args(sp.expand(running, deep=False))
         start = sp.Add(*(shortened_powers(sp.cancel(-term)) for term in terms if not term.has(v)))
@@ -178,8 +317,12 @@ class Phase:
         return (sp.S.One if self.even else sign) * rate * (v - passed)
 
 
-def _without_sign(α: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """A factor without −1 and signs of constants, and those: the former is positive where the constants' signs are."""
+def without_sign(α: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """A factor without −1 and signs of constants, and those: the former is positive where the constants' signs are.
+
+    Args:
+        α: a product, real and not zero.
+    """
     sign = sp.S.One
     size = sp.S.One
     for factor in sp.Mul.make_args(α):

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
-from hjsolve.closed_form.anomalies import anomaly_of
+import sympy as sp
+
+from hjsolve.closed_form.along_motion import anomaly_of
+from hjsolve.closed_form.carlson import CarlsonMap
+from hjsolve.closed_form.elliptic_inverses import modulus
 from hjsolve.closed_form.inverses import common_parameter, time_of
-from hjsolve.closed_form.named_quantities import NamedQuantities, Where
-from hjsolve.closed_form.pieces import CoordinateIntegrals
-from hjsolve.closed_form.verification import sample_numbers
+from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Where, without_sign
+from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral
+from hjsolve.closed_form.tidy import shortened_powers
+from hjsolve.closed_form.verification import sample_numbers, sample_place
 from hjsolve.solution.quadratures import Solution
 
 
@@ -29,4 +35,59 @@ def names_of(solution: Solution, pieces: Mapping[str, CoordinateIntegrals], wher
     separated = {solution.system.coordinate(n).symbol for n in solution.coordinates}
     variables = {τ, *time_of(solution), *(c.symbol for c in coordinates if c.symbol not in separated)}
     numbers = {s: value for own in pieces.values() for s, value in sample_numbers(own).items()}
-    return NamedQuantities(taken, variables, separated, where, numbers)
+    made = NamedQuantities(taken, variables, separated, where, numbers)
+    for name, own in pieces.items():
+        for symbol in (solution.system.coordinate(name).symbol, solution.lower_limits[name]):
+            made.located[symbol] = sample_place(own)
+    return made
+
+
+def in_named_rates(
+    solution: Solution, pieces: Mapping[str, CoordinateIntegrals], names: NamedQuantities
+) -> dict[str, CoordinateIntegrals]:  # fmt: skip
+    """The integrals of a regime with the modulus k and the rate of the argument by their names.
+
+    The rate is that of sn u, u = ω (t − t_p), where the time is an integral of the first kind over the coordinate, or
+    else of another constant's, so that factors of such integrals need not be written.
+
+    Args:
+        solution: of which they are forms.
+        pieces: separated coordinate → its integrals.
+        names: of the quantities of the forms.
+    """
+    constants = [c.symbol for c in solution.constants.values()]
+    return {name: _renamed(own, constants, names) for name, own in pieces.items()}
+
+
+def _renamed(own: CoordinateIntegrals, constants: list[sp.Symbol], names: NamedQuantities) -> CoordinateIntegrals:
+    table = dict[sp.Expr, sp.Expr]()
+    for integral in own.integrals.values():
+        way = integral.way
+        if way is None or isinstance(way, CarlsonMap) or way.k in table:
+            continue
+        same = [key for key in constants if key in own.integrals and own.integrals[key].way is way]
+        first = next((key for key in same if own.integrals[key].first is not None), None)
+        size, _ = without_sign(sp.factor_terms(own.integrals[first].first)) if first is not None else (sp.S.One, 1)
+        Ω = sp.sqrt(names.oriented(sp.factor(way.Ω**2)))
+        letter = "omega" if first == constants[0] else "kappa"
+        table[way.k] = modulus(names, way.m)
+        table[way.rate] = size * names.named(letter, shortened_powers(Ω / size), short=SHORT, positive=True)
+    if not table:
+        return own
+    held = {s for e in table.values() for s in e.free_symbols}
+    rates = {s: sp.sympify(names.where[s]) for s in names.where if s in held and s not in names.roots}
+    names.rates |= rates
+    integrals = {key: _written(integral, table) for key, integral in own.integrals.items()}
+    made = replace(own, integrals=integrals, rates=rates)
+    names.numbers |= {s: v for s, v in sample_numbers(made).items() if s in rates}
+    return made
+
+
+def _written(integral: PieceIntegral, table: Mapping[sp.Expr, sp.Expr]) -> PieceIntegral:
+    cycle, way = integral.cycle, integral.way
+    if way is not None and not isinstance(way, CarlsonMap):
+        way = replace(way, k=table[way.k], rate=table[way.rate])
+    return replace(
+        integral, value=shortened_powers(integral.value.xreplace(table)), way=way,
+        cycle=None if cycle is None else shortened_powers(cycle.xreplace(table)),
+    )  # fmt: skip

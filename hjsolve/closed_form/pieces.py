@@ -15,14 +15,17 @@ from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
 from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.involutions import why_no_form
 from hjsolve.closed_form.no_form import NoFormError
-from hjsolve.closed_form.real_branch_points import LegendreMap, elliptic_integral, legendre_map
+from hjsolve.closed_form.real_branch_points import LegendreMap, elliptic_integral, legendre_map, without_square
+from hjsolve.closed_form.reduction import reduced
 from hjsolve.closed_form.regions import RootInterval, root_interval_of
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
-from hjsolve.closed_form.square_curves import reduces, square_curve
+from hjsolve.closed_form.square_curves import SquareCurve, reduces, square_curve
 from hjsolve.closed_form.strata import deciders
+from hjsolve.closed_form.substitutions import Substitution
 from hjsolve.closed_form.tidy import longer_than
 from hjsolve.closed_form.time_limit import check_time
+from hjsolve.closed_form.why_not import NotFound, WhyNot
 from hjsolve.functions.elliptic import PartialFractions
 from hjsolve.precision import mp
 
@@ -73,6 +76,7 @@ class CoordinateIntegrals:
         roots: the real roots of P of the first curve, ascending; None where they have no names.
         why_not: W or a constant → why there is no form.
         where: named symbol → what it is.
+        rates: modulus, or factor of an argument → what it is.
         start: the lower limit, in forms that are integrals from there.
     """
 
@@ -84,8 +88,9 @@ class CoordinateIntegrals:
     conditions: dict[sp.Expr, int] = field(default_factory=dict)
     integrals: dict[sp.Symbol, PieceIntegral] = field(default_factory=dict)
     roots: tuple[sp.Expr, ...] | None = None
-    why_not: dict[sp.Symbol, str] = field(default_factory=dict)
+    why_not: dict[sp.Symbol, WhyNot] = field(default_factory=dict)
     where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]] = field(default_factory=dict)
+    rates: dict[sp.Symbol, sp.Expr] = field(default_factory=dict)
     start: sp.Symbol | None = None
 
     @property
@@ -110,6 +115,10 @@ class CoordinateIntegrals:
         self.why_not = {key: reason for key, reason in self.why_not.items() if key not in self.integrals}
         held = {s for found in done.values() for s in (found.value + (found.cycle or 0)).free_symbols}
         held |= {s for root in self.roots or () for s in root.free_symbols}
+        for way in task.ways:
+            if not isinstance(way, CarlsonMap):
+                self.rates |= {s: e for s, e in ((way.k, sp.sqrt(way.m)), (way.rate, way.Ω)) if s in held}
+        held |= {s for e in self.rates.values() for s in e.free_symbols}
         for roots in (task.roots, *(way.roots for way in task.ways if isinstance(way, CarlsonMap))):
             if roots is not None:
                 self.where |= {s: meaning for s, meaning in roots.where.items() if s in held | _inside(roots)}
@@ -121,7 +130,7 @@ class CoordinateIntegrals:
             flaws: W or a constant → what is wrong with it.
         """
         self.integrals = {key: value for key, value in self.integrals.items() if key not in flaws}
-        self.why_not |= flaws
+        self.why_not |= {key: NotFound(flaw) for key, flaw in flaws.items()}
 
 
 def piece(
@@ -157,7 +166,7 @@ def piece(
                 curve, region, signs, prefix + "b" * len(made.regions), start
             )  # roots of another P: other names
         except NoFormError as error:
-            made.why_not |= {key: str(error) for key in missing if key not in made.why_not}
+            made.why_not |= {key: error.why for key in missing if key not in made.why_not}
             continue
         done = dict[sp.Symbol, PieceIntegral]()
         for key in missing:
@@ -165,7 +174,7 @@ def piece(
                 check_time()
                 done[key] = task.integral(key, numerators[key])
             except NoFormError as error:
-                made.why_not.setdefault(key, str(error))
+                made.why_not.setdefault(key, error.why)
         if done:
             made.add(done, task)
     return made if made.region is not None else None
@@ -194,19 +203,14 @@ class _Task:
     def integral(self, key: sp.Symbol, numerator: sp.Expr) -> PieceIntegral:
         """∫ N dq/√P² = ε ∫ N dx/(S √P)."""
         curve, s, region = self.curve, self.curve.substitution, self.region
-        R = sp.cancel(sp.together(region.orientation(self.signs) * curve.numerator(key) / curve.square))
+        R = self.rational(key)
         cyclic, way = region.kind in ("libration", "rotation"), None
         law: Antiderivative | None = None
-        if self.squared is not None:
-            found, whole, _ = self._elliptic(self.squared.integrand(R, curve.x), cyclic=cyclic)
-            value = self.squared.in_x(found, curve.x).xreplace({curve.x: s.place})
-            whole = 2 * whole if self.squared.passes and whole is not None else whole
-        elif self.roots is not None:
-            value, whole, way = self._elliptic(R, cyclic=cyclic)
+        if self.roots is not None:
+            value, whole, way = self._reduced_elliptic(R, cyclic=cyclic)
             value = value.xreplace({curve.x: s.place})
         else:
-            parts = partial_fractions(R, curve.x, self.signs)
-            law = elementary_antiderivative(parts, curve.polynomial, self.signs, self.side)
+            law = elementary_antiderivative(R, curve.polynomial, self.signs, self.side)
             value, whole = law.written(s.place), law.complete() if self._from_root_to_root() else None
         cycle = None
         if whole is not None:
@@ -217,29 +221,60 @@ class _Task:
         first = None if R.has(curve.x) or self.squared is not None else R
         return PieceIntegral(numerator, value, cycle, R, law, curve, first, way)
 
-    def _elliptic(
+    def rational(self, key: sp.Symbol) -> sp.Expr:
+        """R(x) of an integral ∫ R dx/√P on this curve."""
+        return sp.cancel(
+            sp.together(self.region.orientation(self.signs) * self.curve.numerator(key) / self.curve.square)
+        )
+
+    def _reduced_elliptic(
         self, R: sp.Expr, *, cyclic: bool
-    ) -> tuple[sp.Expr, sp.Expr | None, EvenMap | LegendreMap | CarlsonMap]:
-        """The integral by the first map that reaches it; over the whole interval too, where the motion has cycles."""
-        reason = "P has complex roots in this regime"
-        x = self.curve.x if self.squared is None else self.squared.X
+    ) -> tuple[sp.Expr, sp.Expr | None, EvenMap | LegendreMap | CarlsonMap]:  # fmt: skip
+        """An integral as a √P and few of the three kinds."""
+        x, squared = self.curve.x, self.squared
+        P = self.curve.polynomial if squared is None else squared.inner.polynomial
+        a, rest = reduced(R if squared is None else squared.integrand(R, x), P)
+        found, whole, way, more = self._elliptic(rest, P, cyclic=cyclic)
+        a += more
+        if squared is None:
+            found += a * positive_root(P.as_expr()) if a != 0 else 0
+        else:
+            X = squared.X
+            found += a * sp.sqrt(X) * positive_root(sp.quo(P, sp.Poly(X, X)).as_expr()) if a != 0 else 0
+            found = squared.in_x(found, x)
+            whole = 2 * whole if squared.passes and whole is not None else whole
+        if whole is not None and self.region.kind == "rotation":
+            whole += _edges(a, P, self.curve.substitution, squared)
+        return found, whole, way
+
+    def _elliptic(
+        self, R: sp.Expr, P: sp.Poly, *, cyclic: bool
+    ) -> tuple[sp.Expr, sp.Expr | None, EvenMap | LegendreMap | CarlsonMap, sp.Expr]:
+        """The integral by the first map that reaches it; over the whole interval too, where the motion has cycles.
+
+        The last is a of a part a √P that is not in the integral yet.
+        """
+        reason: WhyNot = NotFound("P has complex roots in this regime")
+        x, more = P.gen, sp.S.Zero
         for way in self.ways:
             try:
                 if isinstance(way, EvenMap):
                     value = even_integral(R, way, x, self.signs, complete=False)
-                    return value, even_integral(R, way, x, self.signs, complete=True) if cyclic else None, way
+                    whole = even_integral(R, way, x, self.signs, complete=True) if cyclic else None
+                    return value, whole, way, more
                 parts = partial_fractions(R, x, self.signs)
                 if isinstance(way, LegendreMap) and self._passes_a_pole(parts, way):
                     raise NoFormError("the integral passes a pole on the way from the root")
                 if self._has_poles_at_roots(parts):
                     raise NoFormError("the integrand has poles at complex roots of P")
                 if isinstance(way, CarlsonMap):
-                    value = carlson_integral(parts, way, x)
-                    return value, carlson_integral(parts, way, None) if cyclic else None, way
-                value = elliptic_integral(parts, way, x)
-                return value, elliptic_integral(parts, way, None) if cyclic else None, way
+                    whole = carlson_integral(parts, way, None) if cyclic else None
+                    return carlson_integral(parts, way, x), whole, way, more
+                parts, a = without_square(parts, way, P)
+                whole = elliptic_integral(parts, way, None) if cyclic else None
+                return elliptic_integral(parts, way, x), whole, way, a
             except NoFormError as error:
-                reason = str(error)
+                reason = error.why
         raise NoFormError(reason)
 
     def _has_poles_at_roots(self, parts: PartialFractions) -> bool:
@@ -283,8 +318,35 @@ class _Task:
         return self.signs.decided | self.region.conditions(self.signs)
 
 
+def _edges(a: sp.Expr, P: sp.Poly, s: Substitution, squared: SquareCurve | None) -> sp.Expr:
+    """Give a √P at the upper end of the turn less that at the lower; twice that where it is odd, on a curve in X = x².
+
+    Raises:
+        NoFormError: it is infinite there.
+    """
+    if a == 0:
+        return sp.S.Zero
+    if squared is not None:
+        return (2 if squared.passes else 1) * _at_an_end(a, P, s.upper**2)
+    return _at_an_end(a, P, s.upper) - _at_an_end(a, P, s.lower)
+
+
+def _at_an_end(a: sp.Expr, P: sp.Poly, end: sp.Expr) -> sp.Expr:
+    x = P.gen
+    if end.is_finite:
+        there = sp.expand(P.as_expr().subs(x, end))
+        return sp.S.Zero if there == 0 else a.subs(x, end) * positive_root(there)
+    top, bottom = (sp.Poly(part, x) for part in sp.fraction(sp.together(a)))
+    excess = top.degree() - bottom.degree()
+    if 2 * excess + P.degree() > 0:
+        raise NoFormError("the integral is infinite at the end of the turn")
+    if 2 * excess + P.degree() < 0:
+        return sp.S.Zero
+    return sp.sign(end) ** excess * top.LC() / bottom.LC() * positive_root(P.LC())
+
+
 def monotone_inverse(value: sp.Expr) -> sp.Expr:
-    """arcsin(sin w) is w, and so on: the variable is monotone on the domain, where w is the principal value.
+    """arcsin(sin w) is w, √(1 − cos² w) is sin w: the variable is monotone on the domain, w the principal value.
 
     Args:
         value: what holds them.
@@ -292,7 +354,18 @@ def monotone_inverse(value: sp.Expr) -> sp.Expr:
     return value.replace(
         lambda e: isinstance(e, (sp.asin, sp.acos, sp.atan)) and e.args[0].func is e.inverse(),
         lambda e: e.args[0].args[0],
+    ).replace(
+        lambda e: e.is_Pow and abs(e.exp) == sp.S.Half and _of_one_angle(e.base) is not None,
+        lambda e: _of_one_angle(e.base) ** (2 * e.exp),
     )
+
+
+def _of_one_angle(radicand: sp.Expr) -> sp.Expr | None:
+    """The sine of 1 − cos² w, w from 0 to π, the cosine of 1 − sin² w."""
+    rest = 1 - radicand
+    if not (rest.is_Pow and rest.exp == 2 and isinstance(rest.base, (sp.cos, sp.sin))):
+        return None
+    return (sp.sin if isinstance(rest.base, sp.cos) else sp.cos)(rest.base.args[0])
 
 
 def _inside(roots: NamedRoots) -> set[sp.Symbol]:

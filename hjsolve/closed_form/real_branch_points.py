@@ -13,8 +13,8 @@ Byrd and Friedman, Handbook of elliptic integrals (1971), 251–258 (the map), 3
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, field
+from functools import lru_cache, partial
 
 import sympy as sp
 
@@ -39,6 +39,8 @@ class LegendreMap:
         d: where s = ∞.
         direction: 1 where x > a on the piece, else −1.
         Ω: the factor of the argument.
+        k: the modulus in forms, by a name.
+        rate: Ω in forms, by a name.
     """
 
     a: sp.Expr
@@ -47,6 +49,8 @@ class LegendreMap:
     d: sp.Expr
     direction: int
     Ω: sp.Expr
+    k: sp.Expr = field(default_factory=partial(sp.Dummy, "k", positive=True))
+    rate: sp.Expr = field(default_factory=partial(sp.Dummy, "rate", positive=True))
 
     @property
     def m(self) -> sp.Expr:
@@ -114,79 +118,58 @@ class LegendreIntegrals:
     """∫ sᵏ dφ/Δ and ∫ dφ/((1 − ns)ᵏ Δ), from 0 to φ, or to π/2.
 
     Args:
-        m: the parameter.
+        k: the modulus, as it is written in the functions.
+        m: the parameter k², as it is written in coefficients.
         amplitude: φ, sin φ and cos φ; None for π/2.
     """
 
-    def __init__(self, m: sp.Expr, amplitude: tuple[sp.Expr, sp.Expr, sp.Expr] | None):
-        self.m = m
+    def __init__(self, k: sp.Expr, m: sp.Expr, amplitude: tuple[sp.Expr, sp.Expr, sp.Expr] | None):
+        self.m, self.named = m, k**2
         if amplitude is None:
-            self.φ, self.s, self.edge, self.edge_at_c = None, None, sp.S.Zero, sp.S.Zero
-            self.F, self.E = sp.elliptic_k(m), sp.elliptic_e(m)
+            self.φ, self.s, self.edge = None, None, sp.S.Zero
+            self.F, self.E = sp.elliptic_k(self.named), sp.elliptic_e(self.named)
             return
         self.φ, sine, cosine = amplitude
         self.s = sine**2
-        Δ = sp.sqrt(1 - m * self.s)
-        self.edge, self.edge_at_c = sine * cosine * Δ, m * sine * cosine / Δ
-        self.F, self.E = sp.elliptic_f(self.φ, m), sp.elliptic_e(self.φ, m)
+        self.edge = sine * cosine * sp.sqrt(1 - self.named * self.s)
+        self.F, self.E = sp.elliptic_f(self.φ, self.named), sp.elliptic_e(self.φ, self.named)
 
     @classmethod
-    def along(cls, u: sp.Expr, m: sp.Expr) -> LegendreIntegrals:
+    def along(cls, u: sp.Expr, k: sp.Expr, m: sp.Expr) -> LegendreIntegrals:
         """The integrals up to φ = am u: smooth functions of u for all u.
 
         Args:
             u: the argument, ∫ dφ/Δ.
-            m: the parameter.
+            k: the modulus, as it is written in the functions.
+            m: the parameter k², as it is written in coefficients.
         """
-        own = cls(m, (JacobiAM(u, m), JacobiSN(u, m), JacobiCN(u, m)))
+        own = cls(k, m, (JacobiAM(u, k**2), JacobiSN(u, k**2), JacobiCN(u, k**2)))
         own.F = u
         return own
 
     def power(self, k: int) -> sp.Expr:
-        """Return ∫ sᵏ dφ/Δ; Byrd and Friedman 310.05.
+        """Return ∫ sᵏ dφ/Δ; Byrd and Friedman 310.
 
         Args:
-            k: the exponent, not negative.
+            k: the exponent, 0 or 1.
         """
-        if k == 0:
-            return self.F
-        if k == 1:
-            return (self.F - self.E) / self.m
-        edge = self.edge * (sp.S.One if self.s is None else self.s ** (k - 2))
-        first = (2 * k - 2) * (1 + self.m) * self.power(k - 1)
-        return (edge + first - (2 * k - 3) * self.power(k - 2)) / ((2 * k - 1) * self.m)
+        return (self.F - self.E) / self.m if k else self.F
 
     def third(self, n: sp.Expr, k: int) -> sp.Expr:
-        """Return ∫ dφ/((1 − ns)ᵏ Δ); Byrd and Friedman 336.03.
+        """Return ∫ dφ/((1 − ns)ᵏ Δ); Byrd and Friedman 336.
 
         Args:
             n: the characteristic, neither 0, 1 nor m.
-            k: the order of the pole, from −1 on.
+            k: the order of the pole, 0, 1 or 2.
         """
         m = self.m
-        if k == -1:
-            return self.F - n * self.power(1)
         if k == 0:
             return self.F
         if k == 1:
-            return sp.elliptic_pi(n, m) if self.s is None else sp.elliptic_pi(n, self.φ, m)
-        p = k - 3
-        edge = sp.S.Zero if self.s is None else n**2 * self.edge / (1 - n * self.s) ** (p + 2)
-        total = edge + (2 * p + 3) * (n**2 - 2 * n * m - 2 * n + 3 * m) * self.third(n, p + 2)
-        total += (2 * p + 1) * m * self.third(n, p)
-        if p != -1:
-            total += 2 * (p + 1) * (n * m + n - 3 * m) * self.third(n, p + 1)
-        return total / (2 * (p + 2) * (1 - n) * (m - n))
-
-    def at_c(self, k: int) -> sp.Expr:
-        """Return ∫ dφ/((1 − ms)ᵏ Δ) for a pole at the branch point c; Byrd and Friedman 315.02.
-
-        Args:
-            k: the order of the pole, 1.
-        """
-        if k != 1:
-            raise NoFormError("a multiple pole at a branch point")
-        return (self.E - self.edge_at_c) / (1 - self.m)
+            return sp.elliptic_pi(*((n,) if self.φ is None else (n, self.φ)), self.named)
+        edge = sp.S.Zero if self.s is None else n**2 * self.edge / (1 - n * self.s)
+        total = edge + (n**2 - 2 * n * m - 2 * n + 3 * m) * self.third(n, 1)
+        return (total - m * (self.F - n * self.power(1))) / (2 * (1 - n) * (m - n))
 
 
 def elliptic_integral(
@@ -207,19 +190,40 @@ def elliptic_integral(
     if x is not None:
         s = way.s(x)
         amplitude = (sp.asin(sp.sqrt(s)), sp.sqrt(s), sp.sqrt(1 - s))
-    own = own or LegendreIntegrals(way.m, amplitude)
-    value = over_s(R, way, own, pole_at_c=way.c) / way.Ω
+    own = own or LegendreIntegrals(way.k, way.m, amplitude)
+    value = over_s(R, way, own) / way.rate
     return value if x is None else way.direction * value
 
 
-def over_s(R: PartialFractions, way: LegendreMap, own: LegendreIntegrals, *, pole_at_c: sp.Expr) -> sp.Expr:
-    """∫ R dφ/Δ.
+def without_square(R: PartialFractions, way: LegendreMap, P: sp.Poly) -> tuple[PartialFractions, sp.Expr]:
+    """R dx/√P of a quartic with 1/(x − d) in place of x², and a with d(a √P) the rest: a pole less of order two in s.
+
+        x² dx/√P = d(√P/(x − d))/A + ½ ((a + b + c + d) x − d (a + b + c − d) + (d − a)(d − b)(d − c)/(x − d)) dx/√P
 
     Args:
         R: in partial fractions.
+        way: the map.
+        P: the polynomial.
+    """
+    weights = dict(R.powers)
+    if way.b is FAR or way.d is FAR or P.degree() != 4 or 2 not in weights:
+        return R, sp.S.Zero
+    x, w, (a, b, c, d) = P.gen, weights.pop(2), (way.a, way.b, way.c, way.d)
+    total = sp.cancel(-P.coeff_monomial(x**3) / P.LC())
+    weights[1] = sp.factor(weights.get(1, sp.S.Zero) + w * total / 2)
+    weights[0] = weights.get(0, sp.S.Zero) - w * d * (total - 2 * d) / 2
+    pole = (d, 1, w * (d - a) * (d - b) * (d - c) / 2)
+    powers = tuple((k, weight) for k, weight in sorted(weights.items()) if weight != 0)
+    return PartialFractions(powers, (*R.poles, pole), R.complex_poles), w / P.LC() / (x - d)
+
+
+def over_s(R: PartialFractions, way: LegendreMap, own: LegendreIntegrals) -> sp.Expr:
+    """∫ R dφ/Δ.
+
+    Args:
+        R: in partial fractions, its poles simple, and none a root of P but d.
         way: the map to s.
         own: the integrals.
-        pole_at_c: the place at which s = 1/m.
 
     Raises:
         NoFormError: a pole that these integrals do not reach.
@@ -231,38 +235,24 @@ def over_s(R: PartialFractions, way: LegendreMap, own: LegendreIntegrals, *, pol
         if k == 0:
             total += weight * own.F
         elif way.d is FAR:
-            total += weight * _polynomial((way.a, way.b - way.a), k, own)
+            total += weight * (way.a * own.F + (way.b - way.a) * own.power(1))
         elif way.b is FAR:
             raise NoFormError("the integral is infinite at the end of the motion")
         else:
             total += weight * _fraction((way.d, way.a - way.d), way.pole(FAR), k, own)
     for r, k, weight in R.poles:
-        gap = sp.cancel(r - way.d) if way.d is not FAR else sp.S.One
-        if gap == 0:
-            n = way.pole(FAR) if way.b is not FAR else sp.S.One
-            total += weight * _polynomial((1 / (way.a - way.d), -n / (way.a - way.d)), k, own)
+        if k > 1:
+            raise NoFormError("a multiple pole at a place with radicals")
+        if r == way.d:
+            total += weight / (way.a - way.d) * (own.F - way.pole(FAR) * own.power(1))
             continue
         constant = sp.S.Zero if way.d is FAR else 1 / (way.d - r)
         rest = sp.factor(sp.cancel(1 / (way.a - r) - constant))
-        n = way.pole(r)
-        if pole_at_c is not FAR and sp.cancel(sp.together(r - pole_at_c)) == 0:
-            if k != 1:
-                raise NoFormError("a multiple pole at a branch point")
-            total += weight * (constant * own.F + rest * own.at_c(1))
-            continue
-        total += weight * _fraction((constant, rest), n, k, own)
+        total += weight * _fraction((constant, rest), way.pole(r), k, own)
     return total
-
-
-def _polynomial(line: tuple[sp.Expr, sp.Expr], k: int, own: LegendreIntegrals) -> sp.Expr:
-    """∫ (α + βs)ᵏ dφ/Δ."""
-    α, β = line
-    return sp.Add(*(sp.binomial(k, j) * α ** (k - j) * β**j * own.power(j) for j in range(k + 1)))
 
 
 def _fraction(line: tuple[sp.Expr, sp.Expr], n: sp.Expr, k: int, own: LegendreIntegrals) -> sp.Expr:
     """∫ (α + β/(1 − ns))ᵏ dφ/Δ."""
     α, β = line
-    if k > 1 and sp.cancel(sp.together(n - own.m)) == 0:
-        raise NoFormError("a multiple pole at a branch point")
     return sp.Add(*(sp.binomial(k, j) * α ** (k - j) * β**j * own.third(n, j) for j in range(k + 1)))

@@ -137,13 +137,13 @@ def _sides(expression: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
 
 
 def settled(made: Regime, expression: sp.Expr) -> sp.Expr:
-    """An expression with |E| and sign(E) written plainly where the regime says E > 0 or E < 0.
+    """An expression with roots, |E| and sign(E) written plainly where the regime says E > 0 or E < 0.
 
     Args:
         made: the regime.
         expression: of a form.
     """
-    table = dict[sp.Expr, sp.Expr]()
+    table, signed = dict[sp.Expr, sp.Expr](), dict[sp.Expr, sp.Expr]()
     for relation in made.relations:
         if isinstance(relation, (sp.StrictGreaterThan, sp.StrictLessThan)):
             side = 1 if isinstance(relation, sp.StrictGreaterThan) else -1
@@ -152,7 +152,12 @@ def settled(made: Regime, expression: sp.Expr) -> sp.Expr:
                     sp.Abs(gap): side * (relation.lhs - relation.rhs),
                     sp.sign(relation.lhs - relation.rhs): sp.Integer(side),
                 }
-    return expression.xreplace(table) if table else expression
+            if relation.lhs.is_Symbol and relation.rhs == 0:
+                signed[relation.lhs] = side * sp.Dummy(relation.lhs.name, positive=True)
+    if not table:
+        return expression
+    back = {d: s * sp.sign(e) for s, e in signed.items() for d in e.free_symbols}
+    return expression.xreplace(table).xreplace(signed).xreplace(back)
 
 
 def positive_in(made: Regime, expression: sp.Expr) -> bool:

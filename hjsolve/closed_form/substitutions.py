@@ -197,9 +197,22 @@ def _trigonometric(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Ite
     found = _base(square, q, (sp.sin, sp.cos, sp.tan))
     if found is None:
         return
-    κ, function = found
+    line, angle, known = lower is -sp.oo and upper is sp.oo, coordinate.domain.kind == "angle", [found]
+    while (doubled := _of_whole_angle(*known[-1])) is not None and (line or len(known) < 2):
+        known.append(doubled)
+    if line or (angle and known[-1][0] == 1):
+        known = known[-1:]
+    for κ, function in known:
+        yield from _of_multiples(function, κ, coordinate, x, turn=line or (angle and κ == 1))
+
+
+def _of_multiples(
+    function: sp.Expr, κ: sp.Expr, coordinate: Coordinate, x: sp.Symbol, *, turn: bool
+) -> Iterator[Substitution]:  # fmt: skip
+    """A function of sin κq and cos κq."""
+    q = coordinate.symbol
+    lower, upper = extended_domain_ends(coordinate)
     w0, w1 = _scaled(κ, lower), _scaled(κ, upper)
-    turn = (coordinate.domain.kind == "angle" and κ == 1) or (lower is -sp.oo and upper is sp.oo)
     w = κ * q
     even_s, even_c = _even(function, S, C), _even(function, C, S)
     if turn:
@@ -340,7 +353,34 @@ def _base(
         s, c = sine * sp.cos(δ) + cosine * sp.sin(δ), cosine * sp.cos(δ) - sine * sp.sin(δ)
         table[a] = {sp.sin: s, sp.cos: c, sp.tan: s / c}[a.func]
     written = square.xreplace(table).xreplace({sp.sin(u): S, sp.cos(u): C})
-    return None if written.has(u) or written.has(q) else (κ, written)
+    return None if written.has(u) or written.has(q) else (κ, _on_the_circle(written))
+
+
+def _on_the_circle(function: sp.Expr) -> sp.Expr:
+    """A rational function of S and C with S² = 1 − C²: the same however it was typed."""
+    top, bottom = (
+        sp.Poly(sp.rem(sp.expand(part), S**2 + C**2 - 1, S), S, C) for part in sp.fraction(sp.together(function))
+    )
+    if bottom.degree(S) > 0:
+        conjugate = sp.Poly(bottom.as_expr().subs(S, -S), S, C)
+        circle = sp.Poly(S**2 + C**2 - 1, S, C)
+        top, bottom = (sp.rem((part * conjugate), circle) for part in (top, bottom))
+    return sp.cancel(top.as_expr() / bottom.as_expr())
+
+
+def _of_whole_angle(κ: sp.Expr, function: sp.Expr) -> tuple[sp.Expr, sp.Expr] | None:
+    """Sines of 2κq for those of κq, where half a turn changes nothing: 4 cos² (x/2) is 2 + 2 cos x; None elsewhere."""
+    top, bottom = (sp.Poly(part, S, C) for part in sp.fraction(function))
+    odd = {(i + j) % 2 for part in (top, bottom) for i, j in part.monoms()}
+    if len(odd) > 1:
+        return None
+    if odd == {1}:
+        top, bottom = (part * sp.Poly(C, S, C) for part in (top, bottom))
+    above, below = (
+        sp.Add(*(c * (S / 2) ** i * ((1 + C) / 2) ** ((j - i) // 2) for (i, j), c in part.terms()))
+        for part in (top, bottom)
+    )
+    return 2 * κ, _on_the_circle(above / below)
 
 
 def _even(function: sp.Expr, odd: sp.Symbol, kept: sp.Symbol) -> sp.Expr | None:

@@ -53,12 +53,22 @@ def longer_than(expression: sp.Expr, limit: int) -> bool:
 
 
 def multiplied_out(expression: sp.Expr) -> sp.Expr:
-    """A product multiplied out, but not a long one.
+    """A product multiplied out, but not a long one, and not inside functions.
 
     Args:
         expression: of a form.
     """
-    return expression if longer_than(expression, LONGEST) else sp.expand(expression)
+    if longer_than(expression, LONGEST):
+        return expression
+    inside = {f: sp.Dummy(real=True) for f in _outermost(expression)}
+    return sp.expand(expression.xreplace(inside)).xreplace({name: f for f, name in inside.items()})
+
+
+def _outermost(expression: sp.Expr) -> set[sp.Expr]:
+    """The functions in a formula that are in no other."""
+    if isinstance(expression, sp.Function) and not isinstance(expression, (sp.Abs, sp.sign)):
+        return {expression}
+    return set().union(*(_outermost(part) for part in expression.args))
 
 
 def shortened_powers(expression: sp.Expr) -> sp.Expr:
@@ -75,13 +85,22 @@ def shortened_powers(expression: sp.Expr) -> sp.Expr:
 def collected(expression: sp.Expr) -> sp.Expr:
     """A linear combination of elliptic integrals with each written once, its coefficient in factors.
 
+    What has the opposite coefficient, as an integral has at its lower limit, stands in the same bracket.
+
     Args:
         expression: of a form; of any that is not linear in them it is given back.
     """
     coefficients = _linear(expression)
     if coefficients is None or len(coefficients) < 2:
         return expression
-    return sp.Add(*(_factored(c) * one for one, c in coefficients.items()))
+    factored = {one: _factored(c) for one, c in coefficients.items() if c != 0}
+    rest, brackets = factored.pop(sp.S.One, sp.S.Zero), dict[sp.Expr, sp.Expr]()
+    for one, c in sorted(factored.items(), key=lambda pair: sp.default_sort_key(pair[0])):
+        if -c in brackets:
+            brackets[-c] -= one
+        else:
+            brackets[c] = brackets.get(c, sp.S.Zero) + one
+    return rest + sp.Add(*(c * bracket for c, bracket in brackets.items()))
 
 
 def _linear(e: sp.Expr) -> dict[sp.Expr, sp.Expr] | None:
@@ -112,6 +131,20 @@ def _factored(coefficient: sp.Expr) -> sp.Expr:
     if not coefficient.is_Add and not any(f.is_Add for f in coefficient.args):
         return shortened_powers(coefficient)
     return shortened_powers(coefficient if longer_than(coefficient, _FACTORED) else sp.factor(coefficient))
+
+
+def plain_roots(expression: sp.Expr) -> sp.Expr:
+    """A sum with √s in place of s/√s, each root once.
+
+    Args:
+        expression: of constants, linear in each root.
+    """
+    held = [p for p in expression.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2]
+    roots = {p.base: sp.Dummy(positive=True) for p in held}
+    plain = expression.xreplace({p: roots[p.base] * p.base ** (p.exp - sp.S.Half) for p in held})
+    terms = sp.collect(sp.expand(plain), [*roots.values()], evaluate=False)
+    short = sp.Add(*(sp.cancel(sp.together(c)) * r for r, c in terms.items()))
+    return sp.factor(short).xreplace({r: sp.sqrt(base) for base, r in roots.items()})
 
 
 def square_root(radicand: sp.Expr) -> sp.Expr:

@@ -223,7 +223,19 @@ def sample_numbers(piece: CoordinateIntegrals, digits: int = DIGITS + GUARD) -> 
                 numbers[symbol] = ordered_real_roots(polynomial, numbers, digits)[index]
             else:
                 numbers[symbol] = _real(number_of(meaning, numbers))
+        numbers |= {symbol: _real(number_of(meaning, numbers)) for symbol, meaning in piece.rates.items()}
     return numbers
+
+
+def sample_place(piece: CoordinateIntegrals) -> mpmath.mpf:
+    """Where a coordinate is at the sample.
+
+    Args:
+        piece: of the coordinate.
+    """
+    place = piece.sample.places[piece.name]
+    with mp.workdps(DIGITS + GUARD):
+        return mp.mpf(int(place.p)) / int(place.q)
 
 
 def monotone_span(piece: CoordinateIntegrals, integral: PieceIntegral) -> tuple[mpmath.mpf, mpmath.mpf]:
@@ -281,9 +293,7 @@ def value_along(
     q = integrals[0].curve.coordinate.symbol
     with mp.workdps(digits + GUARD):
         numbers = sample_numbers(own)
-        begin, stop = (
-            mp.mpf(int(p.p)) / int(p.q) for p in (own.sample.places[own.name], nearby(own, integrals[0]))
-        )
+        begin, stop = (mp.mpf(int(p.p)) / int(p.q) for p in (own.sample.places[own.name], nearby(own, integrals[0])))
         lasted, expected = (
             value_at(i.value, numbers | {q: stop}) - value_at(i.value, numbers | {q: begin}) for i in integrals
         )

@@ -208,7 +208,6 @@ class UnitTable(Shown):
                 texts = _plus(texts, {self.declared[name]: power})
         return texts
 
-
     def undetermined(self, exponents: Exponents) -> str:
         """The first name of a product whose unit does not follow.
 
@@ -311,6 +310,7 @@ def written(powers: Powers) -> str:
     Args:
         powers: text of a factor → exponent.
     """
+
     def factor(text: str, power: Fraction) -> str:
         base = text if text.isidentifier() else f"({text})"
         return base if power == 1 else f"{base}^{power}" if power.denominator == 1 else f"{base}^({power})"

@@ -120,7 +120,6 @@ class State(ByValue, Shown):
         pi = value.context.pi if hasattr(value, "context") else _pi_of(value)
         return value + 2 * pi * self.turns[name]
 
-
     def as_array(self, *, unwrapped: bool = False) -> Any:
         """Return the state as integrators take it, [q…, p…] in the order of the coordinates.
 

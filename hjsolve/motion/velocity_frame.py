@@ -37,7 +37,7 @@ def factors_of(system: System, velocity_frame: object, given: object) -> tuple[s
             f'velocity_frame: "{COORDINATE}" or "{ORTHONORMAL}" is needed, not {arguments.described(velocity_frame)}'
         )
     if given is None:
-        raise InvalidInputError('velocity_frame: it says what velocity={…} means; leave it out, or give velocity={…}')
+        raise InvalidInputError("velocity_frame: it says what velocity={…} means; leave it out, or give velocity={…}")
     factors = scale_factors(system)
     if factors is None:
         raise InvalidInputError(

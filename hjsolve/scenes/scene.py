@@ -187,9 +187,7 @@ def _initial(table: Toml, entry: Toml, source: str, system: System) -> InitialGr
     if table.get("velocity_frame") == ORTHONORMAL and "initial" in table and "sweep" not in table:
         factors = factors_of(system, ORTHONORMAL, velocity)
         velocity = rates_of(system, data["q"], velocity or {}, factors or ())
-    return InitialGroups(
-        data["q"], velocity, data.get("p"), number(data.get("t", 0), source=f"{source}: initial.t")
-    )
+    return InitialGroups(data["q"], velocity, data.get("p"), number(data.get("t", 0), source=f"{source}: initial.t"))
 
 
 def _times(given: Toml | list[object] | None) -> Times | None:

@@ -46,9 +46,7 @@ def turns_and_rest(
     return whole, rest
 
 
-def _turns(
-    rate: tuple[float, float], upper: Reals, lower: Reals, start: tuple[float, float]
-) -> tuple[Integers, Reals]:
+def _turns(rate: tuple[float, float], upper: Reals, lower: Reals, start: tuple[float, float]) -> tuple[Integers, Reals]:
     p, e = two_product(rate[0], upper)
     e = e + (rate[0] * lower + rate[1] * upper)
     whole = np.rint(p)

@@ -43,6 +43,9 @@ def test_sextics_at_random_are_not(seed: int) -> None:
 )  # fmt: skip
 def test_the_genus_of_known_systems(name: str, coordinate: str, left: int) -> None:
     """Jacobi's geodesics, Neumann's and Garnier's systems live on curves of genus 2."""
-    found = why_no_form(workshop_of(hjsolve.solve(name)).curves[coordinate])
+    proof = why_no_form(workshop_of(hjsolve.solve(name)).curves[coordinate])
+    assert proof.proved
+    assert proof.holds()
+    found = str(proof)
     assert f"by its reflections {left}" in found
     assert ("no Möbius involution reduces it" in found) == (left == 2)

@@ -226,8 +226,10 @@ def scale_factors(system: System) -> tuple[sp.Expr, ...] | None:
     if curved is not None:
         return curved.scales
     M = mass_matrix(system)
-    if M.is_diagonal() and len({M[i, i] for i in range(M.rows)}) == 1 and not M[0, 0].free_symbols & set(
-        _symbols(system)
+    if (
+        M.is_diagonal()
+        and len({M[i, i] for i in range(M.rows)}) == 1
+        and not M[0, 0].free_symbols & set(_symbols(system))
     ):
         return (sp.S.One,) * M.rows
     return None

@@ -246,9 +246,7 @@ def _inside_another(
     numbers.update({u: value.subs(numbers) for u, value in piece.values.items()})
     jacobian = [[sp.diff(e, u).subs(numbers) for u in unknowns] for e in equations]
     with mp.workdps(40):
-        singular = mp.svd_c(
-            mp.matrix([[mp.mpmathify(e.evalf(40)) for e in row] for row in jacobian]), compute_uv=False
-        )
+        singular = mp.svd_c(mp.matrix([[mp.mpmathify(e.evalf(40)) for e in row] for row in jacobian]), compute_uv=False)
         rank = sum(1 for value in singular if abs(value) > mp.mpf(10) ** -20)
     return len(unknowns) - rank in {len(other.free) for other in larger}
 

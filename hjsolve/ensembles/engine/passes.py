@@ -84,9 +84,7 @@ def modes_of(names: Names) -> Modes:
     return Modes(chords=False, kernels=bool(TIMED & names.keys()), oscillations="angles" in names, shifts=False)
 
 
-def integrated(
-    one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bool
-) -> tuple[Sums, TurningPoints, Mask]:
+def integrated(one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bool) -> tuple[Sums, TurningPoints, Mask]:
     """Integrate one coordinate: rotations where it goes round, librations elsewhere.
 
     Args:

@@ -143,5 +143,3 @@ def _share(clearance: Clearance, slow: SlowPlaces, direction: Reals, count: int,
         known = clearance.radius(places.ravel()).reshape(places.shape)
         least: Reals = (known / radii).min(axis=1)
     return least
-
-

@@ -9,10 +9,11 @@ from typing import Any
 
 import sympy as sp
 
-from hjsolve.closed_form.anomalies import TIME
+from hjsolve.closed_form.along_motion import TIME
 from hjsolve.closed_form.closed_forms import closed_forms, own_form
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.named_quantities import needed_names
+from hjsolve.closed_form.why_not import WhyNot
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiDN, JacobiSN
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Code, Formula, Inline, Mathematics, Paragraph, Section, Table, Text
@@ -23,6 +24,7 @@ from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import plain
 from hjsolve.reports.sections.long_formulas import in_parts
 from hjsolve.reports.sections.prose import typeset_prose
+from hjsolve.reports.sections.solution import source_of_equation
 from hjsolve.reports.sections.system_and_verdict import IN_A_CELL, equation, formula, math
 from hjsolve.solution.quadratures import Solution
 
@@ -35,7 +37,12 @@ _WITH_PARAMETER = (
 )  # fmt: skip
 _CONVENTION = (
     "The last argument of K, E, F, Π, sn, cn, dn and am is the parameter m = k², the square of the modulus k; "
-    "the first argument of Π is the characteristic ν."
+    "the first argument of Π is the characteristic ν. "
+)
+_BRANCHES = (
+    "Arc functions of a coordinate hold on the branch on which it grows, up to the next turning point; "
+    "functions of t, ξ and τ hold over all turns. A lower limit q₀ is a constant between the turning points, or one of "
+    "them, a simple zero of p²."
 )
 _WIDEST = NARROW / 0.65
 """Letters of the longest piece of a formula that cannot be broken; it is set smaller on a narrow screen."""
@@ -100,7 +107,8 @@ def _section(form: RegimeForms, number: int) -> Section:
         blocks += told.shown(f"inverse.{q}", e, partial(formula, row(name_box(q), Fence(name_box("t")))))
     blocks += _anomaly(form, told)
     for name, law in form.orbit_equations.items():
-        blocks += told.shown(f"orbit_equations.{name}", law, lambda e: equation(e, "Greenwood (5-70)"))
+        source = source_of_equation(form.solution, name)
+        blocks += told.shown(f"orbit_equations.{name}", law, partial(equation, tag=source))
     for q, e in form.orbit.items():
         blocks += told.shown(f"orbit.{q}", e, partial(formula, row(name_box(q), Fence(_along(form, q)))))
     for q, e in form.parametric.items():
@@ -124,13 +132,15 @@ def _section(form: RegimeForms, number: int) -> Section:
     shown: list[Block] = [block for block in blocks if not isinstance(block, _TooLong)]
     if any(value.has(*_WITH_PARAMETER) for value in form.named().values()):
         shown.append(Paragraph((_CONVENTION,)))
+    if form.solution.coordinates:
+        shown.append(Paragraph((_BRANCHES,)))
     if long:
         shown.append(
             Paragraph(("Forms that take more than a page: ", *_names(long), ". ", Code("form.code()"), " writes them."))
         )
     if form.why_not:
-        missing = tuple((_names(names), typeset_prose(reason, system)) for reason, names in _by_reason(form.why_not))
-        shown.append(Table((("Without a form",), ("Why",)), missing, "What has no closed form"))
+        missing = tuple((_names(names), typeset_prose(text, system)) for text, names in _by_reason(form.why_not))
+        shown.append(Table((("Without a form",), ("Why",)), missing, "Without a closed form: proved, or not found"))
     suffix = f"-{number}" if number else ""
     title = f"Closed forms, regime {number}" if number else "Closed forms"
     return Section(f"closed-forms{suffix}", title, tuple(shown))
@@ -219,10 +229,11 @@ def _by_meaning(where: Mapping[sp.Symbol, object]) -> list[tuple[object, list[tu
     return [(key[1], symbols) for key, symbols in groups.items()]
 
 
-def _by_reason(why_not: Mapping[str, str]) -> list[tuple[str, list[str]]]:
+def _by_reason(why_not: Mapping[str, WhyNot]) -> list[tuple[str, list[str]]]:
     groups: dict[str, list[str]] = {}
     for name, reason in why_not.items():
-        groups.setdefault(reason, []).append(name)
+        mark = "proved" if reason.proved else "not found"
+        groups.setdefault(f"{mark}: {reason}", []).append(name)
     return list(groups.items())
 
 

@@ -137,15 +137,35 @@ def solution_sections(solution: Solution) -> list[Section]:
         law = _jacobi(solution, solution.time_law, "Greenwood (5-71)")
         told = with_names(text, () if letter == "t" else ("t",))
         sections.append(Section("time-law", "Time law", (Paragraph(told), law)))
-    passive = {c.momentum.name for c in solution.separation.shell.ignorable}
     equations = tuple(
-        _jacobi(solution, e, "Greenwood (5-83)" if name in passive else "Greenwood (5-70)")
-        for name, e in solution.orbit_equations.items()
+        _jacobi(solution, e, source_of_equation(solution, name)) for name, e in solution.orbit_equations.items()
     )
     if equations:
-        text = "One equation for each further constant: together they are the orbit, without the time."
+        timed = any(_holds_time(solution, e) for e in solution.orbit_equations.values())
+        text = "One equation for each further constant: together they are the " + (
+            "motion, for they hold the time." if timed else "orbit, without the time."
+        )
         sections.append(Section("orbit", "Orbit equations", (Paragraph((text,)), *equations)))
     return sections
+
+
+def source_of_equation(solution: Solution, name: str) -> str:
+    """Where the book has one of Jacobi's equations other than the time law.
+
+    Args:
+        solution: whose equation.
+        name: of the constant.
+    """
+    if _holds_time(solution, solution.orbit_equations[name]):
+        return "Greenwood (5-76)"
+    passive = {c.momentum.name for c in solution.separation.shell.ignorable}
+    return "Greenwood (5-83)" if name in passive else "Greenwood (5-70)"
+
+
+def _holds_time(solution: Solution, equation: sp.Eq) -> bool:
+    """Whether an equation holds the time, as of a motion without a separated coordinate."""
+    coordinates = {c.symbol for c in solution.system.coordinates}
+    return any(s.name == "t" for s in equation.free_symbols - coordinates)
 
 
 def _jacobi(solution: Solution, law: sp.Eq, tag: str) -> Formula:

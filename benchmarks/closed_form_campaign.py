@@ -1,0 +1,132 @@
+"""Random constants over the regimes of the catalog: forms against the quadrature to 40 digits, and in doubles.
+
+    python -m benchmarks.closed_form_campaign [--motions 100] [--seed 7] [ENTRY …]
+
+Each motion is drawn anew. Its integrals are differentiated back and compared with the quadrature of N/√p² at its own
+constants; periods, actions and frequencies in doubles are compared with the form to 40 digits, in units of the last
+place. One line for each entry, then the worst.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+import hjsolve
+from hjsolve.closed_form.closed_forms import closed_forms
+from hjsolve.closed_form.derive import _piece
+from hjsolve.closed_form.forms import RegimeForms
+from hjsolve.closed_form.sampling import Sample, samples
+from hjsolve.closed_form.verification import flaws
+from hjsolve.closed_form.workshop import Workshop, workshop_of
+
+NUMBERS = ("periods.", "actions.", "frequencies.")
+DIGITS = 40
+
+
+@dataclass(frozen=True)
+class Tried:
+    """One quantity at one motion.
+
+    Attributes:
+        entry: of the catalog.
+        name: of the quantity.
+        ulps: how far the value in doubles is from the form; nan of an integral.
+        flaw: what is wrong with an integral; empty where nothing is.
+    """
+
+    entry: str
+    name: str
+    ulps: float
+    flaw: str
+
+
+def tried(entry: str, motions: int, seed: int) -> Iterator[Tried]:
+    """Every integral, and every number of cycles, of random motions of an entry.
+
+    Args:
+        entry: of the catalog.
+        motions: how many are drawn.
+        seed: of the draw.
+    """
+    solution = hjsolve.solve(entry)
+    shop, forms = workshop_of(solution), closed_forms(solution)
+    for sample in samples(solution, motions, seed, {}):
+        yield from _integrals(entry, shop, sample)
+        form = next((f for f in forms if not f.regime.special and f.regime.holds(sample.values)), None)
+        if form is not None:
+            yield from _doubles(entry, form, sample)
+
+
+def _integrals(entry: str, shop: Workshop, sample: Sample) -> Iterator[Tried]:
+    for name, curves in shop.curves.items():
+        own = _piece(shop, name, curves, {}, sample)
+        if own is None:
+            continue
+        found = flaws(own, list(own.integrals), DIGITS)
+        for key in own.integrals:
+            yield Tried(entry, f"{name}: {key}", math.nan, found.get(key, ""))
+
+
+def _doubles(entry: str, form: RegimeForms, sample: Sample) -> Iterator[Tried]:
+    """Periods, actions and frequencies at the doubles nearest to the constants of a motion."""
+    given = {s.name: float(value) for s, value in sample.values.items()}
+    functions = form.lambdify("numpy")
+    for name, function in functions.items():
+        if not name.startswith(NUMBERS):
+            continue
+        arguments = {n: given[n] for n in function.names}
+        got = float(function(**arguments))
+        if math.isnan(got):
+            continue
+        try:
+            exact = form.evaluate(
+                name, {n: repr(v) for n, v in given.items() if n in _needed(form, name)}, DIGITS
+            ).value
+        except hjsolve.HJSolveError:
+            continue
+        yield Tried(entry, name, float(abs(got - exact)) / float(np.spacing(abs(float(exact)))) if exact else 0.0, "")
+
+
+def _needed(form: RegimeForms, name: str) -> set[str]:
+    return {s.name for s in form.regime.example} | {s.name for s in form.written_out(name).free_symbols}
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Print the counts and the worst.
+
+    Args:
+        arguments: of the command line.
+    """
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--motions", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=7)
+    parser.add_argument("entries", nargs="*")
+    options = parser.parse_args(arguments)
+    every = list[Tried]()
+    for entry in options.entries or hjsolve.catalog.ids("separable"):
+        found = list(tried(entry, options.motions, options.seed))
+        every += found
+        ulps = [one.ulps for one in found if not math.isnan(one.ulps)]
+        wrong = [one for one in found if one.flaw]
+        told = f"worst {max(ulps):.3g} ulp" if ulps else "no numbers"
+        print(
+            f"{entry}: {len(found) - len(ulps)} integrals, {len(ulps)} numbers, {told}, {len(wrong)} differ", flush=True
+        )
+        for one in wrong[:3]:
+            print(f"    {one.name}: {one.flaw}")
+    ulps_of = sorted((one for one in every if not math.isnan(one.ulps)), key=lambda one: -one.ulps)
+    far = sum(one.ulps > 100 for one in ulps_of)
+    print(f"{len(every) - len(ulps_of)} integrals, {sum(bool(one.flaw) for one in every)} differ from the quadrature")
+    print(f"{len(ulps_of)} numbers in doubles, {far} farther than 100 ulp")
+    for one in ulps_of[:10]:
+        print(f"    {one.entry} {one.name}: {one.ulps:.3g} ulp")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
