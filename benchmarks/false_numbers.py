@@ -145,7 +145,7 @@ def by_quadrature(value: Callable[[Any], Any], E: Any, L: Any, r: Any) -> tuple[
             inside, outside = (middle, outside) if F(middle) > 0 else (inside, middle)
         return (inside + outside) / 2
 
-    a, b = end(quadrature.mpf("0.9")), end(1 / quadrature.mpf("0.9"))
+    a, b = end(quadrature.mpf("0.998")), end(1 / quadrature.mpf("0.998"))
 
     def at(s: Any) -> Any:
         return a + (b - a) * quadrature.sin(s / 2) ** 2
