@@ -34,7 +34,7 @@ def held(name: str, many: int = 1000) -> None:
                     assert errors[k] <= 1e-27 * max(1, abs(values[k]))
 
 
-@pytest.mark.parametrize("name", ["kepler-planar", "pendulum"])
+@pytest.mark.parametrize("name", [pytest.param("kepler-planar", marks=pytest.mark.nightly), "pendulum"])
 def test_errors_of_a_thousand_states_hold(name: str) -> None:
     held(name)
 
@@ -45,6 +45,7 @@ def test_errors_of_many_states_hold_over_the_catalog(name: str) -> None:
     held(name, 300)
 
 
+@pytest.mark.nightly
 def test_steps_at_all_times_at_once_leave_few_to_newtons_method(monkeypatch: pytest.MonkeyPatch) -> None:
     """1 000 states of Kepler took 15 s: every one had four steps with slopes in many digits, a series at a time."""
     singly = []
