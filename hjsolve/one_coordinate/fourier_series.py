@@ -250,8 +250,8 @@ def _clenshaw_of_many(coefficients: Numbers, χ: Numbers) -> tuple[Numbers, Numb
     """The same at many phases of many digits, in fixed-point integers: arrays of these cost a tenth of ``mpf``.
 
     Clenshaw's recurrence bₖ = cₖ + 2 cos χ bₖ₊₁ − bₖ₊₂ has one product a term, Horner's rule four, and ends in both
-    sums, b₁ cos χ − b₂ and b₁ sin χ. It magnifies rounding by at most the square of the number of terms, relative to the
-    largest coefficient: the guard bits cover it.
+    sums, b₁ cos χ − b₂ and b₁ sin χ. It magnifies rounding by at most the square of the number of terms, relative to
+    the largest coefficient: the guard bits cover it.
     """
     if not len(coefficients) or not χ.size:
         return 0 * χ, 0 * χ

@@ -90,9 +90,7 @@ def _chebyshev_sum(series: list[Mpf], panel: tuple[Mpf, Mpf], bits: int) -> Call
     bits cover.
     """
     context, (left, right) = multiprecision(bits), panel
-    size = max(abs(c) for c in series)
-    if size == 0:
-        return lambda y: context.mpf(0)
+    size = max(abs(c) for c in series) or context.mpf(1)
     work = bits + 2 * len(series).bit_length() + _GUARD
     first, *others = (int(context.nint(context.ldexp(c / size, work))) for c in series)
     others.reverse()
