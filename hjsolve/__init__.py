@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from hjsolve.errors import ClusterError as ClusterError
     from hjsolve.errors import ExpressionError as ExpressionError
     from hjsolve.errors import ForbiddenMotionError as ForbiddenMotionError
+    from hjsolve.errors import ForbiddenPlaceError as ForbiddenPlaceError
     from hjsolve.errors import HJSolveError as HJSolveError
     from hjsolve.errors import InternalError as InternalError
     from hjsolve.errors import InvalidInputError as InvalidInputError
@@ -97,8 +98,8 @@ _PUBLIC = {
     "scenes": "Scene",
     "extended.gyroscopic": "gyroscopic_modes",
     "extended.linear_hamiltonian": "from_hamiltonian",
-    "errors": "CatalogError ClusterError ExpressionError ForbiddenMotionError HJSolveError InternalError "
-    "InvalidInputError InvalidSystemError MissingExtraError MissingValueError NotConvergedError "
+    "errors": "CatalogError ClusterError ExpressionError ForbiddenMotionError ForbiddenPlaceError HJSolveError "
+    "InternalError InvalidInputError InvalidSystemError MissingExtraError MissingValueError NotConvergedError "
     "NotSeparableError OutsideMotionError ",
 }
 _RENAMED = {"Coordinates": "SeparableCoordinates", "Swept": "SweepResult", "linear_modes": "gyroscopic_modes"}

@@ -55,6 +55,10 @@ class ForbiddenMotionError(InvalidInputError):
         self.name, self.regions = name, regions
 
 
+class ForbiddenPlaceError(InvalidInputError):
+    """No motion starts at the place given: it is outside the domain of a coordinate, or singular."""
+
+
 class NotSeparableError(HJSolveError, ArithmeticError):
     """A solution was asked of a system that does not separate in its coordinates.
 

@@ -175,9 +175,12 @@ def report_command(options: Namespace) -> int:
         print(f"wrote {written}")
         return status
     with TemporaryDirectory() as folder:
-        status, written = _reported(options, Path(folder) / f"report.{options.format or 'txt'}")
-        print(written.read_text(encoding="utf-8"), end="")
-    return status
+        target = Path(folder) / f"report.{options.format or 'txt'}"
+        try:
+            return _reported(options, target)[0]
+        finally:  # a report whose motion is refused, or falls short, is printed before its error
+            if target.exists():
+                print(target.read_text(encoding="utf-8"), end="")
 
 
 def _reported(options: Namespace, target: Path) -> tuple[int, Path]:

@@ -18,9 +18,11 @@ from hjsolve.costs.answers import Answer, Value
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.errors import HJSolveError, NotConvergedError
 from hjsolve.formulas.read import parse
+from hjsolve.functions.many_digits import legendre_e
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import sign, to_bits
 from hjsolve.motion.motion import Motion
+from hjsolve.precision import mp
 from hjsolve.scenes.question import Times
 from hjsolve.scenes.run import first_arguments
 
@@ -64,7 +66,11 @@ class ClosedForm:
         plain = Multi(bits)
         inputs = [to_bits(value)(bits) for value in self.inputs.values()]
         m = self.modulus.run(plain, inputs)[0] if self.modulus is not None else plain.rational(0, 1)
-        inputs += [plain.context.ellipk(m), plain.context.ellipe(m)] if self.modulus is not None else [m, m]
+        if self.modulus is not None:
+            with mp.workprec(bits):
+                inputs += [plain.context.ellipk(m), plain.context.convert(legendre_e(mp.convert(m)))]
+        else:
+            inputs += [m, m]
         fixed = len(self.names) - self.states
         rows = [self.tape.run(plain, [*inputs, to_bits(t - self.start)(bits)]) for t in moments if self.states]
         first = rows[0] if rows else self.tape.run(plain, [*inputs, plain.rational(0, 1)])

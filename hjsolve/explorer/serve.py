@@ -51,6 +51,7 @@ def serve_explorer(
         raise MissingExtraError('the explorer needs NiceGUI: pip install "hjsolve[explore]"') from missing
     from starlette.middleware.trustedhost import TrustedHostMiddleware
 
+    from hjsolve.explorer.bounded_log import bound_logs
     from hjsolve.explorer.gate import Gate
     from hjsolve.explorer.page import ExplorerPage
     from hjsolve.explorer.worker import Workers
@@ -70,6 +71,7 @@ def serve_explorer(
     address = f"/?token={token}"
     app.add_middleware(Gate, token=token, port=chosen, hosts=_NAMES)
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=list(_NAMES))
+    bound_logs()
     app.on_startup(pool.begin)
     app.on_shutdown(pool.end)
     print(f"hjsolve explore: http://{HOST}:{chosen}{address} (Ctrl-C ends it)", flush=True)

@@ -158,6 +158,27 @@ def carlson_rj(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf, p: mpmath.mpf) -> mp
     return (first + 3 * mp.sqrt(x * y * z / (x * z + p * q)) * mp.elliprc(x * z + p * q, p * q)) / (y + q)
 
 
+@for_any_context
+def legendre_e(*arguments: mpmath.mpf) -> mpmath.mpf:
+    """E(m), or E(φ, m), of the parameter m = k², DLMF 19.2.5.
+
+    mpmath's complete integral loses as many digits as 1 − m has zeros: next to a separatrix it is wrong by 10⁻⁴⁴ at 60
+    digits. This one adds positive terms, E = k′²(R_D(0, k′², 1) + R_D(0, 1, k′²))/3, DLMF 19.25.1.
+
+    Args:
+        arguments: m, or φ and m.
+    """
+    *φ, m = arguments
+    complement = 1 - m
+    if mp.im(m) != 0 or complement <= 0 or any(mp.im(angle) != 0 for angle in φ):
+        return mp.ellipe(*arguments)
+    if not φ:
+        return complement * (mp.elliprd(0, complement, 1) + mp.elliprd(0, 1, complement)) / 3
+    turns = mp.nint(φ[0] / mp.pi)
+    rest = mp.ellipe(φ[0] - turns * mp.pi, m) if turns else mp.ellipe(φ[0], m)
+    return 2 * turns * legendre_e(m) + rest if turns else rest
+
+
 def _refuse_negative(*arguments: mpmath.mpf) -> None:
     if any(mp.im(argument) == 0 and mp.re(argument) < 0 for argument in arguments):
         raise ValueError("an argument on the negative axis")

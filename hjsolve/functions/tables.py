@@ -10,6 +10,7 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
 from hjsolve.functions.complex_pole import CarlsonRCIm, CarlsonRCRe, CarlsonRJIm, CarlsonRJRe
 from hjsolve.functions.jacobi import JacobiAM, JacobiCN, JacobiDN, JacobiEpsilon, JacobiSN
+from hjsolve.functions.many_digits import legendre_e
 from hjsolve.functions.printing import DOUBLES, Printable
 from hjsolve.precision import NUMBERS, for_any_context, mp
 
@@ -57,4 +58,4 @@ def own_modules() -> list[dict[str, Callable[..., Any]] | str]:
 
 def _many_digits() -> dict[str, Callable[..., Any]]:
     own = {f.__name__: f.value for f in _OWN}
-    return own | dict(zip(LEGENDRE, (mp.ellipk, mp.ellipf, mp.ellipe, mp.ellippi), strict=True))
+    return own | dict(zip(LEGENDRE, (mp.ellipk, mp.ellipf, legendre_e, mp.ellippi), strict=True))

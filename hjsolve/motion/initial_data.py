@@ -15,7 +15,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.display.shown import Shown
-from hjsolve.errors import InvalidInputError, MissingValueError
+from hjsolve.errors import ForbiddenPlaceError, InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter
 from hjsolve.mechanics.kinks import signs_at
@@ -249,13 +249,13 @@ def clean(value: sp.Expr) -> sp.Expr:
         value: exact number of sympy.
 
     Raises:
-        InvalidInputError: it is infinite.
+        ForbiddenPlaceError: it is infinite.
     """
     value = expanded(value)
     if value.is_Rational:
         return value
     if value.has(sp.zoo, sp.nan, sp.oo):
-        raise InvalidInputError(
+        raise ForbiddenPlaceError(
             "initial data: a constant of the motion is infinite there; the place is a singularity of the coordinates"
         )
     return sp.Integer(0) if number_is_zero(value) else value
@@ -314,7 +314,7 @@ def _inside_domains(system: System, values: Mapping[sp.Symbol, sp.Expr]) -> None
                     f"real number for {given}; choose parameters for which it is"
                 )
             if sign(side * (place - end)) <= 0:
-                raise InvalidInputError(
+                raise ForbiddenPlaceError(
                     f"q[{c.name}]: {place} is outside the domain, which {'begins' if side > 0 else 'ends'} at {bound}"
                 )
 

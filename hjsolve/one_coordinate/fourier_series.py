@@ -231,7 +231,7 @@ def _one(given: list[Mpf | None], even: bool, digits: int, bits: int, floor: flo
 def _horner(coefficients: Numbers, χ: Elementwise) -> tuple[Elementwise, Elementwise]:
     """Σ cₖ cos kχ and Σ cₖ sin kχ for k = 1, 2, …, by Horner's rule in e^{iχ}."""
     if _holds_digits(χ):
-        return _horner_of_many(coefficients, cast("Numbers", χ))
+        return _clenshaw_of_many(coefficients, cast("Numbers", χ))
     context = context_of(χ)
     if context is None:
         wave = np.exp(1j * np.asarray(χ))
@@ -246,11 +246,12 @@ def _horner(coefficients: Numbers, χ: Elementwise) -> tuple[Elementwise, Elemen
     return number.real, number.imag
 
 
-def _horner_of_many(coefficients: Numbers, χ: Numbers) -> tuple[Numbers, Numbers]:
+def _clenshaw_of_many(coefficients: Numbers, χ: Numbers) -> tuple[Numbers, Numbers]:
     """The same at many phases of many digits, in fixed-point integers: arrays of these cost a tenth of ``mpf``.
 
-    Each step rounds down by less than a unit, so n terms leave 2n units of 2⁻ʷᵒʳᵏ times the largest coefficient, with
-    as many guard bits as n has.
+    Clenshaw's recurrence bₖ = cₖ + 2 cos χ bₖ₊₁ − bₖ₊₂ has one product a term, Horner's rule four, and ends in both
+    sums, b₁ cos χ − b₂ and b₁ sin χ. It magnifies rounding by at most the square of the number of terms, relative to
+    the largest coefficient: the guard bits cover it.
     """
     if not len(coefficients) or not χ.size:
         return 0 * χ, 0 * χ
@@ -259,18 +260,17 @@ def _horner_of_many(coefficients: Numbers, χ: Numbers) -> tuple[Numbers, Number
     largest = max(map(abs, numbers))
     if not largest:
         return 0 * χ, 0 * χ
-    work = context.prec + len(numbers).bit_length() + _GUARD
-    unit = context.ldexp(1 / largest, work)
-    fixed = [int(context.nint(c * unit)) for c in numbers]
-    turns = [context.cos_sin(x) for x in χ.flat]
-    cosine, sine = (np.array([int(context.ldexp(w[i], work)) for w in turns], dtype=object) for i in (0, 1))
-    re, im = 0 * cosine, 0 * sine
+    work = context.prec + 2 * len(numbers).bit_length() + _GUARD
+    shift = work - int(context.mag(largest))
+    fixed = [int(context.nint(context.ldexp(c, shift))) for c in numbers]
+    fine = multiprecision(work)
+    turns = [fine.cos_sin(fine.convert(x)) for x in χ.flat]
+    cosine, sine = (np.array([int(fine.ldexp(w[i], work)) for w in turns], dtype=object) for i in (0, 1))
+    twice, b, after = 2 * cosine, 0 * cosine, 0 * cosine
     for c in reversed(fixed):
-        re = re + c
-        re, im = (re * cosine - im * sine) >> work, (re * sine + im * cosine) >> work
-    scale = context.ldexp(largest, -work)
-    number = np.frompyfunc(lambda n: context.mpf(n) * scale, 1, 1)
-    return number(re).reshape(χ.shape), number(im).reshape(χ.shape)
+        b, after = (twice * b >> work) - after + c, b
+    number = np.frompyfunc(lambda n: context.mpf((n, -shift)), 1, 1)
+    return number((b * cosine >> work) - after).reshape(χ.shape), number(b * sine >> work).reshape(χ.shape)
 
 
 def _holds_digits(χ: Elementwise) -> bool:

@@ -14,6 +14,7 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels, chebyshev_points, integrated_row
 from hjsolve.one_coordinate.panel_length import Surroundings, longest, nodes_for
+from hjsolve.one_coordinate.time_on_the_way import stopwatch
 
 _MAX_PANELS = 1600
 _GROWTH, _LONGEST, _FIRST = 4.0, 8.0, 2.0
@@ -88,12 +89,14 @@ class Growing:
             enough: (y, integrals so far) ↦ True when the branch is long enough.
 
         Raises:
+            TooSlowError: not in the time that it may take.
             NotConvergedError: too many panels; the integrand could not be shown to be analytic along the branch.
         """
-        count = 0
+        count, check = 0, stopwatch(self.digits)
         with self.lock:
             while count < len(self.values) or not self.over:
                 if count == len(self.values):
+                    check(lambda: f"the integrals on the way to {self.way.end}; {self._reached(self.edges[-1])}")
                     self._grow()
                 count += 1
                 if enough(self.edges[count], self.totals[count - 1]):

@@ -94,12 +94,13 @@ def reached(start: CoordinateStart, side: int, digits: int) -> Reached:
         NotConvergedError: it comes to rest at a kink from which it may go on or go back.
     """
     k, origin = cell_of(start, side), start.place
+    inner = cell_of(start, -side) == k
     while True:
         cell = start.cells[k]
         last = cell.upper if side > 0 else cell.lower
         reach = None if last is None else partial(_distance, origin, last)
         if reach is None or reach(_BITS) > 0:
-            begin = origin if origin is start.place else _inside(cell.radicand, origin, side, reach)
+            begin = origin if inner and origin is start.place else _inside(cell.radicand, origin, side, reach)
             reach = None if last is None else partial(_distance, begin, last)
             end = first_end(Ray(cell.radicand, begin, side, reach), digits=digits)
         else:

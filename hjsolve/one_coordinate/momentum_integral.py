@@ -8,6 +8,7 @@ new must be proved of p².
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -21,6 +22,7 @@ from hjsolve.one_coordinate.open_branch import Branch
 _TERMS = 48
 """Degree that the elementary factor may need on a panel, for 15 digits; more digits more."""
 _HALVINGS = 200
+_GUARD = 32
 
 
 @lru_cache(maxsize=32)
@@ -66,11 +68,11 @@ def _product(
     arithmetic, context = Multi(bits), multiprecision(bits)
     low, high = part
     points = chebyshev_points(smooth(len(series) + _TERMS * max(1, digits // 15)), bits)
-    samples = []
+    samples, summed = [], _chebyshev_sum(series, panel, bits)
     for x in points:
         y = low + (high - low) * (1 + x) / 2
         slope = way.position(y, arithmetic)[1]
-        samples.append(_clenshaw(series, y, panel) * slope * slope / way.rest(y, arithmetic))
+        samples.append(summed(y) * slope * slope / way.rest(y, arithmetic))
     if any(isinstance(value, context.mpc) for value in samples):
         return None
     product = [context.fsum(samples) / len(samples), *waves(samples, even=True, bits=bits)[0]]
@@ -81,13 +83,27 @@ def _product(
     return product[:kept] if kept <= len(product) - 6 else None
 
 
-def _clenshaw(series: list[Mpf], y: Mpf, panel: tuple[Mpf, Mpf]) -> Mpf:
-    left, right = panel
-    x2 = 2 * ((y - left) - (right - y)) / (right - left)
-    b1 = b2 = 0 * x2
-    for c in series[:0:-1]:
-        b1, b2 = x2 * b1 - b2 + c, b1
-    return x2 / 2 * b1 - b2 + series[0]
+def _chebyshev_sum(series: list[Mpf], panel: tuple[Mpf, Mpf], bits: int) -> Callable[[Mpf], Mpf]:
+    """Sum a Chebyshev series of a panel by Clenshaw's recurrence, in fixed-point integers as ``clenshaw.Fixed``.
+
+    The rounding is that of the largest coefficient, times at most the square of the number of terms, which the guard
+    bits cover.
+    """
+    context, (left, right) = multiprecision(bits), panel
+    size = max(abs(c) for c in series) or context.mpf(1)
+    work = bits + 2 * len(series).bit_length() + _GUARD
+    first, *others = (int(context.nint(context.ldexp(c / size, work))) for c in series)
+    others.reverse()
+    unit = context.ldexp(size, -work)
+
+    def value(y: Mpf) -> Mpf:
+        x = int(context.nint(context.ldexp(((y - left) - (right - y)) / (right - left), work)))
+        twice, b, after = 2 * x, 0, 0
+        for c in others:
+            b, after = c + (twice * b >> work) - after, b
+        return unit * ((x * b >> work) - after + first)
+
+    return value
 
 
 def _assembled(edges: list[Mpf], values: list[list[Mpf]], sums: list[list[Mpf]], nodes: int, digits: int) -> Panels:

@@ -14,6 +14,7 @@ from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels
 from hjsolve.one_coordinate.growing_panels import Growing
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.panel_integrands import Sight, Surrounding
+from hjsolve.one_coordinate.time_on_the_way import TooSlowError
 
 _MOST_BITS = 16384
 _FINE = 8
@@ -179,5 +180,7 @@ def _as_far_as_known(branch: Branch, weights: tuple[float, ...] | None, power: i
     """The same, or all panels there are."""
     try:
         return _panels(branch, weights, power)
+    except TooSlowError:  # what is known by then depends on the machine
+        raise
     except NotConvergedError:
         return _growing(branch).known()

@@ -23,6 +23,7 @@ from hjsolve.arithmetic.root_finding import bracketed_root, leading_power
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.momentum_squared import Number
 from hjsolve.one_coordinate.ray import Ray, SimpleZero
+from hjsolve.one_coordinate.time_on_the_way import stopwatch
 
 EndKind = Literal["turning", "wall", "asymptote", "boundary", "fall", "infinity", "round", "kink"]
 _LAST_BITS = 2048
@@ -151,11 +152,13 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
     """Decide cells in their order: the first end in them, or None where p² stays positive.
 
     Raises:
+        TooSlowError: not in the time that it may take.
         NotConvergedError: the work is beyond ``_MOST_WORK``: interval arithmetic does not see what p² does there.
     """
-    work, outlook = 0, _Outlook(ray)
+    work, outlook, check = 0, _Outlook(ray), stopwatch(digits)
     while cells:
         first = cells[0]
+        check(partial(_sought, ray, first))
         stubborn = first.undecided and (first.vague or first.depth >= _STUBBORN)
         if (first.overflowed or stubborn) and outlook.clear(first.ends[0]):
             return None
@@ -177,6 +180,10 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
             return found
         cells = cells[1:]
     return None
+
+
+def _sought(ray: Ray, cell: _Cell) -> str:
+    return f"where p² vanishes beyond q = {float(ray.place(cell.ends[0], 128)):.9g}"
 
 
 class _Outlook:

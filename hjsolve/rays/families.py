@@ -10,6 +10,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.display.by_value import ByValue
 from hjsolve.display.renderers import renderer
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
@@ -33,7 +34,7 @@ _ORBITS = {"constants": 12, "place": 48}
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Wavefronts(Shown):
+class Wavefronts(ByValue, Shown):
     """Lines of equal W, orbits and caustics of a family of motions; made by ``wavefronts``.
 
     Attributes:
@@ -51,7 +52,7 @@ class Wavefronts(Shown):
     orbits: tuple[FamilyCurve, ...]
     caustics: tuple[FamilyCurve, ...]
     motion: Motion = field(repr=False)
-    maker: SameConstants | SamePlace = field(repr=False)
+    maker: SameConstants | SamePlace = field(repr=False, compare=False)
 
     def _label(self) -> str:
         return f"wavefronts of the same {self.family}"

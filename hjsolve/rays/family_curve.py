@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.number_types import Reals
+from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.state import Errors, Placing, State
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class FamilyCurve(Shown):
+class FamilyCurve(ByValue, Shown):
     """A wavefront, an orbit or a caustic of a family.
 
     Attributes:
@@ -32,8 +33,8 @@ class FamilyCurve(Shown):
     value: float
     q: Mapping[str, Reals]
     p: Mapping[str, Reals]
-    errors: Callable[[], Errors] = field(repr=False)
-    placing: Placing | None = field(repr=False)
+    errors: Callable[[], Errors] = field(repr=False, compare=False)
+    placing: Placing | None = field(repr=False, compare=False)
 
     def _label(self) -> str:
         return f"{self.kind} {self.value:.6g}"

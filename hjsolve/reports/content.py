@@ -14,7 +14,13 @@ import sympy as sp
 from hjsolve import catalog
 from hjsolve.arguments import refuse_unused
 from hjsolve.catalog import moving_frames
-from hjsolve.errors import InvalidInputError, NotConvergedError, NotSeparableError
+from hjsolve.errors import (
+    ForbiddenMotionError,
+    ForbiddenPlaceError,
+    InvalidInputError,
+    NotConvergedError,
+    NotSeparableError,
+)
 from hjsolve.extended.moving_frame import Frame
 from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
@@ -54,6 +60,7 @@ class Material:
         frame: of an entry whose system as posed contains the time; None for every other.
         initial: of a motion of a system that is not solved; None where none is known.
         failure: why no motion could be started; empty where it could, or none was asked.
+        refused: what is wrong with the initial data; None where they give a motion.
         clock: part → seconds.
     """
 
@@ -65,6 +72,7 @@ class Material:
     frame: Frame | None = None
     initial: Mapping[str, Any] | None = None
     failure: str = ""
+    refused: ForbiddenMotionError | ForbiddenPlaceError | None = None
     clock: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -117,7 +125,7 @@ def gather(
     if solution is None:
         return Material(verdict, entry=entry, frame=frame, initial=initial_of(entry, initial, motion)[0], clock=clock)
     data, summary = initial_of(entry, initial, motion)
-    started, failure = None, ""
+    started, failure, refused = None, "", None
     if data:
         try:
             started = _timed(
@@ -125,7 +133,9 @@ def gather(
             )
         except NotConvergedError as error:
             failure = told(error)
-    return Material(verdict, solution, started, entry, summary, frame, failure=failure, clock=clock)
+        except (ForbiddenMotionError, ForbiddenPlaceError) as error:
+            refused = error
+    return Material(verdict, solution, started, entry, summary, frame, failure=failure, refused=refused, clock=clock)
 
 
 def told(error: NotConvergedError) -> str:
@@ -240,6 +250,8 @@ def _document(material: Material, letters: Mapping[sp.Expr, sp.Symbol], *, brief
         if not brief:
             sections.append(_timed(clock, "wavefronts", lambda: wavefront_section(given)))
             sections.append(_timed(clock, "map of all motions", lambda: energy_momentum_section(given)))
+    elif material.refused is not None:
+        sections.append(_refused_motion(material.refused))
     elif material.solution is not None and not failures:
         sections.append(_no_numbers(system))
     if failures:
@@ -266,6 +278,16 @@ def _add_numbers(
     except NotConvergedError as error:
         failures.append(told(error))
     return trace
+
+
+def _refused_motion(error: Exception) -> Section:
+    text = f"The initial data give no motion, so there are no numbers and no drawings. {_sentence(error)}"
+    return Section("unsettled", "What is wrong with the motion", (Note((text,)),))
+
+
+def _sentence(error: Exception) -> str:
+    words = " ".join(str(error).split())
+    return f"{words[:1].upper()}{words[1:]}" + ("" if words.endswith((".", "!", "?")) else ".")
 
 
 def _fell_short(failures: list[str]) -> Section:

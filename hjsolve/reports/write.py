@@ -99,7 +99,9 @@ def report(
         The path written.
 
     Raises:
-        InvalidInputError: another suffix, a path that cannot be written, or a subject that cannot be reported.
+        InvalidInputError: another suffix, a path that cannot be written, or a subject that cannot be reported. Where
+            the initial data give no motion (a forbidden one, or a place outside the domain), the report is written all
+            the same, with the verdict and what is wrong with the motion.
         NotConvergedError: a number fell short of the digits asked; the report is written all the same, and says which.
 
     Example:
@@ -218,7 +220,8 @@ def save(
         The path.
 
     Raises:
-        InvalidInputError: the file cannot be written, or there is no motion that could be live.
+        InvalidInputError: the file cannot be written, or there is no motion that could be live; the motion is refused,
+            and the report without it is written all the same.
         NotConvergedError: a number fell short; the report is written all the same.
     """
     from hjsolve.reports.sections.cost import with_cost
@@ -226,10 +229,12 @@ def save(
     content = document(material, brief=brief)
     if material.motion is not None:
         content = with_cost(content, material.motion, cost, progress)
-    if live and material.motion is None:
+    if live and material.motion is None and material.refused is None:
         refuse_live(live)
     moving = partial(with_live_part, motion=material.motion, sliders=sliders) if live and material.motion else None
     path = write_document(content, target, moving, title=title)
+    if material.refused is not None:
+        raise material.refused
     if content.unsettled:
         raise NotConvergedError(f"{content.unsettled}; everything else was written to {path}")
     return path

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from hjsolve.catalog.toml_file import Toml
+from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.mechanics.system import System
 from hjsolve.scenes.events import Event
@@ -84,7 +85,7 @@ class OrbitAsked:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Question(Shown):
+class Question(ByValue, Shown):
     """What one question calls for.
 
     Attributes:

@@ -54,13 +54,28 @@ def critical_map():
     return hjsolve.energy_momentum_map(entries.solution("spherical-pendulum"))
 
 
-@pytest.mark.parametrize("make", [states, critical_map])
+def scene():
+    return hjsolve.Scene.load({"system": "pendulum", "want": ["periods"]})
+
+
+def fronts():
+    return hjsolve.wavefronts(entries.motion("kepler-planar"), fronts=4, orbits=3)
+
+
+@pytest.mark.parametrize("make", [states, critical_map, scene, fronts])
 def test_a_copy_with_arrays_equals_its_original_and_another_value_does_not(make):
     value = make()
     assert (pickle.loads(pickle.dumps(value)) == value) is True
     assert (copy.deepcopy(value) == value) is True
     assert (value != value) is False
     assert (value == 1) is False
+
+
+def test_scenes_and_wavefronts_of_equal_questions_are_equal():
+    assert scene() == scene()
+    assert scene() != hjsolve.Scene.load({"system": "pendulum", "want": ["actions"]})
+    assert fronts() == fronts()
+    assert fronts() != hjsolve.wavefronts(entries.motion("kepler-planar"), fronts=5, orbits=3)
 
 
 def test_states_at_other_times_are_not_equal():

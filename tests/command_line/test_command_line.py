@@ -155,8 +155,6 @@ BAD: dict[str, tuple[list[str], str]] = {
     "bad value": (["report", "pendulum", "-o", "p.html", "--q", "theta", "--velocity", "theta=1"], "--q"),
     "value no number": (["report", "pendulum", "-o", "p.html", "--q", "theta=one", "--velocity", "theta=0"], "one"),
     "unknown motion": (["report", "pendulum", "-o", "p.html", "--motion", "wild"], "wild"),
-    "outside the domain": (["report", "kepler-planar", "-o", "k.html", "--q", "r=-1", "--q", "theta=0", "--velocity", "r=0",
-                            "--velocity", "theta=1"], "r"),
     "digits": (["report", "pendulum", "-o", "p.html", "--digits", "-3"], "digits"),
     "digits no number": (["report", "pendulum", "-o", "p.html", "--digits", "many"], "digits"),
     "show nothing": (["catalog", "show"], "an entry is needed"),

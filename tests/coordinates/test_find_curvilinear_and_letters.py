@@ -16,6 +16,7 @@ _SPACE = {"x": "line", "y": "line", "z": "line"}
 _T3 = "(dot(x)**2 + dot(y)**2 + dot(z)**2)/2"
 
 
+@pytest.mark.nightly
 def test_a_galaxy_with_letters_in_cylindrical_coordinates_moves_as_in_x_y_z() -> None:
     square = "(x**2+y**2)"
     flat = System(_SPACE, _T3, _KUZMIN.format(square, square), _LETTERS)

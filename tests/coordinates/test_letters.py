@@ -23,7 +23,9 @@ def test_forty_systems_have_the_charts_that_they_have_with_numbers() -> None:
     assert letters < 2 * numbers
 
 
-@pytest.mark.parametrize("name", ["two centres off the axes, plane", "Kepler elsewhere, plane"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("two centres off the axes, plane", marks=pytest.mark.nightly), "Kepler elsewhere, plane"]
+)
 def test_letters_of_places_leave_the_chart(name: str) -> None:
     """It was refused, or took 13 times as long: axes with nested roots, ten members of each family worked out."""
     (one,) = [one for one in ALL if one.label == name]
@@ -40,7 +42,10 @@ def test_a_centre_of_letters_in_space_is_no_type_error() -> None:
     assert str(transformation["z"]) == "c + r*cos(theta)"
 
 
-@pytest.mark.parametrize("potential", ["-1/sqrt(x**2+y**2+z**2)", "-exp(-sqrt((x-1)**2+y**2+z**2))"])
+@pytest.mark.parametrize(
+    "potential",
+    [pytest.param("-1/sqrt(x**2+y**2+z**2)", marks=pytest.mark.nightly), "-exp(-sqrt((x-1)**2+y**2+z**2))"],
+)
 def test_spherical_potentials_have_z_as_polar_axis(potential: str) -> None:
     """actions["phi"] was L_x."""
     space = System({"x": "line", "y": "line", "z": "line"}, "(dot(x)**2 + dot(y)**2 + dot(z)**2)/2", potential)

@@ -11,7 +11,7 @@ exact = mpmath.MPContext()
 exact.dps = 50
 
 
-@pytest.mark.parametrize("digits", [15, 30])
+@pytest.mark.parametrize("digits", [15, pytest.param(30, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize(
     ("V", "v", "law"),
     [

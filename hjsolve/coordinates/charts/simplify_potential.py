@@ -167,6 +167,7 @@ def short(expression: sp.Expr) -> sp.Expr:
     """
     if expression.is_Atom or expression.is_Function:
         return expression
+    check_time()
     return _circular(sp.factor(_reduced(sp.together(expression))))
 
 

@@ -8,7 +8,7 @@ from random import Random
 
 import sympy as sp
 
-from hjsolve.algebra.time_limit import seconds_left
+from hjsolve.algebra.time_limit import check_time, seconds_left
 from hjsolve.coordinates.charts.charts import MERIDIAN, CoordinateRange, SeparableChart, chart
 from hjsolve.coordinates.charts.covering import covering_chart
 from hjsolve.coordinates.charts.simplify_potential import ChangeOfVariables
@@ -80,6 +80,7 @@ def web_of(geometry: Geometry | Web, cartesian: Cartesian, *, budget: float | No
     potential = carrier.carry(in_frame)
     speeds = [sp.Symbol(f"dot({name})", real=True) for name in names]
     kinetic = cartesian.mass / 2 * sp.Add(*(h * v**2 for h, v in zip(local.scale, speeds, strict=True)))
+    check_time()
     ranges = [_range(s, where, potential) for s, where in zip(local.symbols, local.ranges, strict=True)]
     transformed = System(
         {name: where.text(name) for name, where in zip(names, ranges, strict=True)},
@@ -173,6 +174,7 @@ def domain_sign(local: SeparableChart, cartesian: Cartesian) -> Callable[[sp.Exp
             return 1 if expression.is_positive else -1
         if not expression.free_symbols & set(local.symbols):
             return 0
+        check_time()
         values = [expression.xreplace(point).evalf(20) for point in points]
         if not all(v.is_real for v in values):
             return 0

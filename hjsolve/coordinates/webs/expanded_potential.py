@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import sympy as sp
 
+from hjsolve.algebra.time_limit import check_time
 from hjsolve.coordinates.webs.orthonormal_frames import tidy_constant
 
 
@@ -16,6 +17,7 @@ def flattened(expression: sp.Expr, X: Sequence[sp.Symbol]) -> sp.Expr:
         expression: with polynomials in X inside of functions.
         X: Cartesian coordinates.
     """
+    check_time()
     if not expression.free_symbols & set(X) or expression in X:
         return expression
     if expression.is_polynomial(*X):

@@ -111,9 +111,11 @@ def unit(v: Sequence[sp.Expr]) -> Vector:
     entries = [tidy_constant(c) for c in v]
     lead = next(c for c in entries if c != 0)
     if any(c.free_symbols for c in entries):
+        check_time()
         entries = [sp.S.Zero if c == 0 else sp.S.One if c == lead else sp.radsimp(sp.cancel(c / lead)) for c in entries]
         if all(c.is_rational_function() for c in entries):
             common = reduce(sp.lcm, (sp.denom(sp.together(c)) for c in entries))
+            check_time()
             entries = [sp.factor(sp.cancel(c * common)) for c in entries]
         length = real_root(sp.simplify(norm_squared(entries)))
         return tuple(c / length for c in entries)

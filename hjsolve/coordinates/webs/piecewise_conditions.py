@@ -145,6 +145,7 @@ def _single(search: _Search, branch: _Branch) -> list[_Branch]:
     """Eliminate one unknown from irreducible polynomials."""
     polynomials, unknowns = branch.equations, search.unknowns
     for p in polynomials:
+        check_time()
         for u in unknowns:
             if p.has(u) and sp.degree(p, u) == 1 and not sp.Poly(p, u).LC().free_symbols & set(unknowns):
                 return _split(search, branch.put(u, sp.expand(-p.subs(u, 0) / sp.Poly(p, u).LC())))
@@ -183,6 +184,7 @@ def _representative(search: _Search, branch: _Branch) -> list[_Branch]:
 
 def _real_roots(p: sp.Expr, u: sp.Symbol) -> list[sp.Expr]:
     """Return the real roots of an irreducible polynomial; TooHardError where radicals do not show them to be real."""
+    check_time()
     polynomial = sp.Poly(p, u)
     found = [r for r in sp.roots(polynomial) if r.is_real is not False and not r.has(sp.I)]
     if polynomial.degree() > 2 and (p.free_symbols != {u} or not _rational(polynomial)):

@@ -12,7 +12,7 @@ import sympy as sp
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import AtTimes, Elementwise, Numbers, Reals
-from hjsolve.errors import InternalError, InvalidInputError, NotConvergedError, NotSeparableError
+from hjsolve.errors import ForbiddenPlaceError, InternalError, InvalidInputError, NotConvergedError, NotSeparableError
 from hjsolve.motion import quantities
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.initial_data import Initial, clean, domain_ends, with_numbers
@@ -198,7 +198,7 @@ def motion_through_poles(
         if on is not None:
             return on
     if at_end:
-        raise InvalidInputError(
+        raise ForbiddenPlaceError(
             f"q: the motion starts where {at_end} is at an end of its domain, and T or V is singular there; start it "
             "at a place a little before"
         )
