@@ -18,6 +18,7 @@ from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.reduction import reduced
 from hjsolve.closed_form.signs import Signs
+from hjsolve.errors import required
 
 
 @dataclass(frozen=True)
@@ -84,8 +85,7 @@ class BasicIntegral:
     @property
     def pole(self) -> sp.Expr:
         """R, of an integrand that has a pole."""
-        assert self.place is not None
-        return self.place
+        return required(self.place)
 
     def integrand(self, x: sp.Symbol) -> sp.Expr:
         """The rational factor of the integrand.

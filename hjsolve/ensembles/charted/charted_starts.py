@@ -21,6 +21,7 @@ from hjsolve.ensembles.engine.columns import Columns, blank, put
 from hjsolve.ensembles.engine.engine import Engine
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.status import UNDECIDED, Status
+from hjsolve.errors import required
 
 _FINER = 2.0**-44
 _SAFETY = 2
@@ -52,8 +53,7 @@ class ChartedStarts(Starts):
 
     def precise(self) -> Starts:
         """Return the same with momenta in two doubles."""
-        assert self.chart is not None
-        return in_two_doubles(self.chart, self)
+        return in_two_doubles(required(self.chart), self)
 
 
 def charted_starts(chart: ChartMap, x: Reals, rates: Reals) -> ChartedStarts:
@@ -121,8 +121,7 @@ def _shake(chart: ChartMap, engine: Engine, columns: Columns, starts: Starts, of
         doubtful = (errors * (1 + shaken / _LEAST)).max(axis=0) > _MOST
         again = np.flatnonzero(doubtful & (columns.status == Status.OK))
         if len(again):
-            assert starts.velocity is not None
-            q, given, n = starts.q[:, again], starts.velocity[:, again], len(off)
+            q, given, n = starts.q[:, again], required(starts.velocity)[:, again], len(off)
             exact = exact_point(chart, q, given[:n], given[n:])
             near = np.stack([np.abs((u.high - row) + u.low) for u, row in zip(exact, q, strict=True)])
             shaken[again] = np.sum(near * rates[:, again], axis=0)
@@ -168,10 +167,10 @@ def in_two_doubles(chart: ChartMap, starts: Starts) -> Starts:
         chart: the map.
         starts: made by it.
     """
-    assert starts.velocity is not None
+    velocity = required(starts.velocity)
     q, n = starts.q, len(starts.q)
     with np.errstate(all="ignore"):
-        exact = exact_starts(chart, q, starts.velocity[:n], starts.velocity[n:])
+        exact = exact_starts(chart, q, velocity[:n], velocity[n:])
         high, low, lost = exact.high.copy(), exact.low.copy(), exact.lost
         spread = _SAFETY * lost
         for row, k in enumerate(_separated(chart)):
