@@ -12,6 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from hjsolve.arithmetic.chebyshev import clenshaw, in_panel
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.arithmetic.fourier import smooth, waves
 from hjsolve.arithmetic.number_types import Mpf, Numbers
@@ -70,7 +71,7 @@ def _product(
     for x in points:
         y = low + (high - low) * (1 + x) / 2
         slope = way.position(y, arithmetic)[1]
-        samples.append(_clenshaw(series, y, panel) * slope * slope / way.rest(y, arithmetic))
+        samples.append(clenshaw(series, in_panel(y, *panel)) * slope * slope / way.rest(y, arithmetic))
     if any(isinstance(value, context.mpc) for value in samples):
         return None
     product = [context.fsum(samples) / len(samples), *waves(samples, even=True, bits=bits)[0]]
@@ -79,15 +80,6 @@ def _product(
         (k for k in range(len(product), 0, -1) if abs(product[k - 1]) > size * context.mpf(10) ** -(digits + 3)), 1
     )
     return product[:kept] if kept <= len(product) - 6 else None
-
-
-def _clenshaw(series: list[Mpf], y: Mpf, panel: tuple[Mpf, Mpf]) -> Mpf:
-    left, right = panel
-    x2 = 2 * ((y - left) - (right - y)) / (right - left)
-    b1 = b2 = 0 * x2
-    for c in series[:0:-1]:
-        b1, b2 = x2 * b1 - b2 + c, b1
-    return x2 / 2 * b1 - b2 + series[0]
 
 
 def _assembled(edges: list[Mpf], values: list[list[Mpf]], sums: list[list[Mpf]], nodes: int, digits: int) -> Panels:
