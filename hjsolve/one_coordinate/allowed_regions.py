@@ -19,7 +19,7 @@ from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.turning_points import End, first_end
 
-MOST = 4
+MOST_REGIONS = 4
 """Regions looked for on each side (a coordinate that winds for ever may have infinitely many)."""
 
 
@@ -91,7 +91,7 @@ def every_region(start: CoordinateStart, digits: int) -> list[AllowedRegion]:
 
 
 def _along(
-    start: CoordinateStart, end: End, side: int, digits: int, last: End | None = None, most: int = MOST
+    start: CoordinateStart, end: End, side: int, digits: int, last: End | None = None, most: int = MOST_REGIONS
 ) -> list[AllowedRegion]:
     """Regions from an end outward; for an angle, up to the first region itself a turn later (``last``)."""
     found: list[AllowedRegion] = []

@@ -28,7 +28,8 @@ DEGREE = 11
 _GROWTH_NODES = 20
 _TOLERANCE = 1e-15
 _CELLS = 4
-_MOST = 4000
+_MOST_PANELS = 4000
+"""Above which there is no table: 48 000 coefficients a quantity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +178,7 @@ def tabulate(
         left, right = left[~good], right[~good]
         middle = _halfway(left, right)
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
-        if sum(len(d[0]) for d in done) + len(left) > _MOST:
+        if sum(len(d[0]) for d in done) + len(left) > _MOST_PANELS:
             raise NotConvergedError("the motion is too rough for a table of positions")
     order = np.argsort(np.concatenate([d[0] for d in done]), kind="stable")
     lengths = np.concatenate([d[1] for d in done])[order]

@@ -116,6 +116,24 @@ def test_the_rule_against_eval_sees_what_it_forbids() -> None:
     assert [what.split(":")[0] for what in sorted(said)] == ["line 1", "line 2", "line 3", "line 6", "line 8"]
 
 
+def without_a_noun(tree: ast.Module) -> list[str]:
+    """Constants of a module that name an amount, but not of what."""
+    targets = [target for node in tree.body if isinstance(node, ast.Assign) for target in node.targets]
+    return [
+        name.id
+        for target in targets
+        for name in ast.walk(target)
+        if isinstance(name, ast.Name) and name.id.lstrip("_") in {"MOST", "STEPS", "HALVINGS", "SAFETY"}
+    ]
+
+
+def test_constants_say_of_what_they_are() -> None:
+    rooms = [ROOT / "hjsolve" / room for room in ("arithmetic", "ensembles/engine", "one_coordinate", "time_law")]
+    paths = [path for room in rooms for path in room.rglob("*.py")]
+    assert not {named(path): names for path in paths if (names := without_a_noun(tree_of(path)))}
+    assert without_a_noun(ast.parse("_MOST, _FEW = 3, 1\nMOST_NODES = 4")) == ["_MOST"]
+
+
 @pytest.mark.nightly
 def test_median_body_is_short() -> None:
     sizes = sorted(body_lines(f) for path in SOURCES for f in ast.walk(tree_of(path)) if isinstance(f, FUNCTIONS))
