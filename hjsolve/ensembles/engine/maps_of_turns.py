@@ -1,4 +1,7 @@
-"""Maps from χ to the angle of rotations: tables that grow as orbits need them; the anomalies are those of ``nodes``."""
+"""Maps from χ to the angle of rotations: tables that grow as orbits need them; the anomalies are those of ``nodes``.
+
+θ = 2 am(Kχ/π | k²) − π, dθ/dχ = (2K/π) dn, k′² = 4⁻ⁿ; with two slow places at twice the speed (``turned_circle``).
+"""
 
 from __future__ import annotations
 
