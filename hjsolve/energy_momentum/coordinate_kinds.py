@@ -214,35 +214,6 @@ class Regions:
         lower[turning], upper[turning] = -np.pi, np.pi
         return lower, upper
 
-    def well_round(self, q: float) -> tuple[Reals, Reals]:
-        """Return the turning points of the region round a place, or of the one nearest to it, for every point.
-
-        Args:
-            q: the place.
-
-        Returns:
-            Lower and upper, shape (m,); NaN where it does not lie between two turning points.
-        """
-        polynomial = required(self.coordinate.polynomial)
-        m = len(self.x)
-        lower, upper, nearest = np.full(m, np.nan), np.full(m, np.nan), np.full(m, np.inf)
-        for j in range(int(self.count.max(initial=0)) - 1):
-            here = np.flatnonzero(~self.doubtful & (j + 1 < self.count) & (self.sign * (-1) ** j < 0))
-            a, b = (self._root(self.first[here] + j + k, here, 0 * here + j + k) for k in (0, 1))
-            gap = np.maximum(np.maximum(a - q, q - b), 0.0)
-            closer = gap < nearest[here]
-            best = here[closer]
-            lower[best], upper[best], nearest[best] = a[closer], b[closer], gap[closer]
-        if polynomial.closed:  # the region that reaches across the opposite place
-            here = np.flatnonzero(~self.doubtful & (self.sign > 0) & (self.count > 0))
-            last = self.count[here] - 1
-            b = self._root(self.first[here], here, 0 * here)
-            a = self._root(self.first[here] + last, here, last) - 2 * np.pi
-            turn = 2 * np.pi * np.round((q - (a + b) / 2) / (2 * np.pi))
-            closer = (a + turn <= q) & (q <= b + turn)
-            lower[here[closer]], upper[here[closer]] = (a + turn)[closer], (b + turn)[closer]
-        return lower, upper
-
     def _root(self, index: NDArray[np.int64], point: NDArray[np.int64], rank: NDArray[np.int64]) -> Reals:
         """Roots as places, by halving their intervals."""
         polynomial = required(self.coordinate.polynomial)

@@ -190,15 +190,6 @@ class Stretched:
         return replace(self, inner=self.inner.lowered(arithmetic))
 
 
-def map_in_doubles(anomaly: Inner | Stretched) -> Inner | Stretched:
-    """Round the constants of a map to doubles, for vectorised use.
-
-    Args:
-        anomaly: with constants of many digits.
-    """
-    return anomaly.in_doubles()
-
-
 def lowered(anomaly: Inner | Stretched, arithmetic: Multi) -> Inner | Stretched:
     """Round the constants of a map to fewer digits.
 
