@@ -103,8 +103,8 @@ def table(value: object, source: str, example: str = '{"r": 1}') -> Mapping[str,
     """
     if value is None:
         return {}
-    refuse_other(value, Mapping, source, f"a table name → value is needed, such as {example}")
-    assert isinstance(value, Mapping)
+    if not isinstance(value, Mapping):
+        raise InvalidInputError(f"{source}: a table name → value is needed, such as {example}, not {described(value)}")
     if all(not isinstance(name, str) or name.isascii() for name in value):
         return value
     return {ascii_name(name): item for name, item in value.items()}

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
+T = TypeVar("T")
+
 
 class HJSolveError(Exception):
     """Base of every error that hjsolve raises on purpose."""
@@ -109,3 +113,40 @@ FAULTS = (
     ValueError,
 )
 """Builtin errors that come out of a fault of ours; told as one where a user must never see a traceback."""
+
+
+def required(value: T | None) -> T:
+    """Return a value that earlier steps have made certain to exist.
+
+    It states an invariant of hjsolve, also under ``python -O``; it is never the answer to a user's input.
+
+    Args:
+        value: anything; None is a fault of hjsolve.
+
+    Returns:
+        The same value.
+
+    Raises:
+        InternalError: it is None.
+    """
+    if value is None:
+        raise InternalError("a value is missing that the steps before should have given; please report it")
+    return value
+
+
+def of_kind(value: object, kind: type[T]) -> T:
+    """Return a value whose type earlier steps have made certain, as ``required`` does.
+
+    Args:
+        value: anything.
+        kind: its class.
+
+    Returns:
+        The same value.
+
+    Raises:
+        InternalError: it is no instance of that class.
+    """
+    if not isinstance(value, kind):
+        raise InternalError(f"a {kind.__name__} is needed here, not {type(value).__name__}; please report it")
+    return value

@@ -27,6 +27,7 @@ from hjsolve.algebra.relations import dependent
 from hjsolve.algebra.roots import root
 from hjsolve.algebra.shared_parts import slope_by
 from hjsolve.algebra.signs import Bounds, atom_bounds
+from hjsolve.errors import required
 
 TRIGONOMETRIC = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
@@ -249,8 +250,7 @@ class Reader:
             return self.element(s_atom), self.element(c_atom)
         low, high = atom_bounds(c_atom, self.bounds)
         c = self.adjoined(Generator(c_atom, c_atom.func.__name__, low=low, high=high))
-        k = self.field.number_of(c_atom)
-        assert k is not None
+        k = required(self.field.number_of(c_atom))
         square = {2 << (poly.BITS * k): -1, 0: 1} if kind == "angle" else {2 << (poly.BITS * k): 1, 0: -1}
         low, high = atom_bounds(s_atom, self.bounds)
         s = self.adjoined(Generator(s_atom, s_atom.func.__name__, RootRelation(2, square), k, low, high))

@@ -29,6 +29,7 @@ from hjsolve.arithmetic.floats import Float64, Multi, by_squaring
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.errors import required
 
 BITS = 1024
 _TERMS = 6
@@ -356,13 +357,11 @@ class Growths:
             found = _INTERVALS.unary(name, _jet(whole.low, whole.high))
             return Growth((), widened(CONSTANT, float(found.value.low[0]), float(found.value.high[0])))
         at = Jets(self.plain).unary(name, Jet(c, context.mpf(1), context.mpf(0)))
-        bend = _INTERVALS.unary(name, _jet(whole.low, whole.high)).second
-        assert bend is not None  # the jet of a function of the variable itself
+        bend = required(_INTERVALS.unary(name, _jet(whole.low, whole.high)).second)
         most = max(abs(float(bend.low[0])), abs(float(bend.high[0]))) / 2
         if not most < math.inf:
             raise UnknownGrowthError
-        assert at.first is not None
-        return self.add(self.constant(at.value), self._linear(ε, at.first, most))
+        return self.add(self.constant(at.value), self._linear(ε, required(at.first), most))
 
     def _linear(self, ε: Growth, slope: Mpf, most: float) -> Growth:
         first = self._times(ε, slope)

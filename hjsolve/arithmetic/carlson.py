@@ -7,24 +7,66 @@ What is outside the domain of a function is nan. An element does not depend on i
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Elementwise
 
 Doubles = NDArray[np.float64]
 Numbers = float | Doubles
 
-_MOST = 60
-"""Duplications: each divides the spread of the arguments by four."""
+_MOST_DUPLICATIONS = 60
+"""Each divides the spread of the arguments by four: 4⁻⁶⁰ is below the spacing of doubles, whatever they were."""
 
 
-def _broadcast(*arguments: Numbers) -> list[Doubles]:
+def broadcast(*arguments: Numbers) -> list[Doubles]:
+    """Return copies of one shape.
+
+    Args:
+        arguments: numbers or arrays that broadcast.
+    """
     return [np.array(a) for a in np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in arguments))]
 
 
-def _inside(value: Doubles, *conditions: NDArray[np.bool_]) -> Doubles:
+def _inside(value: Doubles, *conditions: Any) -> Doubles:
     return np.where(np.logical_and.reduce(conditions), value, np.nan)
+
+
+Term = Callable[[Sequence[Elementwise], Sequence[Elementwise], Elementwise, Doubles], Elementwise]
+"""(arguments, their roots, λ, 4⁻ⁿ) ↦ what the n-th duplication adds to the sum."""
+
+
+def duplicated(A: Elementwise, arguments: Sequence[Elementwise], tolerance: float, term: Term | None = None) -> Any:
+    """Replace each x by (x + λ)/4, λ = √x√y + √x√z + √y√z, until all are near their mean (Carlson 1995, (2.18)–(2.26)).
+
+    Args:
+        A: weighted mean of the arguments, shape (n,).
+        arguments: x, y, z and p where there is one; only p may be complex.
+        tolerance: largest ((A − x)/A)⁶ at the end, where the series in (A − x)/A begins to suffice.
+        term: what a duplication adds; None for nothing.
+
+    Returns:
+        The arguments, A, 4⁻ⁿ and the sum of the terms, each element at its own end.
+    """
+    bound = np.max([abs(A - x) for x in arguments], axis=0) / tolerance ** (1 / 6)
+    weight, total = np.ones_like(bound), np.zeros_like(A)
+    for _ in range(_MOST_DUPLICATIONS):
+        open_ = bound > abs(A)
+        if not open_.any():
+            break
+        roots = [np.sqrt(x) for x in arguments]
+        sx, sy, sz = roots[:3]
+        λ = np.where(open_, sx * sy + sx * sz + sy * sz, 0.0)
+        if term is not None:
+            total += np.where(open_, term(arguments, roots, λ, weight), 0.0)
+        quarter = np.where(open_, 0.25, 1.0)
+        arguments = [(x + λ) * quarter for x in arguments]
+        A, bound, weight = (A + λ) * quarter, bound * quarter, weight * quarter
+    return arguments, A, weight, total
 
 
 def carlson_rf(x: Numbers, y: Numbers, z: Numbers) -> Doubles:
@@ -33,19 +75,9 @@ def carlson_rf(x: Numbers, y: Numbers, z: Numbers) -> Doubles:
     Args:
         x, y, z: numbers or arrays that broadcast.
     """
-    x, y, z = _broadcast(x, y, z)
+    x, y, z = broadcast(x, y, z)
     with np.errstate(all="ignore"):
-        A = (x + y + z) / 3
-        bound = np.max([abs(A - x), abs(A - y), abs(A - z)], axis=0) / (3 * EPS) ** (1 / 6)
-        for _ in range(_MOST):
-            open_ = bound > A
-            if not open_.any():
-                break
-            sx, sy, sz = np.sqrt(x), np.sqrt(y), np.sqrt(z)
-            λ = np.where(open_, sx * sy + sx * sz + sy * sz, 0.0)
-            quarter = np.where(open_, 0.25, 1.0)
-            x, y, z = (x + λ) * quarter, (y + λ) * quarter, (z + λ) * quarter
-            A, bound = (A + λ) * quarter, bound * quarter
+        (x, y, z), A, _, _ = duplicated((x + y + z) / 3, (x, y, z), 3 * EPS)
         X, Y = (A - x) / A, (A - y) / A
         Z = -X - Y
         second, third = X * Y - Z * Z, X * Y * Z
@@ -59,7 +91,7 @@ def carlson_rc(x: Numbers, y: Numbers) -> Doubles:
     Args:
         x, y: numbers or arrays that broadcast.
     """
-    x, y = _broadcast(x, y)
+    x, y = broadcast(x, y)
     with np.errstate(all="ignore"):
         factor = np.where(y < 0, np.sqrt(x / (x - y)), 1.0)
         x, y = np.where(y < 0, x - y, x), abs(y)
@@ -74,25 +106,14 @@ def carlson_rd(x: Numbers, y: Numbers, z: Numbers) -> Doubles:
     Args:
         x, y, z: numbers or arrays that broadcast.
     """
-    x, y, z = _broadcast(x, y, z)
+    x, y, z = broadcast(x, y, z)
     with np.errstate(all="ignore"):
-        A = (x + y + 3 * z) / 5
-        bound = np.max([abs(A - x), abs(A - y), abs(A - z)], axis=0) / (EPS / 4) ** (1 / 6)
-        total, weight = np.zeros_like(A), np.ones_like(A)
-        for _ in range(_MOST):
-            open_ = bound > A
-            if not open_.any():
-                break
-            sx, sy, sz = np.sqrt(x), np.sqrt(y), np.sqrt(z)
-            λ = np.where(open_, sx * sy + sx * sz + sy * sz, 0.0)
-            quarter = np.where(open_, 0.25, 1.0)
-            total += np.where(open_, weight / (sz * (z + λ)), 0.0)
-            weight = weight * quarter
-            x, y, z = (x + λ) * quarter, (y + λ) * quarter, (z + λ) * quarter
-            A, bound = (A + λ) * quarter, bound * quarter
+        (x, y, z), A, weight, total = duplicated(
+            (x + y + 3 * z) / 5, (x, y, z), EPS / 4, lambda xs, roots, λ, w: w / (roots[2] * (xs[2] + λ))
+        )
         X, Y = (A - x) / A, (A - y) / A
         Z = -(X + Y) / 3
-        return _inside(weight * _series(X, Y, Z, Z) / (A * np.sqrt(A)) + 3 * total, x >= 0, y >= 0, z >= 0)
+        return _inside(weight * series(X, Y, Z, Z) / (A * np.sqrt(A)) + 3 * total, x >= 0, y >= 0, z >= 0)
 
 
 def carlson_rj(x: Numbers, y: Numbers, z: Numbers, p: Numbers) -> Doubles:
@@ -101,7 +122,7 @@ def carlson_rj(x: Numbers, y: Numbers, z: Numbers, p: Numbers) -> Doubles:
     Args:
         x, y, z, p: numbers or arrays that broadcast.
     """
-    x, y, z, p = _broadcast(x, y, z, p)
+    x, y, z, p = broadcast(x, y, z, p)
     if not (p < 0).any():
         return _rj(x, y, z, p)
     least, middle, most = np.sort(np.array([x, y, z]), axis=0)
@@ -121,29 +142,25 @@ def _principal(x: Doubles, y: Doubles, z: Doubles, p: Doubles) -> Doubles:
 
 def _rj(x: Doubles, y: Doubles, z: Doubles, p: Doubles) -> Doubles:
     """For p > 0, by the terms of DLMF 19.26.18, of positive numbers; Carlson's R_C(1, 1 + e) loses digits at e → −1."""
+
+    def term(xs: Sequence[Doubles], roots: Sequence[Doubles], λ: Doubles, weight: Doubles) -> Doubles:
+        p, (sx, sy, sz, sp) = xs[3], roots
+        α, β = p * (sx + sy + sz) + sx * sy * sz, sp * (p + λ)
+        return weight * carlson_rc(α * α, β * β)
+
     with np.errstate(all="ignore"):
-        A = (x + y + z + 2 * p) / 5
-        bound = np.max([abs(A - x), abs(A - y), abs(A - z), abs(A - p)], axis=0) / (EPS / 4) ** (1 / 6)
-        total, weight = np.zeros_like(A), np.ones_like(A)
-        for _ in range(_MOST):
-            open_ = bound > A
-            if not open_.any():
-                break
-            sx, sy, sz, sp = np.sqrt(x), np.sqrt(y), np.sqrt(z), np.sqrt(p)
-            λ = np.where(open_, sx * sy + sx * sz + sy * sz, 0.0)
-            quarter = np.where(open_, 0.25, 1.0)
-            α, β = p * (sx + sy + sz) + sx * sy * sz, sp * (p + λ)
-            total += np.where(open_, weight * carlson_rc(α * α, β * β), 0.0)
-            weight = weight * quarter
-            x, y, z, p = (x + λ) * quarter, (y + λ) * quarter, (z + λ) * quarter, (p + λ) * quarter
-            A, bound = (A + λ) * quarter, bound * quarter
+        (x, y, z, p), A, weight, total = duplicated((x + y + z + 2 * p) / 5, (x, y, z, p), EPS / 4, term)
         X, Y, Z = (A - x) / A, (A - y) / A, (A - z) / A
-        value = weight * _series(X, Y, Z, -(X + Y + Z) / 2) / (A * np.sqrt(A)) + 3 * total
+        value = weight * series(X, Y, Z, -(X + Y + Z) / 2) / (A * np.sqrt(A)) + 3 * total
         return _inside(value, x >= 0, y >= 0, z >= 0, p > 0)
 
 
-def _series(X: Doubles, Y: Doubles, Z: Doubles, P: Doubles) -> Doubles:
-    """Carlson 1995, (2.26), with Z three times for R_D."""
+def series(X: Elementwise, Y: Elementwise, Z: Elementwise, P: Elementwise) -> Elementwise:
+    """Carlson's series of R_J about equal arguments (1995, (2.26)), with Z three times for R_D.
+
+    Args:
+        X, Y, Z, P: (A − x)/A … (A − p)/A, their weighted sum X + Y + Z + 2P = 0.
+    """
     E2 = X * Y + X * Z + Y * Z - 3 * P * P
     E3 = X * Y * Z + 2 * E2 * P + 4 * P**3
     E4 = (2 * X * Y * Z + E2 * P + 3 * P**3) * P
@@ -159,7 +176,7 @@ def jacobi_functions(u: Numbers, m: Numbers) -> tuple[Doubles, ...]:
         u: argument; number or array.
         m: parameter k²; number or array.
     """
-    u, m = _broadcast(u, m)
+    u, m = broadcast(u, m)
     with np.errstate(all="ignore"):
         above, below = m > 1, m < 0
         scale = np.where(above, np.sqrt(abs(m)), np.where(below, np.sqrt(1 - m), 1.0))
@@ -245,7 +262,7 @@ def jacobi_epsilon(u: Numbers, m: Numbers) -> Doubles:
 # ------------------------------------------------------------------------------------------------ Legendre's integrals
 def _folded(φ: Numbers, m: Numbers) -> tuple[Doubles, Doubles, Doubles, Doubles, Doubles]:
     """Half turns, sin φ, cos² φ and 1 − m sin² φ of φ brought to −π/2 … π/2; and m."""
-    φ, m = _broadcast(φ, m)
+    φ, m = broadcast(φ, m)
     turns = np.round(φ / np.pi)
     s = np.sin(φ) * np.where(turns % 2 == 0, 1.0, -1.0)
     square = np.cos(φ) ** 2

@@ -22,9 +22,9 @@ from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Complexes, Mask, Reals
 
 _D, _F = Disks(), Float64()
-_MOST = 0.999
+_LARGEST_RATIO = 0.999
 """How large |g/f| may be where f + g is seen from f."""
-_STEPS = 13
+_PLACES_ON_THE_WAY = 13
 """Places on the way from the real axis to the centre."""
 _TURN = 2.0
 """More than this from one place to the next, and the argument is lost."""
@@ -64,7 +64,7 @@ class DisksInLogarithms:
         Args:
             x: the disk, or the number.
         """
-        rise = np.linspace(0.0, 1.0, _STEPS) if np.any(np.imag(x.centre)) else np.ones(1)
+        rise = np.linspace(0.0, 1.0, _PLACES_ON_THE_WAY) if np.any(np.imag(x.centre)) else np.ones(1)
         centre = np.asarray(x.centre)[..., None]
         return _logged(x, centre.real + 1j * centre.imag * rise)
 
@@ -193,7 +193,7 @@ def _turned(power: Disk, centre: Complexes) -> Disk:
 def _beside(plain: Logged, x: Logged, y: Logged, sign: float) -> Logged:
     """Use log x + log(1 ± exp(log y − log x))."""
     ratio = _D.times(_D.unary("exp", _D.sub(y.power, x.power)), sign)
-    small = ratio.largest < _MOST
+    small = ratio.largest < _LARGEST_RATIO
     if not np.any(small):
         return plain
     return _with(plain, _D.add(x.power, _D.unary("log", _D.shifted(_where(small, ratio), 1.0))))
@@ -203,7 +203,7 @@ def _hyperbolic(name: str, x: Disk) -> Disk:
     side = np.where(np.real(x.centre) < 0, -1.0, 1.0)
     outward = Disk(side * x.centre, x.radius)
     rest = _D.times(_D.unary("exp", _D.times(outward, -2.0)), 1.0 if name == "cosh" else -1.0)
-    known = _where(rest.largest < _MOST, rest)
+    known = _where(rest.largest < _LARGEST_RATIO, rest)
     return _D.shifted(_D.add(outward, _D.unary("log", _D.shifted(known, 1.0))), -float(np.log(2)))
 
 

@@ -20,7 +20,7 @@ from hjsolve.arithmetic.number_types import Elementwise
 
 _LN2 = (0.6931471805599453, 2.3190468138462996e-17)
 _HALF_PI = (1.5707963267948966, 6.123233995736766e-17)
-_HALVINGS = 9
+_EXP_HALVINGS = 9  # of the argument of exp, |r| ≤ log(2)/2: (7e-4)¹⁰/10! is 1e-38
 
 
 @cache
@@ -134,9 +134,9 @@ class DoubleDouble:
     def _reduced(self, x: Pair) -> tuple[Pair, Elementwise]:
         """Return exp(x − k ln 2) − 1 and k."""
         k = np.rint(x.high / _LN2[0])
-        r = self._scaled(self.sub(x, self.mul(Pair(k, 0.0), Pair(*_LN2))), 2.0**-_HALVINGS)
+        r = self._scaled(self.sub(x, self.mul(Pair(k, 0.0), Pair(*_LN2))), 2.0**-_EXP_HALVINGS)
         m = self.mul(r, self._series(r, _coefficients(1, 1, 9, False)))
-        for _ in range(_HALVINGS):
+        for _ in range(_EXP_HALVINGS):
             m = self.add(self._scaled(m, 2.0), self.mul(m, m))
         return m, k
 

@@ -26,6 +26,7 @@ import numpy as np
 from hjsolve.arithmetic.complex_disks import Disk, Disks, hull, tighter
 from hjsolve.arithmetic.floats import by_squaring
 from hjsolve.arithmetic.tape import Tape
+from hjsolve.errors import required
 
 _DISKS = Disks()
 _EXPONENTIAL = frozenset({"exp", "sinh", "cosh", "tanh", "sech"})
@@ -118,8 +119,7 @@ class Locals:
 
     def exponent(self) -> LocalExpansion:
         """Return q where u is an exponential."""
-        assert self.q is not None
-        return LocalExpansion(0, (self.q,), line=(_DISKS.rational(1, 1), _DISKS.rational(0, 1)))
+        return LocalExpansion(0, (required(self.q),), line=(_DISKS.rational(1, 1), _DISKS.rational(0, 1)))
 
     def _full(self, value: float) -> Disk:
         return Disk(np.full(np.shape(self.offset.radius), value, dtype=complex), np.zeros(np.shape(self.offset.radius)))

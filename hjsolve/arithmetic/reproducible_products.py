@@ -1,8 +1,8 @@
 """Products for many orbits at once in which an orbit's last bit does not depend on its company.
 
 A matrix product by BLAS may add its terms in another order, and fuse them or not, when the number of rows or the place
-of a row changes; results would then depend on chunks and threads. Along contiguous rows ``einsum`` without optimization
-keeps one order; single sums and products of arrays are rounded the same everywhere. Neither starts threads of its own.
+of a row changes; results would then depend on chunks and threads. Single sums and products of arrays are rounded the
+same everywhere, and start no threads of their own.
 """
 
 from __future__ import annotations
@@ -10,19 +10,6 @@ from __future__ import annotations
 import numpy as np
 
 from hjsolve.arithmetic.number_types import Reals
-
-
-def rowwise(rows: Reals, table: Reals) -> Reals:
-    """Return rows · table.
-
-    Args:
-        rows: shape (…, n, j).
-        table: shape (j, m).
-
-    Returns:
-        Shape (…, n, m).
-    """
-    return np.einsum("...j,mj->...m", rows, np.ascontiguousarray(table.T))
 
 
 def stacked(left: Reals, right: Reals) -> Reals:

@@ -24,6 +24,7 @@ from typing import NamedTuple
 from hjsolve.arithmetic.ball import Ball, Balls, flint, working
 from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.certified.ball_radicand import BallMomentumSquared
+from hjsolve.errors import required
 
 _ENTIRE = {"add", "sub", "mul", "neg", "rational", "pi", "sin", "cos", "exp", "sinh", "cosh"}
 
@@ -133,9 +134,7 @@ class CycleNode(NamedTuple):
     @property
     def nearest(self) -> Ball:
         """The distance from the nearer turning point of a libration."""
-        distance = self.from_lower if self.near_lower else self.to_upper
-        assert distance is not None
-        return distance
+        return required(self.from_lower if self.near_lower else self.to_upper)
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,9 +172,7 @@ class CycleIntegrand:
     @property
     def ends(self) -> tuple[flint.arb, flint.arb]:
         """The turning points of a libration."""
-        assert self.lower is not None
-        assert self.upper is not None
-        return self.lower, self.upper
+        return required(self.lower), required(self.upper)
 
     def over(self, map_: AnomalyMap) -> CycleIntegrand:
         """Return the same cycle with another map.

@@ -28,7 +28,7 @@ from hjsolve.arithmetic.number_types import Complexes, Reals
 from hjsolve.arithmetic.work_counter import count
 from hjsolve.certified.arb_integral import mean
 from hjsolve.certified.integrands import TERMS, AnomalyMap, CycleIntegrand, CycleNode
-from hjsolve.errors import NotConvergedError
+from hjsolve.errors import NotConvergedError, required
 
 _GROWTH = 2.0
 """How much longer than a ball the next may be."""
@@ -257,8 +257,8 @@ def _box(cycle: CycleIntegrand, χ: Ball) -> _Box:
         best = ring if best is None or ring[3] < best[3] else best
         if best[3] < _GOOD:
             break
-    assert best is not None
-    centre, least, most, spread = *best[:3], max(best[3], width)
+    centre, least, most, spread = required(best)
+    spread = max(spread, width)
     sizes = cycle.integrands(spot, product, least.union(most).sqrt()) if spread < _CLEAR else []
     return _Box([abs(x) for x in sizes], centre, denominator, spread + 1e-9)
 
@@ -289,14 +289,13 @@ def _of_a_rotation(cycle: CycleIntegrand, spot: CycleNode, _product: Ball) -> Ba
 def _from_an_end(cycle: CycleIntegrand, spot: CycleNode, _product: Ball) -> Ball:
     """R from F = (q − a) F[a, q] at the nearer turning point a, by Taylor's formula with its remainder on the hull."""
     lower = spot.near_lower
-    assert spot.from_lower is not None
-    assert spot.to_upper is not None
-    end, h = (cycle.ends[0], spot.from_lower) if lower else (cycle.ends[1], -spot.to_upper)
+    from_lower, to_upper = required(spot.from_lower), required(spot.to_upper)
+    end, h = (cycle.ends[0], from_lower) if lower else (cycle.ends[1], -to_upper)
     hull = flint.acb(spot.q.real.union(end), spot.q.imag.union(flint.arb(0)))
     value = cycle.line.taylor(hull, TERMS + 1)[TERMS]
     for coefficient in (cycle.lower_series if lower else cycle.upper_series)[:0:-1]:
         value = coefficient + value * h
-    return value / spot.to_upper if lower else -value / spot.from_lower
+    return value / to_upper if lower else -value / from_lower
 
 
 def _from_the_middle(cycle: CycleIntegrand, spot: CycleNode, product: Ball) -> Ball:

@@ -21,6 +21,7 @@ from hjsolve.closed_form.time_limit import check_time
 from hjsolve.closed_form.verification import sample_numbers, value_at
 from hjsolve.closed_form.why_not import Contains, WhyNot
 from hjsolve.closed_form.workshop import Workshop
+from hjsolve.errors import required
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
 from hjsolve.precision import mp
 from hjsolve.solution.quadratures import Solution
@@ -91,8 +92,7 @@ class _Along:
     ):  # fmt: skip
         self.shop, self.pieces, self.names, self.first = shop, pieces, names, first
         self.solution, self.ξ, self.key = shop.solution, anomaly_of(shop.solution), shop.constants[0]
-        assert self.solution.time_law is not None
-        self.elapsed = self.solution.time_law.lhs
+        self.elapsed = required(self.solution.time_law).lhs
         self.t: sp.Symbol = next(term for term in self.elapsed.args if term.is_Symbol)
         own, start = pieces[first], self.solution.lower_limits[first]
         self.main = by_parameter(own, own.integrals[self.key], self.ξ, start, names)

@@ -13,6 +13,7 @@ from hjsolve.closed_form.elementary import Antiderivative, BasicIntegral, positi
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase, sign_of_factors
 from hjsolve.closed_form.pieces import monotone_inverse
 from hjsolve.closed_form.tidy import square_root
+from hjsolve.errors import required
 
 _CENTRED = {"arcsine": sp.cos, "area sine": sp.sinh, "area cosine right": sp.cosh, "area cosine left": sp.cosh}
 
@@ -65,9 +66,8 @@ def separatrix_inverse(
         return None
     if one.side < 0:
         (w, one), (w_2, other) = (w_2, other), (w, one)
-    assert one.place is not None
-    assert other.place is not None
-    middle, h = sp.cancel((one.place + other.place) / 2), sp.cancel((other.place - one.place) / 2)
+    low, high = required(one.place), required(other.place)
+    middle, h = sp.cancel((low + high) / 2), sp.cancel((high - low) / 2)
     factor, start = positive_root(one.quadratic[0]) / (2 * w), sp.atanh((begin - middle) / h)
     return middle + h * sp.tanh(Phase(names, amount, factor, start, even=False).argument)
 

@@ -13,6 +13,7 @@ from functools import lru_cache
 import mpmath
 import sympy as sp
 
+from hjsolve.errors import of_kind
 from hjsolve.functions.printing import Printable
 from hjsolve.functions.tables import own_modules
 from hjsolve.precision import mp
@@ -254,8 +255,7 @@ def _constant(e: sp.Expr) -> Rule:
 @lru_cache(maxsize=256)
 def _function(function: type[sp.Function]) -> Rule:
     """The function of mpmath's numbers."""
-    table, _ = own_modules()
-    assert isinstance(table, dict)
+    table = of_kind(own_modules()[0], dict)
     name = function.__name__
     if name == "elliptic_pi":
         return _third_kind

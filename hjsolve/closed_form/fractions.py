@@ -10,6 +10,7 @@ import sympy as sp
 from hjsolve.closed_form.curves import named_constants
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.signs import Signs
+from hjsolve.errors import required
 from hjsolve.functions.elliptic import PartialFractions
 
 
@@ -98,8 +99,7 @@ def _at_complex_places(R: sp.Expr, x: sp.Symbol, k: int) -> tuple[sp.Expr, sp.Ex
     made = _split(R, x)
     factor, others = made.factors[k][0], made.others(k)
     a, b, _ = sp.Poly(factor, x).all_coeffs()
-    D = _lacking(factor, x)
-    assert D is not None
+    D = required(_lacking(factor, x))
     re, im = -b / (2 * a), sp.sqrt(D) / (2 * sp.sqrt(a**2))
     inverse = sp.invert(sp.Poly(others, x), sp.Poly(factor, x)) if others.has(x) else sp.Poly(1 / others, x)
     line = sp.rem(made.rest * inverse, sp.Poly(factor, x))

@@ -31,6 +31,7 @@ from hjsolve.closed_form.why_not import (
     WhyNot,
 )
 from hjsolve.closed_form.workshop import Stratum, Workshop
+from hjsolve.errors import required
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.precision import mp
@@ -158,8 +159,7 @@ def _phases(
     M = sp.Matrix([[_multiple(pieces[n], c.symbol, references[n]) for n in names] for c in inner])
     right = []
     for c in inner:
-        equation = solution.time_law if c.symbol == shop.constants[0] else solution.orbit_equations[c.name]
-        assert equation is not None
+        equation = required(solution.time_law if c.symbol == shop.constants[0] else solution.orbit_equations[c.name])
         rest = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
         right.append(equation.lhs - rest.subs(dict(special)))
     if any(r.free_symbols & {solution.system.coordinate(n).symbol for n in names} for r in right):
@@ -264,8 +264,7 @@ def _algebraic(
     others: Numbers | None,
 ) -> sp.Expr:  # fmt: skip
     """C √(Bx + C) = w: the uniformly accelerated motion."""
-    law, s, q = integral.law, integral.curve.substitution, integral.curve.coordinate.symbol
-    assert law is not None
+    law, s, q = required(integral.law), integral.curve.substitution, integral.curve.coordinate.symbol
     P = sp.Poly(law.polynomial, law.x)
     if P.degree() == 2 and not law.algebraic.has(law.x):
         x = square_root_inverse(law, own_side(own, integral), value, s.place.subs(q, start), names)

@@ -26,6 +26,7 @@ from hjsolve.closed_form.substitutions import Substitution
 from hjsolve.closed_form.tidy import longer_than
 from hjsolve.closed_form.time_limit import check_time
 from hjsolve.closed_form.why_not import NotFound, WhyNot
+from hjsolve.errors import required
 from hjsolve.functions.elliptic import PartialFractions
 from hjsolve.precision import mp
 
@@ -96,9 +97,8 @@ class CoordinateIntegrals:
     @property
     def kind(self) -> str:
         """Libration, rotation, escape, boundary or asymptotic."""
-        assert self.region is not None
         kinds = [region.kind for _, region in self.regions]  # a rest at the end of a turn is seen on one curve only
-        return "asymptotic" if "asymptotic" in kinds else self.region.kind
+        return "asymptotic" if "asymptotic" in kinds else required(self.region).kind
 
     def add(self, done: Mapping[sp.Symbol, PieceIntegral], task: _Task) -> None:
         """Take over what was integrated on a curve.

@@ -21,6 +21,7 @@ import sympy as sp
 from hjsolve.closed_form.branch_points import NamedRoots
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.signs import Signs
+from hjsolve.errors import required
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
 from hjsolve.functions.elliptic import PartialFractions
 
@@ -101,8 +102,7 @@ def legendre_map(roots: NamedRoots, signs: Signs) -> LegendreMap:
     circle = [*roots.real] if len(roots.real) == 4 else [*roots.real, FAR]
     low, high = roots.interval
     upwards = low is not None and not (len(roots.real) == 3 and (low, high) == (1, 2))  # so that ∞ is where s is ∞
-    start = low if upwards else high
-    assert start is not None
+    start = required(low if upwards else high)
     direction = 1 if upwards else -1
     a, b, c, d = (circle[(start + direction * k) % 4] for k in range(4))
     size = roots.leading

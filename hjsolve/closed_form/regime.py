@@ -13,8 +13,6 @@ from hjsolve.closed_form.signs import Signs, sign_of_many_digits
 from hjsolve.display.shown import Shown
 from hjsolve.precision import mp
 
-_OPPOSITE = {sp.StrictGreaterThan: sp.StrictLessThan, sp.StrictLessThan: sp.StrictGreaterThan}
-
 
 @dataclass(frozen=True, repr=False)
 class Regime(Shown):

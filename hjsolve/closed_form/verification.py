@@ -16,7 +16,6 @@ from mpmath.calculus.quadrature import GaussLegendre
 
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.evaluation import Evaluator, many_digits, number_of
-from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral
 from hjsolve.closed_form.regions import RootInterval, ordered_real_roots, place_of_rest
 from hjsolve.closed_form.time_limit import check_time
@@ -271,36 +270,6 @@ def _end(region: RootInterval, side: tuple[str, int], numbers: dict[sp.Symbol, m
 def _place(integral: PieceIntegral, x: mpmath.mpf | None, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
     s = integral.curve.substitution
     return mp.re(number_of(s.inverse, {**numbers, s.x: x}))
-
-
-def value_along(
-    own: CoordinateIntegrals, integrals: tuple[PieceIntegral, PieceIntegral], value: sp.Expr,
-    symbols: tuple[sp.Symbol, sp.Symbol], digits: int = DIGITS,
-) -> None:  # fmt: skip
-    """Compare an integral as a function of the time with itself as a function of the place, between two places.
-
-    Args:
-        own: the coordinate.
-        integrals: that of the time law, and the other, both verified.
-        value: the latter from t₀ on, in terms of constants, t, t₀ and the lower limit.
-        symbols: the time and the lower limit.
-        digits: to which they are compared.
-
-    Raises:
-        NoFormError: they differ.
-    """
-    t, start = symbols
-    q = integrals[0].curve.coordinate.symbol
-    with mp.workdps(digits + GUARD):
-        numbers = sample_numbers(own)
-        begin, stop = (mp.mpf(int(p.p)) / int(p.q) for p in (own.sample.places[own.name], nearby(own, integrals[0])))
-        lasted, expected = (
-            value_at(i.value, numbers | {q: stop}) - value_at(i.value, numbers | {q: begin}) for i in integrals
-        )
-        free = value.free_symbols - set(numbers) - {t, start}  # t₀
-        got = value_at(value, numbers | dict.fromkeys(free, mp.mpf(0)) | {start: begin, t: lasted})
-        if not abs(got - expected) <= abs(expected) * mp.mpf(10) ** -digits:
-            raise NoFormError("not verified: the form along the motion differs from the integral")
 
 
 def nearby(own: CoordinateIntegrals, integral: PieceIntegral) -> sp.Expr:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from hjsolve.arguments import refuse_unused
 from hjsolve.command_line import arguments_read
 from hjsolve.command_line.time_allowed import within
-from hjsolve.errors import InvalidInputError, MissingExtraError, NotSeparableError
+from hjsolve.errors import InternalError, InvalidInputError, MissingExtraError, NotSeparableError, required
 
 if TYPE_CHECKING:
     from hjsolve.coordinates import NormalModes
@@ -100,14 +100,13 @@ def solve_command(options: Namespace) -> int:
             ],
         )
         return ANSWER
-    assert system is not None
-    assert verdict is not None
-    assert not isinstance(verdict, Separation)
+    if verdict is None or isinstance(verdict, Separation):
+        raise InternalError("a verdict that is no separation is needed here; please report it")
     evidence = [
         system_and_verdict.evidence_section(verdict, lead=False),
         obstruction.refusal_section(verdict),
     ]
-    _print(system, evidence, system_and_verdict.answer(verdict))
+    _print(required(system), evidence, system_and_verdict.answer(verdict))
     return _status(verdict)
 
 

@@ -24,7 +24,7 @@ from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.numbers import refuse_places, root_values
 from hjsolve.costs.answers import Answer
 from hjsolve.costs.trial import Task, Trial
-from hjsolve.errors import InvalidInputError, NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError, required
 from hjsolve.motion.motion import Motion
 from hjsolve.precision import mp
 from hjsolve.scenes.question import Times
@@ -105,8 +105,7 @@ def derived_form(task: Task, seconds: float) -> DerivedForm | None:
         task: with the scene.
         seconds: of processor time for the derivation.
     """
-    assert task.solution is not None
-    motion = task.solution.motion(**first_arguments(task.scene))
+    motion = required(task.solution).motion(**first_arguments(task.scene))
     form = own_form(motion, seconds=seconds)
     if form is None:
         return None

@@ -10,7 +10,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import sympy as sp
 
@@ -20,7 +19,7 @@ from hjsolve.costs.answers import Numbers, Ruler, Value
 from hjsolve.costs.own_methods import numbers_read, result_of
 from hjsolve.costs.taylor import follow
 from hjsolve.costs.trial import Task
-from hjsolve.errors import HJSolveError, NotConvergedError
+from hjsolve.errors import HJSolveError, NotConvergedError, required
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.scenes.crossing import as_rational
@@ -158,9 +157,8 @@ def _followed(
 
     state = [to_bits(value)(bits) for value in start.exact]
     go(begin, state, before, [])
-    ends: list[sp.Expr | None] = [begin, *(e.time for e in events), None]
-    for k, (low, high) in enumerate(pairwise(ends)):
-        assert low is not None
+    begins = [begin, *(required(e.time) for e in events)]
+    for k, (low, high) in enumerate(zip(begins, [*begins[1:], None], strict=True)):
         if k:
             state = _struck(events[k - 1], task, start, state, digits)
         inside = [i for i in after if moments[i] >= low and (high is None or moments[i] < high)]

@@ -23,7 +23,7 @@ from hjsolve.arithmetic.tape import Tape
 from hjsolve.costs.answers import Answer
 from hjsolve.costs.scalar_floats import ScalarFloat
 from hjsolve.costs.trial import Task, Trial
-from hjsolve.errors import InvalidInputError, MissingExtraError, NotConvergedError
+from hjsolve.errors import InvalidInputError, MissingExtraError, NotConvergedError, required
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.scenes.events import Event, changed
@@ -98,8 +98,7 @@ def _slopes(task: Task, numbers: Numbers) -> tuple[Tape, list[float]]:
 
 
 def _when(task: Task, times: Times | None) -> Reals:
-    chosen = times or task.scene.times
-    assert chosen is not None
+    chosen = required(times or task.scene.times)
     return np.array([float(t) for t in sampled(chosen, 15)])
 
 

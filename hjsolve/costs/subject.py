@@ -11,7 +11,7 @@ import sympy as sp
 
 from hjsolve import catalog
 from hjsolve.arguments import refuse_unused
-from hjsolve.errors import InvalidInputError, MissingValueError
+from hjsolve.errors import InvalidInputError, MissingValueError, required
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
@@ -91,8 +91,7 @@ def _scene_of_motion(motion: Motion) -> Scene:
 
 def _usual(scene: Scene, solution: Solution) -> Scene:
     """The scene with what is usually wanted: cycles and a hundred times over ten of them."""
-    start = scene.initial
-    assert start is not None
+    start = required(scene.initial)
     data = {"q": start.q, "velocity": start.velocity, "p": start.p, "parameters": scene.parameters, "t0": start.t}
     motion = solution.motion(**{key: value for key, value in data.items() if value is not None})
     stop = start.t + number(f"{_span(motion):.2g}", source="times.stop")

@@ -17,7 +17,7 @@ from operator import mul
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.tape import Tape
-from hjsolve.errors import InvalidInputError, NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError, of_kind
 
 Series = list[int]
 _LONGEST_STRETCH, _MOST_TRIALS, _TAIL, _PATIENCE = 1.25, 200, 8, 0.4
@@ -131,9 +131,7 @@ class Program:
             self.lines.append(lambda k: out.append(sum(map(mul, x, y[k::-1])) >> bits))
             return out
         factor, other = (x, y) if isinstance(x, ConstantSeries) else (y, x)
-        assert isinstance(factor, ConstantSeries)
-        assert isinstance(other, list)
-        number = self.fixed(factor.value)
+        number, other = self.fixed(of_kind(factor, ConstantSeries).value), of_kind(other, list)
         self.lines.append(lambda k: out.append(other[k] * number >> bits))
         return out
 
@@ -250,8 +248,8 @@ class Program:
         }.get(name)  # fmt: skip
         if below is None:
             raise InvalidInputError(f"{name}: has no Taylor series here")
-        g, out, slopes, bits, sign = below(), self.new(), self.new(), self.bits, -1 if name == "acos" else 1
-        assert isinstance(g, list)
+        g = of_kind(below(), list)
+        out, slopes, bits, sign = self.new(), self.new(), self.bits, -1 if name == "acos" else 1
 
         def line(k: int) -> None:
             if k == 0:

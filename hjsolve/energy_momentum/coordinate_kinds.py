@@ -14,7 +14,7 @@ from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.exact_regions import regions_with_kinds, start_at
 from hjsolve.energy_momentum.isolation import Reals
 from hjsolve.energy_momentum.momentum_polynomial import MomentumPolynomial
-from hjsolve.errors import NotConvergedError
+from hjsolve.errors import NotConvergedError, required
 from hjsolve.one_coordinate.classify import locate
 from hjsolve.solution.quadratures import Solution
 
@@ -86,9 +86,8 @@ class CoordinateKinds(ByValue, Shown):
 
     def _told(self, found: Regions, i: int) -> Kinds:
         """The kinds of the regions at one point, in order of q: what two zeros enclose librates, the rest is asked."""
-        assert self.polynomial is not None
         count, sign = int(found.count[i]), int(found.sign[i])
-        if self.polynomial.closed:
+        if required(self.polynomial).closed:
             return ("libration",) * (count // 2) if count else ("rotation",) * (sign > 0)
         return tuple(
             "libration" if 0 < j < count else self._open_kind(found.inside(i, j), float(found.x[i]), float(found.y[i]))
@@ -97,8 +96,7 @@ class CoordinateKinds(ByValue, Shown):
         )
 
     def _open_kind(self, s: float, x: float, y: float) -> str:
-        assert self.polynomial is not None
-        place = sp.Rational(float(self.polynomial.places(np.array([s]))[0]))
+        place = sp.Rational(float(required(self.polynomial).places(np.array([s]))[0]))
         try:
             return str(locate(start_at(self.solution, self.name, self.exactly(x, y), place), 15).course.kind)
         except NotConvergedError:
@@ -147,11 +145,10 @@ class Regions:
         Args:
             points: all with the same number of zeros.
         """
-        assert self.coordinate.polynomial is not None
         if not self.count[points[0]]:
             return int(points[len(points) // 2])
         first, last = self.first[points], self.first[points] + self.count[points] - 1
-        room = np.minimum(self.low[first], len(self.coordinate.polynomial.pieces) - self.high[last])
+        room = np.minimum(self.low[first], len(required(self.coordinate.polynomial).pieces) - self.high[last])
         return int(points[np.argmax(room)])
 
     def inside(self, i: int, j: int) -> float:
@@ -161,8 +158,7 @@ class Regions:
             i: the point.
             j: from 0, between the end of the domain and the first zero.
         """
-        assert self.coordinate.polynomial is not None
-        whole, first, count = len(self.coordinate.polynomial.pieces), int(self.first[i]), int(self.count[i])
+        whole, first, count = len(required(self.coordinate.polynomial).pieces), int(self.first[i]), int(self.count[i])
         begin = float(self.high[first + j - 1]) if j else 0.0
         end = float(self.low[first + j]) if j < count else float(whole)
         if begin < end or 0 < j < count:  # where two intervals meet there is a place proved to be no zero
@@ -172,8 +168,7 @@ class Regions:
 
     def _beside(self, i: int, root: int, end: float) -> float:
         """A place between an end of the domain and a root whose interval reaches up to it."""
-        polynomial = self.coordinate.polynomial
-        assert polynomial is not None
+        polynomial = required(self.coordinate.polynomial)
         other = float(self.high[root] if end == self.low[root] else self.low[root])
         sign = int(self.sign[i]) * (1 if end == 0 else (-1) ** int(self.count[i]))
         for _ in range(200):
@@ -190,13 +185,13 @@ class Regions:
         Args:
             i: the point; one that is not doubtful.
         """
-        assert self.coordinate.polynomial is not None
+        polynomial = required(self.coordinate.polynomial)
         count, sign = int(self.count[i]), int(self.sign[i])
-        closed = self.coordinate.polynomial.closed
+        closed = polynomial.closed
         j = 1 if sign < 0 else 0 if closed else 2  # of an angle the first reaches across the opposite place
         if self.doubtful[i] or not (j < count or (closed and sign > 0)):
             return None
-        return float(self.coordinate.polynomial.places(np.array([self.inside(i, j)]))[0])
+        return float(polynomial.places(np.array([self.inside(i, j)]))[0])
 
     def first_well(self) -> tuple[Reals, Reals]:
         """Return the turning points of the first bounded region of every point, to doubles; a turn where it rotates.
@@ -204,8 +199,7 @@ class Regions:
         Returns:
             Lower and upper, shape (m,); NaN where there is none, and at doubtful points.
         """
-        polynomial = self.coordinate.polynomial
-        assert polynomial is not None
+        polynomial = required(self.coordinate.polynomial)
         m, first = len(self.x), self.first
         lower, upper = np.full(m, np.nan), np.full(m, np.nan)
         inner = np.where(self.sign < 0, 0, 1)
@@ -220,40 +214,9 @@ class Regions:
         lower[turning], upper[turning] = -np.pi, np.pi
         return lower, upper
 
-    def well_round(self, q: float) -> tuple[Reals, Reals]:
-        """Return the turning points of the region round a place, or of the one nearest to it, for every point.
-
-        Args:
-            q: the place.
-
-        Returns:
-            Lower and upper, shape (m,); NaN where it does not lie between two turning points.
-        """
-        polynomial = self.coordinate.polynomial
-        assert polynomial is not None
-        m = len(self.x)
-        lower, upper, nearest = np.full(m, np.nan), np.full(m, np.nan), np.full(m, np.inf)
-        for j in range(int(self.count.max(initial=0)) - 1):
-            here = np.flatnonzero(~self.doubtful & (j + 1 < self.count) & (self.sign * (-1) ** j < 0))
-            a, b = (self._root(self.first[here] + j + k, here, 0 * here + j + k) for k in (0, 1))
-            gap = np.maximum(np.maximum(a - q, q - b), 0.0)
-            closer = gap < nearest[here]
-            best = here[closer]
-            lower[best], upper[best], nearest[best] = a[closer], b[closer], gap[closer]
-        if polynomial.closed:  # the region that reaches across the opposite place
-            here = np.flatnonzero(~self.doubtful & (self.sign > 0) & (self.count > 0))
-            last = self.count[here] - 1
-            b = self._root(self.first[here], here, 0 * here)
-            a = self._root(self.first[here] + last, here, last) - 2 * np.pi
-            turn = 2 * np.pi * np.round((q - (a + b) / 2) / (2 * np.pi))
-            closer = (a + turn <= q) & (q <= b + turn)
-            lower[here[closer]], upper[here[closer]] = (a + turn)[closer], (b + turn)[closer]
-        return lower, upper
-
     def _root(self, index: NDArray[np.int64], point: NDArray[np.int64], rank: NDArray[np.int64]) -> Reals:
         """Roots as places, by halving their intervals."""
-        polynomial = self.coordinate.polynomial
-        assert polynomial is not None
+        polynomial = required(self.coordinate.polynomial)
         low, high = self.low[index].copy(), self.high[index].copy()
         before, value = self.sign[point] * (-1.0) ** rank, polynomial.values(self.x[point], self.y[point])
         for _ in range(54):

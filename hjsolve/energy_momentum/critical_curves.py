@@ -21,6 +21,7 @@ from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
 from hjsolve.energy_momentum.isolation import Reals
+from hjsolve.errors import required
 from hjsolve.lowering import lower
 
 Window = tuple[tuple[float, float], tuple[float, float]]
@@ -293,9 +294,8 @@ def _pieces(own: CoordinateKinds, traced: _Traced, t: Reals, points: Reals, wind
 
 
 def _inverse(own: CoordinateKinds, t: Reals) -> Reals:
-    assert own.polynomial is not None
     with np.errstate(all="ignore"):
-        return np.asarray(own.polynomial.backward.run(Float64(), [t])[0], float)
+        return np.asarray(required(own.polynomial).backward.run(Float64(), [t])[0], float)
 
 
 def _bend(traced: _Traced, t: Reals, points: Reals) -> Reals:

@@ -24,7 +24,7 @@ from hjsolve.energy_momentum.momentum_polynomial import polynomial_of, with_doma
 from hjsolve.energy_momentum.monodromy import IsolatedCriticalValue, Monodromy, isolated_values, monodromy_round
 from hjsolve.energy_momentum.orbits import bounded_orbits
 from hjsolve.energy_momentum.windows import chosen_window, first_window
-from hjsolve.errors import InvalidInputError, MissingValueError
+from hjsolve.errors import InvalidInputError, MissingValueError, of_kind
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.mechanics.kinks import refuse_kinks
@@ -315,8 +315,7 @@ def _subject(subject: Solution | Motion, parameters: Mapping[str, object] | None
             f"energy_momentum_map: a Solution or a Motion is needed, not {arguments.described(subject)}"
         )
     motion = subject.as_solved if isinstance(subject, Motion) else _default(subject)
-    solved = motion.solution if isinstance(subject, Motion) and motion is not None else subject
-    assert isinstance(solved, Solution)
+    solved = of_kind(motion.solution if isinstance(subject, Motion) and motion is not None else subject, Solution)
     if motion is None or given:
         return solved, _Known({}, parameter_values(solved.system, given), {})
     values = motion.initial.values

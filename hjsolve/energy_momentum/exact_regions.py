@@ -14,6 +14,7 @@ from typing import NamedTuple
 import sympy as sp
 
 from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.errors import required
 from hjsolve.lowering import momentum_squared_tapes
 from hjsolve.motion.exact_numbers import InBits, to_bits
 from hjsolve.motion.initial_data import domain_ends
@@ -115,8 +116,7 @@ def _inside(lower: End, upper: End, start: CoordinateStart, bits: int) -> Mpf:
         return (a + b) / 2
     if a is None and b is None:
         return start.place(bits)
-    end = a if a is not None else b
-    assert end is not None
+    end = required(a if a is not None else b)
     step = 1 + abs(end)
     return end + step if b is None else end - step
 

@@ -23,7 +23,7 @@ from hjsolve.energy_momentum.end_curves import end_polynomials
 from hjsolve.energy_momentum.isolation import Reals
 from hjsolve.energy_momentum.multiple_roots import real_roots
 from hjsolve.energy_momentum.orbits import bounded_orbits
-from hjsolve.errors import InvalidInputError, NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError, required
 from hjsolve.solution.quadratures import Solution
 
 _FIRST, _MOST = 48, 1536
@@ -132,8 +132,7 @@ def rests_at_ends(own: CoordinateKinds) -> list[tuple[float, float, float]]:
 
 
 def _place(own: CoordinateKinds, t: sp.Expr) -> float:
-    assert own.polynomial is not None
-    s = own.polynomial.substitution
+    s = required(own.polynomial).substitution
     return float(sp.N(s.inverse.subs(s.x, t)))
 
 

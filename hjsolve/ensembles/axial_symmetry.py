@@ -15,6 +15,7 @@ import sympy as sp
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.coordinates.charts.curvilinear import AZIMUTH, FROM_AXIS, HEIGHT, CurvilinearMap
 from hjsolve.coordinates.charts.outer_map import flat_map
+from hjsolve.errors import of_kind, required
 from hjsolve.motion.velocity_frame import ORTHONORMAL
 from hjsolve.separation import Zero, is_zero
 from hjsolve.solution.quadratures import Solution
@@ -96,7 +97,6 @@ def solved_in_space(solution: Solution) -> Solution:
     Args:
         solution: of a system in cylindrical coordinates, solved in others.
     """
-    assert solution.chart is not None
-    outer = solution.chart.outer
-    assert isinstance(outer, CurvilinearMap)
-    return replace(solution, chart=replace(solution.chart, original=outer.space, outer=flat_map(outer.space)))
+    chart = required(solution.chart)
+    outer = of_kind(chart.outer, CurvilinearMap)
+    return replace(solution, chart=replace(chart, original=outer.space, outer=flat_map(outer.space)))

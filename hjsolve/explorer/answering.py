@@ -12,7 +12,7 @@ from pathlib import Path
 import sympy as sp
 
 from hjsolve import catalog
-from hjsolve.errors import HJSolveError, InvalidInputError, NotConvergedError, NotSeparableError
+from hjsolve.errors import HJSolveError, InvalidInputError, NotConvergedError, NotSeparableError, required
 from hjsolve.explorer.question import LONGEST, PageAnswer, PageQuestion, Portrait
 from hjsolve.formulas.checked_arithmetic import FUNCTIONS
 from hjsolve.formulas.read import number
@@ -121,8 +121,7 @@ def _line(error: HJSolveError) -> str:
 # ------------------------------------------------------------------------------------------- the initial point
 def _dragged(question: PageQuestion, system: System) -> PageQuestion:
     """The start with q and p of one coordinate changed and the other momenta kept."""
-    drag = question.drag
-    assert drag is not None
+    drag = required(question.drag)
     places = {c.symbol: number(question.q[c.name], source=c.name) for c in system.coordinates}
     speeds = {c.velocity: number(question.velocity[c.name], source=c.name) for c in system.coordinates}
     values = _parameter_values(system)
@@ -161,8 +160,9 @@ def _told(question: PageQuestion, system: System) -> PageAnswer:
         return PageAnswer(file=scene_text(question, system))
     if question.wanted == "report":
         return PageAnswer(file=_report(solution if solution is not None else verdict, question))
-    if solution is None:
+    if solution is None and not isinstance(verdict, Separation):
         return _refused(question, verdict, search)
+    solution = required(solution)
     lead = _html(Paragraph(system_and_verdict.answer(solution.separation)))
     chart = chart_section(solution.chart) if solution.chart is not None else None
     details = _sections([chart, forms_section(solution.separation)])
@@ -191,9 +191,8 @@ def _solved(
         return None, f"Other coordinates: none found. {reason[:1].upper()}{reason[1:]}"
 
 
-def _refused(question: PageQuestion, verdict: Separation | Obstruction | Undecided, search: str) -> PageAnswer:
+def _refused(question: PageQuestion, verdict: Obstruction | Undecided, search: str) -> PageAnswer:
     """The refusal, what the search for other coordinates answered, and the motion, integrated step by step."""
-    assert not isinstance(verdict, Separation)
     lead = _html(Paragraph(system_and_verdict.answer(verdict)))
     if search:
         lead += "\n" + _html(Paragraph((search,)))

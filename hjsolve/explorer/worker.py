@@ -15,6 +15,7 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
+from hjsolve.errors import of_kind, required
 from hjsolve.explorer.question import PageAnswer, PageQuestion
 
 _BEGINNING, _ENDING = 60.0, 5.0
@@ -69,9 +70,7 @@ class Worker:
         try:
             connection.send(question)
             if connection.poll(self.seconds):
-                answered = connection.recv()
-                assert isinstance(answered, PageAnswer)
-                return answered
+                return of_kind(connection.recv(), PageAnswer)
         except (EOFError, OSError):
             why = self._cause()
             self.end()
@@ -81,9 +80,9 @@ class Worker:
 
     def _cause(self) -> str:
         """Say why the process has ended."""
-        assert self._process is not None
-        self._process.join(_ENDING)
-        code = self._process.exitcode
+        process = required(self._process)
+        process.join(_ENDING)
+        code = process.exitcode
         if code == _OUT_OF_MEMORY:
             return f"this took more than {self.megabytes} MB of memory, and was stopped"
         if code is not None and code < 0:

@@ -24,7 +24,7 @@ from hjsolve.certified.ball_radicand import BallMomentumSquared, turning_point
 from hjsolve.certified.integrands import AnomalyMap, CycleIntegrand, all_round, between_turns
 from hjsolve.certified.proved_turning_points import prove_turning_points
 from hjsolve.certified.strip_bound import certified_means
-from hjsolve.errors import InvalidInputError, NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError, required
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import Initial
 from hjsolve.one_coordinate.anomaly import Libration, Rotation
@@ -180,7 +180,7 @@ def proved_libration(
 def _cycle(motion: SeparatedMotion, name: str, line: BallMomentumSquared) -> CycleIntegrand:
     """Prove the turning points and set up the integrands of one coordinate."""
     solution, course = motion.solution, motion.located[name].course.cycle
-    assert course is not None  # ``enclosed_numbers`` has looked
+    course = required(course)
     anomaly = course.anomaly
     F = solution.momentum_squared[name]
     held = [j for j, c in enumerate(solution.constants.values()) if c.symbol in F.free_symbols]

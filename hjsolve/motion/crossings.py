@@ -219,7 +219,6 @@ def _integral_at(motion: SeparatedMotion, course: CoordinateMotion, j: int, χ: 
 
 def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[float, float]:
     """Time at which χₖ(t), increasing, passes a phase; by bracketing and the secant rule."""
-    assert motion.equations is not None
 
     def full(t: float) -> tuple[float, float]:
         χ, whole, errors, ended = solve_phases(motion, (np.array([t]), np.zeros(1)))

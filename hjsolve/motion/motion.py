@@ -303,8 +303,8 @@ class Motion(ShownMotion):
         """Where else each separated coordinate could move with the same constants: other wells, and places of rest.
 
         Coordinate → intervals (lower, upper) in order, without the one the motion is in (``turning_points``); None for
-        an end that is no turning point. At most ``one_coordinate.allowed_regions.MOST`` on each side. Worked out when
-        it is read.
+        an end that is no turning point. At most ``one_coordinate.allowed_regions.MOST_REGIONS`` on each side. Worked
+        out when it is read.
         """
         refuse_kinks(self.solution.system.kinks, "other_regions")
         result = {}

@@ -11,6 +11,7 @@ import sympy as sp
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.errors import required
 from hjsolve.lowering import lower
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.motion.initial_data import Initial, to_bits
@@ -147,8 +148,7 @@ def frequencies(solution: Solution, initial: Initial, equations: Equations | Non
                 result[name] = rounded(course.direction * torus.rates[k], digits, course.nodes)
         result |= _ignorable_rates(solution, torus, digits, angles=True)
         return {c.name: result[c.name] for c in system.coordinates if c.name in result}
-    scheme = equations.scheme
-    assert scheme is not None
+    scheme = required(equations.scheme)
     for step in scheme.steps:
         cycle = scheme.courses[step.index].cycle
         if cycle is not None and (step == scheme.steps[0] or (step.weights[0] and _alone(scheme, step))):

@@ -11,6 +11,7 @@ import sympy as sp
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS, Multi, multiprecision
 from hjsolve.arithmetic.number_types import Counts, Mask, Numbers, Reals
+from hjsolve.errors import required
 from hjsolve.mechanics.system import hamiltonian, velocities
 from hjsolve.motion.near_poles import lost_in_two_doubles, places, worked_out
 from hjsolve.motion.phases import Phases, courses_of
@@ -173,8 +174,7 @@ def table_errors(
     dv = velocity_errors(motion, q, p, dq, dp, EPS)
     if sharp is not None and sharp.any():
         c = system.coordinate(separated)
-        assert table.ends is not None
-        below, above = (table.table.sizes(end, θ) for end in table.ends)
+        below, above = (table.table.sizes(end, θ) for end in required(table.ends))
         grain_q = np.where(below < above, above, below)  # either may have been the nearer one on the panel
         moved, _ = _shifted(motion, separated, q)
         delay = np.broadcast_to(delay, θ.shape)

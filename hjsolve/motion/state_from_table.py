@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from hjsolve.arithmetic.number_types import AtTimes, Counts, Mask, Numbers, Reals
+from hjsolve.errors import required
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.endings import end_statuses
 from hjsolve.motion.initial_data import InBits, to_bits
@@ -91,8 +92,8 @@ class TableTimes:
     def _within(self, part: slice) -> tuple[Reals, Reals]:
         if self.given is not None:
             return relative(self.given[part], to_bits(self.motion.t0))
-        assert self.known is not None
-        return self.known[0][part], self.known[1][part]
+        known = required(self.known)
+        return known[0][part], known[1][part]
 
     @cached_property
     def elapsed(self) -> tuple[Reals, Reals]:

@@ -17,7 +17,7 @@ from hjsolve.arithmetic.error_free import Pair, split
 from hjsolve.arithmetic.number_types import Counts, Mask, Numbers, Reals
 from hjsolve.display.by_value import same
 from hjsolve.display.shown import WIDEST, brief
-from hjsolve.errors import NotConvergedError
+from hjsolve.errors import NotConvergedError, required
 from hjsolve.motion.near_poles import roundings
 from hjsolve.motion.positions import constant_index
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
@@ -94,11 +94,9 @@ class DenseOutput:
             motion: the one the table was made of.
             θ: argument, shape (m,).
         """
-        assert self.ends is not None
         name = motion.solution.coordinates[0]
-        course = motion.located[name].course.cycle
-        assert course is not None
-        below, above, shell = self.table.evaluate([*self.ends, 1], θ)
+        course = required(motion.located[name].course.cycle)
+        below, above, shell = self.table.evaluate([*required(self.ends), 1], θ)
         return {name: course.beside(below, above)}, {name: shell}
 
     def argument(self, motion: SeparatedMotion, time: tuple[Reals, Reals]) -> tuple[Reals, Counts, Mask]:
@@ -121,8 +119,7 @@ class DenseOutput:
                     θ += 2 * np.pi * shift
                     whole -= shift
             return θ, whole, np.zeros(θ.shape, dtype=bool)
-        assert scheme is not None
-        course = scheme.courses[0]
+        course = required(scheme).courses[0]
         value = (time[0] + self.begin) + time[1]
         low = -self.table.edges[-1] if self.table.even else self.table.edges[0]
         return (
@@ -180,10 +177,8 @@ def dense_output(motion: SeparatedMotion, span: float) -> DenseOutput | None:
 
 @lru_cache(maxsize=64)
 def _bounded(motion: SeparatedMotion) -> DenseOutput:
-    equations = motion.torus
-    assert equations is not None
-    course = equations.courses[0].cycle
-    assert course is not None
+    equations = required(motion.torus)
+    course = required(equations.courses[0].cycle)
     mean = float(course.kernels[0].mean)
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     series = [oscillation(equations, 0, constant_index(motion, n)) for n in names]
@@ -258,8 +253,7 @@ def _scale(motion: SeparatedMotion) -> float:
 
 @lru_cache(maxsize=8)
 def _open(motion: SeparatedMotion, power: int) -> DenseOutput:
-    scheme = motion.scheme
-    assert scheme is not None
+    scheme = required(motion.scheme)
     course = reaching(scheme.courses[0], scheme, 2.0**power, 0)
     folded = not course.two_ways
     edges = course.edges()

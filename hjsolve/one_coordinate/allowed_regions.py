@@ -13,13 +13,13 @@ from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.interval import Interval
 from hjsolve.arithmetic.jet import Derivatives
 from hjsolve.arithmetic.number_types import Mpf, Numbers, Numeric
-from hjsolve.errors import ForbiddenMotionError, NotConvergedError
+from hjsolve.errors import ForbiddenMotionError, NotConvergedError, required
 from hjsolve.one_coordinate.classify import ray
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.turning_points import End, first_end
 
-MOST = 4
+MOST_REGIONS = 4
 """Regions looked for on each side (a coordinate that winds for ever may have infinitely many)."""
 
 
@@ -91,7 +91,7 @@ def every_region(start: CoordinateStart, digits: int) -> list[AllowedRegion]:
 
 
 def _along(
-    start: CoordinateStart, end: End, side: int, digits: int, last: End | None = None, most: int = MOST
+    start: CoordinateStart, end: End, side: int, digits: int, last: End | None = None, most: int = MOST_REGIONS
 ) -> list[AllowedRegion]:
     """Regions from an end outward; for an angle, up to the first region itself a turn later (``last``)."""
     found: list[AllowedRegion] = []
@@ -108,10 +108,9 @@ def _along(
 
 
 def _at(start: CoordinateStart, end: End, *, negated: bool = False) -> CoordinateStart:
-    assert end.place is not None
     own = start.radicand
     radicand = _Negated(own.squared, own.kernels, own.inputs, own.guard) if negated else own
-    return replace(start, place=end.place, radicand=radicand)
+    return replace(start, place=required(end.place), radicand=radicand)
 
 
 def _adjoins(start: CoordinateStart, end: End) -> bool:
@@ -121,10 +120,8 @@ def _adjoins(start: CoordinateStart, end: End) -> bool:
 
 def _passed(end: End, last: End) -> bool:
     """True when an end is the beginning of the first region, a turn later."""
-    assert end.place is not None
-    assert last.place is not None
     turn = 2 * multiprecision(256).pi
-    return bool(end.place(256) - last.place(256) > turn * (1 - 2.0**-100))
+    return bool(required(end.place)(256) - required(last.place)(256) > turn * (1 - 2.0**-100))
 
 
 def forbidden(start: CoordinateStart, digits: int = 15) -> ForbiddenMotionError:
@@ -140,8 +137,7 @@ def forbidden(start: CoordinateStart, digits: int = 15) -> ForbiddenMotionError:
     for side in (-1, 1):
         for region in _nearest(start, here, side, digits):
             ends = tuple(None if e.place is None else float(e.place(64)) for e in region)
-            near = ends[0] if side > 0 else ends[1]
-            assert near is not None
+            near = required(ends[0] if side > 0 else ends[1])
             beside.append((abs(near - float(start.place(64))), (ends[0], ends[1])))
     regions = tuple(ends for _, ends in sorted(beside, key=lambda pair: pair[0]))
     return ForbiddenMotionError(

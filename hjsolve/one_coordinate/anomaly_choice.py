@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _FEW, _MANY = 32, 120
 """Nodes above which a second and another change of variable is tried, for a double and half a cycle."""
-_MOST = 20000
+_MOST_NODES = 20000
 """Nodes above which a motion is given up, for a double."""
 
 
@@ -49,11 +49,13 @@ def over_the_best_map(start: CoordinateStart, kind: Kind, maps: Iterator[Anomaly
         best = _better(best, _proved(start, anomaly, digits, bits))
         if best is not None and best[0] <= few * max(1.0, digits / 15) * (1 if anomaly.even else 2):
             break
-    if best is not None and best[0] > (_MOST * max(1.0, digits / 15) if isinstance(best[1], Stretched) else _MANY):
+    if best is not None and best[0] > (
+        _MOST_NODES * max(1.0, digits / 15) if isinstance(best[1], Stretched) else _MANY
+    ):
         best = _better(best, _proved(start, best[1], digits, bits, resolution.FINE))
     if best is None:
         return _next_to_a_separatrix(start, kind, tried, digits, bits)
-    if best[0] > _MOST * max(1.0, digits / 15):
+    if best[0] > _MOST_NODES * max(1.0, digits / 15):
         raise NotConvergedError(
             f"{start.name}: no fewer than {best[0]} nodes are proved to resolve p² between its turning points"
         )
@@ -89,7 +91,7 @@ def _next_to_a_separatrix(start: CoordinateStart, kind: Kind, maps: list[Anomaly
     """
     for anomaly in reversed(maps):
         least = _proved(start, anomaly, digits, bits, zeros=False)
-        nodes = least[0] if least is not None else _MOST
+        nodes = least[0] if least is not None else _MOST_NODES
         while nodes < _MANY * 8 * max(1.0, digits / 15):
             found = _integrated(start, kind, nodes, anomaly, digits, bits)
             if found.tail <= 10.0 ** -(digits + 1):

@@ -25,6 +25,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from hjsolve.arithmetic.chebyshev import clenshaw, in_panel
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.arithmetic.number_types import Context, Mpf, Numbers, Numeric, Reals
 from hjsolve.one_coordinate.turning_points import EndKind
@@ -164,7 +165,7 @@ class Panels:
             y: places, shape (m,).
         """
         panels = self._for(y)
-        return panels._clenshaw(panels.coefficients[function], y)
+        return panels._sums(panels.coefficients[function], y)
 
     def integral(self, function: int, y: Numbers) -> Numbers:
         """Return its integral from 0 to y ≥ 0; past the last panel the integrand is continued by its last value.
@@ -175,7 +176,7 @@ class Panels:
         """
         panels = self._for(y)
         inside = np.minimum(y, panels.edges[-1])
-        return panels._clenshaw(panels.sums[function], inside) + (y - inside) * panels.value(function, inside)
+        return panels._sums(panels.sums[function], inside) + (y - inside) * panels.value(function, inside)
 
     def grain(self, function: int, y: Numbers) -> Reals:
         """Return the size that the rounding of the integral in doubles refers to: that of its panel's coefficients.
@@ -198,15 +199,10 @@ class Panels:
         edges, coefficients, sums = np.append(edges[:-1][wide], edges[-1]), coefficients[:, wide], sums[:, wide]
         return Panels(edges, coefficients, sums, self.nodes, self.finished)
 
-    def _clenshaw(self, table: Numbers, y: Numbers) -> Numbers:
+    def _sums(self, table: Numbers, y: Numbers) -> Numbers:
         panel = np.clip(np.searchsorted(self.edges, y, side="right") - 1, 0, len(self.edges) - 2)
-        left, right = self.edges[panel], self.edges[panel + 1]
-        x2 = 2 * ((np.minimum(y, self.edges[-1]) - left) - (right - np.minimum(y, self.edges[-1]))) / (right - left)
-        rows = table[panel]
-        b1 = b2 = 0 * x2
-        for k in range(rows.shape[-1] - 1, 0, -1):
-            b1, b2 = x2 * b1 - b2 + rows[..., k], b1
-        return x2 / 2 * b1 - b2 + rows[..., 0]
+        x = in_panel(np.minimum(y, self.edges[-1]), self.edges[panel], self.edges[panel + 1])
+        return clenshaw(np.moveaxis(table[panel], -1, 0), x)
 
 
 @lru_cache(maxsize=64)

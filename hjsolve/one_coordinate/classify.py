@@ -10,7 +10,7 @@ from functools import partial
 from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Numeric
 from hjsolve.arithmetic.root_finding import bisected
-from hjsolve.errors import InvalidInputError, NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError, required
 from hjsolve.one_coordinate import kinks
 from hjsolve.one_coordinate.anomaly import Rotation, libration_anomaly, rotation_anomaly
 from hjsolve.one_coordinate.anomaly_choice import over_near_zeros, over_other_near_zeros, over_the_best_map
@@ -203,9 +203,7 @@ def _hollow(q: Mpf, sides: list[MomentumSquared]) -> bool:
 
 
 def _libration(start: CoordinateStart, lower: End, upper: End, digits: int) -> Periodic:
-    assert lower.place is not None
-    assert upper.place is not None
-    places = (lower.place, upper.place)
+    places = required(lower.place), required(upper.place)
     needed = bits_for(digits, 48)
     nearness = _nearness(start, places)
     if nearness > _NEAREST:
@@ -213,7 +211,7 @@ def _libration(start: CoordinateStart, lower: End, upper: End, digits: int) -> P
             f"{start.name}: it turns {nearness} powers of two nearer to an end of its domain than to its other turning "
             f"point, and {_NEAREST} are the most that can be integrated"
         )
-    ends = lower.place(256), upper.place(256)
+    ends = places[0](256), places[1](256)
     _refuse_beyond_doubles(start, sum(ends) / 2, ends[1] - ends[0])
     bits = needed + 80 + 2 * nearness + start.radicand.guard
     while True:
@@ -343,8 +341,7 @@ def _open(start: CoordinateStart, forward: int, lower: End, upper: End, digits: 
     kind = _kind_of_open(lower, upper, forward)
 
     def branch(origin: End, target: End, side: int) -> Branch:
-        assert origin.place is not None
-        first = origin.place(exact)
+        first = required(origin.place)(exact)
         turning = origin.kind == "turning"
         length = (
             abs(target.place(exact) - first)
@@ -375,8 +372,7 @@ def _open_through_kinks(
 
     def part(origin: End, target: End, side: int, k: int) -> Branch:
         own = kinks.in_its_cell(start, k)
-        assert origin.place is not None
-        first, turning = origin.place(exact), origin.kind == "turning"
+        first, turning = required(origin.place)(exact), origin.kind == "turning"
         length = (
             abs(target.place(exact) - first) if target.place is not None else _length(own, first, bits, turning=turning)
         )
@@ -394,8 +390,7 @@ def _open_through_kinks(
         if near.end.kind in {"turning", "wall"}:
             out = chain(near.end, near.cell, far, side)
             place = multiprecision(bits).convert(start.place(exact))
-            y = 0 * place if start.forward == 0 else out.way.parameter(place)
-            assert y is not None
+            y = required(0 * place if start.forward == 0 else out.way.parameter(place))
             return Unbounded(kind, out, out, y if forward == side else -y)
     here = End("boundary", start.place)
     ahead, behind = (high, low) if forward > 0 else (low, high)

@@ -15,6 +15,7 @@ from hjsolve.arithmetic.complex_disks import Disk
 from hjsolve.arithmetic.elliptic import jacobi, quarter_period
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Complexes, Reals
+from hjsolve.errors import required
 from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
 from hjsolve.one_coordinate.stretched_anomaly import Inner, Stretched
 
@@ -203,5 +204,4 @@ def place_disks(anomaly: Inner | Stretched, χ: Complexes, radius: Reals) -> Pla
         across = np.real(found.q - found.q[0]) + np.pi
         turned = found.q[0] + across % (2 * np.pi) - np.pi + 1j * np.imag(found.q - found.q[0])
         return PlaceDisks(disk(turned), None, None)
-    assert found.from_upper is not None
-    return PlaceDisks(disk(found.q), disk(found.from_lower), disk(found.from_upper))
+    return PlaceDisks(disk(found.q), disk(found.from_lower), disk(required(found.from_upper)))

@@ -12,6 +12,7 @@ import numpy as np
 
 from hjsolve.arithmetic.complex_disks import Disk, Disks, hull, tighter
 from hjsolve.arithmetic.number_types import Complexes, N
+from hjsolve.errors import required
 
 _DISKS = Disks()
 _CLOSE = 1e-4
@@ -122,10 +123,9 @@ class DifferenceRules(ABC, Generic[N]):
         if line.code in {"add", "mul"}:
             if f is None or g is None:
                 constant, other = (x, g) if f is None else (y, f)
-                assert other is not None
-                return self._with_constant(line.code, self.fixed(constant.lower), other)
+                return self._with_constant(line.code, self.fixed(constant.lower), required(other))
             return self._sum(f, g) if line.code == "add" else self._product(x, f, g)
-        assert f is not None
+        f = required(f)
         return self._inverse(x, f) if line.code == "inverse" else self._unary(line.code, x, f)
 
     def _with_constant(self, code: str, constant: N, f: DividedValues[N]) -> DividedValues[N]:
@@ -137,8 +137,7 @@ class DifferenceRules(ABC, Generic[N]):
         return DividedValues(*(self.plus(*parts) for parts in zip(f, g, strict=True)))
 
     def _product(self, x: EndValues, f: DividedValues[N], g: DividedValues[N]) -> DividedValues[N]:
-        assert x.chord is not None
-        lower, upper, chord = self.fixed(x.lower), self.fixed(x.upper), self.fixed(x.chord)
+        lower, upper, chord = self.fixed(x.lower), self.fixed(x.upper), self.fixed(required(x.chord))
         # (fg)[a, b, q] = f(a) g[a, b, q] + f[a, b] g[b, q] + f[a, b, q] g(q)
         outer = self.plus(self.times(lower, g.second), self.times(chord, g.from_upper))
         return DividedValues(
@@ -150,11 +149,10 @@ class DifferenceRules(ABC, Generic[N]):
 
     def _inverse(self, x: EndValues, f: DividedValues[N]) -> DividedValues[N]:
         """(1/f)[a, b, q] = (f[a, b] f[a, q] − f(a) f[a, b, q])/(f(a) f(b) f(q)), (1/f)[b, q] = −f[b, q]/(f(b) f(q))."""
-        assert x.chord is not None
         here = self.reciprocal(f.here)
         ends = self.fixed(_DISKS.mul(_DISKS.inverse(x.lower), _DISKS.inverse(x.upper)))
         minus = self.fixed(Disk(-x.lower.centre, x.lower.radius))
-        inner = self.plus(self.times(self.fixed(x.chord), f.from_lower), self.times(minus, f.second))
+        inner = self.plus(self.times(self.fixed(required(x.chord)), f.from_lower), self.times(minus, f.second))
         upper, lower = (
             self.times(self.fixed(Disk(-part.centre, part.radius)), here)
             for part in (_DISKS.inverse(x.upper), _DISKS.inverse(x.lower))
@@ -167,7 +165,6 @@ class DifferenceRules(ABC, Generic[N]):
         )
 
     def _unary(self, name: str, x: EndValues, f: DividedValues[N]) -> DividedValues[N]:
-        assert x.chord is not None
         a, b, q = self.fixed(x.lower), self.fixed(x.upper), f.here
         at_a, at_b = (self.fixed(_DISKS.unary(name, end)) for end in (x.lower, x.upper))
         here = self.call(name, q)
@@ -175,7 +172,7 @@ class DifferenceRules(ABC, Generic[N]):
         near_a, near_b = self.chord(name, a, q, at_a, here), self.chord(name, b, q, at_b, here)
         twice = self.bend(name, (a, b, q), self.fixed(first_disk(name, x.lower, x.upper)), near_a, near_b)
         # (Φ∘f)[a, b, q] = Φ[f(b), f(q)] f[a, b, q] + f[a, b] f[a, q] Φ[f(a), f(b), f(q)]
-        inner = self.times(self.times(self.fixed(x.chord), f.from_lower), twice)
+        inner = self.times(self.times(self.fixed(required(x.chord)), f.from_lower), twice)
         second = self.plus(self.times(near_b, f.second), inner)
         return DividedValues(here, second, self.times(near_b, f.from_upper), self.times(near_a, f.from_lower))
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
-from hjsolve.errors import InvalidInputError, NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError, required
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
 from hjsolve.one_coordinate.coordinate_start import Cell, CoordinateStart
 from hjsolve.one_coordinate.kinked_libration import KinkedLibration, PieceByPiece, PieceMap, SmoothPiece, integrated
@@ -190,9 +190,11 @@ def libration(start: CoordinateStart, lower: Reached, upper: Reached, forward: i
     more = max(digits, 15) + _MORE
     bits = bits_for(more, 128)
     exact = bits + 256 + start.radicand.guard
-    assert lower.end.place is not None
-    assert upper.end.place is not None
-    places = [lower.end.place, *(_upper(start.cells[k]) for k in range(lower.cell, upper.cell)), upper.end.place]
+    places = [
+        required(lower.end.place),
+        *(_upper(start.cells[k]) for k in range(lower.cell, upper.cell)),
+        required(upper.end.place),
+    ]
     pieces = []
     for k, (low, high) in enumerate(itertools.pairwise(places)):
         a, b = low(exact), high(exact)

@@ -30,8 +30,9 @@ from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.errors import NotConvergedError
 
 _RHO, _WIDER = 2 + 3**0.5, 2.1
-_MOST_PIECES, _FIRST_HALVINGS, _HALVINGS, _LOST = 400, 600, 60, 60
-_GUARD, _SHORTEST = 8, 2.0**-80
+_MOST_PIECES, _FIRST_HALVINGS, _LATER_HALVINGS, _LOST_BITS = 400, 600, 60, 60
+"""Pieces of a curve; halvings of a piece before the scale of the curve is known, and after; bits given up in y."""
+_GUARD_DIGITS, _SHORTEST_PIECE = 8, 2.0**-80
 """Decimal digits to spare in the quadratures; a piece over the longest one, below which a place of rest is near."""
 
 
@@ -124,7 +125,7 @@ class Curve:
         Raises:
             NotConvergedError: a hundred steps, or one where ∂H/∂y = 0, did not lead to the root.
         """
-        fine, coarse = (multiprecision(self.bits).mpf(2) ** (k - self.bits) * size for k in (8, _LOST))
+        fine, coarse = (multiprecision(self.bits).mpf(2) ** (k - self.bits) * size for k in (8, _LOST_BITS))
         before = None
         for _ in range(100):
             h, _, slope = self.at(along, x, y)
@@ -157,7 +158,7 @@ class Curve:
             if found is not None and abs(y0 - found[0]) < found[1]:
                 middle, room, bound = found
                 steep = abs(float(self.at(along, x0, y0)[2]))
-                n = ceil((log(10) * (self.digits + _GUARD) + log(5 * max(bound * steep, 1.0))) / (2 * log(_RHO)))
+                n = ceil((log(10) * (self.digits + _GUARD_DIGITS) + log(5 * max(bound * steep, 1.0))) / (2 * log(_RHO)))
                 return Piece(along, x0, x0 + 2 * side * radius, y0, middle, room, n), radius / steep
             radius /= 2
         return None
@@ -223,7 +224,7 @@ class Curve:
         rate = 1 / float(steep.least)
         largest = abs(piece.middle) + piece.room if along == 0 else (abs(c) + 2 * half) * float(across.largest) * rate
         off = 64 / 15 * half * _RHO ** (-2 * piece.nodes) / (1 - _RHO**-2)
-        lost = 2.0 ** (_LOST - self.bits)
+        lost = 2.0 ** (_LOST_BITS - self.bits)
         done = Piece(
             along, piece.begin, end, piece.first, piece.middle, piece.room, piece.nodes, time, action,
             off * rate + lost * abs(float(time)), off * largest + lost * 2 * half * largest,
@@ -316,13 +317,13 @@ def followed(curve: Curve, q: Mpf, p: Mpf, domain: tuple[Mpf | None, Mpf | None]
     point, radii, pieces, places = (q, p), [max(abs(float(x)), 1.0) for x in (q, p)], list[Piece](), [q]
     longest = [0.0, 0.0]
     for _ in range(_MOST_PIECES):
-        tries = [_HALVINGS if far else _FIRST_HALVINGS for far in longest]
+        tries = [_LATER_HALVINGS if far else _FIRST_HALVINGS for far in longest]
         tried = [found for k in (0, 1) if (found := curve.piece(k, point, radii[k], tries[k])) is not None]
         piece = max(tried, key=lambda found: found[1])[0] if tried else None
         if piece is not None:
             radii[piece.along] = 2 * abs(float(piece.end - piece.begin))
             longest[piece.along] = max(longest[piece.along], radii[piece.along])
-        if piece is None or radii[piece.along] < _SHORTEST * longest[piece.along]:
+        if piece is None or radii[piece.along] < _SHORTEST_PIECE * longest[piece.along]:
             raise NotConvergedError(_where("meets a place of rest, another branch or a singularity of H", point))
         back = next((turns for turns, goal in goals.items() if piece.passes(goal)), None)
         end = piece.end if back is None else goals[back][piece.along]

@@ -19,10 +19,11 @@ from hjsolve.arithmetic.number_types import Mpf, Numbers
 from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels, chebyshev_points, integrated_row
 from hjsolve.one_coordinate.open_branch import Branch
 
-_TERMS = 48
+_FACTOR_DEGREE = 48
 """Degree that the elementary factor may need on a panel, for 15 digits; more digits more."""
-_HALVINGS = 200
-_GUARD = 32
+_PANEL_HALVINGS = 200
+"""Of one panel, in all; what is beyond the last part that was resolved is not given."""
+_GUARD_BITS = 32
 
 
 @lru_cache(maxsize=32)
@@ -47,7 +48,7 @@ def swept(branch: Branch, weights: tuple[float, ...] | None, amount: float) -> P
         while todo:
             low, high = todo.pop()
             product = _product(way, series, ends, (low, high), bits, digits)
-            if product is None and halvings < _HALVINGS:
+            if product is None and halvings < _PANEL_HALVINGS:
                 middle, halvings = (low + high) / 2, halvings + 1
                 todo += [(middle, high), (low, middle)]
                 continue
@@ -67,7 +68,7 @@ def _product(
     """Chebyshev coefficients on a part of a panel; None where they do not fall fast enough."""
     arithmetic, context = Multi(bits), multiprecision(bits)
     low, high = part
-    points = chebyshev_points(smooth(len(series) + _TERMS * max(1, digits // 15)), bits)
+    points = chebyshev_points(smooth(len(series) + _FACTOR_DEGREE * max(1, digits // 15)), bits)
     samples, summed = [], _chebyshev_sum(series, panel, bits)
     for x in points:
         y = low + (high - low) * (1 + x) / 2
@@ -91,7 +92,7 @@ def _chebyshev_sum(series: list[Mpf], panel: tuple[Mpf, Mpf], bits: int) -> Call
     """
     context, (left, right) = multiprecision(bits), panel
     size = max(abs(c) for c in series) or context.mpf(1)
-    work = bits + 2 * len(series).bit_length() + _GUARD
+    work = bits + 2 * len(series).bit_length() + _GUARD_BITS
     first, *others = (int(context.nint(context.ldexp(c / size, work))) for c in series)
     others.reverse()
     unit = context.ldexp(size, -work)

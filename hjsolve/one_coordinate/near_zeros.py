@@ -17,8 +17,9 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.work_counter import count
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 
-_SAMPLES = 257
-_STEPS = 40
+_GRID_PLACES = 257
+_NEWTON_STEPS = 40
+"""A simple zero of F′ takes log₂(bits) of them from nearby; a multiple one gains a bit a step."""
 
 
 class ComplexZeroPair(NamedTuple):
@@ -45,14 +46,14 @@ def complex_zero_pairs(radicand: MomentumSquared, lower: Mpf, upper: Mpf, bits: 
     ]
     distinct: list[ComplexZeroPair] = []
     for pair in sorted(found, key=lambda c: c.gap):
-        if all(abs(pair.place - other.place) > width / _SAMPLES for other in distinct):
+        if all(abs(pair.place - other.place) > width / _GRID_PLACES for other in distinct):
             distinct.append(pair)
     return distinct
 
 
 def _extrema(radicand: MomentumSquared, lower: float, upper: float) -> list[float]:
     """Places on a grid where p² stops growing or falling."""
-    q = np.linspace(lower, upper, _SAMPLES + 2)[1:-1]
+    q = np.linspace(lower, upper, _GRID_PLACES + 2)[1:-1]
     count(squares=q.size)
     inputs = [float(x) for x in radicand.inputs(64)]
     with np.errstate(all="ignore"):
@@ -63,7 +64,7 @@ def _extrema(radicand: MomentumSquared, lower: float, upper: float) -> list[floa
 def _refined(radicand: MomentumSquared, q: Mpf, lower: Mpf, upper: Mpf, bits: int) -> ComplexZeroPair | None:
     """Newton's method for F′ = 0; None where it leaves the stretch."""
     tiny = (upper - lower) * Multi(bits).context.mpf(2) ** (32 - bits)
-    for _ in range(_STEPS):
+    for _ in range(_NEWTON_STEPS):
         value, slope, bend = radicand.jet(q, bits)
         if not bend:
             return None

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.chebyshev import clenshaw, in_panel
 from hjsolve.arithmetic.floats import context_of
 from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, Reals
 
@@ -136,26 +137,8 @@ class PanelSeries:
         if context is not None:
             a = abs(χ - 2 * context.pi * context.nint(χ / (2 * context.pi)))
             k = min(max(bisect_right(self.edges, a) - 1, 0), len(table) - 1)
-            return clenshaw(table[k], _local(a, self.edges[k], self.edges[k + 1]))
+            return clenshaw(table[k], in_panel(a, self.edges[k], self.edges[k + 1]))
         a = np.abs(χ - 2 * np.pi * np.rint(χ / (2 * np.pi)))
         edges, rows = self._doubles[0], self._doubles[which]
         panel = np.clip(np.searchsorted(edges, a, side="right") - 1, 0, len(rows) - 1)
-        return clenshaw(np.moveaxis(rows[panel], -1, 0), _local(a, edges[panel], edges[panel + 1]))
-
-
-def _local(x: Elementwise, left: Elementwise, right: Elementwise) -> Elementwise:
-    """Where x lies in [left, right], from −1 to 1."""
-    return ((x - left) - (right - x)) / (right - left)
-
-
-def clenshaw(row: Elementwise, x: Elementwise) -> Elementwise:
-    """Return Σ cₖ Tₖ(x) (Clenshaw 1955).
-
-    Args:
-        row: cₖ, from k = 0 on.
-        x: where; each cₖ has its shape, or none.
-    """
-    b1 = b2 = 0 * x
-    for k in range(len(row) - 1, 0, -1):
-        b1, b2 = 2 * x * b1 - b2 + row[k], b1
-    return x * b1 - b2 + row[0]
+        return clenshaw(np.moveaxis(rows[panel], -1, 0), in_panel(a, edges[panel], edges[panel + 1]))

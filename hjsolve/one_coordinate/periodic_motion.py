@@ -11,6 +11,7 @@ from hjsolve.arithmetic.error_free import Pair, moved, split
 from hjsolve.arithmetic.floats import Float64, Multi, context_of, multiprecision
 from hjsolve.arithmetic.number_types import Counts, Elementwise, Mpf, Numbers, Reals
 from hjsolve.arithmetic.work_counter import count
+from hjsolve.errors import InternalError, required
 from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
 from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.one_coordinate.kind_of_motion import Kind, KindOfMotion, Weights, arithmetic_of, elementwise, phase_times
@@ -88,8 +89,7 @@ class Periodic(KindOfMotion):
     @property
     def signed_action(self) -> Mpf | int:
         """(1/2π) ∮ P dq, signed like P for a rotation."""
-        assert self.action is not None  # it was asked for
-        action: Elementwise = self.action
+        action: Elementwise = required(self.action)
         signed: Mpf = action * self.direction
         return signed
 
@@ -133,7 +133,8 @@ class Periodic(KindOfMotion):
     @property
     def turning_points(self) -> tuple[Mpf, Mpf]:
         """Lower and upper, of a libration."""
-        assert isinstance(self.anomaly, Libration | BarrierAnomaly | Stretched)
+        if not isinstance(self.anomaly, Libration | BarrierAnomaly | Stretched):
+            raise InternalError("a rotation has no turning points; please report it")
         return self.anomaly.lower, self.anomaly.upper
 
     def momentum_integral(self, χ: Numbers) -> tuple[Numbers, Numbers, Numbers]:
@@ -142,8 +143,7 @@ class Periodic(KindOfMotion):
         Args:
             χ: phases, shape (m,); doubles or ``mpf``.
         """
-        series = self.density
-        assert series is not None  # it was asked for
+        series = required(self.density)
         mean: Elementwise = float(series.mean) if χ.dtype == float else series.mean
         size = abs(mean) * abs(χ) + series.size
         return mean * χ + series.oscillation(χ), abs(series.value(χ)), size

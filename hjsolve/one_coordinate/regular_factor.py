@@ -22,6 +22,7 @@ from hjsolve.arithmetic.complex_disks import Disk, Disks, single, tighter
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Complexes, Integers, N
 from hjsolve.arithmetic.tape import Operation, Tape
+from hjsolve.errors import required
 from hjsolve.one_coordinate.difference_rules import (
     AtPoints,
     DifferenceRules,
@@ -89,8 +90,7 @@ class Deflated:
         Returns:
             The disks, and which of ``ways`` gave each of them: the one that is known best.
         """
-        assert from_lower is not None
-        assert from_upper is not None
+        from_lower, from_upper = required(from_lower), required(from_upper)
         result = self._run(OverDisks(), q)
         best, way = result.second, np.zeros(np.shape(result.second.radius), dtype=int)
         for number, (above, below) in enumerate(
@@ -124,8 +124,7 @@ class Deflated:
             q: complex, shape (m,).
             from_lower, from_upper: q − a and q − b, known better than by subtraction.
         """
-        assert from_lower is not None
-        assert from_upper is not None
+        from_lower, from_upper = required(from_lower), required(from_upper)
         found = self._run(AtPoints(), q)
         quotients = found.from_upper / from_lower, found.from_lower / from_upper, found.here / (from_lower * from_upper)
         return -found.second, -quotients[0], -quotients[1], -quotients[2]

@@ -49,7 +49,7 @@ _COARSE, FINE = 0.15, 0.05
 """A square of that share of its height which cannot be decided bounds the strip; where many nodes are at stake."""
 _MOST_PLACES = 300
 """Rough places through which a phase is stretched; where there are more, the nodes are spaced evenly."""
-_MOST, _MOST_SEARCHED, _MOST_FOUND = 40000, 40000, 4000
+_MOST_SQUARES, _MOST_SQUARES_SEARCHED, _MOST_OBSTACLES = 40000, 40000, 4000
 """Squares evaluated before a strip is taken as it is, or a search for obstacles is given up; most obstacles."""
 _BLOCK = 512
 """Squares evaluated at once: a square is twenty points of every operation of a formula, some 50 kB."""
@@ -211,7 +211,7 @@ def strip(subject: Integrands, digits: int, coarse: float = _COARSE, *, zeros: b
         done.append((todo.y[fine], logs[:, fine]))
         # a square that will not be decided any more bounds the strip from above; whatever lies higher is dropped
         left = todo.chosen(~fine)
-        hopeless = _hopeless(left, coarse) | ((left.y >= high) & (len(done) > 1)) | (work > _MOST)
+        hopeless = _hopeless(left, coarse) | ((left.y >= high) & (len(done) > 1)) | (work > _MOST_SQUARES)
         cap = min([cap, *left.y[hopeless]])
         left = left.chosen(~hopeless).beside(waiting)
         left = left.chosen(left.y < cap)
@@ -245,7 +245,7 @@ def obstacles(subject: Integrands) -> list[tuple[float, float]] | None:
         above = straight_above(left)
         left, waiting = left.chosen(~above), left.chosen(above)
         hopeless = _hopeless(left)
-        if work > _MOST_SEARCHED or found.shape[1] > _MOST_FOUND or np.any(left.y[hopeless] == 0):
+        if work > _MOST_SQUARES_SEARCHED or found.shape[1] > _MOST_OBSTACLES or np.any(left.y[hopeless] == 0):
             return None
         found = np.concatenate([found, np.stack([left.x + left.side / 2, left.y])[:, hopeless]], axis=1)
         todo = left.chosen(~hopeless).divided()

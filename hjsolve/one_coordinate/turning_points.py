@@ -20,7 +20,7 @@ from hjsolve.arithmetic.asymptotic_expansion import BITS
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Numeric, Reals
 from hjsolve.arithmetic.root_finding import bracketed_root, leading_power
-from hjsolve.errors import NotConvergedError
+from hjsolve.errors import NotConvergedError, required
 from hjsolve.one_coordinate.momentum_squared import Number
 from hjsolve.one_coordinate.ray import Ray, SimpleZero
 from hjsolve.one_coordinate.time_on_the_way import stopwatch
@@ -301,8 +301,7 @@ def _at_critical(ray: Ray, x0: float | Mpf, x1: float | Mpf, bits: int) -> Mpf:
 
 
 def _at_reach(ray: Ray, bits: int) -> Mpf:
-    assert ray.reach is not None
-    return _at(ray, ray.reach(bits + 32), bits)
+    return _at(ray, required(ray.reach)(bits + 32), bits)
 
 
 def _critical(ray: Ray, x0: float | Mpf, x1: float | Mpf, bits: int) -> Mpf:

@@ -16,7 +16,7 @@ import sympy as sp
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.display.shown import Shown
-from hjsolve.errors import HJSolveError, InvalidInputError
+from hjsolve.errors import HJSolveError, InvalidInputError, required
 from hjsolve.mechanics.system import mass_matrix
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, Placing
@@ -82,8 +82,7 @@ class SamePlace(Shown):
         Args:
             count: how many.
         """
-        own = self.rays[0]
-        assert own is not None  # it is the motion that the family was asked of
+        own = required(self.rays[0])
         whole = float(np.asarray(own.characteristic_function([self.start + self.length]).value, float)[0])
         return whole * (np.arange(count) + 1) / count
 

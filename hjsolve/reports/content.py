@@ -111,9 +111,9 @@ def gather(
         )  # fmt: skip
     named = subject if isinstance(subject, str | Path) else None
     with decision or nullcontext():
-        entry = catalog.describe(subject) if isinstance(subject, str | Path) else None
+        entry = None
         if isinstance(subject, str | Path):
-            assert entry is not None
+            entry = catalog.describe(subject)
             if entry.system is None:
                 raise NotSeparableError(str(entry.refusal), entry.refusal)
             subject = entry.system

@@ -14,7 +14,7 @@ from hjsolve.coordinates import NormalModes, SeparableCoordinates
 from hjsolve.costs.table import Cost
 from hjsolve.display.shown import brief, fields_of
 from hjsolve.energy_momentum.energy_momentum_map import EnergyMomentumMap
-from hjsolve.errors import NotConvergedError
+from hjsolve.errors import NotConvergedError, of_kind
 from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
 from hjsolve.rays.families import Wavefronts
@@ -171,6 +171,5 @@ def _written(content: object) -> Text:
         ends = [("–",) if x is None else _written(x) for x in content]
         return tuple(piece for k, end in enumerate(ends) for piece in ((" … " if k else ""), *end) if piece)
     unit = f" {content.unit}" if isinstance(content, Measured) else ""
-    number = content.estimate() if isinstance(content, Measured) else content
-    assert isinstance(number, Estimate)
+    number = of_kind(content.estimate() if isinstance(content, Measured) else content, Estimate)
     return (quantity(number), unit) if unit else (quantity(number),)

@@ -12,7 +12,7 @@ from hjsolve import catalog
 from hjsolve.arguments import refuse_unused
 from hjsolve.display.progress import Progress
 from hjsolve.display.visible_text import visible
-from hjsolve.errors import InvalidInputError, NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError, required
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.motion.motion import Motion
 from hjsolve.precision import one_at_a_time
@@ -195,8 +195,7 @@ def save_hamiltonian(
     from hjsolve.reports.sections.linear_hamiltonian import hamiltonian_document
 
     entry = None if isinstance(subject, LinearHamiltonian) else catalog.describe(subject)
-    problem = subject if isinstance(subject, LinearHamiltonian) else entry.hamiltonian if entry else None
-    assert problem is not None
+    problem = required(subject if isinstance(subject, LinearHamiltonian) else entry.hamiltonian if entry else None)
     data, about = initial_of(entry, initial, motion)
     started = problem.motion(**data, digits=digits) if data else None
     meanings, summary = (entry.meanings, entry.summary) if entry else ({}, "")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from hjsolve.errors import required
 from hjsolve.motion.motion import Motion
 from hjsolve.scenes.arcs import FreeArc, Leg, start_of
 from hjsolve.scenes.question import Question
@@ -106,16 +107,14 @@ class FreeMotions:
         Args:
             piece: the flight.
         """
-        assert piece.free is not None
-        assert piece.flight is not None
-        signs = signed(piece.free, piece.flight.signs)
+        signs = signed(required(piece.free), required(piece.flight).signs)
         return self._turned(piece, tuple(name for name, sign in signs.items() if sign < 0))
 
     def _turned(self, piece: FreeArc, names: tuple[str, ...]) -> Motion:
-        assert piece.free is not None
-        key = (piece.free, names)
+        free = required(piece.free)
+        key = (free, names)
         if key not in self.known:
-            arguments, values = {**piece.leg.arguments, "t0": 0}, piece.free.motion.initial.values
+            arguments, values = {**piece.leg.arguments, "t0": 0}, free.motion.initial.values
             if names:
                 p = {c.name: values[c.momentum] for c in self.scene.system.coordinates}
                 arguments |= {"velocity": None, "p": {n: -x if n in names else x for n, x in p.items()}}

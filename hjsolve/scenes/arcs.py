@@ -18,7 +18,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.arithmetic.floats import multiprecision
-from hjsolve.errors import InvalidInputError, NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError, required
 from hjsolve.mechanics.system import System, velocities
 from hjsolve.motion.initial_data import number_is_zero, read_initial_data, to_bits
 from hjsolve.motion.motion import Motion
@@ -262,9 +262,7 @@ def _time(motion: Motion, pending: Pending, horizon: sp.Expr | None) -> sp.Expr 
     event = pending.event
     if event.time is not None:
         return event.time
-    assert event.coordinate is not None
-    assert event.value is not None
-    time = next(crossings(motion, event.coordinate, event.value, horizon, pending.left), None)
+    time = next(crossings(motion, required(event.coordinate), required(event.value), horizon, pending.left), None)
     return None if time is None else as_rational(time, motion.digits)
 
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, field, replace
 
-from hjsolve.errors import InvalidInputError, MissingExtraError, NotConvergedError
+from hjsolve.errors import InvalidInputError, MissingExtraError, NotConvergedError, required
 from hjsolve.scenes.question import INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS, Question, Times
 from hjsolve.scenes.results import Choice, Run
 from hjsolve.scenes.run import run_by_quadratures, solved
@@ -136,10 +136,9 @@ def _foretell(runner: _Runner, once: float) -> None:
     count = len(scene.times.exact()) if scene.times is not None else 0
     if not {"trajectory", "angles"} & set(scene.want) or count <= _PROBE:
         return
-    assert scene.times is not None
     clock = []
     for k in (1, _PROBE):
-        few = replace(scene, times=Times(listed=(scene.times.last,) * k), digits=_FEWEST)
+        few = replace(scene, times=Times(listed=(required(scene.times).last,) * k), digits=_FEWEST)
         start = time.perf_counter()
         run_by_quadratures(few, runner.solution)
         clock.append(time.perf_counter() - start)

@@ -16,7 +16,7 @@ import sympy as sp
 from hjsolve.catalog.schema import nearest
 from hjsolve.catalog.toml_file import Toml
 from hjsolve.display.shown import Shown
-from hjsolve.errors import CatalogError, InvalidInputError
+from hjsolve.errors import CatalogError, InvalidInputError, required
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System, inverse_mass_matrix, linear_terms, mass_matrix, momenta, velocities
 
@@ -140,12 +140,12 @@ def changed(event: Event, system: System, values: Mapping[sp.Symbol, sp.Expr]) -
     names = [c.name for c in system.coordinates]
     before = {c.name: values[c.momentum] for c in system.coordinates}
     if event.kind == "wall":
-        assert event.coordinate is not None
-        i, inverse = names.index(event.coordinate), inverse_mass_matrix(system)
+        coordinate = required(event.coordinate)
+        i, inverse = names.index(coordinate), inverse_mass_matrix(system)
         moving = sp.Matrix([c.momentum - a for c, a in zip(system.coordinates, linear_terms(system), strict=True)])
         against = sp.cancel(-(inverse.row(i) * moving)[0] / inverse[i, i])
         jump = (1 + event.restitution) * against.xreplace(dict(values))
-        return before | {event.coordinate: sp.expand(before[event.coordinate] + jump)}
+        return before | {coordinate: sp.expand(before[coordinate] + jump)}
     if event.momentum is not None:
         return {name: sp.expand(p + event.momentum.get(name, 0)) for name, p in before.items()}
     jumps = sp.Matrix([(event.velocity or {}).get(name, 0) for name in names])

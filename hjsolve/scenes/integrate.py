@@ -22,7 +22,7 @@ from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.arithmetic.work_counter import WorkCount
 from hjsolve.catalog.effects import with_effects
-from hjsolve.errors import MissingExtraError, NotConvergedError
+from hjsolve.errors import MissingExtraError, NotConvergedError, required
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, hamiltonian, momenta, velocities
@@ -73,8 +73,7 @@ def integrated(scene: Question) -> Run:
         raise MissingExtraError('method = "integrate" needs scipy: pip install "hjsolve[integrate]"') from missing
     numbers = numbers_of(scene)
     flow = flow_of(scene, numbers)
-    assert scene.times is not None
-    times = np.array([float(t) for t in sampled(scene.times, 15)])
+    times = np.array([float(t) for t in sampled(required(scene.times), 15)])
     best, error = _converged(scene, flow, numbers, times)
     drift = _drift(scene, numbers, best.states) if "constants" in scene.want else {}
     trajectory = _trajectory(scene, flow, times, best, error) if "trajectory" in scene.want else None
@@ -87,16 +86,17 @@ def numbers_of(scene: Question) -> Numbers:
     Args:
         scene: with initial data and parameters.
     """
-    assert scene.initial is not None
-    system, start = scene.system, scene.initial
+    system, start = scene.system, required(scene.initial)
     values = dict(parameter_values(system, scene.parameters))
     parameters = dict(values)
     values |= {c.symbol: number(start.q[c.name], source=f"q[{c.name}]") for c in system.coordinates}
     if start.p is not None:
         p = {c.name: number(start.p[c.name], source=f"p[{c.name}]") for c in system.coordinates}
     else:
-        assert start.velocity is not None
-        speeds = {c.velocity: number(start.velocity[c.name], source=f"velocity[{c.name}]") for c in system.coordinates}
+        speeds = {
+            c.velocity: number(required(start.velocity)[c.name], source=f"velocity[{c.name}]")
+            for c in system.coordinates
+        }
         p = {name: formula.xreplace({**values, **speeds}) for name, formula in momenta(system).items()}
     state = [values[c.symbol] for c in system.coordinates] + [p[c.name] for c in system.coordinates]
     return Numbers(parameters, tuple(state), np.array([float(sp.N(x, 20)) for x in state]), float(sp.N(start.t, 20)))

@@ -15,7 +15,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.number_types import Mpf
-from hjsolve.errors import NotConvergedError, OutsideMotionError
+from hjsolve.errors import NotConvergedError, OutsideMotionError, required
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
@@ -116,9 +116,8 @@ class Carried:
     """
 
     def __init__(self, motion: Motion, name: str, carrier: str):
-        course, equations = motion.separated.located[carrier].course.cycle, motion.separated.torus
-        assert course is not None
-        assert equations is not None
+        course = required(motion.separated.located[carrier].course.cycle)
+        equations = required(motion.separated.torus)
         j, k = constant_index(motion.separated, name), list(motion.solution.coordinates).index(carrier)
         self.digits, self.context = motion.digits, multiprecision(bits_of(motion.digits) + 64)
         bits, convert = self.context.prec, self.context.convert

@@ -19,6 +19,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.errors import required
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
@@ -203,9 +204,7 @@ class Free:
             pending: the event, and how many passages it still lets by.
             tolerance: times closer than this to now do not count.
         """
-        name, value = pending.event.coordinate, pending.event.value
-        assert name is not None
-        assert value is not None
+        name, value = required(pending.event.coordinate), required(pending.event.value)
         if name in now.clock:
             return self._own(now, pending, name, value, tolerance)
         target = self.context.convert(to_bits(value)(self.context.prec))
@@ -324,8 +323,7 @@ class Free:
 
     def turn(self, name: str) -> Mpf:
         """What a carried coordinate gains in a period of the one that carries it."""
-        course = self.motion.separated.located[self.carrier[name]].course.cycle
-        assert course is not None
+        course = required(self.motion.separated.located[self.carrier[name]].course.cycle)
         return -2 * self.context.pi * self.context.convert(course.growth(constant_index(self.motion.separated, name)))
 
     def state(self, now: Now) -> tuple[dict[str, Any], dict[str, Any], dict[str, int]]:

@@ -18,6 +18,7 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Multi, bits_for
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.display.shown import Shown
+from hjsolve.errors import required
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, hamiltonian, velocities
 from hjsolve.motion.initial_data import to_bits
@@ -176,8 +177,7 @@ class Settling:
                 if to_bits(p.event.time)(self.arithmetic.bits) < limits[0][0]:
                     return True
                 continue
-            assert p.event.coordinate is not None
-            k = names.index(p.event.coordinate)
+            k = names.index(required(p.event.coordinate))
             here, there = self.landings[-1].values[k], limits[1 + k][0]
             place = to_bits(p.event.value)(self.arithmetic.bits)
             way = 2 * abs(there - here)
@@ -197,16 +197,16 @@ class Settling:
         return tape.run(self.arithmetic, [*self.landings[-1].values, *fixed])[0]
 
     def _rest(self, at: Landing, errors: Sequence[Mpf], bounces: int) -> Rest:
-        assert self.wall is not None
+        wall = required(self.wall)
         names, n = [c.name for c in self.system.coordinates], len(self.system.coordinates)
         found = [self._estimate(v, e) for v, e in zip((at.time, *at.values), errors, strict=True)]
         q, p = dict(zip(names, found[1 : n + 1], strict=True)), dict(zip(names, found[n + 1 :], strict=True))
-        place = to_bits(self.wall.value)(self.arithmetic.bits)
-        q[str(self.wall.coordinate)] = self._estimate(place, 0)
-        last, k = self.landings[-1], names.index(str(self.wall.coordinate))
+        place = to_bits(wall.value)(self.arithmetic.bits)
+        q[str(wall.coordinate)] = self._estimate(place, 0)
+        last, k = self.landings[-1], names.index(str(wall.coordinate))
         speed = self._evaluated(velocities(self.system)[names[k]])
         push = last.values[n + k] - at.values[n + k]
-        return Rest(self.wall, bounces, found[0], q, p, n == 1, at.time, last.time, speed, push)
+        return Rest(wall, bounces, found[0], q, p, n == 1, at.time, last.time, speed, push)
 
     def _estimate(self, value: Mpf, error: Mpf | int) -> Estimate:
         if self.digits > 15:
@@ -249,5 +249,4 @@ class _Limit:
             error = _SAFETY * change + grown
             if best is None or error < best[1]:
                 best = self.last[j], error
-        assert best is not None
-        return best
+        return required(best)

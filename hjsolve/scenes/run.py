@@ -11,7 +11,7 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Mask, Mpf, Numbers
 from hjsolve.arithmetic.work_counter import counted
-from hjsolve.errors import InvalidInputError, MissingValueError, NotSeparableError
+from hjsolve.errors import InvalidInputError, MissingValueError, NotSeparableError, required
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.tabulated import OnDemand
@@ -49,8 +49,7 @@ def run_by_quadratures(scene: Question, solution: Solution | None = None) -> Run
         _started(scene)
         return integrated(scene)
     if solution is None:
-        solution = solved(scene)
-        assert solution is not None
+        solution = required(solved(scene))
     if scene.certified and scene.events:
         raise InvalidInputError("proofs end at an event: the state there is computed, not proved; leave certified out")
     with counted() as work:
@@ -109,8 +108,7 @@ def first_arguments(scene: Question) -> dict[str, Any]:
     Returns:
         Keywords of ``Solution.motion``.
     """
-    start = scene.initial
-    assert start is not None
+    start = required(scene.initial)
     given = {"q": start.q, "velocity": start.velocity, "p": start.p, "parameters": scene.parameters, "t0": start.t}
     return {name: value for name, value in given.items() if value is not None}
 
@@ -141,8 +139,7 @@ def _arc(
 
 def _quantity(scene: Question, piece: FreeArc, name: str, motion: Motion) -> Any:
     if name == "angles":
-        assert scene.times is not None
-        array = sampled(scene.times, scene.digits)
+        array = sampled(required(scene.times), scene.digits)
         return motion.angles(array[_mask(array, motion.t0, piece.ends)])
     return orbit_table(scene.orbit, motion) if name == "orbit" else getattr(motion, name)
 

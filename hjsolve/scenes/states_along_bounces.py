@@ -119,7 +119,7 @@ def _clock(here: Along, k: int) -> Numbers:
 
 def _places(here: Along, states: dict[str, State]) -> tuple[dict[str, Numbers], dict[str, Numbers], dict[str, Numbers]]:
     """Positions, momenta, whole turns."""
-    free, system, n = here.free, here.motion.solution.system, len(here.free.separated)
+    free, system = here.free, here.motion.solution.system
     q: dict[str, Numbers] = {}
     p: dict[str, Numbers] = {}
     turns: dict[str, Numbers] = {}
@@ -155,7 +155,6 @@ def _places(here: Along, states: dict[str, State]) -> tuple[dict[str, Numbers], 
         constant = to_bits(here.motion.initial.values[system.coordinate(name).momentum])(free.context.prec)
         p[name] = signs[name] * (constant if here.many else float(constant)) + 0 * q[name]
     names = [c.name for c in system.coordinates]
-    assert len(q) == len(names) >= n
     return {k: q[k] for k in names}, {k: p[k] for k in names}, {k: turns[k] for k in names if k in turns}
 
 

@@ -13,7 +13,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from hjsolve.arithmetic.number_types import Integers, Mpf, Numbers, Reals
-from hjsolve.errors import InvalidInputError
+from hjsolve.errors import InvalidInputError, required
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
@@ -104,8 +104,7 @@ def trajectory_of(
         rest: how the scene ended early.
         whole: the free motion of a flight to the digits of the scene, started at t₀ = 0.
     """
-    assert scene.times is not None
-    times = sampled(scene.times, scene.digits)
+    times = sampled(required(scene.times), scene.digits)
     number = belongings(times, pieces, rest)
     parts = _parts(times, number, arcs, pieces, whole)
     if rest is not None and (number < 0).any():

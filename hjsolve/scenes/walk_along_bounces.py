@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from hjsolve.arithmetic.number_types import Mpf
-from hjsolve.errors import NotConvergedError
+from hjsolve.errors import NotConvergedError, required
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.scenes.events import Event, Pending, once
 from hjsolve.scenes.reflections import Candidate, Flight, Free, Now
@@ -71,8 +71,7 @@ def walk(free: Free, now: Now, pending: list[Pending], horizon: Mpf | None, most
         if not all(e.elastic and e.coordinate in free.mirrors.even for e in once(events)):
             return Flown(found, pending, True)
         for name in dict.fromkeys(e.coordinate for e in events):
-            assert name is not None
-            free.reflect(now, name)
+            free.reflect(now, required(name))
         free.reduce(now)
         flight = now.flight()
     return Flown(found, pending, False)

@@ -16,6 +16,7 @@ from dataclasses import replace
 
 import sympy as sp
 
+from hjsolve.errors import required
 from hjsolve.mechanics.energy_shell import ReductionStep, Shell, energy_symbol
 from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.separation.verdicts import Constant, Separation, Verdict
@@ -27,9 +28,9 @@ def shell_system(system: System) -> System:
     Args:
         system: of a relativistic particle.
     """
-    assert system.relativity is not None
+    relativity = required(system.relativity)
     energy = energy_symbol(system)
-    m, c = system.relativity.mass, system.relativity.light
+    m, c = relativity.mass, relativity.light
     return System(
         coordinates={q.name: q.domain.written(q.name) for q in system.coordinates},
         kinetic=system.kinetic,
@@ -46,8 +47,8 @@ def shell_energy(system: System) -> sp.Expr:
     Args:
         system: of a relativistic particle.
     """
-    assert system.relativity is not None
-    return -system.relativity.mass * system.relativity.light**2 / 2
+    particle = required(system.relativity)
+    return -particle.mass * particle.light**2 / 2
 
 
 def decided(system: System, decide: Callable[[System], Verdict]) -> Verdict:
@@ -97,8 +98,8 @@ def _steps(system: System, steps: tuple[ReductionStep, ...], own: sp.Symbol | No
 
 
 def _step(system: System) -> ReductionStep:
-    assert system.relativity is not None
-    m, c, E = system.relativity.mass, system.relativity.light, energy_symbol(system)
+    relativity = required(system.relativity)
+    m, c, E = relativity.mass, relativity.light, energy_symbol(system)
     text = (
         f"The relation (E - V)^2 = (H - V)^2 is quadratic in the momenta: divided by 2*{m}*{c}^2 it is the shell of a "
         f"natural system with the kinetic energy T and the potential shown, at the energy -{m}*{c}^2/2. It has to "

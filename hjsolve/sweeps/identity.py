@@ -13,6 +13,7 @@ from typing import Any
 
 from hjsolve._version import __version__
 from hjsolve.catalog import schema
+from hjsolve.errors import required
 from hjsolve.motion.velocity_frame import COORDINATE
 from hjsolve.scenes import Scene
 from hjsolve.solution.quadratures import FIND
@@ -29,8 +30,7 @@ def sweep_digest(scene: Scene, table: str, chunk: int) -> dict[str, str]:
         table: digest of the table of starts.
         chunk: orbits of one part.
     """
-    sweep = scene.sweep
-    assert sweep is not None
+    sweep = required(scene.sweep)
     axes = [
         [a.group, a.name, [str(v) for v in a.listed], str(a.start), str(a.stop), a.count, a.spacing] for a in sweep.axes
     ]

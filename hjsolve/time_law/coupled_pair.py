@@ -24,7 +24,8 @@ from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Weights
 from hjsolve.time_law.one_phase import solve_alone
 
-_STEPS, _POLISH = 120, 3
+_BRACKET_STEPS, _NEWTON_STEPS = 120, 3
+"""Steps of one search, of which every fourth halves where Newton's steps do not; steps of both equations at the end."""
 _NEAR, _BLUR = 1e-11, 1e-13
 
 
@@ -214,7 +215,7 @@ class _Search:
         # Newton's method in the bracket; every fourth step halves it where Newton's steps do not: an equation whose
         # slope is itself from a search is too rough for ``bracketed_roots``, which goes to the last bits
         x, width = (low + high) / 2, high - low
-        for count in range(_STEPS):
+        for count in range(_BRACKET_STEPS):
             off, slope = self._equation(x)
             low, high = np.where(off <= 0, x, low), np.where(off >= 0, x, high)
             with np.errstate(all="ignore"):
@@ -230,7 +231,7 @@ class _Search:
 
 def _polished(pair: CoupledPair, goals: Reals, χ: Reals) -> Reals:
     """Newton's method for both, from nearby: what one search leaves of an ill conditioned phase the other takes up."""
-    for _ in range(_POLISH):
+    for _ in range(_NEWTON_STEPS):
         residual, ((a, b), (c, d)) = _residual(pair, goals, χ), _slopes(pair, χ)
         with np.errstate(all="ignore"):
             step = np.stack([b * residual[1] - d * residual[0], c * residual[0] - a * residual[1]]) / (a * d - b * c)

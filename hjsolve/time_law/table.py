@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.chebyshev import clenshaw
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Elementwise, Integers, Mask, Numbers, Reals
 from hjsolve.errors import NotConvergedError
@@ -27,7 +28,8 @@ DEGREE = 11
 _GROWTH_NODES = 20
 _TOLERANCE = 1e-15
 _CELLS = 4
-_MOST = 4000
+_MOST_PANELS = 4000
+"""Above which there is no table: 48 000 coefficients a quantity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +178,7 @@ def tabulate(
         left, right = left[~good], right[~good]
         middle = _halfway(left, right)
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
-        if sum(len(d[0]) for d in done) + len(left) > _MOST:
+        if sum(len(d[0]) for d in done) + len(left) > _MOST_PANELS:
             raise NotConvergedError("the motion is too rough for a table of positions")
     order = np.argsort(np.concatenate([d[0] for d in done]), kind="stable")
     lengths = np.concatenate([d[1] for d in done])[order]
@@ -264,17 +266,9 @@ def _chopped(coefficients: Reals, size: Reals) -> Reals:
 def _local(integral: Reals, series: Reals, goal: Reals, s: Reals) -> Reals:
     """Solve ∫ growth = goal on each panel by Newton's method in the panel's own variable."""
     for _ in range(14):
-        value, slope = _clenshaw(integral, s), _clenshaw(series, s)
+        value, slope = clenshaw(integral, s), clenshaw(series, s)
         step = (value - goal) / slope
         s = np.clip(s - step, -1, 1)
         if np.max(np.abs(step), initial=0) < 1e-9:
             break
     return s
-
-
-def _clenshaw(coefficients: Reals, x: Reals) -> Reals:
-    """Chebyshev series, one a panel, at points of shape (points, panels)."""
-    twice, last, before = 2 * x, np.zeros_like(x), np.zeros_like(x)
-    for row in coefficients[:0:-1]:
-        last, before = row + twice * last - before, last
-    return coefficients[0] + x * last - before

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import ast
 import re
+import subprocess
+import sys
 from collections import defaultdict
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
 import pytest
+
+import hjsolve
+from hjsolve.errors import of_kind
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = sorted((ROOT / "hjsolve").rglob("*.py"))
@@ -39,6 +44,8 @@ def forbidden(tree: ast.Module, allowed: set[str]) -> Iterator[str]:
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and any(alias.name == "*" for alias in node.names):
             yield f"line {node.lineno}: star import"
+        if isinstance(node, ast.Assert):
+            yield f"line {node.lineno}: assert, which -O takes away; see `required` and `of_kind` in hjsolve.errors"
         if isinstance(node, ast.Call):
             called = node.func.id if isinstance(node.func, ast.Name) else ""
             if called in {"eval", "exec", "compile"} - allowed:
@@ -71,7 +78,7 @@ def test_functions_have_at_most_60_lines() -> None:
     assert not long
 
 
-def test_no_star_import_no_eval_no_broad_except() -> None:
+def test_no_star_import_no_eval_no_broad_except_no_assert() -> None:
     assert not [
         f"{named(path)}, {what}"
         for path in SOURCES
@@ -94,10 +101,37 @@ def test_no_import_is_hidden_in_a_text() -> None:
     assert hidden_imports(ast.parse('importlib.import_module("hjsolve.plots").plotted()')) == [1]
 
 
+def test_an_invariant_holds_without_assertions() -> None:
+    code = "from hjsolve.errors import of_kind, required; print(required(0), of_kind('', str)); required(None)"
+    said = subprocess.run([sys.executable, "-O", "-c", code], capture_output=True, text=True, check=False, cwd=ROOT)
+    assert said.stdout == "0 \n"
+    assert "InternalError: a value is missing" in said.stderr
+    with pytest.raises(hjsolve.InternalError, match="a str is needed here, not int"):
+        of_kind(3, str)
+
+
 def test_the_rule_against_eval_sees_what_it_forbids() -> None:
-    text = "from os import *\neval('1')\nsympy.parse_expr('x')\ntry:\n    pass\nexcept (ValueError, Exception):\n    pass\n"
+    text = "from os import *\neval('1')\nsympy.parse_expr('x')\ntry:\n    pass\nexcept (ValueError, Exception):\n    pass\nassert 1\n"
     said = list(forbidden(ast.parse(text), set()))
-    assert [what.split(":")[0] for what in sorted(said)] == ["line 1", "line 2", "line 3", "line 6"]
+    assert [what.split(":")[0] for what in sorted(said)] == ["line 1", "line 2", "line 3", "line 6", "line 8"]
+
+
+def without_a_noun(tree: ast.Module) -> list[str]:
+    """Constants of a module that name an amount, but not of what."""
+    targets = [target for node in tree.body if isinstance(node, ast.Assign) for target in node.targets]
+    return [
+        name.id
+        for target in targets
+        for name in ast.walk(target)
+        if isinstance(name, ast.Name) and name.id.lstrip("_") in {"MOST", "STEPS", "HALVINGS", "SAFETY"}
+    ]
+
+
+def test_constants_say_of_what_they_are() -> None:
+    rooms = [ROOT / "hjsolve" / room for room in ("arithmetic", "ensembles/engine", "one_coordinate", "time_law")]
+    paths = [path for room in rooms for path in room.rglob("*.py")]
+    assert not {named(path): names for path in paths if (names := without_a_noun(tree_of(path)))}
+    assert without_a_noun(ast.parse("_MOST, _FEW = 3, 1\nMOST_NODES = 4")) == ["_MOST"]
 
 
 @pytest.mark.nightly

@@ -12,7 +12,6 @@ from mpmath import mp, mpf
 import hjsolve
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.one_coordinate.anomaly import barrier_anomaly, rotation_anomaly, two_barrier_anomaly
-from hjsolve.one_coordinate.stretched_anomaly import map_in_doubles as as_doubles
 from hjsolve.one_coordinate.stretched_anomaly import stretched
 
 DIGITS = 40
@@ -134,6 +133,6 @@ def test_an_anomaly_agrees_with_itself(make: Callable[[Multi], Any]) -> None:
         assert abs(place.stretch**2 * place.product / place.speed**2 - 1) < 1e-55
         back = map_.phase(place.q, 1 if place.speed * map_.direction > 0 else -1, arithmetic)
         assert abs(back - χ) * abs(place.rate) < 1e-50
-        rounded = as_doubles(map_).place(np.array([float(text)]), Float64())
+        rounded = map_.in_doubles().place(np.array([float(text)]), Float64())
         there = map_.place(context.mpf(float(text)), arithmetic)
         assert abs(rounded.q[0] - there.q) < 4e-15

@@ -18,9 +18,9 @@ from hjsolve.arithmetic.machine.intrinsics import fma, whole
 
 _LN2 = (0.6931471805599453, 2.3190468138462996e-17)
 _HALF_PI = (1.5707963267948966, 6.123233995736766e-17)
-_HALVINGS = 5
+_EXP_HALVINGS = 5  # of the argument of exp, whose series has seven terms
 _NEAR = 2.0**-34
-_SMALLER = 2.0**-_HALVINGS
+_SMALLER = 2.0**-_EXP_HALVINGS
 
 _EXP = tuple((float(c.high), float(c.low)) for c in (exact(Fraction(1, math.factorial(k))) for k in range(7)))
 _EXP_REST = tuple(1.0 / math.factorial(k) for k in range(7, 14))
@@ -136,7 +136,7 @@ def _shrunk(x: float, x_low: float) -> tuple[float, float, float]:
         m, low = pair_mul(m, low, r, r_low)
         m, low = pair_add(m, low, _EXP[n][0], _EXP[n][1])
     m, low = pair_mul(m, low, r, r_low)
-    for _ in range(_HALVINGS):
+    for _ in range(_EXP_HALVINGS):
         p, e = pair_mul(m, low, m, low)
         m, low = pair_add(2.0 * m, 2.0 * low, p, e)
     return m, low, power_of_two(k)

@@ -21,11 +21,12 @@ from hjsolve.ensembles.engine.columns import Columns, blank, put
 from hjsolve.ensembles.engine.engine import Engine
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.status import UNDECIDED, Status
+from hjsolve.errors import required
 
 _FINER = 2.0**-44
-_SAFETY = 2
+_ERROR_FACTOR = 2  # times first-order bounds, for the terms of second order
 _PHASE, _PART = 2.0, 16.0
-_LEAST, _MOST = 2.0**-49 * np.pi, 1e-9
+_LEAST, _LARGEST_ERROR = 2.0**-49 * np.pi, 1e-9
 """What the engine counts at least for a phase (``initial_phase``: 8 ε π), and the largest error of an angle let go."""
 _NEAR, _FAR = 64.0, 2.0**16
 """A start is next to a turning point where p² is less than so many times what δu does to it; then it is moved by so
@@ -52,8 +53,7 @@ class ChartedStarts(Starts):
 
     def precise(self) -> Starts:
         """Return the same with momenta in two doubles."""
-        assert self.chart is not None
-        return in_two_doubles(self.chart, self)
+        return in_two_doubles(required(self.chart), self)
 
 
 def charted_starts(chart: ChartMap, x: Reals, rates: Reals) -> ChartedStarts:
@@ -70,11 +70,11 @@ def charted_starts(chart: ChartMap, x: Reals, rates: Reals) -> ChartedStarts:
         found = carried(chart, x, rates)
         moved, p = _moved(chart, found)
         q, loss = found.q + moved, found.loss + np.abs(moved)
-        spread, rates_of_phases = _SAFETY * found.p_loss, np.zeros_like(q)
+        spread, rates_of_phases = _ERROR_FACTOR * found.p_loss, np.zeros_like(q)
         for row, k in enumerate(_separated(chart)):
             slope, unitless = found.slope[row], chart.unitless[chart.order[k]]
             shift = np.abs(slope) * loss[k]
-            spread[k] += np.where(shift > 0, _SAFETY * shift / (2 * np.abs(p[k])), 0.0)
+            spread[k] += np.where(shift > 0, _ERROR_FACTOR * shift / (2 * np.abs(p[k])), 0.0)
             phase = _PHASE * _phase_rate(unitless, q[k], p[k], slope, found.bend[row])
             rates_of_phases[k] = np.where(p[k] == 0, 0.0, phase)
     fine = np.isfinite(q).all(axis=0) & np.isfinite(p).all(axis=0)
@@ -118,11 +118,10 @@ def _shake(chart: ChartMap, engine: Engine, columns: Columns, starts: Starts, of
     errors = np.stack([columns.error[f"angles.{name}"] for name in engine.names["angles"]])
     with np.errstate(invalid="ignore"):
         shaken = np.sum(off * rates, axis=0)
-        doubtful = (errors * (1 + shaken / _LEAST)).max(axis=0) > _MOST
+        doubtful = (errors * (1 + shaken / _LEAST)).max(axis=0) > _LARGEST_ERROR
         again = np.flatnonzero(doubtful & (columns.status == Status.OK))
         if len(again):
-            assert starts.velocity is not None
-            q, given, n = starts.q[:, again], starts.velocity[:, again], len(off)
+            q, given, n = starts.q[:, again], required(starts.velocity)[:, again], len(off)
             exact = exact_point(chart, q, given[:n], given[n:])
             near = np.stack([np.abs((u.high - row) + u.low) for u, row in zip(exact, q, strict=True)])
             shaken[again] = np.sum(near * rates[:, again], axis=0)
@@ -130,7 +129,7 @@ def _shake(chart: ChartMap, engine: Engine, columns: Columns, starts: Starts, of
         for name, error in zip(engine.names["angles"], errors, strict=True):
             moved = off[chart.model.names.index(name)] if name in chart.model.angles else 0.0
             columns.error[f"angles.{name}"][:] = error + moved
-        columns.status[(columns.status == Status.OK) & ~(errors.max(axis=0) <= _MOST)] = UNDECIDED
+        columns.status[(columns.status == Status.OK) & ~(errors.max(axis=0) <= _LARGEST_ERROR)] = UNDECIDED
 
 
 def _separated(chart: ChartMap) -> list[int]:
@@ -168,17 +167,17 @@ def in_two_doubles(chart: ChartMap, starts: Starts) -> Starts:
         chart: the map.
         starts: made by it.
     """
-    assert starts.velocity is not None
+    velocity = required(starts.velocity)
     q, n = starts.q, len(starts.q)
     with np.errstate(all="ignore"):
-        exact = exact_starts(chart, q, starts.velocity[:n], starts.velocity[n:])
+        exact = exact_starts(chart, q, velocity[:n], velocity[n:])
         high, low, lost = exact.high.copy(), exact.low.copy(), exact.lost
-        spread = _SAFETY * lost
+        spread = _ERROR_FACTOR * lost
         for row, k in enumerate(_separated(chart)):
             still = (high[k] == 0) & (low[k] == 0) & (lost[k] == 0) & (starts.p[k] == 0)
             sign = np.where(high[k] < 0, -1.0, 1.0)
             root = exact.roots[row]
-            spread[k] = np.where(still, 0.0, _SAFETY * exact.doubts[row] / (2 * root))
+            spread[k] = np.where(still, 0.0, _ERROR_FACTOR * exact.doubts[row] / (2 * root))
             high[k], low[k] = np.where(still, 0.0, sign * root), np.where(still, 0.0, sign * exact.roots_low[row])
         uncertainty = np.abs(low) + _FINER * spread
         known = np.isfinite(uncertainty) & np.isfinite(high) & np.isfinite(low)

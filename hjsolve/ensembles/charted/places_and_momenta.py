@@ -22,9 +22,9 @@ from hjsolve.ensembles.charted.chart_map import ChartMap
 from hjsolve.ensembles.charted.inverse_arrays import inverse_arrays
 from hjsolve.ensembles.charted.momenta_to_32_digits import ChartFormulas, formulas_of, known_values, parameter_values
 
-_STEPS = {"ellipsoidal": 3, "paraboloidal": 3, "conical": 3}
+_NEWTON_STEPS = {"ellipsoidal": 3, "paraboloidal": 3, "conical": 3}
 """Newton steps by kind, where it is not one."""
-_SAFETY = 2
+_ERROR_FACTOR = 2  # times first-order bounds, for the terms of second order
 _CONVERGED = 1e-6
 
 
@@ -55,7 +55,7 @@ def carried(chart: ChartMap, x: Reals, rates: Reals) -> SeparatedStarts:
     n, m = len(x), len(chart.model.separated)
     X = chart.local.run(Float64(), [*x, *_high(chart)])
     near = _inside(chart, inverse_arrays(chart.kind, [np.broadcast_to(row, x.shape[1:]) for row in X], chart.lengths))
-    code = _written(formulas_of(chart), _STEPS.get(chart.kind, 1))
+    code = _written(formulas_of(chart), _NEWTON_STEPS.get(chart.kind, 1))
     rows = run_rows(code, parameter_values(chart), np.concatenate([near, x, rates]))
     q, *others = np.split(rows, np.cumsum([n, n, n, n, m]))
     order = list(chart.order)
@@ -79,7 +79,7 @@ def _written(formulas: ChartFormulas, steps: int) -> MachineCode:
         u = [plain.add(a, b) for a, b in zip(u, formulas.step.run(plain, [*u, *x, *numbers]), strict=True)]
     last = formulas.step.run(errors, [*(WithErrorBound(row) for row in (*u, *x)), *known.numbers])
     sizes = [plain.add(plain.unary("abs", step.value), or_zero(step.error)) for step in last]
-    loss = [plain.mul(plain.number(_SAFETY), size) for size in sizes]
+    loss = [plain.mul(plain.number(_ERROR_FACTOR), size) for size in sizes]
     inputs = [WithErrorBound(a, e) for a, e in zip(u, loss, strict=True)] + [WithErrorBound(w) for w in (*x, *rates)]
     lifted = formulas.lifted.run(errors, [*inputs, *known.numbers])
     places, momenta = [u[k] for k in formulas.order], [lifted[k].value for k in formulas.order]

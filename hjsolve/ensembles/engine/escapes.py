@@ -33,11 +33,12 @@ _FAR = (6, 24, 80)
 _RATIO = 4.0
 """Of the distances at which a cell ends and begins, before it is divided."""
 
-_HALVINGS = 8
-_CROWD = 64
+_CELL_HALVINGS = 8
+"""Of a cell, until the ratio of its ends is 4^(2⁻⁸) = 1.005; narrower ones are left to the engine of single motions."""
+_MOST_CELLS = 64
 """Cells of one orbit that may wait to be divided."""
 
-_TRIES = 10
+_MOST_FIRST_CELLS = 10
 """Of the length of the cell next to a turning point, each a fourth of the last."""
 
 _MIXED = 0.5
@@ -212,7 +213,7 @@ def _begun(way: EscapeRoute) -> Reals:
     )
     begin, length = np.full(len(way.start), np.nan), 0.5 * way.size
     left = np.flatnonzero(sure)
-    for _ in range(_TRIES):
+    for _ in range(_MOST_FIRST_CELLS):
         some = way.take(left)
         first = np.where(turning[left], outer[left], some.start)
         cell = _cell(first, some.start + side * length[left])
@@ -240,12 +241,12 @@ def _positive(way: EscapeRoute, begin: Reals, far: Reals) -> Mask:
     place = np.arange(len(orbit)) - np.repeat(np.cumsum(steps) - steps, steps)
     near, away = (begin[orbit] * _RATIO ** (place + k) for k in (0.0, 1.0))
     lost = np.zeros(n, dtype=bool)
-    for _ in range(_HALVINGS):
+    for _ in range(_CELL_HALVINGS):
         cell = _cell(way.start[orbit] + side * near, way.start[orbit] + side * away)
         bad = ~(way.radicand(orbit, cell).low > 0)
         bad[bad] = ~(way.about_middle(orbit[bad], Interval(cell.low[bad], cell.high[bad])) > 0)
         orbit, near, away = orbit[bad], near[bad], away[bad]
-        lost |= np.bincount(orbit, minlength=n) > _CROWD
+        lost |= np.bincount(orbit, minlength=n) > _MOST_CELLS
         kept = ~lost[orbit]
         orbit, near, away = orbit[kept], near[kept], away[kept]
         if not len(orbit):

@@ -1,7 +1,9 @@
 """Librations of one coordinate of many orbits: turning points, numbers of nodes, integrals, by kernels over blocks.
 
-Where p² keeps its digits decides how a motion is seen: from the start, by second differences, where the amplitude is
-small; else from zero or from the ends of the domain; and with p² to 32 digits where doubles do not know it well.
+p² = (q − a)(b − q) S; J and ∂J/∂c are the integrals of ``kernels.cycle_integrals``, a and b those of
+``kernels.outward_search``. Where p² keeps its digits decides how a motion is seen: from the start, by second
+differences, where the amplitude is small; else from zero or from the ends of the domain; and with p² to 32 digits where
+doubles do not know it well.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from hjsolve.arithmetic.number_types import Elementwise, Integers, Mask, Reals
 from hjsolve.ensembles.engine import nodes
 from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
 from hjsolve.ensembles.engine.kernels.types import VECTOR, Strips, Tables
-from hjsolve.ensembles.engine.nodes import MOST
+from hjsolve.ensembles.engine.nodes import MOST_LEVEL
 from hjsolve.ensembles.engine.strips_of_analyticity import across, covered_strip, disks, squares
 
 COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128, 160, 192, 256, 320, 384, 512, 768, 1024)
@@ -88,8 +88,8 @@ def fitting(lower: Reals, upper: Reals, even: Mask) -> Integers:
     i, j = np.where(even, np.maximum(i, j), i), np.where(even, np.maximum(i, j), j)
     odd = (i + j) % 2
     i, j = i + odd * (i >= j), j + odd * (i < j)
-    room = 2 * MOST
-    i, j = np.minimum(i, np.where(even, MOST, room)), np.minimum(j, np.where(even, MOST, room))
+    room = 2 * MOST_LEVEL
+    i, j = np.minimum(i, np.where(even, MOST_LEVEL, room)), np.minimum(j, np.where(even, MOST_LEVEL, room))
     excess = np.maximum(i + j - room, 0)
     i, j = np.where(i >= j, i - excess, i), np.where(i >= j, j, j - excess)
     where = np.rint(4 * i / np.maximum(i + j, 1)).astype(np.int64)
@@ -118,7 +118,7 @@ class NodeMaps:
         """Begin with the maps that stretch nothing, in the order of ``WARPS``."""
         self._lock = Lock()
         self._places: dict[NodeMap, int] = {}
-        self._by_kind = np.full((len(WARPS), 2 * MOST + 1, 2 * MOST + 1), -1, dtype=np.int64)
+        self._by_kind = np.full((len(WARPS), 2 * MOST_LEVEL + 1, 2 * MOST_LEVEL + 1), -1, dtype=np.int64)
         self.tables, none = _shared_tables(), np.empty(0)
         self.strips = Strips(none, none, none, none, np.full((3, 0, len(COUNTS)), -1))
         self._add([NodeMap(node_map) for node_map in range(len(WARPS))])

@@ -23,8 +23,8 @@ from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
 
-MOST = 44
-"""Least k′² in use: 4^−MOST."""
+MOST_LEVEL = 44
+"""Largest n of k′² = 4⁻ⁿ, k′ = 6e-14: nearer zeros of p² than that part of the motion converge more slowly."""
 
 
 @dataclass(frozen=True, eq=False)

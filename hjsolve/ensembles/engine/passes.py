@@ -1,4 +1,8 @@
-"""One pass over a chunk of orbits: constants, integrals, and what is wanted of them, with errors."""
+"""One pass over a chunk of orbits: constants, integrals, and what is wanted of them, with errors.
+
+q, p ↦ c, to 32 digits (``constants``); c ↦ Jᵢ, ∂Jᵢ/∂cⱼ and the running integrals Gᵢⱼ of each coordinate (``librating``,
+``rotating``); these ↦ J, Ω, θ by Ω·∂J/∂c = ∂E/∂c (``actions_and_angles``; Greenwood (5-83) for ignorable coordinates).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Motions that go round and round: p² > 0 all along the turn of a periodic coordinate."""
+"""Motions that go round and round: p² > 0 all along the turn of a periodic coordinate.
+
+J = (1/2π) ∮ |p| dq and ∂J/∂cⱼ = (1/2π) ∮ kⱼ dq/|p| over one turn, by the midpoint rule (``kernels.turn_integrals``;
+Trefethen & Weideman, SIAM Review 56 (2014) 385, §3) in the anomaly of the slow places (``rotation_anomalies``).
+"""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.nodes import MOST
+from hjsolve.ensembles.engine.nodes import MOST_LEVEL
 from hjsolve.ensembles.engine.turned_circle import reach
 from hjsolve.one_coordinate.barriers import EQUAL_BARRIERS, barrier_order
 
@@ -122,12 +122,14 @@ def _one(gap: Reals, other: Reals) -> tuple[Integers, Reals]:
     narrowest strip, of the zeros beside either place or of the poles, is widest.
     """
     complement = np.where(np.isfinite(gap), (gap / 2) ** 2 / (1 + (gap / 2) ** 2), 1.0)
-    level = np.clip(np.where(complement < 0.125, np.rint(-np.log2(complement) / 2), 0), 0, MOST).astype(int)
+    level = np.clip(np.where(complement < 0.125, np.rint(-np.log2(complement) / 2), 0), 0, MOST_LEVEL).astype(int)
     faster, poles = _levels()
     width = poles[level]
     some = np.flatnonzero((level > 0) & np.isfinite(other))
     if len(some):
-        strip = np.minimum(np.minimum(gap[some, None] * 2.0 ** np.arange(MOST + 1), other[some, None]) / faster, poles)
+        strip = np.minimum(
+            np.minimum(gap[some, None] * 2.0 ** np.arange(MOST_LEVEL + 1), other[some, None]) / faster, poles
+        )
         level[some], width[some] = strip.argmax(axis=1), strip.max(axis=1)
     return level, width
 
@@ -136,7 +138,7 @@ def _two(gap: Reals, ratio: Reals) -> tuple[Integers, Reals]:
     """The same for nodes that crowd at two places; the gap is the smaller one, in θ."""
     with np.errstate(all="ignore"):
         wanted = np.rint(-np.log2(0.5 * np.nan_to_num(gap, nan=1.0, posinf=1.0)))
-        level = np.clip(wanted, 0, MOST).astype(int)
+        level = np.clip(wanted, 0, MOST_LEVEL).astype(int)
         faster, poles = _levels()
         return level, np.minimum(0.5 * poles[level], reach(ratio) / faster[level])
 
@@ -144,7 +146,7 @@ def _two(gap: Reals, ratio: Reals) -> tuple[Integers, Reals]:
 @cache
 def _levels() -> tuple[Reals, Reals]:
     """Of all levels 2K/π, by which q runs faster than χ far from the slow place, and π K′/K, where dn has its poles."""
-    small: Reals = 2.0 ** -np.arange(MOST + 1, dtype=float)
+    small: Reals = 2.0 ** -np.arange(MOST_LEVEL + 1, dtype=float)
     complement, large = _mean(small), _mean(np.sqrt(np.maximum(1 - small**2, 0.0)))
     with np.errstate(divide="ignore"):
         return 1 / complement, np.pi * complement / large

@@ -28,7 +28,7 @@ function is on the real axis at the very most, and then only if it is as large a
 _PLAIN, _STRETCHED, _COARSE = (2, 2), (4, 4), (2, 3)
 """Rectangles above each other, and in a row for eight nodes; coarse covers of stretched strips have fewer."""
 _LEAST = 4
-SAFETY = 1.05
+_CORNER_MARGIN = 1.05
 """Only the corners of a rectangle are looked at: they are farthest away, or nearly."""
 _LARGEST, _TALLEST = 1.5, 1.9
 """Radii of rectangles in u that are too large; heights, over K′, up to which sn is worked out."""
@@ -115,7 +115,9 @@ def covered_strip(table: Nodes, *, coarse: bool = False) -> CoveredStrip:
         (w, c), (near_w, near_c) = squares(middles, table), squares(corners, table)
         f = np.stack([w, c / w, w / c])
         apart = np.stack([near_w, near_c / near_w, near_w / near_c]) - f[:, :, None]
-        reach = np.where(_without_poles(w, c, middles, corners, table), SAFETY * np.abs(apart).max(axis=2), np.inf)
+        reach = np.where(
+            _without_poles(w, c, middles, corners, table), _CORNER_MARGIN * np.abs(apart).max(axis=2), np.inf
+        )
     one = np.ones(len(w))
     charts = [
         CoveredStrip(n, m, r, slope * one, more * one)
@@ -136,7 +138,7 @@ def _without_poles(w: Complexes, c: Complexes, middles: Complexes, corners: Comp
         return np.stack([np.full(len(w), known) for known in (True, False, False)])
     scale, other = table.quarter / np.pi, quarter_period(1 - table.complement, Float64())
     u, edges = scale * _goal(middles, table), scale * _goal(corners, table)
-    radius = SAFETY * np.abs(edges - u[:, None]).max(axis=1)
+    radius = _CORNER_MARGIN * np.abs(edges - u[:, None]).max(axis=1)
     far = (radius > _LARGEST) | (np.abs(edges.imag).max(axis=1) > _TALLEST * other)
     tangent = np.where(far, np.inf, np.tan(np.minimum(radius, _LARGEST)) ** 2)
     return np.stack([tangent * np.abs(w) < 1, np.abs(w) > tangent, np.abs(c) > table.complement * tangent])
@@ -184,7 +186,7 @@ def covered_turn(table: Nodes, *, coarse: bool = False) -> CoveredTurn:
     angle, edges = place(middles, table), place(corners, table)
     other = np.inf if table.complement == 1.0 else quarter_period(1 - table.complement, Float64())
     inside = table.slow * a * table.quarter / np.pi < _INSIDE * other
-    return CoveredTurn(angle, SAFETY * np.abs(edges - angle[:, None]).max(axis=1), bool(inside))
+    return CoveredTurn(angle, _CORNER_MARGIN * np.abs(edges - angle[:, None]).max(axis=1), bool(inside))
 
 
 def _shape(table: Nodes, coarse: bool) -> tuple[int, int]:

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import sympy as sp
 
+from hjsolve.errors import required
 from hjsolve.functions.complex_pole import Parts, divided
 from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, NoForm, PartialFractions
 
@@ -206,8 +207,7 @@ class _Moments:
         if free:
             edge, inverse = self._boundary(r, -1), self.pole(r, 1)
         else:
-            assert self.kinds.at_other_end is not None
-            edge, inverse = self.kinds.at_other_end(r)
+            edge, inverse = required(self.kinds.at_other_end)(r)
         second = (edge - P[3] * first / 2 + P[1] * inverse / 2) / P[4]
         return second - 2 * h * self.first - h**2 * self.zeroth
 

@@ -23,6 +23,7 @@ from functools import lru_cache
 
 import sympy as sp
 
+from hjsolve.errors import required
 from hjsolve.mechanics.kinetic_energy import inverse_of_mass_matrix
 from hjsolve.mechanics.system import Coordinate, System, kinetic_rest, linear_terms, mass_matrix
 from hjsolve.separation import Zero, is_zero
@@ -157,5 +158,4 @@ def _domain(c: Coordinate, fold: Fold | None) -> str | None:
         return "angle" if sp.simplify(fold.upper - fold.lower - sp.pi) == 0 else None
     if fold.lower is not None:
         return "line" if high is None else f"{sp.sstr(2 * fold.lower - high)} < {c.name} < {sp.sstr(high)}"
-    assert fold.upper is not None
-    return "line" if low is None else f"{sp.sstr(low)} < {c.name} < {sp.sstr(2 * fold.upper - low)}"
+    return "line" if low is None else f"{sp.sstr(low)} < {c.name} < {sp.sstr(2 * required(fold.upper) - low)}"

@@ -14,6 +14,7 @@ from hjsolve.closed_form.closed_forms import closed_forms, own_form
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.why_not import WhyNot
+from hjsolve.errors import required
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiDN, JacobiSN
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Code, Formula, Inline, Mathematics, Paragraph, Section, Table, Text
@@ -204,8 +205,7 @@ def _anomaly(form: RegimeForms, told: _Told) -> list[Block | _TooLong]:
         if q != TIME:
             blocks += told.shown(f"anomaly.{q}", e, partial(formula, row(name_box(q), Fence(box(ξ)))))
             continue
-        assert form.time_law is not None
-        t = next(term for term in form.time_law.lhs.args if term.is_Symbol)
+        t = next(term for term in required(form.time_law).lhs.args if term.is_Symbol)
         passed, running = e.as_independent(ξ, as_Add=True)
         scale, rest = running.as_independent(ξ, as_Add=False)
         equal = sp.Eq(sp.Mul(1 / scale, t - passed, evaluate=False), rest, evaluate=False)

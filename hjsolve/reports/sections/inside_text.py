@@ -11,6 +11,7 @@ import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
+from hjsolve.errors import required
 from hjsolve.formulas.checked_arithmetic import FUNCTIONS
 from hjsolve.reports.document import Mathematics
 from hjsolve.reports.formulas.from_sympy import APPLY, MINUS, TIMES, on_a_line
@@ -179,8 +180,7 @@ class _Reader:
         if name == "sqrt":
             return self._raised(_Found(RadicalBox(inside), argument.end))
         if name == "dot":
-            token_inside = self._token(opening.end())
-            assert token_inside is not None
+            token_inside = required(self._token(opening.end()))
             return self._raised(_Found(name_box(f"dot({token_inside['name']})"), argument.end))
         head: Box = Glyph(FUNCTION_NAMES.get(name, name), "function")
         exponent, end = self._exponent(argument.end), argument.end

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from hjsolve.catalog.entry import Entry
+from hjsolve.errors import required
 from hjsolve.reports.document import Block, Document, Note, Paragraph, Section, Strong, Text
 from hjsolve.reports.sections.literature import literature_section
 from hjsolve.reports.sections.prose import heading, with_names
@@ -17,8 +18,7 @@ def outside_document(entry: Entry) -> Document:
     Returns:
         The document, the same for every format.
     """
-    refusal = entry.refusal
-    assert refusal is not None
+    refusal = required(entry.refusal)
     names = {name for constraint in entry.constraints for name in constraint.coordinates} - {"a"}
     names |= set(entry.stated.coordinates) if entry.stated is not None else set()
     answer: Text = (Strong("Refused"), f": {_WORDS.get(refusal.kind, refusal.kind)}.")

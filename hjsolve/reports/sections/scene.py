@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hjsolve.errors import required
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.reports.document import (
     Block,
@@ -141,8 +142,7 @@ def _kinds(run: Run) -> Table:
 
 
 def _path(run: Run) -> Section:
-    trajectory = run.trajectory
-    assert trajectory is not None
+    trajectory = required(run.trajectory)
     t = np.asarray(trajectory.t, float)
     series = {name: np.asarray(trajectory.unwrapped(name), float) for name in list(trajectory.q)[:4]}
     figure = _graphs(t, series, "path", "The coordinates against time", time_name(run.scene.system))
@@ -159,8 +159,7 @@ def _drift(run: Run) -> Section:
         "These quantities would be constant without what separation cannot take. They were followed along the way; the "
         "figure shows their change since the start."
     )
-    assert run.scene.times is not None
-    t = np.array([float(x) for x in run.scene.times.exact()])
+    t = np.array([float(x) for x in required(run.scene.times).exact()])
     changes = {name: np.asarray(values, float) for name, values in run.drift.items()}
     figure = _graphs(t, changes, "drift", "Drift of the former constants", time_name(run.scene.system))
     rows = tuple(((Mathematics(name_box(n)),), (Number(f"{np.max(np.abs(v)):.2g}"),)) for n, v in changes.items())

@@ -20,6 +20,7 @@ from hjsolve.algebra.modular import Filter
 from hjsolve.algebra.poly import Poly
 from hjsolve.algebra.readable import printed_length, variants
 from hjsolve.algebra.reader import Reader
+from hjsolve.errors import required
 
 Row = list[Element]
 Vector = list[Element]
@@ -251,8 +252,7 @@ def _best_point(reader: Reader, rows: list[Row], start: Row, functionals: list[V
         )
         if best is None or score < best[0]:
             best = score, image
-    assert best is not None
-    return best[1]
+    return required(best)[1]
 
 
 def _solution(reader: Reader, equations: Sequence[Vector]) -> Vector | None:

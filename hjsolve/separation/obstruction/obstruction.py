@@ -15,6 +15,7 @@ from hjsolve.algebra.modular import Filter, Products
 from hjsolve.algebra.poly import Budget, WorkLimitError
 from hjsolve.algebra.readable import shortest_form
 from hjsolve.algebra.reader import Reader
+from hjsolve.errors import required
 from hjsolve.mechanics.energy_shell import Irreducible, ReductionStep, Shell, domain_bounds
 from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.separation.forms import levi_civita
@@ -186,8 +187,7 @@ def _simplest_nonzero(parts: Iterable[sp.Expr], region: Region, budget: Budget) 
         if isinstance(answer, NonZero):
             return part, answer
         open_case = open_case or (part, answer)
-    assert open_case is not None, "a sum that did not reduce to zero has a coefficient"
-    return open_case
+    return required(open_case)
 
 
 def _failure_step(condition: Condition, pair: tuple[str, str], residual: sp.Expr, shell: Shell) -> ReductionStep:

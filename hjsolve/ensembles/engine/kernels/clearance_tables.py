@@ -1,4 +1,8 @@
-"""Looks at tables of clearances: which number of nodes is proved to resolve an orbit; see ``proof_of_resolution``."""
+"""Looks at tables of clearances: which number of nodes is proved to resolve an orbit; see ``proof_of_resolution``.
+
+N nodes resolve a function that is analytic over |Im χ| ≤ a with 2aN ≥ ``strips_of_analyticity.EXPONENT`` (Trefethen &
+Weideman, SIAM Review 56 (2014) 385, Theorem 3.1); the tables hold the disks that cover such strips.
+"""
 
 from __future__ import annotations
 

@@ -19,16 +19,15 @@ from hjsolve.ensembles.engine.kernels.types import Modes, Scratch, Tables
 
 _EVEN = EVEN
 _UNSTRETCHED = len(WARPS)
-_SAFETY = 1.5
-_SHIFTED = 3.0
-"""Bounds on what shifts do are sharp: claims leave as much room here as elsewhere."""
-_GOAL = 4e-16
-_MANY = 44.0
-_GAIN = 0.6
-_LEAST = 32.0
-_STEEP = 0.75
-_ROUGH = 1e-5
-_RIPPLED = 1e-9
+ROUNDING_FACTOR = 1.5  # times the bound on rounding: running errors leave out terms of second order
+_SHIFT_FACTOR = 3.0  # times what shifts do: those bounds are sharp, and claims leave as much room here as elsewhere
+RELATIVE_GOAL = 4e-16  # of the mean of |integrand|: two spacings of doubles, less than summation loses
+_NODES_WORTH_CROWDING = 44.0  # nodes needed above which a crowded map is tried
+_FRACTION_OF_NODES = 0.6  # of the nodes needed without crowding, which a crowded map is tried with
+_FEWEST_NODES = 32.0  # nodes that a crowded map is tried with at least
+_GEOMETRIC_FALL = 0.75  # |c_{n−1}|/|c_{n−4}| below which the fall of three coefficients is extrapolated
+_LARGEST_TAIL = 1e-5  # last coefficients over the mean, above which errors are not worked out: more nodes are needed
+_LARGEST_TAIL_OF_SERIES = 1e-9  # the same where running integrals are wanted, which miss terms from n on, not 2n
 
 Last = tuple[float, float, float, float, float]
 
@@ -96,7 +95,7 @@ def _weighted(x: Reals, y: Reals, n: int) -> float:
 def _needed(late: float, early: float, scale: float, n: int, wish: float) -> float:
     """How many nodes bring the last coefficients down to ``wish``: they fall geometrically."""
     excess = max(2.0 / n * late, 1e-300) / scale
-    if late < _STEEP * early:
+    if late < _GEOMETRIC_FALL * early:
         more = n + 3.0 * math.log(wish / excess) / math.log(max(late / early, 1e-9))
     else:
         more = min(2.0 + (n - 2.0) * math.log(wish) / math.log(min(excess, 0.5)), 3.0 * n)
@@ -167,7 +166,7 @@ def shifted_action(work: Scratch, residue: tuple[float, float], uncertainty: Rea
         if uncertainty[k] != 0.0:
             for j in range(n):
                 total += uncertainty[k] * abs(work.buffer[3 + k, j])
-    return _SHIFTED * total / n
+    return _SHIFT_FACTOR * total / n
 
 
 @helper
@@ -188,7 +187,7 @@ def rule(work: Scratch, t: int, tables: Tables, size: int, modes: Modes, first: 
     buffer, found, n = work.buffer, work.found, tables.counts[size]
     last, middle = tables.last[size], tables.middle[size]
     integrands = buffer.shape[0] - 2
-    rough, wish = (_RIPPLED, 2e-15) if modes.oscillations else (_ROUGH, 1e-8)
+    rough, wish = (_LARGEST_TAIL_OF_SERIES, 2e-15) if modes.oscillations else (_LARGEST_TAIL, 1e-8)
     more, node_map = -1.0, first
     for k in range(integrands):
         total, scale, ends = _coefficients(last, buffer[0] if k == 0 else buffer[2 + k], n)
@@ -207,12 +206,12 @@ def rule(work: Scratch, t: int, tables: Tables, size: int, modes: Modes, first: 
     _roundings(work, t, squares, tables.samples[first], n, integrands, modes.chords)
     for k in range(integrands):
         scale, tail = found[1, k], found[2, k]
-        rounding = _SAFETY * found[3, k] / n + 8.0 * EPS * scale
+        rounding = ROUNDING_FACTOR * found[3, k] / n + 8.0 * EPS * scale
         half = _middle(middle, buffer[0] if k == 0 else buffer[2 + k], n)
         share = min(1.0, tail / max(half, 1e-300))
         alias = 4.0 * tail * share * np.sqrt(share)
         found[1, k], found[2, k] = rounding + alias, 0.5 * rounding + tail
-        fits = alias <= max(_GOAL * scale, 0.25 * rounding) or tail <= 0.5 * rounding
+        fits = alias <= max(RELATIVE_GOAL * scale, 0.25 * rounding) or tail <= 0.5 * rounding
         if modes.oscillations:
             fits = fits and tail <= max(4e-15 * scale, rounding)
         if not fits and scale != 0.0:
@@ -237,8 +236,8 @@ def next_rule(
     size += 1
     if size >= counts.shape[0]:
         return -1, m
-    if attempt == 0 and more > _MANY and crowded != first:
-        m, more = crowded, max(_LEAST, _GAIN * more)
+    if attempt == 0 and more > _NODES_WORTH_CROWDING and crowded != first:
+        m, more = crowded, max(_FEWEST_NODES, _FRACTION_OF_NODES * more)
     while size + 1 < counts.shape[0] and counts[size] < more:
         size += 1
     return size, m

@@ -18,11 +18,11 @@ from hjsolve.arithmetic.machine.compiling import helper, inlined, kernel
 from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Integers, Reals
 
-_SWEEPS = 5  # Newton steps for a whole block of orbits, before those that still move get lanes of their own
-_STEPS = 110  # steps outward, each up to 1.6 times the last: a factor of 10²² in all
-_STRIDE = 0.2  # longest step, in radians, of a coordinate that goes round
-_HALVINGS = 40  # of a valley
-_FINISHING = 80  # steps of Newton's method, each 16th a bisection
+_NEWTON_STEPS_OF_A_BLOCK = 5  # then orbits that still move get lanes of their own
+_OUTWARD_STEPS = 110  # each up to 1.6 times the last: a factor of 10²² in all
+_LONGEST_STEP = 0.2  # radians, of a coordinate that goes round: 31 places a turn
+_VALLEY_HALVINGS = 40  # of the bracket of F′ = 0: to 2⁻⁴⁰ of a step, where F is flat to rounding
+_NEWTON_STEPS_OF_A_LANE = 80  # each 16th a bisection
 
 _FREE, _START, _WALK, _VALLEY, _NEWTON, _LAST = range(6)  # what a lane is doing
 
@@ -118,11 +118,11 @@ def _walked(walk: SearchSide, lanes: Lanes, j: int, x: float, f: float, slope: f
             reals[1, j] = x
         else:
             reals[2, j] = x
-        if state[4, j] < _HALVINGS:
+        if state[4, j] < _VALLEY_HALVINGS:
             return False, 0.5 * (reals[1, j] + reals[2, j])
         # no valley: on from the place beyond it, where F ≥ 0 and rises
         state[1, j], state[3, j], inner[i] = _WALK, 0, reals[3, j]
-        reals[0, j] = min(1.6 * reals[0, j], _STRIDE) if math.isfinite(walk.reach) else 1.6 * reals[0, j]
+        reals[0, j] = min(1.6 * reals[0, j], _LONGEST_STEP) if math.isfinite(walk.reach) else 1.6 * reals[0, j]
         return False, _onward(walk, inner[i], reals[0, j])
     state[2, j] += 1
     if f < 0.0:
@@ -134,12 +134,12 @@ def _walked(walk: SearchSide, lanes: Lanes, j: int, x: float, f: float, slope: f
             reals[1, j], reals[2, j], reals[3, j] = inner[i], x, x
             return False, 0.5 * (inner[i] + x)
         inner[i], state[3, j] = x, 1 if outward < 0.0 else 0
-        reals[0, j] = min(1.6 * reals[0, j], _STRIDE) if math.isfinite(walk.reach) else 1.6 * reals[0, j]
+        reals[0, j] = min(1.6 * reals[0, j], _LONGEST_STEP) if math.isfinite(walk.reach) else 1.6 * reals[0, j]
         if abs(x - walk.start[i]) > walk.reach:
             return True, x
     else:
         reals[0, j] *= 0.25
-    return state[2, j] >= _STEPS, _onward(walk, inner[i], reals[0, j])
+    return state[2, j] >= _OUTWARD_STEPS, _onward(walk, inner[i], reals[0, j])
 
 
 @helper
@@ -189,7 +189,7 @@ def _improved(slopes: MachineProgram, walk: SearchSide, places: Reals, orbits: R
                 row[j] = walk.known[k, first + j]
         for j in range(count):
             x[j] = places[first + j]
-        for _ in range(_SWEEPS):
+        for _ in range(_NEWTON_STEPS_OF_A_BLOCK):
             run(slopes, (count + 7) // 8 * 8)
             for j in range(count):
                 i = first + j
@@ -236,7 +236,7 @@ def _step(walk: SearchSide, lanes: Lanes, j: int, x: float, f: float, slope: flo
     lanes.reals[3, j] = step
     if step <= 4.0 * EPS * abs(new) or lost:
         state[1, j] = _LAST
-    elif state[2, j] >= _FINISHING:
+    elif state[2, j] >= _NEWTON_STEPS_OF_A_LANE:
         state[1, j], new = _LAST, np.nan
     return new
 

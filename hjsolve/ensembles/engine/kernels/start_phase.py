@@ -1,6 +1,8 @@
 """The anomaly of the start: χ of a place by an elliptic integral, or next to a turning point by the momentum there.
 
-Next to a turning point a the place says little of its distance from it, and q₀ − a = P₀²/((b − q₀) S) is used.
+χ = π F(φ | k²)/K, F = sin φ R_F(cos²φ, 1 − k² sin²φ, 1), by duplication (Carlson, Numer. Algorithms 10 (1995) 13);
+Halley's method then undoes the crowding of nodes. Next to a turning point a the place says little of its distance from
+it, and q₀ − a = P₀²/((b − q₀) S) is used.
 """
 
 from __future__ import annotations

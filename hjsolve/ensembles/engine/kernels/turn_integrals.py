@@ -17,13 +17,11 @@ from hjsolve.arithmetic.machine.compiling import helper, inlined, kernel, reduci
 from hjsolve.arithmetic.machine.elementary import sincos
 from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Integers, Reals
-from hjsolve.ensembles.engine.kernels.midpoint_rule import dot
+from hjsolve.ensembles.engine.kernels.midpoint_rule import RELATIVE_GOAL, ROUNDING_FACTOR, dot
 from hjsolve.ensembles.engine.kernels.start_phase import elliptic
 from hjsolve.ensembles.engine.kernels.types import Modes, Sums
 
-_SAFETY = 1.5
-_GOAL = 4e-16
-_TRIES = 8
+_MOST_MAPS = 8  # pairs of a number of nodes and a map, tried for one orbit
 _HOPELESS = 2.0  # times the largest number of nodes: beyond, that one is not tried
 
 
@@ -172,10 +170,10 @@ def _ruled(fill: MachineProgram, noise: Reals, results: Sums, i: int, place: tup
         if not math.isfinite(mean):
             return 2.0 * half
         tail, middle = _largest(tables.last[size], row, n), _largest(tables.middle[size], row, n)
-        rounding = _SAFETY * noise[k] / n + 8.0 * EPS * scale
+        rounding = ROUNDING_FACTOR * noise[k] / n + 8.0 * EPS * scale
         share = min(1.0, tail / max(middle, 1e-300))
         alias = 4.0 * tail * share * np.sqrt(share)
-        fits = alias <= max(_GOAL * scale, 0.25 * rounding) or tail <= 0.5 * rounding
+        fits = alias <= max(RELATIVE_GOAL * scale, 0.25 * rounding) or tail <= 0.5 * rounding
         if modes.oscillations:
             fits = fits and tail <= max(4e-15 * scale, rounding)
         if not fits and scale != 0.0:
@@ -281,7 +279,7 @@ def rotations(fill: MachineProgram, errors: MachineProgram, motions: Rounds, tab
     widest = 0.5 * tables.counts[sizes - 1]
     for i in range(motions.centre.shape[0]):
         m, size = motions.map[i], motions.least[i]
-        for _ in range(_TRIES):
+        for _ in range(_MOST_MAPS):
             if size < 0 or size >= sizes:
                 break
             n = tables.counts[size]
