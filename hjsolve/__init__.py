@@ -72,6 +72,10 @@ if TYPE_CHECKING:
     from hjsolve.solution.quadratures import solve as solve
     from hjsolve.sweeps import SweepResult as SweepResult
     from hjsolve.sweeps import sweep as sweep
+    from hjsolve.theorem.answers import Flaw as Flaw
+    from hjsolve.theorem.answers import Proof as Proof
+    from hjsolve.theorem.complete_integral import CompleteIntegral as CompleteIntegral
+    from hjsolve.theorem.complete_integral import verify as verify
 
 _PUBLIC = {
     "mechanics.system": "Coordinate Domain Parameter System",
@@ -94,6 +98,8 @@ _PUBLIC = {
     "reports": "report",
     "reports.single_figures": "figures",
     "costs": "cost Cost",
+    "theorem.answers": "Flaw Proof",
+    "theorem.complete_integral": "verify CompleteIntegral",
     "scenes": "Scene",
     "extended.gyroscopic": "gyroscopic_modes",
     "extended.linear_hamiltonian": "from_hamiltonian",

@@ -33,6 +33,7 @@ from hjsolve.mechanics.coordinates_and_parameters import (
     unknown_names,
 )
 from hjsolve.mechanics.domains import Domain
+from hjsolve.mechanics.equations_of_motion import canonical_equations, routhian
 from hjsolve.mechanics.kinetic_and_potential import Formulas, read_signature
 from hjsolve.mechanics.kinetic_energy import (
     half_inverse_form,
@@ -174,6 +175,26 @@ class System(Shown):
     def functions(self) -> tuple[str, ...]:
         """The functions left undetermined in T and V, such as ``v1(r)``."""
         return tuple(sorted({str(f) for e in (self.kinetic, self.potential) for f in e.atoms(AppliedUndef)}))
+
+    @property
+    def canonical_equations(self) -> dict[str, sp.Eq]:
+        """Hamilton's equations by the names of q and p: dot(q) = ∂H/∂p (4-16), dot(p_q) = −∂H/∂q (4-17)."""
+        return canonical_equations(self.coordinates, hamiltonian(self))
+
+    @property
+    def routhian(self) -> sp.Expr:
+        """R = L − Σ p_i dot(q_i) over the coordinates that T and V do not hold, their velocities eliminated (2-122).
+
+        Raises:
+            InvalidSystemError: a relativistic particle, or ignorable velocities that do not follow from their momenta.
+        """
+        if self.relativity is not None:
+            raise InvalidSystemError(
+                "routhian: the Lagrangian of a relativistic particle is not T - V; use hamiltonian"
+            )
+        held = self.kinetic.free_symbols | self.potential.free_symbols
+        rest = kinetic_rest(self) - self.potential
+        return routhian(self.coordinates, mass_matrix(self), linear_terms(self), rest, held)
 
     def coordinate(self, name: str) -> Coordinate:
         """The coordinate of this name.
