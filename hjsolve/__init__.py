@@ -74,8 +74,12 @@ if TYPE_CHECKING:
     from hjsolve.sweeps import sweep as sweep
     from hjsolve.theorem.answers import Flaw as Flaw
     from hjsolve.theorem.answers import Proof as Proof
+    from hjsolve.theorem.canonical_maps import CanonicalMap as CanonicalMap
+    from hjsolve.theorem.canonical_maps import canonical as canonical
     from hjsolve.theorem.complete_integral import CompleteIntegral as CompleteIntegral
     from hjsolve.theorem.complete_integral import verify as verify
+    from hjsolve.theorem.integrals import is_integral as is_integral
+    from hjsolve.theorem.integrals import poisson_bracket as poisson_bracket
 
 _PUBLIC = {
     "mechanics.system": "Coordinate Domain Parameter System",
@@ -99,7 +103,9 @@ _PUBLIC = {
     "reports.single_figures": "figures",
     "costs": "cost Cost",
     "theorem.answers": "Flaw Proof",
+    "theorem.canonical_maps": "canonical CanonicalMap",
     "theorem.complete_integral": "verify CompleteIntegral",
+    "theorem.integrals": "is_integral poisson_bracket",
     "scenes": "Scene",
     "extended.gyroscopic": "gyroscopic_modes",
     "extended.linear_hamiltonian": "from_hamiltonian",

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import cast
 
 import sympy as sp
 
@@ -158,7 +159,9 @@ def _decide(
     coordinates = [c.name for c in space.subject.coordinates]
     momenta = dict(zip(coordinates, slopes.values(), strict=True))
     equations = {name: _jacobi(S, α, E, space.time) for name, α in alphas.items()}
-    return CompleteIntegral(space.subject, S, tuple(alphas), E, residual, determinant, momenta, equations)
+    return CompleteIntegral(
+        cast("Subject", space.subject), S, tuple(alphas), E, residual, determinant, momenta, equations
+    )
 
 
 def _jacobi(S: sp.Expr, α: sp.Symbol, E: sp.Expr | None, time: sp.Symbol) -> sp.Eq:

@@ -9,6 +9,7 @@ from typing import cast
 import sympy as sp
 
 from hjsolve.algebra.signs import Bounds
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 from hjsolve.extended.one_freedom import LinearInMomentum, NonlinearInMomentum
 from hjsolve.mechanics.brackets import conjugate_pairs
@@ -26,12 +27,23 @@ BUDGET = 20.0
 """Seconds for each zero test."""
 
 
+@dataclass(frozen=True, repr=False)
+class Variables(Shown):
+    """Canonical variables without a system.
+
+    Attributes:
+        coordinates: with their momenta.
+    """
+
+    coordinates: tuple[Coordinate, ...]
+
+
 @dataclass(frozen=True)
 class PhaseSpace:
     """The variables of a system and their Hamiltonian.
 
     Attributes:
-        subject: what the user named.
+        subject: what the user named, or variables without a system.
         hamiltonian: H(q, p).
         pairs: the symbols (q, p) of every coordinate.
         velocities: name of a coordinate → q̇(q, p).
@@ -42,7 +54,7 @@ class PhaseSpace:
         defaults: default values of parameters.
     """
 
-    subject: Subject
+    subject: Subject | Variables
     hamiltonian: sp.Expr
     pairs: tuple[tuple[sp.Symbol, sp.Symbol], ...]
     velocities: Mapping[str, sp.Expr]
@@ -177,4 +189,4 @@ def _bounds(coordinates: tuple[Coordinate, ...]) -> dict[sp.Symbol, Bounds]:
     }
 
 
-__all__ = ["BUDGET", "PhaseSpace", "Subject", "phase_space_of", "without_integrals"]
+__all__ = ["BUDGET", "PhaseSpace", "Subject", "Variables", "phase_space_of", "without_integrals"]

@@ -233,7 +233,9 @@ def _determinant(solution: Solution) -> list[Block]:
     roots = {name: sp.sqrt(square) for name, square in solution.momentum_squared.items()}
     letters = [sp.Symbol(f"{'P' if solution.shift[name] != 0 else 'p'}_{name}") for name in roots]
     value = solution.determinant * sp.Mul(*roots.values()) / sp.Mul(*letters)
-    left = Glyph("|∂²S/∂q∂α|", "text")
+    d, two = Glyph("∂", "differential"), Glyph("2", "number")
+    below = row(d, Glyph("q"), d, Glyph("α"))
+    left = Fence(Fraction(row(Script(d, None, two), Glyph("S")), below), "|", "|")
     words = (
         "W is a complete integral: the determinant of its mixed second derivatives by the coordinates and the "
         "constants does not vanish identically. It is the product of its diagonal blocks:"
