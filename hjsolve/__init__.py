@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from hjsolve.coordinates import Web as Web
     from hjsolve.coordinates import find_coordinates as find_coordinates
     from hjsolve.coordinates import normal_modes as normal_modes
+    from hjsolve.coordinates.typed_change import change_coordinates as change_coordinates
     from hjsolve.costs import Cost as Cost
     from hjsolve.costs import cost as cost
     from hjsolve.energy_momentum.energy_momentum_map import EnergyMomentumMap as EnergyMomentumMap
@@ -84,6 +85,7 @@ if TYPE_CHECKING:
 _PUBLIC = {
     "mechanics.system": "Coordinate Domain Parameter System",
     "coordinates": "SeparableCoordinates NormalModes Web find_coordinates normal_modes",
+    "coordinates.typed_change": "change_coordinates",
     "closed_form.closed_forms": "closed_forms",
     "closed_form.forms": "RegimeForms",
     "closed_form.regime": "Regime",
