@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import sympy as sp
@@ -15,7 +15,7 @@ from hjsolve.algebra.reader import Reader
 from hjsolve.algebra.signs import Bounds
 from hjsolve.errors import InvalidInputError, InvalidSystemError
 from hjsolve.formulas.read import admit, parse
-from hjsolve.mechanics.coordinates_and_parameters import Coordinate, read_coordinates
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter, read_coordinates
 from hjsolve.mechanics.energy_shell import domain_bounds
 from hjsolve.mechanics.kinetic_energy import velocity_coefficients
 from hjsolve.mechanics.subjects import system_of
@@ -78,7 +78,7 @@ def change_coordinates(
     bounds = {c.symbol: _ends(c) for c in new}
     _check_domain(system, formulas, bounds)
     _check_regular(system, new, formulas, bounds)
-    return _transformed(system, new, formulas, bounds, coordinates)
+    return transformed(system, new, formulas, bounds, coordinates)
 
 
 def _formula(given: object, names: Mapping[str, sp.Symbol], source: str) -> sp.Expr:
@@ -92,13 +92,25 @@ def _ends(c: Coordinate) -> Bounds:
 
 
 def _check_domain(system: System, formulas: list[sp.Expr], bounds: Mapping[sp.Symbol, Bounds]) -> None:
-    for (q, (lower, upper)), f in zip(domain_bounds(system).items(), formulas, strict=True):
-        for gap in ([] if lower is None else [f - lower]) + ([] if upper is None else [upper - f]):
-            if strict_sign(_short(gap, bounds), bounds) != 1:
-                raise InvalidSystemError(
-                    f"place.{q.name}: {f} was not proved to stay in the domain of {q.name}; narrow the domains of the "
-                    "new coordinates"
-                )
+    for (q, ends), f in zip(domain_bounds(system).items(), formulas, strict=True):
+        if not stays_inside(f, ends, bounds):
+            raise InvalidSystemError(
+                f"place.{q.name}: {f} was not proved to stay in the domain of {q.name}; narrow the domains of the new "
+                "coordinates"
+            )
+
+
+def stays_inside(f: sp.Expr, ends: Bounds, bounds: Mapping[sp.Symbol, Bounds]) -> bool:
+    """Whether a formula is proved to stay in an open interval.
+
+    Args:
+        f: the formula.
+        ends: of the interval; None is infinite.
+        bounds: open interval of each coordinate in the formula.
+    """
+    lower, upper = ends
+    gaps = ([] if lower is None else [f - lower]) + ([] if upper is None else [upper - f])
+    return all(strict_sign(short_form(gap, bounds), bounds) == 1 for gap in gaps)
 
 
 def _check_regular(
@@ -106,7 +118,7 @@ def _check_regular(
 ) -> None:
     """Prove that the Jacobian keeps its sign."""
     determinant = sp.Matrix(formulas).jacobian([c.symbol for c in new]).det(method="berkowitz")
-    forms = [_short(determinant, bounds), sp.factor(determinant), sp.trigsimp(determinant)]
+    forms = [short_form(determinant, bounds), sp.factor(determinant), sp.trigsimp(determinant)]
     if any(strict_sign(form, bounds) for form in forms):
         return
     region = Region(bounds, system.defaults)
@@ -124,10 +136,20 @@ def _check_regular(
     )
 
 
-def _transformed(
+def transformed(
     system: System, new: tuple[Coordinate, ...], formulas: list[sp.Expr], bounds: Mapping[sp.Symbol, Bounds],
-    domains: Mapping[str, str],
+    domains: Mapping[str, str], constants: Iterable[Parameter] = (),
 ) -> System:  # fmt: skip
+    """Return the system with q = f(Q) put into T and V; there may be fewer Q than q.
+
+    Args:
+        system: in the coordinates q.
+        new: the coordinates Q.
+        formulas: f, one for each q.
+        bounds: open interval of each Q.
+        domains: of Q, as ``System`` takes them.
+        constants: parameters that f holds and the system does not.
+    """
     speeds = [c.velocity for c in new]
     old = dict(zip([c.symbol for c in system.coordinates], formulas, strict=True))
     rates = {
@@ -137,16 +159,22 @@ def _transformed(
     T = sp.expand(system.kinetic.xreplace({**old, **rates}))
     kinetic = sp.S.Zero
     for key, coefficient in velocity_coefficients(T, speeds).items():
-        kinetic += _short(coefficient, bounds) * sp.Mul(*(speeds[k] for k in key))
+        kinetic += short_form(coefficient, bounds) * sp.Mul(*(speeds[k] for k in key))
     place = {axis: formula.xreplace(old) for axis, formula in system.place.items()}
+    potential = short_form(system.potential.xreplace(old), bounds)
     return System(
-        domains, kinetic, _short(system.potential.xreplace(old), bounds), {p.name: p for p in system.parameters},
+        domains, kinetic, potential, {p.name: p for p in (*system.parameters, *constants)},
         signature=system.signature, title=system.title, place=place or None, functions=system.functions,
     )  # fmt: skip
 
 
-def _short(x: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> sp.Expr:
-    """The shortest exact form; the expression itself where that takes too long."""
+def short_form(x: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> sp.Expr:
+    """Return the shortest exact form; the expression itself where that takes too long.
+
+    Args:
+        x: the expression.
+        bounds: open interval of each coordinate.
+    """
     try:
         reader = Reader([x], dict(bounds), Budget.seconds(SECONDS))
         return shortest_form(reader, reader.element(x))
@@ -154,4 +182,4 @@ def _short(x: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> sp.Expr:
         return x
 
 
-__all__ = ["change_coordinates"]
+__all__ = ["change_coordinates", "short_form", "stays_inside", "transformed"]

@@ -24,7 +24,7 @@ from hjsolve.precision import one_at_a_time
 from hjsolve.separation import Undecided
 from hjsolve.separation.zero_test.zero_test import Zero
 from hjsolve.theorem.answers import Flaw
-from hjsolve.theorem.generating_functions import Generating, generating_functions, map_of
+from hjsolve.theorem.generating_functions import Generating, functions_of, map_of
 from hjsolve.theorem.integrals import short
 from hjsolve.theorem.phase_space import BUDGET, PhaseSpace
 from hjsolve.theorem.reading import read_formula
@@ -161,7 +161,7 @@ def _decide(
         ψ = _potential(space, [μ * p - _sum(P, Q, q) for q, p in space.pairs], [-_sum(P, Q, p) for _, p in space.pairs])
     added = short(sp.diff(ψ, space.time) + _sum(P, Q, space.time), space)
     variables = [q for q, _ in space.pairs] + [p for _, p in space.pairs]
-    found = generating_functions(Generating(space, dict(formulas), μ, ψ), seconds)
+    found = functions_of(Generating(space, dict(formulas), μ, ψ), seconds)
     return CanonicalMap(
         dict(formulas), μ, sp.ImmutableMatrix([*Q, *P]).jacobian(variables).as_immutable(), ψ, added,
         found.functions, found.why_not, found.where, None if H is None else short(μ * H + added, space),

@@ -78,7 +78,7 @@ def _kind(name: str, space: PhaseSpace, new: Sequence[str]) -> _Kind:
     return _Kind(old[0], old[1], fresh[0], fresh[1], old[2], fresh[2])
 
 
-def generating_functions(given: Generating, seconds: float) -> Found:
+def functions_of(given: Generating, seconds: float) -> Found:
     """Find F₁ … F₄ of a canonical map.
 
     Args:
@@ -220,4 +220,4 @@ def map_of(
     )
 
 
-__all__ = ["KINDS", "Generating", "generating_functions", "map_of", "solutions"]
+__all__ = ["KINDS", "Generating", "functions_of", "map_of", "solutions"]
