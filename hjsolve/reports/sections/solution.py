@@ -237,8 +237,8 @@ def _determinant(solution: Solution) -> list[Block]:
     below = row(d, Glyph("q"), d, Glyph("α"))
     left = Fence(Fraction(row(Script(d, None, two), Glyph("S")), below), "|", "|")
     words = (
-        "W is a complete integral: the determinant of its mixed second derivatives by the coordinates and the "
-        "constants does not vanish identically. It is the product of its diagonal blocks:"
+        "W is a complete integral: the Jacobian of the momenta by the constants does not vanish identically. It is the "
+        "product of its diagonal blocks:"
     )
     return [
         Paragraph((words,)),
