@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from hjsolve.coordinates import Web as Web
     from hjsolve.coordinates import find_coordinates as find_coordinates
     from hjsolve.coordinates import normal_modes as normal_modes
+    from hjsolve.coordinates.typed_change import change_coordinates as change_coordinates
     from hjsolve.costs import Cost as Cost
     from hjsolve.costs import cost as cost
     from hjsolve.energy_momentum.energy_momentum_map import EnergyMomentumMap as EnergyMomentumMap
@@ -73,10 +74,19 @@ if TYPE_CHECKING:
     from hjsolve.solution.quadratures import solve as solve
     from hjsolve.sweeps import SweepResult as SweepResult
     from hjsolve.sweeps import sweep as sweep
+    from hjsolve.theorem.answers import Flaw as Flaw
+    from hjsolve.theorem.answers import Proof as Proof
+    from hjsolve.theorem.canonical_maps import CanonicalMap as CanonicalMap
+    from hjsolve.theorem.canonical_maps import canonical as canonical
+    from hjsolve.theorem.complete_integral import CompleteIntegral as CompleteIntegral
+    from hjsolve.theorem.complete_integral import verify as verify
+    from hjsolve.theorem.integrals import is_integral as is_integral
+    from hjsolve.theorem.integrals import poisson_bracket as poisson_bracket
 
 _PUBLIC = {
     "mechanics.system": "Coordinate Domain Parameter System",
     "coordinates": "SeparableCoordinates NormalModes Web find_coordinates normal_modes",
+    "coordinates.typed_change": "change_coordinates",
     "closed_form.closed_forms": "closed_forms",
     "closed_form.forms": "RegimeForms",
     "closed_form.regime": "Regime",
@@ -95,6 +105,10 @@ _PUBLIC = {
     "reports": "report",
     "reports.single_figures": "figures",
     "costs": "cost Cost",
+    "theorem.answers": "Flaw Proof",
+    "theorem.canonical_maps": "canonical CanonicalMap",
+    "theorem.complete_integral": "verify CompleteIntegral",
+    "theorem.integrals": "is_integral poisson_bracket",
     "scenes": "Scene",
     "extended.gyroscopic": "gyroscopic_modes",
     "extended.linear_hamiltonian": "from_hamiltonian",

@@ -82,6 +82,8 @@ def system(options: Namespace) -> System:
         return _own_system(options)
     if options.title and options.command != "report":
         raise InvalidInputError("--title: names a system of your own, or a report; an entry or a scene has its title")
+    if options.constraint:
+        raise InvalidInputError("--constraint belongs to a system of your own, with --coordinate and --kinetic")
     if options.function:
         raise InvalidInputError("--function belongs to a system of your own, with --coordinate and --kinetic")
     if options.system is None:
@@ -120,6 +122,7 @@ def _own_system(options: Namespace) -> System:
         options.potential if options.potential is not None else "0",
         typed_parameters(options.parameter, "--parameter"),
         functions=options.function,
+        constraints=options.constraint,
         title=getattr(options, "title", None) or "",
     )
 

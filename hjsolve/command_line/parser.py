@@ -361,6 +361,10 @@ def _system_arguments(command: argparse.ArgumentParser) -> None:
     )
     own.add_argument("-T", "--kinetic", metavar="FORMULA", help="kinetic energy, e.g. m/2*dot(x)**2")
     own.add_argument("-V", "--potential", metavar="FORMULA", help="potential energy (default 0)")
+    own.add_argument(
+        "--constraint", action="append", default=[], metavar="EQUATION",
+        help='holonomic, or linear in the velocities and integrable, e.g. "x**2 + y**2 = l**2" (repeat)',
+    )  # fmt: skip
     own.add_argument("--title", metavar="TEXT", help="what the system is called in the output")
     command.add_argument(
         "--parameter",

@@ -8,7 +8,7 @@ Everything else here is a pure function of a system.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, Literal
 
@@ -33,6 +33,7 @@ from hjsolve.mechanics.coordinates_and_parameters import (
     unknown_names,
 )
 from hjsolve.mechanics.domains import Domain
+from hjsolve.mechanics.equations_of_motion import canonical_equations, routhian
 from hjsolve.mechanics.kinetic_and_potential import Formulas, read_signature
 from hjsolve.mechanics.kinetic_energy import (
     half_inverse_form,
@@ -82,7 +83,9 @@ class System(Shown):
         units: in which units coordinates, the time and parameters are, ``{"r": "kpc", "t": "Myr", "m": "solMass"}``,
             so that quantities of pint or astropy can be given; those that follow from T and V need not be said.
             ``declared_units`` is what was declared.
-        constraints: refused, so that none is taken for one that is used.
+        constraints: equations such as ``x**2 + y**2 = l**2`` or ``dot(x) - dot(y) = 0`` (linear in the velocities).
+            Holonomic and integrable ones are eliminated, so that fewer coordinates are left; ``eliminated`` says how
+            the others follow. A constraint that is proved not to be integrable is refused.
 
     Raises:
         InvalidSystemError: the parts do not make a mechanical system; the message says which and why.
@@ -106,6 +109,7 @@ class System(Shown):
     places: Places
     declared_units: Units
     kinks: tuple[Kink, ...]
+    eliminated: tuple[tuple[str, sp.Expr], ...] = field(compare=False)
 
     @one_at_a_time
     def __init__(
@@ -125,15 +129,21 @@ class System(Shown):
         constraints: Iterable[str] = (),
     ):
         if constraints:
-            raise InvalidSystemError(
-                "constraints: they are not eliminated; choose coordinates in which they hold, and write T and V in them"
-            )
+            # a call upward: proving what is integrable needs the zero test
+            from hjsolve.coordinates.constraints import without_constraints
+
+            free = System(
+                coordinates, kinetic, potential, parameters, signature=signature, title=title, id=id,
+                relativity=relativity, functions=functions, place=place, units=units,
+            )  # fmt: skip
+            _set(self, **vars(without_constraints(free, constraints)))
+            return
         for name, text in (("title", title), ("id", id)):
             refuse_hidden(text, name)
         numbers, quantities = without_quantities({} if parameters is None else parameters)
         constants = read_parameters(numbers)
         places = read_coordinates(coordinates, constants)
-        _set(self, coordinates=places, parameters=constants, title=str(title), id=str(id))
+        _set(self, coordinates=places, parameters=constants, title=str(title), id=str(id), eliminated=())
         _set(self, relativity=relativity_of(relativity, constants))
         _set(self, signature=read_signature(signature))
         unknowns = read_functions(functions, (c.name for c in places), self.symbols)
@@ -174,6 +184,26 @@ class System(Shown):
     def functions(self) -> tuple[str, ...]:
         """The functions left undetermined in T and V, such as ``v1(r)``."""
         return tuple(sorted({str(f) for e in (self.kinetic, self.potential) for f in e.atoms(AppliedUndef)}))
+
+    @property
+    def canonical_equations(self) -> dict[str, sp.Eq]:
+        """Hamilton's equations by the names of q and p: dot(q) = ∂H/∂p (4-16), dot(p_q) = −∂H/∂q (4-17)."""
+        return canonical_equations(self.coordinates, hamiltonian(self))
+
+    @property
+    def routhian(self) -> sp.Expr:
+        """R = L − Σ p_i dot(q_i) over the coordinates that T and V do not hold, their velocities eliminated (2-122).
+
+        Raises:
+            InvalidSystemError: a relativistic particle, or ignorable velocities that do not follow from their momenta.
+        """
+        if self.relativity is not None:
+            raise InvalidSystemError(
+                "routhian: the Lagrangian of a relativistic particle is not T - V; use hamiltonian"
+            )
+        held = self.kinetic.free_symbols | self.potential.free_symbols
+        rest = kinetic_rest(self) - self.potential
+        return routhian(self.coordinates, mass_matrix(self), linear_terms(self), rest, held)
 
     def coordinate(self, name: str) -> Coordinate:
         """The coordinate of this name.

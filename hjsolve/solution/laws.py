@@ -14,11 +14,12 @@ from typing import Literal
 import sympy as sp
 
 from hjsolve.display.shown import Shown
+from hjsolve.mechanics.brackets import bracket, conjugate_pairs
 from hjsolve.mechanics.energy_shell import domain_bounds
 from hjsolve.mechanics.kinetic_energy import degree, velocity_coefficients
 from hjsolve.mechanics.system import hamiltonian
-from hjsolve.separation.zero_test.interval_evaluation import Region
-from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, Zero, free_region, is_zero
+from hjsolve.separation.zero_test.on_domain import vanishes
+from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, Zero
 from hjsolve.solution.quadratures import Solution
 
 NUMERIC_ZERO = sp.Float("1e-35")
@@ -128,25 +129,14 @@ def _momentum_residuals(solution: Solution) -> Iterator[sp.Expr]:
         yield solution.momentum_squared[name].xreplace(values) - P**2
 
 
-def poisson_bracket(u: sp.Expr, v: sp.Expr, solution: Solution) -> sp.Expr:
-    """(u, v) = Σ ∂u/∂q ∂v/∂p − ∂u/∂p ∂v/∂q, Greenwood's sign (6-212).
-
-    Args:
-        u, v: functions of coordinates, momenta and parameters.
-        solution: whose coordinates and momenta are meant.
-    """
-    pairs = [(c.symbol, c.momentum) for c in solution.system.coordinates]
-    return sp.Add(*(u.diff(q) * v.diff(p) - u.diff(p) * v.diff(q) for q, p in pairs))
-
-
 def _bracket_residuals(solution: Solution) -> Iterator[sp.Expr]:
-    H = hamiltonian(solution.system)
+    H, pairs = hamiltonian(solution.system), conjugate_pairs(solution.system.coordinates)
     energy = solution.separation.shell.energy
     expressions = {c.symbol: c.expression for c in solution.constants.values()}
     if energy in expressions:
         yield expressions.pop(energy) - H
-    yield from (poisson_bracket(u, H, solution) for u in expressions.values())
-    yield from (poisson_bracket(u, v, solution) for u, v in combinations(expressions.values(), 2))
+    yield from (bracket(u, H, pairs) for u in expressions.values())
+    yield from (bracket(u, v, pairs) for u, v in combinations(expressions.values(), 2))
 
 
 def _canonical_residuals(solution: Solution) -> Iterator[sp.Expr]:
@@ -189,10 +179,9 @@ def _decide(solution: Solution, name: str, statement: str, residuals: Iterable[s
 def _outcome(solution: Solution, residual: sp.Expr, budget: float) -> Outcome:
     if residual == 0:
         return "proved"
-    given = {p.symbol for p in solution.system.parameters}  # they take their values first: domains may end at them
-    free = {symbol: ends for symbol, ends in free_region(residual).bounds.items() if symbol not in given}
-    bounds = {**free, **domain_bounds(solution.system)}
-    match is_zero(residual, Region(bounds, solution.system.defaults), budget=budget):
+    system = solution.system
+    parameters = [p.symbol for p in system.parameters]
+    match vanishes(residual, domain_bounds(system), parameters, system.defaults, budget):
         case Zero():
             return "proved"
         case NonZero():

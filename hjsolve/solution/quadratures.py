@@ -90,6 +90,20 @@ class Solution(ShownSolution):
         t = sp.Symbol(time_name(self.system), real=True)
         return self.characteristic_function - (shell.energy if self.coordinates else shell.potential) * t
 
+    @property
+    def determinant(self) -> sp.Expr:
+        """|∂²S/∂q∂α| (5-48), which a complete integral keeps away from zero.
+
+        Rows are the separated coordinates, then the ignorable ones; columns their constants in the order of
+        ``constants``. It is the product of its diagonal blocks, |∂Pᵢ²/∂αⱼ|/Π 2Pᵢ (5-154) and 1, since ∂W/∂q of an
+        ignorable coordinate is its own constant. 1 where every coordinate is ignorable.
+        """
+        alphas = [c.symbol for c in separation_constants(self.separation)]
+        roots = [(self.momentum_squared.get(n), self.momenta[n]) for n in self.coordinates]
+        rows = [[sp.diff(p if square is None else square, α) for α in alphas] for square, p in roots]
+        scale = [2 * sp.sqrt(square) for square, _ in roots if square is not None]
+        return sp.Matrix(rows).det(method="berkowitz") / sp.Mul(*scale) if rows else sp.S.One
+
     @arguments.by_name('motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"})')
     def motion(
         self,

@@ -13,8 +13,12 @@ ROOT = Path(__file__).resolve().parents[2]
 UPWARD = {
     ("hjsolve.solution.quadratures", "hjsolve.motion.charted.begin"),
     ("hjsolve.solution.quadratures", "hjsolve.motion.motion"),
+    ("hjsolve.mechanics.system", "hjsolve.coordinates.constraints"),
 }
-"""``Solution.motion`` calls up, and names what it gives: solving loads no numerical library."""
+"""``Solution.motion`` calls up, and names what it gives: solving loads no numerical library.
+
+``System(constraints=…)`` calls up: whether a constraint is integrable is for the zero test to prove.
+"""
 Graph = Mapping[str, set[str]]
 
 

@@ -204,6 +204,10 @@ def _characteristic_function(solution: Solution) -> Section:
         Paragraph((words,)),
         Formula(display(equality), f"W = {solution.characteristic_function}", "Greenwood (5-65)"),
     ]
+    energy = solution.separation.shell.energy
+    if solution.coordinates and time_name(solution.system) == "t":
+        principal = sp.Eq(sp.Symbol("S"), sp.Symbol("W") - energy * sp.Symbol("t"), evaluate=False)
+        blocks.append(Formula(display(principal), f"S = W - {energy}*t", "Greenwood (5-65)"))
     for name, square in solution.momentum_squared.items():
         shifted = solution.shift[name] != 0
         left = Script(Glyph("P" if shifted else "p"), name_box(name), Glyph("2", "number"))
@@ -213,9 +217,30 @@ def _characteristic_function(solution: Solution) -> Section:
         if shifted:
             blocks.append(formula(name_box(f"p_{name}"), solution.momenta[name]))
     blocks += [formula(name_box(f"p_{name}"), solution.momenta[name]) for name in solution.separation.shell.null]
+    blocks += _determinant(solution)
     rows = tuple(
         ((Mathematics(name_box(name)),), typeset_prose(c.meaning, solution.system), (math(c.expression),))
         for name, c in solution.constants.items()
     )
     blocks.append(Table((("Constant",), ("Meaning",), ("In terms of q and p",)), rows, "Constants of the motion"))
     return Section("characteristic-function", "Hamilton's characteristic function", tuple(blocks))
+
+
+def _determinant(solution: Solution) -> list[Block]:
+    """The determinant that makes W a complete integral, its roots written as the letters of the momenta."""
+    if not solution.momentum_squared:
+        return []
+    roots = {name: sp.sqrt(square) for name, square in solution.momentum_squared.items()}
+    letters = [sp.Symbol(f"{'P' if solution.shift[name] != 0 else 'p'}_{name}") for name in roots]
+    value = solution.determinant * sp.Mul(*roots.values()) / sp.Mul(*letters)
+    d, two = Glyph("∂", "differential"), Glyph("2", "number")
+    below = row(d, Glyph("q"), d, Glyph("α"))
+    left = Fence(Fraction(row(Script(d, None, two), Glyph("S")), below), "|", "|")
+    words = (
+        "W is a complete integral: the Jacobian of the momenta by the constants does not vanish identically. It is the "
+        "product of its diagonal blocks:"
+    )
+    return [
+        Paragraph((words,)),
+        Formula(row(left, EQUALS, box(value)), f"|d2S/dq dalpha| = {value}", "Greenwood (5-48), (5-154)"),
+    ]

@@ -1,0 +1,286 @@
+"""Constraints that a user types: holonomic and integrable ones are eliminated, the others refused with a proof.
+
+Forms Σ aᵢ(q) q̇ᵢ = 0, solved for some velocities as q̇_d = Σ B_dk q̇_k, are integrable if and only if
+
+    X_k(B_dl) − X_l(B_dk) = 0,   X_k = ∂/∂q_k + Σ B_dk ∂/∂q_d      (Frobenius; Greenwood (1-20), (1-23))
+
+for all d, k, l. Otherwise Hamilton's principle does not hold in its standard form, and there is no Hamilton–Jacobi
+equation (Greenwood (5-22)–(5-25)).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from hjsolve.algebra.integration import closed_form_potential
+from hjsolve.algebra.nonzero import strict_sign
+from hjsolve.algebra.poly import Budget, WorkLimitError
+from hjsolve.algebra.reader import Reader
+from hjsolve.coordinates.typed_change import SECONDS, short_form, stays_inside, transformed
+from hjsolve.errors import InvalidSystemError
+from hjsolve.formulas.read import parse
+from hjsolve.mechanics.coordinates_and_parameters import Parameter, free_name, parameter, read_coordinates
+from hjsolve.mechanics.energy_shell import domain_bounds
+from hjsolve.mechanics.kinetic_energy import degree, velocity_coefficients
+from hjsolve.mechanics.system import System
+from hjsolve.separation.zero_test.interval_evaluation import Region
+from hjsolve.separation.zero_test.zero_test import NonZero, Zero, is_zero
+
+_TIME = sp.Symbol("t", real=True)
+_CURE = "write T and V in coordinates in which the constraint holds"
+
+
+@dataclass
+class _Eliminated:
+    """What is left while constraints are eliminated one by one.
+
+    Attributes:
+        formulas: old coordinate → its formula in those that are left.
+        domains: those that are left → domain, as ``System`` takes it.
+    """
+
+    formulas: dict[sp.Symbol, sp.Expr]
+    domains: dict[str, str]
+
+
+def without_constraints(system: System, constraints: Iterable[str]) -> System:
+    """Return the system with fewer coordinates in which the constraints hold.
+
+    Args:
+        system: in coordinates without constraints.
+        constraints: equations such as ``x**2 + y**2 = l**2``, ``2*dot(x) + 3*dot(y) = 0``; the right side may be left
+            out where it is 0.
+
+    Raises:
+        InvalidSystemError: a constraint that is not integrable, that moves, or that was not solved.
+        ExpressionError: one cannot be read.
+    """
+    if isinstance(constraints, str):
+        constraints = [constraints]
+    if system.kinks or system.relativity is not None or system.declared_units:
+        raise InvalidSystemError(f"constraints: not with kinks of V, relativity or units; {_CURE}")
+    speeds = frozenset(c.velocity for c in system.coordinates)
+    given = [(f"constraints[{n}]", _read(system, text, f"constraints[{n}]")) for n, text in enumerate(constraints, 1)]
+    first, formulas = _reduced(system, [(s, g) for s, g in given if degree(g, speeds) == 0], [])
+    put = dict(zip([c.symbol for c in system.coordinates], formulas, strict=True))
+    rates = {
+        c.velocity: sp.Add(*(sp.diff(put[c.symbol], Q.symbol) * Q.velocity for Q in first.coordinates))
+        for c in system.coordinates
+    }
+    moving = [(s, sp.expand(g.xreplace({**put, **rates}))) for s, g in given if degree(g, speeds) > 0]
+    forms = [(s, _coefficients(g, [c.velocity for c in first.coordinates], s)) for s, g in moving]
+    levels, constants = list[tuple[str, sp.Expr]](), list[Parameter]()
+    for source, f in _integrals(first, [form for form in forms if any(a != 0 for a in form[1])]):
+        name = free_name(f"c_{len(constants) + 1}", first.symbols)
+        constants.append(parameter(name, meaning=f"constant of integration of {source}"))
+        levels.append((source, f - constants[-1].symbol))
+    second, later = _reduced(first, levels, constants)
+    onward = dict(zip([c.symbol for c in first.coordinates], later, strict=True))
+    whole = [(c.name, f.xreplace(onward)) for c, f in zip(system.coordinates, formulas, strict=True)]
+    kept = {c.name: c.symbol for c in second.coordinates}
+    object.__setattr__(second, "eliminated", tuple((name, f) for name, f in whole if f != kept.get(name)))
+    return second
+
+
+def _reduced(
+    system: System, fixed: list[tuple[str, sp.Expr]], constants: list[Parameter]
+) -> tuple[System, list[sp.Expr]]:
+    """The system in the coordinates that equations g(q) = 0 leave, and the formula of every coordinate in them."""
+    if not fixed:
+        return system, [c.symbol for c in system.coordinates]
+    left = _Eliminated(
+        {c.symbol: c.symbol for c in system.coordinates},
+        {c.name: c.domain.written(c.name) for c in system.coordinates},
+    )
+    for source, g in fixed:
+        _eliminate(system, left, source, g)
+    new = read_coordinates(left.domains, (*system.parameters, *constants))
+    own = {sp.Symbol(c.name, real=True): c.symbol for c in new}
+    formulas = [f.xreplace(own) for f in left.formulas.values()]
+    bounds = {c.symbol: (None, None) if c.domain.kind == "angle" else (c.domain.lower, c.domain.upper) for c in new}
+    return transformed(system, new, formulas, bounds, left.domains, constants), formulas
+
+
+def _read(system: System, text: object, source: str) -> sp.Expr:
+    if not isinstance(text, str) or text.count("=") > 1:
+        raise InvalidSystemError(f'{source}: one equation as text is needed, such as "x**2 + y**2 = l**2"')
+    speeds = {c.name: c.velocity for c in system.coordinates}
+    sides = [parse(side, {**system.symbols, "t": _TIME}, velocities=speeds, source=source) for side in text.split("=")]
+    given = sides[0] - (sides[1] if len(sides) == 2 else 0)
+    if _TIME in given.free_symbols and "t" not in system.symbols:
+        raise InvalidSystemError(
+            f"{source}: it holds the time, so that the constraint moves; write its motion into T, in coordinates of a "
+            "moving frame"
+        )
+    return given
+
+
+def _coefficients(given: sp.Expr, speeds: Sequence[sp.Symbol], source: str) -> list[sp.Expr]:
+    if degree(given, frozenset(speeds)) != 1:
+        raise InvalidSystemError(f"{source}: a constraint on velocities must be linear in them; {_CURE}")
+    found = velocity_coefficients(given, list(speeds))
+    if found.get((), 0) != 0:
+        raise InvalidSystemError(
+            f"{source}: it has a part without velocities, so that its integral moves with the time; write its motion "
+            "into T, in coordinates of a moving frame"
+        )
+    return [found.get((i,), sp.S.Zero) for i in range(len(speeds))]
+
+
+# ------------------------------------------------------------------------------------------------ velocities
+def _integrals(system: System, forms: list[tuple[str, list[sp.Expr]]]) -> list[tuple[str, sp.Expr]]:
+    """A function for each form that is constant where all of them hold."""
+    if not forms:
+        return []
+    symbols = [c.symbol for c in system.coordinates]
+    region = Region(domain_bounds(system), system.defaults)
+    found = [(source, _exact(symbols, form, region)) for source, form in forms]
+    if any(f is None for _, f in found):
+        solved = _solved(symbols, forms, region)
+        found = [(source, _exact(symbols, form, region)) for source, form in solved]
+    for source, f in found:
+        if f is None:
+            raise InvalidSystemError(
+                f'{source}: it is integrable, but its integral was not found; write the integral, "f(q) = constant"'
+            )
+    return [(source, f) for source, f in found if f is not None]
+
+
+def _exact(symbols: list[sp.Symbol], form: list[sp.Expr], region: Region) -> sp.Expr | None:
+    """F with df = μ Σ aᵢ dqᵢ, μ = 1 or one over a coefficient or over all; None where no such form is closed."""
+    variable = [a for a in form if a.free_symbols & set(symbols)]
+    for factor in (sp.S.One, *(1 / a for a in variable), 1 / sp.Mul(*variable)):
+        scaled = [sp.cancel(a * factor) for a in form]
+        curls = [
+            sp.diff(scaled[i], symbols[j]) - sp.diff(scaled[j], symbols[i])
+            for i in range(len(symbols)) for j in range(i)
+        ]  # fmt: skip
+        if not all(isinstance(is_zero(c, region, budget=SECONDS), Zero) for c in curls):
+            continue
+        try:
+            reader = Reader(scaled, dict(region.bounds), Budget.seconds(SECONDS))
+            f = closed_form_potential(reader, symbols, [reader.element(a) for a in scaled])
+        except (WorkLimitError, ZeroDivisionError):
+            continue
+        if not f.has(sp.Integral):
+            return f
+    return None
+
+
+def _solved(
+    symbols: list[sp.Symbol], forms: list[tuple[str, list[sp.Expr]]], region: Region
+) -> list[tuple[str, list[sp.Expr]]]:
+    """The forms solved for some velocities, once Frobenius' conditions are proved."""
+    A = sp.Matrix([form for _, form in forms])
+    reduced, pivots = A.rref(simplify=True)
+    if len(pivots) < len(forms):
+        raise InvalidSystemError("constraints: those on velocities are not independent; leave one out")
+    others = [k for k in range(len(symbols)) if k not in pivots]
+    B = {(d, k): -reduced[row, k] for row, d in enumerate(pivots) for k in others}
+
+    def along(k: int, f: sp.Expr) -> sp.Expr:
+        return sp.diff(f, symbols[k]) + sp.Add(*(B[d, k] * sp.diff(f, symbols[d]) for d in pivots))
+
+    for d in pivots:
+        for position, k in enumerate(others):
+            for m in others[:position]:
+                curvature = along(k, B[d, m]) - along(m, B[d, k])
+                answer = is_zero(curvature, region, budget=SECONDS)
+                if not isinstance(answer, Zero):
+                    raise _not_integrable(forms, short_form(curvature, region.bounds), answer)
+    return [
+        (source, [sp.S.One if i == d else -B[d, i] if i in others else sp.S.Zero for i in range(len(symbols))])
+        for (source, _), d in zip(forms, pivots, strict=True)
+    ]
+
+
+def _not_integrable(forms: list[tuple[str, list[sp.Expr]]], curvature: sp.Expr, answer: object) -> InvalidSystemError:
+    names = ", ".join(source for source, _ in forms)
+    if not isinstance(answer, NonZero):
+        return InvalidSystemError(f"{names}: whether it is integrable was not decided; {_CURE}")
+    place = ", ".join(f"{name} = {value}" for name, value in answer.witness.point.items())
+    return InvalidSystemError(
+        f"{names}: not integrable, since {curvature} in Frobenius' condition (1-20) is not zero"
+        + (f" at {place}" if place else "")
+        + "; the system is nonholonomic, and the Hamilton-Jacobi method does not apply to it (5-22)-(5-25)"
+    )
+
+
+# ------------------------------------------------------------------------------------------------ coordinates
+def _eliminate(system: System, left: _Eliminated, source: str, g: sp.Expr) -> None:
+    """Solve one equation, and put the solution into everything that is left."""
+    bounds = _bounds(system, left)
+    g = sp.expand(g.subs(left.formulas, simultaneous=True))
+    solution = _linear(g, bounds) or _sphere(system, left, g, bounds)
+    if solution is None:
+        raise InvalidSystemError(
+            f"{source}: not solved for a coordinate (it is neither linear in one nor a sphere); {_CURE}"
+        )
+    for q, f in solution.items():
+        domain = next((c for c in system.coordinates if c.name == q.name), None)
+        if domain is not None and not stays_inside(f, domain_bounds(system).get(domain.symbol, (None, None)), bounds):
+            raise InvalidSystemError(f"{source}: {q.name} = {f} was not proved to stay in its domain; {_CURE}")
+        left.domains.pop(q.name)
+    for q, f in left.formulas.items():
+        left.formulas[q] = f.subs(solution, simultaneous=True)
+    if not left.domains:
+        raise InvalidSystemError("constraints: they leave nothing that moves")
+
+
+def _bounds(system: System, left: _Eliminated) -> dict[sp.Symbol, tuple[sp.Expr | None, sp.Expr | None]]:
+    known = {c.symbol: ends for c, ends in zip(system.coordinates, domain_bounds(system).values(), strict=True)}
+    return {q: ends for q, ends in known.items() if q.name in left.domains}
+
+
+def _linear(
+    g: sp.Expr, bounds: Mapping[sp.Symbol, tuple[sp.Expr | None, sp.Expr | None]]
+) -> dict[sp.Symbol, sp.Expr] | None:
+    """The simplest solution for a coordinate that g holds to first degree with a coefficient that never vanishes."""
+    found = []
+    for q in bounds:
+        slope = sp.diff(g, q)
+        if slope == 0 or slope.has(q) or not strict_sign(short_form(slope, bounds), bounds):
+            continue
+        found.append((q, short_form(-g.subs(q, 0) / slope, bounds)))
+    if not found:
+        return None
+    q, f = min(reversed(found), key=lambda pair: sp.count_ops(pair[1]))
+    return {q: f}
+
+
+def _sphere(
+    system: System, left: _Eliminated, g: sp.Expr,
+    bounds: Mapping[sp.Symbol, tuple[sp.Expr | None, sp.Expr | None]],
+) -> dict[sp.Symbol, sp.Expr] | None:  # fmt: skip
+    """Angles on a circle or a sphere, g = k (Σ (qᵢ − cᵢ)² − R²) with R² > 0; its coordinates are lines."""
+    held = [q for q in bounds if g.has(q)]
+    if len(held) not in (2, 3) or any(left.domains[q.name] != "line" for q in held):
+        return None
+    k = sp.diff(g, held[0], 2) / 2
+    if k == 0 or k.has(*held) or any(sp.expand(sp.diff(g, q, 2) / 2 - k) != 0 for q in held):
+        return None
+    linear = {q: sp.expand(sp.diff(g, q).subs(dict.fromkeys(held, 0)) / k) for q in held}
+    rest = g.subs(dict.fromkeys(held, 0)) / k
+    if sp.expand(g - k * sp.Add(rest, *(q**2 + b * q for q, b in linear.items()))) != 0:
+        return None
+    square = short_form(sp.Add(-rest, *(b**2 / 4 for b in linear.values())), bounds)
+    if strict_sign(square, bounds) != 1:
+        return None
+    taken = {*system.symbols, *left.domains}
+    names = [free_name(name, taken) for name in (("theta",) if len(held) == 2 else ("theta", "phi"))]
+    angles = [sp.Symbol(name, real=True) for name in names]
+    R = sp.sqrt(square)
+    if len(held) == 2:
+        place = [R * sp.cos(angles[0]), R * sp.sin(angles[0])]
+        left.domains[names[0]] = "angle"
+    else:
+        theta, phi = angles
+        place = [R * sp.sin(theta) * sp.cos(phi), R * sp.sin(theta) * sp.sin(phi), R * sp.cos(theta)]
+        left.domains |= {names[0]: f"0 < {names[0]} < pi", names[1]: "angle"}
+    return {q: p - linear[q] / 2 for q, p in zip(held, place, strict=True)}
+
+
+__all__ = ["without_constraints"]
