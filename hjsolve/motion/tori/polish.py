@@ -25,7 +25,8 @@ from hjsolve.solution.quadratures import Solution
 
 _SPARE = 192
 """Bits of the constants beyond the digits asked: near a separatrix or a circle J depends on the last of them."""
-_STEPS, _HALVINGS = 40, 40
+_STEPS, _HALVINGS, _FALLS = 20, 8, 0.9
+"""Steps of Newton's method, halvings of each, and the ratio by which a step must make the residual smaller."""
 
 
 @dataclass(frozen=True)
@@ -130,7 +131,9 @@ def _damped(
         for j, change in zip(unknown, step, strict=True):
             moved[j] = moved[j] + change.context.ldexp(change, -halving)
         trial = _tried(goal, curves, moved, before.tops, kinds, goals, bits)
-        if trial is not None and max(abs(r) / a for r, a in zip(trial.residuals, allowed, strict=True)) < max(old, 1):
+        if trial is not None and max(abs(r) / a for r, a in zip(trial.residuals, allowed, strict=True)) < max(
+            _FALLS * old, 1
+        ):
             return trial, moved
     return None, κ
 

@@ -109,7 +109,7 @@ class RadicandCurve:
         """Return places that show the domain at all scales, ascending."""
         if self.turn:
             return np.linspace(-self.turn, self.turn, 193)
-        scales = 2.0 ** np.linspace(-50, 60, 111)
+        scales = np.unique(2.0 ** np.concatenate([np.linspace(-50, 60, 111), np.linspace(-6, 6, 97)]))
         if np.isfinite(self.lower) and np.isfinite(self.upper):
             near = 1 / (1 + 2.0 ** np.linspace(-16, 16, 65))
             return self.lower + (self.upper - self.lower) * np.unique(
@@ -119,7 +119,7 @@ class RadicandCurve:
             return self.lower + scales
         if np.isfinite(self.upper):
             return self.upper - scales[::-1]
-        half = 2.0 ** np.linspace(-20, 30, 76)
+        half = np.unique(2.0 ** np.concatenate([np.linspace(-20, 30, 51), np.linspace(-5, 5, 61)]))
         return np.concatenate([-half[::-1], [0.0], half])
 
 
@@ -246,7 +246,7 @@ def _top(curve: RadicandCurve, κ: Reals, low: float, high: float) -> float:
         new = top - slope / bend
         if not bottom <= new <= ceiling:
             break
-        if abs(new - top) <= 1e-16 * abs(top):
+        if abs(new - top) <= max(1e-16 * abs(top), 1e-9 * (high - low)):
             return new
         top = new
     return top

@@ -21,9 +21,12 @@ from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.tori.radicand_curve import Cycle, RadicandCurve, cycle_near
 from hjsolve.solution.quadratures import Solution
 
-_SAMPLES = {1: 97, 2: 21, 3: 9}
-_ATTEMPTS = 3
-"""How many samples of a family Newton's method begins from."""
+_SAMPLES = 900
+"""About how many samples of phase space are taken, and at most how many of them are sorted into families."""
+_FAMILIES, _ATTEMPTS = 24, (0, 1, 3, 7, 15, 31)
+"""How many families are looked at, and from which samples of each, the nearest first, Newton's method begins."""
+_WELLS = 4
+"""How many wells of one family are looked for."""
 _STEPS, _HALVINGS, _CLOSE = 60, 8, 1e-11
 """Steps of Newton's method and halvings of each, and the relative residual at which it ends."""
 
@@ -104,20 +107,50 @@ def candidates(
         if curve.name in kinds:
             scores = np.where(table.round == (kinds[curve.name] == "rotation"), scores, np.inf)
     allowed = np.flatnonzero(np.isfinite(scores))
+    allowed = np.sort(allowed[np.argsort(scores[allowed], kind="stable")][:_SAMPLES])
     families = _families(curves, tables, allowed)
     found: list[Candidate] = []
-    for family in np.unique(families):
+    first = {int(f): float(np.min(scores[allowed[families == f]])) for f in np.unique(families)}
+    for family in sorted(first, key=lambda f: first[f])[:_FAMILIES]:
         own = allowed[families == family]
-        for s in own[np.argsort(scores[own], kind="stable")][:_ATTEMPTS]:
-            intervals = [(float(t.low[s]), float(t.high[s])) for t in tables]
-            own_kinds = ["rotation" if t.round[s] else "libration" for t in tables]
-            candidate = _newton(curves, wanted, samples.constants[:, s], intervals, own_kinds)
+        left = own[np.argsort(scores[own], kind="stable")]
+        for _ in range(_WELLS):
+            candidate = _begun_nearest(curves, wanted, samples.constants, tables, left)
             if candidate is None:
-                continue
+                break
             if not any(_same(curves, candidate, other) for other in found):
                 found.append(candidate)
                 yield candidate
-            break
+            # wells that are joined above a barrier are one family: the others are looked at as well
+            left = left[~_overlapping(curves, tables, left, candidate)]
+            if not len(left):
+                break
+
+
+def _begun_nearest(
+    curves: Sequence[RadicandCurve], wanted: Wanted, constants: Reals, tables: Sequence[_Runs], samples: Integers
+) -> Candidate | None:
+    """The torus to which Newton's method leads from some samples, the nearest first."""
+    for s in samples[[k for k in _ATTEMPTS if k < len(samples)]]:
+        intervals = [(float(t.low[s]), float(t.high[s])) for t in tables]
+        kinds = ["rotation" if t.round[s] else "libration" for t in tables]
+        candidate = _newton(curves, wanted, constants[:, s], intervals, kinds)
+        if candidate is not None:
+            return candidate
+    return None
+
+
+def _overlapping(
+    curves: Sequence[RadicandCurve], tables: Sequence[_Runs], samples: Integers, candidate: Candidate
+) -> Mask:
+    """Which samples move, along every coordinate, in an interval that overlaps that of a candidate."""
+    result = np.ones(len(samples), dtype=bool)
+    for curve, t, cycle in zip(curves, tables, candidate.cycles, strict=True):
+        overlap = t.round[samples] | np.full(len(samples), cycle.kind == "rotation")
+        for shift in (-curve.turn, 0.0, curve.turn):
+            overlap |= (t.low[samples] + shift <= cycle.high) & (cycle.low <= t.high[samples] + shift)
+        result &= overlap
+    return result
 
 
 def _families(curves: Sequence[RadicandCurve], tables: Sequence[_Runs], allowed: Integers) -> Integers:
@@ -160,7 +193,7 @@ def _sampled(
 ) -> _Samples:
     """Samples at rest, and with the momenta of rotations that have the actions wanted."""
     system, n = solution.system, len(curves)
-    most = _SAMPLES.get(n, 6)
+    most = max(2, round(_SAMPLES ** (1 / n)))
     choices = []
     for i, curve in enumerate(curves):
         grid = curve.samples()
@@ -196,7 +229,7 @@ def _runs(curve: RadicandCurve, constants: Reals, at: Integers) -> _Runs:
     p = np.sqrt(np.where(inside, squared, 0))
     steps = np.gradient(grid)
     action = np.sum(p * steps, axis=1) / np.pi
-    bounded = (before >= 0) & (after < size)
+    bounded = (before >= 0) & (after < size) & positive[rows, start]
     around = np.zeros(len(at), dtype=bool)
     if curve.turn:
         around = np.all(positive, axis=1)
