@@ -133,6 +133,11 @@ def _on_torus(
     solution: Solution, given: Mapping[str, Any], t0: object, digits: int, want: Iterable[str] | None
 ) -> Motion:
     """Start a motion from actions and angles, those of the separated coordinates."""
+    if solution.chart is not None:
+        raise InvalidInputError(
+            "actions: not with coordinates that were found; solve the system in its separated coordinates, "
+            "solution.system, instead"
+        )
     parts = parts_of(None if want is None else arguments.words(want, "want", '["actions", "periods"]'))
     parameters = in_units(solution.system, given["parameters"], "parameters")
     return start_on_torus(solution, {**given, "parameters": parameters}, t0, arguments.digits(digits), parts)

@@ -90,7 +90,7 @@ def motion_on_torus(
     if not tori:
         raise InvalidInputError(_no_torus(J))
     if len(tori) > 1:
-        told = "; ".join(_told(curves, candidate) for candidate, _ in tori)
+        told = "; ".join(sorted(_told(curves, candidate) for candidate, _ in tori))
         raise InvalidInputError(f"actions: several tori have them; choose one by q={{…}} or kinds={{…}}: {told}")
     torus = tori[0][1]
     courses = [stays for place in torus.located.values() if (stays := place.course.bounded) is not None]
@@ -210,7 +210,7 @@ def _left(
     wells = {name: float(to_bits(x)(64)) for name, x in places.items()}
     left = [c for c in found if _fits(curves, c, wells, kinds)]
     if found and not left:
-        told = "; ".join(_told(curves, c) for c in found)
+        told = "; ".join(sorted(_told(curves, c) for c in found))
         raise InvalidInputError(f"q: no torus with these actions is there; there are: {told}")
     return left
 
