@@ -24,14 +24,27 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import mpmath
 import numpy as np
+from flint import arb, ctx
 
 import hjsolve
 from benchmarks.ensembles import surroundings
 
-exact = mpmath.mp.clone()
-exact.dps = 60
-_WIDE = 460
-"""Digits where distances differ by 200 powers of ten, so that 60 are left of a difference of energies."""
+quadrature = mpmath.mp.clone()
+quadrature.dps = 60
+_DIGITS, _WIDE = 60, 460
+"""Of truths; and where distances differ by 200 powers of ten, so that 60 are left of a difference of energies."""
+
+
+def sqrt(x: Any) -> Any:
+    """√x of a ball of flint, or of a number of mpmath."""
+    return x.sqrt() if isinstance(x, arb) else quadrature.sqrt(x)
+
+
+def exp(x: Any) -> Any:
+    """eˣ of either."""
+    return x.exp() if isinstance(x, arb) else quadrature.exp(x)
+
+
 Array = np.ndarray[Any, np.dtype[np.float64]]
 PLANE = ({"r": "0 < r", "theta": "angle"}, "(dot(r)**2 + r**2*dot(theta)**2)/2")
 LINE = ({"r": "0 < r"}, "dot(r)**2/2")
@@ -58,37 +71,37 @@ class Field:
 
 def kepler(E: Any, L: Any) -> tuple[Any, Any]:
     """J = 1/√(−2E) − L, Ω = (−2E)^(3/2)."""
-    return 1 / exact.sqrt(-2 * E) - L, (-2 * E) ** 1.5
+    return 1 / sqrt(-2 * E) - L, (-2 * E) ** 1.5
 
 
 def isochrone(E: Any, L: Any) -> tuple[Any, Any]:
     """Binney & Tremaine, Galactic Dynamics (2008), section 3.5.2, with GM = b = 1."""
-    return 1 / exact.sqrt(-2 * E) - (L + exact.sqrt(L * L + 4)) / 2, (-2 * E) ** 1.5
+    return 1 / sqrt(-2 * E) - (L + sqrt(L * L + 4)) / 2, (-2 * E) ** 1.5
 
 
 def oscillator(E: Any, L: Any) -> tuple[Any, Any]:
     """J = (E − L)/2, Ω = 2, of ω = 1 in a plane."""
-    return (E - L) / 2, exact.mpf(2)
+    return (E - L) / 2, arb(2)
 
 
 def barrier(strength: str) -> Callable[[Any, Any], tuple[Any, Any]]:
     """−1/r and a barrier: Kepler's problem with another angular momentum."""
-    return lambda E, L: kepler(E, exact.sqrt(L * L + 2 * exact.mpf(strength)))
+    return lambda E, L: kepler(E, sqrt(L * L + 2 * arb(strength)))
 
 
 def davidson(E: Any, L: Any) -> tuple[Any, Any]:
     """r²/2 + 1/(8 r²): an oscillator with another angular momentum."""
-    return oscillator(E, exact.sqrt(L * L + exact.mpf(1) / 4))
+    return oscillator(E, sqrt(L * L + arb(1) / 4))
 
 
 def morse(E: Any, _L: Any) -> tuple[Any, Any]:
     """(1 − e^−r)²: J = √2 (1 − √(1 − E)), Ω = √(2 (1 − E))."""
-    return exact.sqrt(2) * (1 - exact.sqrt(1 - E)), exact.sqrt(2 * (1 - E))
+    return sqrt(2) * (1 - sqrt(1 - E)), sqrt(2 * (1 - E))
 
 
 def poeschl_teller(E: Any, _L: Any) -> tuple[Any, Any]:
     """tan² r: J = √(2 + 2E) − √2, Ω = √(2 + 2E)."""
-    return exact.sqrt(2 + 2 * E) - exact.sqrt(2), exact.sqrt(2 + 2 * E)
+    return sqrt(2 + 2 * E) - sqrt(2), sqrt(2 + 2 * E)
 
 
 FIELDS = {
@@ -98,19 +111,19 @@ FIELDS = {
     "1/x with a thin wall": Field(
         "-1/r + 1/(1000000*r**2)", lambda r: -1 / r + 1 / (1000000 * r * r), barrier("1e-6"), plane=False
     ),
-    "isochrone": Field("-1/(1 + sqrt(1 + r**2))", lambda r: -1 / (1 + exact.sqrt(1 + r * r)), isochrone),
+    "isochrone": Field("-1/(1 + sqrt(1 + r**2))", lambda r: -1 / (1 + sqrt(1 + r * r)), isochrone),
     "isochrone, all scales": Field(
-        "-1/(1 + sqrt(1 + r**2))", lambda r: -1 / (1 + exact.sqrt(1 + r * r)), isochrone, wide=True
+        "-1/(1 + sqrt(1 + r**2))", lambda r: -1 / (1 + sqrt(1 + r * r)), isochrone, wide=True
     ),
     "oscillator": Field("r**2/2", lambda r: r * r / 2, oscillator),
     "oscillator, all scales": Field("r**2/2", lambda r: r * r / 2, oscillator, wide=True),
     "Davidson": Field("r**2/2 + 1/(8*r**2)", lambda r: r * r / 2 + 1 / (8 * r * r), davidson),
-    "Morse": Field("(1 - exp(-r))**2", lambda r: (1 - exact.exp(-r)) ** 2, morse, plane=False),
-    "Pöschl and Teller": Field("tan(r)**2", lambda r: exact.tan(r) ** 2, poeschl_teller, plane=False),
-    "Yukawa": Field("-exp(-r/10)/r", lambda r: -exact.exp(-r / 10) / r),
+    "Morse": Field("(1 - exp(-r))**2", lambda r: (1 - exp(-r)) ** 2, morse, plane=False),
+    "Pöschl and Teller": Field("tan(r)**2", lambda r: r.tan() ** 2, poeschl_teller, plane=False),
+    "Yukawa": Field("-exp(-r/10)/r", lambda r: -exp(-r / 10) / r),
     "a ring about a pole": Field("(r**2 - 4)**2/20 - 1/r", lambda r: (r * r - 4) ** 2 / 20 - 1 / r),
     "Plummer and a pole": Field(
-        "-1/r - 1/sqrt(1 + r**2) + r/10", lambda r: -1 / r - 1 / exact.sqrt(1 + r * r) + r / 10
+        "-1/r - 1/sqrt(1 + r**2) + r/10", lambda r: -1 / r - 1 / sqrt(1 + r * r) + r / 10
     ),
 }
 CLOSED = sum(field.truth is not None for field in FIELDS.values())
@@ -132,20 +145,20 @@ def by_quadrature(value: Callable[[Any], Any], E: Any, L: Any, r: Any) -> tuple[
             inside, outside = (middle, outside) if F(middle) > 0 else (inside, middle)
         return (inside + outside) / 2
 
-    a, b = end(exact.mpf("0.9")), end(1 / exact.mpf("0.9"))
+    a, b = end(quadrature.mpf("0.998")), end(1 / quadrature.mpf("0.998"))
 
     def at(s: Any) -> Any:
-        return a + (b - a) * exact.sin(s / 2) ** 2
+        return a + (b - a) * quadrature.sin(s / 2) ** 2
 
-    cuts, x = [exact.mpf(0)], 2 * a
+    cuts, x = [quadrature.mpf(0)], 2 * a
     while x < b:
-        cuts.append(2 * exact.asin(exact.sqrt((x - a) / (b - a))))
+        cuts.append(2 * quadrature.asin(sqrt((x - a) / (b - a))))
         x *= 4
-    cuts.append(exact.pi)
+    cuts.append(quadrature.pi)
     half = (b - a) / 2
-    action = exact.quad(lambda s: exact.sqrt(abs(F(at(s)))) * exact.sin(s) * half, cuts) / exact.pi
-    time = exact.quad(lambda s: exact.sin(s) * half / exact.sqrt(abs(F(at(s)))), cuts)
-    return action, exact.pi / time
+    action = quadrature.quad(lambda s: sqrt(abs(F(at(s)))) * quadrature.sin(s) * half, cuts) / quadrature.pi
+    time = quadrature.quad(lambda s: quadrature.sin(s) * half / sqrt(abs(F(at(s)))), cuts)
+    return action, quadrature.pi / time
 
 
 def drawn(name: str, field: Field, count: int, rng: np.random.Generator) -> tuple[Array, Array, Array]:
@@ -167,7 +180,8 @@ def drawn(name: str, field: Field, count: int, rng: np.random.Generator) -> tupl
         elif name == "1/x with a thin wall":
             fastest = np.sqrt(2 / place)
         return place, fastest * 10.0 ** rng.uniform(-13, -0.01, count) * signs, 0 * place
-    speed = np.array([_circular(field, exact.mpf(float(x))) for x in place])
+    with ctx.workdps(_WIDE if field.wide else _DIGITS):
+        speed = np.array([_circular(field, arb(float(x))) for x in place])
     kind = rng.integers(0, 3, count)
     radial = 10.0 ** rng.uniform(-13, 0, count)
     along = np.where(kind == 0, 1.0, np.where(kind == 1, radial, rng.uniform(0, 1.2, count)))
@@ -177,9 +191,8 @@ def drawn(name: str, field: Field, count: int, rng: np.random.Generator) -> tupl
 
 def _circular(field: Field, r: Any) -> float:
     """The speed √(r V′) of a circular orbit."""
-    with exact.workdps(_WIDE):
-        h = r * exact.mpf(10) ** -30
-        return float(exact.sqrt(abs(r * (field.value(r + h) - field.value(r - h)) / (2 * h))))
+    h = r / arb(10) ** 30
+    return float(sqrt(abs(r * (field.value(r + h) - field.value(r - h)) / (2 * h))))
 
 
 def system_of(name: str, field: Field) -> hjsolve.System:
@@ -201,15 +214,16 @@ def checked(name: str, field: Field, count: int, seed: int) -> tuple[Any, ...]:
     bound = np.flatnonzero(np.asarray(batch.status) != "unbounded")
     claims = [(getattr(batch, what)["r"], batch.error[what]["r"]) for what in ("actions", "frequencies")]
     worst, false = [0.0, 0.0], 0
-    exact.dps = _WIDE if field.wide else 60
-    for i in ok:
-        x, v, L = exact.mpf(float(r[i])), exact.mpf(float(p[i])), abs(exact.mpf(float(l[i])))
-        E = v * v / 2 + field.value(x) + L * L / (2 * x * x)
-        truths = field.truth(E, L) if field.truth else by_quadrature(field.value, E, L, x)
-        for k, (truth, (found, claim)) in enumerate(zip(truths, claims, strict=True)):
-            error, claimed = abs(exact.mpf(float(found[i])) - truth), float(claim[i])
-            ratio = float(error / claimed) if claimed > 0 else (0.0 if error == 0 else np.inf)
-            worst[k], false = max(worst[k], ratio), false + (not ratio <= 1)
+    number = arb if field.truth else quadrature.mpf
+    with ctx.workdps(_WIDE if field.wide else _DIGITS):
+        for i in ok:
+            x, v, L = number(float(r[i])), number(float(p[i])), abs(number(float(l[i])))
+            E = v * v / 2 + field.value(x) + L * L / (2 * x * x)
+            truths = field.truth(E, L) if field.truth else by_quadrature(field.value, E, L, x)
+            for k, (truth, (found, claim)) in enumerate(zip(truths, claims, strict=True)):
+                error, claimed = abs(number(float(found[i])) - truth), float(claim[i])
+                ratio = float(error / claimed) if claimed > 0 else (0.0 if error == 0 else np.inf)
+                worst[k], false = max(worst[k], ratio), false + (not ratio <= 1)
     return name, len(r), false, worst[0], worst[1], 100 * (1 - len(ok) / max(len(bound), 1))
 
 

@@ -18,6 +18,7 @@ from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.reduction import reduced
 from hjsolve.closed_form.signs import Signs
+from hjsolve.display.shown import Shown
 
 
 @dataclass(frozen=True)
@@ -77,15 +78,16 @@ class BasicIntegral:
 
     @property
     def rate(self) -> sp.Expr:
-        """Κ of a pair of poles."""
+        """Κ of a pair of poles; nan where there is none."""
         A, _, C = self.quadratic
+        if self.place is None:
+            return sp.nan
         return positive_root(sp.factor(-(A * self.pole**2 + C))) / self.pole
 
     @property
     def pole(self) -> sp.Expr:
-        """R, of an integrand that has a pole."""
-        assert self.place is not None
-        return self.place
+        """R, of an integrand that has a pole; nan of others."""
+        return sp.nan if self.place is None else self.place
 
     def integrand(self, x: sp.Symbol) -> sp.Expr:
         """The rational factor of the integrand.
@@ -118,8 +120,8 @@ class BasicIntegral:
         return (1 if self.place is None else self.side) * sp.pi / positive_root(-A)
 
 
-@dataclass(frozen=True)
-class Antiderivative:
+@dataclass(frozen=True, repr=False)
+class Antiderivative(Shown):
     """∫ R dx/√P = a(x) √P + Σ c_k I_k(x).
 
     Attributes:

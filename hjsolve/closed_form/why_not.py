@@ -12,6 +12,8 @@ from typing import ClassVar, Protocol
 
 import sympy as sp
 
+from hjsolve.display.shown import Shown
+
 
 class Term(Protocol):
     """One integral of a law; ``elementary.BasicIntegral`` is one."""
@@ -45,8 +47,8 @@ class Law(Protocol):
         """The c and the I."""
 
 
-@dataclass(frozen=True)
-class WhyNot:
+@dataclass(frozen=True, repr=False)
+class WhyNot(Shown):
     """Why a quantity has no form.
 
     Attributes:
@@ -60,7 +62,7 @@ class WhyNot:
         return False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class NotFound(WhyNot):
     """No form was found, or what was found was not verified.
 
@@ -74,7 +76,7 @@ class NotFound(WhyNot):
         return self.text
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class TranscendentalEquation(WhyNot):
     """The time law t = a(x) √P + Σ cₖ Iₖ(x) holds two independent functions of x: Kepler's equation, and its like.
 
@@ -114,7 +116,7 @@ class TranscendentalEquation(WhyNot):
         return f"t({q}) holds two independent functions of {q}: {q}(t) has no closed form"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class NotOfTheFirstKind(WhyNot):
     """The time is an elliptic integral, R dx/√P with R not constant: x(t) is not an elliptic function of t.
 
@@ -140,7 +142,7 @@ class NotOfTheFirstKind(WhyNot):
         return f"t({q}) contains integrals of the second or third kind: {q}(t) is not an elliptic function of t"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class IndependentIntegrals(WhyNot):
     """The time law and an orbit equation hold integrals over one coordinate that are not multiples of each other.
 
@@ -166,7 +168,7 @@ class IndependentIntegrals(WhyNot):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class HighGenus(WhyNot):
     """The momentum's curve y² = P(x) has genus two or more once its reflections are divided out.
 
@@ -214,7 +216,7 @@ class HighGenus(WhyNot):
         return f"{text}: no closed form in these functions"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class OfCoordinate(WhyNot):
     """The reason is that of one coordinate's integral.
 
@@ -239,7 +241,7 @@ class OfCoordinate(WhyNot):
         return f"{self.coordinate}: {self.reason}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Contains(WhyNot):
     """A quantity is a function of another that has no form.
 

@@ -16,6 +16,7 @@ import numpy as np
 from hjsolve.arithmetic.error_free import Pair, split
 from hjsolve.arithmetic.number_types import Counts, Mask, Numbers, Reals
 from hjsolve.display.by_value import same
+from hjsolve.display.shown import WIDEST, brief
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.near_poles import roundings
 from hjsolve.motion.positions import constant_index
@@ -65,7 +66,7 @@ class OnDemand(Mapping[str, T]):
         return dict, (dict(self),)
 
     def __repr__(self) -> str:
-        return repr(dict(self))
+        return brief(dict(self), WIDEST)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,7 @@ import pytest
 
 import hjsolve
 from hjsolve.display.by_value import same
+from hjsolve.display.shown import WIDEST, brief
 from tests.support import entries
 
 ERRORS = [c for name in hjsolve.__all__ if inspect.isclass(c := getattr(hjsolve, name)) and issubclass(c, Exception)]
@@ -122,4 +123,4 @@ def test_positions_of_a_table_print_as_their_values():
         .motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"})
         .at(np.linspace(0, 1, 3000))
     )
-    assert repr(state.q) == repr({name: state.q[name] for name in state.q})
+    assert repr(state.q) == brief({name: state.q[name] for name in state.q}, WIDEST)

@@ -9,6 +9,8 @@ import pytest
 
 import hjsolve
 
+pytestmark = pytest.mark.rotating_file(2)
+
 CUT = """return [...document.querySelectorAll('.scroll')].filter(e => e.scrollWidth > e.clientWidth + 2)
 .map(e => e.textContent.slice(0, 60))"""
 COVERED = """return [...document.querySelectorAll('.formula')].filter(f => {

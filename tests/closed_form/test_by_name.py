@@ -17,6 +17,8 @@ from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.forms import RegimeForms
 from tests.support.entries import forms
 
+pytestmark = pytest.mark.rotating_file(3)
+
 t, t_0 = sp.symbols("t t_0", real=True)
 TIMES = ("0.3", "2.5", "17")
 

@@ -8,6 +8,8 @@ import pytest
 
 from benchmarks.closed_form_campaign import tried
 
+pytestmark = pytest.mark.rotating_file(1)
+
 
 @pytest.mark.parametrize(("entry", "motions"), [
     ("kepler-planar", 4), ("double-well", 4), ("isotropic-oscillator-polar", 4),

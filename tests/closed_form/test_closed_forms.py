@@ -19,6 +19,8 @@ from hjsolve.closed_form.verification import flaw
 from hjsolve.closed_form.workshop import workshop_of
 from tests.support.entries import forms
 
+pytestmark = pytest.mark.rotating_file(4)
+
 NUMBERS = [
     "kepler-planar", "kepler-spherical", "kepler-parabolic", "isochrone", "isotropic-oscillator-polar", "morse",
     "poeschl-teller", "smorodinsky-winternitz", "anisotropic-oscillator", "charge-in-uniform-field", "calogero-moser",

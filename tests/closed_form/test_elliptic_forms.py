@@ -14,6 +14,8 @@ from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.functions import JacobiSN
 from tests.support.entries import forms
 
+pytestmark = pytest.mark.rotating_file(5)
+
 t, t_0 = sp.symbols("t t_0", real=True)
 
 MOTIONS = [

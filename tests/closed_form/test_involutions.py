@@ -11,6 +11,8 @@ import hjsolve
 from hjsolve.closed_form.involutions import _in_involution, why_no_form
 from hjsolve.closed_form.workshop import workshop_of
 
+pytestmark = pytest.mark.rotating_file(4)
+
 X = sp.Symbol("x", real=True)
 
 

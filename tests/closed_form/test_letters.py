@@ -15,6 +15,8 @@ from hjsolve.closed_form.sampling import samples
 from hjsolve.closed_form.workshop import workshop_of
 from tests.closed_form.test_textbook_forms import _integral, _places, _same
 
+pytestmark = pytest.mark.rotating_file(3)
+
 WALL = "-pi/(2*a) < x < pi/(2*a)"
 LETTERS = {
     "Morse": ("D*(1 - exp(-a*x))**2", "line", {"D": 2, "a": "0.8"}),

@@ -16,6 +16,8 @@ from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.named_quantities import needed_names
 from tests.support.entries import forms
 
+pytestmark = pytest.mark.rotating_file(4)
+
 ENTRIES = ["kepler-planar", "pendulum", "double-well", "spherical-pendulum", "isochrone", "cone"]
 
 

@@ -19,6 +19,8 @@ from hjsolve.functions import JacobiAM, JacobiCN, JacobiDN, JacobiSN
 from hjsolve.mechanics.coordinates_and_parameters import parameter
 from tests.support.entries import forms
 
+pytestmark = pytest.mark.rotating_file(10)
+
 DIGITS = 40
 Values = Mapping[str, sp.Expr]
 

@@ -13,6 +13,8 @@ from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.motion.motion import Motion
 
+pytestmark = pytest.mark.rotating_file(1)
+
 SYSTEMS = {
     "slider-on-pivoted-bar": ("slider-on-pivoted-bar", {"r": "0.5", "theta": 0}, {"r": 2, "theta": "0.3"}),
     "over a quartic": (

@@ -19,6 +19,8 @@ from hjsolve.closed_form.why_not import (
 )
 from tests.support.entries import forms
 
+pytestmark = pytest.mark.rotating_file(4)
+
 
 def test_keplers_equation_is_refuted_where_its_root_term_is_taken_away() -> None:
     proof = forms("kepler-planar")[0].why_not["inverse.r"]
@@ -51,6 +53,7 @@ def test_the_time_of_a_bead_on_a_cone_is_no_integral_of_the_first_kind() -> None
     assert reason.holds()
 
 
+@pytest.mark.nightly
 def test_integrals_that_are_multiples_are_not_independent() -> None:
     proof = forms("kepler-prolate")[0].why_not["inverse.xi"]
     assert isinstance(proof, IndependentIntegrals)

@@ -8,6 +8,8 @@ import pytest
 
 from hjsolve import NotSeparableError, System, find_coordinates, solve
 
+pytestmark = pytest.mark.rotating_file(4)
+
 _KUZMIN = "-GM/sqrt({}+z**2+a**2+c**2+2*sqrt(a**2*c**2+c**2*{}+a**2*z**2))"
 _LETTERS = {"GM": 1, "a": 1, "c": "1/2"}
 _SPACE = {"x": "line", "y": "line", "z": "line"}

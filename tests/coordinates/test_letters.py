@@ -8,6 +8,8 @@ from benchmarks.letters import answer, costs
 from hjsolve import NotSeparableError, System, solve
 from tests.support.lettered_systems import ALL
 
+pytestmark = pytest.mark.rotating_file(3)
+
 
 @pytest.mark.nightly
 def test_forty_systems_have_the_charts_that_they_have_with_numbers() -> None:

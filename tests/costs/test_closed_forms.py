@@ -13,6 +13,8 @@ from hjsolve.costs.side_by_side import _places
 from hjsolve.costs.subject import scene_of
 from hjsolve.costs.trial import Task
 
+pytestmark = pytest.mark.rotating_file(6)
+
 ENTRIES = [name for name in catalog.ids("separable") if catalog.read(name)[0].get("closed")]
 MOTIONS = [
     (name, motion)

@@ -16,6 +16,8 @@ from hjsolve.command_line.main import main
 from hjsolve.costs import Cost, Row
 from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
 
+pytestmark = pytest.mark.rotating_file(10)
+
 pytest.importorskip("scipy")
 OWN = ("float64", "mpmath", "certified", "closed form", "integrate")
 CASES = [

@@ -18,6 +18,8 @@ from hjsolve.ensembles.fallback import single_orbit
 from hjsolve.lowering import lower
 from tests.support.entries import described, solution
 
+pytestmark = pytest.mark.rotating_file(6)
+
 WANT = {"actions", "constants", "turning_points"}
 ESCAPING = [
     "kepler-planar", "isochrone", "kuzmin-kutuzov", "stark", "henon-heiles-separable", "helix-fixed", "morse",

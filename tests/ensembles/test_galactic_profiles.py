@@ -17,6 +17,8 @@ import pytest
 
 import hjsolve
 
+pytestmark = pytest.mark.rotating_file(4)
+
 mp = mpmath.mp.clone()
 mp.dps = 50
 PLANE = {"R": "0<R", "phi": "angle"}

@@ -17,6 +17,8 @@ from hjsolve.ensembles.engine.proof_of_resolution import ResolutionProof
 from hjsolve.lowering import lower
 from tests.support.kuzmin_kutuzov import load, solution
 
+pytestmark = pytest.mark.rotating_file(6)
+
 NEAR_RADIAL = [
     ((1.700952792685187, -1.4174105912280575, 0.09392437137045764, 0.1025890155461678, -1.731143245972768e-09),
      (0.3872664972613454, -0.19363329646994623, 0.2195424304942989)),

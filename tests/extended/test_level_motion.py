@@ -8,6 +8,8 @@ from scipy.integrate import solve_ivp
 
 import hjsolve
 
+pytestmark = pytest.mark.rotating_file(8)
+
 
 def moving(H, q, p, domain="line", **more):
     return hjsolve.from_hamiltonian(H, {"q": domain}, more.pop("parameters", None)).motion(

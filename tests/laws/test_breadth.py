@@ -13,6 +13,8 @@ from tests.support.breadth_cases import REFUSED, SEPARABLE
 from tests.support.separation_cases import E3
 from tests.support.separation_cases import SEPARABLE as ALL
 
+pytestmark = pytest.mark.rotating_file(10)
+
 
 @pytest.mark.parametrize("name", list(SEPARABLE))
 def test_it_is_recognised_and_its_matrix_gives_the_shell_back(name):

@@ -16,6 +16,8 @@ from hjsolve.separation.zero_test.interval_jets import has_jets
 from tests.support.random_staeckel import case
 from tests.support.separation_cases import REFUSED, SEPARABLE, decided
 
+pytestmark = pytest.mark.rotating_file(15)
+
 x, y, z = sp.symbols("x y z", positive=True)
 px, py, pz = sp.symbols("p_x p_y p_z", real=True)
 POINT = {x: sp.Rational(3, 7), y: sp.Rational(5, 4), z: sp.Rational(2, 3)}

@@ -7,6 +7,8 @@ import pytest
 
 from hjsolve import InvalidSystemError, System, ensemble, find_coordinates, solve
 
+pytestmark = pytest.mark.rotating_file(4)
+
 CYLINDER = "(dot(R)**2 + R**2*dot(phi)**2 + dot(z)**2)/2"
 SPHERE = "(dot(r)**2 + r**2*dot(theta)**2 + r**2*sin(theta)**2*dot(phi)**2)/2"
 

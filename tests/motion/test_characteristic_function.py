@@ -13,6 +13,8 @@ from tests.reference.taylor import Flow
 from tests.support import entries
 from tests.support.gauss import gauss
 
+pytestmark = pytest.mark.rotating_file(10)
+
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 

@@ -7,6 +7,8 @@ import pytest
 
 from tests.support.hard_cases import Case, cases, measure
 
+pytestmark = pytest.mark.rotating_file(3)
+
 CASES = cases()
 
 

@@ -24,6 +24,8 @@ from hjsolve.one_coordinate.regular_factor import deflated
 from hjsolve.one_coordinate.strip_squares import StripSquares
 from tests.support.random_features import Draw, Feature, draw, truth
 
+pytestmark = pytest.mark.rotating_file(12)
+
 x = sp.Symbol("x")
 FORMULAS = [
     x**2 / 2 + x**4,

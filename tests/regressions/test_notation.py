@@ -6,7 +6,6 @@ import mpmath
 import pytest
 
 import hjsolve
-from hjsolve.errors import HJSolveError
 
 
 def test_a_pendulum_of_dynamicsymbols_is_the_pendulum_typed_with_primes_and_the_one_typed_plainly():
@@ -48,11 +47,15 @@ def test_a_real_root_is_the_same_on_both_sides_of_zero(potential, start):
     )
 
 
-@pytest.mark.parametrize("potential", ["(x^2)^(2/3)", "abs(x)^(5/2)", "(x^2)^(8/3)"])
-def test_a_motion_through_the_cusp_of_a_real_root_is_refused_and_never_false(potential):
-    solution = hjsolve.solve(hjsolve.System({"x": "line"}, "x'^2/2", potential))
-    with pytest.raises(HJSolveError):
-        solution.motion(q={"x": 1}, velocity={"x": 0})
+@pytest.mark.parametrize(("potential", "n"), [("abs(x)^(5/2)", "5/2"), ("(x^2)^(2/3)", "4/3"), ("(x^2)^(8/3)", "16/3")])
+@pytest.mark.nightly_cases("(x^2)^(2/3)-4/3", "(x^2)^(8/3)-16/3")
+def test_a_motion_through_the_cusp_of_a_real_root_has_the_period_of_its_power(potential, n):
+    """T = √8 √π Γ(1 + 1/n)/Γ(1/2 + 1/n) for V = |x|ⁿ, E = 1 (Landau and Lifshitz, Mechanics, §11)."""
+    motion = hjsolve.solve(hjsolve.System({"x": "line"}, "x'^2/2", potential)).motion(q={"x": 1}, velocity={"x": 0})
+    power = 1 / mpmath.mpf(int(n.split("/")[0])) * int(n.split("/")[1])
+    truth = mpmath.sqrt(8 * mpmath.pi) * mpmath.gamma(1 + power) / mpmath.gamma(power + 0.5)
+    got = motion.periods["x"]
+    assert abs(got.value - float(truth)) <= got.error + 3e-16 * got.value
 
 
 def test_a_potential_of_the_polar_angle_typed_in_cartesian_coordinates_separates_in_polar_ones():

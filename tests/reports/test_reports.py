@@ -8,8 +8,10 @@ import math
 import re
 import unicodedata
 import xml.etree.ElementTree as ET
+from collections.abc import Callable
 from decimal import Decimal
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import pytest
@@ -28,6 +30,7 @@ from hjsolve.reports.formats.markdown import markdown_page
 from hjsolve.reports.formats.text import text_page
 from tests.support.reports import material, report_of
 
+T = TypeVar("T")
 SEPARABLE = [
     "kepler-planar", "pendulum", "spherical-pendulum", "lagrange-top", "kepler-parabolic", "spherical-staeckel", "projectile",
 ]  # fmt: skip
@@ -35,14 +38,26 @@ REFUSED = ["henon-heiles", "double-pendulum"]
 SECTIONS = ["system", "reduction", "test", "forms", "characteristic-function", "time-law", "closed-forms", "motion", "numbers", "how"]  # fmt: skip
 
 
+class Asked(dict[str, T]):
+    """What the tests that run ask for, made when they do."""
+
+    def __init__(self, make: Callable[[str], T]):
+        super().__init__()
+        self.make = make
+
+    def __missing__(self, name: str) -> T:
+        self[name] = self.make(name)
+        return self[name]
+
+
 @pytest.fixture(scope="module")
 def materials() -> dict[str, Material]:
-    return {name: material(name) for name in [*SEPARABLE, *REFUSED]}
+    return Asked(material)
 
 
 @pytest.fixture(scope="module")
 def documents() -> dict[str, Document]:
-    return {name: report_of(name) for name in [*SEPARABLE, *REFUSED]}
+    return Asked(report_of)
 
 
 # ------------------------------------------------------------------------------------------------ the document

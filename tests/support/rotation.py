@@ -1,6 +1,6 @@
 """Which cases of a long list run with a commit: some that never change, and a part that the hash of the commit chooses.
 
-Three marks leave cases to the night (they are marked ``nightly``, which ``addopts`` in pyproject.toml deselects):
+Four marks leave cases to the night (they are marked ``nightly``, which ``addopts`` in pyproject.toml deselects):
 
 ``@pytest.mark.nightly_cases("a", "b")``
     Those with these parameters, which take long.
@@ -9,6 +9,8 @@ Three marks leave cases to the night (they are marked ``nightly``, which ``addop
     The cases are entries of the catalog. Run are those of FIXED, one for each family, and one of ``len/12`` parts of the rest.
 ``@pytest.mark.rotating(n)``
     About n cases run, one of ``len/n`` parts. Cases that are marked nightly themselves do not count.
+``pytestmark = pytest.mark.rotating_file(n)``
+    About n of all tests of a file run, chosen alike.
 
 The rotation is a whole number N. Parts are numbered, and part N modulo their number runs, so that the rotations 0, 1, 2, …
 run every case. N comes from the commit, or from ``--rotation=N``, which runs the part of a run that failed again.
@@ -81,6 +83,8 @@ def leave_the_rest(items: list[pytest.Item], rotation: int) -> None:
             item.add_marker(pytest.mark.nightly)
         elif mark := item.get_closest_marker("rotating"):
             long[item.nodeid.partition("[")[0], mark.args[0]][item.nodeid] = item
+        elif mark := item.get_closest_marker("rotating_file"):
+            long[item.nodeid.partition("::")[0], mark.args[0]][item.nodeid] = item
     for (_, count), cases in long.items():
         for left in cases.keys() - part(cases, count, rotation):
             cases[left].add_marker(pytest.mark.nightly)
