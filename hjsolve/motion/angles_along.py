@@ -118,7 +118,7 @@ def _lines(motion: SeparatedMotion, bits: int) -> dict[str, _Line]:
     if torus is None:
         return {name: _even(motion, name, bits) for name in motion.frequencies} if motion.equations is None else {}
     context, unit = multiprecision(bits), unit_of(motion)
-    begins = [_begin(course, context, bits) for course in torus.courses]
+    begins = [phase_of_zero(course, context, bits) for course in torus.courses]
     result = {}
     for name, frequency in motion.frequencies.items():
         if name in motion.located:
@@ -126,14 +126,14 @@ def _lines(motion: SeparatedMotion, bits: int) -> dict[str, _Line]:
             rate, series = torus.rates[k], torus.oscillations[k]
             direction = 1 if float(frequency.value) * float(rate) > 0 else -1
             start, doubt = torus.starts[k] - begins[k], torus.roundings[k] + _slopes(torus, series, unit)
-            start -= sum(_oscillation(s, begin) for s, begin in zip(series, begins, strict=True))
+            start -= sum(oscillation_at(s, begin) for s, begin in zip(series, begins, strict=True))
         else:
             j = constant_index(motion, name)
             rate, direction = mean_rate(torus, j), 1  # Ω is the mean growth itself, which may be 0
             start = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(bits)
             series = tuple(oscillation(torus, i, j) for i in range(len(torus.courses)))
             for course, s, begin in zip(torus.courses, series, begins, strict=True):
-                start -= _oscillation(s, context.mpf(course.start)) - _oscillation(s, begin)
+                start -= oscillation_at(s, context.mpf(course.start)) - oscillation_at(s, begin)
             doubt = _slopes(torus, series, unit)
         result[name] = _Line(rate, start, direction, float(doubt) + sum(map(_inexact, series)) * unit)
     return result
@@ -146,8 +146,13 @@ def _even(motion: SeparatedMotion, name: str, bits: int) -> _Line:
     return _Line(to_bits(rate)(bits), to_bits(values[coordinate.symbol])(bits), 1, 0.0)
 
 
-def _begin(course: Periodic | AtRest, context: Context, bits: int) -> Mpf:
-    """The phase from which an angle is counted: of a rotation that of the position opposite to its highest barrier."""
+def phase_of_zero(course: Periodic | AtRest, context: Context, bits: int) -> Mpf:
+    """Return the phase from which an angle is counted: of a rotation that of the place opposite to its highest barrier.
+
+    Args:
+        course: of the coordinate.
+        context, bits: of the arithmetic.
+    """
     if isinstance(course, Periodic):
         anomaly = course.anomaly.inner if isinstance(course.anomaly, Stretched) else course.anomaly
         if isinstance(anomaly, Rotation | TwoBarrierAnomaly):
@@ -156,7 +161,13 @@ def _begin(course: Periodic | AtRest, context: Context, bits: int) -> Mpf:
     return context.mpf(0)
 
 
-def _oscillation(series: FourierSeries, phase: Mpf) -> Mpf | int:
+def oscillation_at(series: FourierSeries, phase: Mpf) -> Mpf | int:
+    """Return a series without its mean at one phase; nothing at phase 0.
+
+    Args:
+        series: odd.
+        phase: in many digits.
+    """
     return 0 if series.constant or not phase else series.oscillation(phase)
 
 

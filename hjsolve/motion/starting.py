@@ -40,7 +40,16 @@ def started(
 
 
 def _move(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str]) -> Motion:
-    found = separated_motion(solution, initial, t0, digits, parts)
+    return motion_of(separated_motion(solution, initial, t0, digits, parts))
+
+
+def motion_of(found: SeparatedMotion) -> Motion:
+    """Round the results of a motion taken apart.
+
+    Args:
+        found: with the integrals of its ``parts``.
+    """
+    solution, initial, digits, parts = found.solution, found.initial, found.digits, found.parts
     bits = bits_for(digits, 128)
     motion = Motion(
         found, _kinds(solution, found.located), found.turning_points,

@@ -67,7 +67,7 @@ def locate(start: CoordinateStart, digits: int) -> Located:
         return _through_kinks(start, digits)
     forward = start.forward or _push(start)
     if forward == 0:
-        return _rest(start, digits)
+        return at_rest(start, digits)
     if start.winding is not None and (wound := _wound(start, start.winding, digits)) is not None:
         return wound
     ahead = _first_end(start, forward, digits)
@@ -96,7 +96,7 @@ def _through_kinks(start: CoordinateStart, digits: int) -> Located:
     forward = start.forward or (kinks.push(start) if at_kink else _push(own))
     if forward == 0:
         sides = [start.cells[kinks.cell_of(start, side)].radicand for side in (-1, 1)]
-        return _rest(own, digits, sides=None if not at_kink else sides)
+        return at_rest(own, digits, sides=None if not at_kink else sides)
     ahead = kinks.reached(start, forward, digits)
     behind = kinks.Reached(kinks.cell_of(start, forward), End("turning", start.place))
     if start.forward:
@@ -175,7 +175,14 @@ def _distance(one: Number, other: Number, bits: int) -> Mpf:
     return abs(other(bits) - one(bits))
 
 
-def _rest(start: CoordinateStart, digits: int, *, sides: list[MomentumSquared] | None = None) -> Located:
+def at_rest(start: CoordinateStart, digits: int, *, sides: list[MomentumSquared] | None = None) -> Located:
+    """Return the motion of a coordinate that rests where it starts.
+
+    Args:
+        start: the coordinate, at a double zero of p².
+        digits: decimal digits asked.
+        sides: p² on both sides of a kink.
+    """
     bits = bits_for(digits, 96)
     q = start.place(bits)
     _, _, bend = start.radicand.jet(q, bits)

@@ -108,11 +108,14 @@ class Solution(ShownSolution):
     def motion(
         self,
         *,
-        q: Mapping[str, object],
+        q: Mapping[str, object] | None = None,
         velocity: Mapping[str, object] | None = None,
         p: Mapping[str, object] | None = None,
         constants: Mapping[str, object] | None = None,
         signs: Mapping[str, int] | None = None,
+        actions: Mapping[str, object] | None = None,
+        angles: Mapping[str, object] | None = None,
+        kinds: Mapping[str, str] | None = None,
         parameters: Mapping[str, object] | None = None,
         t0: object = 0,
         digits: int = 15,
@@ -131,6 +134,11 @@ class Solution(ShownSolution):
             p: coordinate → canonical momentum at t0, every one; or
             constants: name of a constant of the motion (``Solution.constants``) → value, every one, with
             signs: separated coordinate → 1 or −1, the sign its root P = √P² starts with; needless where P = 0.
+            actions: instead of the four above, coordinate → J, every one that has an action
+                (``Motion.actions``); 0 is a coordinate at rest. With
+            angles: coordinate → angle variable at t0 in radians (``Motion.angles``), 0 where left out. Where several
+                tori have these actions, q gives a place in the well that is meant, or
+            kinds: separated coordinate → libration or rotation.
             parameters: name → value, where it differs from the default.
             t0: time of the initial data.
             digits: relative digits wanted, from 1 on; float64 up to 15, ``mpf`` above.
@@ -147,7 +155,7 @@ class Solution(ShownSolution):
 
         Raises:
             InvalidInputError: initial data that are no numbers, incomplete, or outside the domain; arguments by
-                position, or of unknown names.
+                position, or of unknown names; no torus has the actions, or several have.
             MissingValueError: a parameter or an initial value is missing.
             ForbiddenMotionError: no real motion has these constants.
             NotConvergedError: a turning point or an integral could not be had to the digits asked.
@@ -164,8 +172,9 @@ class Solution(ShownSolution):
 
         refuse_null(self)
         return start(
-            self, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters, t0=t0,
-            digits=digits, certified=certified, want=want, velocity_frame=velocity_frame,
+            self, q=q, velocity=velocity, p=p, constants=constants, signs=signs, actions=actions,
+            angles=angles, kinds=kinds, parameters=parameters, t0=t0, digits=digits, certified=certified, want=want,
+            velocity_frame=velocity_frame,
         )  # fmt: skip
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.errors import InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.quantities_given import in_units
@@ -22,21 +23,27 @@ from hjsolve.motion.initial_data import read_initial_data
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.through_poles.continued_motion import motion_through_poles
+from hjsolve.motion.tori.from_actions import start_on_torus
 from hjsolve.motion.velocity_frame import COORDINATE, factors_of, lengths_in_units, rates_of
 from hjsolve.motion.wanted import parts_of
 from hjsolve.precision import one_at_a_time
 from hjsolve.solution.quadratures import Solution
+
+EXAMPLE = 'motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"})'
 
 
 @one_at_a_time
 def start(
     solution: Solution,
     *,
-    q: Mapping[str, object],
+    q: Mapping[str, object] | None = None,
     velocity: Mapping[str, object] | None = None,
     p: Mapping[str, object] | None = None,
     constants: Mapping[str, object] | None = None,
     signs: Mapping[str, int] | None = None,
+    actions: Mapping[str, object] | None = None,
+    angles: Mapping[str, object] | None = None,
+    kinds: Mapping[str, str] | None = None,
     parameters: Mapping[str, object] | None = None,
     t0: object = 0,
     digits: int = FLOAT_DIGITS,
@@ -53,6 +60,9 @@ def start(
         p: coordinate → canonical momentum, every one; or
         constants: name of a constant of the motion (``Solution.constants``) → value, every one, with
         signs: separated coordinate → 1 or −1, the sign its root P = √P² starts with; needless where P = 0.
+        actions: coordinate → J, every one that has an action; instead of the four above, with
+        angles: coordinate → angle variable at t0, 0 where left out; q is then a place in the well that is meant.
+        kinds: with actions, separated coordinate → the kind that is meant, where several tori have them.
         parameters: name → value, where it differs from the default.
         t0: time of the initial data.
         digits: relative digits wanted, at least 1; float64 up to 15.
@@ -77,6 +87,17 @@ def start(
         >>> motion.kinds["r"], round(motion.periods["r"].value, 9)
         ('libration', 14.99332061)
     """
+    if actions is not None:
+        arguments.refuse_unused(
+            {"velocity": velocity is not None, "p": p is not None, "constants": constants is not None,
+             "signs": signs is not None, "certified": certified},
+            "actions={…} and angles={…} give the motion",
+        )  # fmt: skip
+        given = {"actions": actions, "angles": angles, "q": q, "kinds": kinds, "parameters": parameters}
+        return _on_torus(solution, given, t0, digits, want)
+    arguments.refuse_unused({"angles": angles is not None, "kinds": kinds is not None}, "there are no actions={…}")
+    if q is None:
+        raise InvalidInputError(f"motion: no q={{…}}; write {EXAMPLE}")
     system = solution.system if solution.chart is None else solution.chart.original
     q, factors = in_units(system, q, "q"), factors_of(system, velocity_frame, velocity)
     if factors is None or velocity is None:
@@ -106,6 +127,20 @@ def start(
     given = {name: None if group is None else dict(group) for name, group in groups.items()}
     motion = motion_through_poles(solution, initial, exact_t0, digits, parts, certified=certified)
     return replace(motion, given=given, again=partial(_again, solution, given, exact_t0, wanted))
+
+
+def _on_torus(
+    solution: Solution, given: Mapping[str, Any], t0: object, digits: int, want: Iterable[str] | None
+) -> Motion:
+    """Start a motion from actions and angles, those of the separated coordinates."""
+    if solution.chart is not None:
+        raise InvalidInputError(
+            "actions: not with coordinates that were found; solve the system in its separated coordinates, "
+            "solution.system, instead"
+        )
+    parts = parts_of(None if want is None else arguments.words(want, "want", '["actions", "periods"]'))
+    parameters = in_units(solution.system, given["parameters"], "parameters")
+    return start_on_torus(solution, {**given, "parameters": parameters}, t0, arguments.digits(digits), parts)
 
 
 def _again(

@@ -1,0 +1,260 @@
+"""A motion from its actions and angles: what ``Solution.motion(actions=…, angles=…)`` does.
+
+Read what is given, find the tori that may have the actions (``search.py``), choose one, make its constants exact
+(``polish.py``) and start the motion at the angles (``angles_given.py``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve import arguments
+from hjsolve.arithmetic.floats import bits_for
+from hjsolve.errors import InvalidInputError, MissingValueError
+from hjsolve.formulas.read import number
+from hjsolve.mechanics.kinks import refuse_kinks
+from hjsolve.motion import quantities
+from hjsolve.motion.initial_data import Initial, all_exact, parameter_values, sign, to_bits
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.separated import SeparatedMotion, turning_points
+from hjsolve.motion.starting import motion_of, started
+from hjsolve.motion.tori.angles_given import started_at
+from hjsolve.motion.tori.polish import Goal, Torus, polished
+from hjsolve.motion.tori.radicand_curve import RadicandCurve, curves_of
+from hjsolve.motion.tori.search import Candidate, Wanted, candidates
+from hjsolve.solution.quadratures import Solution
+from hjsolve.time_law.torus import torus_equations
+
+Values = Mapping[str, object]
+_KINDS = ("libration", "rotation", "equilibrium")
+
+
+def motion_on_torus(
+    solution: Solution, *, actions: Values, angles: Values | None, q: Values | None, kinds: Values | None,
+    parameters: Values | None, t0: object, digits: int, parts: frozenset[str],
+) -> Motion:  # fmt: skip
+    """Start a motion from its actions and the angles at t₀.
+
+    Args:
+        solution: what is solved.
+        actions: every separated coordinate and every ignorable angle → J.
+        angles: the same names → θ at t₀ in radians; 0 where left out.
+        q: coordinates → a place in the well that is meant.
+        kinds: separated coordinates → the kind that is meant.
+        parameters: name → number, where it differs from the default.
+        t0: time of the angles.
+        digits: relative digits wanted, at least 15.
+        parts: what is integrated.
+
+    Raises:
+        InvalidInputError: no torus has these actions, or several have; a name that is not known.
+        MissingValueError: an action is missing.
+        NotConvergedError: an integral did not converge to the digits asked.
+    """
+    refuse_kinks(solution.system.kinks, "actions=")
+    names = names_of_actions(solution)
+    J = _numbers(actions, names, "actions")
+    if missing := [name for name in names if name not in J]:
+        raise MissingValueError(f"actions: no value for {', '.join(missing)}; all of {', '.join(names)} are needed")
+    θ = dict.fromkeys(names, sp.Integer(0)) | _numbers(angles or {}, names, "angles")
+    values = parameter_values(solution.system, arguments.table(parameters, "parameters", '{"m": 1}'))
+    constants = {}
+    for c in solution.system.coordinates:
+        if c.name not in solution.coordinates:
+            values |= {c.symbol: sp.Integer(0), c.momentum: J[c.name]}
+            constants[c.momentum.name] = J[c.name]
+    exact = all_exact(actions, angles, parameters)
+    exact_t0 = number(t0, source="t0")
+    if not solution.coordinates:
+        values |= {c.symbol: θ[c.name] for c in solution.system.coordinates}
+        return started(solution, Initial(values, constants, exact), exact_t0, digits, parts)
+    curves = curves_of(solution, values)
+    wanted = _wanted(solution, values, constants, J)
+    kinds = _kinds_given(solution, kinds)
+    found = list(candidates(solution, values, curves, wanted, kinds))
+    left = _left(solution, curves, found, (q or {}, kinds))
+    tori: list[tuple[Candidate, Torus]] = []
+    parts = parts | {"action", "time"}
+    for candidate in left:
+        goal = _goal(solution, values, constants, J, candidate, digits, parts, exact=exact)
+        torus = polished(goal, curves, candidate)
+        if torus is not None and not any(_same(torus, other) for _, other in tori):
+            tori.append((candidate, torus))
+    if not tori:
+        raise InvalidInputError(_no_torus(J))
+    if len(tori) > 1:
+        told = "; ".join(sorted(_told(curves, candidate) for candidate, _ in tori))
+        raise InvalidInputError(f"actions: several tori have them; choose one by q={{…}} or kinds={{…}}: {told}")
+    torus = tori[0][1]
+    courses = [stays for place in torus.located.values() if (stays := place.course.bounded) is not None]
+    equations = torus_equations(courses, bits_for(digits, 128))
+    motion = SeparatedMotion(
+        solution, torus.initial, exact_t0, digits, parts, torus.located, equations,
+        turning_points(torus.located, digits), quantities.frequencies(solution, torus.initial, equations, digits),
+    )  # fmt: skip
+    return motion_of(started_at(motion, θ))
+
+
+def start_on_torus(
+    solution: Solution, given: Mapping[str, Any], t0: object, digits: int, parts: frozenset[str]
+) -> Motion:
+    """Start a motion from actions and angles, and keep what was given.
+
+    Args:
+        solution: what is solved.
+        given: ``actions``, ``angles``, ``q``, ``kinds`` and ``parameters`` of ``motion_on_torus``.
+        t0: time of the angles.
+        digits: relative digits wanted.
+        parts: what is integrated.
+
+    Raises:
+        InvalidInputError, MissingValueError, NotConvergedError: as of ``motion_on_torus``.
+    """
+    kept = {name: None if group is None else dict(group) for name, group in given.items()}
+    motion = motion_on_torus(solution, **given, t0=t0, digits=max(digits, FLOAT_DIGITS), parts=parts)
+    return replace(motion, given=kept, again=partial(_again, solution, kept, t0, parts))
+
+
+def _again(
+    solution: Solution, given: Mapping[str, Any], t0: object, parts: frozenset[str], digits: int,
+    change: Mapping[str, Any],
+) -> Motion:  # fmt: skip
+    """Start a motion anew from what was given, with other digits or changed input."""
+    return start_on_torus(solution, {**given, **change}, t0, digits, parts)
+
+
+def names_of_actions(solution: Solution) -> list[str]:
+    """Return the coordinates that have an action.
+
+    Args:
+        solution: what is solved.
+
+    Raises:
+        InvalidInputError: some coordinate never comes back.
+    """
+    names = []
+    for c in solution.system.coordinates:
+        if c.name not in solution.coordinates and c.domain.kind != "angle":
+            raise InvalidInputError(
+                f"actions: {c.name} does not come back in any motion, so there are no tori; give q={{…}} and p={{…}}"
+            )
+        names.append(c.name)
+    return names
+
+
+def _numbers(given: Values, names: Sequence[str], what: str) -> dict[str, sp.Expr]:
+    for name in arguments.table(given, what, f'{{"{names[0]}": 1}}'):
+        if name not in names:
+            raise InvalidInputError(f"{what}: {name!r} has none in this solution; known are {', '.join(names)}")
+    return {name: number(value, source=f"{what}[{name}]") for name, value in given.items()}
+
+
+def _shift(solution: Solution, values: Mapping[sp.Symbol, sp.Expr], name: str) -> sp.Expr:
+    """What a rotation adds to J for the action of its shell momentum P = p + A: the mean of A over a turn."""
+    A, q = solution.shift[name].subs(values), solution.system.coordinate(name).symbol
+    return sp.S.Zero if A == 0 else sp.integrate(A, (q, 0, 2 * sp.pi)) / (2 * sp.pi)
+
+
+def _wanted(
+    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], constants: Mapping[str, sp.Expr], J: Mapping[str, sp.Expr]
+) -> Wanted:
+    names = list(solution.constants)
+    shifts = [float(_shift(solution, values, name)) for name in solution.coordinates]
+    return Wanted(
+        np.array([float(to_bits(J[name])(64)) for name in solution.coordinates]), np.array(shifts),
+        np.array([float(to_bits(constants[name])(64)) if name in constants else 0.0 for name in names]),
+        np.array([j for j, name in enumerate(names) if name not in constants]),
+    )  # fmt: skip
+
+
+def _goal(
+    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], constants: Mapping[str, sp.Expr],
+    J: Mapping[str, sp.Expr], chosen: Candidate, digits: int, parts: frozenset[str], *, exact: bool,
+) -> Goal:  # fmt: skip
+    actions, directions = [], []
+    for name, cycle in zip(solution.coordinates, chosen.cycles, strict=True):
+        own = J[name] + (_shift(solution, values, name) if cycle.kind == "rotation" else 0)
+        directions.append(-1 if sign(own) < 0 else 1)
+        actions.append(abs(own))
+    return Goal(solution, values, constants, actions, directions, digits, parts, exact)
+
+
+def _kinds_given(solution: Solution, kinds: Values | None) -> Values:
+    for name, kind in arguments.table(kinds or {}, "kinds", '{"theta": "libration"}').items():
+        if name not in solution.coordinates or kind not in _KINDS:
+            raise InvalidInputError(
+                f"kinds[{name}]: a separated coordinate ({', '.join(solution.coordinates)}) and one of "
+                f"{', '.join(_KINDS)} are needed"
+            )
+    return kinds or {}
+
+
+def _left(
+    solution: Solution, curves: Sequence[RadicandCurve], found: Sequence[Candidate],
+    hints: tuple[Values, Values],
+) -> list[Candidate]:  # fmt: skip
+    """The tori that the hints leave.
+
+    Raises:
+        InvalidInputError: none is left.
+    """
+    q, kinds = hints
+    places = _numbers(q, [c.name for c in solution.system.coordinates], "q")
+    wells = {name: float(to_bits(x)(64)) for name, x in places.items()}
+    left = [c for c in found if _fits(curves, c, wells, kinds)]
+    if found and not left:
+        told = "; ".join(sorted(_told(curves, c) for c in found))
+        raise InvalidInputError(f"q: no torus with these actions is there; there are: {told}")
+    return left
+
+
+def _fits(curves: Sequence[RadicandCurve], candidate: Candidate, wells: Mapping[str, float], kinds: Values) -> bool:
+    for curve, cycle in zip(curves, candidate.cycles, strict=True):
+        kind = kinds.get(curve.name)
+        if kind is not None and (cycle.kind == "rotation") != (kind == "rotation"):
+            return False
+        if curve.name in wells and cycle.kind != "rotation":
+            margin = 1e-9 * (abs(cycle.high) + abs(cycle.low))
+            q = wells[curve.name]
+            if curve.turn:
+                q += curve.turn * np.ceil((cycle.low - margin - q) / curve.turn)
+            if not cycle.low - margin <= q <= cycle.high + margin:
+                return False
+    return True
+
+
+def _same(one: Torus, other: Torus) -> bool:
+    """Whether two tori are the same: equal constants, and wells that overlap."""
+    for a, b in zip(one.initial.constants.values(), other.initial.constants.values(), strict=True):
+        x, y = to_bits(a)(128), to_bits(b)(128)
+        if abs(x - y) > 1e-10 * max(abs(x), abs(y)):
+            return False
+    for name, place in one.located.items():
+        ends = [(p.lower.place, p.upper.place) for p in (place, other.located[name])]
+        (low, high), (under, over) = ends
+        if low and high and under and over and (low(128) > over(128) or under(128) > high(128)):
+            return False
+    return True
+
+
+def _told(curves: Sequence[RadicandCurve], candidate: Candidate) -> str:
+    parts = []
+    for curve, cycle in zip(curves, candidate.cycles, strict=True):
+        extent = "" if cycle.kind == "rotation" else f" from {cycle.low:.6g} to {cycle.high:.6g}"
+        parts.append(f"{curve.name} {'rotation' if cycle.kind == 'rotation' else 'libration'}{extent}")
+    return ", ".join(parts)
+
+
+def _no_torus(J: Mapping[str, sp.Expr]) -> str:
+    told = ", ".join(f"{name} {float(to_bits(x)(64)):.6g}" for name, x in J.items())
+    return (
+        f"actions: no bounded motion was found that has them ({told}); librations need J >= 0, and a separatrix or the "
+        "energy of escape may limit J"
+    )

@@ -1,0 +1,201 @@
+"""Constants of a torus to the digits asked: Newton's method on J(α), with the integrals of the motion itself.
+
+The matrix ∂J/∂α consists of the mean growths of Jacobi's integrals, which the motion knows. One step from constants in
+doubles leaves an error near the square of theirs, so most tori need two evaluations. A coordinate whose J is zero
+rests at a double zero of p²: there p² = 0 at its maximum takes the place of the action.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from hjsolve.arithmetic.floats import bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.errors import ForbiddenMotionError, NotConvergedError
+from hjsolve.formulas.read import number
+from hjsolve.motion.initial_data import Initial, to_bits
+from hjsolve.motion.separated import checked, coordinate_start
+from hjsolve.motion.tori.radicand_curve import RadicandCurve
+from hjsolve.motion.tori.search import Candidate
+from hjsolve.one_coordinate.classify import Located, at_rest, locate
+from hjsolve.solution.quadratures import Solution
+
+_SPARE = 192
+"""Bits of the constants beyond the digits asked: near a separatrix or a circle J depends on the last of them."""
+_STEPS, _HALVINGS, _FALLS = 20, 8, 0.9
+"""Steps of Newton's method, halvings of each, and the ratio by which a step must make the residual smaller."""
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What is asked of a torus.
+
+    Attributes:
+        solution: what is solved.
+        values: symbol → exact number, of the parameters and of ignorable coordinates with their momenta.
+        constants: name → exact number, of those that are known: the ignorable momenta.
+        actions: of the shell momenta of the separated coordinates, in their order: never negative.
+        directions: sign of the shell momentum of each, 1 of a libration.
+        digits: asked.
+        parts: what is integrated.
+        exact: False where some input was a float.
+    """
+
+    solution: Solution
+    values: Mapping[sp.Symbol, sp.Expr]
+    constants: Mapping[str, sp.Expr]
+    actions: Sequence[sp.Expr]
+    directions: Sequence[int]
+    digits: int
+    parts: frozenset[str]
+    exact: bool
+
+
+@dataclass(frozen=True)
+class Torus:
+    """A torus that has the actions asked.
+
+    Attributes:
+        initial: its constants, and some place on it.
+        located: separated coordinate → its motion.
+    """
+
+    initial: Initial
+    located: Mapping[str, Located]
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """A torus for some constants, its residuals in J and the matrix ∂J/∂α.
+
+    ``torus`` is None where p² < 0 along some coordinate: its J is then continued below zero.
+    """
+
+    torus: Torus | None
+    tops: list[Mpf]
+    residuals: list[Mpf]
+    slopes: list[list[Mpf]]
+
+
+def polished(goal: Goal, curves: Sequence[RadicandCurve], candidate: Candidate) -> Torus | None:
+    """Return the torus next to a candidate that has the actions to the digits asked; None where there is none.
+
+    Args:
+        goal: what is asked.
+        curves: p² of the separated coordinates.
+        candidate: where Newton's method begins.
+    """
+    bits = bits_for(goal.digits, 128) + _SPARE
+    context = multiprecision(bits)
+    names = list(goal.solution.constants)
+    κ = [context.mpf(float(x)) for x in candidate.constants]
+    for j, name in enumerate(names):
+        if name in goal.constants:
+            κ[j] = to_bits(goal.constants[name])(bits)
+    unknown = [j for j, name in enumerate(names) if name not in goal.constants]
+    goals = [to_bits(x)(bits) for x in goal.actions]
+    scale = sum(goals) or context.mpf(1)
+    least = context.mpf(2) ** -bits_for(goal.digits, 16)
+    # a J of 0 is a double zero of p²: as good as the constants can make it
+    allowed = [least * J if J else scale * context.mpf(2) ** (64 - bits) for J in goals]
+    tops = [context.mpf(c.top) for c in candidate.cycles]
+    kinds = [c.kind for c in candidate.cycles]
+    trial = _tried(goal, curves, κ, tops, kinds, goals, bits)
+    for _ in range(_STEPS):
+        if trial is None:
+            break
+        size = max(abs(r) / a for r, a in zip(trial.residuals, allowed, strict=True))
+        if size <= 1 and trial.torus is not None:
+            return trial.torus
+        matrix = context.matrix([[row[j] for j in unknown] for row in trial.slopes])
+        try:
+            step = context.lu_solve(matrix, context.matrix(trial.residuals))
+        except ZeroDivisionError:
+            break
+        trial, κ = _damped(goal, curves, (κ, unknown, step), trial, (kinds, goals, allowed, bits))
+    return None
+
+
+def _damped(
+    goal: Goal, curves: Sequence[RadicandCurve], move: tuple[list[Mpf], list[int], Sequence[Mpf]], before: _Trial,
+    about: tuple[Sequence[str], list[Mpf], list[Mpf], int],
+) -> tuple[_Trial | None, list[Mpf]]:  # fmt: skip
+    """The longest of a step and its halves after which the residual is less."""
+    (κ, unknown, step), (kinds, goals, allowed, bits) = move, about
+    old = max(abs(r) / a for r, a in zip(before.residuals, allowed, strict=True))
+    for halving in range(_HALVINGS):
+        moved = list(κ)
+        for j, change in zip(unknown, step, strict=True):
+            moved[j] = moved[j] + change.context.ldexp(change, -halving)
+        trial = _tried(goal, curves, moved, before.tops, kinds, goals, bits)
+        if trial is not None and max(abs(r) / a for r, a in zip(trial.residuals, allowed, strict=True)) < max(
+            _FALLS * old, 1
+        ):
+            return trial, moved
+    return None, κ
+
+
+def _tried(
+    goal: Goal, curves: Sequence[RadicandCurve], κ: list[Mpf], tops: list[Mpf], kinds: Sequence[str],
+    goals: list[Mpf], bits: int,
+) -> _Trial | None:  # fmt: skip
+    """Evaluate J and ∂J/∂α; None where a coordinate is not bounded, or of another kind."""
+    solution, context = goal.solution, multiprecision(bits)
+    tops = [_top(curve, κ, top, bits) for curve, top in zip(curves, tops, strict=True)]
+    jets = [curve.exactly(top, κ, bits) for curve, top in zip(curves, tops, strict=True)]
+    values = dict(goal.values)
+    constants = {name: number(x, source=name) for name, x in zip(solution.constants, κ, strict=True)}
+    constants |= goal.constants
+    for curve, top, jet, direction in zip(curves, tops, jets, goal.directions, strict=True):
+        coordinate = solution.system.coordinate(curve.name)
+        values[coordinate.symbol] = number(top, source=curve.name)
+        p = number(abs(jet[0]) ** 0.5, source=curve.name) * direction
+        values[coordinate.momentum] = p - solution.shift[curve.name].subs(values)
+    initial = Initial(values, constants, goal.exact)
+    located: dict[str, Located] = {}
+    residuals, slopes, whole = [], [], True
+    for i, (curve, J, (squared, _, bend)) in enumerate(zip(curves, goals, jets, strict=True)):
+        begin = replace(coordinate_start(solution, initial, curve.name), parts=goal.parts)
+        if not J or not squared > 0:
+            if not bend < 0:
+                return None
+            root = (-bend / 2) ** 0.5
+            residuals.append(J - squared / (2 * root))
+            slopes.append([w / root for w in begin.radicand.weights(tops[i], bits)])
+            whole = whole and not J
+            if not J:
+                located[curve.name] = at_rest(replace(begin, exact=None, forward=0), goal.digits)
+            continue
+        try:
+            place = locate(checked(begin), goal.digits)
+        except (NotConvergedError, ForbiddenMotionError):
+            return None
+        course = place.course
+        if course.bounded is None or course.action is None or course.rests:
+            return None
+        if course.rotates != (kinds[i] == "rotation"):
+            return None
+        located[curve.name] = place
+        residuals.append(J - abs(course.action))
+        slopes.append([context.convert(course.growth(j)) for j in range(len(κ))])
+    return _Trial(Torus(initial, located) if whole else None, tops, residuals, slopes)
+
+
+def _top(curve: RadicandCurve, κ: list[Mpf], top: Mpf, bits: int) -> Mpf:
+    """The maximum of p² next to a place, by Newton's method on (p²)′; the place itself where p² has none there."""
+    begin, first = top, None
+    for _ in range(12 + bits.bit_length()):
+        _, slope, bend = curve.exactly(top, κ, bits)
+        if not bend < 0:
+            return begin if first is None else top
+        step = -slope / bend
+        first = abs(step) if first is None else first
+        if abs(step) > 2 * first:
+            return begin
+        top = top + step
+        if abs(step) <= abs(top) * top.context.ldexp(1, 8 - bits) or not step:
+            return top
+    return top

@@ -1,0 +1,280 @@
+"""p²(q; κ) of one coordinate in doubles, on samples of its domain: approximate actions, and their derivatives.
+
+J = (1/π) ∫ p dq and ∂J/∂κⱼ = (1/π) ∫ (½ ∂p²/∂κⱼ)/p dq over a libration, by the midpoint rule in the anomaly
+(Gauss–Chebyshev); over a rotation the means over a turn. At a maximum of p² that is zero or less, and where J is to be
+zero, the libration is replaced by the harmonic one about the maximum: J = p²ₘₐₓ/√(−2 (p²)″). This continues J
+analytically to negative values, so Newton's method may pass through J = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.arithmetic.floats import Float64, Multi
+from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.number_types import Mpf, Reals
+from hjsolve.arithmetic.tape import Tape
+from hjsolve.lowering import momentum_squared_tapes, with_plain_exponents
+from hjsolve.motion.initial_data import domain_ends, to_bits
+from hjsolve.motion.winding import radians_of_a_unit
+from hjsolve.solution.quadratures import Solution
+
+_NODES = 64
+_REACH = np.concatenate([1e-13 * 1.3 ** np.arange(115), 2.0 ** np.arange(0, 100)])
+"""Distances, relative to the natural length, at which p² is looked at on both sides of a maximum."""
+_SMALL = 1e-10
+"""Square of the relative amplitude below which a libration is taken for harmonic."""
+_ROUNDS, _TRIED = 4, 256
+"""Rounds of bracketing a turning point, and samples of each; the last bracket is interpolated."""
+
+
+@dataclass(frozen=True)
+class RadicandCurve:
+    """p² of one separated coordinate and its kernels.
+
+    Attributes:
+        name: of the coordinate.
+        squared: tape of p²; inputs q, constants, parameters.
+        kernels: tape of ½ ∂p²/∂κⱼ.
+        parameters: values of the parameters, exact, and
+        numbers: rounded.
+        lower, upper: ends of the domain; infinite where there are none.
+        turn: period of p² along q where the coordinate is an angle or a line along which p² repeats itself; else 0.
+    """
+
+    name: str
+    squared: Tape
+    kernels: Tape
+    parameters: tuple[sp.Expr, ...]
+    numbers: tuple[float, ...]
+    lower: float
+    upper: float
+    turn: float
+
+    def value(self, q: Reals, κ: Reals) -> Reals:
+        """Return p² at places, NaN where the formula has no real value.
+
+        Args:
+            q: places, shape (m,) or (s, m).
+            κ: constants, shape (k,), or (k, s, 1) for as many sets of them.
+        """
+        with np.errstate(all="ignore"):
+            found = self.squared.run(Float64(), [q, *κ, *self.numbers])[0]
+        return np.broadcast_to(found, np.broadcast_shapes(np.shape(q), np.shape(κ)[1:]))
+
+    def weights(self, q: Reals, κ: Reals) -> Reals:
+        """Return ½ ∂p²/∂κⱼ at places, shape (k, m).
+
+        Args:
+            q: places, shape (m,).
+            κ: constants, shape (k,).
+        """
+        with np.errstate(all="ignore"):
+            rows = self.kernels.run(Float64(), [q, *κ, *self.numbers])
+        return np.stack([np.broadcast_to(row, np.shape(q)) for row in rows])
+
+    def bend(self, q: float, κ: Reals) -> tuple[float, float, float]:
+        """Return p² and its first two derivatives at one place.
+
+        Args:
+            q: place.
+            κ: constants, shape (k,).
+        """
+        known = [Jet(np.float64(x)) for x in (*κ, *self.numbers)]
+        with np.errstate(all="ignore"):
+            jet = self.squared.run(Jets(Float64()), [Jet(np.float64(q), np.float64(1.0)), *known])[0]
+        value, slope, bend = (0.0 if part is None else float(part) for part in jet)
+        return value, slope, bend
+
+    def exactly(self, q: Mpf, κ: list[Mpf], bits: int) -> tuple[Mpf, Mpf, Mpf]:
+        """Return p² and its first two derivatives in many digits.
+
+        Args:
+            q: place.
+            κ: constants.
+            bits: working precision.
+        """
+        arithmetic = Multi(bits)
+        known = [Jet(arithmetic.convert(x)) for x in κ] + [Jet(to_bits(x)(bits)) for x in self.parameters]
+        jet = self.squared.run(Jets(arithmetic), [Jet(arithmetic.convert(q), arithmetic.rational(1, 1)), *known])[0]
+        zero = arithmetic.rational(0, 1)
+        value, slope, bend = (zero if part is None else part for part in jet)
+        return value, slope, bend
+
+    def samples(self) -> Reals:
+        """Return places that show the domain at all scales, ascending."""
+        if self.turn:
+            return np.linspace(-self.turn, self.turn, 193)
+        scales = np.unique(2.0 ** np.concatenate([np.linspace(-50, 60, 111), np.linspace(-6, 6, 97)]))
+        if np.isfinite(self.lower) and np.isfinite(self.upper):
+            near = 1 / (1 + 2.0 ** np.linspace(-16, 16, 65))
+            return self.lower + (self.upper - self.lower) * np.unique(
+                np.concatenate([near, np.linspace(0, 1, 33)[1:-1]])
+            )
+        if np.isfinite(self.lower):
+            return self.lower + scales
+        if np.isfinite(self.upper):
+            return self.upper - scales[::-1]
+        half = np.unique(2.0 ** np.concatenate([np.linspace(-20, 30, 51), np.linspace(-5, 5, 61)]))
+        return np.concatenate([-half[::-1], [0.0], half])
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """The approximate cycle of one coordinate for some constants.
+
+    Attributes:
+        kind: libration, rotation or equilibrium (the harmonic limit of a libration).
+        low, high: turning points; the turn of a rotation.
+        top: a place inside.
+        action: J, without a sign; below zero where p² < 0 everywhere near the maximum.
+        slopes: ∂J/∂κⱼ, shape (k,).
+    """
+
+    kind: str
+    low: float
+    high: float
+    top: float
+    action: float
+    slopes: Reals
+
+
+def curves_of(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> list[RadicandCurve]:
+    """Make the curves of all separated coordinates.
+
+    Args:
+        solution: what is solved.
+        values: symbol of a parameter → exact number.
+    """
+    constants = tuple(c.symbol for c in solution.constants.values())
+    parameters = tuple(p.symbol for p in solution.system.parameters)
+    result = []
+    for name in solution.coordinates:
+        coordinate = solution.system.coordinate(name)
+        F = with_plain_exponents(solution.momentum_squared[name], values)
+        squared, kernels, _, periodic = momentum_squared_tapes(F, coordinate.symbol, constants, parameters)
+        low, high = domain_ends(solution.system, name, values)
+        ends = [
+            infinite if end is None else float(to_bits(end)(64)) for end, infinite in ((low, -np.inf), (high, np.inf))
+        ]
+        turn = 0.0
+        if coordinate.domain.kind == "angle":
+            turn = 2 * np.pi if periodic else 0.0
+        elif coordinate.domain.kind == "line":
+            rate = radians_of_a_unit(F, coordinate.symbol, values)
+            turn = 0.0 if rate is None else 2 * np.pi / float(to_bits(rate)(64))
+        exact = tuple(values[p] for p in parameters)
+        numbers = tuple(float(to_bits(x)(64)) for x in exact)
+        result.append(RadicandCurve(name, squared, kernels, exact, numbers, ends[0], ends[1], turn))
+    return result
+
+
+def cycle_near(curve: RadicandCurve, κ: Reals, low: float, high: float, *, harmonic: bool) -> Cycle | None:
+    """Return the cycle about the maximum of p² next to an interval; None where the coordinate does not come back.
+
+    Args:
+        curve: of the coordinate.
+        κ: constants, shape (k,).
+        low, high: where the cycle was for other constants.
+        harmonic: whether J is to be zero.
+    """
+    top = _top(curve, κ, low, high)
+    value = float(curve.value(np.array([top]), κ)[0])
+    if harmonic or not value > 0 or _is_small(curve, κ, top):
+        return _harmonic(curve, κ, top)
+    if curve.turn:
+        q = top + curve.turn * np.arange(4 * _NODES) / (4 * _NODES)
+        squared = curve.value(q, κ)
+        if np.all(squared > 0):
+            p = np.sqrt(squared)
+            radian = curve.turn / (2 * np.pi)
+            slopes = np.mean(curve.weights(q, κ) / p, axis=1) * radian
+            return Cycle("rotation", top, top + curve.turn, top, float(np.mean(p)) * radian, slopes)
+    a, b = _turning_point(curve, κ, top, -1), _turning_point(curve, κ, top, 1)
+    if a is None or b is None:
+        return None
+    χ = (np.arange(_NODES) + 0.5) * np.pi / _NODES
+    half = (b - a) / 2
+    q = (a + b) / 2 - half * np.cos(χ)
+    p = np.sqrt(np.maximum(curve.value(q, κ), 0))
+    speed = half * np.sin(χ)
+    with np.errstate(all="ignore"):
+        slopes = np.mean(curve.weights(q, κ) * (speed / np.where(p > 0, p, np.inf)), axis=1)
+    return Cycle("libration", a, b, top, float(np.mean(p * speed)), slopes)
+
+
+def _is_small(curve: RadicandCurve, κ: Reals, top: float) -> bool:
+    """Whether a libration is so small that the rounding of p² matters more than what is anharmonic."""
+    value, _, bend = curve.bend(top, κ)
+    length = max(abs(top), curve.turn / (2 * np.pi))
+    return bend < 0 and value < _SMALL * -bend * length**2
+
+
+def _harmonic(curve: RadicandCurve, κ: Reals, top: float) -> Cycle | None:
+    value, _, bend = curve.bend(top, κ)
+    if not bend < 0:
+        return None
+    root = np.sqrt(-bend / 2)
+    width = np.sqrt(abs(value)) / root
+    return Cycle(
+        "equilibrium", top - width, top + width, top, value / (2 * root), curve.weights(np.array([top]), κ)[:, 0] / root
+    )
+
+
+def _top(curve: RadicandCurve, κ: Reals, low: float, high: float) -> float:
+    """The maximum of p² in an interval and next to it; any place inside where p² has none."""
+    margin = (high - low) / 2 or 1e-3 * max(abs(low), 1e-3)
+    first, last = max(low - margin, (low + curve.lower) / 2), min(high + margin, (high + curve.upper) / 2)
+    if curve.turn:
+        first, last = max(first, high - curve.turn), min(last, low + curve.turn)
+    grid = curve.samples()
+    q = np.unique(np.concatenate([np.linspace(first, last, 65), grid[(grid > first) & (grid < last)]]))
+    values = curve.value(q, κ)
+    if not np.isfinite(values).any():
+        return (low + high) / 2
+    best = int(np.nanargmax(np.where(np.isfinite(values), values, np.nan)))
+    top = float(q[best])
+    bottom, ceiling = float(q[max(best - 2, 0)]), float(q[min(best + 2, len(q) - 1)])
+    for _ in range(30):
+        _, slope, bend = curve.bend(top, κ)
+        if not bend < 0:
+            break
+        new = top - slope / bend
+        if not bottom <= new <= ceiling:
+            break
+        if abs(new - top) <= max(1e-16 * abs(top), 1e-9 * (high - low)):
+            return new
+        top = new
+    return top
+
+
+def _turning_point(curve: RadicandCurve, κ: Reals, top: float, side: int) -> float | None:
+    """The first zero of p² on one side of a place; None where p² > 0 as far as it was looked."""
+    end = curve.upper if side > 0 else curve.lower
+    natural = min(max(abs(top), 1e-3), abs(end - top)) if np.isfinite(end) else max(abs(top), 1e-3)
+    away = natural * _REACH
+    if np.isfinite(end):
+        gap = abs(end - top)
+        away = np.unique(np.concatenate([away[away < gap / 2], gap * (1 - 2.0 ** -np.arange(1.0, 50.0))]))
+    if curve.turn:
+        away = np.unique(np.concatenate([away[away < curve.turn], curve.turn * np.arange(1, 129) / 128]))
+    positive = curve.value(top + side * away, κ) > 0
+    first = int(np.argmin(positive))
+    if positive[first]:
+        return None
+    inside, outside = (float(away[first - 1]) if first else 0.0), float(away[first])
+    for _ in range(_ROUNDS):
+        trial = np.linspace(inside, outside, _TRIED + 1)
+        values = curve.value(top + side * trial, κ)
+        positive = values[1:-1] > 0
+        first = int(np.argmin(positive)) if not positive.all() else len(positive)
+        inside, outside = float(trial[first]), float(trial[first + 1])
+        here, there = float(values[first]), float(values[first + 1])
+        if outside - inside <= 1e-14 * abs(top):
+            break
+    ratio = here / (here - there) if here > 0 > there else 0.5
+    return top + side * (inside + (outside - inside) * ratio)

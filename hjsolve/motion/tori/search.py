@@ -1,0 +1,320 @@
+"""Every torus that may have some actions, in doubles: samples of phase space sorted by family, then Newton's method.
+
+A sample of phase space gives constants, and p² on samples of each coordinate gives the interval it moves in and a crude
+action. Samples whose intervals overlap, with as many maxima of p² inside, belong to one family. Newton's method on
+J(α) starts from the sample of each family whose crude actions are nearest; steps are halved until every coordinate
+stays bounded and of its kind and the residual falls.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.lowering import lower
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.tori.radicand_curve import Cycle, RadicandCurve, cycle_near
+from hjsolve.solution.quadratures import Solution
+
+_SAMPLES = 900
+"""About how many samples of phase space are taken, and at most how many of them are sorted into families."""
+_FAMILIES, _ATTEMPTS = 24, (0, 1, 3, 7, 15, 31)
+"""How many families are looked at, and from which samples of each, the nearest first, Newton's method begins."""
+_WELLS = 4
+"""How many wells of one family are looked for."""
+_STEPS, _HALVINGS, _CLOSE = 60, 8, 1e-11
+"""Steps of Newton's method and halvings of each, and the relative residual at which it ends."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """The actions wanted.
+
+    Attributes:
+        actions: of the separated coordinates, in their order, signed; shape (n,).
+        shifts: what a rotation adds to J for the action of its shell momentum P = p + A, shape (n,).
+        constants: all constants κ; those of the unknowns are arbitrary, shape (k,).
+        unknown: positions of the unknown constants, shape (n,).
+    """
+
+    actions: Reals
+    shifts: Reals
+    constants: Reals
+    unknown: Integers
+
+    @property
+    def scale(self) -> float:
+        """The size of all actions together."""
+        known = np.delete(self.constants, self.unknown)
+        return float(np.sum(np.abs(self.actions)) + np.sum(np.abs(known))) or 1.0
+
+    def of(self, i: int, kind: str) -> float:
+        """Return the action of the shell momentum of one coordinate, without a sign.
+
+        Args:
+            i: position of the coordinate.
+            kind: what it does.
+        """
+        return abs(self.actions[i] + self.shifts[i]) if kind == "rotation" else self.actions[i]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A torus that has the actions wanted, in doubles.
+
+    Attributes:
+        constants: κ, shape (k,).
+        cycles: one a separated coordinate.
+    """
+
+    constants: Reals
+    cycles: tuple[Cycle, ...]
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """Samples of phase space: constants (k, s), positions of the coordinates among the samples of each (n, s)."""
+
+    constants: Reals
+    positions: Integers
+
+
+def candidates(
+    solution: Solution,
+    values: Mapping[sp.Symbol, sp.Expr],
+    curves: Sequence[RadicandCurve],
+    wanted: Wanted,
+    kinds: Mapping[str, object],
+) -> Iterator[Candidate]:
+    """Yield the tori found that have the actions wanted, one of each family.
+
+    Args:
+        solution: what is solved.
+        values: symbol → exact number, for parameters and the momenta of ignorable coordinates.
+        curves: p² of the separated coordinates.
+        wanted: the actions.
+        kinds: separated coordinate → the kind that is meant; other families are left out.
+    """
+    samples = _sampled(solution, values, curves, wanted)
+    tables = [_runs(curve, samples.constants, at) for curve, at in zip(curves, samples.positions, strict=True)]
+    scores = _scores(tables, wanted)
+    for curve, table in zip(curves, tables, strict=True):
+        if curve.name in kinds:
+            scores = np.where(table.round == (kinds[curve.name] == "rotation"), scores, np.inf)
+    allowed = np.flatnonzero(np.isfinite(scores))
+    allowed = np.sort(allowed[np.argsort(scores[allowed], kind="stable")][:_SAMPLES])
+    families = _families(curves, tables, allowed)
+    found: list[Candidate] = []
+    first = {int(f): float(np.min(scores[allowed[families == f]])) for f in np.unique(families)}
+    for family in sorted(first, key=lambda f: first[f])[:_FAMILIES]:
+        own = allowed[families == family]
+        left = own[np.argsort(scores[own], kind="stable")]
+        for _ in range(_WELLS):
+            candidate = _begun_nearest(curves, wanted, samples.constants, tables, left)
+            if candidate is None:
+                break
+            if not any(_same(curves, candidate, other) for other in found):
+                found.append(candidate)
+                yield candidate
+            # wells that are joined above a barrier are one family: the others are looked at as well
+            left = left[~_overlapping(curves, tables, left, candidate)]
+            if not len(left):
+                break
+
+
+def _begun_nearest(
+    curves: Sequence[RadicandCurve], wanted: Wanted, constants: Reals, tables: Sequence[_Runs], samples: Integers
+) -> Candidate | None:
+    """The torus to which Newton's method leads from some samples, the nearest first."""
+    for s in samples[[k for k in _ATTEMPTS if k < len(samples)]]:
+        intervals = [(float(t.low[s]), float(t.high[s])) for t in tables]
+        kinds = ["rotation" if t.round[s] else "libration" for t in tables]
+        candidate = _newton(curves, wanted, constants[:, s], intervals, kinds)
+        if candidate is not None:
+            return candidate
+    return None
+
+
+def _overlapping(
+    curves: Sequence[RadicandCurve], tables: Sequence[_Runs], samples: Integers, candidate: Candidate
+) -> Mask:
+    """Which samples move, along every coordinate, in an interval that overlaps that of a candidate."""
+    result = np.ones(len(samples), dtype=bool)
+    for curve, t, cycle in zip(curves, tables, candidate.cycles, strict=True):
+        overlap = t.round[samples] | np.full(len(samples), cycle.kind == "rotation")
+        for shift in (-curve.turn, 0.0, curve.turn):
+            overlap |= (t.low[samples] + shift <= cycle.high) & (cycle.low <= t.high[samples] + shift)
+        result &= overlap
+    return result
+
+
+def _families(curves: Sequence[RadicandCurve], tables: Sequence[_Runs], allowed: Integers) -> Integers:
+    """Number the families of some samples: those connected through samples whose intervals overlap alike."""
+    joined = np.ones((len(allowed), len(allowed)), dtype=bool)
+    for curve, t in zip(curves, tables, strict=True):
+        low, high = t.low[allowed], t.high[allowed]
+        round_, maxima = t.round[allowed], t.maxima[allowed]
+        shifts = (-curve.turn, 0.0, curve.turn) if curve.turn else (0.0,)
+        overlap = np.zeros_like(joined)
+        for shift in shifts:
+            overlap |= (low[:, None] < high[None, :] + shift) & (low[None, :] + shift < high[:, None])
+        both = round_[:, None] & round_[None, :]
+        same = (round_[:, None] == round_[None, :]) & (maxima[:, None] == maxima[None, :])
+        joined &= both | (same & overlap)
+    np.fill_diagonal(joined, val=True)
+    numbers = np.arange(len(allowed))
+    while True:
+        least = np.min(np.where(joined, numbers[None, :], len(allowed)), axis=1, initial=len(allowed))
+        least = least[least] if len(least) else least
+        if np.array_equal(least, numbers):
+            return numbers
+        numbers = least
+
+
+@dataclass(frozen=True)
+class _Runs:
+    """For every sample the interval in which one coordinate moves, on its samples; arrays of shape (s,)."""
+
+    low: Reals
+    high: Reals
+    action: Reals
+    bounded: Mask
+    round: Mask
+    maxima: Integers
+
+
+def _sampled(
+    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], curves: Sequence[RadicandCurve], wanted: Wanted
+) -> _Samples:
+    """Samples at rest, and with the momenta of rotations that have the actions wanted."""
+    system, n = solution.system, len(curves)
+    most = max(2, round(_SAMPLES ** (1 / n)))
+    choices = []
+    for i, curve in enumerate(curves):
+        grid = curve.samples()
+        inner = np.arange(len(grid) // 4, 3 * len(grid) // 4) if curve.turn else np.arange(len(grid))
+        places = np.unique(inner[np.linspace(0, len(inner) - 1, min(most, len(inner))).astype(int)])
+        moving = bool(curve.turn) and wanted.of(i, "rotation") > 0
+        choices.append([(k, p) for p in ((0.0, wanted.of(i, "rotation")) if moving else (0.0,)) for k in places])
+    table = np.array(np.meshgrid(*(np.arange(len(c)) for c in choices), indexing="ij")).reshape(n, -1)
+    positions = np.stack([np.array([k for k, _ in c])[row] for c, row in zip(choices, table, strict=True)])
+    momenta = np.stack([np.array([p for _, p in c])[row] for c, row in zip(choices, table, strict=True)])
+    names = [system.coordinate(curve.name) for curve in curves]
+    known = {s: v for s, v in values.items() if s not in {c.symbol for c in names} | {c.momentum for c in names}}
+    symbols = [*(c.symbol for c in names), *(c.momentum for c in names), *known]
+    tape = lower([c.expression for c in solution.constants.values()], symbols)
+    starts = [curve.samples()[at] for curve, at in zip(curves, positions, strict=True)]
+    with np.errstate(all="ignore"):
+        rows = tape.run(Float64(), [*starts, *momenta, *(float(to_bits(v)(64)) for v in known.values())])
+    return _Samples(np.stack([np.broadcast_to(row, positions.shape[1:]) for row in rows]), positions)
+
+
+def _runs(curve: RadicandCurve, constants: Reals, at: Integers) -> _Runs:
+    """The interval of p² > 0 next to each sample, and what is crudely its action."""
+    grid = curve.samples()
+    squared = curve.value(grid[None, :], constants[:, :, None])
+    positive, size = squared > 0, len(grid)
+    rows, index = np.arange(len(at)), np.arange(size)
+    # a sample at rest has p² = 0: the interval begins on one of its sides
+    start = np.where(positive[rows, at], at, np.where(positive[rows, np.minimum(at + 1, size - 1)], at + 1, at - 1))
+    start = np.clip(start, 0, size - 1)
+    before = np.maximum.accumulate(np.where(positive, -1, index), axis=1)[rows, start]
+    after = np.minimum.accumulate(np.where(positive, size, index)[:, ::-1], axis=1)[:, ::-1][rows, start]
+    inside = (index > before[:, None]) & (index < after[:, None])
+    p = np.sqrt(np.where(inside, squared, 0))
+    steps = np.gradient(grid)
+    action = np.sum(p * steps, axis=1) / np.pi
+    bounded = (before >= 0) & (after < size) & positive[rows, start]
+    around = np.zeros(len(at), dtype=bool)
+    if curve.turn:
+        around = np.all(positive, axis=1)
+        action = np.where(around, action / 4, action)  # of two turns, by 2π instead of π
+        bounded = bounded | around
+    peaks = (squared[:, 1:-1] > squared[:, :-2]) & (squared[:, 1:-1] >= squared[:, 2:]) & inside[:, 1:-1]
+    maxima = np.where(around, 1, np.maximum(np.sum(peaks, axis=1), 1))
+    low, high = grid[np.maximum(before, 0)], grid[np.minimum(after, size - 1)]
+    return _Runs(low, high, action, bounded & np.isfinite(action), around, maxima)
+
+
+def _scores(tables: Sequence[_Runs], wanted: Wanted) -> Reals:
+    """How far crude actions are from those wanted; infinite where the kind does not allow them."""
+    total = np.zeros(len(tables[0].low))
+    least = 1e-3 * wanted.scale
+    for i, table in enumerate(tables):
+        goal = np.where(table.round, wanted.of(i, "rotation"), wanted.of(i, "libration"))
+        total = total + np.abs(np.log((table.action + least) / (np.abs(goal) + least)))
+        allowed = table.bounded & np.where(table.round, goal > 0, goal >= 0)
+        total = np.where(allowed, total, np.inf)
+    return total
+
+
+def _newton(
+    curves: Sequence[RadicandCurve], wanted: Wanted, begin: Reals, intervals: Sequence[tuple[float, float]],
+    kinds: Sequence[str],
+) -> Candidate | None:  # fmt: skip
+    """Solve J(α) = J from a sample; None where the steps lead nowhere."""
+    κ = begin.copy()
+    goals = np.array([wanted.of(i, kind) for i, kind in enumerate(kinds)])
+    size = np.abs(goals) + 1e-6 * wanted.scale
+    cycles = _cycles(curves, κ, intervals, kinds, goals)
+    if cycles is None:
+        return None
+    for _ in range(_STEPS):
+        residual = goals - np.array([c.action for c in cycles])
+        now = float(np.max(np.abs(residual) / size))
+        if now < _CLOSE:
+            break
+        try:
+            step = np.linalg.solve(np.stack([c.slopes[wanted.unknown] for c in cycles]), residual)
+        except np.linalg.LinAlgError:
+            return None
+        wells = [(c.low, c.high) for c in cycles]
+        for halving in range(_HALVINGS):
+            trial = κ.copy()
+            trial[wanted.unknown] += step * 2.0**-halving
+            new = _cycles(curves, trial, wells, kinds, goals)
+            if new is None:
+                continue
+            left = float(np.max(np.abs(goals - np.array([c.action for c in new])) / size))
+            if left < now * (1 - 2.0 ** -(halving + 3)):
+                κ, cycles = trial, new
+                break
+        else:
+            break
+    residual = goals - np.array([c.action for c in cycles])
+    # of a very small libration doubles see only the rounding of p²: whether it has this J is for many digits to tell
+    if any(abs(r) > 1e-2 * a and c.kind != "equilibrium" for r, a, c in zip(residual, size, cycles, strict=True)):
+        return None
+    return Candidate(κ, tuple(cycles))
+
+
+def _cycles(
+    curves: Sequence[RadicandCurve], κ: Reals, intervals: Sequence[tuple[float, float]], kinds: Sequence[str],
+    goals: Reals,
+) -> list[Cycle] | None:  # fmt: skip
+    """The cycles of all coordinates; None where one does not come back, or is of another kind."""
+    result = []
+    for curve, (low, high), kind, goal in zip(curves, intervals, kinds, goals, strict=True):
+        cycle = cycle_near(curve, κ, low, high, harmonic=goal == 0)
+        if cycle is None or not np.isfinite(cycle.action) or (cycle.kind == "rotation") != (kind == "rotation"):
+            return None
+        result.append(cycle)
+    return result
+
+
+def _same(curves: Sequence[RadicandCurve], one: Candidate, other: Candidate) -> bool:
+    """Whether two candidates are one torus: the same constants and wells."""
+    if not np.allclose(one.constants, other.constants, rtol=1e-6, atol=1e-12):
+        return False
+    for curve, a, b in zip(curves, one.cycles, other.cycles, strict=True):
+        apart = abs(a.top - b.top)
+        apart = min(apart, abs(apart - curve.turn)) if curve.turn else apart
+        width = max(a.high - a.low, b.high - b.low) + 1e-6 * (abs(a.top) + curve.turn)
+        if (a.kind == "rotation") != (b.kind == "rotation") or (a.kind != "rotation" and 2 * apart > width):
+            return False
+    return True

@@ -1,0 +1,175 @@
+"""Motions from actions and angles: against closed forms E(J), and back to the states that initial data give."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from mpmath import mp
+
+import hjsolve
+from tests.support import entries
+
+KEPLER = {"q": {"r": 1, "theta": "0.3"}, "velocity": {"r": "0.1", "theta": "1.2"}}
+SPHERICAL = {"q": {"theta": "1", "phi": "0.4"}, "velocity": {"theta": "0.2", "phi": "1"}}
+ROUND = {"q": {"theta": "0.2"}, "velocity": {"theta": "9"}}
+BACK = {"q": {"theta": "0.2"}, "velocity": {"theta": "-9"}}
+SWING = {"q": {"theta": "0.2"}, "velocity": {"theta": "1.2"}}
+TIME = "1.5"
+BOUNDED = {"libration", "rotation", "equilibrium", "ignorable"}
+
+
+def way_back(solution, motion, digits=15, parameters=None):
+    """The motion with the actions of another, and its angles at a time, started there."""
+    angles = motion.angles(TIME)
+    return solution.motion(
+        actions={name: J.value for name, J in motion.actions.items()}, angles=dict(angles.value), t0=TIME,
+        q={name: float(x) for name, x in motion.at(TIME).q.items()},
+        kinds={name: kind for name, kind in motion.kinds.items() if kind != "ignorable"}, digits=digits,
+        parameters=parameters,
+    )  # fmt: skip
+
+
+def gap(one, other, *, angle):
+    """Distance, of angles modulo 2π."""
+    with mp.workdps(60):
+        difference = mp.mpf(one) - mp.mpf(other)
+        return float(abs(difference - 2 * mp.pi * mp.nint(difference / (2 * mp.pi)) if angle else difference))
+
+
+def returns(solution, motion, back, allowed):
+    """Whether actions, angles and the state are those of the motion they came from."""
+    assert back.kinds == motion.kinds
+    for name, J in motion.actions.items():
+        found = back.actions[name]
+        assert abs(found.value - J.value) <= found.error + J.error, name
+    given, found = motion.angles(TIME), back.angles(TIME)
+    for name in given:
+        assert gap(given[name], found[name], angle=True) <= given.error[name] + found.error[name], name
+    state, again = motion.at(TIME), back.at(TIME)
+    sizes = {"q": 1.0, "p": max(abs(float(x)) for x in state.p.values()) or 1.0}
+    for group, size in sizes.items():
+        for name, x in getattr(state, group).items():
+            angle = group == "q" and solution.system.coordinate(name).domain.kind == "angle"
+            assert gap(x, getattr(again, group)[name], angle=angle) <= allowed * max(size, abs(float(x))), (group, name)
+
+
+@pytest.mark.parametrize(("J_r", "L"), [("0.2", "1"), ("0.7", "-0.3"), ("1e-20", 2), (0, 1), (0, -1), (3, "0.05")])
+def test_kepler_has_the_energy_of_the_closed_form(J_r, L):
+    motion = entries.solved("kepler-planar").motion(actions={"r": J_r, "theta": L}, angles={"theta": "0.5"}, digits=30)
+    with mp.workdps(50):
+        E = -1 / (2 * (mp.mpf(J_r) + abs(mp.mpf(L))) ** 2)
+        assert abs(motion.constants["E"].value - E) <= 1e-30 * abs(E)
+        frequency = 1 / (mp.mpf(J_r) + abs(mp.mpf(L))) ** 3
+        assert abs(motion.frequencies["r"].value - frequency) <= 1e-29 * frequency
+        assert abs(motion.angles(0)["theta"] - mp.mpf("0.5")) <= motion.angles(0).error["theta"] + 1e-30
+    assert motion.kinds["r"] == ("equilibrium" if J_r == 0 else "libration")
+
+
+def test_kepler_in_space_from_delaunay_actions():
+    """Planar, inclined and polar-circular tori have E = −1/(2 (J_r + J_θ + |J_φ|)²)."""
+    solution = entries.solved("kepler-spherical")
+    for J in (
+        {"r": 0, "theta": 0, "phi": 1},
+        {"r": "0.3", "theta": 0, "phi": -1},
+        {"r": 0, "theta": "0.4", "phi": "0.2"},
+    ):
+        motion = solution.motion(actions=J)
+        total = sum(abs(float(x)) for x in J.values())
+        assert motion.constants["E"].value == pytest.approx(-1 / (2 * total**2), rel=4e-16)
+        assert [motion.actions[name].value for name in J] == [float(x) for x in J.values()]
+
+
+@pytest.mark.parametrize("initial", [SWING, ROUND, BACK])
+def test_pendulum_returns_on_both_sides_of_the_separatrix(initial):
+    solution = entries.solved("pendulum")
+    motion = solution.motion(**initial)
+    returns(solution, motion, way_back(solution, motion), 1e-14)
+
+
+def test_thirty_digits_return():
+    solution = entries.solved("pendulum")
+    motion = solution.motion(**ROUND, digits=30)
+    returns(solution, motion, way_back(solution, motion, 30), 1e-28)
+
+
+@pytest.mark.parametrize("name", ["kepler-planar", "spherical-pendulum", "two-centres-space"])
+def test_states_return(name):
+    given = {"kepler-planar": KEPLER, "spherical-pendulum": SPHERICAL}
+    arguments = given.get(name) or {**entries.described(name).motions["default"].arguments}
+    solution = entries.solved(name)
+    motion = solution.motion(**arguments)
+    returns(solution, motion, way_back(solution, motion), 1e-13)
+
+
+def test_the_bottom_of_a_well_is_a_rest():
+    motion = entries.solved("pendulum").motion(actions={"theta": 0})
+    assert motion.kinds["theta"] == "equilibrium"
+    assert motion.actions["theta"].value == 0
+    assert motion.frequencies["theta"].value == pytest.approx(np.sqrt(9.81), rel=4e-16)
+
+
+def test_several_wells_are_listed_and_a_place_or_kind_chooses():
+    well = entries.solved("double-well")
+    with pytest.raises(hjsolve.InvalidInputError, match=r"several tori.*to -0\.873.*from 0\.873"):
+        well.motion(actions={"x": "0.01"})
+    right, left = (well.motion(actions={"x": "0.01"}, q={"x": x}) for x in (1, -1))
+    assert right.turning_points["x"][0].value == -left.turning_points["x"][1].value > 0
+    pendulum = entries.solved("pendulum")
+    with pytest.raises(hjsolve.InvalidInputError, match=r"several tori.*libration.*rotation"):
+        pendulum.motion(actions={"theta": "7.97"})
+    assert pendulum.motion(actions={"theta": "7.97"}, kinds={"theta": "libration"}).kinds["theta"] == "libration"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"actions": {"r": 1}}, "no value for theta"),
+        ({"actions": {"r": 1, "phi": 1}}, "known are r, theta"),
+        ({"actions": {"r": -1, "theta": 1}}, "librations need J >= 0"),
+        ({"actions": {"r": 1, "theta": 1}, "p": {"r": 0}}, "p: is not used"),
+        ({"actions": {"r": 1, "theta": 1}, "kinds": {"r": "orbit"}}, "one of libration"),
+        ({"q": {"r": 1, "theta": 0}, "angles": {"r": 1}}, "angles: is not used"),
+        ({"velocity": {"r": 1}}, "no q="),
+    ],
+)
+def test_bad_input_names_what_is_wrong(arguments, words):
+    with pytest.raises(hjsolve.InvalidInputError, match=words):
+        entries.solved("kepler-planar").motion(**arguments)
+
+
+def test_found_coordinates_are_refused():
+    plane = hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "-1/sqrt(x**2 + y**2)")
+    with pytest.raises(hjsolve.InvalidInputError, match="coordinates that were found"):
+        hjsolve.solve(plane, coordinates="find").motion(actions={"r": 1, "phi": 1})
+
+
+def test_no_pendulum_rotates_slower_than_on_its_separatrix():
+    with pytest.raises(hjsolve.InvalidInputError, match="separatrix"):
+        entries.solved("pendulum").motion(actions={"theta": "3.98"}, kinds={"theta": "rotation"})
+
+
+NOT_FOUND = {
+    "henon-heiles-kdv": "the search finds no start from which Newton's method reaches the torus",
+    "relativistic-oscillator": "the search in doubles does not yet take E with the rest energy",
+}
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(n, marks=pytest.mark.xfail(strict=True, raises=hjsolve.InvalidInputError, reason=NOT_FOUND[n]))
+        if n in NOT_FOUND
+        else n
+        for n in entries.separable()
+    ],
+)
+def test_every_bounded_motion_of_the_catalog_returns(name):
+    solution = entries.solved(name)
+    given = {**entries.described(name).motions["default"].arguments}
+    given.pop("digits", None)
+    motion = solution.motion(**given)
+    names = {c.name for c in solution.system.coordinates}
+    if set(motion.actions) != names or set(motion.frequencies) != names or not set(motion.kinds.values()) <= BOUNDED:
+        pytest.skip("no torus")
+    returns(solution, motion, way_back(solution, motion, parameters=given.get("parameters")), 1e-12)
