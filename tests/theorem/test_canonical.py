@@ -114,7 +114,7 @@ BOOK = {
         {}, ("F1",), "0",
     ),
 }  # fmt: skip
-QUICK = ("Ex 6-2", "Ex 6-5, a frame that moves", "Ex 6-9, a moving anchor", "Ex 6-10", "P6-11, turning axes")
+QUICK = ("Ex 6-5, a frame that moves", "Ex 6-9, a moving anchor", "Ex 6-10", "P6-11, turning axes")
 
 
 def _plain(x: sp.Expr | str) -> sp.Expr:
