@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import mpmath
 import numpy as np
 import pytest
@@ -169,3 +171,21 @@ def test_kinks_that_couple_coordinates_or_lie_elsewhere_are_refused_with_a_cure(
         hjsolve.System({"x": "line"}, "abs(x)*dot(x)**2/2", "x**2")
     with pytest.raises(InvalidSystemError, match="closed_forms"):
         hjsolve.closed_forms(hjsolve.System({"x": "line"}, "dot(x)**2/2", "abs(x)"))
+
+
+def test_a_report_says_what_the_sign_in_v_stands_for(tmp_path: Path) -> None:
+    """V = sign_x x stood there without a word."""
+    system = hjsolve.System({"x": "line"}, "dot(x)**2/2", "abs(x - 1)")
+    text = " ".join(hjsolve.report(system, tmp_path / "kink.txt", brief=True).read_text(encoding="utf-8").split())
+    assert "V has kinks or jumps where these signs change" in text
+    assert "= sgn(x − 1)" in text
+
+
+@pytest.mark.parametrize("digits", [15, 30])
+def test_w_of_an_escape_that_is_expanded_again(digits: int) -> None:
+    """W = x**(3/2) 2 sqrt(2)/3 of a body that falls from rest along V = -x; its series are summed in integers."""
+    system = hjsolve.System({"x": "0 < x"}, "dot(x)**2/2", "-x")
+    motion = hjsolve.solve(system).motion(q={"x": 1}, velocity={"x": "sqrt(2)"}, digits=digits)
+    for t in (1, 7):
+        x_then = (1 + exact.mpf(t) / exact.sqrt(2)) ** 2
+        assert within(motion.characteristic_function(t), 2 * exact.sqrt(2) / 3 * (x_then ** exact.mpf(1.5) - 1))

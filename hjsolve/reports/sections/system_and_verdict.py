@@ -120,6 +120,7 @@ def system_section(
     if system.relativity is not None:
         blocks.append(Paragraph((RELATIVISTIC,)))
     blocks += [formula(Glyph("T"), system.kinetic), formula(Glyph("V"), system.potential), *_letters(letters)]
+    blocks += _kinks(system)
     blocks.append(_coordinates(system, meanings))
     if system.parameters:
         blocks.append(_parameters(system))
@@ -135,6 +136,14 @@ def letters_of(system: System, momentum_squared: Mapping[str, sp.Expr]) -> dict[
     """
     shown = [system.kinetic, system.potential, hamiltonian(system), *momentum_squared.values()]
     return letters_for_sums(shown, [c.symbol for c in system.coordinates], [p.symbol for p in system.parameters])
+
+
+def _kinks(system: System) -> list[Block]:
+    """What the letters for signs in V stand for."""
+    if not system.kinks:
+        return []
+    told = "V has kinks or jumps where these signs change; between them each is a constant, 1 or −1:"
+    return [Paragraph((told,)), *(formula(name_box(kink.symbol.name), kink.sign) for kink in system.kinks)]
 
 
 def _letters(letters: Mapping[sp.Expr, sp.Symbol] | None) -> list[Block]:
