@@ -18,7 +18,7 @@ from hjsolve.algebra.integration import closed_form_potential
 from hjsolve.algebra.poly import Budget, WorkLimitError
 from hjsolve.algebra.reader import Reader
 from hjsolve.display.shown import Shown, listed_names
-from hjsolve.errors import InvalidInputError
+from hjsolve.errors import InvalidInputError, required
 from hjsolve.mechanics.brackets import bracket
 from hjsolve.precision import one_at_a_time
 from hjsolve.separation import Undecided
@@ -115,8 +115,7 @@ def canonical(
     count = len(new or coordinates or "1") if map is None else len(map) // 2
     space = read_variables(coordinates or _numbered("q", "p", count), domains or {}, parameters)
     if map is None:
-        assert generating is not None
-        formulas, ψ = map_of(generating, new or _numbered("Q", "P", len(space.pairs)), space, seconds)
+        formulas, ψ = map_of(required(generating), new or _numbered("Q", "P", len(space.pairs)), space, seconds)
     else:
         formulas, ψ = _formulas(map, space), None
     H = None if hamiltonian is None else read_formula(hamiltonian, space.symbols, "hamiltonian")

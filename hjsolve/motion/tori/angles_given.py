@@ -14,7 +14,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
-from hjsolve.errors import InternalError
+from hjsolve.errors import InternalError, required
 from hjsolve.formulas.read import number
 from hjsolve.motion.angles_along import oscillation_at, phase_of_zero
 from hjsolve.motion.exact_numbers import to_bits
@@ -83,8 +83,7 @@ def _in_first_turn(motion: SeparatedMotion, k: int, χ: Mpf) -> Mpf:
     course = motion.located[name].course
     if not course.rotates or motion.solution.system.coordinate(name).domain.kind != "angle":
         return χ
-    context, cycle = χ.context, course.cycle
-    assert cycle is not None
+    context, cycle = χ.context, required(course.cycle)
     turn = 2 * context.pi
     q = cycle.place(np.array([χ], dtype=object))[0][0]
     return χ - cycle.direction * turn * context.ceil(q / turn - context.mpf(1) / 2)
