@@ -34,7 +34,7 @@ def change_coordinates(
 ) -> System:
     """Write a system in other coordinates, q = f(Q).
 
-    T and V are transformed exactly: q̇ = ∂f/∂Q Q̇. The map must be regular, |∂f/∂Q| ≠ 0 on the whole domain of Q, and
+    T and V are transformed exactly: q̇ = ∂f/∂Q Q̇. The map must be regular, det(∂f/∂Q) ≠ 0 on the whole domain of Q, and
     stay in the domain of q. Both are proved, or the change is refused. It need not be one to one (polar angles are
     not).
 

@@ -92,10 +92,10 @@ class Solution(ShownSolution):
 
     @property
     def determinant(self) -> sp.Expr:
-        """|∂²S/∂q∂α| (5-48), which a complete integral keeps away from zero.
+        """det(∂²S/∂q∂α) (5-48), which a complete integral keeps away from zero.
 
         Rows are the separated coordinates, then the ignorable ones; columns their constants in the order of
-        ``constants``. It is the product of its diagonal blocks, |∂Pᵢ²/∂αⱼ|/Π 2Pᵢ (5-154) and 1, since ∂W/∂q of an
+        ``constants``. It is the product of its diagonal blocks, det(∂Pᵢ²/∂αⱼ)/Π 2Pᵢ (5-154) and 1, since ∂W/∂q of an
         ignorable coordinate is its own constant. 1 where every coordinate is ignorable.
         """
         alphas = [c.symbol for c in separation_constants(self.separation)]

@@ -1,6 +1,6 @@
 """verify(): is this W or S a complete integral of the Hamilton–Jacobi equation?
 
-    ∂S/∂t + H(q, ∂S/∂q) = 0 (5-52),  H(q, ∂W/∂q) = E (5-69),  |∂²S/∂q∂α| ≠ 0 (5-48)
+    ∂S/∂t + H(q, ∂S/∂q) = 0 (5-52),  H(q, ∂W/∂q) = E (5-69),  det(∂²S/∂q∂α) ≠ 0 (5-48)
 
 By Jacobi's theorem (5-53)–(5-62) the motion then follows from −β = ∂S/∂α and p = ∂S/∂q. No integral is evaluated:
 residual and determinant hold derivatives of the function alone.
@@ -36,7 +36,7 @@ class CompleteIntegral(Shown):
         constants: names of the constants α, as given.
         energy: E as a function of the constants where W was given, else None.
         residual: the left side of (5-52), as it follows from the formula; proved to vanish.
-        determinant: |∂²S/∂q_i∂α_j| (5-48), rows and columns as declared; proved not to vanish identically.
+        determinant: det(∂²S/∂q_i∂α_j) (5-48), rows and columns as declared; proved not to vanish identically.
         momenta: coordinate → p = ∂S/∂q (5-50).
         equations: constant → Jacobi's equation −β = ∂S/∂α (5-54); of the energy t − β_E = ∂W/∂E (5-71).
     """
