@@ -97,7 +97,7 @@ class Finding:
 
 @functools.cache
 def twin() -> Any | None:
-    """The quadruple integration, where heyoka is installed."""
+    """Return the quadruple integration, where heyoka is installed."""
     try:
         importlib.import_module("heyoka")
     except ImportError:
@@ -216,7 +216,7 @@ def _running_on(motion: Any, times: list[float]) -> Any:
 
 
 def _same_turn(truth: Any, value: Any) -> Any:
-    """The truth without the whole turns that a motion through poles does not count."""
+    """Return the truth without the whole turns that a motion through poles does not count."""
     true = exact.convert(truth)
     return true - 2 * exact.pi * exact.nint((true - exact.convert(value)) / (2 * exact.pi))
 
@@ -241,7 +241,7 @@ def _truth(second: Any, what: str, m: int) -> Any:
 
 
 def _passages(finding: Finding, motion: Any, better: Any) -> None:
-    """Times at which separated coordinates pass places of theirs."""
+    """Record the times at which separated coordinates pass places of theirs."""
     state = motion.at(0.37 * max(e.value for e in motion.periods.values()))
     for name in motion.separated.located:
         for passage in (0, 3):
@@ -255,7 +255,7 @@ def _passages(finding: Finding, motion: Any, better: Any) -> None:
 
 
 def _alone(better: Any) -> bool:
-    """True where times of passages are had to many digits: one separated coordinate."""
+    """Return True where times of passages are had to many digits: one separated coordinate."""
     return len(better.separated.located) == 1
 
 

@@ -43,7 +43,7 @@ def _in_turn(calls: list[Callable[[], Any]], count: int, repeats: int = 9) -> tu
 
 
 def measure(name: str, count: int) -> str:
-    """A row of the table."""
+    """Return a row of the table."""
     system = system_named(name)
     solution = hjsolve.solve(system, coordinates="find")
     if solution.chart is None:

@@ -22,7 +22,7 @@ SPACE = (
 
 @cache
 def made(number: int) -> tuple[int, str, str]:
-    """The potential of a number: how many coordinates, the web it was made in, and the text."""
+    """Return the potential of a number: how many coordinates, the web it was made in, and the text."""
     dice = random.Random(f"hidden web {number}")
     count = dice.choice((2, 3))
     kind = dice.choice((PLANE, SPACE)[count - 2])
@@ -47,7 +47,7 @@ def _frame(dice: random.Random, count: int) -> list[sp.Expr]:
 
 
 def _function(dice: random.Random, t: sp.Expr, closed: int = 0) -> sp.Expr:
-    """A random function of one variable; with ``closed`` the power of t that makes it grow."""
+    """Return a random function of one variable; with ``closed`` the power of t that makes it grow."""
     kind = dice.choice(("polynomial", "exponential", "rational", "root", "logarithm", "none"))
     a, b = _rational(dice, 10), sp.Rational(dice.randint(5, 20), 10)
     told = {

@@ -25,14 +25,14 @@ _DRAWS, _DIGITS, _HUGE = 200, 30, 1e12
 
 @cache
 def solved(name: str) -> tuple[hjsolve.Solution, float]:
-    """The solution of a system, and the seconds it took."""
+    """Return the solution of a system, and the seconds it took."""
     begin = time.process_time()
     solution = hjsolve.solve(system_named(name), coordinates="find")
     return solution, time.process_time() - begin
 
 
 def anywhere(name: str, index: int, seed: int) -> Start:
-    """The index-th random start of a system."""
+    """Return the index-th random start of a system."""
     dice, size = random.Random(f"{name} {index} {seed}"), SMALL.get(name, 1.0)
     names = [c.name for c in system_named(name).coordinates]
     return {
@@ -42,7 +42,7 @@ def anywhere(name: str, index: int, seed: int) -> Start:
 
 
 def with_zeros(name: str, index: int, seed: int) -> Start | None:
-    """The index-th start with zeros at which V is finite; None where none was found."""
+    """Return the index-th start with zeros at which V is finite; None where none was found."""
     dice, size, system = random.Random(f"{name} {index} {seed} zeros"), SMALL.get(name, 1.0), system_named(name)
     names, chart = [c.name for c in system.coordinates], solved(name)[0].chart
     for _ in range(_DRAWS):
@@ -89,6 +89,6 @@ def without_wall(name: str) -> tuple[bool, ...]:
 
 
 def value_of(text: str) -> mpmath.mpf:
-    """A number of a start, to 45 digits."""
+    """Return a number of a start, to 45 digits."""
     number = sp.N(sp.sympify(text, rational=True), 45)
     return mpmath.mpf(str(number))

@@ -84,7 +84,7 @@ SMALL = {"Hénon–Heiles, KdV": 0.15, "Hénon–Heiles, Sawada–Kotera": 0.25,
 
 
 def _lens() -> str:
-    """The integrable lens of Danilov and Nagaitsev, PRST-AB 13, 084002 (2010), eq. (29), in x and y.
+    """Return the integrable lens of Danilov and Nagaitsev, PRST-AB 13, 084002 (2010), eq. (29), in x and y.
 
     (ξ√(ξ² − 1) acosh ξ + η√(1 − η²)(acos η − π/2))/(ξ² − η²); ξ, η are half the sum and difference of the distances.
     """
@@ -98,7 +98,7 @@ def _text(V: Any) -> Any:
 
 
 def system_named(name: str) -> hjsolve.System:
-    """The system of a row; "random 17" is the seventeenth of ``charted_random``."""
+    """Return the system of a row; "random 17" is the seventeenth of ``charted_random``."""
     if name.startswith("random "):
         n, web, potential = charted_random.made(int(name.split()[1]))
         return hjsolve.System(dict.fromkeys("xyz"[:n], "line"), (T2, T3)[n - 2], potential, title=f"{name}, {web}")
@@ -108,5 +108,5 @@ def system_named(name: str) -> hjsolve.System:
 
 
 def centre_of(name: str) -> tuple[int, ...]:
-    """The middle of the box of starts."""
+    """Return the middle of the box of starts."""
     return (1, -2, 3) if name in made() else (0, 0, 0)

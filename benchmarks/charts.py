@@ -133,7 +133,7 @@ class Twin:
 
 @cache
 def twin(name: str, precision: str) -> Twin:
-    """The integration of a system, compiled once."""
+    """Return the integration of a system, compiled once."""
     return Twin(system_named(name), precision)
 
 
@@ -197,7 +197,7 @@ def _numbers(state: Any, names: Sequence[str], k: int) -> list[Any]:
 
 
 def _compare(finding: Finding, state: Any, claims: Any, better: Any) -> None:
-    """The state in doubles against the one of 30 digits."""
+    """Compare the state in doubles with the one of 30 digits."""
     names = list(finding.given["q"])
     with mpmath.workdps(45):
         for k in range(len(PERIODS)):
@@ -216,7 +216,7 @@ def _compare(finding: Finding, state: Any, claims: Any, better: Any) -> None:
 
 
 def _compare_truths(finding: Finding, better: Any, times: Sequence[float], *, followed: bool) -> None:
-    """The state of 30 digits against Taylor series."""
+    """Compare the state of 30 digits with Taylor series."""
     start = [*finding.given["q"].values(), *finding.given["velocity"].values()]
     names = list(finding.given["q"])
     near = twin(finding.system, "quad").states(start, times[:2])
@@ -239,7 +239,7 @@ def _apart(better: Any, other: Sequence[Any] | None, names: Sequence[str], k: in
 
 
 def fault_of(finding: Row) -> str:
-    """What is not right about a motion; empty where all is."""
+    """Return what is not right about a motion; empty where all is."""
     if finding["outcome"] != "ok":
         return str(finding["outcome"])
     faults = [s for s in finding["status"] if s != "ok"]
@@ -256,7 +256,7 @@ def fault_of(finding: Row) -> str:
 
 
 def _row(name: str, found: Sequence[Row]) -> str:
-    """A row of the table."""
+    """Return a row of the table."""
     solution, spent = solved(name)
     web = solution.chart.kind if solution.chart else "as given"
     seconds = sorted(f["seconds"] for f in found)

@@ -54,7 +54,7 @@ def in_turn(calls: dict[str, Call], repeats: int) -> tuple[dict[str, float], dic
 
 
 def known() -> dict[str, Any]:
-    """The orbits with references; see ``tests/support/kuzmin_kutuzov``."""
+    """Return the orbits with references; see ``tests/support/kuzmin_kutuzov``."""
     with np.load(stars.DATA / "kuzmin_kutuzov.npz") as file:
         return dict(file)
 
@@ -71,7 +71,7 @@ def galpy_rule() -> Any | None:
 
 
 def galpy_call(rule: Any, want: tuple[str, ...], rows: Any) -> Call:
-    """The same by galpy: rows J_R, J_φ, J_z, Ω_R, Ω_φ, Ω_z and angles."""
+    """Return the same by galpy: rows J_R, J_φ, J_z, Ω_R, Ω_φ, Ω_z and angles."""
     R, vR, vT, z, vz = rows.T
     if want == WANTS[0]:
         return lambda: rule(R, vR, vT, z, vz)
@@ -81,7 +81,7 @@ def galpy_call(rule: Any, want: tuple[str, ...], rows: Any) -> Call:
 
 
 def by_single_motions(rows: Any) -> dict[str, Any]:
-    """References for prolate rows by the engine of single motions, in 30 digits."""
+    """Return references for prolate rows by the engine of single motions, in 30 digits."""
     high, low, names = [], [], ("u", "w", "phi")
     for u, w, *momenta in rows.tolist():
         motion = stars.galaxy().motion(
@@ -108,7 +108,7 @@ def sample(family: str, count: int) -> tuple[Any, dict[str, Any]]:
 
 
 def our_call(solution: Any, rows: Any, **how: Any) -> Call:
-    """The public call, everything from arrays to a batch."""
+    """Return the public call, everything from arrays to a batch."""
     u, w, pu, pw, pφ = rows.T
     q, p = {"u": u, "w": w, "phi": 0.3}, {"u": pu, "w": pw, "phi": pφ}
     return lambda: hjsolve.ensemble(solution, q, p, threads=1, **how)
@@ -148,7 +148,7 @@ def galpy_quality(found: Any, references: dict[str, Any]) -> tuple[float, float]
 
 
 def head(text: str) -> Iterator[str]:
-    """The first two lines of a table."""
+    """Yield the first two lines of a table."""
     yield f"| {text} |"
     yield f"|{'---|' * (text.count('|') + 1)}"
 
@@ -159,7 +159,7 @@ def row(*cells: str) -> str:
 
 
 def families(count: int, repeats: int) -> Iterator[str]:
-    """Times and errors of all kinds of orbits."""
+    """Yield times and errors of all kinds of orbits."""
     solution, rule = stars.galaxy(), galpy_rule()
     yield from head(
         "orbits | wanted | ours, µs | galpy C, µs | ours/galpy | error/limit | error/claim | largest claim | ok, % "
@@ -334,7 +334,7 @@ def write(part: str, lines: list[str]) -> None:
 
 
 def surroundings() -> str:
-    """What the machine is doing: its load over the last minute, and its cores."""
+    """Return what the machine is doing: its load over the last minute, and its cores."""
     return f"load {os.getloadavg()[0]:.0f} on {os.cpu_count()} cores"
 
 

@@ -190,13 +190,13 @@ def drawn(name: str, field: Field, count: int, rng: np.random.Generator) -> tupl
 
 
 def _circular(field: Field, r: Any) -> float:
-    """The speed √(r V′) of a circular orbit."""
+    """Return the speed √(r V′) of a circular orbit."""
     h = r / arb(10) ** 30
     return float(sqrt(abs(r * (field.value(r + h) - field.value(r - h)) / (2 * h))))
 
 
 def system_of(name: str, field: Field) -> hjsolve.System:
-    """The system as somebody types it."""
+    """Return the system as somebody types it."""
     coordinates, kinetic = PLANE if field.plane else LINE
     return hjsolve.System({**coordinates, "r": DOMAINS.get(name, "0 < r")}, kinetic, field.potential)
 
@@ -228,7 +228,7 @@ def checked(name: str, field: Field, count: int, seed: int) -> tuple[Any, ...]:
 
 
 def rows(count: int, seed: int) -> Iterator[str]:
-    """The table, a line a field; the last one counts what is false."""
+    """Yield the table, a line a field; the last one counts what is false."""
     yield f"Seed {seed}, {surroundings()}."
     yield ""
     yield "| field | orbits | false | J_r: worst error/claim | Ω_r: worst error/claim | bound and not ok, % |"

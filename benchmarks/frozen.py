@@ -68,7 +68,7 @@ def doubles(values: Iterable[Any], parts: int) -> np.ndarray:
 
 
 def numbers(name: str, values: Iterable[Any], errors: Iterable[Any], parts: int) -> Table:
-    """A column and that of its claims; an empty list of errors where none are claimed."""
+    """Return a column and that of its claims; an empty list of errors where none are claimed."""
     claims = doubles(errors, 1)
     return {name: doubles(values, parts), **({f"error.{name}": claims} if claims.size else {})}
 
@@ -88,7 +88,7 @@ def estimates(name: str, found: Mapping[str, Any], parts: int) -> Table:
 
 
 def refused(error: hjsolve.HJSolveError) -> str:
-    """What was raised, without a text that a rewording would change."""
+    """Return what was raised, without a text that a rewording would change."""
     return f"raised {type(error).__name__}"
 
 
@@ -124,7 +124,7 @@ def of_one(motion: Any, want: tuple[str, ...] | None, parts: int) -> Table:
 
 
 def around(data: Any, motion: Any) -> dict[str, dict[str, np.ndarray]]:
-    """Starts of an ensemble around the start of a motion."""
+    """Return starts of an ensemble around the start of a motion."""
     values, powers = motion.initial.values, np.arange(_ORBITS) - _ORBITS // 2
     system, given = motion.solution.system, {}
     for which, factor in (("q", 1.01), ("p", 1.003)):
@@ -134,7 +134,7 @@ def around(data: Any, motion: Any) -> dict[str, dict[str, np.ndarray]]:
 
 
 def of_many(solution: Any, starts: dict[str, Any], want: tuple[str, ...] | None) -> Table:
-    """The columns of an ensemble."""
+    """Return the columns of an ensemble."""
     batch = hjsolve.ensemble(solution, **starts, want=want, threads=1, shown=False)
     return {name: np.asarray(column, dtype=np.float64).reshape(-1, 1) for name, column in batch.columns.items()}
 
@@ -205,7 +205,7 @@ def read(path: Path) -> tuple[dict[str, str], Table]:
 
 
 def claims_of(name: str, table: Table, length: int) -> list[Any]:
-    """The claims that belong to a column; zeros where it has none."""
+    """Return the claims that belong to a column; zeros where it has none."""
     key, _, quantity = name.rpartition(" / ")
     found = table.get(f"{key} / error.{quantity}")
     return [mp.mpf(0)] * length if found is None or isinstance(found, str) else [mp.mpf(x) for x in found[:, 0]]
@@ -250,7 +250,7 @@ def compare(old: Path, new: Path) -> int:
 
 
 def frozen(names: Iterable[str], processes: int) -> Iterator[Table]:
-    """The columns of the entries."""
+    """Yield the columns of the entries."""
     with ProcessPoolExecutor(processes) as pool:
         yield from pool.map(columns_of, names)
 

@@ -23,7 +23,7 @@ Array = Any
 
 
 def galaxy() -> hjsolve.Solution:
-    """The galaxy in prolate coordinates as somebody types it, c² being a parameter."""
+    """Return the galaxy in prolate coordinates as somebody types it, c² being a parameter."""
     return hjsolve.solve(
         hjsolve.System(
             coordinates={"u": "0 < u", "w": "-pi/2 < w < pi/2", "phi": "angle"},
@@ -74,7 +74,7 @@ def family(name: str, count: int, seed: int = 1) -> Array:
 
 
 def disc_and_halo(count: int, seed: int = 2) -> Array:
-    """A thin disc (75 %), a thick disc (15 %) and a halo (10 %), roughly those of the Milky Way with Δ = 4 kpc.
+    """Return a thin disc (75 %), a thick disc (15 %) and a halo (10 %), roughly those of the Milky Way with Δ = 4 kpc.
 
     Discs: surface density falls like exp(−R/0.65) beyond R = 0.2, heights like sech² of 0.07 or 0.22; dispersions of
     v_R, v_T, v_z of 0.16, 0.11, 0.09 of v_c, or 0.3, 0.22, 0.2, and the mean v_T lags by 0.02 or 0.12 v_c. Halo: radii

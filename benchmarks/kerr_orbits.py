@@ -8,7 +8,7 @@ import numpy as np
 
 
 def about_kerr(rng: np.random.Generator, n: int, *, barely: bool = False) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Starts of bound orbits about a black hole of spin 0.9, in the equator; some only just bound away from it.
+    """Return starts of bound orbits about a black hole of spin 0.9, in the equator; some only just bound away from it.
 
     E of a turning point r of given L and Q solves R(r) = 0, R of Carter (1968); the separatrix has that of the barrier.
     """

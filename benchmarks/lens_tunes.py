@@ -29,13 +29,13 @@ _CLOSE, _LONGER = 1e-10, 16
 
 
 def particles(count: int, seed: int = 1) -> Any:
-    """Starts x, y, vx, vy inside |x| < 1, well away from the foci; shape (4, count)."""
+    """Return starts x, y, vx, vy inside |x| < 1, well away from the foci; shape (4, count)."""
     dice = np.random.default_rng(seed)
     return np.concatenate([dice.uniform(-0.5, 0.5, (2, count)), dice.uniform(-0.4, 0.4, (2, count))])
 
 
 def tracker() -> Any:
-    """The equations of x, y, their velocities, and f."""
+    """Return the equations of x, y, their velocities, and f."""
     x, y, vx, vy, a, b = hy.make_vars("x", "y", "vx", "vy", "a", "b")
     real, imaginary = 1.0 - x * x + y * y, -2.0 * x * y  # 1 − z²
     size = real * real + imaginary * imaginary
@@ -60,7 +60,7 @@ def track(flow: Any, start: Any, times: Any) -> Any:
 
 
 def frequency(signal: Any, times: Any) -> float:
-    """The frequency of the largest line of a signal."""
+    """Return the frequency of the largest line of a signal."""
     span = times[-1] - times[0]
     phase = np.pi * (2 * (times - times[0]) / span - 1)
     windowed = (signal - np.mean(signal)) * (1 + np.cos(phase)) ** _WINDOW

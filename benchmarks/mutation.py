@@ -144,7 +144,7 @@ class Mutant:
 
 
 def _changes(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
-    """A copy of the node for every way to change it."""
+    """Yield a copy of the node for every way to change it."""
 
     def copied() -> ast.AST:
         return copy.deepcopy(node)
@@ -211,7 +211,7 @@ def mutants(module: str) -> list[Mutant]:
 
 
 def killed(mutant: Mutant, folder: Path, limit: float) -> str:
-    """The first test that fails, or an empty text."""
+    """Return the first test that fails, or an empty text."""
     target = folder / "hjsolve" / f"{mutant.module}.py"
     kept = target.read_text(encoding="utf-8")
     target.write_text(mutant.source, encoding="utf-8")

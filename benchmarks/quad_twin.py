@@ -37,7 +37,7 @@ def quad(x: Any) -> Any:
 
 
 def _built(expr: sp.Expr, known: Mapping[sp.Symbol, Any]) -> Any:
-    """A sympy expression as a heyoka one, every number in quadruple precision."""
+    """Return a sympy expression as a heyoka one, every number in quadruple precision."""
     if expr in known:
         return known[expr]
     if not expr.free_symbols:
@@ -94,7 +94,7 @@ def _energy(name: str) -> Callable[..., Any]:
 
 
 def _kept(name: str, before: Sequence[Any], after: Sequence[Any], parameters: Sequence[Any]) -> bool:
-    """True where the energy is the same: a step over a singularity, as r = 0, changes it."""
+    """Return True where the energy is the same: a step over a singularity, as r = 0, changes it."""
     energy, half = _energy(name), len(after) // 2
     try:
         first, last = (energy(*state, *parameters) for state in (before, after))
@@ -110,7 +110,7 @@ def ready(name: str) -> None:
 
 
 def _used(name: str) -> list[str]:
-    """The parameters that Hamilton's equations hold."""
+    """Return the parameters that Hamilton's equations hold."""
     there = {s.name for s in _formulas(name)[0].free_symbols}
     return [p.name for p in catalog.describe(name).system.parameters if p.name in there]
 

@@ -22,7 +22,7 @@ ELLIPSOIDAL_LIMITS = {3: 1.0, 4: 5.0, 5: 30.0}
 
 
 def measured(system: System, runs: int = RUNS) -> tuple[object, float]:
-    """The verdict and the best time of several runs, in seconds; one run is enough where it is slow."""
+    """Return the verdict and the best time of several runs, in seconds; one run is enough where it is slow."""
     best, verdict = float("inf"), None
     for _ in range(runs):
         start = time.process_time()

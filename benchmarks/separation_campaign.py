@@ -37,7 +37,7 @@ def cases(count: int) -> Iterator[tuple[int, Case]]:
 
 
 def _alternating(n: int) -> Iterator[Case]:
-    """A separable case and a near miss from the same seed, wherever the random metric is regular."""
+    """Yield a separable case and a near miss from the same seed, wherever the random metric is regular."""
     seed = 100_000 * n
     while True:
         seed += 1

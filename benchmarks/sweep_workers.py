@@ -109,7 +109,7 @@ def billion(price: Run, size: float, memory: float) -> None:
 
 
 def priced(runs: list[Run], count: int) -> Run:
-    """The medians over some runs, µs an orbit.
+    """Return the medians over some runs, µs an orbit.
 
     Args:
         runs: with one number of workers.
@@ -173,7 +173,7 @@ def spent(process: int) -> float:
 
 @contextmanager
 def cluster(folder: Path, workers: int) -> Iterator[tuple[str, list[int]]]:
-    """A scheduler and workers of one thread: their address and the ids of the processes.
+    """Yield a scheduler and workers of one thread: their address and the ids of the processes.
 
     Args:
         folder: for their files.

@@ -122,7 +122,7 @@ def by_digits() -> dict[str, list[dict[str, float]]]:
 
 
 def by_separatrix() -> dict[str, list[dict[str, float]]]:
-    """The pendulum's period at an amplitude with k'² = 1 − k² = 10^−n, from its exact energy."""
+    """Return the pendulum's period at an amplitude with k'² = 1 − k² = 10^−n, from its exact energy."""
     import hjsolve
     from hjsolve.arithmetic.work_counter import counted
 

@@ -60,7 +60,7 @@ LINES = (
 
 
 def form_of(entry: str) -> RegimeForms:
-    """The forms of an entry's own motion.
+    """Return the forms of an entry's own motion.
 
     Args:
         entry: of the catalog.
@@ -86,7 +86,7 @@ def _left(name: str) -> str:
 
 
 def written(line: Line) -> str:
-    """The line as MyST text.
+    """Return the line as MyST text.
 
     Args:
         line: of the page.
@@ -118,7 +118,7 @@ def written(line: Line) -> str:
 
 
 def page() -> str:
-    """The whole page."""
+    """Return the whole page."""
     head = (
         "# Closed forms of classical systems\n\n"
         "Printed by `python docs/classical_forms.py` from the catalog. Each form is derived, differentiated back and\n"

@@ -67,7 +67,7 @@ def row_of(name: str, seconds: float) -> Row:
 
 
 def described(form: RegimeForms | None) -> str:
-    """What kind of forms there are of time law, orbit equations, W and numbers of cycles.
+    """Return what kind of forms there are of time law, orbit equations, W and numbers of cycles.
 
     Args:
         form: of a regime.

@@ -81,7 +81,7 @@ def reported(name: str, folder: Path) -> Card:
 
 
 def card_of(name: str, report: str) -> Card:
-    """The card of an entry.
+    """Return the card of an entry.
 
     Args:
         name: its id.
@@ -96,7 +96,7 @@ def card_of(name: str, report: str) -> Card:
 
 
 def page(groups: dict[str, list[Card]]) -> str:
-    """The page with all cards, in Markdown.
+    """Return the page with all cards, in Markdown.
 
     Args:
         groups: kind of entry → its cards.

@@ -146,7 +146,7 @@ def __getattr__(name: str) -> Any:
 
 
 def _renamed(name: str) -> Any:
-    """The value of a name that was given up, with a warning that says what to write."""
+    """Return the value of a name that was given up, with a warning that says what to write."""
     import warnings
 
     new = _RENAMED[name]

@@ -91,7 +91,7 @@ def refuse_unused(given: Mapping[str, bool], reason: str) -> None:
 
 
 def table(value: object, source: str, example: str = '{"r": 1}') -> Mapping[str, Any]:
-    """A table name → value, None counting as empty; Greek letters in names are spelled.
+    """Return a table name → value, None counting as empty; Greek letters in names are spelled.
 
     Args:
         value: what came.
@@ -111,7 +111,7 @@ def table(value: object, source: str, example: str = '{"r": 1}') -> Mapping[str,
 
 
 def ascii_name(name: Any) -> Any:
-    """A name with its Greek letters spelled: ``θ1`` is theta1, ``p_φ`` is p_phi, ``λ`` is lam, ``Ω`` is Omega.
+    """Return a name with its Greek letters spelled: ``θ1`` is theta1, ``p_φ`` is p_phi, ``λ`` is lam, ``Ω`` is Omega.
 
     Letters that have no such name are left as they are, and so is what is no text.
 
@@ -152,7 +152,7 @@ def words(value: object, source: str, example: str) -> frozenset[str]:
 
 
 def whole(value: object, source: str, lowest: int | None = None, highest: int | None = None) -> int:
-    """A whole number; ``True`` is none.
+    """Return a whole number; ``True`` is none.
 
     Args:
         value: what came.
@@ -169,7 +169,7 @@ def whole(value: object, source: str, lowest: int | None = None, highest: int | 
 
 
 def digits(value: object) -> int:
-    """How many digits are asked.
+    """Return how many digits are asked.
 
     Args:
         value: what came.
@@ -181,7 +181,7 @@ def digits(value: object) -> int:
 
 
 def seconds(value: object, source: str) -> float:
-    """A number of seconds, from 0 on; ``math.inf`` is one.
+    """Return a number of seconds, from 0 on; ``math.inf`` is one.
 
     Args:
         value: what came.
@@ -199,7 +199,7 @@ def seconds(value: object, source: str) -> float:
 
 
 def described(value: object) -> str:
-    """A value as a message shows it: itself where that is short, else its kind.
+    """Return a value as a message shows it: itself where that is short, else its kind.
 
     Args:
         value: what came.

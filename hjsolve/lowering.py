@@ -114,7 +114,10 @@ def recentred(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
 
 
 def _shortest(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
-    """A polynomial in q of degree 2 or more about −cₙ₋₁/(n cₙ), where that leaves fewer terms; else as it stands."""
+    """Return a polynomial in q of degree 2 or more about −cₙ₋₁/(n cₙ), where that leaves fewer terms.
+
+    Else as it stands.
+    """
     if not e.is_Add or not e.is_polynomial(q):
         return e
     polynomial = sp.Poly(e, q)
@@ -144,13 +147,15 @@ def over_one_denominator(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
 
 
 def _denominators(term: sp.Expr, q: sp.Symbol) -> set[sp.Expr]:
-    """Sums with q below the line of a product, without their constant factors."""
+    """Return sums with q below the line of a product, without their constant factors."""
     bases = (factor.as_base_exp()[0] for factor in sp.Mul.make_args(sp.fraction(term)[1]))
     return {sp.factor_terms(base).as_coeff_Mul()[1] for base in bases if base.is_Add and base.has(q)}
 
 
 def _tamed(e: sp.Expr) -> sp.Expr:
-    """A product without huge numbers over huge ones: tanh for sinh/cosh, 1/(1 + exp(−x)) for exp(x)/(1 + exp(x)).
+    """Return a product without huge numbers over huge ones.
+
+    Tanh for sinh/cosh, 1/(1 + exp(−x)) for exp(x)/(1 + exp(x)).
 
     Far out both overflow, and over an interval nothing would be known of the quotient.
     """
@@ -182,7 +187,7 @@ def _shared_exponential(e: sp.Expr, below: sp.Add, n: int) -> sp.Expr:
 
 
 def _times_exponential(term: sp.Expr, exponent: sp.Expr) -> sp.Expr:
-    """A product times exp(exponent), its exponentials made one."""
+    """Return a product times exp(exponent), its exponentials made one."""
     factors = sp.Mul.make_args(term)
     rest = [factor for factor in factors if not isinstance(factor, sp.exp)]
     return sp.Mul(*rest, sp.exp(sp.expand(exponent + sum(f.args[0] for f in factors if isinstance(f, sp.exp)))))

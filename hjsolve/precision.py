@@ -195,7 +195,7 @@ def _in_own_context(context: FixedContext, name: str, args: tuple[Any, ...], nam
 
 
 def _moved(x: Any, to: MPContext, home: MPContext) -> Any:
-    """A number, matrix, sequence or function of numbers of one context as that of another."""
+    """Return a number, matrix, sequence or function of numbers of one context as that of another."""
     if hasattr(x, "_mpf_") or hasattr(x, "_mpc_"):
         return to.convert(x)
     if isinstance(x, list | tuple):
@@ -276,7 +276,7 @@ def for_any_context(function: Callable[..., Any]) -> Callable[..., Any]:
 
 # ------------------------------------------------------------------------------------------------ pickling
 def _reduced(x: Any) -> tuple[Callable[..., Any], tuple[Any, ...]]:
-    """What a number is pickled as: the precision of its context, None of ``mp``, and its parts."""
+    """Return what a number is pickled as: the precision of its context, None of ``mp``, and its parts."""
     parts = (x._mpf_,) if hasattr(x, "_mpf_") else x._mpc_
     return _restored, (_bits(x.context), *(tuple(int(part) for part in number) for number in parts))
 

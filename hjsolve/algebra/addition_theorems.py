@@ -31,7 +31,7 @@ def _has_angles_of_constants(e: sp.Expr, q: sp.Symbol) -> bool:
 
 
 def _one(e: sp.Add, q: sp.Symbol) -> sp.Expr:
-    """A sum of products of sines and cosines as a sum of them; where only one holds q, by its half angle."""
+    """Return a sum of products of sines and cosines as a sum of them; where only one holds q, by its half angle."""
     plain = sp.expand(TR8(e))
     waves = [x for x in plain.atoms(sp.sin, sp.cos) if x.has(q)]
     if len(waves) != 1:

@@ -64,7 +64,7 @@ class _Bound:
 
 
 def _log2(n: int) -> float:
-    """An upper bound of log₂ n, at least 0."""
+    """Return an upper bound of log₂ n, at least 0."""
     return 0.0 if n <= 1 else math.log2(n) + _SLACK if n < 2**900 else float(n.bit_length())
 
 
@@ -117,7 +117,7 @@ class _Measure:
 
 
 def algebraic_is_zero(x: sp.Expr) -> bool:
-    """Whether an algebraic constant is zero.
+    """Return whether an algebraic constant is zero.
 
     Args:
         x: without symbols.
@@ -167,7 +167,7 @@ class _Form:
 
 
 def constant_is_zero(x: sp.Expr) -> bool | None:
-    """Whether a constant is zero; None where these rules do not tell.
+    """Return whether a constant is zero; None where these rules do not tell.
 
     Args:
         x: with logarithms and inverse functions of algebraic numbers only as ``log`` and ``atan``, see ``elementary``.
@@ -208,7 +208,7 @@ def _is_primitive(x: sp.Expr) -> bool:
 
 
 def _transcendental(x: sp.Expr) -> bool:
-    """Whether π, a logarithm or an arc tangent stands outside of a sine or cosine of an angle."""
+    """Return whether π, a logarithm or an arc tangent stands outside of a sine or cosine of an angle."""
     if isinstance(x, (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)):
         return not (x.args[0] / sp.pi).is_Rational
     return _is_primitive(x) or any(map(_transcendental, x.args))
@@ -228,7 +228,7 @@ def _form(terms: list[sp.Expr]) -> _Form:
 
 
 def _vanishes(form: _Form) -> bool:
-    """Proof that both the sum of logarithms and the sum of angles are zero."""
+    """Return proof that both the sum of logarithms and the sum of angles are zero."""
     logarithms = {a: r for a, r in form.logarithms.items() if r}
     angles = {a: r for a, r in form.angles.items() if r}
     if logarithms:
@@ -255,7 +255,10 @@ def _vanishes(form: _Form) -> bool:
 
 
 def _product(a: Pair, b: Pair) -> Pair:
-    """The product of two complex numbers; what is irrational is left as it is, what is rational multiplied out."""
+    """Return the product of two complex numbers.
+
+    What is irrational is left as it is, what is rational multiplied out.
+    """
     real, imaginary = a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]
     return sp.expand_mul(real), sp.expand_mul(imaginary)
 

@@ -51,7 +51,9 @@ class AnalyticPiece:
 def analytic_pieces(
     functions: Sequence[sp.Expr], t: sp.Symbol, ends: Sequence[Ends], budget: Budget
 ) -> Iterator[AnalyticPiece]:
-    """The pieces of intervals between the critical points of some functions: zeros of what is divided by or rooted.
+    """Yield the pieces of intervals between the critical points of some functions.
+
+    Zeros of what is divided by or rooted.
 
     Args:
         functions: algebraic in t.
@@ -80,7 +82,7 @@ def _pieces(polynomial: sp.Poly, t: sp.Symbol, low: sp.Expr | None, high: sp.Exp
 def _apart(
     polynomial: sp.Poly, low: sp.Expr | None, high: sp.Expr | None, at_end: Sequence[bool], digits: int
 ) -> list[AnalyticPiece] | None:
-    """The pieces where roots and ends are told apart at this accuracy, else None."""
+    """Return the pieces where roots and ends are told apart at this accuracy, else None."""
     eps = sp.Rational(1, 10**digits)
     roots = [] if polynomial.degree() == 0 else [pair for pair, _ in polynomial.intervals(eps=eps)]
     begin, end = (None if e is None else _enclosed(e, digits) for e in (low, high))
@@ -125,7 +127,7 @@ def _rational(x: mpmath.mpf) -> sp.Rational:
 
 
 def _critical(functions: Sequence[sp.Expr], t: sp.Symbol, budget: Budget) -> sp.Poly:
-    """A squarefree polynomial among whose real roots are all zeros and poles of radicands and denominators."""
+    """Return a squarefree polynomial among whose real roots are all zeros and poles of radicands and denominators."""
     letters: dict[tuple[sp.Expr, int], sp.Symbol] = {}
     relations: list[tuple[sp.Symbol, sp.Expr]] = []
     watched: list[sp.Expr] = []
@@ -156,7 +158,7 @@ def _critical(functions: Sequence[sp.Expr], t: sp.Symbol, budget: Budget) -> sp.
 
 
 def _norm(x: sp.Expr, t: sp.Symbol, relations: Sequence[tuple[sp.Symbol, sp.Expr]], budget: Budget) -> sp.Poly:
-    """A polynomial in t that vanishes where x does; the roots are eliminated, the last ones first."""
+    """Return a polynomial in t that vanishes where x does; the roots are eliminated, the last ones first."""
     for letter, relation in reversed(relations):
         if not x.has(letter):
             continue

@@ -74,7 +74,7 @@ class AlgebraicCurve:
         return t**n if isinstance(node, sp.exp) else _hyperbolic(node.func, t**n)
 
     def values(self, f: sp.Expr, place: sp.Rational) -> list[sp.Expr]:
-        """The values of f at the places of x where t is a rational number; one for each turn of an angle.
+        """Return the values of f at the places of x where t is a rational number; one for each turn of an angle.
 
         Args:
             f: of x alone.
@@ -121,7 +121,7 @@ def _multiple(argument: sp.Expr, x: sp.Symbol, unit: sp.Expr) -> sp.Rational:
 
 
 def curve_of(functions: Sequence[sp.Expr], x: sp.Symbol, bounds: Bounds) -> AlgebraicCurve:
-    """The parameter for functions of x on an interval.
+    """Return the parameter for functions of x on an interval.
 
     Args:
         functions: of x alone.
@@ -146,7 +146,7 @@ def curve_of(functions: Sequence[sp.Expr], x: sp.Symbol, bounds: Bounds) -> Alge
 
 
 def _unit(arguments: Sequence[sp.Expr], x: sp.Symbol) -> tuple[sp.Expr, sp.Expr]:
-    """Unit and shift of w = unit·x + shift, of which every argument is a whole multiple; unit is positive."""
+    """Return unit and shift of w = unit·x + shift, of which every argument is a whole multiple; unit is positive."""
     pairs = []
     for a in arguments:
         a = sp.expand(a)
@@ -170,7 +170,7 @@ def _unit(arguments: Sequence[sp.Expr], x: sp.Symbol) -> tuple[sp.Expr, sp.Expr]
 
 
 def _turned(low: sp.Expr | None, high: sp.Expr | None) -> tuple[tuple[Ends, ...], tuple[tuple[int, ...], ...]]:
-    """The intervals of tan(w/2) that w runs through, each with its turns; all of the line where w has no end."""
+    """Return the intervals of tan(w/2) that w runs through, each with its turns; all of the line where w has no end."""
     if low is None or high is None:
         return ((None, None),), ()
     first, last = (sp.floor((e / sp.pi + 1) / 2) for e in (low, high))

@@ -54,7 +54,7 @@ class ElementArithmetic(Protocol):
     generators: list[Generator]
 
     def coerce(self, value: Element | int | Fraction) -> Element:
-        """A number as an element."""
+        """Read a number as an element."""
 
     def total(self, elements: Sequence[Element]) -> Element:
         """Sum."""
@@ -115,7 +115,7 @@ class Element:
         return frozenset(k for k, _ in poly.exponents(seen))
 
     def depends_on(self, symbol: sp.Symbol) -> bool:
-        """Whether the symbol occurs in any generator present.
+        """Return whether the symbol occurs in any generator present.
 
         Args:
             symbol: a coordinate or parameter.

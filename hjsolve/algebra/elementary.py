@@ -25,7 +25,7 @@ PRIMITIVES = (*INVERSE_CIRCULAR, *INVERSE_HYPERBOLIC)
 
 
 def composed(x: sp.Expr) -> sp.Expr:
-    """The same function with exponentials and circular functions of inverse functions made algebraic.
+    """Return the same function with exponentials and circular functions of inverse functions made algebraic.
 
     Args:
         x: a function of one variable, as an expression.
@@ -34,7 +34,7 @@ def composed(x: sp.Expr) -> sp.Expr:
 
 
 def at_one_place(x: sp.Expr) -> sp.Expr:
-    """The same constant with inverse functions only as log and atan.
+    """Return the same constant with inverse functions only as log and atan.
 
     Args:
         x: an expression without symbols.
@@ -52,7 +52,7 @@ def _rewritten(x: sp.Expr, rules: dict[object, Rule]) -> sp.Expr:
 
 
 def _exponential(w: sp.Expr) -> sp.Expr:
-    """The exponential of w, with exp(r log u) as u^r."""
+    """Return the exponential of w, with exp(r log u) as u^r."""
     powers, rest = [], []
     for term in sp.Add.make_args(sp.expand_mul(w)):
         c, f = term.as_coeff_Mul()

@@ -44,7 +44,7 @@ def factors_of(a: Poly) -> list[tuple[Poly, int]]:
 
 
 def factored(expression: sp.Expr) -> sp.Expr:
-    """A polynomial in whatever it holds as a product of factors, irreducible where that is cheap.
+    """Return a polynomial in whatever it holds as a product of factors, irreducible where that is cheap.
 
     Args:
         expression: a polynomial in symbols, functions and roots, with rational coefficients; others come back as given.
@@ -64,7 +64,7 @@ def factored(expression: sp.Expr) -> sp.Expr:
 
 
 def irreducible(f: Element) -> Factors:
-    """Factors of a polynomial up to a constant, each prime to the others; irreducible where that is cheap.
+    """Return factors of a polynomial up to a constant, each prime to the others; irreducible where that is cheap.
 
     Args:
         f: a polynomial.
@@ -96,7 +96,7 @@ def _small(f: Element) -> bool:
 
 
 def _coefficients(f: Element, k: int) -> dict[int, Element]:
-    """The coefficients of f as a polynomial in generator k, by its power; they hold the others only."""
+    """Return the coefficients of f as a polynomial in generator k, by its power; they hold the others only."""
     found: dict[int, dict[tuple[int, ...], Any]] = {}
     for monomial, c in f.terms():
         found.setdefault(monomial[k], {})[(*monomial[:k], 0, *monomial[k + 1 :])] = c

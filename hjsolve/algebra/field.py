@@ -55,7 +55,7 @@ class Field:
     # generators ------------------------------------------------------------------------------------------------------
 
     def number_of(self, atom: sp.Expr) -> int | None:
-        """Number of the generator that stands for this expression, if there is one.
+        """Return number of the generator that stands for this expression, if there is one.
 
         Args:
             atom: the expression a generator stands for.
@@ -77,7 +77,7 @@ class Field:
         return k
 
     def generator(self, k: int, e: int = 1) -> Element:
-        """Generator k to the power e.
+        """Return generator k to the power e.
 
         Args:
             k: its number.
@@ -93,7 +93,7 @@ class Field:
     # making elements -------------------------------------------------------------------------------------------------
 
     def coerce(self, value: Element | int | Fraction) -> Element:
-        """A number as an element.
+        """Return a number as an element.
 
         Args:
             value: a rational number.
@@ -159,7 +159,7 @@ class Field:
         return Element(self, coefficient, a, exponents)
 
     def reduce(self, a: Poly) -> Poly:
-        """Normal form of a polynomial modulo the relations.
+        """Return normal form of a polynomial modulo the relations.
 
         Args:
             a: a polynomial.
@@ -199,7 +199,7 @@ class Field:
     # bases -----------------------------------------------------------------------------------------------------------
 
     def _base(self, a: Poly) -> int:
-        """Number of a primitive base polynomial, registered when new."""
+        """Return number of a primitive base polynomial, registered when new."""
         name = poly.key(a)
         if name not in self._base_numbers:
             self._base_numbers[name] = len(self.bases)
@@ -236,7 +236,7 @@ class Field:
         return tuple(found.items())
 
     def factored(self, x: Element) -> Element:
-        """The same element with its numerator moved into the factors.
+        """Return the same element with its numerator moved into the factors.
 
         Args:
             x: an element.
@@ -289,7 +289,7 @@ class Field:
         return self._reduced_factors(y.coefficient**n, {0: 1}, {b: n * e for b, e in y.factors.items()})
 
     def total(self, elements: Iterable[Element]) -> Element:
-        """Sum over the common denominator; factors that all terms share are not expanded.
+        """Return sum over the common denominator; factors that all terms share are not expanded.
 
         Args:
             elements: elements of the field.
@@ -313,7 +313,7 @@ class Field:
         return self.from_poly(numerator, Fraction(1, denominator), shared)
 
     def cancelled(self, x: Element) -> Element:
-        """The same element after dividing the numerator by the denominators that divide it exactly.
+        """Return the same element after dividing the numerator by the denominators that divide it exactly.
 
         Args:
             x: an element.
@@ -327,7 +327,7 @@ class Field:
         return self.from_poly(a, x.coefficient, factors)
 
     def expanded(self, x: Element) -> Element:
-        """The same element with its positive factors multiplied into the numerator.
+        """Return the same element with its positive factors multiplied into the numerator.
 
         Args:
             x: an element.
@@ -354,5 +354,5 @@ class Field:
 
 
 def _fill(seen: int) -> int:
-    """Every bit of every field that is non-zero in ``seen``."""
+    """Return every bit of every field that is non-zero in ``seen``."""
     return sum(poly.FIELD << (poly.BITS * k) for k, _ in poly.exponents(seen))

@@ -42,7 +42,7 @@ def enclose(
 
 
 def finite(compute: Callable[[], Interval]) -> tuple[mpmath.mpf, mpmath.mpf]:
-    """The ends of an interval.
+    """Return the ends of an interval.
 
     Args:
         compute: gives the interval, or raises.
@@ -108,7 +108,7 @@ class Walk:
 
 
 def rational(p: int, q: int, prec: int) -> Interval:
-    """The rational p/q.
+    """Return the rational p/q.
 
     Args:
         p, q: numerator and denominator.

@@ -40,7 +40,7 @@ class Logarithms:
         self._rows: list[_Row] = []
 
     def of(self, atom: sp.Expr, y: Element) -> Element:
-        """The logarithm of y, which is written ``atom`` where it is a new generator.
+        """Return the logarithm of y, which is written ``atom`` where it is a new generator.
 
         Args:
             atom: the expression a generator stands for.
@@ -63,7 +63,7 @@ class Logarithms:
         return own
 
     def _vector(self, y: Element) -> tuple[Vector, Element]:
-        """The exponents of y, and what the exponentials among its factors add."""
+        """Return the exponents of y, and what the exponentials among its factors add."""
         field, vector = self.reader.field, Vector()
         exponent = field.zero
         for n, sign in ((y.coefficient.numerator, 1), (y.coefficient.denominator, -1)):

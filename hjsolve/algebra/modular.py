@@ -37,7 +37,7 @@ class ModularPoint:
         self._powers: dict[tuple[int, int], int] = {}
 
     def value(self, k: int) -> int:
-        """Value of generator k.
+        """Return value of generator k.
 
         Args:
             k: number of the generator.
@@ -64,7 +64,7 @@ class ModularPoint:
             self._values[k] = self._random.randrange(2, p - 1)
 
     def _root(self, x: int, q: int) -> int:
-        """A q-th root modulo the prime.
+        """Return a q-th root modulo the prime.
 
         Raises:
             NoRootError: there is none.
@@ -81,7 +81,7 @@ class ModularPoint:
         return root
 
     def poly(self, a: Poly) -> int:
-        """Value of a polynomial.
+        """Return value of a polynomial.
 
         Args:
             a: a polynomial.
@@ -96,7 +96,7 @@ class ModularPoint:
         return total % p
 
     def element(self, x: Element) -> int:
-        """Value of an element.
+        """Return value of an element.
 
         Args:
             x: an element.
@@ -129,7 +129,7 @@ class Filter:
         self._seed = 0
 
     def vanishes(self, products: Products) -> bool | None:
-        """Whether Σ Π Σ of the elements given vanishes at the points; None when no point could be found.
+        """Return whether Σ Π Σ of the elements given vanishes at the points; None when no point could be found.
 
         Args:
             products: Σ Π Σ of elements.
@@ -151,7 +151,7 @@ class Filter:
         return True
 
     def _total(self, products: Products, place: int) -> int | None:
-        """Value of the sum at one of the points; None where a root or a denominator fails there."""
+        """Return value of the sum at one of the points; None where a root or a denominator fails there."""
         point, known = self._places[place]
         try:
             total = 0

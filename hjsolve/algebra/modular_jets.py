@@ -31,7 +31,7 @@ class ModularJet:
     mixed: dict[Pair, int]
 
     def logarithm(self, prime: int) -> ModularJet:
-        """The jet of ln f but for its value.
+        """Return the jet of ln f but for its value.
 
         Args:
             prime: the modulus.
@@ -63,7 +63,7 @@ class ModularJets:
         self._bases: dict[int, ModularJet] = {}
 
     def element(self, x: Element) -> ModularJet:
-        """The jet of an element.
+        """Return the jet of an element.
 
         Args:
             x: an element.
@@ -115,7 +115,7 @@ class ModularJets:
         return ModularJet(value % p, [s % p for s in slopes], {pair: m % p for pair, m in mixed.items()})
 
     def _generator(self, k: int) -> ModularJet:
-        """The jet of ln g, without the mixed derivatives that vanish."""
+        """Return the jet of ln g, without the mixed derivatives that vanish."""
         if k not in self._generators:
             value, reader = self.point.value(k), self.reader
             firsts = [reader.generator_diff(k, q) for q in self.symbols]

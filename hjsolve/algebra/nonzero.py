@@ -76,7 +76,7 @@ def _of_sum(x: sp.Add, bounds: Mapping[sp.Symbol, Bounds]) -> int:
 
 
 def _from_ends(x: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> sp.Expr:
-    """The sum with q = lower + s, s > 0, multiplied out."""
+    """Return the sum with q = lower + s, s > 0, multiplied out."""
     moved = {
         q: low + sp.Dummy(q.name, positive=True)
         for q, (low, _) in bounds.items()
@@ -86,7 +86,7 @@ def _from_ends(x: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> sp.Expr:
 
 
 def _square(term: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> int:
-    """The sign of a term that may vanish: a coefficient of one sign times even powers."""
+    """Return the sign of a term that may vanish: a coefficient of one sign times even powers."""
     rest = [f for f in sp.Mul.make_args(term) if not (f.is_Pow and f.exp.is_even and f.exp.is_positive)]
     return strict_sign(sp.Mul(*rest), bounds)
 

@@ -87,7 +87,7 @@ def _algebraic(f: sp.Expr, x: sp.Symbol, bounds: Bounds, budget: Budget) -> bool
 
 
 def _vanishes_on(g: sp.Expr, piece: AnalyticPiece, curve: AlgebraicCurve, need: int, budget: Budget) -> bool | None:
-    """Whether g is zero at so many places of a piece; None where it is defined nowhere on it."""
+    """Return whether g is zero at so many places of a piece; None where it is defined nowhere on it."""
     for place in piece.places(need):
         budget.check()
         value = g.xreplace({curve.t: place})
@@ -118,7 +118,7 @@ def _radicand(node: sp.Basic) -> sp.Expr | None:
 
 
 def _sign(x: sp.Expr) -> int:
-    """Sign of a constant that is not zero.
+    """Return sign of a constant that is not zero.
 
     Raises:
         UndecidableError: it may be zero.
@@ -169,7 +169,10 @@ def _height(g: sp.Expr, t: sp.Symbol) -> sp.Rational:
 
 
 def _parts(f: sp.Expr, x: sp.Symbol) -> Iterable[sp.Expr]:
-    """The coefficients of f in those functions that stand only outside of roots; all vanish if f does termwise."""
+    """Return the coefficients of f in those functions that stand only outside of roots.
+
+    All vanish if f does termwise.
+    """
     roots = [p for p in f.atoms(sp.Pow) if p.has(x) and not p.exp.is_Integer]
     inside = {k for p in roots for k in _kinds(p.base, x)}
     outside = _kinds(f, x)
@@ -189,7 +192,7 @@ def _parts(f: sp.Expr, x: sp.Symbol) -> Iterable[sp.Expr]:
 
 
 def _atoms(f: sp.Expr, x: sp.Symbol) -> list[sp.Expr]:
-    """The largest functions and the variable that f is algebraic in."""
+    """Return the largest functions and the variable that f is algebraic in."""
     if f == x or isinstance(f, sp.Function):
         return [f] if f.has(x) else []
     return [node for a in f.args for node in _atoms(a, x)]
@@ -277,6 +280,6 @@ def _edge(p: sp.Expr) -> sp.Expr:
 
 
 def _without(whole: sp.Expr, x: sp.Symbol) -> sp.Expr:
-    """What is neither a primitive nor linear in x."""
+    """Return what is neither a primitive nor linear in x."""
     terms = [t for t in sp.Add.make_args(whole) if t.has(x) and not t.has(*PRIMITIVES) and t.diff(x).has(x)]
     return sp.Add(*terms)

@@ -51,7 +51,7 @@ class Budget:
         return cls(time.monotonic() + seconds, terms)
 
     def part(self, seconds: float, terms: int) -> Budget:
-        """A smaller budget that ends with this one at the latest.
+        """Return a smaller budget that ends with this one at the latest.
 
         Args:
             seconds: from now on.
@@ -91,7 +91,7 @@ class Budget:
 
 
 def variable(k: int) -> Poly:
-    """Generator number k as a polynomial.
+    """Return generator number k as a polynomial.
 
     Args:
         k: number of the generator.
@@ -100,7 +100,7 @@ def variable(k: int) -> Poly:
 
 
 def constant(n: int) -> Poly:
-    """An integer as a polynomial.
+    """Return an integer as a polynomial.
 
     Args:
         n: an integer.
@@ -134,7 +134,7 @@ def exponents(monomial: int) -> list[tuple[int, int]]:
 
 
 def add(a: Poly, b: Poly, scale: int = 1) -> Poly:
-    """Sum a + scale·b.
+    """Return sum a + scale·b.
 
     Args:
         a: a polynomial.
@@ -204,7 +204,7 @@ def with_square(a: Poly, k: int, square: Poly, budget: Budget) -> Poly:
 
 
 def content(a: Poly) -> int:
-    """Greatest common divisor of the coefficients, with the sign of the leading one; 0 for the zero polynomial.
+    """Return greatest common divisor of the coefficients, with the sign of the leading one; 0 for the zero polynomial.
 
     Args:
         a: a polynomial.
@@ -220,7 +220,7 @@ def content(a: Poly) -> int:
 
 
 def monomial_content(a: Iterable[int]) -> int:
-    """Greatest monomial that divides every monomial given.
+    """Return greatest monomial that divides every monomial given.
 
     Args:
         a: packed monomials.
@@ -235,7 +235,7 @@ def monomial_content(a: Iterable[int]) -> int:
 
 
 def _common(a: int, b: int) -> int:
-    """Greatest common divisor of two packed monomials."""
+    """Return greatest common divisor of two packed monomials."""
     out, shift = 0, 0
     while a and b:
         out |= min(a & FIELD, b & FIELD) << shift
@@ -244,7 +244,7 @@ def _common(a: int, b: int) -> int:
 
 
 def divides(a: int, b: int, guard: int) -> bool:
-    """Whether monomial a divides monomial b; guard has the top bit of every generator's field set.
+    """Return whether monomial a divides monomial b; guard has the top bit of every generator's field set.
 
     Args:
         a: a packed monomial.
@@ -255,7 +255,7 @@ def divides(a: int, b: int, guard: int) -> bool:
 
 
 def guard_bits(generators: int) -> int:
-    """The guard mask for this many generators.
+    """Return the guard mask for this many generators.
 
     Args:
         generators: how many.
@@ -300,7 +300,7 @@ def exact_quotient(a: Poly, b: Poly, guard: int, budget: Budget) -> Poly | None:
 
 
 def value_modulo(a: Poly, n: int) -> int:
-    """Value modulo n at one fixed integer point; generator k is put to a number that depends on k only.
+    """Return value modulo n at one fixed integer point; generator k is put to a number that depends on k only.
 
     Args:
         a: a polynomial.
@@ -315,7 +315,7 @@ def value_modulo(a: Poly, n: int) -> int:
 
 
 def value(a: Poly) -> int:
-    """Value at the same fixed integer point.
+    """Return value at the same fixed integer point.
 
     Args:
         a: a polynomial.
@@ -355,7 +355,7 @@ def support(a: Poly) -> int:
 
 
 def generators(a: Poly) -> list[int]:
-    """Numbers of the generators that occur in a, ascending.
+    """Return numbers of the generators that occur in a, ascending.
 
     Args:
         a: a polynomial.
@@ -364,7 +364,7 @@ def generators(a: Poly) -> list[int]:
 
 
 def key(a: Poly) -> tuple[tuple[int, int], ...]:
-    """A hashable form.
+    """Return a hashable form.
 
     Args:
         a: a polynomial.

@@ -15,7 +15,7 @@ MAX_TERMS = 60
 
 
 def shortest_form(reader: Reader, x: Element) -> sp.Expr:
-    """The shortest of a few forms of an element.
+    """Return the shortest of a few forms of an element.
 
     As it stands, factored, expanded over its denominator, sin² ↔ 1 − cos².
 
@@ -32,7 +32,7 @@ def shortest_form(reader: Reader, x: Element) -> sp.Expr:
 
 
 def variants(reader: Reader, x: Element) -> list[Element]:
-    """The element with cos² eliminated in favour of sin², and the other way round, as far as that shortens it.
+    """Return the element with cos² eliminated in favour of sin², and the other way round, as far as that shortens it.
 
     Args:
         reader: reads into the field.
@@ -137,7 +137,7 @@ def _digits(x: sp.Rational) -> int:
 
 
 def printed_length(x: Element) -> int:
-    """A cheap measure of how long an element will print.
+    """Return a cheap measure of how long an element will print.
 
     Args:
         x: an expression.

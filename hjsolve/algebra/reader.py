@@ -96,7 +96,10 @@ class Reader:
             self._units[kind, monomial] = rational_gcd(self._units.get((kind, monomial), abs(c)), c)
 
     def _terms(self, kind: str, argument: sp.Expr) -> list[tuple[sp.Expr, Fraction]]:
-        """The argument as Σ coefficient · monomial; a shifted one is a monomial itself where it is kept whole."""
+        """Return the argument as Σ coefficient · monomial.
+
+        a shifted one is a monomial itself where it is kept whole.
+        """
         terms = rational_multiples(argument)
         if self._whole and kind == "rapidity" and is_shifted(argument, set(self.bounds)):
             c = next(c for m, c in terms if not m.free_symbols.isdisjoint(self.bounds))
@@ -104,7 +107,7 @@ class Reader:
         return terms
 
     def _multiples(self, kind: str, argument: sp.Expr) -> list[tuple[int, sp.Expr]]:
-        """The argument as Σ n_k u_k with integers n_k and unit angles u_k."""
+        """Return the argument as Σ n_k u_k with integers n_k and unit angles u_k."""
         parts = []
         for monomial, c in self._terms(kind, argument):
             unit = self._units.setdefault((kind, monomial), abs(c))
@@ -157,7 +160,7 @@ class Reader:
         return self.adjoined(Generator(x, "symbol", low=low, high=high))
 
     def adjoined(self, g: Generator) -> Element:
-        """The element of a generator, adjoined to the field when it is new.
+        """Return the element of a generator, adjoined to the field when it is new.
 
         Args:
             g: a sympy expression.
@@ -326,7 +329,7 @@ class Reader:
         return field.total(terms)
 
     def generator_diff(self, k: int, symbol: sp.Symbol) -> Element:
-        """∂(generator k)/∂symbol.
+        """Return ∂(generator k)/∂symbol.
 
         Args:
             k: the index of a generator of the field.
@@ -339,7 +342,7 @@ class Reader:
         return self._derivatives[k, symbol]
 
     def write(self, x: Element) -> sp.Expr:
-        """The element as a sympy expression: coefficient · factors · numerator, nothing expanded.
+        """Return the element as a sympy expression: coefficient · factors · numerator, nothing expanded.
 
         Args:
             x: an element.
@@ -349,7 +352,7 @@ class Reader:
         return sp.Mul(c, *parts, self.write_poly(x.numerator))
 
     def write_poly(self, a: Poly) -> sp.Expr:
-        """A polynomial as a sympy expression.
+        """Return a polynomial as a sympy expression.
 
         Args:
             a: a polynomial.
@@ -360,7 +363,7 @@ class Reader:
 
 
 def _is_zero(x: sp.Expr) -> bool:
-    """Proof that a constant is zero."""
+    """Return proof that a constant is zero."""
     try:
         lower, upper = enclose(x, {}, 64)
     except NoEnclosureError:

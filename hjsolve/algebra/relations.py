@@ -45,7 +45,7 @@ class _Term:
 
 
 def dependent(reader: FieldReader, g: Generator) -> Element | None:
-    """The element of the field that equals a new generator on the domain, proved; None where none was found.
+    """Return the element of the field that equals a new generator on the domain, proved; None where none was found.
 
     Args:
         reader: reads into the field.
@@ -88,7 +88,7 @@ def _dependent(reader: FieldReader, g: Generator) -> Element | None:
 
 
 def _worth_while(reader: FieldReader, g: Generator, neighbours: Sequence[int]) -> bool:
-    """Whether a relation may be hoped for, and seconds are left for looking.
+    """Return whether a relation may be hoped for, and seconds are left for looking.
 
     Roots of different primes are independent; numbers of many digits come from places, not from users.
     """
@@ -105,7 +105,10 @@ def _is_nested(g: Generator) -> bool:
 
 
 def _neighbours(reader: FieldReader, symbols: set[sp.Symbol], *, inverse: bool) -> list[int]:
-    """The generators that a new one may depend on, newest first: of the same variable, inverse ones of any of them."""
+    """Return the generators that a new one may depend on, newest first.
+
+    Of the same variable, inverse ones of any of them.
+    """
     found = []
     for k, g in enumerate(reader.field.generators):
         own = g.atom.free_symbols

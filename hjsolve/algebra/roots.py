@@ -123,7 +123,7 @@ def _denested(reader: FieldReader, radicand: Poly) -> Element | None:
 
 
 def _depth(field: Field, k: int, number: bool) -> int:
-    """How many roots of numbers, or of functions, lie in each other in a generator.
+    """Return how many roots of numbers, or of functions, lie in each other in a generator.
 
     Denesting goes on only where this falls, or it would go round in circles: √(3 + √2) → √(3 + √7) → √(3 + √2).
     """

@@ -24,7 +24,7 @@ from hjsolve.algebra.signs import sign_of
 def constant_zero(
     reader: FieldReader, f: sp.Expr, symbols: Sequence[sp.Symbol], place: Mapping[sp.Symbol, sp.Rational]
 ) -> bool:
-    """Proof that f is zero on its domain.
+    """Return proof that f is zero on its domain.
 
     Args:
         reader: reads and differentiates; its bounds are the box.
@@ -47,7 +47,7 @@ def constant_zero(
 
 
 def is_one_constant(reader: FieldReader, f: sp.Expr, symbol: sp.Symbol, inside: sp.Expr, budget: Budget) -> bool:
-    """Proof that f, whose derivative by a variable vanishes, has one value along it: that it does not jump.
+    """Return proof that f, whose derivative by a variable vanishes, has one value along it: that it does not jump.
 
     x − atan(tan x) is constant between the poles of the tangent, and another constant beyond each of them.
 
@@ -70,7 +70,7 @@ def is_one_constant(reader: FieldReader, f: sp.Expr, symbol: sp.Symbol, inside: 
 
 
 def _watched(f: sp.Expr) -> list[sp.Expr]:
-    """What must not vanish: denominators, radicands, arguments of logarithms, 1 − u² of inverse sines, cos of tan."""
+    """Return what must not vanish: denominators, radicands, arguments of log, 1 − u² of asin u, cos x of tan x."""
     found = [p.base for p in f.atoms(sp.Pow) if p.base.free_symbols and (p.exp.is_negative or not p.exp.is_Integer)]
     for p in f.atoms(*PRIMITIVES):
         u = p.args[0]
@@ -90,7 +90,7 @@ _BELOW = {
 
 
 def _is_signed(reader: FieldReader, x: sp.Expr) -> bool:
-    """Whether every factor is a polynomial in the variables that keeps its sign on the box."""
+    """Return whether every factor is a polynomial in the variables that keeps its sign on the box."""
     field = reader.field
     y = field.factored(reader.element(x))
     return all(

@@ -61,7 +61,7 @@ _OfParts = Callable[[sp.Expr, Callable[[sp.Expr], sp.Expr]], sp.Expr]
 
 
 def _each_part_once(rule: _OfParts) -> Callable[[sp.Expr], sp.Expr]:
-    """A function of expressions given by a rule that may ask for its own values at their parts."""
+    """Return a function of expressions given by a rule that may ask for its own values at their parts."""
     known: dict[sp.Expr, sp.Expr] = {}
 
     def value(e: sp.Expr) -> sp.Expr:
@@ -97,7 +97,7 @@ def slope_by(q: sp.Symbol) -> Callable[[sp.Expr], sp.Expr]:
 
 
 def _rebuilt(e: sp.Expr, done: Callable[[sp.Expr], sp.Expr]) -> sp.Expr:
-    """What sympy's ``doit`` makes of an expression."""
+    """Return what sympy's ``doit`` makes of an expression."""
     return e.func(*map(done, e.args)) if _is_composed(e) else e.doit()
 
 

@@ -23,7 +23,7 @@ ANYTHING: Range = (None, None)
 
 
 def atom_bounds(atom: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> Range:
-    """Bounds of an atom on the domain; None where there is none.
+    """Return bounds of an atom on the domain; None where there is none.
 
     Args:
         atom: a symbol, or a function of symbols.
@@ -77,7 +77,7 @@ def _sign_range(x: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> Range:
 
 
 def _rational_below(x: sp.Expr | None) -> Fraction | None:
-    """A rational number not above x, None when x is not a number."""
+    """Return a rational number not above x, None when x is not a number."""
     if x is None or not x.is_number:
         return Fraction(0) if x is not None and x.is_nonnegative else None
     if x.is_Rational:
@@ -124,7 +124,7 @@ def _sign_after_shift(field: Field, a: Poly, bounds: Mapping[sp.Symbol, Bounds])
 
 
 def _as_poly(field: Field, end: sp.Expr) -> Poly | None:
-    """An end that is an integer or ± a symbol of the field, as a polynomial."""
+    """Return an end that is an integer or ± a symbol of the field, as a polynomial."""
     c, symbol = end.as_coeff_Mul()
     if end.is_Integer:
         return poly.constant(int(end))
@@ -190,7 +190,7 @@ def _times(x: Range, y: Range) -> Range:
 
 
 def _sign_of_end(end: Fraction | None, upper: int) -> int:
-    """Sign of an end of a range; None is +∞ at the upper end and −∞ at the lower one."""
+    """Return sign of an end of a range; None is +∞ at the upper end and −∞ at the lower one."""
     if end is None:
         return 1 if upper else -1
     return (end > 0) - (end < 0)

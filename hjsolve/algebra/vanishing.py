@@ -27,7 +27,7 @@ BoundsOf = Mapping[sp.Symbol, Bounds]
 
 
 def proved_zero(x: sp.Expr, bounds: BoundsOf, budget: Budget) -> bool:
-    """Proof that an expression is zero wherever it is defined; False is no proof of anything.
+    """Return proof that an expression is zero wherever it is defined; False is no proof of anything.
 
     Args:
         x: the expression.
@@ -48,7 +48,7 @@ def proved_zero(x: sp.Expr, bounds: BoundsOf, budget: Budget) -> bool:
 
 
 def element_vanishes(reader: Reader, x: Element, budget: Budget) -> bool:
-    """Proof that an element of a field is zero wherever it is defined; False is no proof of anything.
+    """Return proof that an element of a field is zero wherever it is defined; False is no proof of anything.
 
     Args:
         reader: of the field; it knows the domain.
@@ -63,7 +63,7 @@ def element_vanishes(reader: Reader, x: Element, budget: Budget) -> bool:
 
 
 def _by_coefficients(reader: Reader, a: Poly, symbol: sp.Symbol, budget: Budget) -> bool:
-    """Whether the coefficients of all monomials in generators of other variables vanish as functions of one."""
+    """Return whether the coefficients of all monomials in generators of other variables vanish as functions of one."""
     generators = reader.field.generators
     groups: dict[int, Poly] = {}
     for m, c in a.items():
@@ -87,7 +87,7 @@ def _function_vanishes(x: sp.Expr, symbols: list[sp.Symbol], bounds: BoundsOf, b
 
 
 def _end(end: sp.Expr | None, symbol: sp.Symbol, *, lower: bool) -> sp.Expr | None:
-    """The end of the interval, or 0 where the symbol's own assumption says so."""
+    """Return the end of the interval, or 0 where the symbol's own assumption says so."""
     if end is None and (symbol.is_nonnegative if lower else symbol.is_nonpositive):
         return sp.S.Zero
     return end

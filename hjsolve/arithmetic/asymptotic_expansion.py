@@ -332,7 +332,7 @@ class Growths:
         return self._times(self.add(up, self._times(down, sign)), self.plain.rational(1, 2))
 
     def _of_growing(self, name: str, x: Growth) -> Growth:
-        """A function far out on the real line."""
+        """Return a function far out on the real line."""
         up = x.terms[0][1] > 0
         match name:
             case "sin" | "cos":

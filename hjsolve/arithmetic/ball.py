@@ -177,7 +177,7 @@ class BallSeries(ByOperators):
 
 
 def _composed(name: str, x: PowerSeries) -> PowerSeries:
-    """A function that Arb's series lack, up to h²."""
+    """Return a function that Arb's series lack, up to h²."""
     parts: list[Any] = list(Jets(Balls()).unary(name, Jet(x[0], x[1], 2 * x[2])))
     return type(x)([parts[0], parts[1], parts[2] / 2], prec=min(3, x.prec))
 
@@ -190,7 +190,7 @@ def _absolute(x: Ball) -> Ball:
 
 
 def _meets_cut(name: str, x: Ball) -> bool:
-    """True when a complex ball meets a branch cut of an elementary function."""
+    """Return True when a complex ball meets a branch cut of an elementary function."""
     along, across = (x.imag, x.real) if name in {"atan", "asinh"} else (x.real, x.imag)
     if not across.contains(0):
         return False

@@ -261,7 +261,7 @@ def jacobi_epsilon(u: Numbers, m: Numbers) -> Doubles:
 
 # ------------------------------------------------------------------------------------------------ Legendre's integrals
 def _folded(φ: Numbers, m: Numbers) -> tuple[Doubles, Doubles, Doubles, Doubles, Doubles]:
-    """Half turns, sin φ, cos² φ and 1 − m sin² φ of φ brought to −π/2 … π/2; and m."""
+    """Return half turns, sin φ, cos² φ and 1 − m sin² φ of φ brought to −π/2 … π/2; and m."""
     φ, m = broadcast(φ, m)
     turns = np.round(φ / np.pi)
     s = np.sin(φ) * np.where(turns % 2 == 0, 1.0, -1.0)
@@ -280,7 +280,7 @@ def legendre_f(φ: Numbers, m: Numbers) -> Doubles:
 
 
 def legendre_k(m: Numbers) -> Doubles:
-    """The complete integral K(m), DLMF 19.25.1.
+    """Return the complete integral K(m), DLMF 19.25.1.
 
     Args:
         m: parameter k².

@@ -88,7 +88,7 @@ def tighter(x: Disk, y: Disk) -> Disk:
 
 
 def _where(good: Mask, x: Disk) -> Disk:
-    """The disk where ``good``, unknown elsewhere."""
+    """Return the disk where ``good``, unknown elsewhere."""
     return x if np.all(good) else Disk(x.centre, np.where(good, x.radius, np.inf))
 
 
@@ -232,7 +232,7 @@ class Disks:
 
 
 def _abs(_: Disks, x: Disk) -> Disk:
-    """The analytic function ±z, off the imaginary axis."""
+    """Return the analytic function ±z, off the imaginary axis."""
     real = np.real(x.centre)
     return _where(np.abs(real) > x.radius, Disk(np.where(real < 0, -x.centre, x.centre), x.radius))
 
@@ -261,7 +261,7 @@ def _tan(d: Disks, x: Disk) -> Disk:
 
 
 def _decaying(d: Disks, x: Disk, n: float) -> tuple[Reals, Disk]:
-    """The sign s of Re x and exp(−n s x), which is not above e^(n·radius)."""
+    """Return the sign s of Re x and exp(−n s x), which is not above e^(n·radius)."""
     side = np.where(np.real(x.centre) < 0, -1.0, 1.0)
     return side, _exp(d, Disk(-n * side * x.centre, n * x.radius))
 
@@ -280,7 +280,7 @@ def _sech(d: Disks, x: Disk) -> Disk:
 
 
 def _off_cut(x: Disk) -> Mask:
-    """True where a disk does not meet the negative real axis or 0."""
+    """Return True where a disk does not meet the negative real axis or 0."""
     real = np.real(x.centre)
     return np.where(real > 0, np.abs(x.centre), np.abs(np.imag(x.centre))) > x.radius
 

@@ -164,7 +164,7 @@ def _logged(value: Disk, way: Complexes) -> Logged:
 
 
 def _followed(way: Complexes) -> Complexes:
-    """The logarithm along the way, from the principal one on the real axis; NaN where it turns too fast."""
+    """Return the logarithm along the way, from the principal one on the real axis; NaN where it turns too fast."""
     power = np.log(way + 0j)
     start = np.where(np.imag(power[..., :1]) < -3, 2j * np.pi, 0)  # −π is π
     if way.shape[-1] == 1:
@@ -184,7 +184,7 @@ def _with(plain: Logged, power: Disk) -> Logged:
 
 
 def _turned(power: Disk, centre: Complexes) -> Disk:
-    """The logarithm that one comes to on the way; nothing is known where that was lost."""
+    """Return the logarithm that one comes to on the way; nothing is known where that was lost."""
     with np.errstate(all="ignore"):
         turns = np.rint((np.imag(centre) - np.imag(power.centre)) / (2 * np.pi))
         return _where(np.isfinite(turns), Disk(power.centre + 2j * np.pi * turns, power.radius))

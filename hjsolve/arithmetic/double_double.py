@@ -109,7 +109,7 @@ class DoubleDouble:
         return result
 
     def _scaled(self, x: Pair, factor: Elementwise) -> Pair:
-        """Times a power of two."""
+        """Return times a power of two."""
         return Pair(x.high * factor, x.low * factor)
 
     def _neg(self, x: Pair) -> Pair:

@@ -32,7 +32,7 @@ def quarter_period(complement: float | Mpf, arithmetic: Float64 | Multi) -> Nume
 
 @lru_cache(maxsize=64)
 def _means(complement: float | Mpf, arithmetic: Float64 | Multi) -> list[tuple[Numeric, Numeric]]:
-    """The sequence of arithmetic and geometric means from (1, k′), kept from one argument to the next."""
+    """Return the sequence of arithmetic and geometric means from (1, k′), kept from one argument to the next."""
     a: Numeric = arithmetic.rational(1, 1)
     b: Numeric = arithmetic.unary("sqrt", complement)
     pairs = [(a, b)]

@@ -65,7 +65,7 @@ class Estimate:
         return propagation.interval((self.value, self.error))
 
     def agrees(self, other: object) -> bool:
-        """Whether this and another number may be the same: value ± error of the two meet.
+        """Return whether this and another number may be the same: value ± error of the two meet.
 
         Args:
             other: an ``Estimate``, or a real number of any kind.
@@ -165,7 +165,7 @@ class Estimate:
         return combined("power", other, self)
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
-        """The value alone, for numpy: a double, or an object that keeps every digit."""
+        """Return the value alone, for numpy: a double, or an object that keeps every digit."""
         import numpy as np
 
         return np.array(self.value, dtype=dtype)
@@ -198,12 +198,12 @@ class Estimate:
         return format(self.value if isinstance(self.value, float) else decimal(self.value), spec)
 
     def _repr_latex_(self) -> str:
-        """What a notebook shows."""
+        """Return what a notebook shows."""
         return f"${self:L}$"
 
 
 def _term(x: object) -> propagation.Term | None:
-    """Value and error of an operand; None for what is no real number."""
+    """Return value and error of an operand; None for what is no real number."""
     if isinstance(x, Estimate):
         return x.value, x.error
     return (x, 0.0) if propagation.is_real(x) else None

@@ -45,11 +45,11 @@ class EstimateArray(Shown):
         return (self[k] for k in range(len(self)))
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray[Any, Any]:
-        """The values alone, for numpy."""
+        """Return the values alone, for numpy."""
         return self.value.astype(dtype or self.value.dtype, copy=bool(copy))
 
 
 def _plain(x: Any) -> float | Mpf:
-    """A number of numpy as Python's own; others as they are."""
+    """Return a number of numpy as Python's own; others as they are."""
     number: float | Mpf = x.item() if hasattr(x, "item") else x
     return number

@@ -208,7 +208,9 @@ def bits_for(digits: int, guard: int) -> int:
 
 
 def within_reach(name: str, x: Numeric, context: Context) -> Numeric:
-    """An argument, that of an exponential at most 2**FARTHEST: beyond, as many digits as it has bits would be needed.
+    """Return an argument, that of an exponential at most 2**FARTHEST.
+
+    Beyond, as many digits as it has bits would be needed.
 
     Args:
         name: of the function.

@@ -109,7 +109,7 @@ def _turns(order: int, top: int, work: int) -> list[tuple[int, int]]:
 
 @lru_cache(maxsize=64)
 def _roots(n: int, work: int) -> Parts:
-    """All powers of e^{−2πi/n}; each product adds a unit in the last place."""
+    """Return all powers of e^{−2πi/n}; each product adds a unit in the last place."""
     re, im = [1 << work], [0]
     x, y = _root(n, work)
     for _ in range(n - 1):
@@ -144,7 +144,7 @@ def _transformed(re: list[int], im: list[int], step: int, roots: Parts, work: in
 
 
 def _joined(parts: list[Parts], step: int, roots: Parts, work: int) -> Parts:
-    """Two transforms of half the length as one."""
+    """Return two transforms of half the length as one."""
     (even_re, even_im), (odd_re, odd_im) = parts
     cosine, sine = roots[0][::step], roots[1][::step]
     first_re, first_im, last_re, last_im = [], [], [], []

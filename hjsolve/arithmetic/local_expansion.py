@@ -50,7 +50,7 @@ class LocalExpansion(NamedTuple):
 
 
 def _after(base: Disk, cells: Disk) -> Disk:
-    """The cells with the base before them."""
+    """Return the cells with the base before them."""
     return Disk(np.append(base.centre, cells.centre), np.append(base.radius, cells.radius))
 
 
@@ -59,7 +59,7 @@ def _negative(x: Disk) -> Disk:
 
 
 def _at_base(x: Disk) -> Disk:
-    """The element that belongs to q = e."""
+    """Return the element that belongs to q = e."""
     return Disk(np.ravel(x.centre)[0], np.ravel(x.radius)[0])
 
 
@@ -343,7 +343,7 @@ class Locals:
 
 
 def _unit(rates: list[float]) -> float:
-    """The largest number of which all are multiples, 0 where there is none or the multiples are high."""
+    """Return the largest number of which all are multiples, 0 where there is none or the multiples are high."""
     least = min((abs(a) for a in rates if a), default=0.0)
     if not least:
         return 0.0

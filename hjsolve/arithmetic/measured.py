@@ -102,7 +102,7 @@ class Measured:
         return f"Measured({self})"
 
     def _repr_latex_(self) -> str | None:
-        """What a notebook shows of a single number."""
+        """Return what a notebook shows of a single number."""
         number = self.estimate()
         return f"${number:L}$ {self.unit}" if isinstance(number, Estimate) else None
 

@@ -26,7 +26,9 @@ _SETTLED = 1e-9
 
 
 def real_roots(coefficients: Sequence[Doubles]) -> tuple[Doubles, Booleans]:
-    """The real roots, ascending, inf after the last; and where neither their number nor their digits are certain.
+    """Return the real roots, ascending, inf after the last.
+
+    And where neither their number nor their digits are certain.
 
     Args:
         coefficients: of the highest power first, arrays of one shape.

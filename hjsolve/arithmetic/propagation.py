@@ -68,7 +68,7 @@ def propagated(name: str, terms: Sequence[Term]) -> Term:
 
 
 def _reach(c: MpContext, spread: Range, value: float | Mpf) -> Mpf:
-    """How far an interval extends from a number in it or beside it, rounded up."""
+    """Return how far an interval extends from a number in it or beside it, rounded up."""
     below, above = c.fsub(value, spread[0], rounding="c"), c.fsub(spread[1], value, rounding="c")
     return max(below, above, c.zero)
 
@@ -99,7 +99,7 @@ def exact_ends(term: Term) -> tuple[float, float] | Range:
 
 
 def meet(one: Term, other: Term) -> bool:
-    """Whether value ± error of two have a number in common.
+    """Return whether value ± error of two have a number in common.
 
     Args:
         one, other: value and error.
@@ -142,7 +142,7 @@ def _bits(x: Any) -> int:
 
 
 def _exact(c: MpContext, x: Any) -> Range:
-    """A number as an interval: one number twice where it is a binary fraction."""
+    """Return a number as an interval: one number twice where it is a binary fraction."""
     if hasattr(x, "_mpf_"):
         return (c.convert(x),) * 2
     if hasattr(x, "item"):
@@ -159,7 +159,7 @@ def _ends(c: MpContext, value: float | Mpf, error: float | Mpf) -> Range:
 
 
 def _double(x: float | Mpf) -> float | None:
-    """The nearest double; None beyond their range."""
+    """Return the nearest double; None beyond their range."""
     try:
         value = float(x)
     except OverflowError:
@@ -168,7 +168,7 @@ def _double(x: float | Mpf) -> float | None:
 
 
 def _up(x: float | Mpf) -> float:
-    """The least double that is not below a number."""
+    """Return the least double that is not below a number."""
     nearest = _double(x)
     if nearest is None:
         return math.inf if x > 0 else -1.7976931348623157e308

@@ -170,7 +170,7 @@ def apply(c: Context, name: str, x: Range) -> Range:
 
 
 def _inside(c: Context, name: str, x: Range, left: float | None, right: float | None) -> Range:
-    """The part of an interval where a function is real."""
+    """Return the part of an interval where a function is real."""
     low = x[0] if left is None else max(x[0], c.mpf(left))
     high = x[1] if right is None else min(x[1], c.mpf(right))
     if low > high:
@@ -181,7 +181,7 @@ def _inside(c: Context, name: str, x: Range, left: float | None, right: float | 
 
 
 def _wide(c: Context, name: str, x: Mpf, exact: int | None) -> Range:
-    """The value at one number, widened unless it is exact there."""
+    """Return the value at one number, widened unless it is exact there."""
     value = _value(c, name, x)
     if exact is not None and x == exact:
         return value, value
@@ -208,7 +208,7 @@ def _told(c: Context, x: Range) -> str:
 
 # ------------------------------------------------------------------------------------------------ not monotone
 def _wave(c: Context, name: str, x: Range) -> Range:
-    """Range of sin or cos: the values at the ends, and ±1 where a crest or trough may lie inside."""
+    """Return range of sin or cos: the values at the ends, and ±1 where a crest or trough may lie inside."""
     if x[0] == x[1] == 0:
         return _wide(c, name, x[0], 0)
     ends = [_wide(c, name, end, None) for end in x]
@@ -223,7 +223,7 @@ def _wave(c: Context, name: str, x: Range) -> Range:
 
 
 def _meets(c: Context, low: Mpf, high: Mpf, offset: int) -> bool:
-    """Whether a number offset + 4k may lie between two numbers, each good to the context's precision."""
+    """Return whether a number offset + 4k may lie between two numbers, each good to the context's precision."""
     first, last = (low - offset) / 4, (high - offset) / 4
     return bool(c.ceil(first - 8 * c.eps * (1 + abs(low))) <= last + 8 * c.eps * (1 + abs(high)))
 

@@ -58,7 +58,7 @@ class _Rewriter:
         return self._emit(operation.code, *operands, payload=operation.payload)
 
     def _product(self, operands: list[int]) -> int:
-        """The product, with one wave taken into the exponential where both are among the factors."""
+        """Return the product, with one wave taken into the exponential where both are among the factors."""
         factors = [leaf for slot in operands for leaf in self._factors(slot)]
         decays = [slot for slot in factors if self._line(slot).code == "exp"]
         wave = next((slot for slot in factors if self._line(slot).code in _WAVES and slot in self.varying), None)

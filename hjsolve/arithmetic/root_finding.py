@@ -46,7 +46,7 @@ def bracketed_root(function: Callable[[Mpf], Sequence[Mpf]], x0: float | Mpf, x1
 
 
 def _polished(function: Callable[[Mpf], Sequence[Mpf]], x: Mpf, step: Mpf) -> Mpf:
-    """Two more Newton steps where they converge quadratically; rounding decides the rest."""
+    """Return two more Newton steps where they converge quadratically; rounding decides the rest."""
     for _ in range(2):
         x -= step
         f, slope = function(x)

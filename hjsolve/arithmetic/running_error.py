@@ -134,7 +134,7 @@ class RunningError(Generic[N]):
         return WithErrorBound(value, self._sum(passed, self._scaled(value, self.own)))
 
     def _slope(self, name: str, x: N, f: N) -> N:
-        """A bound on the derivative at x, where the function is f."""
+        """Return a bound on the derivative at x, where the function is f."""
         a = self.plain
         one = a.rational(1, 1)
         match name:

@@ -220,7 +220,7 @@ def _tail(d: Elementwise, start: int, step: int, sign: int) -> Elementwise:
 
 
 def _choose(d: Elementwise, series: Elementwise, formula: Elementwise) -> Elementwise:
-    """The series where |d| is small, the formula elsewhere."""
+    """Return the series where |d| is small, the formula elsewhere."""
     far = np.abs(d) >= _SERIES
     if not np.any(far):
         return series

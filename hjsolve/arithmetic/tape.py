@@ -223,7 +223,7 @@ def _raised(power: Callable[[N, int], N], n: int, x: N) -> N:
 
 
 def _step(arithmetic: Arithmetic[N], operation: Operation) -> tuple[Callable[..., N], int, int]:
-    """An operation with operands as a rule and their slots."""
+    """Return an operation with operands as a rule and their slots."""
     code, operands = operation.code, operation.operands
     if code in {"add", "mul", "sub", "div"}:
         return getattr(arithmetic, code), operands[0], operands[1]

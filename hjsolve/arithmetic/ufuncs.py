@@ -60,7 +60,7 @@ def of_estimates(
 
 
 def _boxed(x: object) -> NDArray[np.object_]:
-    """An array without axes that holds an object as it is."""
+    """Return an array without axes that holds an object as it is."""
     box = np.empty((), dtype=object)
     box[()] = x
     return box

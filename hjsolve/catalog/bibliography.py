@@ -59,7 +59,7 @@ class Publication(Shown):
 
 
 def _family(person: str) -> str:
-    """The family name with its particles, de Zeeuw; a name in braces is one word."""
+    """Return the family name with its particles, de Zeeuw; a name in braces is one word."""
     words = re.findall(r"(?:\{[^{}]*\}|[^\s{}])+", person)
     first = next((i for i, word in enumerate(words[:-1]) if word.islower()), len(words) - 1)
     return " ".join(words[first:])

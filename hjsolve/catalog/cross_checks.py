@@ -18,7 +18,7 @@ _OF_ENERGIES = (
 
 
 def motion_faults(where: str, data: Toml, names: list[str], declared: list[str]) -> Iterator[str]:
-    """Initial data: every coordinate once, velocity or p, numbers that parse, kinds that are known.
+    """Yield initial data: every coordinate once, velocity or p, numbers that parse, kinds that are known.
 
     Args:
         where: place of the table in its file, for the messages.
@@ -43,7 +43,7 @@ def motion_faults(where: str, data: Toml, names: list[str], declared: list[str])
 
 
 def reference_faults(reference: Toml, where: str, names: list[str], motions: set[str]) -> Iterator[str]:
-    """A reference value: a quantity that is known, of a coordinate and a motion that exist, with a time or without.
+    """Yield the faults of a reference value: unknown quantity, coordinate or motion; time missing or not wanted.
 
     Args:
         reference: the table of one reference value.
@@ -76,7 +76,7 @@ def _numbers(table: Toml, where: str) -> Iterator[str]:
 
 
 def form_faults(table: Toml) -> Iterator[str]:
-    """An entry gives T and V, or H(q, p) in their place; then its motions start from momenta.
+    """Yield an entry gives T and V, or H(q, p) in their place; then its motions start from momenta.
 
     Args:
         table: of the entry.

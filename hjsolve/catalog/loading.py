@@ -257,7 +257,7 @@ def _built(table: Toml, source: str) -> System | LinearHamiltonian:
 
 
 def folder() -> Traversable:
-    """The catalog's folder: inside the installed package, or at the top of a source checkout."""
+    """Return the catalog's folder: inside the installed package, or at the top of a source checkout."""
     installed = files("hjsolve") / "_catalog"
     return installed if installed.is_dir() else Path(__file__).resolve().parents[2] / "catalog"
 
@@ -268,7 +268,7 @@ def _toml_files(kind: str) -> list[Traversable]:
 
 
 def _is_file(entry: str | Path) -> bool:
-    """Whether it is a file of the user's, and not the id of an entry of the catalog, whose file has its name."""
+    """Return whether it is a file of the user's, and not the id of an entry of the catalog, whose file has its name."""
     return isinstance(entry, Path) or str(entry).endswith(".toml")
 
 
@@ -283,7 +283,7 @@ def _locate(entry: str | Path) -> tuple[Traversable, str]:
 
 
 def _alike(word: str) -> str:
-    """The entries that look most like a word, and where all are listed."""
+    """Return the entries that look most like a word, and where all are listed."""
     known = ids()
     close = difflib.get_close_matches(word, known, n=3, cutoff=0.6)
     if close:
@@ -338,7 +338,7 @@ def _parameter(table: Toml) -> Parameter:
 
 
 def _entry_faults(table: Toml, system: System | LinearHamiltonian) -> Iterator[str]:
-    """What the schema cannot see: names that must agree, numbers that must parse, references that must make sense."""
+    """Yield faults the schema cannot see: names that disagree, numbers that do not parse, meaningless references."""
     names, declared = [c.name for c in system.coordinates], [p.name for p in system.parameters]
     motions = {"initial": table["initial"]} if "initial" in table else {}
     motions |= {f"motions.{name}": data for name, data in table.get("motions", {}).items()}

@@ -39,7 +39,7 @@ def load(entry: str | Path) -> Frame:
 
 
 def of(entry: str | Path) -> Frame | None:
-    """The frame of a catalog entry; None where it declares none.
+    """Return the frame of a catalog entry; None where it declares none.
 
     Args:
         entry: id, or path of a .toml file.

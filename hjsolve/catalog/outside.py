@@ -90,7 +90,7 @@ class Stated(Shown):
 
 
 def refusal(table: Toml) -> Refusal | None:
-    """The refusal of an entry that is no T and V; None for every other entry.
+    """Return the refusal of an entry that is no T and V; None for every other entry.
 
     Args:
         table: of the entry.
@@ -105,7 +105,7 @@ def refusal(table: Toml) -> Refusal | None:
 
 
 def constraints(table: Toml) -> tuple[Constraint, ...]:
-    """The constraints of an entry.
+    """Return the constraints of an entry.
 
     Args:
         table: of the entry.
@@ -114,7 +114,7 @@ def constraints(table: Toml) -> tuple[Constraint, ...]:
 
 
 def stated(table: Toml) -> Stated | None:
-    """The system as the literature states it, or None.
+    """Return the system as the literature states it, or None.
 
     Args:
         table: of the entry.
@@ -125,7 +125,7 @@ def stated(table: Toml) -> Stated | None:
 
 
 def outside_faults(table: Toml) -> Iterator[str]:
-    """What is missing in an entry without T and V, one line each.
+    """Yield what is missing in an entry without T and V, one line each.
 
     Args:
         table: of the entry.

@@ -93,7 +93,7 @@ _MOST_WORDS, _FEW_WORDS = 40, 8
 
 
 def nearest(word: str, known: object) -> str:
-    """The hint `; did you mean "x"?`, or the words known, or nothing.
+    """Return the hint `; did you mean "x"?`, or the words known, or nothing.
 
     Args:
         word: what the user wrote.
@@ -109,7 +109,7 @@ def nearest(word: str, known: object) -> str:
 
 
 def optional(keys: Mapping[str, Key], *names: str) -> dict[str, Key]:
-    """The same keys, with these no longer required.
+    """Return the same keys, with these no longer required.
 
     Args:
         keys: the schema of a table.
@@ -160,7 +160,7 @@ def _value_faults(value: object, key: Key, where: str) -> Iterator[str]:
 
 
 def _hidden(value: object) -> str:
-    """The first control or bidirectional character of a text, or of a list, table or matrix of texts."""
+    """Return the first control or bidirectional character of a text, or of a list, table or matrix of texts."""
     if isinstance(value, str):
         return hidden_character(value)
     if isinstance(value, Mapping):

@@ -103,7 +103,7 @@ class _Plain:
 
 
 def _wide(q: Ball) -> bool:
-    """True for a ball so wide that the quotient of F and its factors says little."""
+    """Return True for a ball so wide that the quotient of F and its factors says little."""
     return isinstance(q, flint.acb) and bool(q.rad() > 2.0**-6 * (1 + abs(q).upper()))
 
 
@@ -112,7 +112,7 @@ def _touches_zero(x: Ball) -> bool:
 
 
 def _hull(q: Ball, end: flint.arb) -> Ball:
-    """A ball holding q, a real ball and all segments between them."""
+    """Return a ball holding q, a real ball and all segments between them."""
     if isinstance(q, flint.arb):
         return q.union(end)
     return flint.acb(q.real.union(end), q.imag.union(flint.arb(0)))

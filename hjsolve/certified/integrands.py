@@ -236,7 +236,7 @@ class CycleIntegrand:
         return CycleNode(q, from_lower, to_upper, share.stretch, share.denominator, near_lower)
 
     def _turned(self, χ: Ball, share: Shares) -> Ball:
-        """The q of a rotation; on a complex ball up to whole turns, which p² does not see."""
+        """Return the q of a rotation; on a complex ball up to whole turns, which p² does not see."""
         if self.map.plain:
             return self.slow + χ - flint.arb.pi()
         s, c = share.s, share.c
@@ -277,7 +277,7 @@ class CycleIntegrand:
 
 
 def _entire(tape: Tape) -> bool:
-    """True where no operation has a singularity, whatever the free input."""
+    """Return True where no operation has a singularity, whatever the free input."""
     varying = {0}
     for place, operation in enumerate(tape.operations, len(tape.inputs)):
         if varying.isdisjoint(operation.operands):

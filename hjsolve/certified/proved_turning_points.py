@@ -66,7 +66,7 @@ def prove_turning_points(
 
 
 def _reach(start: CoordinateStart, side: int) -> float | None:
-    """How far the domain goes, or a turn of an angle; None where it has no end."""
+    """Return how far the domain goes, or a turn of an angle; None where it has no end."""
     if start.angle:
         return 2 * math.pi
     end = start.upper if side > 0 else start.lower
@@ -81,7 +81,7 @@ class _Walker:
     origin: flint.arb
 
     def rises(self, side: int) -> bool:
-        """True when F certainly grows from the start to one side."""
+        """Return True when F certainly grows from the start to one side."""
         return bool(side * self.line.taylor(self.origin, 2)[1] > 0)
 
     def walk(self, side: int, reach: float | None, *, resting: bool) -> ProvedTurningPoint | None:
@@ -108,7 +108,7 @@ class _Walker:
         return None
 
     def _step(self, reach: float | None) -> float:
-        """A first step: a part of the way there is, or a length over which F changes."""
+        """Return a first step: a part of the way there is, or a length over which F changes."""
         if reach is not None:
             return reach / 8
         value, slope, bend = (float(abs(x).mid()) for x in self.line.taylor(self.origin, 3))

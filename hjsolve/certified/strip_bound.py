@@ -125,7 +125,7 @@ def certified_means(cycle: CycleIntegrand, bits: int) -> list[flint.arb]:
 
 
 def _midpoints(cycle: CycleIntegrand, bits: int, sizes: list[flint.arb]) -> list[flint.arb] | None:
-    """The means by the midpoint rule; None where no strip is found, or it would need too many nodes."""
+    """Return the means by the midpoint rule; None where no strip is found, or it would need too many nodes."""
     for map_, a in _plans(cycle, bits, sizes):
         over = cycle.over(map_)
         strip = bound_in_strip(over, a)
@@ -135,7 +135,7 @@ def _midpoints(cycle: CycleIntegrand, bits: int, sizes: list[flint.arb]) -> list
 
 
 def _plans(cycle: CycleIntegrand, bits: int, sizes: list[flint.arb]) -> Iterator[tuple[AnomalyMap, float]]:
-    """Maps with half widths of strips, the most promising first; those that need too many nodes are left out."""
+    """Yield maps with half widths of strips, the most promising first; those that need too many nodes are left out."""
     wide = _widest(cycle, bits, sizes)
     if wide is None and cycle.librates and cycle.near < 1:  # F in doubles is all rounding: the motion is small
         wide = 2 * math.asinh(1 / math.sqrt(cycle.near)) if cycle.near > _SMALL else _HEIGHTS[-1]
@@ -153,7 +153,7 @@ def _plans(cycle: CycleIntegrand, bits: int, sizes: list[flint.arb]) -> Iterator
 
 
 def midpoint(cycle: CycleIntegrand, strip: StripBound, bits: int, sizes: list[flint.arb]) -> list[flint.arb]:
-    """The midpoint rule with the error that a bound proves.
+    """Return the midpoint rule with the error that a bound proves.
 
     Args:
         cycle: the integrands, over the map of the bound.
@@ -175,7 +175,10 @@ def midpoint(cycle: CycleIntegrand, strip: StripBound, bits: int, sizes: list[fl
 
 
 def _widest(cycle: CycleIntegrand, bits: int, sizes: list[flint.arb]) -> float | None:
-    """The half width of a strip over the plain map that needs the fewest nodes, as doubles see it; None for none."""
+    """Return the half width of a strip over the plain map that needs the fewest nodes, as doubles see it.
+
+    None for none.
+    """
     inputs = [float(v.mid()) for v in cycle.line.inputs]
     turned, low, product = _GRIDS[cycle.librates]
     with np.errstate(all="ignore"):
@@ -272,7 +275,7 @@ def _forms(cycle: CycleIntegrand, spot: CycleNode) -> list[Callable[[CycleIntegr
 
 
 def _ring(x: Ball) -> tuple[Ball, flint.arb, flint.arb, float]:
-    """The centre m of a ball, bounds of |x|, and how large |x − m|/|m| may be, infinite where that is not known."""
+    """Return centre m of a ball, bounds of |x|, and how large |x − m|/|m| may be, infinite where that is not known."""
     middle = x.mid()
     size, spread = abs(middle), abs(x - middle)
     ratio = (spread / size).upper()
@@ -311,7 +314,7 @@ def _from_the_middle(cycle: CycleIntegrand, spot: CycleNode, product: Ball) -> B
 
 
 def _returns(centres: list[Ball], *, even: bool) -> bool:
-    """True when the argument does not grow along an edge: common points carry it from one disk to the next.
+    """Return True when the argument does not grow along an edge: common points carry it from one disk to the next.
 
     The part of an even function's edge begins and ends at a real value, whose sign is that of the centre: what it grows
     by is a multiple of π. The edge of a rotation closes: a multiple of 2π.
@@ -330,7 +333,10 @@ def _angle(x: Ball) -> float:
 
 
 def _covered(cycle: CycleIntegrand, a: float) -> bool:
-    """True when p² and the kernels are finite on balls that cover the strip: no operation meets a singularity."""
+    """Return True when p² and the kernels are finite on balls that cover the strip.
+
+    No operation meets a singularity.
+    """
     start, pieces = (0.0, 16 // cycle.fold) if cycle.fold > 1 else (-np.pi, 16)
     step = 3.1415926535897936 / 8
     todo = [(start + k * step, start + (k + 1) * step, 0.0, a) for k in range(pieces)]
@@ -350,5 +356,5 @@ def _covered(cycle: CycleIntegrand, a: float) -> bool:
 
 
 def _between(low: float, high: float) -> flint.arb:
-    """A real ball that holds an interval."""
+    """Return a real ball that holds an interval."""
     return flint.arb((low + high) / 2, (high - low) / 2 * (1 + 1e-12) + 1e-15)

@@ -118,7 +118,7 @@ class _Along:
         return found
 
     def _held(self, key: sp.Symbol) -> list[str]:
-        """The coordinates over which an equation integrates."""
+        """Return the coordinates over which an equation integrates."""
         return [n for n in self.solution.coordinates if n not in self.pieces or key in self.pieces[n].numerators]
 
     def _grown(self, key: sp.Symbol) -> tuple[sp.Expr, sp.Expr]:

@@ -108,12 +108,12 @@ class _Closing:
     def equation(
         self, name: str, equation: sp.Eq | None, key: sp.Symbol, why_not: dict[str, WhyNot]
     ) -> sp.Eq | None:  # fmt: skip
-        """An equation in closed form; None where it has none, with the reason."""
+        """Return an equation in closed form; None where it has none, with the reason."""
         right = None if equation is None else self.closed(name, equation.rhs, key, why_not)
         return None if equation is None or right is None else sp.Eq(equation.lhs, right, evaluate=False)
 
     def closed(self, name: str, expression: sp.Expr, key: sp.Symbol, why_not: dict[str, WhyNot]) -> sp.Expr | None:
-        """An expression with its integrals done; None where one has no form, with the reason."""
+        """Return an expression with its integrals done; None where one has no form, with the reason."""
         table = dict[sp.Expr, sp.Expr]()
         for integral in sorted(expression.atoms(sp.Integral), key=sp.default_sort_key):
             found = self._integral(integral, key)
@@ -173,7 +173,7 @@ def _numbers(
 
 
 def _plain_action(J: sp.Expr) -> sp.Expr:
-    """A sum of roots with (E − U)/√(U − E) as −√(U − E), where that is shorter."""
+    """Return a sum of roots with (E − U)/√(U − E) as −√(U − E), where that is shorter."""
     J = sp.expand(J)
     roots = [p for p in J.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2 and p.base.is_Add]
     return min(J, plain_roots(J), key=sp.count_ops) if any(p.exp < 0 for p in roots) else J
@@ -190,7 +190,7 @@ def _without_shift(cycle: sp.Expr, shift: sp.Expr, q: sp.Symbol) -> sp.Expr | Wh
 
 
 def _turning_points(pieces: Integrals, made: Regime) -> dict[str, tuple[sp.Expr | None, sp.Expr | None]]:
-    """The roots of P between which each coordinate moves, as places q."""
+    """Return the roots of P between which each coordinate moves, as places q."""
     found = dict[str, tuple[sp.Expr | None, sp.Expr | None]]()
     for name, own in pieces.items():
         if not own.regions or own.roots is None:
@@ -208,7 +208,7 @@ def _turning_points(pieces: Integrals, made: Regime) -> dict[str, tuple[sp.Expr 
 
 
 def _cofactor(M: list[list[sp.Expr]], row: int) -> sp.Expr:
-    """The cofactor of a row and the first column, written as it stands: no zero test, nothing multiplied out."""
+    """Return the cofactor of a row and the first column, written as it stands: no zero test, nothing multiplied out."""
     rest = [line[1:] for k, line in enumerate(M) if k != row]
     value = sp.Add(*(line[0] * _cofactor(rest, k) for k, line in enumerate(rest))) if rest else sp.S.One
     return -value if row % 2 else value

@@ -74,7 +74,7 @@ def named_roots(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix
 
 
 def _nested(root: sp.Expr) -> bool:
-    """Whether a root is a root of a sum with another root in it."""
+    """Return whether a root is a root of a sum with another root in it."""
     radicals = [p for p in root.atoms(sp.Pow) if p.exp.is_Rational and not p.exp.is_Integer]
     return any(inner.has(*radicals) for p in radicals for inner in (p.base,) if inner.is_Add)
 
@@ -102,7 +102,7 @@ def _by_names(
 def _part_by_name(
     im: sp.Expr, signs: Signs, prefix: str, where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 ) -> sp.Expr:  # fmt: skip
-    """A name for an imaginary part of a pair with real part zero."""
+    """Return a name for an imaginary part of a pair with real part zero."""
     if im.is_Symbol or im.is_number:
         return im
     symbol = sp.Symbol(f"{prefix}_im", positive=True)
@@ -112,7 +112,7 @@ def _part_by_name(
 
 
 def _remaining_pair(P: sp.Poly, real: list[sp.Symbol]) -> tuple[tuple[sp.Expr, sp.Expr], ...]:
-    """The complex pair that is left beside named real roots: x² + βx + γ by Vieta."""
+    """Return the complex pair that is left beside named real roots: x² + βx + γ by Vieta."""
     if len(real) == P.degree():
         return ()
     if len(real) != P.degree() - 2:

@@ -40,7 +40,7 @@ class CarlsonMap:
 
 
 def carlson_map(roots: NamedRoots, prefix: str) -> CarlsonMap:
-    """The map, every root by a name: Carlson's arguments hold all of them several times.
+    """Return the map, every root by a name: Carlson's arguments hold all of them several times.
 
     Args:
         roots: of P.
@@ -82,7 +82,7 @@ class PairsMap(CarlsonMap):
 
 
 def pairs_map(roots: NamedRoots, signs: Signs, prefix: str, begin: sp.Expr) -> PairsMap:
-    """The map where P has two complex pairs.
+    """Return the map where P has two complex pairs.
 
     Args:
         roots: of P.

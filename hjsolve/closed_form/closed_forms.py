@@ -77,7 +77,7 @@ def closed_forms(
 
 
 def own_form(motion: Motion, *, digits: int = DIGITS, seconds: float | None = SECONDS) -> RegimeForms | None:
-    """The closed forms of a motion's own regime; None of one at rest.
+    """Return the closed forms of a motion's own regime; None of one at rest.
 
     Args:
         motion: started, in any digits.
@@ -104,12 +104,12 @@ def _own_form(shop: Workshop, motion: Motion) -> RegimeForms | None:
 
 
 def _rational(value: sp.Expr) -> sp.Expr:
-    """A number by one with 260 digits; a rational number by itself."""
+    """Return a number by one with 260 digits; a rational number by itself."""
     return value if value.is_Rational else sp.Rational(str(sp.N(value, _MOST_DIGITS + 60)))
 
 
 def _moved_inside(motion: Motion, name: str, place: sp.Expr) -> sp.Expr:
-    """A place a little inside the region, where the motion starts at a turning point."""
+    """Return a place a little inside the region, where the motion starts at a turning point."""
     lower, upper = motion.turning_points.get(name, (None, None))
     low, high = (None if end is None else _rational(sp.sympify(end.value)) for end in (lower, upper))
     if low is not None and high is not None and high > low:

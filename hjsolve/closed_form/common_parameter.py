@@ -28,7 +28,7 @@ Pieces = Mapping[str, CoordinateIntegrals]
 def others_in_parameter(
     shop: Workshop, pieces: Pieces, special: Stratum, parametric: Mapping[str, sp.Expr], names: NamedQuantities
 ) -> dict[str, sp.Expr]:  # fmt: skip
-    """The time, by its name, and ignorable coordinates as functions of τ; those that have such a form.
+    """Return the time, by its name, and ignorable coordinates as functions of τ; those that have such a form.
 
     Args:
         shop: of the solution.
@@ -96,7 +96,10 @@ class _In:
 
 
 def _summed(made: list[_In], key: sp.Symbol, equation: sp.Eq) -> tuple[sp.Expr, sp.Expr] | None:
-    """A constant, and Σ ∫ ∂p/∂c dq as a function of τ: lhs = −constant' + Σ; None where an integral has no form."""
+    """Return a constant, and Σ ∫ ∂p/∂c dq as a function of τ: lhs = −constant' + Σ.
+
+    None where an integral has no form.
+    """
     if equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero) != 0:
         return None
     try:

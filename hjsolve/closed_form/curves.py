@@ -62,7 +62,7 @@ class MomentumCurve(Shown):
         return (sp.diff(self.generic, key) / 2).subs(self.stratum)
 
     def at(self, stratum: Mapping[sp.Symbol, sp.Expr]) -> MomentumCurve | None:
-        """The curve of motions whose constants obey equations, such as E = 0.
+        """Return the curve of motions whose constants obey equations, such as E = 0.
 
         Args:
             stratum: constant → what it is.
@@ -83,7 +83,7 @@ class MomentumCurve(Shown):
 
 
 def momentum_curves(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> list[MomentumCurve]:
-    """The curves of a squared momentum in every variable that makes it algebraic, the simplest first.
+    """Return the curves of a squared momentum in every variable that makes it algebraic, the simplest first.
 
     Args:
         square: P²(q; constants).
@@ -110,7 +110,7 @@ def _plainness(curve: MomentumCurve) -> tuple[int, int, int, int]:
 
 
 def genus(degree: int) -> int:
-    """The genus of y² = P(x).
+    """Return the genus of y² = P(x).
 
     Args:
         degree: of P, squarefree.
@@ -119,7 +119,7 @@ def genus(degree: int) -> int:
 
 
 def momentum_curve(substitution: Substitution, coordinate: Coordinate, square: sp.Expr) -> MomentumCurve | None:
-    """The curve in a given variable; None where P² is not rational in it.
+    """Return the curve in a given variable; None where P² is not rational in it.
 
     Args:
         substitution: the variable.

@@ -26,7 +26,7 @@ _SAMPLES, _SPECIAL_SAMPLES, _SEED = 100, 30, 1
 
 
 def forms_of_solution(shop: Workshop, known: Sequence[RegimeForms] = ()) -> tuple[RegimeForms, ...]:
-    """The forms of every regime that samples meet, those of general constants first, as far as the time goes.
+    """Return the forms of every regime that samples meet, those of general constants first, as far as the time goes.
 
     Args:
         shop: of the solution.
@@ -62,13 +62,13 @@ def _ordered(found: list[RegimeForms]) -> tuple[RegimeForms, ...]:
 
 
 def _by_chance(special_values: Sequence[sp.Expr], sample: Sample) -> bool:
-    """Whether random constants happen to be special ones, whose forms are not those of general constants."""
+    """Return whether random constants happen to be special ones, whose forms are not those of general constants."""
     at = Signs(sample.values, mp.mpf(0))
     return any(sign_of_many_digits(at.number(value)) == 0 for value in special_values)
 
 
 def _alike(form: RegimeForms, sample: Sample) -> bool:
-    """Whether a motion is of a regime that has its form already."""
+    """Return whether a motion is of a regime that has its form already."""
     if not form.regime.holds(sample.values):
         return False
     for curve, region in form.regime.regions:
@@ -81,7 +81,7 @@ def _alike(form: RegimeForms, sample: Sample) -> bool:
 def form_of_sample(
     shop: Workshop, local: Mapping[str, list[MomentumCurve]], special: Stratum, sample: Sample
 ) -> RegimeForms | None:  # fmt: skip
-    """The forms of the regime a motion is in; None where it is at rest, or asymptotic, in a coordinate.
+    """Return the forms of the regime a motion is in; None where it is at rest, or asymptotic, in a coordinate.
 
     Args:
         shop: of the solution.
@@ -122,7 +122,7 @@ def _ordering(own: CoordinateIntegrals) -> str:
 def _piece(
     shop: Workshop, name: str, own: list[MomentumCurve], special: Stratum, sample: Sample
 ) -> CoordinateIntegrals | None:
-    """The piece of a coordinate: one that was found before where it is of the same regime."""
+    """Return the piece of a coordinate: one that was found before where it is of the same regime."""
     key = (name, tuple(special.items()))
     for known in shop.pieces.setdefault(key, []):
         if _same_piece(known, sample):
@@ -142,7 +142,9 @@ def _piece(
 
 
 def moved_to(known: CoordinateIntegrals, sample: Sample) -> CoordinateIntegrals:
-    """A piece that was found with another motion of its regime, at this one: all pieces of a form share one motion.
+    """Return a piece that was found with another motion of its regime, at this one.
+
+    All pieces of a form share one motion.
 
     Args:
         known: the piece.
@@ -164,7 +166,7 @@ def _same_piece(known: CoordinateIntegrals, sample: Sample) -> bool:
 
 
 def special_of(shop: Workshop, exact: Mapping[sp.Symbol, sp.Expr]) -> Iterator[tuple[sp.Symbol, sp.Expr]]:
-    """The constants that are special at exact values: what each is in terms of the others.
+    """Yield the constants that are special at exact values: what each is in terms of the others.
 
     Args:
         shop: of the solution.

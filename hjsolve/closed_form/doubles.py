@@ -43,7 +43,7 @@ class RegionTest:
     region: RootInterval
 
     def __call__(self, places: Sequence[Doubles], shape: tuple[int, ...]) -> tuple[Booleans, Booleans]:
-        """Where the region exists, and where that is not certain in doubles.
+        """Return where the region exists, and where that is not certain in doubles.
 
         Args:
             places: arrays of the symbols.
@@ -122,7 +122,7 @@ class PlaceTest:
     region: RootInterval
 
     def __call__(self, places: Sequence[Doubles], shape: tuple[int, ...]) -> tuple[Booleans, Booleans]:
-        """Where the place is in the region, and where that is not certain in doubles.
+        """Return where the place is in the region, and where that is not certain in doubles.
 
         Args:
             places: arrays of the symbols.
@@ -174,7 +174,7 @@ class RootsOfPolynomial:
     coefficients: Callable[..., list[Doubles]]
 
     def __call__(self, places: Sequence[Doubles], shape: tuple[int, ...]) -> tuple[Doubles, Booleans]:
-        """The real roots, ascending, inf after the last; and where they are not certain.
+        """Return the real roots, ascending, inf after the last; and where they are not certain.
 
         Args:
             places: arrays of the symbols.
@@ -195,7 +195,7 @@ def roots_of(polynomial: sp.Poly, symbols: Sequence[sp.Symbol]) -> RootsOfPolyno
 
 
 def _of_size_one(coefficients: list[Doubles]) -> tuple[list[Doubles], Doubles]:
-    """The polynomial in x/λ, whose roots are about 1 in size; and λ."""
+    """Return the polynomial in x/λ, whose roots are about 1 in size; and λ."""
     degree, unit = len(coefficients) - 1, size_of_roots(coefficients)
     return [c * unit ** (degree - k) for k, c in enumerate(coefficients)], unit
 
@@ -220,14 +220,14 @@ def _sturm(coefficients: list[Doubles]) -> tuple[list[list[Doubles]], Booleans]:
 
 
 def _scaled(coefficients: list[Doubles]) -> tuple[list[Doubles], Booleans]:
-    """Coefficients by the greatest of them; where the leading one is nearly nothing."""
+    """Return coefficients by the greatest of them; where the leading one is nearly nothing."""
     size = np.max([abs(c) for c in coefficients], axis=0)
     scaled = [c / size for c in coefficients]
     return scaled, ~(abs(scaled[0]) > _UNSURE) | ~(size > _UNSURE)
 
 
 def _changes(sequence: list[list[Doubles]], there: Doubles) -> tuple[NDArray[np.int64], Booleans]:
-    """How often the sign changes along a sequence at a place, and where a sign is not certain."""
+    """Return how often the sign changes along a sequence at a place, and where a sign is not certain."""
     finite = np.isfinite(there)
     place = np.where(finite, there, 0.0)
     count, former = np.zeros(there.shape, dtype=np.int64), None

@@ -48,7 +48,7 @@ class BasicIntegral:
         return x if self.place is None else 1 / (x - self.place)
 
     def written(self, x: sp.Expr) -> sp.Expr:
-        """The integral as a function of x.
+        """Return the integral as a function of x.
 
         Args:
             x: the variable of the curve, or what stands for it.
@@ -90,7 +90,7 @@ class BasicIntegral:
         return sp.nan if self.place is None else self.place
 
     def integrand(self, x: sp.Symbol) -> sp.Expr:
-        """The rational factor of the integrand.
+        """Return the rational factor of the integrand.
 
         Args:
             x: the variable.
@@ -111,7 +111,7 @@ class BasicIntegral:
         return self.side
 
     def complete(self) -> sp.Expr | None:
-        """The integral from root to root; None where P does not have two roots with P > 0 between."""
+        """Return the integral from root to root; None where P does not have two roots with P > 0 between."""
         A = self.quadratic[0]
         if self.kind == "pair":
             return sp.pi / (self.rate * self.pole**2)
@@ -137,7 +137,7 @@ class Antiderivative(Shown):
     terms: tuple[tuple[sp.Expr, BasicIntegral], ...]
 
     def written(self, x: sp.Expr | None = None) -> sp.Expr:
-        """The function.
+        """Return the function.
 
         Args:
             x: what is put for the variable; the variable itself by default.

@@ -19,7 +19,7 @@ _CENTRED = {"arcsine": sp.cos, "area sine": sp.sinh, "area cosine right": sp.cos
 
 
 def elementary_inverse(basic: BasicIntegral, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities) -> sp.Expr:
-    """The x at which an integral from a place has a value.
+    """Return the x at which an integral from a place has a value.
 
     Args:
         basic: the integral.
@@ -48,7 +48,9 @@ def elementary_inverse(basic: BasicIntegral, amount: sp.Expr, begin: sp.Expr, na
 def separatrix_inverse(
     law: Antiderivative, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities
 ) -> sp.Expr | None:  # fmt: skip
-    """The x at which w ln((x − r₁)/(r₂ − x)) has a value: the middle of r₁ and r₂ and half their distance times tanh.
+    """Return the x at which w ln((x − r₁)/(r₂ − x)) has a value.
+
+    The middle of r₁ and r₂ and half their distance times tanh.
 
     Args:
         law: the integral; of two logarithms with opposite weights.
@@ -75,7 +77,7 @@ def separatrix_inverse(
 def square_root_inverse(
     law: Antiderivative, side: int, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities
 ) -> sp.Expr:  # fmt: skip
-    """The x at which a √(Ax² + Bx + C) has a value: c ± √(h² + (v − v_p)²…), the hyperbolic motion.
+    """Return the x at which a √(Ax² + Bx + C) has a value: c ± √(h² + (v − v_p)²…), the hyperbolic motion.
 
     Args:
         law: the integral, a multiple of √P, deg P = 2.

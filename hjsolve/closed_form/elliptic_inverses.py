@@ -19,7 +19,7 @@ _FUNCTIONS = {"sn": JacobiSN, "cn": JacobiCN, "dn": JacobiDN}
 def elliptic_inverse(
     way: EvenMap | LegendreMap | CarlsonMap, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities
 ) -> sp.Expr:  # fmt: skip
-    """The x at which ∫ dx/√P from a place has a value.
+    """Return the x at which ∫ dx/√P from a place has a value.
 
     Args:
         way: the map to Legendre's or Carlson's integrals.
@@ -87,7 +87,7 @@ def slope_of_argument(way: EvenMap | LegendreMap, u: sp.Expr, names: NamedQuanti
 
 
 def modulus(names: NamedQuantities, m: sp.Expr) -> sp.Expr:
-    """The modulus k by its name, of which the parameter is k².
+    """Return the modulus k by its name, of which the parameter is k².
 
     Args:
         names: of the quantities of the form.
@@ -101,7 +101,7 @@ def modulus(names: NamedQuantities, m: sp.Expr) -> sp.Expr:
 
 
 def characteristic(names: NamedQuantities, n: sp.Expr) -> sp.Expr:
-    """The characteristic ν of an integral of the third kind by its name.
+    """Return the characteristic ν of an integral of the third kind by its name.
 
     Args:
         names: of the quantities of the form.
@@ -113,7 +113,7 @@ def characteristic(names: NamedQuantities, n: sp.Expr) -> sp.Expr:
 
 
 def in_moduli(expression: sp.Expr, names: NamedQuantities, *, of_roots: bool = False) -> sp.Expr:
-    """An expression with the parameters of its elliptic integrals as k², and their characteristics by name.
+    """Return an expression with the parameters of its elliptic integrals as k², and their characteristics by name.
 
     Args:
         expression: of a form.
@@ -133,7 +133,7 @@ def in_moduli(expression: sp.Expr, names: NamedQuantities, *, of_roots: bool = F
 
 
 def _complex_pair(way: CarlsonMap, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities) -> sp.Expr:
-    """A ratio of linear functions of cn, or of sn²; lengths in it that are roots get names."""
+    """Return a ratio of linear functions of cn, or of sn²; lengths in it that are roots get names."""
     first, u = elliptic.PartialFractions(((0, sp.S.One),)), sp.Dummy("u", positive=True)
     try:
         passed = elliptic.incomplete(first, way.points, way.roots.interval, begin, way.start)

@@ -62,7 +62,7 @@ def solved_for_energy(
 def _linear(
     left: Mapping[str, sp.Expr], known: Mapping[sp.Symbol, sp.Expr], constants: list[sp.Symbol]
 ) -> tuple[str, sp.Symbol] | None:  # fmt: skip
-    """An action of first degree in a separation constant: it is solved for it, whatever else it holds."""
+    """Return an action of first degree in a separation constant: it is solved for it, whatever else it holds."""
     for name, action in left.items():
         for c in () if elliptic(action) else constants[1:]:
             slope = sp.diff(action.xreplace(dict(known)), c)
@@ -72,7 +72,7 @@ def _linear(
 
 
 def _unsolved(left: Mapping[str, sp.Expr], constants: list[sp.Symbol]) -> str:
-    """Why actions are not solved for the constants."""
+    """Return why actions are not solved for the constants."""
     for name, action in left.items():
         if elliptic(action):
             held = ", ".join(str(c) for c in constants if action.has(c))
@@ -84,7 +84,7 @@ def _unsolved(left: Mapping[str, sp.Expr], constants: list[sp.Symbol]) -> str:
 def _next(
     left: Mapping[str, sp.Expr], known: Mapping[sp.Symbol, sp.Expr], constants: list[sp.Symbol]
 ) -> tuple[str, sp.Symbol] | None:  # fmt: skip
-    """An action that holds one constant that is not known yet."""
+    """Return an action that holds one constant that is not known yet."""
     for name, action in left.items():
         unknown = [c for c in constants if action.has(c) and c not in known]
         if len(unknown) == 1 and sp.count_ops(action) <= MOST_OPERATIONS:
@@ -96,7 +96,7 @@ def _solved(
     action: sp.Expr, J: sp.Symbol, unknown: sp.Symbol, names: NamedQuantities, actions: Mapping[str, sp.Expr],
     named: Mapping[str, sp.Symbol],
 ) -> sp.Expr | None:  # fmt: skip
-    """The root of J = action(unknown) that is right at the regime's example, to 30 digits."""
+    """Return the root of J = action(unknown) that is right at the regime's example, to 30 digits."""
     if action == unknown:
         return J
     if elliptic(action) or action.free_symbols & names.roots:
@@ -133,7 +133,10 @@ def _solved(
 
 
 def _of_two_roots(equation: sp.Expr, radicals: list[sp.Pow], unknown: sp.Symbol) -> list[sp.Expr]:
-    """The root of α (√b₁ ± √b₂) + γ = 0 with b₁ − b₂ = d free of it: 2 √b₁ = w + d/w, w = −γ/α (Rosen and Morse)."""
+    """Return the root of α (√b₁ ± √b₂) + γ = 0 with b₁ − b₂ = d free of it.
+
+    2 √b₁ = w + d/w, w = −γ/α (Rosen and Morse).
+    """
     if len(radicals) != 2 or any(p.exp != sp.S.Half or sp.degree(p.base, unknown) != 1 for p in radicals):
         return []
     y, z = sp.symbols("y z", positive=True)
@@ -153,7 +156,7 @@ def _of_two_roots(equation: sp.Expr, radicals: list[sp.Pow], unknown: sp.Symbol)
 def _without_root(
     equation: sp.Expr, base: sp.Expr, radicals: list[sp.Pow], unknown: sp.Symbol
 ) -> list[sp.Expr]:  # fmt: skip
-    """The roots of an equation with one square root in it, squared: Sommerfeld's energy."""
+    """Return the roots of an equation with one square root in it, squared: Sommerfeld's energy."""
     if any(p.exp.q != 2 for p in radicals) or not base.is_polynomial(unknown):
         return []
     z = sp.Dummy("z")
@@ -175,7 +178,7 @@ def _right_one(
     found: list[sp.Expr], names: NamedQuantities, actions: Mapping[str, sp.Expr], named: Mapping[str, sp.Expr],
     unknown: sp.Symbol,
 ) -> sp.Expr | None:  # fmt: skip
-    """The root that is right at the regime's example, to 40 digits."""
+    """Return the root that is right at the regime's example, to 40 digits."""
     numbers = dict(names.numbers)
     with mp.workdps(_DIGITS):
         numbers |= {named[name]: number_of(other, numbers) for name, other in actions.items()}
@@ -187,7 +190,7 @@ def _right_one(
 
 
 def _roots(polynomial: sp.Expr, unknown: sp.Symbol) -> list[sp.Expr]:
-    """The roots of factors of the first and second degree."""
+    """Return the roots of factors of the first and second degree."""
     found = list[sp.Expr]()
     bare, back = named_constants(sp.expand(polynomial), unknown)
     if not bare.is_polynomial(unknown):

@@ -44,7 +44,7 @@ class Evaluator:
             self.outputs += [self._line(sp.S.Zero) if k is None else k for k in found]
 
     def at(self, numbers: Mapping[sp.Symbol, mpmath.mpf]) -> list[mpmath.mpf]:
-        """The values, in mpmath's present precision; nan where a part is infinite or has no value.
+        """Return the values, in mpmath's present precision; nan where a part is infinite or has no value.
 
         Args:
             numbers: symbol → number, of every symbol.
@@ -54,7 +54,7 @@ class Evaluator:
     def along(
         self, numbers: Mapping[sp.Symbol, mpmath.mpf], free: sp.Symbol | None
     ) -> Callable[[mpmath.mpf], list[mpmath.mpf]]:  # fmt: skip
-        """The values as a function of one symbol; parts free of it are worked out now, in the present precision.
+        """Return the values as a function of one symbol; parts free of it are worked out now, in the present precision.
 
         Args:
             numbers: symbol → number, of the other symbols.
@@ -140,7 +140,7 @@ class Evaluator:
         return self._slopes[e]
 
     def _differentiated(self, e: sp.Expr, q: sp.Symbol) -> int | None:
-        """The line of ∂e/∂q; None where e does not hold q."""
+        """Return the line of ∂e/∂q; None where e does not hold q."""
         if e == q:
             return self._line(sp.S.One)
         parts = [(k, slope) for k, a in enumerate(e.args) if (slope := self._slope(a, q)) is not None]
@@ -172,7 +172,7 @@ def number_of(expression: sp.Expr, numbers: Mapping[sp.Symbol, mpmath.mpf]) -> m
 
 @lru_cache(maxsize=2048)
 def evaluator(*expressions: sp.Expr) -> Evaluator:
-    """Formulas made ready for numbers, kept for the next time.
+    """Return formulas made ready for numbers, kept for the next time.
 
     Args:
         *expressions: the formulas.
@@ -199,7 +199,7 @@ def _partial(e: sp.Expr, k: int) -> sp.Expr:
 def _slopes_in_names(
     function: type[sp.Function], count: int
 ) -> tuple[tuple[sp.Symbol, ...], sp.Expr, tuple[sp.Expr, ...]]:  # fmt: skip
-    """Names for the arguments of a function, the function of them, and its derivatives by each."""
+    """Return names for the arguments of a function, the function of them, and its derivatives by each."""
     names = tuple(sp.Dummy(f"a{k}", real=True) for k in range(count))
     value = function(*names)
     return names, value, tuple(sp.diff(value, name) for name in names)
@@ -241,7 +241,7 @@ def _integer_power(n: int) -> Rule:
 
 
 def _constant(e: sp.Expr) -> Rule:
-    """A constant in the precision that is asked then."""
+    """Return a constant in the precision that is asked then."""
     if e.is_Rational:
         part = Fraction(int(e.p), int(e.q))
         return lambda: mp.mpf(part.numerator) / part.denominator
@@ -254,7 +254,7 @@ def _constant(e: sp.Expr) -> Rule:
 
 @lru_cache(maxsize=256)
 def _function(function: type[sp.Function]) -> Rule:
-    """The function of mpmath's numbers."""
+    """Return the function of mpmath's numbers."""
     table = of_kind(own_modules()[0], dict)
     name = function.__name__
     if name == "elliptic_pi":

@@ -74,7 +74,7 @@ class EvenMap:
 
 
 def even_map(roots: NamedRoots) -> EvenMap | None:
-    """The map of an even P; None where there is none of these.
+    """Return the map of an even P; None where there is none of these.
 
     Args:
         roots: of P.

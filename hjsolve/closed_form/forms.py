@@ -66,7 +66,7 @@ class RegimeForms(Shown):
     why_not: Mapping[str, WhyNot]
 
     def named(self) -> dict[str, sp.Expr]:
-        """Every form that is a function, by name: ``time_law``, ``periods.r``, ``inverse.x``….
+        """Return every form that is a function, by name: ``time_law``, ``periods.r``, ``inverse.x``….
 
         Returns:
             Name → expression; of an equation its right side.

@@ -57,7 +57,7 @@ class _Split:
     back: dict[sp.Symbol, sp.Expr]
 
     def others(self, k: int) -> sp.Expr:
-        """The denominator without a factor.
+        """Return the denominator without a factor.
 
         Args:
             k: its number.
@@ -67,7 +67,7 @@ class _Split:
 
 @lru_cache(maxsize=256)
 def _split(R: sp.Expr, x: sp.Symbol) -> _Split:
-    """The same integrands come back in every regime of a curve."""
+    """Return the same integrands come back in every regime of a curve."""
     bare, back = named_constants(R, x)
     top, bottom = sp.fraction(sp.cancel(sp.together(bare)))
     whole, rest = sp.div(sp.Poly(top, x), sp.Poly(bottom, x)) if bottom.has(x) else (sp.Poly(top / bottom, x), None)
@@ -116,7 +116,7 @@ def _lacking(factor: sp.Expr, x: sp.Symbol) -> sp.Expr | None:
 
 
 def _zeros(factor: sp.Expr, x: sp.Symbol) -> list[tuple[sp.Expr, sp.Expr]]:
-    """The zeros r of an irreducible factor, and factor/(x − r)."""
+    """Return the zeros r of an irreducible factor, and factor/(x − r)."""
     coefficients = sp.Poly(factor, x).all_coeffs()
     if len(coefficients) == 2:
         a, b = coefficients

@@ -96,7 +96,7 @@ def inverse_forms(
 
 
 def _in_time(place: sp.Expr, c: Coordinate, shop: Workshop, names: NamedQuantities) -> sp.Expr:
-    """A polynomial of the time; else φ_p + what has been added since t_p."""
+    """Return a polynomial of the time; else φ_p + what has been added since t_p."""
     if not elliptic(place):
         straight = _straight(shortened_powers(sp.expand(place)), shop)
         if all(straight.is_polynomial(t) for t in time_of(shop.solution)):
@@ -107,7 +107,7 @@ def _in_time(place: sp.Expr, c: Coordinate, shop: Workshop, names: NamedQuantiti
 
 
 def _straight(place: sp.Expr, shop: Workshop) -> sp.Expr:
-    """A polynomial of the time in powers of t − t₀."""
+    """Return a polynomial of the time in powers of t − t₀."""
     law = shop.solution.time_law
     if law is None:
         return place
@@ -169,7 +169,7 @@ def _phases(
 
 
 def _reference(own: CoordinateIntegrals, inner: list[sp.Symbol]) -> PieceIntegral:
-    """The integral of which all others of a coordinate are multiples: the first that there is."""
+    """Return the integral of which all others of a coordinate are multiples: the first that there is."""
     for key in inner:
         if key in own.integrals:
             return own.integrals[key]
@@ -194,7 +194,7 @@ def inverted(
     own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol, names: NamedQuantities,
     others: Numbers | None = None,
 ) -> sp.Expr:  # fmt: skip
-    """The q at which an integral from a lower limit has a value.
+    """Return the q at which an integral from a lower limit has a value.
 
     Args:
         own: the coordinate.
@@ -250,7 +250,7 @@ def _elliptic(
 
 
 def _turning(place: sp.Expr, side: int) -> sp.Expr:
-    """A place with am u for asin(sn u) and π/2 ∓ am u for asin(cn u)."""
+    """Return a place with am u for asin(sn u) and π/2 ∓ am u for asin(cn u)."""
     return place.replace(
         lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiSN), lambda e: JacobiAM(*e.args[0].args)
     ).replace(
@@ -296,7 +296,7 @@ def own_side(own: CoordinateIntegrals, integral: PieceIntegral) -> int:
 
 
 def _why_not_inverted(own: CoordinateIntegrals, law: Antiderivative) -> WhyNot:
-    """A proof where there is one: two independent functions of q in the time law."""
+    """Return a proof where there is one: two independent functions of q in the time law."""
     if not law.terms:
         return NotFound(f"t({own.name}) is algebraic, of higher degree in the root")
     proof = TranscendentalEquation(own.name, law)
@@ -307,7 +307,7 @@ def verified_inverse(
     own: CoordinateIntegrals, integral: PieceIntegral, place: sp.Expr, value: sp.Expr, start: sp.Symbol,
     names: NamedQuantities, others: Numbers | None,
 ) -> sp.Expr:  # fmt: skip
-    """An inverse, once it gives back a place from the integral there, to 40 digits.
+    """Return an inverse, once it gives back a place from the integral there, to 40 digits.
 
     Args:
         own: the coordinate, with its sample.
@@ -350,7 +350,7 @@ def verified_inverse(
 def orbit_formulas(
     shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, names: NamedQuantities
 ) -> dict[str, sp.Expr]:  # fmt: skip
-    """A coordinate as a function of another one, from an orbit equation −β = ….
+    """Return a coordinate as a function of another one, from an orbit equation −β = ….
 
     That of an ignorable momentum, θ + ∫ ∂p/∂c dq, gives q(θ); that of a separation constant over two coordinates,
     ∫ ∂p₁/∂α dq₁ + ∫ ∂p₂/∂α dq₂, gives q₁(q₂), as for two centres.
@@ -444,7 +444,7 @@ def common_parameter(solution: Solution) -> sp.Symbol:
 
 
 def time_of(solution: Solution) -> tuple[sp.Symbol, ...]:
-    """The time; none where no coordinate is separated.
+    """Return the time; none where no coordinate is separated.
 
     Args:
         solution: whose time law holds it.

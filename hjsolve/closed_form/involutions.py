@@ -23,7 +23,7 @@ _NOTHING = mp.mpf(10) ** -25
 
 
 def why_no_form(found: Iterable[MomentumCurve], square: sp.Expr | None = None, q: sp.Symbol | None = None) -> WhyNot:
-    """Why a coordinate has no form at all: the genus that is left, and which involutions were looked for.
+    """Return why a coordinate has no form at all: the genus that is left, and which involutions were looked for.
 
     Args:
         found: its curves, the simplest first.
@@ -85,7 +85,7 @@ def _divided(P: sp.Poly) -> Iterator[sp.Poly]:
 
 
 def _in_involution(P: sp.Poly) -> bool:
-    """Whether a Möbius involution exchanges the six branch points of a curve of genus 2."""
+    """Return whether a Möbius involution exchanges the six branch points of a curve of genus 2."""
     with mp.workdps(_DIGITS):
         coefficients = [mp.mpf(int(c.p)) / int(c.q) for c in P.all_coeffs()]
         roots = mp.polyroots(coefficients, maxsteps=400, extraprec=400)
@@ -109,7 +109,7 @@ def _dependent(rows: list[list[mpmath.mpc]]) -> bool:
 
 
 def _pairings(points: list[Point]) -> Iterator[tuple[tuple[Point, Point], ...]]:
-    """The fifteen ways to part six points into pairs."""
+    """Yield the fifteen ways to part six points into pairs."""
     if not points:
         yield ()
         return

@@ -47,7 +47,7 @@ class NamedQuantities:
         self._pairs = list[tuple[sp.Expr, sp.Expr]]()
 
     def named(self, letter: str, meaning: sp.Expr, *, short: int = 0, positive: bool | None = None) -> sp.Expr:
-        """A symbol for a quantity, the same for the same meaning; the quantity itself where it is short.
+        """Return a symbol for a quantity, the same for the same meaning; the quantity itself where it is short.
 
         Args:
             letter: wished for; a number is added where it is taken.
@@ -85,7 +85,7 @@ class NamedQuantities:
         return self.named(letter, meaning)
 
     def _value(self, meaning: sp.Expr) -> mpmath.mpf:
-        """A number for a quantity: at the motion of the regime, what else it holds anywhere."""
+        """Return a number for a quantity: at the motion of the regime, what else it holds anywhere."""
         explicit = self.written_out(meaning)
         with mp.workdps(60):
             numbers = self.numbers | self.located
@@ -93,7 +93,7 @@ class NamedQuantities:
             return number_of(explicit, numbers | {s: mp.mpf(k + 3) / 7 for k, s in enumerate(free)})
 
     def oriented(self, expression: sp.Expr) -> sp.Expr:
-        """A product with the greater one first in every difference of roots and places, whose order the regime fixes.
+        """Return a product with the greater one first in each difference of roots, as the regime orders them.
 
         Args:
             expression: of a form.
@@ -109,7 +109,7 @@ class NamedQuantities:
         return sign * value
 
     def amplitudes(self, value: sp.Expr, q: sp.Symbol, start: sp.Symbol) -> tuple[sp.Expr, sp.Expr]:
-        """An integral at a place and at its lower limit, with long angles in it by names, χ and χ₀.
+        """Return an integral at a place and at its lower limit, with long angles in it by names, χ and χ₀.
 
         Args:
             value: as a function of q.
@@ -146,7 +146,7 @@ class NamedQuantities:
         return value.xreplace(here), value.xreplace(there).xreplace({q: start})
 
     def shortest(self, value: sp.Expr) -> sp.Expr:
-        """A constant in names or written by the constants, as it is shorter.
+        """Return a constant in names or written by the constants, as it is shorter.
 
         Args:
             value: of constants.
@@ -156,7 +156,7 @@ class NamedQuantities:
         return min((shortened_powers(sp.factor(e)) for e in (value, self.written_out(value))), key=sp.count_ops)
 
     def with_named_parts(self, value: sp.Expr) -> sp.Expr:
-        """A long form with its constant parts by names.
+        """Return a long form with its constant parts by names.
 
         Args:
             value: of a form; a short one is given back.
@@ -179,7 +179,7 @@ class NamedQuantities:
         return e.func(self._parts(constant, varying), *(self._parts(part, varying) for part in moving))
 
     def in_brackets(self, value: sp.Expr) -> sp.Expr:
-        """A sum with c (χ − χ₀) in place of c χ − c χ₀.
+        """Return a sum with c (χ − χ₀) in place of c χ − c χ₀.
 
         Args:
             value: of a form.
@@ -201,7 +201,7 @@ class NamedQuantities:
         }
 
     def kept(self, forms: Iterable[sp.Expr], written: Callable[[sp.Expr], sp.Expr]) -> Where:
-        """The definitions of roots, and those that forms use, each after those that it uses.
+        """Return the definitions of roots, and those that forms use, each after those that it uses.
 
         Args:
             forms: of the regime.
@@ -215,7 +215,7 @@ class NamedQuantities:
         }
 
     def written_out(self, expression: sp.Expr) -> sp.Expr:
-        """An expression with the definitions in place of the names.
+        """Return an expression with the definitions in place of the names.
 
         Args:
             expression: of a form.
@@ -224,7 +224,7 @@ class NamedQuantities:
 
 
 def written_out(expression: sp.Expr, where: Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]) -> sp.Expr:
-    """An expression with definitions in place of names; roots of polynomials stay by name.
+    """Return an expression with definitions in place of names; roots of polynomials stay by name.
 
     Args:
         expression: of a form.
@@ -239,7 +239,7 @@ def written_out(expression: sp.Expr, where: Mapping[sp.Symbol, sp.Expr | tuple[s
 def needed_names(
     held: Iterable[sp.Symbol], where: Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 ) -> tuple[dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]], set[sp.Symbol]]:
-    """The definitions that symbols rest on, each after those that it uses, and the symbols without a definition.
+    """Return the definitions that symbols rest on, each after those that it uses, and the symbols without a definition.
 
     Args:
         held: symbols of a form.
@@ -275,7 +275,7 @@ LONGEST_ANGLE = 10
 
 
 def _angles(value: sp.Expr, q: sp.Symbol) -> set[sp.Expr]:
-    """The arc functions of a place in a formula that are in no other, and arguments of Carlson's integrals."""
+    """Return the arc functions of a place in a formula that are in no other, and arguments of Carlson's integrals."""
     if isinstance(value, _ARCS):
         return {value} if value.has(q) else set()
     if isinstance(value, Printable) and elliptic(value):
@@ -318,7 +318,9 @@ class Phase:
 
 
 def without_sign(α: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """A factor without −1 and signs of constants, and those: the former is positive where the constants' signs are.
+    """Return a factor without −1 and signs of constants, and those.
+
+    The former is positive where the constants' signs are.
 
     Args:
         α: a product, real and not zero.
@@ -339,7 +341,7 @@ def without_sign(α: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
 
 
 def sign_of_factors(product: sp.Expr) -> sp.Expr:
-    """The sign of a product as that of its factors, even powers left out.
+    """Return the sign of a product as that of its factors, even powers left out.
 
     Args:
         product: real, not zero.
@@ -353,5 +355,5 @@ def sign_of_factors(product: sp.Expr) -> sp.Expr:
 
 
 def _is_root(factor: sp.Expr) -> bool:
-    """Whether a factor is a root with an even denominator: real, and so positive, where its form holds."""
+    """Return whether a factor is a root with an even denominator: real, and so positive, where its form holds."""
     return isinstance(factor, sp.Pow) and factor.exp.is_Rational and not factor.exp.is_Integer and factor.exp.q % 2 == 0

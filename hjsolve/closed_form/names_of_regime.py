@@ -45,7 +45,7 @@ def names_of(solution: Solution, pieces: Mapping[str, CoordinateIntegrals], wher
 def in_named_rates(
     solution: Solution, pieces: Mapping[str, CoordinateIntegrals], names: NamedQuantities
 ) -> dict[str, CoordinateIntegrals]:  # fmt: skip
-    """The integrals of a regime with the modulus k and the rate of the argument by their names.
+    """Return the integrals of a regime with the modulus k and the rate of the argument by their names.
 
     The rate is that of sn u, u = ω (t − t_p), where the time is an integral of the first kind over the coordinate, or
     else of another constant's, so that factors of such integrals need not be written.

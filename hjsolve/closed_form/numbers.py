@@ -109,7 +109,7 @@ def refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
 
 
 def curves_held(form: NamedForms, held: Iterable[sp.Symbol]) -> list[tuple[MomentumCurve, RootInterval, sp.Symbol]]:
-    """The curves of coordinates and lower limits that are among symbols.
+    """Return the curves of coordinates and lower limits that are among symbols.
 
     Args:
         form: of a regime.
@@ -125,7 +125,7 @@ def curves_held(form: NamedForms, held: Iterable[sp.Symbol]) -> list[tuple[Momen
 
 
 def wanted_form(form: NamedForms, name: str) -> sp.Expr:
-    """A form by its name.
+    """Return a form by its name.
 
     Args:
         form: of a regime.
@@ -143,7 +143,7 @@ def wanted_form(form: NamedForms, name: str) -> sp.Expr:
 
 
 def _exact(form: NamedForms, expression: sp.Expr, values: Mapping[str, object]) -> dict[sp.Symbol, sp.Expr]:
-    """Symbol → exact value, of everything the regime and the expression need."""
+    """Return symbol → exact value, of everything the regime and the expression need."""
     exact = {p.symbol: p.value for p in form.solution.system.parameters if p.value is not None}
     needed = {s.name: s for s in (*form.regime.example, *needed_names(expression.free_symbols, form.where)[1])}
     for name, value in values.items():
@@ -164,7 +164,7 @@ def _exact(form: NamedForms, expression: sp.Expr, values: Mapping[str, object]) 
 def root_values(
     form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr], digits: int
 ) -> dict[sp.Symbol, mpmath.mpf]:  # fmt: skip
-    """Values of the symbols that ``where`` defines, as far as what they rest on is known.
+    """Return values of the symbols that ``where`` defines, as far as what they rest on is known.
 
     Args:
         form: of a regime.
@@ -241,7 +241,7 @@ class _CompiledForm:
         self.named = self._definitions() if self.roots and self.numpy else []
 
     def values(self, given: Mapping[str, object]) -> list[object]:
-        """The arguments in order."""
+        """Return the arguments in order."""
         for name in given:
             if name not in self.names:
                 raise InvalidInputError(f"{name!r} is no argument; they are {', '.join(self.names)}")
@@ -292,7 +292,7 @@ class _CompiledForm:
         return result[()]
 
     def _in_regions(self, places: Sequence[Any], good: Any) -> tuple[Any, Any]:
-        """Where the regions exist, or may exist, of those; and where that is not certain in doubles."""
+        """Return where the regions exist, or may exist, of those; and where that is not certain in doubles."""
         import numpy as np
 
         unsure = np.zeros(good.shape, dtype=bool)
@@ -327,7 +327,7 @@ class _CompiledForm:
         return found
 
     def _root_arrays(self, places: Sequence[Any], shape: tuple[int, ...]) -> tuple[list[Any], Any]:
-        """The values of the named symbols of the form, and where a root is not certain in doubles."""
+        """Return the values of the named symbols of the form, and where a root is not certain in doubles."""
         import numpy as np
 
         known, table, unsure = list(places), dict[sp.Symbol, Any](), np.zeros(shape, dtype=bool)

@@ -230,7 +230,7 @@ class _Task:
     def _reduced_elliptic(
         self, R: sp.Expr, *, cyclic: bool
     ) -> tuple[sp.Expr, sp.Expr | None, EvenMap | LegendreMap | CarlsonMap]:  # fmt: skip
-        """An integral as a √P and few of the three kinds."""
+        """Return an integral as a √P and few of the three kinds."""
         x, squared = self.curve.x, self.squared
         P = self.curve.polynomial if squared is None else squared.inner.polynomial
         a, rest = reduced(R if squared is None else squared.integrand(R, x), P)
@@ -250,7 +250,9 @@ class _Task:
     def _elliptic(
         self, R: sp.Expr, P: sp.Poly, *, cyclic: bool
     ) -> tuple[sp.Expr, sp.Expr | None, EvenMap | LegendreMap | CarlsonMap, sp.Expr]:
-        """The integral by the first map that reaches it; over the whole interval too, where the motion has cycles.
+        """Return the integral by the first map that reaches it.
+
+        Over the whole interval too, where the motion has cycles.
 
         The last is a of a part a √P that is not in the integral yet.
         """
@@ -278,7 +280,7 @@ class _Task:
         raise NoFormError(reason)
 
     def _has_poles_at_roots(self, parts: PartialFractions) -> bool:
-        """Whether a complex pole is a branch point, as of W on curves that hold 1 + x²."""
+        """Return whether a complex pole is a branch point, as of W on curves that hold 1 + x²."""
         if not parts.complex_poles or self.roots is None:
             return False
         at = self.signs.number
@@ -287,7 +289,7 @@ class _Task:
         return any(abs(a - c) + abs(b - d) < _SAME for a, b in poles for c, d in roots)
 
     def _passes_a_pole(self, parts: PartialFractions, way: LegendreMap) -> bool:
-        """Whether a pole lies between the motion and the root from which the integrals are taken."""
+        """Return whether a pole lies between the motion and the root from which the integrals are taken."""
         start, here = self.signs.number(way.a), self.region.place if self.squared is None else self.squared.place
         low, high = min(start, here), max(start, here)
         return any(low < self.signs.number(r) < high for r, _, _ in parts.poles)
@@ -300,17 +302,17 @@ class _Task:
         return all(end.is_finite and P.subs(self.curve.x, end).expand() == 0 for end in (s.lower, s.upper))
 
     def side(self, r: sp.Expr) -> int:
-        """The sign of x − r on the interval."""
+        """Return the sign of x − r on the interval."""
         return 1 if self.region.place > self.signs.number(r) else -1
 
     def real_roots(self) -> tuple[sp.Expr, ...] | None:
-        """The real roots of P, ascending."""
+        """Return the real roots of P, ascending."""
         if self.squared is not None:
             return self.squared.turning_points(self.signs)
         return _roots(self.curve, self.signs) if self.roots is None else self.roots.real
 
     def conditions(self, constants: Iterable[sp.Symbol]) -> dict[sp.Expr, int]:
-        """What the regime rests on."""
+        """Return what the regime rests on."""
         if self.roots is not None:
             for decider in deciders(self.curve if self.squared is None else self.squared.inner, constants):
                 if sp.count_ops(decider) <= LONGEST_CONDITION:
@@ -361,7 +363,7 @@ def monotone_inverse(value: sp.Expr) -> sp.Expr:
 
 
 def _of_one_angle(radicand: sp.Expr) -> sp.Expr | None:
-    """The sine of 1 − cos² w, w from 0 to π, the cosine of 1 − sin² w."""
+    """Return the sine of 1 − cos² w, w from 0 to π, the cosine of 1 − sin² w."""
     rest = 1 - radicand
     if not (rest.is_Pow and rest.exp == 2 and isinstance(rest.base, (sp.cos, sp.sin))):
         return None
@@ -369,14 +371,14 @@ def _of_one_angle(radicand: sp.Expr) -> sp.Expr | None:
 
 
 def _inside(roots: NamedRoots) -> set[sp.Symbol]:
-    """The named roots that other names, and turning points, are written in."""
+    """Return the named roots that other names, and turning points, are written in."""
     return {s for s, meaning in roots.where.items() if isinstance(meaning, tuple)}
 
 
 def _maps(
     curve: MomentumCurve, roots: NamedRoots, signs: Signs, prefix: str
 ) -> list[EvenMap | LegendreMap | CarlsonMap]:  # fmt: skip
-    """The maps to Legendre's integrals, the plainest first."""
+    """Return the maps to Legendre's integrals, the plainest first."""
     found: list[EvenMap | LegendreMap | CarlsonMap] = []
     P = curve.polynomial
     if P.degree() == 4 and P.coeff_monomial(curve.x**3) == 0 and P.coeff_monomial(curve.x) == 0:
@@ -389,7 +391,7 @@ def _maps(
 
 
 def _roots(curve: MomentumCurve, signs: Signs) -> tuple[sp.Expr, ...] | None:
-    """The real roots of P, deg P ≤ 2, ascending."""
+    """Return the real roots of P, deg P ≤ 2, ascending."""
     if curve.degree > 2:
         return None
     C, B, A = (curve.polynomial.coeff_monomial(curve.x**k) for k in range(3))

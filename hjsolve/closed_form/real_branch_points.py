@@ -88,7 +88,7 @@ def _ratio(*pairs: tuple[sp.Expr, sp.Expr]) -> sp.Expr:
 
 
 def legendre_map(roots: NamedRoots, signs: Signs) -> LegendreMap:
-    """The map that belongs to the piece of the x-axis a motion is on.
+    """Return the map that belongs to the piece of the x-axis a motion is on.
 
     Args:
         roots: all real.
@@ -136,7 +136,7 @@ class LegendreIntegrals:
 
     @classmethod
     def along(cls, u: sp.Expr, k: sp.Expr, m: sp.Expr) -> LegendreIntegrals:
-        """The integrals up to φ = am u: smooth functions of u for all u.
+        """Return the integrals up to φ = am u: smooth functions of u for all u.
 
         Args:
             u: the argument, ∫ dφ/Δ.

@@ -21,7 +21,7 @@ from hjsolve.closed_form.curves import named_constants
 
 @lru_cache(maxsize=512)
 def reduced(R: sp.Expr, P: sp.Poly) -> tuple[sp.Expr, sp.Expr]:
-    """A and R₁.
+    """Return a and R₁.
 
     Args:
         R: rational in the variable.
@@ -76,7 +76,7 @@ class _Reduction:
         self.whole += h
 
     def results(self) -> tuple[sp.Expr, sp.Expr]:
-        """A and R₁, once everything that can be is taken away."""
+        """Return a and R₁, once everything that can be is taken away."""
         for k in range(len(self.factors)):
             self._take_poles(k)
         self._take_powers()

@@ -43,7 +43,7 @@ class Regime(Shown):
         return self.words
 
     def holds(self, values: Mapping[sp.Symbol, sp.Expr]) -> bool:
-        """Whether there is a motion of this regime with given constants.
+        """Return whether there is a motion of this regime with given constants.
 
         Args:
             values: symbol → exact number, of every parameter and constant.
@@ -94,7 +94,7 @@ def _written(relation: sp.Basic) -> str:
 
 
 def plain_relation(expression: sp.Expr, sign: int) -> sp.Basic | None:
-    """A relation without factors whose sign is known: 2Em < 0 is E < 0; None where it is always true.
+    """Return a relation without factors whose sign is known: 2Em < 0 is E < 0; None where it is always true.
 
     Args:
         expression: of the constants.
@@ -135,7 +135,7 @@ def _sides(expression: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
 
 
 def settled(made: Regime, expression: sp.Expr) -> sp.Expr:
-    """An expression with roots, |E| and sign(E) written plainly where the regime says E > 0 or E < 0.
+    """Return an expression with roots, |E| and sign(E) written plainly where the regime says E > 0 or E < 0.
 
     Args:
         made: the regime.

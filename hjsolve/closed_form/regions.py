@@ -60,7 +60,7 @@ class RootInterval(Shown):
         return (1 if value > 0 else -1) * (1 if self.curve.substitution.increasing else -1)
 
     def conditions(self, signs: Signs) -> dict[sp.Expr, int]:
-        """The signs of leading coefficient, discriminant, and of P and P′ at the ends of the domain, deg P ≤ 2.
+        """Return the signs of leading coefficient, discriminant, and of P and P′ at the ends of the domain, deg P ≤ 2.
 
         They fix how many roots there are in the domain, and so where the motion can be.
 
@@ -84,7 +84,7 @@ class RootInterval(Shown):
 
 
 def real_roots(curve: MomentumCurve, numbers: Numbers) -> tuple[list[mpmath.mpf], bool]:
-    """The real roots of P, ascending, and whether two roots are the same.
+    """Return the real roots of P, ascending, and whether two roots are the same.
 
     Args:
         curve: whose P.
@@ -95,7 +95,7 @@ def real_roots(curve: MomentumCurve, numbers: Numbers) -> tuple[list[mpmath.mpf]
 
 
 def ordered_real_roots(polynomial: sp.Poly, numbers: Numbers, digits: int) -> tuple[mpmath.mpf, ...]:
-    """The real roots of a polynomial, ascending.
+    """Return the real roots of a polynomial, ascending.
 
     Args:
         polynomial: with coefficients in the constants.
@@ -112,7 +112,7 @@ def _coefficients(polynomial: sp.Poly, numbers: Numbers, digits: int) -> tuple[m
 
 @lru_cache(maxsize=4096)
 def _roots_of(coefficients: tuple[mpmath.mpf, ...], digits: int) -> tuple[tuple[mpmath.mpf, ...], bool]:
-    """The real roots of a polynomial, ascending, and whether two roots are the same."""
+    """Return the real roots of a polynomial, ascending, and whether two roots are the same."""
     if any(isinstance(c, mp.mpc) or not mp.isfinite(c) for c in coefficients):
         return (), True
     with mp.workdps(digits):
@@ -128,7 +128,7 @@ def _roots_of(coefficients: tuple[mpmath.mpf, ...], digits: int) -> tuple[tuple[
 
 
 def _complex_roots(coefficients: tuple[mpmath.mpf, ...], digits: int) -> list[mpmath.mpc]:
-    """All roots; in doubles first, and from there by Newton's rule: simple roots are soon had."""
+    """Return all roots; in doubles first, and from there by Newton's rule: simple roots are soon had."""
     import numpy as np
 
     if len(coefficients) <= 3:
@@ -163,7 +163,7 @@ def _quadratic_roots(coefficients: tuple[mpmath.mpf, ...]) -> list[mpmath.mpc]:
 
 
 def root_interval_of(curve: MomentumCurve, sample: Sample) -> RootInterval | None:
-    """Where a motion is; None where P is not positive there, or has a double root.
+    """Return where a motion is; None where P is not positive there, or has a double root.
 
     Args:
         curve: of the coordinate.
@@ -201,7 +201,7 @@ def root_interval_of(curve: MomentumCurve, sample: Sample) -> RootInterval | Non
 
 
 def place_of_rest(curve: MomentumCurve, key: tuple[str, int], numbers: Numbers) -> mpmath.mpf:
-    """The x at which an asymptotic motion would come to rest.
+    """Return the x at which an asymptotic motion would come to rest.
 
     Args:
         curve: of the coordinate.
@@ -241,13 +241,13 @@ def _marks(
 
 @lru_cache(maxsize=512)
 def _numerator(square: sp.Expr, x: sp.Symbol) -> sp.Poly | None:
-    """The numerator of S as a polynomial; None where it is free of x."""
+    """Return the numerator of S as a polynomial; None where it is free of x."""
     top = sp.numer(sp.together(square))
     return sp.Poly(top, x) if top.has(x) else None
 
 
 def _polynomial_roots(polynomial: sp.Poly, numbers: Numbers) -> list[mpmath.mpf]:
-    """The real roots of any polynomial, at numbers."""
+    """Return the real roots of any polynomial, at numbers."""
     coefficients = _coefficients(polynomial, numbers, DIGITS)
     if len(coefficients) < 2:
         return []
@@ -257,7 +257,7 @@ def _polynomial_roots(polynomial: sp.Poly, numbers: Numbers) -> list[mpmath.mpf]
 
 
 def _number_of_q(curve: MomentumCurve, end: mpmath.mpf, numbers: Numbers) -> mpmath.mpf:
-    """The q at an end of the domain."""
+    """Return the q at an end of the domain."""
     lower, upper = curve.ends
     s = curve.substitution
     at_lower = (end == number_of(s.lower, numbers)) == s.increasing
@@ -287,7 +287,7 @@ def region_exists(curve: MomentumCurve, like: RootInterval, numbers: Numbers) ->
 
 
 def holds_place(curve: MomentumCurve, like: RootInterval, place: mpmath.mpf, numbers: Numbers) -> bool:
-    """Whether a place of the coordinate is in a region that exists, turning points among it.
+    """Return whether a place of the coordinate is in a region that exists, turning points among it.
 
     Args:
         curve: whose P.
@@ -312,7 +312,7 @@ def holds_place(curve: MomentumCurve, like: RootInterval, place: mpmath.mpf, num
 
 
 def middle_of(curve: MomentumCurve, numbers: Numbers) -> mpmath.mpf:
-    """The angle in the middle of the turn on which the variable of a closed curve is monotone.
+    """Return the angle in the middle of the turn on which the variable of a closed curve is monotone.
 
     Args:
         curve: of an angle.

@@ -130,7 +130,7 @@ class EllipticArgument(Regularised):
         return in_moduli(value + a.subs(x, self.x) * self.root, self.names)
 
     def span(self) -> tuple[sp.Expr, sp.Expr]:
-        """Two values of the parameter on the branch on which q grows."""
+        """Return two values of the parameter on the branch on which q grows."""
         low, high = sp.Rational(2, 10), sp.Rational(7, 10)
         return (low, high) if self.direction > 0 else (high, low)
 
@@ -155,7 +155,7 @@ class Anomaly(Regularised):
         super().__init__(own, integral, ξ, start, names)
 
     def sign_of(self, expression: sp.Expr) -> int:
-        """The sign, where every factor has the same in the whole regime; else 0.
+        """Return the sign, where every factor has the same in the whole regime; else 0.
 
         Args:
             expression: of parameters and constants.
@@ -286,7 +286,7 @@ class Anomaly(Regularised):
             return value_at(self.names.written_out(e), self.names.numbers)
 
     def span(self) -> tuple[sp.Expr, sp.Expr]:
-        """Two values of the parameter on the branch on which q grows."""
+        """Return two values of the parameter on the branch on which q grows."""
         low, high = sp.Rational(3, 10), sp.Rational(8, 10)
         if self.wave[0] is sp.cos and not self.conic and self.direction > 0:
             return -high, -low
@@ -297,7 +297,7 @@ class Anomaly(Regularised):
 
 
 def _bounds(relation: sp.Basic, base: sp.Expr) -> bool:
-    """Whether a relation of the regime gives the sign of a factor."""
+    """Return whether a relation of the regime gives the sign of a factor."""
     if not isinstance(relation, (sp.StrictGreaterThan, sp.StrictLessThan)):
         return bool(isinstance(relation, sp.Ne) and base == relation.lhs and relation.rhs == 0)
     return bool(sp.cancel(base / (relation.lhs - relation.rhs)).is_number)
@@ -306,7 +306,7 @@ def _bounds(relation: sp.Basic, base: sp.Expr) -> bool:
 def by_parameter(
     own: CoordinateIntegrals, integral: PieceIntegral, ξ: sp.Symbol, start: sp.Symbol, names: NamedQuantities
 ) -> Regularised:  # fmt: skip
-    """A coordinate by the parameter of an integral.
+    """Return a coordinate by the parameter of an integral.
 
     Args:
         own: the coordinate.

@@ -63,7 +63,7 @@ def samples(
 
 
 def _moves(solution: Solution, values: Mapping[sp.Symbol, sp.Expr], places: Mapping[str, sp.Expr]) -> bool:
-    """Whether every squared momentum is positive."""
+    """Return whether every squared momentum is positive."""
     where = {solution.system.coordinate(name).symbol: place for name, place in places.items()}
     numbers = many_digits({**values, **where}, 30)
     with mp.workdps(30):
@@ -72,7 +72,7 @@ def _moves(solution: Solution, values: Mapping[sp.Symbol, sp.Expr], places: Mapp
 
 
 def near(value: sp.Expr) -> sp.Expr:
-    """A rational number within 1e-9 of a number; itself where it is one; nan where it is not real.
+    """Return a rational number within 1e-9 of a number; itself where it is one; nan where it is not real.
 
     Args:
         value: a real number.
@@ -94,7 +94,7 @@ def _parameter(parameter: Parameter, draw: random.Random, *, own: bool) -> sp.Ex
 
 
 def _place(coordinate: Coordinate, parameters: Mapping[sp.Symbol, sp.Expr], draw: random.Random) -> sp.Expr | None:
-    """A place of the domain; None where these parameters leave none."""
+    """Return a place of the domain; None where these parameters leave none."""
     domain, part = coordinate.domain, sp.Rational(draw.randint(1, 99), 100)
     if domain.kind == "angle":
         return near((2 * part - 1) * sp.pi)

@@ -29,7 +29,7 @@ class Signs:
         self.named = set[sp.Symbol]()
 
     def number(self, expression: sp.Expr) -> mpmath.mpf:
-        """The value of an expression at the sample.
+        """Return the value of an expression at the sample.
 
         Args:
             expression: of parameters and constants.
@@ -38,7 +38,7 @@ class Signs:
             return number_of(expression, self.numbers)
 
     def sign(self, expression: sp.Expr) -> int:
-        """The sign at the sample; kept as a condition where the symbols do not imply it.
+        """Return the sign at the sample; kept as a condition where the symbols do not imply it.
 
         Args:
             expression: of parameters and constants.
@@ -64,7 +64,7 @@ class Signs:
         self.named |= set(numbers)
 
     def slope_sign(self, A: sp.Expr, B: sp.Expr, place: sp.Expr | None) -> int:
-        """The sign of 2Au + B at the sample, u = x or 1/(x − r).
+        """Return the sign of 2Au + B at the sample, u = x or 1/(x − r).
 
         Args:
             A, B: coefficients.
@@ -76,7 +76,7 @@ class Signs:
 
 
 def sign_of_many_digits(value: mpmath.mpf) -> int:
-    """The sign of a number that is exact to more than 40 digits; 0 also of what is not real.
+    """Return the sign of a number that is exact to more than 40 digits; 0 also of what is not real.
 
     Args:
         value: the number.

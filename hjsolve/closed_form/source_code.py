@@ -56,7 +56,7 @@ def source(form: NamedForms, language: str) -> str:
 
 
 def _python_head(every: sp.Tuple) -> list[str]:
-    """What the functions import: the standard library, and this package for elliptic functions."""
+    """Return what the functions import: the standard library, and this package for elliptic functions."""
     own = sorted({f"{f.code_name()}" for f in every.atoms(Printable)})
     used = [name for name in LEGENDRE if every.has(getattr(sp, name))]
     needed = [*own, *(f"{name.replace('elliptic', 'legendre')} as {name}" for name in used)]
@@ -70,7 +70,7 @@ def _meaning(meaning: object) -> str:
 
 
 def _arguments(expression: sp.Expr, where: Where) -> tuple[list[str], list[tuple[sp.Symbol, sp.Expr]]]:
-    """What a function is given, roots of polynomials among it, and the quantities that it works out first."""
+    """Return what a function is given, roots of polynomials among it, and the quantities that it works out first."""
     defined, plain = needed_names(expression.free_symbols, {s: e for s, e in where.items() if not isinstance(e, tuple)})
     return sorted(s.name for s in plain), [(s, e) for s, e in defined.items() if not isinstance(e, tuple)]
 
@@ -102,7 +102,7 @@ def _c(name: str, expression: sp.Expr, where: Where) -> str:
 
 
 def _macros(text: str) -> list[str]:
-    """The constants of <math.h> that a text uses: C99 by itself does not have them."""
+    """Return the constants of <math.h> that a text uses: C99 by itself does not have them."""
     known = {name: value for value, name in get_math_macros().items()}
     return [
         f"#ifndef {name}\n#define {name} {sp.N(sp.expand_func(known[name]), 20)}\n#endif"

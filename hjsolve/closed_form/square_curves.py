@@ -59,7 +59,7 @@ class SquareCurve:
         return self.side * sp.cancel(sp.powdenest(R.subs(x, sp.sqrt(self.X)), force=True)) / 2
 
     def in_x(self, value: sp.Expr, x: sp.Symbol) -> sp.Expr:
-        """An integral over X as a function of x, odd where the motion passes x = 0.
+        """Return an integral over X as a function of x, odd where the motion passes x = 0.
 
         Args:
             value: of the integral.
@@ -71,7 +71,7 @@ class SquareCurve:
         return value.subs(self.X, y**2).xreplace({y: x})
 
     def turning_points(self, signs: Signs) -> tuple[sp.Expr, ...]:
-        """The real roots of P(x²) in x, ascending.
+        """Return the real roots of P(x²) in x, ascending.
 
         Args:
             signs: of the sample.
@@ -81,7 +81,7 @@ class SquareCurve:
 
 
 def square_curve(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix: str) -> SquareCurve:
-    """The curve in X of an even P of degree 6.
+    """Return the curve in X of an even P of degree 6.
 
     Args:
         curve: of degree 6.
@@ -110,7 +110,7 @@ def square_curve(curve: MomentumCurve, region: RootInterval, signs: Signs, prefi
 
 
 def reduces(curve: MomentumCurve) -> bool:
-    """Whether a curve of genus 2 is one of these.
+    """Return whether a curve of genus 2 is one of these.
 
     Args:
         curve: of any degree.

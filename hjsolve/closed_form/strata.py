@@ -54,7 +54,7 @@ def _deciders(
 
 
 def fixed_constant(decider: sp.Expr, constants: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Expr] | None:
-    """The constant that a decider fixes where it is zero, the first that it holds to first degree.
+    """Return the constant that a decider fixes where it is zero, the first that it holds to first degree.
 
     Args:
         decider: zero in the stratum.
@@ -73,7 +73,7 @@ def fixed_constant(decider: sp.Expr, constants: Iterable[sp.Symbol]) -> dict[sp.
 def special_strata(
     curves: Mapping[str, list[MomentumCurve]], constants: list[sp.Symbol]
 ) -> list[dict[sp.Symbol, sp.Expr]]:
-    """Every stratum that fixes one constant.
+    """Return every stratum that fixes one constant.
 
     Args:
         curves: separated coordinate → its curves.

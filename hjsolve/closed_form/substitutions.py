@@ -81,7 +81,7 @@ def known_substitutions(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -
 
 
 def extended_domain_ends(coordinate: Coordinate) -> tuple[sp.Expr, sp.Expr]:
-    """The ends of a domain as extended real numbers; one turn about zero of an angle.
+    """Return the ends of a domain as extended real numbers; one turn about zero of an angle.
 
     Args:
         coordinate: with the domain.
@@ -209,7 +209,7 @@ def _trigonometric(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Ite
 def _of_multiples(
     function: sp.Expr, κ: sp.Expr, coordinate: Coordinate, x: sp.Symbol, *, turn: bool
 ) -> Iterator[Substitution]:  # fmt: skip
-    """A function of sin κq and cos κq."""
+    """Yield a function of sin κq and cos κq."""
     q = coordinate.symbol
     lower, upper = extended_domain_ends(coordinate)
     w0, w1 = _scaled(κ, lower), _scaled(κ, upper)
@@ -254,17 +254,17 @@ def _on_a_turn(
 
 
 def _sides(κ: sp.Expr) -> tuple[int, ...]:
-    """The signs of a factor that are possible."""
+    """Return the signs of a factor that are possible."""
     return (1,) if κ.is_positive else (-1,) if κ.is_negative else (1, -1)
 
 
 def _condition(κ: sp.Expr) -> sp.Expr:
-    """What must be positive; 1 where it is."""
+    """Return what must be positive; 1 where it is."""
     return sp.S.One if κ.is_positive else κ
 
 
 def _scaled(κ: sp.Expr, end: sp.Expr) -> sp.Expr:
-    """An end of the domain times a positive factor."""
+    """Return an end of the domain times a positive factor."""
     return end if end in (sp.oo, -sp.oo) else κ * end
 
 
@@ -303,7 +303,7 @@ class _Turn:
 
 
 def _half_sine(function: sp.Expr, scale: _Turn) -> Iterator[Substitution]:
-    """A + b cos w + c sin w = a + d cos(w − δ), d > 0: x = sin((w − δ)/2), as for the pendulum."""
+    """Yield a + b cos w + c sin w = a + d cos(w − δ), d > 0: x = sin((w − δ)/2), as for the pendulum."""
     if not function.is_polynomial(S, C):
         return
     terms = sp.Poly(function, S, C)
@@ -357,7 +357,7 @@ def _base(
 
 
 def _on_the_circle(function: sp.Expr) -> sp.Expr:
-    """A rational function of S and C with S² = 1 − C²: the same however it was typed."""
+    """Return a rational function of S and C with S² = 1 − C²: the same however it was typed."""
     top, bottom = (
         sp.Poly(sp.rem(sp.expand(part), S**2 + C**2 - 1, S), S, C) for part in sp.fraction(sp.together(function))
     )
@@ -384,7 +384,7 @@ def _of_whole_angle(κ: sp.Expr, function: sp.Expr) -> tuple[sp.Expr, sp.Expr] |
 
 
 def _even(function: sp.Expr, odd: sp.Symbol, kept: sp.Symbol) -> sp.Expr | None:
-    """The function with odd² = 1 − kept²; None where an odd power is left."""
+    """Return the function with odd² = 1 − kept²; None where an odd power is left."""
     top, bottom = sp.fraction(sp.together(function))
     parts = []
     for part in (top, bottom):
@@ -461,7 +461,7 @@ def _even_hyperbolic(
 
 
 def _invariant(function: sp.Expr, sign: sp.Expr) -> sp.Expr | None:
-    """The function of X written in C = ½(X ± 1/X), where it is the same at X and ±1/X; None otherwise."""
+    """Return the function of X written in C = ½(X ± 1/X), where it is the same at X and ±1/X; None otherwise."""
     top, bottom = sp.fraction(sp.cancel(function))
     if sp.cancel(function - function.subs(X, sign / X)) != 0:
         return None

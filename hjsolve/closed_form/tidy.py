@@ -29,7 +29,7 @@ _FACTORED = 80
 
 
 def elliptic(expression: sp.Expr) -> bool:
-    """Whether an expression holds elliptic integrals: such are not multiplied out, which takes for ever.
+    """Return whether an expression holds elliptic integrals: such are not multiplied out, which takes for ever.
 
     Args:
         expression: of a form.
@@ -38,7 +38,7 @@ def elliptic(expression: sp.Expr) -> bool:
 
 
 def longer_than(expression: sp.Expr, limit: int) -> bool:
-    """Whether a formula has more operations than a limit; sympy's count looks at every sign, and takes seconds.
+    """Return whether a formula has more operations than a limit; sympy's count looks at every sign, and takes seconds.
 
     Args:
         expression: of a form.
@@ -53,7 +53,7 @@ def longer_than(expression: sp.Expr, limit: int) -> bool:
 
 
 def multiplied_out(expression: sp.Expr) -> sp.Expr:
-    """A product multiplied out, but not a long one, and not inside functions.
+    """Return a product multiplied out, but not a long one, and not inside functions.
 
     Args:
         expression: of a form.
@@ -65,7 +65,7 @@ def multiplied_out(expression: sp.Expr) -> sp.Expr:
 
 
 def _outermost(expression: sp.Expr) -> set[sp.Expr]:
-    """The functions in a formula that are in no other."""
+    """Return the functions in a formula that are in no other."""
     if isinstance(expression, sp.Function) and not isinstance(expression, (sp.Abs, sp.sign)):
         return {expression}
     return set().union(*(_outermost(part) for part in expression.args))
@@ -83,7 +83,7 @@ def shortened_powers(expression: sp.Expr) -> sp.Expr:
 
 
 def collected(expression: sp.Expr) -> sp.Expr:
-    """A linear combination of elliptic integrals with each written once, its coefficient in factors.
+    """Return a linear combination of elliptic integrals with each written once, its coefficient in factors.
 
     What has the opposite coefficient, as an integral has at its lower limit, stands in the same bracket.
 
@@ -134,7 +134,7 @@ def _factored(coefficient: sp.Expr) -> sp.Expr:
 
 
 def plain_roots(expression: sp.Expr) -> sp.Expr:
-    """A sum with √s in place of s/√s, each root once.
+    """Return a sum with √s in place of s/√s, each root once.
 
     Args:
         expression: of constants, linear in each root.

@@ -28,7 +28,7 @@ Values = Callable[[mpmath.mpf], list[mpmath.mpf]]
 
 
 def flaw(piece: CoordinateIntegrals, key: sp.Symbol, digits: int = DIGITS) -> str | None:
-    """What is wrong with an integral; None where it passes.
+    """Return what is wrong with an integral; None where it passes.
 
     Args:
         piece: the coordinate's integrals in a regime, with the sample they are tried at.
@@ -39,7 +39,7 @@ def flaw(piece: CoordinateIntegrals, key: sp.Symbol, digits: int = DIGITS) -> st
 
 
 def flaws(piece: CoordinateIntegrals, keys: Sequence[sp.Symbol], digits: int = DIGITS) -> dict[sp.Symbol, str]:
-    """What is wrong with integrals of a coordinate: no key of one that passes.
+    """Return what is wrong with integrals of a coordinate: no key of one that passes.
 
     Args:
         piece: the coordinate's integrals in a regime, with the sample they are tried at.
@@ -104,7 +104,7 @@ class _Trial:
         return bool(abs(one - other) <= size * mp.mpf(10) ** (-self.digits))
 
     def _between(self, start: mpmath.mpf, stop: mpmath.mpf) -> list[mpmath.mpf]:
-        """The quadratures between two places, by Gauss's rule; nan where it does not settle."""
+        """Return the quadratures between two places, by Gauss's rule; nan where it does not settle."""
         rule = GaussLegendre(mp)
         nodes = rule.get_nodes(-1, 1, _NODES, mp.prec)
 
@@ -132,7 +132,7 @@ class _Trial:
         return not mp.isfinite(once) or bool(abs(once - twice) <= (abs(twice) + abs(once)) * tiny)
 
     def _cycles(self, keys: list[sp.Symbol]) -> dict[sp.Symbol, str]:
-        """What is wrong with integrals over cycles."""
+        """Return what is wrong with integrals over cycles."""
         keys = [key for key in keys if self.piece.integrals[key].cycle is not None]
         if not keys:
             return {}
@@ -187,7 +187,7 @@ def _few(value: mpmath.mpf) -> str:
 
 
 def _real(value: mpmath.mpf) -> mpmath.mpf:
-    """A value without the imaginary rounding of a root; nan where it is more than that."""
+    """Return a value without the imaginary rounding of a root; nan where it is more than that."""
     if not isinstance(value, mp.mpc):
         return value
     tiny = mp.mpf(10) ** -(mp.dps - 12)
@@ -195,7 +195,7 @@ def _real(value: mpmath.mpf) -> mpmath.mpf:
 
 
 def value_at(expression: sp.Expr, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
-    """An expression at numbers, by mpmath, in the precision that it works in; nan where it is not real.
+    """Return an expression at numbers, by mpmath, in the precision that it works in; nan where it is not real.
 
     Args:
         expression: of a form.
@@ -205,7 +205,7 @@ def value_at(expression: sp.Expr, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmat
 
 
 def sample_numbers(piece: CoordinateIntegrals, digits: int = DIGITS + GUARD) -> dict[sp.Symbol, mpmath.mpf]:
-    """The parameters, constants and named roots of the sample as numbers.
+    """Return the parameters, constants and named roots of the sample as numbers.
 
     Args:
         piece: with the sample.
@@ -227,7 +227,7 @@ def sample_numbers(piece: CoordinateIntegrals, digits: int = DIGITS + GUARD) -> 
 
 
 def sample_place(piece: CoordinateIntegrals) -> mpmath.mpf:
-    """Where a coordinate is at the sample.
+    """Return where a coordinate is at the sample.
 
     Args:
         piece: of the coordinate.
@@ -238,7 +238,7 @@ def sample_place(piece: CoordinateIntegrals) -> mpmath.mpf:
 
 
 def monotone_span(piece: CoordinateIntegrals, integral: PieceIntegral) -> tuple[mpmath.mpf, mpmath.mpf]:
-    """Two places between which the motion is free of turning points, inside the region.
+    """Return two places between which the motion is free of turning points, inside the region.
 
     Args:
         piece: the coordinate.
@@ -261,7 +261,7 @@ def monotone_span(piece: CoordinateIntegrals, integral: PieceIntegral) -> tuple[
 
 
 def _end(region: RootInterval, side: tuple[str, int], numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf | None:
-    """A root, or a place of rest; None for an end of the domain."""
+    """Return a root, or a place of rest; None for an end of the domain."""
     if side[0] == "end":
         return None
     return region.roots[side[1]] if side[0] == "root" else place_of_rest(region.curve, side, numbers)

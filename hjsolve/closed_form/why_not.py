@@ -94,7 +94,7 @@ class TranscendentalEquation(WhyNot):
     law: Law
 
     def holds(self) -> bool:
-        """Whether the law has an algebraic part and a logarithm, or two logarithms with an irrational ratio."""
+        """Return whether the law has an algebraic part and a logarithm, or two logarithms with an irrational ratio."""
         law, at = self.law, dict[sp.Symbol, sp.Expr]()
         held = (law.polynomial, law.algebraic, *(e for c, t in law.terms for e in (c, t.leading)))
         symbols = set().union(*(e.free_symbols for e in held))
@@ -134,7 +134,7 @@ class NotOfTheFirstKind(WhyNot):
     rational: sp.Expr
 
     def holds(self) -> bool:
-        """Whether R varies."""
+        """Return whether R varies."""
         return sp.cancel(sp.diff(self.rational, self.x)) != 0
 
     def __str__(self) -> str:
@@ -158,7 +158,7 @@ class IndependentIntegrals(WhyNot):
     ratio: sp.Expr
 
     def holds(self) -> bool:
-        """Whether the ratio of the integrands varies."""
+        """Return whether the ratio of the integrands varies."""
         return sp.cancel(sp.together(sp.diff(self.ratio, self.q))) != 0
 
     def __str__(self) -> str:
@@ -190,7 +190,7 @@ class HighGenus(WhyNot):
     involution: bool | None
 
     def holds(self) -> bool:
-        """Whether both polynomials are free of squares, and what is left is of degree five or more."""
+        """Return whether both polynomials are free of squares, and what is left is of degree five or more."""
         free = all(sp.gcd(P, P.diff()).degree() == 0 for P in (self.polynomial, self.reduced))
         return free and self.genus >= 2 and not self.involution
 

@@ -40,7 +40,7 @@ class Workshop:
         return [c.symbol for c in self.solution.constants.values()]
 
     def at(self, special: Stratum) -> dict[str, list[MomentumCurve]]:
-        """The curves where some constants are special.
+        """Return the curves where some constants are special.
 
         Args:
             special: constant → what it is.

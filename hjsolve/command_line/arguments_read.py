@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def given_hamiltonian(options: Namespace) -> LinearHamiltonian | None:
-    """The H(q, p) of the entry, where it gives one that is linear in p.
+    """Return the H(q, p) of the entry, where it gives one that is linear in p.
 
     Args:
         options: the parsed arguments.
@@ -47,7 +47,7 @@ def given_hamiltonian(options: Namespace) -> LinearHamiltonian | None:
 
 
 def frame(options: Namespace, solved: Solution | None = None) -> Section | None:
-    """The section about the frame that an entry declares; None where it declares none.
+    """Return the section about the frame that an entry declares; None where it declares none.
 
     Args:
         options: the parsed arguments.
@@ -63,7 +63,7 @@ def frame(options: Namespace, solved: Solution | None = None) -> Section | None:
 
 
 def system(options: Namespace) -> System:
-    """The system that is meant: an entry, a file, or one of the user's own.
+    """Return the system that is meant: an entry, a file, or one of the user's own.
 
     Args:
         options: the parsed arguments.
@@ -128,7 +128,7 @@ def _own_system(options: Namespace) -> System:
 
 
 def scene(options: Namespace) -> Scene | None:
-    """The scene that is meant, where the file given is one.
+    """Return the scene that is meant, where the file given is one.
 
     Args:
         options: the parsed arguments.
@@ -157,7 +157,7 @@ def _is_scene(options: Namespace) -> bool:
 
 
 def initial(options: Namespace) -> dict[str, Any] | None:
-    """Initial data from the command line; None where there are none.
+    """Return initial data from the command line; None where there are none.
 
     Args:
         options: the parsed arguments.
@@ -189,7 +189,7 @@ def initial(options: Namespace) -> dict[str, Any] | None:
 
 
 def own_motion(options: Namespace) -> dict[str, Any] | None:
-    """The entry's own motion where its parameters or effects are changed; None where it is taken as it is.
+    """Return the entry's own motion where its parameters or effects are changed; None where it is taken as it is.
 
     Args:
         options: the parsed arguments.
@@ -210,7 +210,7 @@ def own_motion(options: Namespace) -> dict[str, Any] | None:
 
 
 def motion_meant(options: Namespace, digits: int, *, find: bool = False) -> Motion:
-    """The motion that is meant: of initial data given, else the entry's own.
+    """Return the motion that is meant: of initial data given, else the entry's own.
 
     Args:
         options: the parsed arguments.
@@ -234,7 +234,7 @@ def motion_meant(options: Namespace, digits: int, *, find: bool = False) -> Moti
 
 
 def entry_motion(entry: Entry, name: str) -> Mapping[str, Any]:
-    """Initial data of a motion of an entry, as keywords of ``Solution.motion``.
+    """Return initial data of a motion of an entry, as keywords of ``Solution.motion``.
 
     Args:
         entry: of the catalog.
@@ -260,7 +260,7 @@ T = TypeVar("T")
 
 
 def located(target: T) -> T | Path:
-    """A path for a file, the text itself for an id; a helpful word for other files.
+    """Return a path for a file, the text itself for an id; a helpful word for other files.
 
     Args:
         target: what the user gave: a catalog id, a file name, or a value that is no text, which comes back as it is.
@@ -277,7 +277,7 @@ def located(target: T) -> T | Path:
 
 
 def sliders(options: Namespace) -> dict[str, tuple[float, float] | None]:
-    """The sliders asked of a live page: name → range, None for as far as it goes.
+    """Return the sliders asked of a live page: name → range, None for as far as it goes.
 
     Args:
         options: the parsed arguments.

@@ -111,7 +111,7 @@ def solve_command(options: Namespace) -> int:
 
 
 def _closed(solved: Solution) -> list[Section]:
-    """The closed forms, regime by regime."""
+    """Return the closed forms, regime by regime."""
     from hjsolve.closed_form.closed_forms import closed_forms
     from hjsolve.reports.sections.closed_forms import closed_form_sections
 
@@ -146,7 +146,7 @@ def coordinates_command(options: Namespace) -> int:
 
 
 def _modes(system: System) -> NormalModes | None:
-    """The normal modes of a system whose T and V are quadratic forms; None of any other."""
+    """Return the normal modes of a system whose T and V are quadratic forms; None of any other."""
     from hjsolve.coordinates import normal_modes
     from hjsolve.errors import InvalidSystemError
 
@@ -230,7 +230,7 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
 
 
 def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:
-    """The solution in coordinates that are found, and the motion given or that of the catalog entry."""
+    """Return the solution in coordinates that are found, and the motion given or that of the catalog entry."""
     from hjsolve import catalog
     from hjsolve.reports.content import initial_of
     from hjsolve.solution.quadratures import solve

@@ -77,7 +77,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _output() -> TextIO:
-    """Where a command prints; nowhere where the stream is closed, as by ``>&-`` or without a console."""
+    """Return where a command prints; nowhere where the stream is closed, as by ``>&-`` or without a console."""
     return cast("TextIO", VisibleStream(sys.stdout if sys.stdout is not None else io.StringIO()))
 
 
@@ -113,7 +113,7 @@ _ENDLESS_WORD = re.compile(r"\S{300,}")
 
 
 def _valued(top: argparse.ArgumentParser) -> dict[str, str]:
-    """The options of all commands that take a value: each way to write one ↦ the long way."""
+    """Return the options of all commands that take a value: each way to write one ↦ the long way."""
     commands_of = [action.choices.values() for action in top._actions if isinstance(action.choices, dict)]
     parsers = [top, *(parser for group in commands_of for parser in group)]
     options = [option for parser in parsers for option in parser._actions if option.nargs is None]
@@ -137,7 +137,7 @@ def _with_estimate(error: HJSolveError) -> str:
 
 
 def _fault(error: BaseException) -> str:
-    """A fault of ours: one line, and the place of the fault on request."""
+    """Return a fault of ours: one line, and the place of the fault on request."""
     if os.environ.get("HJSOLVE_TRACEBACK"):
         import traceback
 

@@ -157,7 +157,7 @@ def _plain_states(times: Sequence[str | float], state: State | Trajectory) -> di
 
 # ------------------------------------------------------------------------------------------------ writing
 def _written(x: object) -> str:
-    """A number with all its digits; empty where there is none."""
+    """Return a number with all its digits; empty where there is none."""
     if x is None:
         return ""
     if hasattr(x, "_mpf_"):
@@ -169,7 +169,7 @@ def _written(x: object) -> str:
 
 
 def _bound(error: Mpf | float | None) -> float | None:
-    """An error with two digits, not below itself; None where there is none."""
+    """Return an error with two digits, not below itself; None where there is none."""
     return None if error is None or not np.isfinite(float(error)) else float(short_bound(error))
 
 

@@ -168,7 +168,7 @@ def _found_in_space(system: System, why: str, refused: object, budget: float) ->
 
 
 def _chart_on_sphere(given: OnSphere, why: str, refused: object, budget: float) -> Chart:
-    """The simplest web on a sphere."""
+    """Return the simplest web on a sphere."""
     sphere = given.sphere
     outer = sphere_map(sphere.system, sphere.mass, sphere.normal)
     if outer is None:
@@ -187,7 +187,7 @@ def _simplest(
     found: SeparableCoordinates, cartesian: Cartesian, charted: Callable[[Web, str], Chart | None], why: str,
     refused: object,
 ) -> Chart:  # fmt: skip
-    """The chart of the web whose equations are the simplest of those that can be certified."""
+    """Return the chart of the web whose equations are the simplest of those that can be certified."""
     several = f", the simplest of {len(found.webs)} webs" if len(found.webs) > 1 else ", the only web"
     for web in sorted(found.webs, key=_cost):
         chart = charted(web, f"{why}; {web.kind} coordinates do{several}{_freedom(web)}")
@@ -235,7 +235,7 @@ def _cost(web: Web) -> tuple[int, bool, int]:
 
 
 def _charted(web: Web, reason: str, *, cartesian: Cartesian, budget: float) -> Chart | None:
-    """The chart of a web, in coordinates without ends; None where ``separate`` does not certify it."""
+    """Return the chart of a web, in coordinates without ends; None where ``separate`` does not certify it."""
     if web.kind in _WITHOUT_ENDS:
         web = web_of(web, cartesian, budget=budget, covering=True)
     system = valid_everywhere(web, cartesian)
@@ -259,7 +259,10 @@ def _charted(web: Web, reason: str, *, cartesian: Cartesian, budget: float) -> C
 
 
 def _charted_on_sphere(web: Web, reason: str, *, given: OnSphere, outer: OuterMap) -> Chart | None:
-    """The chart of a web on a sphere; None where ``separate`` does not certify it, or it covers one octant alone."""
+    """Return the chart of a web on a sphere.
+
+    None where ``separate`` does not certify it, or it covers one octant alone.
+    """
     local = next(charts_on_sphere(web, given))
     if not isinstance(web.verdict, Separation) or tuple(s.name for s in local.symbols) != web.coordinates:
         return None
@@ -274,14 +277,14 @@ def _charted_on_sphere(web: Web, reason: str, *, given: OnSphere, outer: OuterMa
 
 
 def _with(web: Web, system: System, budget: float) -> Web:
-    """A web whose coordinates have other ranges, so that their symbols are other ones."""
+    """Return a web whose coordinates have other ranges, so that their symbols are other ones."""
     new = {web.system.symbols[name]: system.symbols[name] for name in web.coordinates}
     there = {name: formula.xreplace(new) for name, formula in web.transformation.items()}
     return replace(web, system=system, verdict=separate(system, budget=seconds_left(budget)), transformation=there)
 
 
 def _there(original: System, transformation: Mapping[str, sp.Expr], found: System) -> System:
-    """The system found, with the place that the given one has, as a function of its own coordinates."""
+    """Return the system found, with the place that the given one has, as a function of its own coordinates."""
     at = {original.coordinate(name).symbol: e for name, e in transformation.items()}
     return placed(found, tuple((axis, formula.xreplace(at)) for axis, formula in original.place.items()))
 

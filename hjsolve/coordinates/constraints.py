@@ -88,7 +88,7 @@ def without_constraints(system: System, constraints: Iterable[str]) -> System:
 def _reduced(
     system: System, fixed: list[tuple[str, sp.Expr]], constants: list[Parameter]
 ) -> tuple[System, list[sp.Expr]]:
-    """The system in the coordinates that equations g(q) = 0 leave, and the formula of every coordinate in them."""
+    """Return system in the coordinates that equations g(q) = 0 leave, and the formula of every coordinate in them."""
     if not fixed:
         return system, [c.symbol for c in system.coordinates]
     left = _Eliminated(
@@ -132,7 +132,7 @@ def _coefficients(given: sp.Expr, speeds: Sequence[sp.Symbol], source: str) -> l
 
 # ------------------------------------------------------------------------------------------------ velocities
 def _integrals(system: System, forms: list[tuple[str, list[sp.Expr]]]) -> list[tuple[str, sp.Expr]]:
-    """A function for each form that is constant where all of them hold."""
+    """Return a function for each form that is constant where all of them hold."""
     if not forms:
         return []
     symbols = [c.symbol for c in system.coordinates]
@@ -173,7 +173,7 @@ def _exact(symbols: list[sp.Symbol], form: list[sp.Expr], region: Region) -> sp.
 def _solved(
     symbols: list[sp.Symbol], forms: list[tuple[str, list[sp.Expr]]], region: Region
 ) -> list[tuple[str, list[sp.Expr]]]:
-    """The forms solved for some velocities, once Frobenius' conditions are proved."""
+    """Return the forms solved for some velocities, once Frobenius' conditions are proved."""
     A = sp.Matrix([form for _, form in forms])
     reduced, pivots = A.rref(simplify=True)
     if len(pivots) < len(forms):
@@ -238,7 +238,7 @@ def _bounds(system: System, left: _Eliminated) -> dict[sp.Symbol, tuple[sp.Expr 
 def _linear(
     g: sp.Expr, bounds: Mapping[sp.Symbol, tuple[sp.Expr | None, sp.Expr | None]]
 ) -> dict[sp.Symbol, sp.Expr] | None:
-    """The simplest solution for a coordinate that g holds to first degree with a coefficient that never vanishes."""
+    """Return the simplest solution for a coordinate of first degree in g whose coefficient never vanishes."""
     found = []
     for q in bounds:
         slope = sp.diff(g, q)
@@ -255,7 +255,7 @@ def _sphere(
     system: System, left: _Eliminated, g: sp.Expr,
     bounds: Mapping[sp.Symbol, tuple[sp.Expr | None, sp.Expr | None]],
 ) -> dict[sp.Symbol, sp.Expr] | None:  # fmt: skip
-    """Angles on a circle or a sphere, g = k (Σ (qᵢ − cᵢ)² − R²) with R² > 0; its coordinates are lines."""
+    """Return angles on a circle or a sphere, g = k (Σ (qᵢ − cᵢ)² − R²) with R² > 0; its coordinates are lines."""
     held = [q for q in bounds if g.has(q)]
     if len(held) not in (2, 3) or any(left.domains[q.name] != "line" for q in held):
         return None

@@ -75,7 +75,7 @@ def webs_in_words(found: SeparableCoordinates, cartesian: Cartesian, chosen: str
 
 
 def _begin(found: SeparableCoordinates, cartesian: Cartesian) -> str:
-    """The leading parts, in the user's own coordinates, where they are these and few."""
+    """Return the leading parts, in the user's own coordinates, where they are these and few."""
     own = [c.symbol for c in cartesian.system.coordinates]
     if list(cartesian.X) != own:
         return ""

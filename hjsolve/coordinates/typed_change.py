@@ -101,7 +101,7 @@ def _check_domain(system: System, formulas: list[sp.Expr], bounds: Mapping[sp.Sy
 
 
 def stays_inside(f: sp.Expr, ends: Bounds, bounds: Mapping[sp.Symbol, Bounds]) -> bool:
-    """Whether a formula is proved to stay in an open interval.
+    """Return whether a formula is proved to stay in an open interval.
 
     Args:
         f: the formula.

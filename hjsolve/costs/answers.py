@@ -107,6 +107,6 @@ class Ruler:
 
 
 def _float(value: Value) -> float:
-    """A double; what is not a number counts as infinite."""
+    """Return a double; what is not a number counts as infinite."""
     result = float(value)
     return result if result == result else float("inf")

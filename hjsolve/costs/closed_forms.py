@@ -78,7 +78,7 @@ class ClosedForm:
 
 
 def closed_trials(task: Task, levels: Sequence[int]) -> list[Trial]:
-    """The closed form of an entry at several accuracies.
+    """Return the closed form of an entry at several accuracies.
 
     Args:
         task: what is asked.
@@ -186,7 +186,7 @@ def _trial(task: Task, form: ClosedForm, digits: int) -> Trial:
 
 
 def _rounded(value: Mpf, again: Mpf, digits: int) -> tuple[Value, Value]:
-    """The value to the digits asked, and what it claims."""
+    """Return the value to the digits asked, and what it claims."""
     context = again.context
     difference = 2 * abs(again - value)
     if digits <= 15:

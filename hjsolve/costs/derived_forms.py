@@ -78,7 +78,7 @@ _T, _T0 = sp.Symbol("t", real=True), sp.Symbol("t_0", real=True)
 
 
 def derived_trials(task: Task, levels: Sequence[int], seconds: float) -> list[Trial]:
-    """The derived forms at several accuracies.
+    """Return the derived forms at several accuracies.
 
     Args:
         task: what is asked.
@@ -138,7 +138,7 @@ def _positive(motion: Motion) -> bool:
 
 
 def _in_place(form: RegimeForms, exact: Mapping[sp.Symbol, sp.Expr]) -> bool:
-    """Whether the motion starts on the piece, or in the turn, that the form is of."""
+    """Return whether the motion starts on the piece, or in the turn, that the form is of."""
     try:
         refuse_places(form, exact)
     except InvalidInputError:
@@ -147,7 +147,7 @@ def _in_place(form: RegimeForms, exact: Mapping[sp.Symbol, sp.Expr]) -> bool:
 
 
 def _exact(motion: Motion) -> dict[sp.Symbol, sp.Expr]:
-    """Symbol → exact value: parameters, constants, lower limits at the start, and the β that go with them."""
+    """Return symbol → exact value: parameters, constants, lower limits at the start, and the β that go with them."""
     solution, at = motion.solution, motion.initial.values
     exact = {p.symbol: at[p.symbol] for p in solution.system.parameters}
     exact |= {c.symbol: motion.initial.constants[name] for name, c in solution.constants.items()}
@@ -187,7 +187,7 @@ def _trial(task: Task, form: DerivedForm, digits: int, spent: float) -> Trial:
 
 
 def _rounded(value: mpmath.mpf, again: mpmath.mpf, digits: int) -> tuple[Claimed, Claimed]:
-    """The value to the digits asked, and what it claims."""
+    """Return the value to the digits asked, and what it claims."""
     with mp.workdps(2 * (digits + _GUARD)):
         difference = 2 * abs(again - value)
         if digits <= 15:

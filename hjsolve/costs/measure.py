@@ -111,7 +111,7 @@ def measured(task: Task, trials: Sequence[Trial], truth: TrueValues, clock: Cloc
 
 
 def _closed(one: TrialRecord) -> Row:
-    """The row with its time: the first run warms up and counts only where there is no other."""
+    """Return the row with its time: the first run warms up and counts only where there is no other."""
     if not one.clock:
         return one.row
     runs = one.clock[1:] or one.clock
@@ -121,7 +121,7 @@ def _closed(one: TrialRecord) -> Row:
 def _first(
     task: Task, trial: Trial, truth: TrueValues, clock: Clock, sizes: dict[str, float], last: TrialRecord | None
 ) -> TrialRecord:
-    """The first run: its answer, or why there is none."""
+    """Return the first run: its answer, or why there is none."""
     empty = Row(trial.method, trial.digits, unit=trial.unit, covers=trial.covers, note=trial.note)
     allowed = max(0.0, clock.left) * 0.25
     if trial.own and trial.digits > truth.digits - SPARE:
@@ -195,7 +195,7 @@ def _seconds(work: Callable[[], object]) -> float:
 
 
 def _judged(row: Row, answer: Answer, truth: TrueValues, sizes: dict[str, float]) -> Row:
-    """The row with its errors."""
+    """Return the row with its errors."""
     for name, size in answer.sizes.items():
         sizes.setdefault(name, 3.141592653589793 if name in truth.turning else size)
     ruler: Ruler = truth.ruler(sizes, proved=row.method == "certified")

@@ -26,7 +26,7 @@ class Result:
 
 
 def own_trials(task: Task, levels: Sequence[int], *, proofs: bool = True) -> list[Trial]:
-    """The methods of hjsolve.
+    """Return the methods of hjsolve.
 
     Args:
         task: what is asked.
@@ -89,7 +89,7 @@ def result_of(scene: Scene, task: Task) -> Result:
 
 
 def numbers_read(result: Result, places: Sequence[int]) -> Answer:
-    """The numbers of a run, its states at the places compared.
+    """Return the numbers of a run, its states at the places compared.
 
     Args:
         result: of a run.

@@ -118,7 +118,7 @@ def _balls(task: Task, digits: int) -> Values:
 
 
 def _series(task: Task, digits: int, deadline: float) -> Values:
-    """States by Taylor series; nothing where an event is at a place, or the series cannot be had in time."""
+    """Return states by Taylor series; nothing where an event is at a place, or the series cannot be had in time."""
     scene = task.scene
     if any(event.time is None for event in scene.events):
         return {}
@@ -137,7 +137,7 @@ def _series(task: Task, digits: int, deadline: float) -> Values:
 def _followed(
     task: Task, tape: Tape, start: Start, events: Sequence[Event], digits: int, deadline: float
 ) -> list[list[Mpf]]:
-    """States at the moments compared, on both sides of the start."""
+    """Return states at the moments compared, on both sides of the start."""
     bits = int(3.4 * digits) + 256
     begin = task.scene.initial.t if task.scene.initial is not None else sp.S.Zero
     constants = [to_bits(value)(bits) for value in start.parameters.values()]
@@ -167,7 +167,7 @@ def _followed(
 
 
 def _struck(event: Event, task: Task, start: Start, state: list[Mpf], digits: int) -> list[Mpf]:
-    """The state just after an event."""
+    """Return the state just after an event."""
     system, values = task.scene.system, dict(start.parameters)
     for i, c in enumerate(system.coordinates):
         values[c.symbol] = as_rational(state[i], digits + SPARE)

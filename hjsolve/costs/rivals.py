@@ -90,7 +90,7 @@ def _read(task: Task, states: States, places: Sequence[int]) -> Answer:
 
 
 def _slopes(task: Task, numbers: Numbers) -> tuple[Tape, list[float]]:
-    """The right-hand side in (q, p) and parameters, and the parameters' values."""
+    """Return the right-hand side in (q, p) and parameters, and the parameters' values."""
     system = task.scene.system
     variables = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
     tape = lower(slopes_of(task.scene), [*variables, *numbers.parameters])
@@ -103,7 +103,7 @@ def _when(task: Task, times: Times | None) -> Reals:
 
 
 def _sides(when: Reals, start: float) -> list[tuple[Integers, Reals]]:
-    """Places of the times after the start and before it, each in the order in which they are reached."""
+    """Return places of the times after the start and before it, each in the order in which they are reached."""
     found = []
     for side in (when >= start, when < start):
         places = np.nonzero(side)[0]
@@ -114,7 +114,7 @@ def _sides(when: Reals, start: float) -> list[tuple[Integers, Reals]]:
 
 
 def _piecewise(task: Task, numbers: Numbers, when: Reals, carried: Callable[[float, Reals, Reals], Reals]) -> Reals:
-    """States at all times, the impulses given at their times in between.
+    """Return states at all times, the impulses given at their times in between.
 
     Args:
         task: whose events, if any, are all at given times.
@@ -138,7 +138,7 @@ def _piecewise(task: Task, numbers: Numbers, when: Reals, carried: Callable[[flo
 
 
 def _struck(task: Task, numbers: Numbers, event: Event, state: Reals) -> Reals:
-    """The state just after an event, in double precision."""
+    """Return the state just after an event, in double precision."""
     coordinates = task.scene.system.coordinates
     symbols = [c.symbol for c in coordinates] + [c.momentum for c in coordinates]
     exact = {s: number(float(x), source="state") for s, x in zip(symbols, state)}

@@ -85,7 +85,7 @@ def cost(
 
 
 def _truth(task: Task, first: Trial, levels: Sequence[int], clock: Clock) -> TrueValues:
-    """The reference: as many digits as the time allows, judged by the first method."""
+    """Return the reference: as many digits as the time allows, judged by the first method."""
     clock.tell(first.method)
     begin = time.perf_counter()
     with suppress(NotConvergedError):  # its row will say so
@@ -110,7 +110,7 @@ def _levels(digits: Sequence[int]) -> tuple[int, ...]:
 
 
 def _places(scene: Scene) -> tuple[int, ...]:
-    """Which times are compared: a few, the farthest from the start among them."""
+    """Return which times are compared: a few, the farthest from the start among them."""
     if scene.times is None or "trajectory" not in scene.want:
         return ()
     every = [to_bits(t)(64) for t in scene.times.exact()]

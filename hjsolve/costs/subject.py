@@ -90,7 +90,7 @@ def _scene_of_motion(motion: Motion) -> Scene:
 
 
 def _usual(scene: Scene, solution: Solution) -> Scene:
-    """The scene with what is usually wanted: cycles and a hundred times over ten of them."""
+    """Return the scene with what is usually wanted: cycles and a hundred times over ten of them."""
     start = required(scene.initial)
     data = {"q": start.q, "velocity": start.velocity, "p": start.p, "parameters": scene.parameters, "t0": start.t}
     motion = solution.motion(**{key: value for key, value in data.items() if value is not None})

@@ -85,7 +85,7 @@ class Cost(Shown):
         return tuple(dict.fromkeys(row.method for row in self.rows))
 
     def of(self, method: str) -> tuple[Row, ...]:
-        """The rows of one method.
+        """Return the rows of one method.
 
         Args:
             method: its name.
@@ -93,7 +93,7 @@ class Cost(Shown):
         return tuple(row for row in self.rows if row.method == method)
 
     def cheapest(self, digits: float, covers: str = "all") -> Row | None:
-        """The quickest row whose true error is at most 10^−digits.
+        """Return the quickest row whose true error is at most 10^−digits.
 
         Args:
             digits: right ones.
@@ -124,7 +124,7 @@ _WORDS = {"ok": "", "too slow": "did not fit the budget"}
 
 
 def explanation(cost: Cost) -> list[str]:
-    """What the table is about, in sentences.
+    """Return what the table is about, in sentences.
 
     Args:
         cost: the table.
@@ -169,7 +169,7 @@ def _error(value: float | None, floor: float) -> str:
 
 
 def duration(value: float) -> str:
-    """A time with two digits and the unit that suits it.
+    """Return a time with two digits and the unit that suits it.
 
     Args:
         value: seconds.

@@ -64,7 +64,7 @@ class Program:
         return int(self.plain.context.nint(self.plain.context.ldexp(value, self.bits)))
 
     def real(self, value: int) -> Mpf:
-        """The number that a fixed-point integer means, as an mpf.
+        """Return the number that a fixed-point integer means, as an mpf.
 
         Args:
             value: a multiple of 2^−P.
@@ -153,7 +153,7 @@ class Program:
         return out
 
     def power(self, x: Slot, n: int) -> Slot:
-        """A whole power, by products, so that a base that vanishes does no harm.
+        """Return a whole power, by products, so that a base that vanishes does no harm.
 
         Args:
             x: constant or series.
@@ -168,7 +168,7 @@ class Program:
         return result if n > 0 else self.div(self.rational(1, 1), result)
 
     def unary(self, name: str, x: Slot) -> Slot:
-        """An elementary function, from the differential equation it satisfies.
+        """Return an elementary function, from the differential equation it satisfies.
 
         Args:
             name: of the function, such as ``sqrt``.
@@ -352,7 +352,7 @@ def _expand(program: Program, inputs: list[Series], derivatives: list[Callable[[
 
 
 def _reach(inputs: list[Series], order: int, digits: int) -> float:
-    """How many steps long the step may be so that the last terms are negligible; ∞ for a polynomial.
+    """Return how many steps long the step may be so that the last terms are negligible; ∞ for a polynomial.
 
     Two terms are too few: by symmetry several in a row may vanish (a pendulum released at 90°: three of four).
     """

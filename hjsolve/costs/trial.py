@@ -49,7 +49,7 @@ class Task:
         return tuple(self.every[place] for place in self.places)
 
     def some(self, places: Sequence[int]) -> Times:
-        """A few of the times.
+        """Return a few of the times.
 
         Args:
             places: numbers of the times, among all.

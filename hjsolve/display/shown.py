@@ -31,7 +31,7 @@ class Shown:
         return as_text(self)
 
     def _label(self) -> str:
-        """What it is called inside another value."""
+        """Return what it is called inside another value."""
         for part in ("id", "name", "title", "kind"):
             if text := str(getattr(self, part, "") or ""):
                 return text
@@ -39,7 +39,7 @@ class Shown:
         return system._label() if isinstance(system, Shown) else "…"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows."""
+        """Return what a notebook shows."""
         return str(renderer("notebook").html_of(self))
 
 
@@ -152,7 +152,7 @@ def as_call(name: str, arguments: Mapping[str, object]) -> str:
 
 
 def _broken(content: object) -> str:
-    """A text in pieces that Python joins again; anything else between its items."""
+    """Return a text in pieces that Python joins again; anything else between its items."""
     if isinstance(content, str):
         return "\n        ".join(repr(piece) for piece in wrap(content, _PIECE, drop_whitespace=False)) or "''"
     pieces, lines = re.split(r"(?<=, )(?=')", repr(content)), [""]
@@ -193,7 +193,7 @@ def _share(room: int, count: int) -> int:
 
 
 def _listed(items: Iterator[str], count: int, room: int) -> str:
-    """The first few of many, as far as there is room; then how many there are."""
+    """Return the first few of many, as far as there is room; then how many there are."""
     shown: list[str] = []
     for item in items:
         if len(shown) == _MOST_ITEMS or sum(map(len, shown)) > room:

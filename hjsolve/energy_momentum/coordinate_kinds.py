@@ -85,7 +85,10 @@ class CoordinateKinds(ByValue, Shown):
         return {**self.values, self.constants[0]: sp.Rational(float(x)), self.constants[1]: sp.Rational(float(y))}
 
     def _told(self, found: Regions, i: int) -> Kinds:
-        """The kinds of the regions at one point, in order of q: what two zeros enclose librates, the rest is asked."""
+        """Return the kinds of the regions at one point, in order of q.
+
+        What two zeros enclose librates, the rest is asked.
+        """
         count, sign = int(found.count[i]), int(found.sign[i])
         if required(self.polynomial).closed:
             return ("libration",) * (count // 2) if count else ("rotation",) * (sign > 0)
@@ -103,7 +106,7 @@ class CoordinateKinds(ByValue, Shown):
             return UNDECIDED
 
     def _one_by_one(self, found: Regions) -> Regions:
-        """The same with the doubtful points decided by the exact search."""
+        """Return the same with the doubtful points decided by the exact search."""
         for i in map(int, np.flatnonzero(found.doubtful)):
             try:
                 regions = regions_with_kinds(self.solution, self.name, self.exactly(found.x[i], found.y[i]), self.place)
@@ -167,7 +170,7 @@ class Regions:
         return (begin + beside) / 2
 
     def _beside(self, i: int, root: int, end: float) -> float:
-        """A place between an end of the domain and a root whose interval reaches up to it."""
+        """Return a place between an end of the domain and a root whose interval reaches up to it."""
         polynomial = required(self.coordinate.polynomial)
         other = float(self.high[root] if end == self.low[root] else self.low[root])
         sign = int(self.sign[i]) * (1 if end == 0 else (-1) ** int(self.count[i]))
@@ -215,7 +218,7 @@ class Regions:
         return lower, upper
 
     def _root(self, index: NDArray[np.int64], point: NDArray[np.int64], rank: NDArray[np.int64]) -> Reals:
-        """Roots as places, by halving their intervals."""
+        """Return roots as places, by halving their intervals."""
         polynomial = required(self.coordinate.polynomial)
         low, high = self.low[index].copy(), self.high[index].copy()
         before, value = self.sign[point] * (-1.0) ** rank, polynomial.values(self.x[point], self.y[point])

@@ -82,7 +82,7 @@ class _Traced:
         return table
 
     def places(self, v: Reals) -> Reals:
-        """Places t for v from −∞ to ∞."""
+        """Return places t for v from −∞ to ∞."""
         low, high, length = self.low, self.high, self.length
         if np.isfinite(low) and np.isfinite(high):
             return low + (high - low) / (1 + np.exp(-v))
@@ -146,7 +146,7 @@ def double_zeros(own: CoordinateKinds, window: Window, rounds: int = ROUNDS) -> 
 
 
 def _same(one: CriticalCurve, other: CriticalCurve) -> bool:
-    """Whether two curves are one: the same equilibria at places that mirror each other."""
+    """Return whether two curves are one: the same equilibria at places that mirror each other."""
     if one.kind != other.kind or len(one.x) != len(other.x):
         return False
     pairs = (one.x, other.x), (one.y, other.y)
@@ -176,7 +176,7 @@ class _Solved:
         self.degree = len(coefficients) - 1
 
     def points(self, t: Reals) -> Reals:
-        """All real points (x, y) of each place t, NaN for those that are not, shape (m, degree, 2)."""
+        """Return all real points (x, y) of each place t, NaN for those that are not, shape (m, degree, 2)."""
         F, G = (self.traced.tables(t, which) for which in (0, 1))
         known = [table[:, i, j] for table in (F, G) for i, j in self.traced.powers]
         with np.errstate(all="ignore"):
@@ -219,7 +219,7 @@ def real_roots_of_rows(rows: Reals, close: float = 1e-9) -> Reals:
 
 
 def _other(F: Reals, G: Reals, x: Reals) -> Reals:
-    """The common zeros y of pairs of polynomials in x and y at x; NaN where there is none."""
+    """Return the common zeros y of pairs of polynomials in x and y at x; NaN where there is none."""
     f, g = ((table * x[:, None, None] ** np.arange(table.shape[1])[None, :, None]).sum(axis=1) for table in (F, G))
     with np.errstate(all="ignore"):
         if f.shape[1] == 2:
@@ -234,7 +234,7 @@ def _other(F: Reals, G: Reals, x: Reals) -> Reals:
 
 
 def _followed(points: Reals) -> Reals:
-    """The same points with every branch where it was at the place before."""
+    """Return the same points with every branch where it was at the place before."""
     result = points.copy()
     for i in range(1, len(result)):
         before, here = result[i - 1], result[i]
@@ -264,7 +264,7 @@ def _scaled(points: Reals, window: Window) -> Reals:
 
 
 def _wide_gaps(branches: Reals, window: Window) -> NDArray[np.int64]:
-    """Where consecutive points near the window lie far apart, or a branch begins or ends."""
+    """Return where consecutive points near the window lie far apart, or a branch begins or ends."""
     u = _scaled(branches, window)
     near = np.max(np.abs(u - 0.5), axis=2) < 0.75
     with np.errstate(invalid="ignore"):
@@ -276,7 +276,7 @@ def _wide_gaps(branches: Reals, window: Window) -> NDArray[np.int64]:
 
 
 def _pieces(own: CoordinateKinds, traced: _Traced, t: Reals, points: Reals, window: Window) -> list[CriticalCurve]:
-    """The parts of one branch that lie in or near the window, each of one kind."""
+    """Return the parts of one branch that lie in or near the window, each of one kind."""
     u = _scaled(points, window)
     shown = np.max(np.abs(u - 0.5), axis=1) < 1.5
     stable = _bend(traced, t, points) < 0
@@ -299,7 +299,7 @@ def _inverse(own: CoordinateKinds, t: Reals) -> Reals:
 
 
 def _bend(traced: _Traced, t: Reals, points: Reals) -> Reals:
-    """The second derivative at the double zeros, up to a positive factor, by differences of the first."""
+    """Return the second derivative at the double zeros, up to a positive factor, by differences of the first."""
     h = 1e-5 * np.maximum(np.minimum(np.abs(t - traced.low), np.abs(traced.high - t)), 1e-300)
     h = np.where(np.isfinite(h), h, 1e-5 * (1 + np.abs(t)))
     ends = []
@@ -328,7 +328,7 @@ def _lines(own: CoordinateKinds, traced: _Traced, which: int, window: Window) ->
 
 
 def _refined(traced: _Traced, which: int, a: float, b: float, level: float) -> tuple[float, float]:
-    """The place between a and b where the level is stationary, and the level there: bisection along F = 0."""
+    """Return the place between a and b where the level is stationary, and the level there: bisection along F = 0."""
 
     def at(t: float, near: float) -> tuple[float, float]:
         f, g = (np.moveaxis(traced.tables(np.array([t]), k), 1 + which, 1)[0, :, 0] for k in (0, 1))
@@ -353,7 +353,9 @@ def _line(own: CoordinateKinds, which: int, level: float, place: float, stable: 
 
 
 def equations(own: CoordinateKinds, letters: Mapping[sp.Symbol, sp.Symbol]) -> sp.Expr | None:
-    """The discriminant of N by t: the polynomial in the two constants that vanishes on every curve of double zeros.
+    """Return the discriminant of N by t.
+
+    The polynomial in the two constants that vanishes on every curve of double zeros.
 
     Args:
         own: the coordinate; None where its P² is no polynomial.

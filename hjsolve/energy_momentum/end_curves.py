@@ -37,7 +37,7 @@ def end_polynomials(own: CoordinateKinds) -> list[tuple[str, sp.Expr]]:
 
 
 def curves_at_ends(own: CoordinateKinds, window: Window) -> list[CriticalCurve]:
-    """The curves on which P² vanishes at an end of the domain.
+    """Return the curves on which P² vanishes at an end of the domain.
 
     Args:
         own: the coordinate.
@@ -77,7 +77,9 @@ def _zeros_of(own: CoordinateKinds, kind: str, factor: sp.Expr, window: Window) 
 
 # ------------------------------------------------------------------------------------------------ symmetric places
 def symmetric_curves(own: CoordinateKinds, window: Window) -> list[CriticalCurve]:
-    """The curves P²(q; x, y) = 0 of places q at which ∂P²/∂q = 0 for all x and y: an equator, the line of two centres.
+    """Return the curves P²(q; x, y) = 0 of places q at which ∂P²/∂q = 0 for all x and y.
+
+    An equator, the line of two centres.
 
     Args:
         own: the coordinate.
@@ -107,7 +109,10 @@ def symmetric_curves(own: CoordinateKinds, window: Window) -> list[CriticalCurve
 
 
 def _scaled(level: sp.Expr, constants: Sequence[sp.Symbol]) -> sp.Expr:
-    """A multiple with short coefficients, where there is one: the place itself may be known to 30 digits only."""
+    """Return a multiple with short coefficients, where there is one.
+
+    The place itself may be known to 30 digits only.
+    """
     polynomial = sp.Poly(level, *constants)
     first = polynomial.LC()
     if not all(c.is_Rational for c in polynomial.coeffs()):
@@ -117,14 +122,14 @@ def _scaled(level: sp.Expr, constants: Sequence[sp.Symbol]) -> sp.Expr:
 
 
 def _short(value: sp.Rational) -> sp.Rational:
-    """The fraction with a small denominator that a number is, to 20 digits; itself where it is none."""
+    """Return the fraction with a small denominator that a number is, to 20 digits; itself where it is none."""
     near = Fraction(int(value.p), int(value.q)).limit_denominator(_LARGEST)
     short = sp.Rational(near.numerator, near.denominator)
     return short if abs(short - value) < sp.Rational(1, 10**20) * max(1, abs(value)) else value
 
 
 def _resting(own: CoordinateKinds, bend: sp.Expr, level: sp.Expr, place: float, window: Window) -> list[CriticalCurve]:
-    """The zeros of a level, each part named by the sign of the bend there."""
+    """Return the zeros of a level, each part named by the sign of the bend there."""
     if not level.has(*own.constants):
         return []
     found = []

@@ -290,7 +290,7 @@ def energy_momentum_map(
 
 
 def _names(solution: Solution, x: str | None, y: str | None) -> tuple[str, str]:
-    """The names of the two constants, those left out chosen."""
+    """Return the names of the two constants, those left out chosen."""
     names = list(solution.constants)
     if y is None:
         y = "p_t" if time_name(solution.system) != "t" and "p_t" in names and x != "p_t" else "E"
@@ -325,7 +325,7 @@ def _subject(subject: Solution | Motion, parameters: Mapping[str, object] | None
 
 
 def _default(solution: Solution) -> Motion | None:
-    """The catalog's default motion of a system, without its integrals; None where there is none."""
+    """Return the catalog's default motion of a system, without its integrals; None where there is none."""
     entry = None if solution.chart is not None else catalog.entry_of(solution.system)
     if entry is None or "default" not in entry.motions:
         return None

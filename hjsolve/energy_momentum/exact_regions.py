@@ -66,7 +66,7 @@ def regions_with_kinds(
 
 
 def _room(solution: Solution, name: str) -> sp.Expr:
-    """How far a place may be shifted: less where the domain has ends."""
+    """Return how far a place may be shifted: less where the domain has ends."""
     domain = solution.system.coordinate(name).domain
     return sp.S.One if domain.lower is None and domain.upper is None else sp.Rational(1, 64)
 
@@ -97,7 +97,10 @@ def _at_bits(rules: list[InBits], bits: int) -> list[Mpf]:
 
 
 def _kind(start: CoordinateStart, region: AllowedRegion) -> str:
-    """The kind of the motions in a region: between turning points without more ado, else as a motion would find it."""
+    """Return the kind of the motions in a region.
+
+    Between turning points without more ado, else as a motion would find it.
+    """
     lower, upper = region
     if lower.kind == upper.kind == "round":
         return "rotation"
@@ -109,7 +112,7 @@ def _kind(start: CoordinateStart, region: AllowedRegion) -> str:
 
 
 def _inside(lower: End, upper: End, start: CoordinateStart, bits: int) -> Mpf:
-    """A place in a region, at any precision."""
+    """Return a place in a region, at any precision."""
     ends = [None if end.place is None else end.place(bits) for end in (lower, upper)]
     a, b = ends
     if a is not None and b is not None:

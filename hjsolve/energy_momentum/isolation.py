@@ -106,7 +106,7 @@ def _signs(b: Reals, e: Reals) -> NDArray[np.int64]:
 
 
 def _variations(b: Reals, e: Reals) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Sign changes along each row, and whether that is their number whatever the signs not proved are."""
+    """Return sign changes along each row, and whether that is their number whatever the signs not proved are."""
     signs = _signs(b, e)
     forward, backward = signs.copy(), signs.copy()
     for k in range(1, signs.shape[1]):
@@ -122,7 +122,7 @@ def _divided(b: Reals, e: Reals, share: Reals) -> tuple[tuple[Reals, Reals], tup
 
 
 def _widened(b: Reals, e: Reals) -> Reals:
-    """The bounds on the errors with what de Casteljau's scheme rounds."""
+    """Return the bounds on the errors with what de Casteljau's scheme rounds."""
     return e + 4 * b.shape[1] * EPS * np.abs(b).max(axis=1, keepdims=True)
 
 

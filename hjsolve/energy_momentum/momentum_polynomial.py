@@ -49,7 +49,7 @@ class _Piece(ByValue, Shown):
     table: Reals = field(repr=False)
 
     def share(self, t: Reals) -> Reals:
-        """The s in (0, 1) of t; outside of it where t is outside of the part."""
+        """Return the s in (0, 1) of t; outside of it where t is outside of the part."""
         with np.errstate(all="ignore"):
             if np.isinf(self.start):
                 away = np.abs(t - self.end) / self.length
@@ -58,7 +58,7 @@ class _Piece(ByValue, Shown):
             return np.where(way >= 0, way / (1 + way), -1.0) if np.isinf(self.end) else way
 
     def places(self, s: Reals) -> Reals:
-        """The t of s in (0, 1)."""
+        """Return the t of s in (0, 1)."""
         with np.errstate(all="ignore"):
             if np.isinf(self.start):
                 return self.end + np.sign(self.start) * self.length * (1 - s) / s
@@ -188,7 +188,7 @@ def polynomial_of(
 
 
 def _length(chosen: Substitution, coordinate: Coordinate, scale: float) -> float:
-    """A length typical of t."""
+    """Return a length typical of t."""
     low, q = coordinate.domain.lower, sp.Float(scale)
     if low is not None:
         q = q + low
@@ -221,7 +221,7 @@ def _of_moderate_size(N: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> sp.Expr:
 
 
 def _of_one_sign(factors: sp.Expr, s: Substitution) -> tuple[sp.Expr, int]:
-    """The product of the factors that change their sign on the domain, and the sign of all others together."""
+    """Return the product of the factors that change their sign on the domain, and the sign of all others together."""
     constant, powers = sp.factor_list(factors, s.x)
     kept, sign = sp.S.One, 1 if constant > 0 else -1
     inside = _a_place(s)
@@ -237,7 +237,7 @@ def _of_one_sign(factors: sp.Expr, s: Substitution) -> tuple[sp.Expr, int]:
 
 
 def _roots_inside(polynomial: sp.Poly, s: Substitution) -> int:
-    """Roots on the open domain; 1, to be careful, where that is not found out."""
+    """Return roots on the open domain; 1, to be careful, where that is not found out."""
     try:
         ends = [None if not e.is_finite else e for e in (s.lower, s.upper)]
         number = int(polynomial.count_roots(*ends))
@@ -291,7 +291,7 @@ def _piece(table: list[list[mpmath.mpf]], a: mpmath.mpf, b: mpmath.mpf, length: 
 
 
 def _shifted(row: list[mpmath.mpf], a: mpmath.mpf, step: mpmath.mpf) -> list[mpmath.mpf]:
-    """Coefficients of N(a + step·s), by Horner's scheme."""
+    """Return coefficients of N(a + step·s), by Horner's scheme."""
     result = list(row)
     for first in range(len(result) - 1):
         for k in range(len(result) - 2, first - 1, -1):

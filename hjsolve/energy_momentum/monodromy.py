@@ -158,7 +158,7 @@ def circle(around: tuple[float, float], radius: float, window: Window, points: i
 def _the_same_all_round(
     coordinates: Sequence[CoordinateKinds], around: tuple[float, float], radius: float, window: Window
 ) -> bool:
-    """Whether the kinds along a circle are all the same, and there is a motion."""
+    """Return whether the kinds along a circle are all the same, and there is a motion."""
     x, y = circle(around, radius, window, 24)
     for own in coordinates:
         kinds = own.at(x, y).kinds
@@ -207,6 +207,6 @@ def monodromy_round(
 
 
 def _steps(gain: Reals) -> Reals:
-    """Changes from each point to the next round the circle, in (−π, π]."""
+    """Return changes from each point to the next round the circle, in (−π, π]."""
     change = np.roll(gain, -1) - gain
     return np.asarray(np.angle(np.exp(1j * change)))

@@ -38,7 +38,7 @@ def real_roots(polynomial: sp.Poly) -> list[sp.Float]:
 
 
 def _middle(polynomial: sp.Poly, low: sp.Rational, high: sp.Rational) -> sp.Float:
-    """The root between two rational numbers, to 30 digits of its own size."""
+    """Return the root between two rational numbers, to 30 digits of its own size."""
     bits = 64
     while high - low > max(abs(low), abs(high)) / 10 ** (_DIGITS + 2) and bits <= _FINEST:
         low, high = polynomial.refine_root(low, high, eps=sp.Rational(1, 2**bits))

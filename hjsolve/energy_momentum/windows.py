@@ -73,7 +73,7 @@ def first_window(
 
 
 def _heights(curve: CriticalCurve, x: float) -> list[float]:
-    """Where a curve crosses a value of x."""
+    """Return where a curve crosses a value of x."""
     a, b = curve.x[:-1], curve.x[1:]
     k = np.flatnonzero(((a - x) * (b - x) <= 0) & (a != b))
     return [float(y) for y in curve.y[k] + (x - a[k]) / (b[k] - a[k]) * (curve.y[k + 1] - curve.y[k])]

@@ -105,13 +105,13 @@ class Batch(ByValue, OrbitColumns):
         return renderer("plots").plotted_batch(self, x, y, colour, ax)
 
     def __len__(self) -> int:
-        """Orbits along the first axis."""
+        """Return orbits along the first axis."""
         if not self.shape:
             raise TypeError("a batch of one orbit has no length")
         return self.shape[0]
 
     def __getitem__(self, key: Any) -> Batch:
-        """The batch of some of the orbits.
+        """Return the batch of some of the orbits.
 
         Args:
             key: an index, slice, mask or array of indices, as of a numpy array of this shape.
@@ -129,7 +129,7 @@ class Batch(ByValue, OrbitColumns):
         return Batch(columns, self.layout, tuple(columns[STATUS].shape))
 
     def __iter__(self) -> Iterator[Batch]:
-        """The orbits along the first axis, each as a batch."""
+        """Return the orbits along the first axis, each as a batch."""
         return (self[k] for k in range(len(self)))
 
     def to_pandas(self) -> Any:
@@ -191,5 +191,5 @@ class Batch(ByValue, OrbitColumns):
         return f"<Batch of {self.shape} orbits: {', '.join(self.layout.want)}{', lazy' if self.lazy else counts}>"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: statuses, and a histogram of every number."""
+        """Return what a notebook shows: statuses, and a histogram of every number."""
         return batch_as_html(self)

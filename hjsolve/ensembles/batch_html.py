@@ -15,7 +15,7 @@ _MOST = 24
 
 
 def batch_as_html(batch: OrbitColumns) -> str:
-    """The fragment that a notebook shows.
+    """Return the fragment that a notebook shows.
 
     Args:
         batch: lazy ones show their columns alone.
@@ -42,7 +42,7 @@ def _row(batch: OrbitColumns, name: str) -> str:
 
 
 def histogram(values: Any) -> str:
-    """A small picture of how values are distributed, as SVG; equal bins from the least to the largest.
+    """Return a small picture of how values are distributed, as SVG; equal bins from the least to the largest.
 
     Args:
         values: finite, shape (n,).

@@ -28,7 +28,7 @@ Columns = dict[str, Any]
 
 
 def dtypes(layout: Layout) -> dict[str, np.dtype[Any]]:
-    """The type of every column.
+    """Return the type of every column.
 
     Args:
         layout: names of the columns.
@@ -89,7 +89,7 @@ def _keep_memory() -> None:
 
 
 def cores() -> int:
-    """The cores that this process may use."""
+    """Return the cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -156,13 +156,13 @@ def _fill(
 
 
 def _start(task: EnsembleTask, places: Mapping[str, Any], speeds: Mapping[str, Any], k: int) -> dict[str, Any]:
-    """The initial data of one orbit."""
+    """Return the initial data of one orbit."""
     start: dict[str, Any] = {"q": _picked(places, k), task.kind: _picked(speeds, k)}
     return start if task.frame == COORDINATE else {**start, "velocity_frame": task.frame}
 
 
 def _at_the_door(tools: TaskContext, q: Mapping[str, Any], rates: Mapping[str, Any]) -> Any:
-    """The status of orbits that need no engine, ``OK`` for the others."""
+    """Return the status of orbits that need no engine, ``OK`` for the others."""
     finite = np.logical_and.reduce([np.isfinite(x) for group in (q, rates) for x in group.values()])
     within = np.ones(finite.shape, dtype=bool)
     with np.errstate(invalid="ignore"):

@@ -115,7 +115,7 @@ def in_conventions_of(program: object, columns: dict[str, Any], roles: AxialRole
 
 
 def _at_no_spin(columns: dict[str, Any], roles: AxialRoles) -> Any:
-    """Orbits with L_z = 0 exactly: they have no azimuthal action."""
+    """Return orbits with L_z = 0 exactly: they have no azimuthal action."""
     name = next((n for n in (f"actions.{roles.azimuth}", f"frequencies.{roles.azimuth}") if n in columns), None)
     if name is None:
         raise InvalidInputError('in_conventions: orbits with L_z = 0 count otherwise; add "actions" to want')

@@ -52,7 +52,7 @@ def _field(block: Any, name: str) -> Any:
 
 
 def _records(*arrays: Any, task: EnsembleTask) -> Any:
-    """The records of one block."""
+    """Return the records of one block."""
     shape, half = arrays[0].shape, len(arrays) // 2
     flat = [np.ascontiguousarray(array).reshape(-1) for array in arrays]
     columns = compute_columns(task, flat[:half], flat[half:], threads=1)

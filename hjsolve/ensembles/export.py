@@ -22,7 +22,7 @@ SUFFIX = ".parquet"
 
 
 def axis_names(shape: tuple[int, ...]) -> tuple[str, ...]:
-    """Names of the axes of a batch: ``orbit``, or ``axis_0``, ``axis_1``, … where there are several.
+    """Return names of the axes of a batch: ``orbit``, or ``axis_0``, ``axis_1``, … where there are several.
 
     Args:
         shape: of the batch.
@@ -52,7 +52,7 @@ def _library(name: str) -> Any:
 
 
 def pandas_frame(batch: OrbitColumns) -> Any:
-    """A ``pandas.DataFrame``, one row an orbit; several axes become a MultiIndex.
+    """Return a ``pandas.DataFrame``, one row an orbit; several axes become a MultiIndex.
 
     Args:
         batch: of numpy arrays.
@@ -73,7 +73,7 @@ def pandas_frame(batch: OrbitColumns) -> Any:
 
 
 def arrow_table(batch: OrbitColumns) -> Any:
-    """A ``pyarrow.Table``, one row an orbit; the shape is in its metadata.
+    """Return a ``pyarrow.Table``, one row an orbit; the shape is in its metadata.
 
     Args:
         batch: of numpy arrays.
@@ -88,7 +88,7 @@ def arrow_table(batch: OrbitColumns) -> Any:
 
 
 def xarray_dataset(batch: OrbitColumns) -> Any:
-    """An ``xarray.Dataset`` over the axes of the batch.
+    """Return an ``xarray.Dataset`` over the axes of the batch.
 
     Args:
         batch: numpy or dask arrays.

@@ -69,7 +69,7 @@ def _has_columns(system: System, q: object) -> bool:
 
 
 def _from_columns(system: System, q: Mapping[str, Any], velocity: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Places and velocities of stars about the axis z, taken to be where y = 0: there nothing is rounded."""
+    """Return places and velocities of stars about the axis z, taken to be where y = 0: there nothing is rounded."""
     told = "q[R]: columns of stars are q={'R': …, 'z': …}, velocity={'vR': …, 'vT': …, 'vz': …}"
     if {c.name for c in system.coordinates} != {"x", "y", "z"}:
         raise InvalidInputError(f"{told}, for a system in x, y and z; this one is in {_listed(system)}")
@@ -99,7 +99,7 @@ def _complete(system: System, given: Any, what: str) -> dict[str, Any]:
 
 
 def _doubles(value: Any, source: str) -> Any:
-    """The values as float64; a number written as text or Fraction is rounded to the nearest double."""
+    """Return the values as float64; a number written as text or Fraction is rounded to the nearest double."""
     if _is_dask(value):
         if any(np.isnan(size) for size in value.shape):
             raise InvalidInputError(f"{source}: has blocks of unknown size; call its compute_chunk_sizes() first")
@@ -113,7 +113,9 @@ def _doubles(value: Any, source: str) -> Any:
 
 
 def _as_numpy(value: Any, source: str) -> Any:
-    """A numpy array of what other libraries call an array: by ``__array__``, or by DLPack where the type has none.
+    """Return a numpy array of what other libraries call an array.
+
+    By ``__array__``, or by DLPack where the type has none.
 
     A ``RuntimeError`` of ``__array__`` is final: torch's DLPack hands out the memory of a tensor with a negative bit
     (``z.conj().imag``) as if there was none.

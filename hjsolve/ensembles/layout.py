@@ -39,7 +39,7 @@ class Layout:
         return tuple(self.names)
 
     def values(self) -> Iterator[str]:
-        """The columns of values: ``actions.r`` … ``turning_points.r.lower``."""
+        """Yield the columns of values: ``actions.r`` … ``turning_points.r.lower``."""
         for quantity, names in self.names.items():
             for name in names:
                 if quantity == "turning_points":
@@ -48,7 +48,7 @@ class Layout:
                     yield f"{quantity}.{name}"
 
     def numbers(self) -> tuple[str, ...]:
-        """The columns of values and, after them, those of their errors."""
+        """Return the columns of values and, after them, those of their errors."""
         values = tuple(self.values())
         return values + tuple(ERROR + name for name in values)
 
@@ -73,7 +73,7 @@ def wanted(want: Iterable[str] | str | None) -> tuple[str, ...]:
 
 
 def layout_of(solution: Solution, want: Iterable[str] | str | None) -> Layout:
-    """The columns that a solution has of what is wanted.
+    """Return the columns that a solution has of what is wanted.
 
     A quantity that no orbit of the system can have (the action of an ignorable coordinate on a line) has no column.
 

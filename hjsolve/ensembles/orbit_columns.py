@@ -94,7 +94,7 @@ class OrbitColumns:
         return hasattr(self.columns[STATUS], "dask")
 
     def summary(self) -> dict[str, int]:
-        """How many orbits have each status, and how many were ``recomputed``; computes a lazy batch's statuses.
+        """Return how many orbits have each status, and how many were ``recomputed``; computes a lazy batch's statuses.
 
         Returns:
             Word → number of orbits; words that no orbit has are left out, ``recomputed`` is always there.

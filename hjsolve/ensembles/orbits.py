@@ -140,7 +140,7 @@ def task_for(
 
 
 def _users(solution: Solution) -> System:
-    """The system whose coordinates the user speaks."""
+    """Return the system whose coordinates the user speaks."""
     return solution.system if solution.chart is None else solution.chart.original
 
 
@@ -154,7 +154,7 @@ def _solution(system: Any, coordinates: str) -> Solution:
 
 @lru_cache(maxsize=16)
 def _entry(name: str, coordinates: str) -> Solution:
-    """The solution of a catalog entry: reading it takes as long as tens of thousands of orbits."""
+    """Return the solution of a catalog entry: reading it takes as long as tens of thousands of orbits."""
     return solve(catalog.load(name), coordinates)
 
 

@@ -84,7 +84,7 @@ class TaskContext:
 
 
 def tools_of(task: EnsembleTask) -> TaskContext:
-    """The tools of a task; made when a process first asks, and kept for the newest tasks.
+    """Return the tools of a task; made when a process first asks, and kept for the newest tasks.
 
     Args:
         task: what is to be computed of each orbit.
@@ -118,7 +118,7 @@ def _tools(task: EnsembleTask) -> TaskContext:
 
 
 def _momenta(task: EnsembleTask) -> dict[str, sp.Expr]:
-    """The momenta in places and velocities, in the frame that these are given in."""
+    """Return the momenta in places and velocities, in the frame that these are given in."""
     system, formulas = task.system, dict(momenta(task.system))
     factors = factors_of(system, task.frame, ()) if task.kind == "velocity" else None
     if factors is None:

@@ -89,7 +89,7 @@ def typed_system(question: PageQuestion) -> System:
 
 
 def _place(question: PageQuestion, names: set[str]) -> Mapping[str, str]:
-    """The entry's place, as long as it speaks of what the system has."""
+    """Return the entry's place, as long as it speaks of what the system has."""
     spoken_of = {name for text in question.place.values() for name in re.findall(r"[^\W\d]\w*", text)}
     return question.place if spoken_of <= names | FUNCTIONS.keys() | {"pi"} else {}
 
@@ -120,7 +120,7 @@ def _line(error: HJSolveError) -> str:
 
 # ------------------------------------------------------------------------------------------- the initial point
 def _dragged(question: PageQuestion, system: System) -> PageQuestion:
-    """The start with q and p of one coordinate changed and the other momenta kept."""
+    """Return the start with q and p of one coordinate changed and the other momenta kept."""
     drag = required(question.drag)
     places = {c.symbol: number(question.q[c.name], source=c.name) for c in system.coordinates}
     speeds = {c.velocity: number(question.velocity[c.name], source=c.name) for c in system.coordinates}
@@ -179,7 +179,7 @@ def _told(question: PageQuestion, system: System) -> PageAnswer:
 def _solved(
     question: PageQuestion, system: System, verdict: Separation | Obstruction | Undecided
 ) -> tuple[Solution | None, str]:
-    """The solution, or None and what the search for other coordinates answered, where there was one."""
+    """Return the solution, or None and what the search for other coordinates answered, where there was one."""
     if isinstance(verdict, Separation):
         return solve(verdict), ""
     if not question.find:
@@ -192,7 +192,7 @@ def _solved(
 
 
 def _refused(question: PageQuestion, verdict: Obstruction | Undecided, search: str) -> PageAnswer:
-    """The refusal, what the search for other coordinates answered, and the motion, integrated step by step."""
+    """Return the refusal, what the search for other coordinates answered, and the motion, integrated step by step."""
     lead = _html(Paragraph(system_and_verdict.answer(verdict)))
     if search:
         lead += "\n" + _html(Paragraph((search,)))

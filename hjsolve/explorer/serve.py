@@ -82,7 +82,7 @@ def serve_explorer(
 
 
 def _free(port: int) -> int:
-    """The port, or one that is free."""
+    """Return the port, or one that is free."""
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:

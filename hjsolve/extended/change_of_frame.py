@@ -80,7 +80,7 @@ class ChangeOfFrame(Shown):
         }
 
     def constants(self, solution: Solution) -> dict[str, sp.Expr]:
-        """The constants of the motion as functions of the q, p and t of the original system.
+        """Return the constants of the motion as functions of the q, p and t of the original system.
 
         Args:
             solution: of the autonomous system.

@@ -145,7 +145,7 @@ class ModalMotion(Shown):
         return State(t, q, p, velocity, {}, state.status, bounds)
 
     def _named(self, values: list[Mpf]) -> Iterator[dict[str, Mpf]]:
-        """Values of q, p and velocity by coordinate."""
+        """Return values of q, p and velocity by coordinate."""
         names = [c.name for c in self.modes.system.coordinates]
         return (dict(zip(names, values[k * len(names) :], strict=False)) for k in range(3))
 
@@ -232,7 +232,7 @@ def _matrices(system: System) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:
 
 
 def _squares(polynomial: sp.Expr, bits: int) -> tuple[list[Mpf], bool]:
-    """The roots of the characteristic equation in λ², and whether all are simple and none is zero."""
+    """Return the roots of the characteristic equation in λ², and whether all are simple and none is zero."""
     context = multiprecision(bits)
     s = sp.Symbol("s")
     in_squares = sp.Poly(polynomial.subs(LAMBDA, sp.sqrt(s)), s)
@@ -304,7 +304,7 @@ def _symplectic(n: int, context: Context) -> MpfMatrix:
 
 
 def _pair(S: MpfMatrix, ω: Mpf, context: Context) -> tuple[MpfMatrix, MpfMatrix, int]:
-    """The columns of N that belong to one frequency, and the sign of the mode's energy."""
+    """Return the columns of N that belong to one frequency, and the sign of the mode's energy."""
     n = S.rows // 2
     J = _symplectic(n, context)
     A = (J * S) * context.mpc(1) - context.mpc(0, 1) * ω * context.eye(2 * n)

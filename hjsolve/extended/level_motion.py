@@ -110,7 +110,7 @@ class LevelMotion(Shown):
         return *plain, turns, *(float(e) + EPS * abs(x) for e, x in zip(errors, plain, strict=True))
 
     def _errors(self, uncertainty: Mpf, slopes: tuple[Mpf, ...], grain: Mpf) -> tuple[Mpf, Mpf, Mpf]:
-        """What a doubt of the time leaves open of q, p and q̇, to second order, and the grain of the curve itself."""
+        """Return the errors of q, p and q̇ from that of time, to second order, and from the rounding of the curve."""
         if self.orbit is None:
             return uncertainty, uncertainty, uncertainty
         rate, falls, more, bend = (abs(slope) for slope in slopes)

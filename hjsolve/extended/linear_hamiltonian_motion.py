@@ -220,7 +220,7 @@ def _moved(rate: Callable[[Mpf], Mpf], start: Mpf, elapsed: Mpf, context: Contex
 
 
 def _longest(rate: Callable[[Mpf], Mpf], place: Mpf, way: int, most: Mpf) -> Mpf:
-    """A time, at most ``most``, in which 1 + |q| and dq/dt at most double or halve, as their values at its end tell."""
+    """Return a time, at most ``most``, in which 1 + |q| and dq/dt at most double or halve, judged at its end."""
     here = rate(place)
     if not here:
         return abs(place) * 0

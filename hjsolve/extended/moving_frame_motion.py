@@ -72,7 +72,7 @@ class FramedMotion(Shown):
         return State(t, q, p, velocity, {}, state.status, errors)
 
     def _evaluated(self, formula: sp.Expr, state: State, times: Numbers) -> Numbers:
-        """A formula at the times, shape (m,)."""
+        """Return a formula at the times, shape (m,)."""
         coordinates = self.frame.system.coordinates
         variables = [c.symbol for c in coordinates] + [c.velocity for c in coordinates] + [self.frame.time]
         told = [*(state.unwrapped(c.name) for c in coordinates), *(state.velocity[c.name] for c in coordinates), times]
@@ -89,7 +89,7 @@ class FramedMotion(Shown):
         return np.array(found, dtype=object)
 
     def _bound(self, formula: sp.Expr, value: Numbers, state: State, times: Numbers) -> Numbers:
-        """Errors of Q and Q̇ carried over to first order, doubled, and the rounding of the formula."""
+        """Return errors of Q and Q̇ carried over to first order, doubled, and the rounding of the formula."""
         total = 16 * 10.0 ** -max(self.motion.digits, 15) * (np.abs(value) + self._size(formula, state, times))
         for c in self.frame.system.coordinates:
             for symbol, error in ((c.symbol, state.error.q[c.name]), (c.velocity, state.error.velocity[c.name])):
@@ -99,13 +99,13 @@ class FramedMotion(Shown):
         return total
 
     def _size(self, formula: sp.Expr, state: State, times: Numbers) -> Numbers:
-        """The sum of the sizes of the terms: what cancellation is measured against."""
+        """Return the sum of the sizes of the terms: what cancellation is measured against."""
         terms = sp.Add.make_args(sp.expand(formula))
         return sum((np.abs(self._evaluated(term, state, times)) for term in terms), 0 * times)
 
 
 def _numbers(t: object, digits: int) -> Numbers:
-    """Times in a row."""
+    """Return times in a row."""
     exact = [to_bits(x)(bits_for(digits, 64)) for x in exact_numbers(t, "t")[1]]
     return np.array([float(x) for x in exact]) if digits <= 15 else np.array(exact, dtype=object)
 

@@ -88,7 +88,7 @@ class Node(NamedTuple):
 
 
 def leaf(expression: sp.Expr) -> Node:
-    """The node of a name or a constant.
+    """Return the node of a name or a constant.
 
     Args:
         expression: a symbol, or a constant without arguments.
@@ -97,7 +97,7 @@ def leaf(expression: sp.Expr) -> Node:
 
 
 def literal(text: str, fail: Fail) -> Node:
-    """The exact rational that an integer or a decimal spells.
+    """Return the exact rational that an integer or a decimal spells.
 
     Args:
         text: as scanned.
@@ -117,7 +117,7 @@ def negative(node: Node) -> Node:
 
 
 def total(nodes: Sequence[Node], fail: Fail) -> Node:
-    """The sum a + b + …, in one step.
+    """Return the sum a + b + …, in one step.
 
     Args:
         nodes: the terms.
@@ -132,7 +132,7 @@ def total(nodes: Sequence[Node], fail: Fail) -> Node:
 
 
 def product(nodes: Sequence[Node], fail: Fail) -> Node:
-    """The product a·b·…, in one step.
+    """Return the product a·b·…, in one step.
 
     Args:
         nodes: the factors.
@@ -234,7 +234,7 @@ def call(name: str, argument: Node, fail: Fail) -> Node:
 
 
 def absolute_value(node: Node) -> Node:
-    """|a|, which only V may keep outside a real root; the parser refuses it elsewhere.
+    """Return |a|, which only V may keep outside a real root; the parser refuses it elsewhere.
 
     Args:
         node: a.
@@ -308,7 +308,7 @@ def _check_argument(node: Node, fail: Fail) -> None:
 
 
 def _check_numbers(exponent: Node, fail: Fail) -> None:
-    """A number n in a variable exponent may become the power aⁿ."""
+    """Check a number n in a variable exponent, which may become the power aⁿ."""
     if any(abs(number) > MAX_EXPONENT for number in exponent.expression.atoms(sp.Rational)):
         raise fail(f"exponents beyond ±{MAX_EXPONENT} are not accepted")
 
@@ -321,7 +321,7 @@ def _check_sizes(terms: int, nesting: int, fail: Fail) -> None:
 
 
 def _defined(compute: Callable[[], mpmath.mpf], what: str, fail: Fail) -> mpmath.mpf:
-    """A constant's value, or the error that says why it has none."""
+    """Return a constant's value, or the error that says why it has none."""
     try:
         value = compute()
     except (ValueError, ZeroDivisionError, OverflowError, libmp.NoConvergence):
@@ -334,7 +334,7 @@ def _defined(compute: Callable[[], mpmath.mpf], what: str, fail: Fail) -> mpmath
 
 
 def _built(compute: Callable[[], sp.Expr], what: str, fail: Fail) -> sp.Expr:
-    """What sympy makes of it; its automatic evaluation fails on some constants that cannot be told from a pole."""
+    """Return what sympy makes of it; its automatic evaluation fails on constants that look like a pole."""
     try:
         return compute()
     except (ArithmeticError, AttributeError, TypeError, ValueError, NotImplementedError, RecursionError):
@@ -348,7 +348,7 @@ def _within(value: mpmath.mpf, fail: Fail) -> mpmath.mpf:
 
 
 def _checked(node: Node, fail: Fail) -> Node:
-    """The node, once it is finite, real and of a size that can be worked with."""
+    """Return the node, once it is finite, real and of a size that can be worked with."""
     expression, value = node.expression, node.value
     if expression.is_Rational and _bits(expression) <= MAX_BITS:  # nothing else can be wrong with a number
         return Node(expression, _within(_value(expression), fail))
@@ -367,7 +367,7 @@ def _checked(node: Node, fail: Fail) -> Node:
 
 
 def has_absolute_value(expression: sp.Expr) -> bool:
-    """Whether an absolute value occurs in it, other than in a real root such as (x**2)**(1/3) = |x|**(2/3).
+    """Return whether an absolute value occurs in it, other than in a real root such as (x**2)**(1/3) = |x|**(2/3).
 
     Args:
         expression: real.
@@ -377,7 +377,7 @@ def has_absolute_value(expression: sp.Expr) -> bool:
 
 
 def _value(expression: sp.Expr) -> mpmath.mpf:
-    """The value of a constant at 60 digits."""
+    """Return the value of a constant at 60 digits."""
     if expression.is_Rational:
         return _CONTEXT.mpf(int(expression.p)) / int(expression.q)
     return _CONTEXT.convert(expression.evalf(60))

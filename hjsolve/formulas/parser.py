@@ -66,7 +66,7 @@ class Parser:
         return lambda message: self._source.error(message, token.position)
 
     def formula(self) -> sp.Expr:
-        """The whole text as one formula.
+        """Return the whole text as one formula.
 
         Raises:
             ExpressionError: the text goes on behind the formula, or is none.
@@ -92,7 +92,7 @@ class Parser:
         return nodes[0] if len(nodes) == 1 else checked_arithmetic.total(nodes, self._fail(start))
 
     def _product(self) -> Node:
-        """A product; a sign stays in front of it, so that -(a + b)*c does not become (-a - b)*c."""
+        """Return a product; a sign stays in front of it, so that -(a + b)*c does not become (-a - b)*c."""
         start, operator = self._next, None
         node, negative = self._signed()
         nodes = [node]
@@ -108,7 +108,7 @@ class Parser:
         return self._smooth(checked_arithmetic.product([*sign, *nodes], self._fail(start)), start)
 
     def _operator_is_left_out(self, operator: Token | None) -> bool:
-        """Whether the factor read last is followed by another one without an operator, as in ``2 m g``.
+        """Return whether the factor read last is followed by another one without an operator, as in ``2 m g``.
 
         Args:
             operator: in front of the factor read last.
@@ -134,7 +134,7 @@ class Parser:
         raise self._source.error(message, following.position)
 
     def _is_a_factor(self, before: Token, following: Token) -> bool:
-        """Whether a product is the only reading of two tokens: not of ``x 2``, ``f (x)`` or two lines."""
+        """Return whether a product is the only reading of two tokens: not of ``x 2``, ``f (x)`` or two lines."""
         opens = following.text == "(" and (before.kind == "number" or before.text == ")")
         same_line = "\n" not in self._source.text[before.position : following.position]
         return same_line and (opens or following.kind == "name")
@@ -143,7 +143,7 @@ class Parser:
         return self._source.text[token.position - 1].isspace()
 
     def _signed(self) -> tuple[Node, bool]:
-        """A factor without its signs, and whether they make it negative."""
+        """Return a factor without its signs, and whether they make it negative."""
         negative = False
         while sign := self._take("+", "-"):
             negative ^= sign.text == "-"
@@ -168,7 +168,7 @@ class Parser:
         )
 
     def _smooth(self, node: Node, token: Token) -> Node:
-        """A node, once it has no absolute value where none may stand."""
+        """Return a node, once it has no absolute value where none may stand."""
         if not self._kinks and checked_arithmetic.has_absolute_value(node.expression):
             message = "this is an absolute value such as sqrt(x**2); write x, on a domain where it keeps its sign"
             raise self._source.error(message, token.position)
@@ -221,7 +221,7 @@ class Parser:
         raise self._source.error(message, token.position)
 
     def _undetermined(self, token: Token) -> Node:
-        """A declared undetermined function, with the arguments it was declared with."""
+        """Return a declared undetermined function, with the arguments it was declared with."""
         declared = self._functions[token.text]
         written = [t for argument in declared.args for t in (str(argument), ",")][:-1]
         tokens = [t.text for t in self._tokens[self._index : self._index + len(written) + 2]]
@@ -243,7 +243,7 @@ class Parser:
         return checked_arithmetic.leaf(self._velocities[name.text])
 
     def _primed(self, name: Token) -> Node:
-        """A velocity written with a prime, ``theta'``."""
+        """Return a velocity written with a prime, ``theta'``."""
         prime = self._next
         self._index += 1
         if not self._velocities:
@@ -266,7 +266,7 @@ class Parser:
         return checked_arithmetic.polar_angle(y, x, self._fail(token))
 
     def _root_of_square(self, token: Token) -> Node:
-        """An absolute value, where it is the base of a power; |x|**(2/3) is the real root of (x**2)**(1/3)."""
+        """Return an absolute value, where it is the base of a power; |x|**(2/3) is the real root of (x**2)**(1/3)."""
         opening = self._next
         self._index += 1
         argument = self._sum()

@@ -25,7 +25,7 @@ class BeyondRangeError(NoValueError):
 
 
 def evaluate(expression: sp.Expr, values: Mapping[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
-    """The value of an expression of ``formulas.read.parse``.
+    """Return the value of an expression of ``formulas.read.parse``.
 
     Args:
         expression: of the formula language.

@@ -143,7 +143,7 @@ def _declared(
 
 
 def _of_time(node: sp.Basic, names: Mapping[str, sp.Expr], velocities: Mapping[str, sp.Symbol], source: str) -> sp.Expr:
-    """The symbol of q(t) or of Derivative(q(t), t), where q is a coordinate and t no declared name."""
+    """Return the symbol of q(t) or of Derivative(q(t), t), where q is a coordinate and t no declared name."""
     derived = isinstance(node, sp.Derivative)
     inner = node.args[0] if derived else node
     times = {variable for variable, _ in node.variable_count} if derived else set(node.args)
@@ -166,7 +166,7 @@ def _check_node(node: sp.Basic, source: str, known: Mapping[str, sp.Basic]) -> N
 
 
 def _is_undetermined(node: sp.Basic, known: Mapping[str, sp.Basic]) -> bool:
-    """Whether the node is a function left undetermined, f(r), of declared names; q(t) is not."""
+    """Return whether the node is a function left undetermined, f(r), of declared names; q(t) is not."""
     if not isinstance(node, AppliedUndef) or node.func.__name__ in known:
         return False
     return all(symbol.name in known for symbol in node.free_symbols)
@@ -234,7 +234,7 @@ def _shown(value: object) -> str:
 
 
 def _constant(expression: sp.Expr, source: str) -> sp.Expr:
-    """The expression, once its value at 20 digits is a finite real number."""
+    """Return the expression, once its value at 20 digits is a finite real number."""
     if expression.is_Rational:
         return expression
     value = expression.evalf(20)
@@ -244,7 +244,7 @@ def _constant(expression: sp.Expr, source: str) -> sp.Expr:
 
 
 def _ratio(value: object) -> Fraction | None:
-    """The exact rational a number is; None for what is not a finite real number."""
+    """Return the exact rational a number is; None for what is not a finite real number."""
     if isinstance(value, bool):
         return None
     if isinstance(value, numbers.Rational):

@@ -123,7 +123,7 @@ class FormulaText:
     text: str
 
     def error(self, message: str, position: int | None) -> ExpressionError:
-        """The error to raise: ``potential, column 5: write ** for a power (in "m/2*r^2")``.
+        """Return the error to raise: ``potential, column 5: write ** for a power (in "m/2*r^2")``.
 
         Args:
             message: what to write instead.
@@ -209,7 +209,7 @@ def _instead_of_character(text: str, position: int) -> str:
 
 
 def _spelled(character: str) -> str:
-    """What to write for a Greek letter, a superscript, a letter with a dot; else that formulas are ASCII."""
+    """Return what to write for a Greek letter, a superscript, a letter with a dot; else that formulas are ASCII."""
     plain = unicodedata.normalize("NFKD", character)
     if plain[1:] in ("\u0307", "\u0308") and plain[:1].isascii():
         return f"write dot({plain[0]}) for a velocity"
@@ -226,7 +226,7 @@ def _spelled(character: str) -> str:
 
 
 def nearest_name(word: str, known: Iterable[str]) -> str:
-    """The known name that is spelled most like ``word``, or nothing.
+    """Return the known name that is spelled most like ``word``, or nothing.
 
     Args:
         word: what the user wrote.
@@ -240,7 +240,7 @@ def nearest_name(word: str, known: Iterable[str]) -> str:
 
 
 def is_known_elsewhere(word: str) -> bool:
-    """Whether the word has a meaning of its own in other programs, so that nobody left it undetermined.
+    """Return whether the word has a meaning of its own in other programs, so that nobody left it undetermined.
 
     Args:
         word: what the user wrote.
@@ -251,7 +251,7 @@ def is_known_elsewhere(word: str) -> bool:
 def instead_of_word(
     word: str, names: Iterable[str], velocities: Iterable[str], functions: Mapping[str, Callable[..., object]]
 ) -> str:
-    """What to write for a word that is not declared.
+    """Return what to write for a word that is not declared.
 
     Args:
         word: what the user wrote.

@@ -173,7 +173,9 @@ _NEEDED = {
 
 
 def in_c(expression: sp.Basic) -> sp.Basic:
-    """An expression that ``sympy.ccode(…, allow_unknown_functions=True)`` can write: Legendre's integrals by name.
+    """Return an expression that ``sympy.ccode(…, allow_unknown_functions=True)`` can write.
+
+    Legendre's integrals by name.
 
     Args:
         expression: any sympy object.
@@ -190,7 +192,7 @@ def in_c(expression: sp.Basic) -> sp.Basic:
 
 
 def c_source(expression: sp.Basic) -> str:
-    """The C functions that ``sympy.ccode(expression)`` calls, each once, in the order a compiler wants.
+    """Return the C functions that ``sympy.ccode(expression)`` calls, each once, in the order a compiler wants.
 
     Those of Legendre's integrals, which sympy does not write in C, are ``legendre_k(m)``, ``legendre_f(phi, m)``,
     ``legendre_e(phi, m)`` and ``legendre_pi(n, phi, m)``.

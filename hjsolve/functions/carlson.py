@@ -65,7 +65,7 @@ class CarlsonRC(Printable):
 
     @classmethod
     def eval(cls, x: sp.Expr, y: sp.Expr) -> sp.Expr | None:
-        """The values R_C(x, x), R_C(0, y) (DLMF 19.6.15).
+        """Return the values R_C(x, x), R_C(0, y) (DLMF 19.6.15).
 
         Args:
             x, y: the arguments.
@@ -221,7 +221,7 @@ def _second_slope(x: sp.Expr, y: sp.Expr) -> sp.Expr:
 
 
 def _on_cut(argument: sp.Expr) -> bool:
-    """Whether the argument is known to be negative, where the integral does not exist."""
+    """Return whether the argument is known to be negative, where the integral does not exist."""
     return bool(argument.is_extended_negative)
 
 

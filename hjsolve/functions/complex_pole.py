@@ -87,7 +87,7 @@ class ComplexPole(Printable):
     doubles = _COMPLEX_DOUBLES
 
     def _parts(self) -> Parts:
-        """This function and its twin, the real part first."""
+        """Return this function and its twin, the real part first."""
         both = _BOTH[type(self)]
         return both[0](*self.args), both[1](*self.args)
 
@@ -206,7 +206,7 @@ def _turned(value: Parts, turn: bool) -> Parts:
 
 
 def times(one: Parts, other: Parts) -> Parts:
-    """A product of complex numbers.
+    """Return a product of complex numbers.
 
     Args:
         one, other: real and imaginary parts.
@@ -216,7 +216,7 @@ def times(one: Parts, other: Parts) -> Parts:
 
 
 def divided(one: Parts, other: Parts) -> Parts:
-    """A quotient of complex numbers.
+    """Return a quotient of complex numbers.
 
     Args:
         one, other: real and imaginary parts.

@@ -41,22 +41,22 @@ class _Jacobi(Printable):
 
     @classmethod
     def _at_quarter(cls, n: int, m: sp.Expr) -> sp.Expr:
-        """The value at n K(m), DLMF 22.5(i)."""
+        """Return the value at n K(m), DLMF 22.5(i)."""
         return cls._of_amplitude(n * sp.pi / 2, m)
 
     @classmethod
     def _circular(cls, u: sp.Expr) -> sp.Expr:
-        """The value at m = 0, DLMF 22.5(ii)."""
+        """Return the value at m = 0, DLMF 22.5(ii)."""
         return cls._of_amplitude(u, sp.S.Zero)
 
     @classmethod
     def _hyperbolic(cls, u: sp.Expr) -> sp.Expr:
-        """The value at m = 1, DLMF 22.5(ii)."""
+        """Return the value at m = 1, DLMF 22.5(ii)."""
         raise NotImplementedError
 
     @classmethod
     def _of_amplitude(cls, φ: sp.Expr, m: sp.Expr) -> sp.Expr:
-        """The value where the amplitude is φ, DLMF 22.20.1."""
+        """Return the value where the amplitude is φ, DLMF 22.20.1."""
         raise NotImplementedError
 
     def _slope(self, by_amplitude: sp.Expr, argindex: int) -> sp.Expr:

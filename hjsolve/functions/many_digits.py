@@ -21,7 +21,7 @@ _REMEMBERED = 512
 
 
 def remembered(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A function of mpmath's numbers that keeps its last values, each with the precision it was worked out at.
+    """Return a function of mpmath's numbers that keeps its last values, each with the precision it was worked out at.
 
     Args:
         function: of numbers and of mpmath's present precision, and of nothing else.
@@ -40,7 +40,7 @@ def remembered(function: Callable[..., Any]) -> Callable[..., Any]:
 
 @lru_cache(_REMEMBERED)
 def evaluated(value: Callable[..., mpmath.mpf], arguments: tuple[sp.Expr, ...], bits: int) -> sp.Expr | None:
-    """The value of a function at numbers, right to a number of bits.
+    """Return the value of a function at numbers, right to a number of bits.
 
     The working precision is doubled until two values agree: an argument of 10⁹ periods costs digits, and so does a
     place near a zero. Floats among the arguments are taken as the exact binary numbers they are.
@@ -74,7 +74,7 @@ def evaluated(value: Callable[..., mpmath.mpf], arguments: tuple[sp.Expr, ...], 
 
 @lru_cache(_REMEMBERED)
 def _number(argument: sp.Expr, bits: int) -> mpmath.mpf | mpmath.mpc | None:
-    """A sympy number as one of mpmath's, with so many bits."""
+    """Return a sympy number as one of mpmath's, with so many bits."""
     if not argument.is_number:
         return None
     real, imaginary = argument.evalf(int(bits / 3.32) + 2).as_real_imag()

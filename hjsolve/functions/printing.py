@@ -37,7 +37,7 @@ class Printable(sp.Function):
 
     @classmethod
     def code_name(cls) -> str:
-        """The name of the function in every code: ``carlson_rf``, ``jacobi_sn``."""
+        """Return the name of the function in every code: ``carlson_rf``, ``jacobi_sn``."""
         return f"carlson_{cls.letter.replace('_', '').lower()}" if "_" in cls.letter else f"jacobi_{cls.letter}"
 
     def _latex(self, printer: Any, exp: str | None = None) -> str:

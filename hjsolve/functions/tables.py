@@ -23,7 +23,7 @@ LEGENDRE = ("elliptic_k", "elliptic_f", "elliptic_e", "elliptic_pi")
 
 
 def modules(backend: str) -> list[dict[str, Callable[..., Any]] | str]:
-    """What ``sympy.lambdify`` is given as ``modules`` so that every elliptic function has a value.
+    """Return what ``sympy.lambdify`` is given as ``modules`` so that every elliptic function has a value.
 
     Args:
         backend: "numpy" (arrays of doubles, numpy alone) or "mpmath" (any precision).
@@ -52,7 +52,7 @@ def modules(backend: str) -> list[dict[str, Callable[..., Any]] | str]:
 
 
 def own_modules() -> list[dict[str, Callable[..., Any]] | str]:
-    """What ``sympy.lambdify`` is given for functions of the numbers of ``precision.mp``, elliptic ones among them."""
+    """Return the table for ``sympy.lambdify`` of functions of ``precision.mp`` numbers, elliptic ones among them."""
     return [NUMBERS | _many_digits(), "mpmath"]
 
 

@@ -55,7 +55,7 @@ def energy(system: System, hamiltonian: sp.Expr, module: str) -> Callable[[Any],
 
 
 def _signs(system: System) -> dict[sp.Symbol, sp.Expr]:
-    """What the letters for signs stand for."""
+    """Return what the letters for signs stand for."""
     return {kink.symbol: kink.sign.xreplace(system.defaults) for kink in system.kinks}
 
 

@@ -157,7 +157,7 @@ def replaced(parameters: Iterable[Parameter], values: Mapping[str, object]) -> I
 
 
 def read_parameters(given: Mapping[str, object]) -> tuple[Parameter, ...]:
-    """The parameters of a mapping name → Parameter, number or None.
+    """Return the parameters of a mapping name → Parameter, number or None.
 
     Args:
         given: as the user wrote it.
@@ -181,7 +181,7 @@ def read_parameters(given: Mapping[str, object]) -> tuple[Parameter, ...]:
 
 
 def read_coordinates(given: Mapping[str, object], parameters: tuple[Parameter, ...]) -> tuple[Coordinate, ...]:
-    """The coordinates of a mapping name → domain, with the symbols that T and V are written in.
+    """Return the coordinates of a mapping name → domain, with the symbols that T and V are written in.
 
     Args:
         given: as the user wrote it; domains as in ``read_domain``.
@@ -208,7 +208,7 @@ def read_coordinates(given: Mapping[str, object], parameters: tuple[Parameter, .
 
 
 def read_functions(given: object, coordinates: Iterable[str], names: Mapping[str, sp.Symbol]) -> dict[str, sp.Expr]:
-    """The functions left undetermined, of texts such as ``v1(r)`` or ``f(x, y)``: name → v1(r).
+    """Return the functions left undetermined, of texts such as ``v1(r)`` or ``f(x, y)``: name → v1(r).
 
     Args:
         given: the texts.
@@ -291,7 +291,9 @@ def check_clashes(coordinates: list[str], parameters: list[str]) -> None:
 
 
 def free_name(name: str, taken: Iterable[str]) -> str:
-    """A name that cannot be taken for one of those taken: underscores are added at its end, which print as primes.
+    """Return a name that cannot be taken for one of those taken.
+
+    Underscores are added at its end, which print as primes.
 
     Names that differ only in an underscore inside, r0 and r_0, are written alike.
 
@@ -306,7 +308,7 @@ def free_name(name: str, taken: Iterable[str]) -> str:
 
 
 def time_letter(names: Iterable[str]) -> str:
-    """What the parameter of a motion is called: t, or another letter where that is taken.
+    """Return what the parameter of a motion is called: t, or another letter where that is taken.
 
     Args:
         names: of coordinates, parameters and momenta.
@@ -321,7 +323,7 @@ def _looks(name: str) -> tuple[str, int]:
 
 
 def unknown_names(name: object, known: Iterable[str], role: str) -> InvalidSystemError:
-    """The error for a name that the system does not declare.
+    """Return the error for a name that the system does not declare.
 
     Args:
         name: as the user wrote it.

@@ -35,7 +35,7 @@ class Domain:
     closed: tuple[sp.Expr, ...] = field(default=(), compare=False)
 
     def written(self, name: str) -> str:
-        """The text that declares this domain for the coordinate ``name``, e.g. ``0 < r``.
+        """Return the text that declares this domain for the coordinate ``name``, e.g. ``0 < r``.
 
         Args:
             name: of the coordinate.
@@ -46,7 +46,7 @@ class Domain:
         return f"{left}{name}" + ("" if self.upper is None else f" < {self.upper}")
 
     def sign(self) -> Literal["positive", "negative", "unknown"]:
-        """The sign that every value of the domain provably has."""
+        """Return the sign that every value of the domain provably has."""
         if self.lower is not None and self.lower.is_nonnegative:
             return "positive"
         if self.upper is not None and self.upper.is_nonpositive:
@@ -95,7 +95,7 @@ def read_domain(name: str, text: object, parameters: Mapping[str, sp.Expr]) -> D
 
 
 def _interval(name: str, sides: list[str], shown: str, parameters: Mapping[str, sp.Expr]) -> Domain:
-    """The interval lower < name < upper, either end of which may be missing."""
+    """Return the interval lower < name < upper, either end of which may be missing."""
     if sides.count(name) != 1 or (len(sides) == 3 and sides[1] != name):
         message = f"expected {name} between its bounds, or on one side"
         raise InvalidSystemError(f'domain of {name}: "{shown}" does not bound {name}; {message}, as in "0 < {name}"')

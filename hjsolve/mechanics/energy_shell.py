@@ -121,7 +121,7 @@ class _Lagrangian:
         return [*self.mass, *self.linear, self.rest, self.potential]
 
     def couples(self, i: int) -> bool:
-        """Whether T ties the velocity of coordinate i to another one, or holds it linearly."""
+        """Return whether T ties the velocity of coordinate i to another one, or holds it linearly."""
         return bool(self.linear[i]) or any(x != 0 for j, x in enumerate(self.mass.row(i)) if j != i)
 
     def subs(self, symbol: sp.Symbol, value: sp.Expr) -> _Lagrangian:
@@ -147,7 +147,7 @@ def domain_bounds(system: System) -> dict[sp.Symbol, Bounds]:
 
 
 def energy_symbol(system: System) -> sp.Symbol:
-    """The symbol E, or another letter where the user has taken E.
+    """Return the symbol E, or another letter where the user has taken E.
 
     Args:
         system: whose names are taken.
@@ -157,7 +157,7 @@ def energy_symbol(system: System) -> sp.Symbol:
 
 
 def time_name(system: System) -> str:
-    """What the parameter of a motion is called: t, or another letter where the system has a coordinate t.
+    """Return what the parameter of a motion is called: t, or another letter where the system has a coordinate t.
 
     Args:
         system: whose names are taken.
@@ -239,7 +239,7 @@ def _shell_step(
     coordinates: tuple[Coordinate, ...], metric: tuple[sp.Expr, ...], potential: sp.Expr, energy: sp.Symbol,
     null: tuple[str, ...], *, shifted: bool,
 ) -> ReductionStep:  # fmt: skip
-    """The shell in a formula; P in place of p where terms linear in the momenta were shifted away."""
+    """Return the shell in a formula; P in place of p where terms linear in the momenta were shifted away."""
     momenta = [sp.Symbol(f"P_{c.name}") if shifted else c.momentum for c in coordinates]
     powers = (p if c.name in null else p**2 / 2 for c, p in zip(coordinates, momenta))
     shell = sp.Add(*(g * power for g, power in zip(metric, powers)), potential)
@@ -252,7 +252,7 @@ def _shell_step(
 
 
 def _mass(system: System) -> sp.Matrix:
-    """The mass matrix as it falls out of T; the field brings it to normal form."""
+    """Return the mass matrix as it falls out of T; the field brings it to normal form."""
     return sp.Matrix(mass_as_written(system.kinetic, [c.velocity for c in system.coordinates]))
 
 
@@ -288,7 +288,7 @@ def _find_ignorable(
 
 
 def _inside(c: Coordinate) -> sp.Expr:
-    """A simple value inside a coordinate's domain."""
+    """Return a simple value inside a coordinate's domain."""
     lower, upper = (None, None) if c.domain.kind == "angle" else (c.domain.lower, c.domain.upper)
     if lower is not None and upper is not None:
         return (lower + upper) / 2
@@ -300,7 +300,7 @@ def _inside(c: Coordinate) -> sp.Expr:
 def _eliminate(
     system: System, lagrangian: _Lagrangian, reader: Reader, essential: Sequence[int], passive: Sequence[int]
 ) -> Eliminated:
-    """The ignorable coordinates eliminated, with r = (c − a) for them and (−a) for the others."""
+    """Return the ignorable coordinates eliminated, with r = (c − a) for them and (−a) for the others."""
     n = range(len(system.coordinates))
     mass = [[reader.element(lagrangian.mass[i, j]) for j in n] for i in n]
     r = [-reader.element(a) for a in lagrangian.linear]
@@ -310,7 +310,7 @@ def _eliminate(
 
 
 def _curl(coordinates: tuple[Coordinate, ...], shift: list[Element], reader: Reader) -> tuple[int, int, sp.Expr] | None:
-    """The first ∂ᵢAⱼ − ∂ⱼAᵢ that is not zero (Greenwood (2-40))."""
+    """Return the first ∂ᵢAⱼ − ∂ⱼAᵢ that is not zero (Greenwood (2-40))."""
     for j in range(len(coordinates)):
         for i in range(j):
             curl = reader.diff(shift[j], coordinates[i].symbol) - reader.diff(shift[i], coordinates[j].symbol)

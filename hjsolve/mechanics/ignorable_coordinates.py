@@ -82,7 +82,7 @@ def first_coupled(m: Rows) -> tuple[int, int, Element] | None:
 
 
 def _pivots(mass: Rows, left: Sequence[int], positions: Sequence[sp.Symbol]) -> tuple[int, int] | None:
-    """The simplest pivot as (k, k), else a pair (k, l) with m_kk = m_ll = 0 and m_kl ≠ 0, else None."""
+    """Return the simplest pivot as (k, k), else a pair (k, l) with m_kk = m_ll = 0 and m_kl ≠ 0, else None."""
     usable = [i for i in left if not mass[i][i].is_zero]
     if usable:
         k = min(usable, key=lambda i: (any(mass[i][i].depends_on(q) for q in positions), printed_length(mass[i][i])))
@@ -111,7 +111,7 @@ def _with_null_block(
     reader: Reader, mass: Rows, r: list[Element], essential: Sequence[int], null: Sequence[int],
     centrifugal: list[Element],
 ) -> Eliminated:  # fmt: skip
-    """The shell where m_NN = 0 is left of the ignorable coordinates; see the module's text."""
+    """Return the shell where m_NN = 0 is left of the ignorable coordinates; see the module's text."""
     field = reader.field
     order = [*essential, *null]
     G = _inverse(reader, [[mass[i][j] for j in order] for i in order])
@@ -136,7 +136,7 @@ def _with_null_block(
 
 
 def _inverse(reader: Reader, m: Rows) -> Rows:
-    """The inverse of a regular matrix by Gauss and Jordan, the simplest pivot of each column first."""
+    """Return the inverse of a regular matrix by Gauss and Jordan, the simplest pivot of each column first."""
     field, size = reader.field, len(m)
     work = [[*row, *(field.one if i == j else field.zero for j in range(size))] for i, row in enumerate(m)]
     for k in range(size):

@@ -97,7 +97,7 @@ def mass_as_written(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.Imm
 
 
 def velocity_coefficients(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> Parts:
-    """The coefficients of T as a polynomial in the velocities, by their positions: (), (i,), (i, j) with i ≤ j.
+    """Return the coefficients of T as a polynomial in the velocities, by their positions: (), (i,), (i, j) with i ≤ j.
 
     Read off the structure; what holds no velocity is neither differentiated nor expanded.
 
@@ -141,7 +141,7 @@ def _product(a: Parts, b: Parts) -> Parts:
 
 
 def blocks(matrix: sp.ImmutableMatrix) -> list[list[int]]:
-    """The index sets that a symmetric matrix couples, each in increasing order.
+    """Return the index sets that a symmetric matrix couples, each in increasing order.
 
     Args:
         matrix: symmetric, shape (n, n).
@@ -250,7 +250,7 @@ def short_reciprocal(expression: sp.Expr) -> sp.Expr:
 
 
 def tidy(expression: sp.Expr) -> sp.Expr:
-    """The shortest of a few equal forms: as it is, factored, and with sin² + cos² = 1 used either way.
+    """Return the shortest of a few equal forms: as it is, factored, and with sin² + cos² = 1 used either way.
 
     Args:
         expression: any formula in coordinates and parameters.
@@ -274,7 +274,7 @@ def _may_shorten(total: sp.Add) -> bool:
 
 
 def _is_hard(power: sp.Pow) -> bool:
-    """Whether a power makes factoring slow: a high one, or one that is neither whole nor half."""
+    """Return whether a power makes factoring slow: a high one, or one that is neither whole nor half."""
     return not (power.exp.is_Rational and abs(power.exp) <= _MAX_EXPONENT and power.exp.q <= 2)
 
 
@@ -297,7 +297,7 @@ def _forms(polynomial: sp.Expr) -> list[sp.Expr]:
 
 
 def _pythagoras(expanded: sp.Expr) -> list[sp.Expr]:
-    """The expanded expression with angle differences joined, and with even powers of cos, or of sin, eliminated."""
+    """Return the expanded expression with angle differences joined, even powers of cos, or of sin, eliminated."""
     if not expanded.has(sp.sin, sp.cos):
         return [expanded]
     expanded = sp.expand(_joined(expanded))
@@ -313,7 +313,7 @@ def _other(base: sp.Expr, exponent: sp.Expr, eliminated: type[sp.Function]) -> s
 
 
 def _joined(expanded: sp.Expr) -> sp.Expr:
-    """The sum with k cos a cos b ± k sin a sin b written as k cos(a ∓ b)."""
+    """Return the sum with k cos a cos b ± k sin a sin b written as k cos(a ∓ b)."""
     terms = dict(expanded.as_coefficients_dict())
     for term, weight in list(terms.items()):
         angles = [factor.args[0] for factor in sp.Mul.make_args(term) if isinstance(factor, sp.cos)]

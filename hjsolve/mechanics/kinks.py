@@ -42,7 +42,7 @@ class Kink(Shown):
 
 
 def has_kinks(expression: sp.Expr) -> bool:
-    """Whether a formula has absolute values, signs or pieces; a real root |u|^(p/q) alone is none.
+    """Return whether a formula has absolute values, signs or pieces; a real root |u|^(p/q) alone is none.
 
     Args:
         expression: a formula.

@@ -54,7 +54,7 @@ def check_periodic(
 
 @lru_cache(maxsize=512)
 def is_periodic(f: sp.Expr, angle: sp.Symbol) -> bool:
-    """Whether f(a + 2π) = f(a) is proved.
+    """Return whether f(a + 2π) = f(a) is proved.
 
     Args:
         f: a formula.
@@ -77,7 +77,7 @@ def is_periodic(f: sp.Expr, angle: sp.Symbol) -> bool:
 def _witness(
     f: sp.Expr, angle: sp.Symbol, coordinates: Sequence[Coordinate], parameters: Sequence[Parameter]
 ) -> tuple[sp.Expr, object] | None:
-    """A place where f is another number after a turn, and by how much; None where none was found."""
+    """Return a place where f is another number after a turn, and by how much; None where none was found."""
     turned = f.xreplace({angle: angle + 2 * sp.pi})
     velocities = {s: CONTEXT.mpf(k + 2) / 3 for k, s in enumerate(c.velocity for c in coordinates)}
     for point in sample_points(coordinates, parameters):

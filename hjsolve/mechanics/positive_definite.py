@@ -62,7 +62,7 @@ def check_mass_matrix(
 
 
 def _determined(matrix: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
-    """The matrix with each undetermined function replaced by a positive one, different for every name."""
+    """Return the matrix with each undetermined function replaced by a positive one, different for every name."""
     functions = sorted({f.func for f in matrix.atoms(AppliedUndef)}, key=str)
     for k, f in enumerate(functions):
         matrix = matrix.replace(f, lambda *x, k=k: 1 + sp.Rational(k + 1, 7) + sp.Add(*(a**2 / (k + 3) for a in x)))
@@ -85,7 +85,7 @@ def _degeneracy(matrix: sp.ImmutableMatrix, points: Sequence[Point]) -> str:
 
 
 def _fault(matrix: sp.ImmutableMatrix, coordinates: Sequence[Coordinate], points: Sequence[Point]) -> str:
-    """What keeps the matrix from being positive definite, or nothing.
+    """Return what keeps the matrix from being positive definite, or nothing.
 
     A negative minor at one point is a fault; a minor that is zero there, to rounding, only if it is so at every point.
     """
@@ -110,7 +110,7 @@ def _fault(matrix: sp.ImmutableMatrix, coordinates: Sequence[Coordinate], points
 def _described(
     matrix: sp.ImmutableMatrix, coordinates: Sequence[Coordinate], entries: mpmath.matrix, point: Point, k: int
 ) -> str:
-    """The fault of the minor that ends at the coordinate k."""
+    """Return the fault of the minor that ends at the coordinate k."""
     names = [c.velocity.name for c in coordinates[: k + 1]]
     minor, part = CONTEXT.det(entries[: k + 1, : k + 1]), matrix[: k + 1, : k + 1]
     what = f"the leading minor of {', '.join(names)}"
@@ -156,7 +156,7 @@ def _evaluated(matrix: sp.ImmutableMatrix, point: Point) -> mpmath.matrix:
 
 
 def _at(part: sp.Basic, point: Point) -> str:
-    """The place, of the symbols that the part depends on."""
+    """Return the place, of the symbols that the part depends on."""
     used = [symbol for symbol in point if symbol in part.free_symbols]
     return "at " + ", ".join(f"{symbol.name} = {_short(point[symbol])}" for symbol in used)
 
@@ -192,7 +192,7 @@ def sample_points(coordinates: Sequence[Coordinate], parameters: Sequence[Parame
 
 
 def _points(coordinates: Sequence[Coordinate], values: Point) -> list[Point]:
-    """Points inside the domain; none where it is empty for these values."""
+    """Return points inside the domain; none where it is empty for these values."""
     source = random.Random(2)  # noqa: S311 - sample points, the same at every run
     try:
         ranges = [end_values(c.domain, values) for c in coordinates]
@@ -205,7 +205,7 @@ def _points(coordinates: Sequence[Coordinate], values: Point) -> list[Point]:
 
 
 def end_values(domain: Domain, values: Point) -> tuple[mpmath.mpf | None, mpmath.mpf | None]:
-    """The ends of the domain, ∓π for an angle, None for an end at infinity.
+    """Return the ends of the domain, ∓π for an angle, None for an end at infinity.
 
     Args:
         domain: of a coordinate.
@@ -224,7 +224,7 @@ def end_values(domain: Domain, values: Point) -> tuple[mpmath.mpf | None, mpmath
 
 
 def _place(low: mpmath.mpf | None, high: mpmath.mpf | None, source: random.Random) -> mpmath.mpf:
-    """A point between the ends; beyond one end, or on the line, at distances from 1/500 to 50."""
+    """Return a point between the ends; beyond one end, or on the line, at distances from 1/500 to 50."""
     if low is not None and high is not None:
         return low + (high - low) * source.randint(1, 996) / 997
     distance = CONTEXT.mpf(source.randint(2, 499)) / 97 * source.choice((1, 1, 1, 10)) / source.choice((1, 1, 1, 10))

@@ -175,7 +175,7 @@ def in_units(system: Posed, given: Given, group: str, told: Told = ()) -> Given 
 
 
 def _held(value: object) -> bool:
-    """Whether it is a quantity, or a list with one."""
+    """Return whether it is a quantity, or a list with one."""
     return library_of(value) is not None or (isinstance(value, (list, tuple)) and any(map(_held, value)))
 
 

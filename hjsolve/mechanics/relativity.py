@@ -33,7 +33,7 @@ class Relativity:
         return self.light * sp.sqrt(self.mass**2 * self.light**2 + sp.expand_mul(self.mass * square))
 
     def speeds(self, classical: Sequence[sp.Expr], square: sp.Expr) -> list[sp.Expr]:
-        """The velocities, given M⁻¹(p − a) and (p − a)ᵀM⁻¹(p − a).
+        """Return the velocities, given M⁻¹(p − a) and (p − a)ᵀM⁻¹(p − a).
 
         Args:
             classical: M⁻¹(p − a), shape (n,).
@@ -43,7 +43,7 @@ class Relativity:
         return [self.light * self.mass * speed / root for speed in classical]
 
     def momenta(self, linear: Sequence[sp.Expr], classical: Sequence[sp.Expr], square: sp.Expr) -> list[sp.Expr]:
-        """The momenta, given a, M q̇ and q̇ᵀM q̇.
+        """Return the momenta, given a, M q̇ and q̇ᵀM q̇.
 
         Args:
             linear: a of T₁ = Σ a_i q̇_i, shape (n,).

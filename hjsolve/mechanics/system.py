@@ -206,7 +206,7 @@ class System(Shown):
         return routhian(self.coordinates, mass_matrix(self), linear_terms(self), rest, held)
 
     def coordinate(self, name: str) -> Coordinate:
-        """The coordinate of this name.
+        """Return the coordinate of this name.
 
         Args:
             name: as declared.
@@ -260,7 +260,7 @@ class System(Shown):
         return energy(told, _in_numbers(told), module)
 
     def __repr__(self) -> str:
-        """The call that makes the system, as far as it differs from the defaults."""
+        """Return the call that makes the system, as far as it differs from the defaults."""
         places = {c.name: c.domain.written(c.name) for c in self.coordinates}
         values = {p.name: None if p.value is None else str(p.value) for p in self.parameters}
         parts: dict[str, object] = {"coordinates": places, "kinetic": str(self.kinetic)}
@@ -288,7 +288,7 @@ def _set(system: System, **fields: object) -> None:
 
 
 def _check_values(system: System) -> None:
-    """What depends on the parameters' values: that the domains are not empty, and the sign of T."""
+    """Check what depends on the parameters' values: that the domains are not empty, and the sign of T."""
     defaults = system.defaults
     for c in system.coordinates:
         ends = [end for end in (c.domain.lower, c.domain.upper) if end is not None]
@@ -325,7 +325,7 @@ def _check_ends(coordinate: Coordinate, defaults: Mapping[sp.Symbol, sp.Expr]) -
 
 
 def placed(system: System, places: Places) -> System:
-    """The same system with another place in space, taken as it is.
+    """Return the same system with another place in space, taken as it is.
 
     Args:
         system: a system.
@@ -337,7 +337,7 @@ def placed(system: System, places: Places) -> System:
 
 
 def with_values(system: System, values: Mapping[str, object]) -> System:
-    """The same system with other default values.
+    """Return the same system with other default values.
 
     Args:
         system: a system.
@@ -361,7 +361,7 @@ def with_values(system: System, values: Mapping[str, object]) -> System:
 
 
 def require_values(system: System, names: Iterable[str] | None = None) -> dict[sp.Symbol, sp.Expr]:
-    """The values of the parameters named, of all of them by default, by symbol.
+    """Return the values of the parameters named, of all of them by default, by symbol.
 
     Args:
         system: whose parameters are meant.
@@ -416,14 +416,14 @@ def kinetic_rest(system: System) -> sp.Expr:
     rest = dict.fromkeys(speeds, sp.S.Zero)
 
     def moves(term: sp.Expr) -> bool:
-        """Whether a velocity is a factor; 0·x is not left to sympy, which asks first whether x is finite."""
+        """Return whether a velocity is a factor; 0·x is not left to sympy, which asks first whether x is finite."""
         return any(factor.as_base_exp()[0] in rest for factor in sp.Mul.make_args(term))
 
     return sp.Add(*(term.xreplace(rest) for term in sp.Add.make_args(system.kinetic) if not moves(term)))
 
 
 def inverse_mass_matrix(system: System) -> sp.ImmutableMatrix:
-    """The inverse of the mass matrix, shape (n, n).
+    """Return the inverse of the mass matrix, shape (n, n).
 
     Args:
         system: with T = ½ q̇ᵀM q̇ + aᵀq̇ + T₀.

@@ -33,7 +33,7 @@ _NONE: Exponents = {}
 
 
 def time_of(coordinates: Iterable[Coordinate], parameters: Iterable[Parameter]) -> str:
-    """What the time is called.
+    """Return what the time is called.
 
     Args:
         coordinates, parameters: of the system.
@@ -117,7 +117,7 @@ class _Reader:
         self.equations: list[Exponents] = []
 
     def read(self, expression: sp.Expr) -> Exponents:
-        """The exponents of an expression."""
+        """Return the exponents of an expression."""
         if isinstance(expression, sp.Symbol):
             return self.known.get(expression, {str(expression): Fraction(1)})
         if isinstance(expression, sp.Add):
@@ -138,7 +138,7 @@ class _Reader:
         return _NONE
 
     def same(self, expressions: Iterable[sp.Expr]) -> Exponents:
-        """The exponents that several expressions have in common; zero has any."""
+        """Return the exponents that several expressions have in common; zero has any."""
         first, *others = [self.read(e) for e in expressions if e != 0] or [_NONE]
         self.equations += [_plus(first, other, -1) for other in others]
         return first
@@ -154,7 +154,7 @@ class _Reader:
 
 
 def _reader(system: Posed) -> tuple[_Reader, Exponents]:
-    """What T and V ask of the exponents of coordinates, parameters and time; and the exponents of the energy."""
+    """Return what T and V ask of the exponents of coordinates, parameters and time; and the exponents of the energy."""
     time, energy = {time_of(system.coordinates, system.parameters): Fraction(1)}, {ENERGY: Fraction(1)}
     known: dict[sp.Symbol, Exponents] = {}
     for c in system.coordinates:
@@ -192,7 +192,7 @@ class UnitTable(Shown):
     free: tuple[str, ...]
 
     def powers(self, exponents: Exponents) -> Powers | None:
-        """The unit of a product of names, as factors; None where that of a name does not follow.
+        """Return the unit of a product of names, as factors; None where that of a name does not follow.
 
         Args:
             exponents: of names.
@@ -209,7 +209,7 @@ class UnitTable(Shown):
         return texts
 
     def undetermined(self, exponents: Exponents) -> str:
-        """The first name of a product whose unit does not follow.
+        """Return the first name of a product whose unit does not follow.
 
         Args:
             exponents: of names.
@@ -287,7 +287,7 @@ def check_units(system: Posed) -> None:
 
 
 def names_and_units(system: Posed) -> dict[str, str]:
-    """The units of coordinates, time and parameters, those that follow included: name → text.
+    """Return the units of coordinates, time and parameters, those that follow included: name → text.
 
     Args:
         system: with the declared units.
@@ -305,7 +305,7 @@ def names_and_units(system: Posed) -> dict[str, str]:
 
 
 def written(powers: Powers) -> str:
-    """A unit as text that both libraries read: ``kg*m^2/s^2``.
+    """Return a unit as text that both libraries read: ``kg*m^2/s^2``.
 
     Args:
         powers: text of a factor → exponent.

@@ -140,7 +140,7 @@ def _lines(motion: SeparatedMotion, bits: int) -> dict[str, _Line]:
 
 
 def _even(motion: SeparatedMotion, name: str, bits: int) -> _Line:
-    """The angle of an ignorable coordinate where no coordinate is left: it grows evenly, Ω = ∂H/∂p."""
+    """Return the angle of an ignorable coordinate where no coordinate is left: it grows evenly, Ω = ∂H/∂p."""
     coordinate, values = motion.solution.system.coordinate(name), motion.initial.values
     rate = sp.diff(motion.solution.separation.shell.potential, coordinate.momentum).subs(values)
     return _Line(to_bits(rate)(bits), to_bits(values[coordinate.symbol])(bits), 1, 0.0)
@@ -172,12 +172,15 @@ def oscillation_at(series: FourierSeries, phase: Mpf) -> Mpf | int:
 
 
 def _inexact(series: FourierSeries) -> float:
-    """What the rounding of an oscillation is relative to: twice, at the start and at the beginning of the angle."""
+    """Return what the rounding of an oscillation is relative to.
+
+    Twice, at the start and at the beginning of the angle.
+    """
     return 0.0 if series.constant else 2 * series.oscillation_size
 
 
 def _slopes(torus: TorusEquations, series: tuple[FourierSeries, ...], unit: float) -> float:
-    """What the phases at t₀ leave open of the angle: dθ/dχ at the start, times the rounding of χ."""
+    """Return what the phases at t₀ leave open of the angle: dθ/dχ at the start, times the rounding of χ."""
     total = 0.0
     for course, s in zip(torus.courses, series, strict=True):
         phase = float(course.start)

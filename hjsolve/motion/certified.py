@@ -57,7 +57,7 @@ class Enclosed:
 
 
 def work_bits(digits: int) -> int:
-    """The precision to begin with; two words for 15 digits.
+    """Return the precision to begin with; two words for 15 digits.
 
     Args:
         digits: decimal digits asked.
@@ -203,13 +203,16 @@ def _cycle(motion: SeparatedMotion, name: str, line: BallMomentumSquared) -> Cyc
 
 
 def _near(line: BallMomentumSquared, end: flint.arb, inward: flint.arb) -> float:
-    """The width over the distance of the next zero or pole of R = p²/((q−a)(b−q)) from a turning point: W|R′/R|."""
+    """Return the width over the distance of the next zero or pole of R = p²/((q−a)(b−q)) from a turning point.
+
+    W|R′/R|.
+    """
     _, slope, half = line.taylor(end, 3)
     return abs(float((inward * half / slope).mid()) + 1)
 
 
 def _centre(F: sp.Expr, q: sp.Symbol, near: flint.arb, *, turns: bool) -> flint.arb | None:
-    """A place nπ/2 about which p² is an even function by its form, if there is one at the place given."""
+    """Return a place nπ/2 about which p² is an even function by its form, if there is one at the place given."""
     n = near * 2 / flint.arb.pi()
     if not n.is_finite() or abs(n) > _FARTHEST:
         return None
@@ -220,7 +223,7 @@ def _centre(F: sp.Expr, q: sp.Symbol, near: flint.arb, *, turns: bool) -> flint.
 
 @lru_cache(maxsize=256)
 def _even_about(F: sp.Expr, q: sp.Symbol, n: int, turns: bool) -> bool:
-    """True when F(nπ − q) = F(q), and for a rotation F(q + 2π) = F(q), are identities."""
+    """Return True when F(nπ − q) = F(q), and for a rotation F(q + 2π) = F(q), are identities."""
 
     def same(place: sp.Expr) -> bool:
         other = F.xreplace({q: place})
@@ -230,7 +233,7 @@ def _even_about(F: sp.Expr, q: sp.Symbol, n: int, turns: bool) -> bool:
 
 
 def _spread_round(anomaly: Anomaly) -> AnomalyMap | None:
-    """The map of a rotation that is slow at one place, from k′² = (gap/2)²/(1 + (gap/2)²)."""
+    """Return the map of a rotation that is slow at one place, from k′² = (gap/2)²/(1 + (gap/2)²)."""
     if not isinstance(anomaly, Rotation) or anomaly.complement > 0.1:
         return None
     return all_round(2 * float(anomaly.complement) ** 0.5)

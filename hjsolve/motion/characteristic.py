@@ -215,7 +215,10 @@ def _turns(course: CoordinateMotion) -> bool:
 
 
 def _outside_integrals(motion: SeparatedMotion, name: str) -> tuple[Mpf, float]:
-    """What stands beside the integrals: t₀ for E; q − ∂χ/∂c at t₀ for the momentum of an ignorable coordinate."""
+    """Return what stands beside the integrals: t₀ for E.
+
+    q − ∂χ/∂c at t₀ for the momentum of an ignorable coordinate.
+    """
     solution, values, bits = motion.solution, motion.initial.values, bits_for(motion.digits, 96)
     constant = solution.constants[name].symbol
     if solution.coordinates and name == solution.separation.shell.energy.name:
@@ -251,7 +254,7 @@ def lower_limits(motion: SeparatedMotion) -> dict[str, Estimate]:
 
 
 def energy_of(motion: SeparatedMotion) -> sp.Expr:
-    """The exact value of E, the constant that goes with the time.
+    """Return the exact value of E, the constant that goes with the time.
 
     Args:
         motion: with its constants.

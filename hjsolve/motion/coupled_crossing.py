@@ -77,7 +77,7 @@ class _Values(Generic[X]):
         return np.ravel(self.course.integral(j, np.array([χ], dtype=self.kind)))[0]
 
     def size(self, j: int, χ: X) -> float:
-        """What the rounding of an integral, and of its phase, refers to."""
+        """Return what the rounding of an integral, and of its phase, refers to."""
         near: Numbers = np.array([χ], dtype=self.kind)
         return float(self.course.grain(j, near)[0]) + abs(float(self.rate(j, χ)) * float(χ))
 
@@ -88,7 +88,10 @@ class _Values(Generic[X]):
 def _solved(
     course: CoordinateMotion, kind: type, start: X, goal: X, side: int, noise: float | Mpf
 ) -> tuple[_Values[X], X] | None:
-    """The phase at which the second integral has grown by ``goal``, on one side of the start; None if not monotone."""
+    """Return the phase at which the second integral has grown by ``goal``, on one side of the start.
+
+    None if not monotone.
+    """
     reach, step, gains = abs(start) + 1, start * 0 + 1, [start * 0]
     while True:
         values = _Values(course, kind, reach + step)
@@ -135,7 +138,10 @@ def _fading(gains: Sequence[X]) -> bool:
 
 
 def _monotone(values: _Values[X], first: X, last: X) -> bool:
-    """True where the second integral is; at the end of a domain its rate may vanish, beside a pole be all rounding."""
+    """Return True where the second integral is.
+
+    At the end of a domain its rate may vanish, beside a pole be all rounding.
+    """
     rates = [values.rate(1, first + (last - first) * k / 16) for k in range(16)]
     noise = values.course.rate_noise(1) if values.kind is float else 0.0
     return all(r > -noise for r in rates) or all(r < noise for r in rates)

@@ -108,7 +108,7 @@ def _phase_of(
 
 
 def _only_phase(name: str, cycle: Periodic, place: Mpf, χ: Mpf, passage: int) -> Mpf:
-    """The phase at which a rotation along a line passes a place, which it does once.
+    """Return the phase at which a rotation along a line passes a place, which it does once.
 
     Raises:
         OutsideMotionError: it does so on the other side of t₀, or not so often.
@@ -168,7 +168,7 @@ def open_phases(name: str, course: CoordinateMotion, place: Mpf, bits: int) -> l
 
 
 def _elapsed(motion: SeparatedMotion, k: int, phase: Mpf) -> tuple[Time, Time]:
-    """Time from t₀ until coordinate k has a phase, and a bound on its error."""
+    """Return time from t₀ until coordinate k has a phase, and a bound on its error."""
     torus, scheme, many = motion.torus, motion.scheme, motion.digits > 15
     if torus is not None and all(s.constant for i, s in enumerate(torus.oscillations[k]) if i != k):
         periodic = torus.oscillations[k][k]
@@ -197,7 +197,7 @@ def _noise(motion: SeparatedMotion) -> Time:
 
 
 def _own_time(motion: SeparatedMotion, course: CoordinateMotion, step: DecoupledStep, phase: Mpf) -> tuple[Time, Time]:
-    """Time of a coordinate whose equation holds no other."""
+    """Return time of a coordinate whose equation holds no other."""
     course = course.with_reach(abs(float(phase)))
     total: Time = 0.0
     size = 0.0
@@ -218,7 +218,7 @@ def _integral_at(motion: SeparatedMotion, course: CoordinateMotion, j: int, χ: 
 
 
 def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[float, float]:
-    """Time at which χₖ(t), increasing, passes a phase; by bracketing and the secant rule."""
+    """Return time at which χₖ(t), increasing, passes a phase; by bracketing and the secant rule."""
 
     def full(t: float) -> tuple[float, float]:
         χ, whole, errors, ended = solve_phases(motion, (np.array([t]), np.zeros(1)))
@@ -248,7 +248,7 @@ def _limit(step: float, left: list[float]) -> None:
 
 
 def _time_error(full: Callable[[float], tuple[float, float]], low: float, high: float) -> float:
-    """What the doubt of the phase leaves of the time, by the least slope nearby: there is none beyond an end."""
+    """Return what the doubt of the phase leaves of the time, by the least slope nearby: there is none beyond an end."""
     t = low
     h = max(high - low, abs(t) * 1e-6, 1e-9)
     near = [phase for phase in (full(t + side * h)[0] for side in (-2, -1, 0, 1)) if np.isfinite(phase)]

@@ -37,7 +37,7 @@ def end_statuses(motion: SeparatedMotion, time: tuple[Reals, Reals], ended: Mask
 
 
 def _ends(motion: SeparatedMotion, direction: int, span: float) -> bool:
-    """True where some coordinate has an end in that direction of time."""
+    """Return True where some coordinate has an end in that direction of time."""
     scheme = motion.scheme
     if scheme is None:
         return False

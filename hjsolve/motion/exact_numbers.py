@@ -76,7 +76,7 @@ def number_is_zero(value: sp.Expr) -> bool:
 
 
 def _agreed(value: sp.Expr, bits: int) -> bool:
-    """True where a number is the same, and not zero, at a precision and at twice as much."""
+    """Return True where a number is the same, and not zero, at a precision and at twice as much."""
     near, far = (to_bits(value)(b) for b in (bits, 2 * bits))
     return bool(far and abs(near - far) <= abs(far) * multiprecision(64).mpf(2) ** -64)
 

@@ -186,7 +186,7 @@ def read_phase_point(
 def _from_constants(
     solution: Solution, values: dict[sp.Symbol, sp.Expr], given: Values, signs: Values, exact: bool
 ) -> Initial:
-    """Momenta from the constants of the motion and the signs of the roots: p = ±√P²(q) − A."""
+    """Return momenta from the constants of the motion and the signs of the roots: p = ±√P²(q) − A."""
     _only_known(given, solution.constants, "constants")
     _only_known(signs, solution.coordinates, "signs")
     constants = {name: number(given[name], source=f"constants[{name}]") for name in solution.constants}
@@ -320,7 +320,7 @@ def _inside_domains(system: System, values: Mapping[sp.Symbol, sp.Expr]) -> None
 
 
 def _real(value: sp.Expr) -> bool:
-    """False for what is certainly no real number."""
+    """Return False for what is certainly no real number."""
     return bool(value.is_Rational or value.evalf(20).is_real is not False)
 
 

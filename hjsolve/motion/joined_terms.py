@@ -52,7 +52,7 @@ def _below(term: sp.Expr) -> list[sp.Expr]:
 
 
 def _even(part: sp.Expr, s: sp.Dummy, x: sp.Dummy) -> sp.Expr | None:
-    """A polynomial in s² with 1 − x² in its place; None where it is odd."""
+    """Return a polynomial in s² with 1 − x² in its place; None where it is odd."""
     found = sp.Integer(0)
     for (power,), c in sp.Poly(part, s).terms():
         if power % 2:
@@ -64,7 +64,7 @@ def _even(part: sp.Expr, s: sp.Dummy, x: sp.Dummy) -> sp.Expr | None:
 def _by_cancelling(
     F: sp.Expr, fraction: sp.Expr, poles: list[sp.Expr], q: sp.Symbol, s: sp.Dummy, x: sp.Dummy
 ) -> sp.Expr:
-    """Half angles where they cancel a factor, (1 − cos q)/sin q = tan(q/2); else the formula as it stands."""
+    """Return half angles where they cancel a factor, (1 − cos q)/sin q = tan(q/2); else the formula as it stands."""
     S, C = sp.Dummy("S"), sp.Dummy("C")
     whole = sp.cancel(fraction.xreplace({s: 2 * S * C, x: 1 - 2 * S**2}))
     below = {f.as_base_exp()[0] for f in sp.Mul.make_args(sp.fraction(whole)[1]) if f.has(S, C)}
@@ -75,7 +75,7 @@ def _by_cancelling(
 
 
 def _with_halves(part: sp.Expr, half: Mapping[sp.Expr, sp.Expr]) -> sp.Expr:
-    """A product with powers of 1 ± x below the line written by half angles."""
+    """Return a product with powers of 1 ± x below the line written by half angles."""
     above, below = sp.fraction(sp.together(part))
     coefficient, product = sp.factor(above), sp.Integer(1)
     for base, power in (f.as_base_exp() for f in sp.Mul.make_args(sp.factor(below))):
@@ -105,7 +105,7 @@ def with_exact_coefficients(e: sp.Expr, q: sp.Symbol, values: Mapping[sp.Symbol,
 
 @lru_cache(maxsize=512)
 def _terms(e: sp.Expr, q: sp.Symbol) -> tuple[tuple[sp.Expr, tuple[sp.Expr, ...]], ...]:
-    """Function of q → coefficients of the terms that hold it."""
+    """Return function of q → coefficients of the terms that hold it."""
     if sp.count_ops(e) > _LONGEST:
         return ()
     opened = sp.expand(e, power_base=False, power_exp=False, log=False)

@@ -249,7 +249,7 @@ class Motion(ShownMotion):
         return angle_variables(self._source, t)
 
     def __eq__(self, other: object) -> bool:
-        """Whether both are the same motion of the same system, with the same digits and the same proofs."""
+        """Return whether both are the same motion of the same system, with the same digits and the same proofs."""
         if type(other) is not type(self):
             return NotImplemented
         one, two = self.separated, other.separated

@@ -37,7 +37,7 @@ Places = Mapping[str, Pair]
 
 
 def badly_rounded(motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[str, Numbers]) -> Mask:
-    """Where some velocity in doubles is far from rounded well, because of the rounding of places and constants.
+    """Return where some velocity in doubles is far from rounded well, because of the rounding of places and constants.
 
     Args:
         motion: the motion.
@@ -59,7 +59,7 @@ def badly_rounded(motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[
 
 
 def roundings(motion: SeparatedMotion, course: CoordinateMotion) -> bool:
-    """Whether a motion with one separated coordinate comes to places where its velocities are blurred.
+    """Return whether a motion with one separated coordinate comes to places where its velocities are blurred.
 
     Args:
         motion: the one looked at.
@@ -156,7 +156,7 @@ def worked_out(
     shell: Mapping[str, Numbers],
     ignorable: Mapping[str, Numbers],
 ) -> list[Reals]:
-    """Formulas in coordinates and momenta in two doubles, rounded once.
+    """Return formulas in coordinates and momenta in two doubles, rounded once.
 
     Args:
         motion: the motion.
@@ -230,7 +230,7 @@ def _run(
     arithmetic: Arithmetic[N],
     constant: Callable[[sp.Expr], N],
 ) -> list[N]:
-    """Formulas in an arithmetic, their constants brought into it by a rule."""
+    """Return formulas in an arithmetic, their constants brought into it by a rule."""
     variables, numbers, fixed = _arguments(motion, q, p)
     constants = [constant(value) for value in fixed.values()]
     with np.errstate(all="ignore"):

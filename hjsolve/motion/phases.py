@@ -121,7 +121,7 @@ def _where_it_goes_on(ended: Mask, χ: Reals, course: CoordinateMotion) -> Reals
 def _refined_where(
     going: Mask, motion: SeparatedMotion, χ: list[Reals], whole: list[Counts], precise: list[Mpf], bits: int
 ) -> tuple[Sequence[Numbers], Sequence[Numbers]]:
-    """Phases in many digits where the motion goes on; where it has ended there is nothing to refine."""
+    """Return phases in many digits where the motion goes on; where it has ended there is nothing to refine."""
     if going.all():
         return _refined(motion, χ, whole, precise, bits)
     rough = np.frompyfunc(multiprecision(bits).mpf, 1, 1)
@@ -149,7 +149,7 @@ def _refined(
 
 
 def courses_of(motion: SeparatedMotion, phases: Phases) -> list[CoordinateMotion]:
-    """The courses, reaching as far as the phases need.
+    """Return the courses, reaching as far as the phases need.
 
     Args:
         motion: the one looked at.
@@ -164,5 +164,5 @@ def courses_of(motion: SeparatedMotion, phases: Phases) -> list[CoordinateMotion
 
 
 def _rule(x: float) -> Callable[[int], Mpf]:
-    """A float as the exact number it is."""
+    """Return a float as the exact number it is."""
     return lambda bits: multiprecision(bits).convert(float(x))

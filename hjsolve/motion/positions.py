@@ -140,7 +140,7 @@ def coordinate_velocities(
 
 @lru_cache(maxsize=64)
 def tape_of(formulas: tuple[sp.Expr, ...], arguments: tuple[sp.Symbol, ...]) -> Tape:
-    """Formulas as a tape, kept.
+    """Return formulas as a tape, kept.
 
     Args:
         formulas: the outputs.
@@ -220,7 +220,7 @@ def travelled(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str
 
 
 def _ignorable(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Numbers]) -> tuple[Numbers, Counts]:
-    """An ignorable coordinate, and the whole turns taken from it."""
+    """Return an ignorable coordinate, and the whole turns taken from it."""
     coordinate = motion.solution.system.coordinate(name)
     begin = to_bits(motion.initial.values[coordinate.symbol])
     return _grown_from(motion, phases, name, q, begin, angle=coordinate.domain.kind == "angle")

@@ -189,7 +189,10 @@ def _ignorable_rates(
 
 
 def _ignorable_rate(equations: TorusEquations, j: int, digits: int) -> Estimate:
-    """The mean growth of an ignorable angle, a sum that may cancel: what is below the noise of its terms is zero."""
+    """Return the mean growth of an ignorable angle, a sum that may cancel.
+
+    What is below the noise of its terms is zero.
+    """
     value = mean_rate(equations, j)
     sizes = [abs(rate) * c.swing(j) for rate, c in zip(equations.rates, equations.courses, strict=True)]
     noise = sum(sizes) * multiprecision(64).mpf(10) ** (-2 * digits)
@@ -199,7 +202,7 @@ def _ignorable_rate(equations: TorusEquations, j: int, digits: int) -> Estimate:
 
 
 def _alone(scheme: TriangularScheme, step: DecoupledStep) -> bool:
-    """True when a coordinate's equation holds none of the other coordinates."""
+    """Return True when a coordinate's equation holds none of the other coordinates."""
     others = [c for i, c in enumerate(scheme.courses) if i != step.index]
     phase = np.array([0.7])
     return all(

@@ -129,7 +129,7 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Coordin
 
 
 def _with_kinks(solution: Solution, initial: Initial, name: str, kinks: Sequence[Kink]) -> CoordinateStart:
-    """A coordinate along which p² has kinks, cut into intervals on which it is analytic."""
+    """Return a coordinate along which p² has kinks, cut into intervals on which it is analytic."""
     F, q = solution.momentum_squared[name], solution.system.coordinate(name).symbol
     known = {solution.constants[c].symbol: value for c, value in initial.constants.items()}
     known |= {symbol: value for symbol, value in initial.values.items() if symbol != q}
@@ -155,7 +155,7 @@ def _limit(squared: sp.Expr, q: sp.Symbol, end: sp.Expr | None) -> InBits | None
 
 
 def _smooth_start(solution: Solution, initial: Initial, name: str, squared: sp.Expr) -> CoordinateStart:
-    """The same of one p², analytic in the coordinate."""
+    """Return the same of one p², analytic in the coordinate."""
     coordinate = solution.system.coordinate(name)
     F = with_plain_exponents(squared, initial.values)
     constants = tuple(solution.constants[c].symbol for c in solution.constants)
@@ -189,7 +189,10 @@ def _winding(
     start: CoordinateStart, F: sp.Expr, q: sp.Symbol, constants: tuple[sp.Symbol, ...],
     parameters: tuple[sp.Symbol, ...], initial: Initial,
 ) -> Winding | None:  # fmt: skip
-    """A coordinate on a line as an angle; None where p² does not repeat itself, or where the place is too far out."""
+    """Return a coordinate on a line as an angle.
+
+    None where p² does not repeat itself, or where the place is too far out.
+    """
     rate = radians_of_a_unit(F, q, initial.values)
     if rate is None:
         return None
@@ -206,7 +209,7 @@ def _at_bits(rules: list[InBits], bits: int) -> list[Mpf]:
 
 
 def _square(root: Callable[[int], Mpf]) -> Callable[[int], Mpf]:
-    """The square p² of a root that may be what two large numbers leave."""
+    """Return the square p² of a root that may be what two large numbers leave."""
     return lambda bits: root(bits + ZERO_BITS) ** 2
 
 

@@ -39,7 +39,7 @@ def errors_of_state(
     whole: Mapping[str, Counts],
     sharp: Mask | None = None,
 ) -> tuple[dict[str, Reals], dict[str, Reals], dict[str, Reals]]:
-    """Bounds on q, p and velocity from the bounds on the phases.
+    """Return bounds on q, p and velocity from the bounds on the phases.
 
     ``sharp``: where velocities were not worked out from rounded places (``near_poles.badly_rounded``); None where all
     were.
@@ -96,7 +96,7 @@ def _sharp_errors(
     q: Mapping[str, Numbers],
     where: Mask,
 ) -> dict[str, Reals]:
-    """Bounds on velocities worked out in two doubles: what the phases leave open, and the last rounding."""
+    """Return bounds on velocities worked out in two doubles: what the phases leave open, and the last rounding."""
     exact, shell = places(motion, courses, χ)
     uncertainties: dict[sp.Symbol, Reals] = {}
     for name, course, x, e in zip(motion.solution.coordinates, courses, χ, phase_error, strict=True):
@@ -113,7 +113,7 @@ def _by_doubts(
     motion: SeparatedMotion, uncertainties: Mapping[sp.Symbol, Reals], exact: Mapping[str, Pair],
     shell: Mapping[str, Numbers], q: Mapping[str, Numbers], where: Mask,
 ) -> dict[str, Reals]:  # fmt: skip
-    """What doubts of separated coordinates and momenta leave open of the velocities, and the last rounding."""
+    """Return what doubts of separated coordinates and momenta leave open of the velocities, and the last rounding."""
     rest = {name: values[where] for name, values in q.items() if name not in exact}
     formulas = velocities(motion.solution.system)
     gradients = tuple(sp.diff(f, s) for f in formulas.values() for s in uncertainties)
@@ -197,7 +197,7 @@ def _shifted(motion: SeparatedMotion, name: str, q: Mapping[str, Numbers]) -> tu
 
 
 def _unreduced(course: CoordinateMotion, q: Numbers, whole: Counts | None) -> Reals:
-    """The size of q before whole turns were taken from it: that is what was rounded."""
+    """Return the size of q before whole turns were taken from it: that is what was rounded."""
     if whole is None:
         return np.abs(q.astype(float))
     if course.cycle is not None and course.rotates:  # whole turns of its phase were never added

@@ -136,7 +136,7 @@ def _ended(course: CoordinateMotion, value: Reals, low: float, high: float) -> M
 
 @lru_cache(maxsize=64)
 def needs_table(motion: SeparatedMotion) -> bool:
-    """True where the time law is so uneven that its inverse needs a table even for one time.
+    """Return True where the time law is so uneven that its inverse needs a table even for one time.
 
     Where θ grows with χ at a rate d ≪ 1 (a fast perihelion), χ + D(χ) = θ solved in doubles leaves an error of about
     2⁻⁵² / d in χ; the table integrates the rate itself, without that cancellation.
@@ -211,7 +211,7 @@ def _bounded(motion: SeparatedMotion) -> DenseOutput:
 
 
 def _resting(motion: SeparatedMotion) -> DenseOutput:
-    """A table of constants: the coordinate rests, the ignorable ones grow evenly."""
+    """Return a table of constants: the coordinate rests, the ignorable ones grow evenly."""
     place = float(motion.located[motion.solution.coordinates[0]].course.rest)  # type: ignore[union-attr]
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     rows = [np.zeros((DEGREE + 1, 1)) for _ in range(2 + len(names))]
@@ -234,7 +234,7 @@ def _wave(series: FourierSeries, χ: Reals) -> Reals:
 
 
 def _scale(motion: SeparatedMotion) -> float:
-    """Size below which q needs no relative accuracy: 0 unless it passes through zero."""
+    """Return size below which q needs no relative accuracy: 0 unless it passes through zero."""
     name = motion.solution.coordinates[0]
     ends = motion.turning_points.get(name)
     if ends is None:

@@ -15,7 +15,7 @@ from hjsolve.units.libraries import library_of
 
 
 def grid(values: object, source: str) -> NDArray[np.generic]:
-    """Numbers as an array; what they are is not looked at yet.
+    """Return numbers as an array; what they are is not looked at yet.
 
     Args:
         values: a number, or a list or array of numbers, nested to any depth.
@@ -90,7 +90,7 @@ def whole_numbers(whole: Counts) -> Integers:
 
 
 def within_doubles(time: tuple[Reals, Reals]) -> tuple[Reals, Reals]:
-    """Times relative to t₀ as two doubles, once they and their products are finite.
+    """Return times relative to t₀ as two doubles, once they and their products are finite.
 
     Args:
         time: t − t₀ as two doubles, shape (m,).

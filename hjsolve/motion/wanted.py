@@ -21,7 +21,7 @@ OF_MANY_ORBITS = ("actions", "frequencies", "periods", "angles", "constants", "t
 
 
 def parts_of(want: Iterable[str] | None) -> frozenset[str]:
-    """The integrals that the quantities wanted need.
+    """Return the integrals that the quantities wanted need.
 
     Args:
         want: names of quantities; None for all.

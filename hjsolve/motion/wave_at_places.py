@@ -95,7 +95,7 @@ def _check(motion: SeparatedMotion, q: Mapping[str, object], branch: Mapping[str
 
 
 def _on_turning_point(motion: SeparatedMotion, name: str, place: Mpf, slack: float) -> Mpf:
-    """A place beyond a turning point by the rounding of a double is the turning point."""
+    """Return a place beyond a turning point by the rounding of a double is the turning point."""
     cycle = motion.located[name].course.cycle
     if cycle is None or cycle.rotates:
         return place
@@ -105,7 +105,7 @@ def _on_turning_point(motion: SeparatedMotion, name: str, place: Mpf, slack: flo
 
 
 def _phase(motion: SeparatedMotion, name: str, place: Mpf, sign: int | None) -> tuple[Mpf, int]:
-    """The phase of a place on a branch, and whole turns beside it."""
+    """Return the phase of a place on a branch, and whole turns beside it."""
     course, bits = motion.located[name].course, bits_for(motion.digits, 128)
     if course.rests:
         rest = course.place(np.array([0 * place], dtype=object))[0][0]

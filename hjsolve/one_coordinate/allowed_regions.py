@@ -114,12 +114,12 @@ def _at(start: CoordinateStart, end: End, *, negated: bool = False) -> Coordinat
 
 
 def _adjoins(start: CoordinateStart, end: End) -> bool:
-    """True at a double zero with p² > 0 on both sides: the next region begins where the last one ends."""
+    """Return True at a double zero with p² > 0 on both sides: the next region begins where the last one ends."""
     return end.kind == "asymptote" and end.place is not None and bool(start.radicand.jet(end.place(512), 512)[2] > 0)
 
 
 def _passed(end: End, last: End) -> bool:
-    """True when an end is the beginning of the first region, a turn later."""
+    """Return True when an end is the beginning of the first region, a turn later."""
     turn = 2 * multiprecision(256).pi
     return bool(required(end.place)(256) - required(last.place)(256) > turn * (1 - 2.0**-100))
 
@@ -150,7 +150,7 @@ def forbidden(start: CoordinateStart, digits: int = 15) -> ForbiddenMotionError:
 
 
 def _nearest(start: CoordinateStart, here: End, side: int, digits: int) -> list[AllowedRegion]:
-    """The first region on one side; none where it could not be decided."""
+    """Return the first region on one side; none where it could not be decided."""
     try:
         return _along(start, here, side, digits, most=1)
     except NotConvergedError:

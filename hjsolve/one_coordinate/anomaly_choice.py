@@ -65,7 +65,7 @@ def over_the_best_map(start: CoordinateStart, kind: Kind, maps: Iterator[Anomaly
 def _proved(
     start: CoordinateStart, anomaly: Anomaly, digits: int, bits: int, *coarse: float, zeros: bool = True
 ) -> tuple[int, Anomaly] | None:
-    """The nodes that are proved to be enough over a map; None where nothing is."""
+    """Return the nodes that are proved to be enough over a map; None where nothing is."""
     subject = resolution.integrands_to_resolve(anomaly, start.radicand, start.skipped, start.parts, bits)
     found = resolution.strip(subject, digits, *coarse, zeros=zeros)
     return None if found is None else (smooth(found.nodes(digits) * (1 if anomaly.even else 2)), anomaly)

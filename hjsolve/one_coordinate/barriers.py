@@ -25,7 +25,7 @@ def barrier_order(q: Elementwise) -> Elementwise:
 
 
 def slow_place(start: CoordinateStart, bits: int) -> tuple[Mpf, Mpf | None]:
-    """Where p² is least on the circle, whatever the initial place, and how far from the real axis its zero lies.
+    """Return where p² is least on the circle, whatever the initial place, and how far from the real axis its zero lies.
 
     Args:
         start: of a coordinate that goes round.

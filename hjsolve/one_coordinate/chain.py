@@ -121,7 +121,7 @@ class ChainMap:
         return None
 
     def _of_part(self, y: Any, answer: Any) -> tuple[Any, ...]:
-        """What the part to which y belongs answers."""
+        """Return what the part to which y belongs answers."""
         last = len(self.maps) - 1
         if context_of(y) is not None or not np.ndim(y):
             k = min(int(y), last)

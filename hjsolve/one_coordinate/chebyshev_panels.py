@@ -207,7 +207,7 @@ class Panels:
 
 @lru_cache(maxsize=64)
 def chebyshev_points(count: int, bits: int) -> list[Mpf]:
-    """The zeros of a Chebyshev polynomial.
+    """Return the zeros of a Chebyshev polynomial.
 
     Args:
         count: its degree.
@@ -218,7 +218,7 @@ def chebyshev_points(count: int, bits: int) -> list[Mpf]:
 
 
 def integrated_row(row: list[Mpf], half: Mpf, start: Mpf) -> list[Mpf]:
-    """Coefficients of the integral, equal to ``start`` at the left edge (Mason & Handscomb 2003, (2.43)).
+    """Return coefficients of the integral, equal to ``start`` at the left edge (Mason & Handscomb 2003, (2.43)).
 
     Args:
         row: coefficients of the integrand.

@@ -86,7 +86,7 @@ def locate(start: CoordinateStart, digits: int) -> Located:
 
 
 def _through_kinks(start: CoordinateStart, digits: int) -> Located:
-    """The motion of a coordinate along which p² has kinks.
+    """Return the motion of a coordinate along which p² has kinks.
 
     Raises:
         NotConvergedError: it comes to rest at a kink that it may leave to either side.
@@ -123,7 +123,7 @@ def _push(start: CoordinateStart) -> int:
 
 
 def _first_end(start: CoordinateStart, side: int, digits: int) -> End:
-    """The end of the motion on one side; a zero proved to be triple or higher is an asymptote.
+    """Return the end of the motion on one side; a zero proved to be triple or higher is an asymptote.
 
     Raises:
         NotConvergedError: a zero of p² could not be decided.
@@ -142,7 +142,7 @@ def _first_end(start: CoordinateStart, side: int, digits: int) -> End:
 
 
 def _looks_multiple(start: CoordinateStart) -> bool:
-    """Whether p² at a turning point grows by much more than its slope lets it."""
+    """Return whether p² at a turning point grows by much more than its slope lets it."""
     q = start.place(256)
     step = q.context.ldexp(abs(q) or 1, -_STEP)
     try:
@@ -153,7 +153,7 @@ def _looks_multiple(start: CoordinateStart) -> bool:
 
 
 def ray(start: CoordinateStart, side: int) -> Ray:
-    """The way from the initial place to one side, up to the end of the domain or a full turn.
+    """Return the way from the initial place to one side, up to the end of the domain or a full turn.
 
     Args:
         start: the coordinate.
@@ -198,7 +198,7 @@ def at_rest(start: CoordinateStart, digits: int, *, sides: list[MomentumSquared]
 
 
 def _hollow(q: Mpf, sides: list[MomentumSquared]) -> bool:
-    """Whether p² is negative on both sides of a place at which it is zero, as far as it shows nearby."""
+    """Return whether p² is negative on both sides of a place at which it is zero, as far as it shows nearby."""
     try:
         return all(
             sides[side > 0].value(q + side * q.context.ldexp(abs(q) or 1, -power), 512) < 0
@@ -281,7 +281,7 @@ def _nearness(start: CoordinateStart, turns: tuple[Number, Number]) -> int:
 
 
 def _lost_bits(radicand: MomentumSquared, anomaly: Anomaly, bits: int) -> int:
-    """How many bits p²/((q−a)(b−q)) loses by cancellation, measured against twice the precision."""
+    """Return how many bits p²/((q−a)(b−q)) loses by cancellation, measured against twice the precision."""
     worst = 0
     for χ in (0.3, 1.6, 2.9):
         place = anomaly.place(Multi(bits).convert(χ), Multi(bits))
@@ -295,7 +295,7 @@ def _lost_bits(radicand: MomentumSquared, anomaly: Anomaly, bits: int) -> int:
 
 
 def _outside(start: CoordinateStart, end: Mpf, width: Mpf, side: int, bits: int) -> Mpf | None:
-    """The nearest zero of p² beyond a turning point, roughly, or the end of the domain; None where all is far.
+    """Return the nearest zero of p² beyond a turning point, roughly, or the end of the domain; None where all is far.
 
     Only the choice of the anomaly depends on it, never the value of an integral.
     """
@@ -332,7 +332,7 @@ def _rotation(start: CoordinateStart, direction: int, digits: int) -> Periodic:
 
 
 def _wound(start: CoordinateStart, winding: Winding, digits: int) -> Located | None:
-    """The motion along a line over barriers that repeat themselves; None where it turns at one of them."""
+    """Return the motion along a line over barriers that repeat themselves; None where it turns at one of them."""
     around = replace(winding.start, parts=start.parts)
     if start.forward == 0 or first_end(ray(around, start.forward), digits=digits).kind != "round":
         return None
@@ -371,7 +371,7 @@ def _open(start: CoordinateStart, forward: int, lower: End, upper: End, digits: 
 def _open_through_kinks(
     start: CoordinateStart, forward: int, lower: kinks.Reached, upper: kinks.Reached, digits: int
 ) -> Unbounded:
-    """A motion that passes kinks, or is thrown back by a wall, and does not come back."""
+    """Return a motion that passes kinks, or is thrown back by a wall, and does not come back."""
     bits = bits_for(digits, 128)
     exact = bits + 512 + start.radicand.guard
     low, high = (kinks.Reached(k, _judged(kinks.in_its_cell(start, k), end)) for k, end in (lower, upper))
@@ -408,7 +408,7 @@ def _open_through_kinks(
 
 
 def _kind_of_open(lower: End, upper: End, forward: int) -> Kind:
-    """The kind of a motion that does not come back: what it does in the end, whatever it came from."""
+    """Return the kind of a motion that does not come back: what it does in the end, whatever it came from."""
     ahead, behind = (upper, lower) if forward > 0 else (lower, upper)
     match (behind if ahead.kind in {"turning", "wall"} else ahead).kind:
         case "boundary" | "fall":
@@ -420,7 +420,7 @@ def _kind_of_open(lower: End, upper: End, forward: int) -> Kind:
 
 
 def _judged(start: CoordinateStart, end: End) -> End:
-    """An end of a domain; a ``fall`` where an integral has no limit there, an ``asymptote`` where time has none.
+    """Return an end of a domain; a ``fall`` where an integral has no limit there, an ``asymptote`` where time has none.
 
     Raises:
         NotConvergedError: p² grows faster than any power there: no map makes the way to that end regular.
@@ -445,7 +445,7 @@ def _judged(start: CoordinateStart, end: End) -> End:
 
 
 def _outgrows_powers(radicand: MomentumSquared, place: Mpf, way: Mpf) -> bool:
-    """Whether p² grows faster than powers of the distance to a place: the nearer, the greater the exponent."""
+    """Return whether p² grows faster than powers of the distance to a place: the nearer, the greater the exponent."""
     context = way.context
     values = [abs(radicand.value(place + way * context.mpf(2) ** -k, context.prec)) for k in (50, 66, 100, 116)]
     if not all(values):
@@ -455,7 +455,9 @@ def _outgrows_powers(radicand: MomentumSquared, place: Mpf, way: Mpf) -> bool:
 
 
 def _length(start: CoordinateStart, place: Mpf, bits: int, *, turning: bool) -> Mpf:
-    """A length over which p² changes by itself near a place; at a turning point its value there is rounding only.
+    """Return a length over which p² changes by itself near a place.
+
+    At a turning point its value there is rounding only.
 
     Beside a narrow feature far away p² hardly changes at all: the length is not much larger than |q|.
     """

@@ -182,7 +182,7 @@ class Growing:
         )
 
     def _to_a_double(self, y: Mpf, length: float) -> Mpf:
-        """A step of at most this length whose end is a double where doubles are wanted.
+        """Return a step of at most this length whose end is a double where doubles are wanted.
 
         Edges that are rounded later shift each panel by itself; where the integrals are steep that is another time.
         """
@@ -203,7 +203,7 @@ def _filled(rows: list[list[list[Mpf]]]) -> list[list[list[Mpf]]]:
 
 
 def _settled(before: list[Mpf], after: list[Mpf], share: Mpf, digits: int) -> bool:
-    """True when the integrals (the momentum's apart) no longer grow: infinity is reached in a finite time.
+    """Return True when the integrals (the momentum's apart) no longer grow: infinity is reached in a finite time.
 
     A panel that is the share-th part of the way would have added so much more, had it been as long as the way.
     """

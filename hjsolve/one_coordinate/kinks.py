@@ -137,7 +137,7 @@ def ends_between(start: CoordinateStart, begin: int, target: Reached, side: int)
 
 
 def _inside(radicand: MomentumSquared, kink: Number, side: int, reach: Number | None) -> Number:
-    """The kink, or where p² has no slope there, as |x|^(1/2), a place beyond it before which p² is proved positive.
+    """Return the kink; where p² has no slope there, as |x|^(1/2), a place beyond it up to which p² is proved positive.
 
     Raises:
         NotConvergedError: there is none.
@@ -169,7 +169,7 @@ def _at_kink(cell: Cell, side: int) -> Mpf | None:
 
 
 def _rises(radicand: MomentumSquared, q: Mpf, side: int) -> int:
-    """The sign of p² just beyond a kink where it is zero, as far as it shows nearby."""
+    """Return the sign of p² just beyond a kink where it is zero, as far as it shows nearby."""
     values = [radicand.value(q + side * q.context.ldexp(1 + abs(q), -power), _BITS) for power in (80, 120)]
     return int(values[1].context.sign(values[1])) if values[0] * values[1] > 0 else 0
 

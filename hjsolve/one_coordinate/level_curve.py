@@ -63,7 +63,7 @@ class Piece:
     action_error: float = 0.0
 
     def passes(self, point: tuple[Mpf, Mpf]) -> bool:
-        """True where a point of the curve lies on the piece, its beginning left out.
+        """Return True where a point of the curve lies on the piece, its beginning left out.
 
         Args:
             point: (q, p).
@@ -139,7 +139,9 @@ class Curve:
         raise NotConvergedError("a branch of H = E could not be solved for")
 
     def piece(self, along: int, point: tuple[Mpf, Mpf], radius: float, tries: int) -> tuple[Piece, float] | None:
-        """The longest piece from a point, of a half length at most ``radius``; and half the time it takes, roughly.
+        """Return the longest piece from a point, of a half length at most ``radius``.
+
+        And half the time it takes, roughly.
 
         Args:
             along: 0 where q is the parameter x, 1 where p is.
@@ -164,7 +166,7 @@ class Curve:
         return None
 
     def _proved(self, along: int, c: float, y: float, radius: float) -> tuple[float, float, float] | None:
-        """The middle and radius of the disk that holds y(x) for |x − c| ≤ 2·radius, and a bound on 1/|H_y| there."""
+        """Return middle and radius of the disk that holds y(x) for |x − c| ≤ 2·radius, and a bound on 1/|H_y| there."""
         if not (np.isfinite(c) and np.isfinite(y)):
             return None
         exact = multiprecision(self.bits).mpf
@@ -209,7 +211,7 @@ class Curve:
         return time, action, signs
 
     def finished(self, piece: Piece, end: Mpf) -> tuple[Piece, tuple[Mpf, Mpf], list[tuple[Mpf, Mpf]]]:
-        """The piece up to an end with its integrals and their bounds, the point there, and H_x at the nodes.
+        """Return the piece up to an end with its integrals and their bounds, the point there, and H_x at the nodes.
 
         Args:
             piece: with its beginning.
@@ -345,7 +347,7 @@ def _where(why: str, point: tuple[Mpf, Mpf]) -> str:
 
 
 def _extremes(curve: Curve, piece: Piece, signs: list[tuple[Mpf, Mpf]]) -> list[Mpf]:
-    """The q where dq/dt = H_p vanishes on a piece along p."""
+    """Return the q where dq/dt = H_p vanishes on a piece along p."""
     found, before = [], (piece.begin, curve.at(1, piece.begin, piece.first)[1])
     for after in signs:
         if before[1] * after[1] < 0:
@@ -361,7 +363,7 @@ def _extremes(curve: Curve, piece: Piece, signs: list[tuple[Mpf, Mpf]]) -> list[
 
 @lru_cache(maxsize=64)
 def gauss_legendre(n: int, bits: int) -> list[tuple[Mpf, Mpf]]:
-    """Nodes on (−1, 1), increasing, and weights: Newton's method on Pₙ from nodes in doubles.
+    """Return nodes on (−1, 1), increasing, and weights: Newton's method on Pₙ from nodes in doubles.
 
     Args:
         n: how many nodes.

@@ -118,7 +118,7 @@ class MomentumSquared:
         return {}
 
     def _bound(self, what: str, bits: int) -> BoundTape:
-        """The tapes with all but q known, kept for every precision that was asked for."""
+        """Return the tapes with all but q known, kept for every precision that was asked for."""
         key = what, bits
         if key not in self._tapes:
             work = bits + self.guard
@@ -162,7 +162,7 @@ class MomentumSquared:
 
 
 def has_period(radicand: MomentumSquared, place: Number) -> bool:
-    """True when p² has period 2π (a wheel on a slope has not, though its coordinate is an angle).
+    """Return True when p² has period 2π (a wheel on a slope has not, though its coordinate is an angle).
 
     Args:
         radicand: p².

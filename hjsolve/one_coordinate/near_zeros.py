@@ -52,7 +52,7 @@ def complex_zero_pairs(radicand: MomentumSquared, lower: Mpf, upper: Mpf, bits: 
 
 
 def _extrema(radicand: MomentumSquared, lower: float, upper: float) -> list[float]:
-    """Places on a grid where p² stops growing or falling."""
+    """Return places on a grid where p² stops growing or falling."""
     q = np.linspace(lower, upper, _GRID_PLACES + 2)[1:-1]
     count(squares=q.size)
     inputs = [float(x) for x in radicand.inputs(64)]

@@ -74,7 +74,7 @@ class Branch:
             exact = self._seen(y, more + 2 * self.bits) if more >= extra + self.bits else exact
 
     def _seen(self, y: Mpf, extra: int) -> list[Mpf] | None:
-        """The integrands; None where p² is all rounding."""
+        """Return the integrands; None where p² is all rounding."""
         try:
             values = self.integrands(y, extra)
         except ZeroDivisionError:
@@ -137,7 +137,7 @@ class Branch:
 
 
 def _disagreement(values: list[Mpf] | None, exact: list[Mpf] | None) -> int:
-    """The largest relative difference, as a power of two."""
+    """Return the largest relative difference, as a power of two."""
     if values is None or exact is None:
         return 0
     pairs = [(abs(v - e), abs(e)) for v, e in zip(values, exact, strict=True)]
@@ -145,7 +145,7 @@ def _disagreement(values: list[Mpf] | None, exact: list[Mpf] | None) -> int:
 
 
 def farthest(digits: int) -> int:
-    """The phase at which what is left of the way to an asymptote, or of a fall, is below all digits.
+    """Return the phase at which what is left of the way to an asymptote, or of a fall, is below all digits.
 
     Args:
         digits: decimal digits asked.
@@ -177,7 +177,7 @@ def _panels(branch: Branch, weights: tuple[float, ...] | None, power: int) -> Pa
 
 @lru_cache(maxsize=64)
 def _as_far_as_known(branch: Branch, weights: tuple[float, ...] | None, power: int) -> Panels:
-    """The same, or all panels there are."""
+    """Return the same, or all panels there are."""
     try:
         return _panels(branch, weights, power)
     except TooSlowError:  # what is known by then depends on the machine

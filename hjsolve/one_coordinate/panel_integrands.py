@@ -348,7 +348,7 @@ class Surrounding:
         return sight.integrands(factor, [w for _, w in weights], view.root(q, places), powers, 2 * squared[0])
 
     def _by_rates(self, places: Spots) -> Sizes:
-        """The formulas with their exponentials taken out."""
+        """Return the formulas with their exponentials taken out."""
         sight, q = self.sight, self._place(places)
         rates = Rates(q, sight.way.side)
         inputs = [rates.variable(), *map(rates.constant, sight.inputs)]
@@ -364,12 +364,12 @@ class Surrounding:
 
 
 def _with_base(x: Disk) -> Disk:
-    """The disks with 0 before them."""
+    """Return the disks with 0 before them."""
     return Disk(np.concatenate([[0.0], np.ravel(x.centre)]), np.concatenate([[0.0], np.ravel(x.radius)]))
 
 
 def _cells(x: Disk) -> Disk:
-    """The disks without that of the base; a constant stays as it is."""
+    """Return the disks without that of the base; a constant stays as it is."""
     return Disk(x.centre[1:], x.radius[1:]) if np.ndim(x.radius) else x
 
 
@@ -384,5 +384,5 @@ def _nothing(like: Disk, kernels: int) -> Sizes:
 
 
 def _chosen(places: Spots, which: Mask) -> Spots:
-    """Some of the places."""
+    """Return some of the places."""
     return Spots(*(Disk(x.centre[which], x.radius[which]) if np.ndim(x.radius) else x for x in places))

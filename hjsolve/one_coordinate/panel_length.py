@@ -75,7 +75,7 @@ def _log(x: Mpf) -> float:
 
 
 def nodes_for(excess: float, digits: int) -> int:
-    """Nodes for an error of 10^−(digits + 1), relative, where the bound is e^excess times the size.
+    """Return nodes for an error of 10^−(digits + 1), relative, where the bound is e^excess times the size.
 
     Args:
         excess: logarithm of the bound over the size.
@@ -103,7 +103,7 @@ def longest(surroundings: Surroundings, most: float, digits: int, so_far: float 
 
 
 def _within(surroundings: Surroundings, most: float, digits: int, short: float) -> Reach | None:
-    """The same, not shorter than most/2^``_OCTAVES``."""
+    """Return the same, not shorter than most/2^``_OCTAVES``."""
     sectors = around(_OCTAVES).scaled(most)
     sizes = surroundings(sectors.disks(), False)
     careful = False
@@ -129,7 +129,7 @@ def _within(surroundings: Surroundings, most: float, digits: int, short: float) 
 
 
 def _again(surroundings: Surroundings, sectors: Sectors, sizes: Sizes, which: Mask) -> Sizes:
-    """The same with all care taken over some sectors."""
+    """Return the same with all care taken over some sectors."""
     again = surroundings(sectors.chosen(which).disks(), True)
     most, inside = sizes.most.copy(), sizes.inside.copy()
     most[:, which], inside[:, which] = again.most, again.inside

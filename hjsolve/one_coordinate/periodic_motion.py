@@ -310,7 +310,7 @@ class Periodic(KindOfMotion):
         return q * radian, p / radian
 
     def _inner_place(self, χ: Numbers) -> tuple[Numbers, Numbers]:
-        """The place and the momentum that belong to the radicand."""
+        """Return the place and the momentum that belong to the radicand."""
         count(places=χ.size)
         arithmetic = arithmetic_of(χ)
         anomaly = arithmetic.choose(lambda _: self.anomaly.in_doubles(), lambda _: self.anomaly)

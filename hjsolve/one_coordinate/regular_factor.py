@@ -224,7 +224,7 @@ class _Builder:
                 return _DISKS.unary(code, x)
 
     def _chord(self, code: str, f: EndValues, g: EndValues, at: tuple[Disk, Disk]) -> Disk:
-        """The first difference on a and b, by rule or as a quotient."""
+        """Return the first difference on a and b, by rule or as a quotient."""
         zero, d = single(0, 0), _DISKS
         first, second = f.chord or zero, g.chord or zero
         match code:

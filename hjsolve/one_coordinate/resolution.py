@@ -273,7 +273,7 @@ def rough_places(subject: Integrands) -> list[tuple[float, float]] | None:
 
 
 def _apart(x: Reals, subject: Integrands) -> Reals:
-    """The distance of two phases of a circle."""
+    """Return the distance of two phases of a circle."""
     return np.abs(x) if subject.anomaly.even else np.abs(np.remainder(x + np.pi, 2 * np.pi) - np.pi)
 
 
@@ -291,7 +291,7 @@ def _hopeless(squares: StripSquares, coarse: float = _COARSE) -> Mask:
 
 
 def _foreseen(subject: Integrands) -> float:
-    """A half width to begin with: the greatest at which R does not yet turn round 0, as points tell."""
+    """Return a half width to begin with: the greatest at which R does not yet turn round 0, as points tell."""
     begin, turn = (0.0, 1) if subject.anomaly.even else (-np.pi, 2)
     columns = 192 if isinstance(subject.anomaly, Stretched) else 12
     χ = np.linspace(begin, np.pi, turn * columns + 1) + 1j * _HEIGHTS[:, None]
@@ -305,7 +305,7 @@ def _foreseen(subject: Integrands) -> float:
 
 
 def _cheapest(cap: float, y: Reals, logs: Reals, size: Reals, digits: int) -> Strip:
-    """The strip, of all that are proved, that needs the fewest nodes."""
+    """Return the strip, of all that are proved, that needs the fewest nodes."""
     with np.errstate(all="ignore"):
         # ln(M/size) of the worst integrand on every square; a strip is as bad as the worst square in it
         excess = np.max(np.where(size[:, None] > 0, logs - np.log(size)[:, None], -np.inf), axis=0, initial=0.0)
@@ -317,14 +317,16 @@ def _cheapest(cap: float, y: Reals, logs: Reals, size: Reals, digits: int) -> St
 
 
 def _sizes(subject: Integrands, squares: StripSquares, *, zeros: bool = True) -> tuple[Reals, Reals]:
-    """What ``_sizes_of_block`` tells, of any number of squares."""
+    """Return what ``_sizes_of_block`` tells, of any number of squares."""
     blocks = (squares.chosen(slice(k, k + _BLOCK)) for k in range(0, squares.x.size, _BLOCK))
     logs, sizes = zip(*(_sizes_of_block(subject, block, zeros) for block in blocks), strict=True)
     return np.hstack(logs), np.max(sizes, axis=0)
 
 
 def _sizes_of_block(subject: Integrands, squares: StripSquares, zeros: bool) -> tuple[Reals, Reals]:
-    """The logarithm of the greatest size of each integrand over squares, not finite where unknown; sizes on the axis.
+    """Return the logarithm of the greatest size of each integrand over squares, not finite where unknown.
+
+    Sizes on the axis.
 
     A square lies in a disk of radius ρ; over that of radius ``_WIDER``·ρ the formulas are enclosed as they
     stand, which shows that they are analytic there and bounds them, be it far from sharply. So the power series of an
@@ -359,7 +361,7 @@ def _sizes_of_block(subject: Integrands, squares: StripSquares, zeros: bool) -> 
 
 
 def _product(points: ComplexPlace) -> Elementwise:
-    """The greatest |(q − a)(b − q)| of each square; 1 for a rotation."""
+    """Return the greatest |(q − a)(b − q)| of each square; 1 for a rotation."""
     if points.from_lower is None or points.to_upper is None:
         return 1.0
     return np.max(np.abs(points.from_lower * points.to_upper), axis=0)

@@ -122,7 +122,7 @@ class Stretched:
         return arithmetic.choose(lambda _: self._by_series(ψ), lambda many: self._in_fixed_point(ψ, many))
 
     def _by_series(self, ψ: Numeric) -> tuple[Numeric, Numeric]:
-        """The same in doubles."""
+        """Return the same in doubles."""
         return ψ + (self.slope.oscillation(ψ) - self._shift), self.slope.value(ψ)
 
     def _in_fixed_point(self, ψ: Numeric, arithmetic: Multi) -> tuple[Numeric, Numeric]:
@@ -287,7 +287,7 @@ class _Growth:
 
 
 def _edges(places: list[tuple[float, float]]) -> Reals:
-    """Phases between which ψ grows by about 1: closer to each other than to the rough places."""
+    """Return phases between which ψ grows by about 1: closer to each other than to the rough places."""
     near = [χ + side * δ * 2.0 ** np.arange(-2, 4 - np.log2(δ), 0.5) for χ, δ in places for side in (-1, 1)]
     points = np.concatenate([np.linspace(-np.pi, np.pi, 65), [χ for χ, _ in places], *near])
     table = np.unique(np.concatenate([np.remainder(points + np.pi, 2 * np.pi) - np.pi, [np.pi]]))

@@ -81,7 +81,7 @@ def first_end(ray: Ray, *, digits: int) -> End:
 
 
 def _within_doubles(ray: Ray) -> bool:
-    """False where p² at the start is so small or large that intervals of doubles tell nothing of it."""
+    """Return False where p² at the start is so small or large that intervals of doubles tell nothing of it."""
     jet, length = ray.jet(0, 256), multiprecision(256).mpf(_scale(ray))
     return 1e-250 < max(abs(part) * length**k for k, part in enumerate(jet)) < 1e250
 
@@ -98,7 +98,7 @@ def _cells(ray: Ray) -> Reals:
 
 
 def _scale(ray: Ray) -> float:
-    """A length typical of the start: |q|, or where p² changes by itself."""
+    """Return a length typical of the start: |q|, or where p² changes by itself."""
     q = abs(float(ray.origin(128)))
     if q:
         return q
@@ -194,7 +194,7 @@ class _Outlook:
         self.asked: set[int] = set()
 
     def clear(self, x: float) -> bool:
-        """True when p² > 0 from a distance x on."""
+        """Return True when p² > 0 from a distance x on."""
         if self.ray.turns:
             return False
         left = x if self.ray.reach is None else float(self.ray.reach(BITS) - x)
@@ -215,7 +215,7 @@ def _stays_positive(ray: Ray, x: float) -> bool:
 
 
 def _exactly(ray: Ray, cell: _Cell) -> _Cell:
-    """The same cell in many digits."""
+    """Return the same cell in many digits."""
     enclosure = _enclose(ray, [cell.ends], 256)[0]
     return _Cell(cell.ends, enclosure, cell.depth, vague=_finite(enclosure), singular=not _finite(enclosure))
 
@@ -305,12 +305,12 @@ def _at_reach(ray: Ray, bits: int) -> Mpf:
 
 
 def _critical(ray: Ray, x0: float | Mpf, x1: float | Mpf, bits: int) -> Mpf:
-    """The zero of F′ in a cell where F′ is monotone."""
+    """Return the zero of F′ in a cell where F′ is monotone."""
     return bracketed_root(lambda x: ray.jet(x, bits)[1:], x0, x1, bits)
 
 
 def _turning(ray: Ray, x0: float | Mpf, x1: float | Mpf, digits: int) -> End:
-    """A simple zero of F in a cell where F is monotone."""
+    """Return a simple zero of F in a cell where F is monotone."""
     return End("turning", SimpleZero(ray, x0, x1, digits))
 
 
@@ -325,7 +325,7 @@ def end_of(ray: Ray, inside: float, outside: float) -> End:
 
 
 def _beyond(ray: Ray, last: float, digits: int) -> End:
-    """What p² does past the last cell: a power of the distance to the end of the domain, or of q.
+    """Return what p² does past the last cell: a power of the distance to the end of the domain, or of q.
 
     Signs are sampled along a geometric sequence; a sign change is a turning point.
     """

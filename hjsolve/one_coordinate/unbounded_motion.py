@@ -253,7 +253,7 @@ class Unbounded(KindOfMotion):
         return -ends[0], ends[1]
 
     def _settled(self, panels: Panels) -> bool:
-        """True where the time that the panels were made for no longer grows with the phase."""
+        """Return True where the time that the panels were made for no longer grows with the phase."""
         weights, _ = self.reach
         if weights is None or not any(weights):
             return False

@@ -63,7 +63,7 @@ def animated(motion: Motion, seconds: float, frames: int, ax: Axes | None) -> Fu
 
 
 def _places(motion: Motion, frames: int, flat: bool, *, solid: bool) -> tuple[Reals, ...]:
-    """Where the point is in each picture."""
+    """Return where the point is in each picture."""
     start, stop, closed = orbit_paths.span(motion)
     if not closed:
         t, _ = orbit_paths.times(motion)

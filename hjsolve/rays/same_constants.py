@@ -106,7 +106,7 @@ class SameConstants(Shown):
         return self._curve(value, phases[:, order], solved[order])
 
     def _by(self, given: PhaseSweep, sought: PhaseSweep, value: float) -> tuple[Reals, Reals]:
-        """Phases of one coordinate, all along and at the cusps, and those of the other where W = value."""
+        """Return phases of one coordinate, all along and at the cusps, and those of the other where W = value."""
         low, high = given.low, given.high
         if given.turn:
             low, high = given.phase_of(value - sought.gained(np.array([sought.high, sought.low]))[0])
@@ -118,7 +118,7 @@ class SameConstants(Shown):
         return grid, sought.phase_of(value - given.gained(grid)[0])
 
     def _steepness(self, sweep: PhaseSweep, χ: Reals) -> Reals:
-        """How fast W grows with a phase, in units of its greatest growth."""
+        """Return how fast W grows with a phase, in units of its greatest growth."""
         steepest = self.steepest[sweep is self.second]
         with np.errstate(invalid="ignore"):
             slope = sweep.gained(np.where(np.isfinite(χ), χ, sweep.low))[1]
@@ -134,7 +134,7 @@ class SameConstants(Shown):
         return self.first, self.second
 
     def _doubts(self, value: float, phases: Reals, second_solved: Mask) -> Errors:
-        """Errors of a front: of the coordinate that was solved for, how far its phase may be off."""
+        """Return errors of a front: of the coordinate that was solved for, how far its phase may be off."""
         sums = [s.gained(χ) for s, χ in zip(self._sweeps, phases, strict=True)]
         doubt = np.abs(sums[0][0] + sums[1][0] - value) + sums[0][2] + sums[1][2] + EPS * abs(value)
         q_error, p_error = {}, {}
@@ -182,7 +182,7 @@ class SameConstants(Shown):
         return np.array([self.second.low, self.second.high])
 
     def _started(self, step: float) -> SeparatedMotion:
-        """The motion that begins with another phase of the second coordinate."""
+        """Return the motion that begins with another phase of the second coordinate."""
         if step == 0:
             return self.motion
         name, bits = self.second.name, bits_for(self.motion.digits, 128)
@@ -255,19 +255,19 @@ def _known(errors: Errors) -> Errors:
 
 
 def _with_fixed(errors: Callable[[], Errors], still: Mapping[str, Reals]) -> Errors:
-    """Errors of a curve in the plane where a coordinate stays."""
+    """Return errors of a curve in the plane where a coordinate stays."""
     found = errors()
     return Errors({**found.q, **{name: 0 * values for name, values in still.items()}}, dict(found.p), {})
 
 
 def _moved(errors: Callable[[], Errors], name: str, more: Reals) -> Errors:
-    """Errors of an orbit that was moved along a coordinate."""
+    """Return errors of an orbit that was moved along a coordinate."""
     found = errors()
     return Errors({**found.q, name: found.q[name] + more}, found.p, {})
 
 
 def _of_state(state: State, names: tuple[str, str]) -> Errors:
-    """Errors of an orbit."""
+    """Return errors of an orbit."""
     found = state.error
     q = {n: np.asarray(found.q[n], float) + EPS * np.abs(np.asarray(state.unwrapped(n), float)) for n in names}
     return Errors(q, {n: np.asarray(found.p[n], float) for n in names}, {})
@@ -312,7 +312,7 @@ def _separated(motion: SeparatedMotion, name: str) -> SeparatedSweep:
 
 
 def _window(course: CoordinateMotion) -> tuple[float, float]:
-    """Phases within which an open motion goes several times its own size away."""
+    """Return phases within which an open motion goes several times its own size away."""
     begin, start = (float(course.place(np.array([x]))[0][0]) for x in (0.0, float(course.start)))
     size = max(abs(begin), abs(start - begin), 0.3)
     ends = []
@@ -330,7 +330,10 @@ def _window(course: CoordinateMotion) -> tuple[float, float]:
 
 
 def _ignorable(motion: SeparatedMotion, other: SeparatedSweep, name: str) -> IgnorableSweep:
-    """The window of an ignorable coordinate: a turn of an angle; of a length, what the motion itself goes through."""
+    """Return the window of an ignorable coordinate: a turn of an angle.
+
+    Of a length, what the motion itself goes through.
+    """
     coordinate = motion.solution.system.coordinate(name)
     start = float(to_bits(motion.initial.values[coordinate.symbol])(64))
     c = float(to_bits(motion.initial.values[coordinate.momentum])(64))

@@ -54,7 +54,7 @@ class _States:
     p_error: tuple[Reals, Reals]
 
     def columns(self, begin: int, end: int) -> _States:
-        """The same at some of the times."""
+        """Return the same at some of the times."""
         groups = (self.q, self.velocity, self.p, self.q_error, self.p_error)
         return _States(*((a[:, begin:end], b[:, begin:end]) for a, b in groups))
 
@@ -109,7 +109,7 @@ class SamePlace(Shown):
         return tuple(curves)
 
     def _states_and_forces(self, times: Reals, doubts: Reals) -> tuple[_States, tuple[Reals, Reals]]:
-        """States at times, and how far p moves while the time does, from states beside."""
+        """Return states at times, and how far p moves while the time does, from states beside."""
         m = times.shape[1]
         far = np.where(np.isfinite(doubts), doubts, 0.0)
         asked = self._states(np.concatenate([times, times + far, times - far], axis=1))
@@ -123,7 +123,7 @@ class SamePlace(Shown):
         return here, (first, second)
 
     def _times_of(self, ray: Motion | None, values: Reals) -> tuple[Reals, Reals]:
-        """Times at which a ray has gained W, and how far they may be off; NaN where it never does.
+        """Return times at which a ray has gained W, and how far they may be off; NaN where it never does.
 
         W of a ray that passes close to a centre takes many digits and a second a value: its points are left out.
         """
@@ -154,7 +154,10 @@ class SamePlace(Shown):
         return first + second
 
     def _first_guess(self, ray: Motion, values: Reals) -> tuple[Reals, float]:
-        """Times at which W has about some values, by the trapezoidal rule, and the size of the greatest; NaN: never."""
+        """Return times at which W has about some values, by the trapezoidal rule, and the size of the greatest; NaN.
+
+        Never.
+        """
         t, reach = np.full(len(values), np.nan), self.length
         for side in (-1, 1):
             wanted = values < 0 if side < 0 else values >= 0
@@ -179,7 +182,7 @@ class SamePlace(Shown):
 
     # -------------------------------------------------------------------------------------------- states of all rays
     def _states(self, times: Reals) -> _States:
-        """States at times since the start, shape (rays, times); NaN where a ray has none."""
+        """Return states at times since the start, shape (rays, times); NaN where a ray has none."""
         rows = [_ray_states(ray, self.names, self.start, t) for ray, t in zip(self.rays, times, strict=True)]
         table = np.array(rows)  # rays, quantities, coordinates, times
         groups = [(table[:, i, 0], table[:, i, 1]) for i in range(5)]
@@ -255,7 +258,7 @@ class SamePlace(Shown):
             return t, 2 * (np.abs(value) + blur) / np.abs(slope) + 4 * EPS * t
 
     def _meeting(self, t: Reals) -> tuple[Reals, Reals]:
-        """The determinant of velocity and ∂q/∂ψ at times of each ray, shape (rays, m), and a bound on its error."""
+        """Return determinant of velocity and ∂q/∂ψ at times of each ray, shape (rays, m), and a bound on its error."""
         rays, many = t.shape
         h = 2 * np.pi / rays
         shifts = list(range(-_SIDE, _SIDE + 1))
@@ -263,7 +266,7 @@ class SamePlace(Shown):
         states = self._states(asked)
 
         def of_neighbour(values: Reals, k: int) -> Reals:
-            """Values of the ray k further on at the times of each ray."""
+            """Return values of the ray k further on at the times of each ray."""
             place = shifts.index(k) * many
             return np.roll(values[:, place : place + many], -k, axis=0)
 
@@ -291,7 +294,7 @@ def _known(errors: Errors) -> Errors:
 
 
 def _closed(values: Reals) -> Reals:
-    """The same with the first value once more at the end."""
+    """Return the same with the first value once more at the end."""
     return np.append(values, values[:1])
 
 
@@ -357,7 +360,7 @@ def _ray(motion: Motion, q: dict[str, sp.Expr], p: dict[str, float], parameters:
 
 
 def _length(motion: Motion) -> float:
-    """How long rays are followed: a cycle of the slowest coordinate, or the passage of the window."""
+    """Return how long rays are followed: a cycle of the slowest coordinate, or the passage of the window."""
     periods = [float(e.value) for n, e in motion.periods.items() if n in motion.solution.coordinates]
     if motion.separated.torus is not None and periods:
         return max(periods)

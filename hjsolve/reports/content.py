@@ -139,7 +139,7 @@ def gather(
 
 
 def told(error: NotConvergedError) -> str:
-    """The failure in a sentence, with what was reached.
+    """Return the failure in a sentence, with what was reached.
 
     Args:
         error: of a motion that could not be computed.

@@ -98,7 +98,7 @@ def blocks_of(value: object) -> tuple[Block, ...]:
 
 
 def _key(kind: str, value: object) -> str:
-    """What a drawing is called in a page that may have others: names inside drawings are those of the page."""
+    """Return what a drawing is called in a page that may have others: names inside drawings are those of the page."""
     return f"{kind}-{crc32(repr(value).encode()):x}"
 
 
@@ -158,7 +158,7 @@ def _cell(content: object) -> Text:
 
 
 def _is_number(content: object) -> bool:
-    """Whether it is one number with its error, with a unit or without, or the two ends of a libration."""
+    """Return whether it is one number with its error, with a unit or without, or the two ends of a libration."""
     if isinstance(content, tuple):
         return bool(content) and all(x is None or _is_number(x) for x in content)
     if isinstance(content, Measured):

@@ -240,7 +240,7 @@ def save(
 
 
 def outside_entry(subject: object) -> catalog.Entry | None:
-    """The entry that is named, where it is no T and V: its reason is the report.
+    """Return the entry that is named, where it is no T and V: its reason is the report.
 
     Args:
         subject: what the report is asked of.

@@ -31,7 +31,7 @@ class ArcMotion:
         return ArcMotion, self.given
 
     def leg(self) -> Leg:
-        """Where the arc starts."""
+        """Return where the arc starts."""
         if self._leg is None:
             self._leg = start_of(self.given[2])
         return self._leg
@@ -85,7 +85,7 @@ class FreeMotions:
         self._shared: dict[tuple[Any, ...], dict[str, Any]] = {}
 
     def __call__(self, piece: FreeArc) -> Motion:
-        """The free motion of a flight, of its own time zero."""
+        """Return the free motion of a flight, of its own time zero."""
         return self._turned(piece, ())
 
     def shared(self, piece: FreeArc, names: tuple[str, ...]) -> Mapping[str, Any]:
@@ -102,7 +102,9 @@ class FreeMotions:
         return self._shared[key]
 
     def mirrored(self, piece: FreeArc) -> Motion:
-        """The motion with momenta of the signs of the flight: what is the same along it is the same along that motion.
+        """Return the motion with momenta of the signs of the flight.
+
+        What is the same along it is the same along that motion.
 
         Args:
             piece: the flight.

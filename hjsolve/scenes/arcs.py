@@ -154,7 +154,7 @@ def _refuse_too_many(happened: list[Any], horizon: sp.Expr | None) -> None:
 
 
 def _refuse_rest_on_a_wall(scene: Question, solution: Solution, first: Mapping[str, Any]) -> None:
-    """A body at rest on a wall, and drawn away from there: nothing says on which side of it the body is."""
+    """Refuse a body at rest on a wall, and drawn away from there: nothing says on which side of it the body is."""
     walls = [e for e in scene.events if e.kind == "wall"]
     if not walls:
         return
@@ -174,7 +174,7 @@ def _refuse_rest_on_a_wall(scene: Question, solution: Solution, first: Mapping[s
 
 
 def _digits(scene: Question, horizon: sp.Expr | None) -> int:
-    """Digits of the state at events: a phase loses as many as the time has before the point."""
+    """Return digits of the state at events: a phase loses as many as the time has before the point."""
     span = abs(to_bits(horizon)(64)) + 1 if horizon is not None else 1000
     return max(scene.digits, 15) + GUARD + math.ceil(multiprecision(64).log10(span))
 
@@ -207,7 +207,7 @@ def _flown(
 
 # --------------------------------------------------------------------------------------------- one arc at a time
 def _one_arc(solution: Solution, leg: Leg, pending: list[Pending], horizon: sp.Expr | None, digits: int) -> Stretch:
-    """The arc up to the next event, whatever it is."""
+    """Return the arc up to the next event, whatever it is."""
     motion = solution.motion(**leg.arguments, digits=digits, want={"trajectory"})
     hit = _next(motion, pending, horizon)
     if hit is None:
@@ -231,7 +231,7 @@ def _one_arc(solution: Solution, leg: Leg, pending: list[Pending], horizon: sp.E
 
 
 def system_as_given(solution: Solution) -> System:
-    """The system in whose coordinates a scene speaks: as it was given.
+    """Return the system in whose coordinates a scene speaks: as it was given.
 
     Args:
         solution: of it, in its own coordinates or in others.
@@ -240,12 +240,12 @@ def system_as_given(solution: Solution) -> System:
 
 
 def _known(values: Mapping[str, Any], bounds: Mapping[str, Any]) -> dict[str, Any]:
-    """Numbers of a state; what is no larger than its error is zero, as in a plane that the motion stays in."""
+    """Return numbers of a state; what is no larger than its error is zero, as in a plane that the motion stays in."""
     return {name: sp.S.Zero if abs(x) <= bounds[name] else x for name, x in values.items()}
 
 
 def _next(motion: Motion, pending: list[Pending], horizon: sp.Expr | None) -> tuple[sp.Expr, list[Pending]] | None:
-    """The earliest event, and those at the same time; None where nothing happens before the end."""
+    """Return the earliest event, and those at the same time; None where nothing happens before the end."""
     bits = bits_of(motion.digits)
     times = [(_time(motion, p, horizon), p) for p in pending]
     ahead = [(t, p) for t, p in times if t is not None and not (horizon is not None and t > horizon)]
@@ -267,7 +267,7 @@ def _time(motion: Motion, pending: Pending, horizon: sp.Expr | None) -> sp.Expr 
 
 
 def _later(motion: Motion, pending: list[Pending], happening: list[Pending], time: sp.Expr) -> list[Pending]:
-    """What is still to come: walls stay, impulses are spent, passages of the others are counted down."""
+    """Return what is still to come: walls stay, impulses are spent, passages of the others are counted down."""
     result = []
     tolerance = sp.Rational(10) ** (8 - motion.digits) * sp.Max(1, abs(time))
     for p in pending:
@@ -284,7 +284,7 @@ def _later(motion: Motion, pending: list[Pending], happening: list[Pending], tim
 
 # ----------------------------------------------------------------------------------------------- after an event
 def _after(change: Change, before: Turns) -> Leg:
-    """The state just after the events, exact where it can be."""
+    """Return the state just after the events, exact where it can be."""
     system, given = system_as_given(change.motion.solution), change.motion.initial.values
     digits = change.motion.digits
     surfaces = {e.coordinate: e.value for e in change.events if e.coordinate is not None}
@@ -309,7 +309,7 @@ def _after(change: Change, before: Turns) -> Leg:
 
 
 def start_of(piece: FreeArc) -> Leg:
-    """Where an arc starts, worked out where it is a flight.
+    """Return where an arc starts, worked out where it is a flight.
 
     Args:
         piece: an arc of the free motion.
@@ -323,7 +323,7 @@ def start_of(piece: FreeArc) -> Leg:
 
 
 def _side(change: Change) -> int:
-    """The side of a wall that a body comes from: −1 where its coordinate grows."""
+    """Return the side of a wall that a body comes from: −1 where its coordinate grows."""
     system, wall = change.motion.solution.system, next(e for e in change.events if e.kind == "wall")
     values = dict(change.motion.initial.values)
     for c in system.coordinates:
@@ -334,7 +334,7 @@ def _side(change: Change) -> int:
 
 
 def _ended(found: list[FreeArc], leg: Leg, rest: Rest) -> list[FreeArc]:
-    """The arcs of a scene that ends at a wall."""
+    """Return the arcs of a scene that ends at a wall."""
     end = Event("rest", f"{rest.wall.name} keeps the body", coordinate=rest.wall.coordinate, value=rest.wall.value)
     if rest.bounces == 1:
         return [*found[:-1], replace(found[-1], events=(*found[-1].events, end))]
@@ -342,7 +342,7 @@ def _ended(found: list[FreeArc], leg: Leg, rest: Rest) -> list[FreeArc]:
 
 
 def whole_turns(angle: sp.Expr) -> int:
-    """How many turns an angle has beyond its principal value in (−π, π].
+    """Return how many turns an angle has beyond its principal value in (−π, π].
 
     Args:
         angle: in radians, exact.

@@ -80,7 +80,7 @@ def run_chosen(scene: Question) -> Run:
 
 
 def _cheapest(scene: Question, runner: _Runner) -> tuple[str, str]:
-    """The method for the digits asked, and why."""
+    """Return the method for the digits asked, and why."""
     if scene.digits <= 15:
         return "float64", "double precision reaches up to 15 digits, and every other method does more"
     if not _provable(scene):
@@ -105,7 +105,7 @@ def _cheapest(scene: Question, runner: _Runner) -> tuple[str, str]:
 
 
 def _provable(scene: Question) -> bool:
-    """Whether all that is wanted could be proved, states and events apart."""
+    """Return whether all that is wanted could be proved, states and events apart."""
     return not scene.events and set(scene.want) <= _PROVED
 
 

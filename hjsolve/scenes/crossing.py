@@ -93,7 +93,7 @@ def _walked(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None) 
 
 
 def _paces(motion: Motion, start: float, horizon: float | None) -> Iterator[Reals]:
-    """Times close enough to see every passage, in pieces that share their ends."""
+    """Yield times close enough to see every passage, in pieces that share their ends."""
     rates = [abs(float(f.value)) for f in motion.frequencies.values()]
     if rates:
         step = 0.04 / max(rates)
@@ -152,7 +152,7 @@ def sharpened(motion: Motion, name: str, value: sp.Expr, time: Mpf) -> Mpf:
 
 
 def restart(motion: Motion) -> dict[str, Any]:
-    """The arguments that start the same motion again.
+    """Return the arguments that start the same motion again.
 
     Args:
         motion: the one to start again.
@@ -170,7 +170,7 @@ def restart(motion: Motion) -> dict[str, Any]:
 
 
 def as_rational(value: float | Mpf, digits: int) -> sp.Expr:
-    """An ``mpf``, rounded to so many digits, as the rational number it is.
+    """Return an ``mpf``, rounded to so many digits, as the rational number it is.
 
     Args:
         value: mpmath's number.

@@ -156,7 +156,7 @@ def changed(event: Event, system: System, values: Mapping[sp.Symbol, sp.Expr]) -
 
 
 def _faster(event: Event, system: System, values: Mapping[sp.Symbol, sp.Expr]) -> Momenta:
-    """Momenta after a jump of the velocities of a relativistic particle: those of the new velocities."""
+    """Return momenta after a jump of the velocities of a relativistic particle: those of the new velocities."""
     old = velocities(system)
     new = {c.velocity: old[c.name].xreplace(dict(values)) + (event.velocity or {}).get(c.name, 0)
            for c in system.coordinates}  # fmt: skip

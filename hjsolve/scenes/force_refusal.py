@@ -42,7 +42,7 @@ def dissipative(system: System, forces: Mapping[str, sp.Expr]) -> Dissipative:
 
 
 def force_words(verdict: Dissipative) -> str:
-    """The error's line.
+    """Return the error's line.
 
     Args:
         verdict: what the error is about.

@@ -171,7 +171,7 @@ def _axis(group: str, name: str, values: object) -> Axis:
 
 
 def disagreements(sweep: Varied, names: list[str], fixed: Mapping[str, Mapping[str, object] | None]) -> Iterator[str]:
-    """What a sweep says against the system, or leaves open.
+    """Yield what a sweep says against the system, or leaves open.
 
     Args:
         sweep: the table.
@@ -193,7 +193,7 @@ def disagreements(sweep: Varied, names: list[str], fixed: Mapping[str, Mapping[s
 
 
 def keys(names: Iterable[str]) -> list[str]:
-    """The initial conditions that a table may have: ``q.r`` and so on.
+    """Return the initial conditions that a table may have: ``q.r`` and so on.
 
     Args:
         names: of the coordinates.
@@ -213,7 +213,7 @@ def varied_kind(varied: Iterable[str], fixed: Mapping[str, Mapping[str, object] 
 
 
 def missing(varied: list[str], names: list[str], fixed: Mapping[str, Mapping[str, object] | None]) -> Iterator[str]:
-    """Initial conditions that neither the sweep nor the initial data give.
+    """Yield initial conditions that neither the sweep nor the initial data give.
 
     Args:
         varied: keys of the sweep, such as ``p.r``.

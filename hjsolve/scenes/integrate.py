@@ -103,7 +103,7 @@ def numbers_of(scene: Question) -> Numbers:
 
 
 def _compiled(formulas: list[sp.Expr], scene: Question, numbers: Numbers) -> Callable[[Reals], Reals]:
-    """Formulas of (q, p) as a function of the state: shape (2n,) or (2n, m) in, (number of formulas, …) out."""
+    """Return formulas of (q, p) as a function of the state: shape (2n,) or (2n, m) in, (number of formulas, …) out."""
     variables = [c.symbol for c in scene.system.coordinates] + [c.momentum for c in scene.system.coordinates]
     tape: Tape = lower(formulas, [*variables, *numbers.parameters])
     fixed = [float(sp.N(value, 20)) for value in numbers.parameters.values()]
@@ -165,7 +165,7 @@ def _converged(scene: Question, flow: Flow, numbers: Numbers, times: Reals) -> t
 
 
 def former(scene: Question) -> tuple[Separation | None, tuple[str, ...]]:
-    """The separation whose constants no longer hold, with as many of the scene's effects as keep it separable.
+    """Return the separation whose constants no longer hold, with as many of the scene's effects as keep it separable.
 
     Args:
         scene: one that does not separate.
@@ -199,7 +199,7 @@ def _drift(scene: Question, numbers: Numbers, states: Reals) -> dict[str, Reals]
 
 
 def _same_symbols(formula: sp.Expr, system: System) -> sp.Expr:
-    """The formula in the symbols of the full system (assumptions of a symbol do not depend on effects)."""
+    """Return the formula in the symbols of the full system (assumptions of a symbol do not depend on effects)."""
     known = {s.name: s for s in system.symbols.values()} | {c.momentum.name: c.momentum for c in system.coordinates}
     return formula.xreplace({s: known[s.name] for s in formula.free_symbols if s.name in known})
 

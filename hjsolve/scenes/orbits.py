@@ -61,7 +61,7 @@ def _chosen(motion: Motion) -> OrbitAsked:
 
 
 def _places(motion: Motion, along: str) -> list[float]:
-    """Places inside the region, closer together towards its ends."""
+    """Return places inside the region, closer together towards its ends."""
     angles = np.pi * (np.arange(_PLACES) + 0.5) / _PLACES
     if motion.kinds[along] == "rotation":
         start = float(to_bits(motion.initial.values[motion.solution.system.coordinate(along).symbol])(64))

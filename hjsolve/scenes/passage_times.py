@@ -40,7 +40,7 @@ class Passes:
     error: Mpf | int
 
     def beside(self, time: Mpf, direction: int, tolerance: Mpf) -> tuple[Mpf, int, int] | None:
-        """The next one in a direction (1 later, −1 earlier), which of ``times`` it is, and periods added to that.
+        """Return the next one in a direction (1 later, −1 earlier), its index in ``times`` and the periods added to it.
 
         Args:
             time: where the search begins.
@@ -138,7 +138,7 @@ class Carried:
         return self.mean * χ + self.kernel.oscillation(χ)
 
     def angle(self, χ: Mpf) -> Mpf:
-        """The coordinate, with its whole turns, at a phase of the carrier.
+        """Return the coordinate, with its whole turns, at a phase of the carrier.
 
         Args:
             χ: phase of the carrier.
@@ -146,7 +146,7 @@ class Carried:
         return self.begin - (self._integral(χ) - self.origin)
 
     def time_of(self, χ: Mpf) -> Mpf:
-        """The time of the free motion at a phase of the carrier, which has a clock of its own.
+        """Return the time of the free motion at a phase of the carrier, which has a clock of its own.
 
         Args:
             χ: phase of the carrier.
@@ -154,7 +154,7 @@ class Carried:
         return (χ + self.clock.oscillation(χ) - self.start) / self.rate
 
     def near(self, time: Mpf) -> Mpf:
-        """The coordinate, with its whole turns, at a time of the free motion, to a few digits.
+        """Return the coordinate, with its whole turns, at a time of the free motion, to a few digits.
 
         Args:
             time: of the free motion.

@@ -36,14 +36,14 @@ class Times:
     count: int = 0
 
     def exact(self) -> list[sp.Expr]:
-        """Every time as an exact number."""
+        """Return every time as an exact number."""
         if self.listed:
             return list(self.listed)
         step = (self.stop - self.start) / (self.count - 1)
         return [self.start + k * step for k in range(self.count)]
 
     def between(self, begin: float, end: float) -> list[sp.Expr]:
-        """The times from ``begin`` to ``end``, and perhaps one more on each side.
+        """Return the times from ``begin`` to ``end``, and perhaps one more on each side.
 
         Args:
             begin, end: the span of time, in the units of t.

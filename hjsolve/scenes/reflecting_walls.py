@@ -62,7 +62,7 @@ def mirrors(solution: Solution) -> Mirrors | None:
 
 
 def _even(solution: Solution, H: sp.Expr, p: sp.Symbol) -> bool:
-    """Whether H, every other constant and every separated momentum are even in a momentum."""
+    """Return whether H, every other constant and every separated momentum are even in a momentum."""
     constants = [c.expression for c in solution.constants.values() if c.expression != p]
     return all(_same(f, f.xreplace({p: -p})) for f in (H, *constants, *solution.momentum_squared.values()))
 

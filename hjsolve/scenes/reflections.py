@@ -322,7 +322,7 @@ class Free:
                     now.place[other] += now.sign[other] * now.sign[name] * turns * self.turn(other)
 
     def turn(self, name: str) -> Mpf:
-        """What a carried coordinate gains in a period of the one that carries it."""
+        """Return what a carried coordinate gains in a period of the one that carries it."""
         course = required(self.motion.separated.located[self.carrier[name]].course.cycle)
         return -2 * self.context.pi * self.context.convert(course.growth(constant_index(self.motion.separated, name)))
 
@@ -357,7 +357,7 @@ class Free:
 
 
 def signed(free: Free, signs: Sequence[int]) -> Mapping[str, int]:
-    """The signs of a flight by coordinate, those that change no number of a motion left at 1."""
+    """Return the signs of a flight by coordinate, those that change no number of a motion left at 1."""
     names = (*free.separated, *free.ignorable)
     kinds = free.motion.kinds
     return {n: 1 if kinds[n] in ("libration", "equilibrium") else s for n, s in zip(names, signs, strict=True)}

@@ -137,12 +137,12 @@ class Settling:
         return self._ending(pending)
 
     def _kept(self, here: Landing) -> Rest:
-        """A wall without any restitution, and a body that is pressed against it."""
+        """Return a wall without any restitution, and a body that is pressed against it."""
         return self._rest(here, [self.arithmetic.context.mpf(10) ** (4 - self.work) * abs(x)
                                  for x in (here.time, *here.values)], 1)  # fmt: skip
 
     def _ending(self, pending: Sequence[Pending]) -> Rest | None:
-        """The limit of the bounces, where it is known well enough and nothing is asked or happens before it."""
+        """Return the limit of the bounces, where it is known well enough and nothing is asked or happens before it."""
         if len(self.landings) < _FEWEST:
             return None
         a, b, c = (landing.time for landing in self.landings[-3:])
@@ -162,13 +162,13 @@ class Settling:
         return self._rest(Landing(time, tuple(v for v, _ in limits[1:])), [e for _, e in limits], len(self.landings))
 
     def _asked(self, begin: Mpf, end: Mpf) -> bool:
-        """Whether the state is wanted at some time between."""
+        """Return whether the state is wanted at some time between."""
         if self.times is None:
             return False
         return any(begin < to_bits(t)(self.arithmetic.bits) < end for t in self.times.between(float(begin), float(end)))
 
     def _met(self, pending: Sequence[Pending], limits: Sequence[tuple[Mpf, Mpf]]) -> bool:
-        """Whether another event comes before the limit."""
+        """Return whether another event comes before the limit."""
         names = [c.name for c in self.system.coordinates]
         for p in pending:
             if p.event is self.wall:
@@ -190,7 +190,7 @@ class Settling:
         return False
 
     def _evaluated(self, formula: sp.Expr) -> Mpf:
-        """A formula in coordinates and momenta just after the last bounce."""
+        """Return a formula in coordinates and momenta just after the last bounce."""
         symbols = [c.symbol for c in self.system.coordinates] + [c.momentum for c in self.system.coordinates]
         tape = lower([formula], [*symbols, *self.parameters])
         fixed = [to_bits(value)(self.arithmetic.bits) for value in self.parameters.values()]
@@ -239,7 +239,7 @@ class _Limit:
         self.last, self.before = row, self.last
 
     def limit(self) -> tuple[Mpf, Mpf]:
-        """The best entry of the last row and a bound on its error."""
+        """Return the best entry of the last row and a bound on its error."""
         best: tuple[Mpf, Mpf] | None = None
         grown = self.noise * self.size
         for j in range(1, len(self.before)):

@@ -100,7 +100,7 @@ def solved(scene: Question) -> Solution | None:
 
 
 def first_arguments(scene: Question) -> dict[str, Any]:
-    """The arguments of the first motion, as the scene gives them.
+    """Return the arguments of the first motion, as the scene gives them.
 
     Args:
         scene: with initial data and parameters.
@@ -145,14 +145,14 @@ def _quantity(scene: Question, piece: FreeArc, name: str, motion: Motion) -> Any
 
 
 def _mask(array: Numbers, begins: Any, ends: Any) -> Mask:
-    """Which times lie in [begins, ends)."""
+    """Return which times lie in [begins, ends)."""
     low, high = (t if t is None or array.dtype != float else float(t) for t in (begins, ends))
     inside = (array >= low).astype(bool)
     return inside if high is None else inside & (array < high).astype(bool)
 
 
 def _moment(time: sp.Expr, digits: int, uncertainty: Mpf | int = 0) -> Estimate:
-    """A time, exact or in many digits, as a number with its error."""
+    """Return a time, exact or in many digits, as a number with its error."""
     value = to_bits(time)(bits_of(max(digits, 15))) if isinstance(time, sp.Expr) else time
     if digits <= 15:
         known = isinstance(time, sp.Rational) and sp.Rational(float(value)) == time

@@ -111,7 +111,9 @@ def _opened(scene: str | Path | System | Toml) -> tuple[Toml, str, Path]:
 
 
 def name_or_table(system: System) -> str | Toml:
-    """What the key ``system`` says for a system: the id of its entry, which knows motions and effects, or its table.
+    """Return what the key ``system`` says for a system.
+
+    The id of its entry, which knows motions and effects, or its table.
 
     Args:
         system: the one the scene is about.
@@ -146,7 +148,7 @@ def _built(table: Toml, source: str, folder: Path) -> Scene:
 
 
 def _entry(system: str | Toml, source: str, folder: Path) -> tuple[Toml, str]:
-    """The table of the system, from the catalog, a file beside the scene, or the scene itself."""
+    """Return the table of the system, from the catalog, a file beside the scene, or the scene itself."""
     if isinstance(system, Mapping):
         return system, f"{source}: system"
     if system.endswith(".toml"):
@@ -156,7 +158,7 @@ def _entry(system: str | Toml, source: str, folder: Path) -> tuple[Toml, str]:
 
 
 def _motion_table(table: Toml, entry: Toml, source: str) -> Toml:
-    """The motion of the entry that the scene starts from; empty where it has its own or there is none."""
+    """Return the motion of the entry that the scene starts from; empty where it has its own or there is none."""
     if "motion" not in table:
         return {} if "initial" in table else entry.get("initial", {})
     if "initial" in table:
@@ -175,7 +177,7 @@ def _parameters(table: Toml, entry: Toml, source: str) -> dict[str, object]:
 
 
 def _initial(table: Toml, entry: Toml, source: str, system: System) -> InitialGroups | None:
-    """The initial data; velocities along unit vectors become rates here, those of a sweep when it computes them."""
+    """Return initial data; velocities along unit vectors become rates here, those of a sweep when it computes them."""
     data = table.get("initial") or _motion_table(table, entry, source)
     if "velocity_frame" in table and not {"initial", "sweep"} & table.keys():
         raise CatalogError(
@@ -218,7 +220,7 @@ def _orbit(table: Toml) -> OrbitAsked | None:
 
 
 def _disagreements(scene: Scene) -> Iterator[str]:
-    """What the keys say against each other or against the system."""
+    """Yield what the keys say against each other or against the system."""
     names, known = [c.name for c in scene.system.coordinates], [p.name for p in scene.system.parameters]
     for name, value in scene.parameters.items():
         if name not in known:
@@ -297,7 +299,7 @@ def _integrated_faults(scene: Scene) -> Iterator[str]:
 
 
 def _found_faults(scene: Scene) -> Iterator[str]:
-    """What is not done in coordinates that are found: there the times at which x has a value are not known."""
+    """Yield what is not done in coordinates that are found: there the times at which x has a value are not known."""
     cure = 'give the impulse a time, at = {t = "…"}, or leave coordinates out and write method = "integrate"'
     for place, event in enumerate(scene.events, start=1):
         if event.time is None:

@@ -48,7 +48,7 @@ class Along:
         return self.motion.digits > FLOAT_DIGITS
 
     def gather(self, pick: Callable[[Flight], Mpf | int]) -> tuple[Numbers, Numbers | int]:
-        """A number of every flight at the times, as a high part and what is left.
+        """Return a number of every flight at the times, as a high part and what is left.
 
         Args:
             pick: gives the number of one flight, in many digits.
@@ -64,7 +64,7 @@ class Along:
         return high[self.which], low[self.which]
 
     def floats(self, pick: Callable[[Flight], Mpf | int]) -> Reals:
-        """A number of every flight at the times, rounded.
+        """Return a number of every flight at the times, rounded.
 
         Args:
             pick: gives the number of one flight, in many digits.
@@ -111,7 +111,7 @@ def along(free: Free, motion: Motion, flights: Sequence[Flight], which: Integers
 
 
 def _clock(here: Along, k: int) -> Numbers:
-    """Times of the free motion for one separated coordinate."""
+    """Return times of the free motion for one separated coordinate."""
     high, low = here.gather(lambda f: f.clocks[k])
     sign = np.array([f.signs[k] for f in here.flights])[here.which]
     return high + (sign * here.elapsed + low)
@@ -166,7 +166,7 @@ def _errors(
     p: Mapping[str, Numbers],
     velocity: Mapping[str, Numbers],
 ) -> Errors:
-    """Those of the free motion; what the clocks and places are in doubt; the rounding of their sums."""
+    """Return those of the free motion; what the clocks and places are in doubt; the rounding of their sums."""
     free, system = here.free, here.motion.solution.system
     unit = EPS if not here.many else float(multiprecision(64).mpf(10) ** (1 - here.motion.digits))
     uncertainty, place_rounding = here.floats(lambda f: f.uncertainty), here.floats(lambda f: f.place_rounding)

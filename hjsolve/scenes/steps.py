@@ -152,7 +152,7 @@ def _advance(
 
 
 def _crosses(surface: _Surface, before: Reals, after: Reals, leaving: bool) -> bool:
-    """A change of sign; a motion that is just leaving the surface has not crossed it."""
+    """Return a change of sign; a motion that is just leaving the surface has not crossed it."""
     old, new = surface.level(before), surface.level(after)
     if leaving or (surface.turning and abs(old - new) > np.pi):
         return False

@@ -240,7 +240,7 @@ def _level(plane: PlaneMotion, along: int, q: Reals) -> float:
 
 
 def _crossing(plane: PlaneMotion, along: int, level: float, E: float, q: Reals, p: Reals) -> tuple[Reals, Reals]:
-    """The momentum with which motions of an energy cross upwards, and the discriminant that says whether they do.
+    """Return the momentum with which motions of an energy cross upwards; they do where the discriminant is positive.
 
     H is quadratic in each momentum: its values at −1, 0, 1 tell the coefficients.
     """
@@ -255,7 +255,7 @@ def _crossing(plane: PlaneMotion, along: int, level: float, E: float, q: Reals, 
 
 
 def _grid(plane: PlaneMotion, along: int, level: float, E: float, seen: Reals) -> tuple[Reals, Reals, Reals] | None:
-    """A grid of (q, p) that contains the part of the section the motion is in; None where that has no end."""
+    """Return a grid of (q, p) that contains the part of the section the motion is in; None where that has no end."""
     drawn = seen[[1 - along, 3 - along]]
     angle = plane.coordinates[1 - along].domain.kind == "angle"
     if angle:
@@ -284,13 +284,13 @@ def _grid(plane: PlaneMotion, along: int, level: float, E: float, seen: Reals) -
 
 
 def _beside(inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """A region and its neighbours."""
+    """Return a region and its neighbours."""
     wide = np.pad(inside, 1)
     return wide[1:-1, 1:-1] | wide[:-2, 1:-1] | wide[2:, 1:-1] | wide[1:-1, :-2] | wide[1:-1, 2:]
 
 
 def _connected(allowed: NDArray[np.bool_], q: Reals, p: Reals, place: Reals) -> NDArray[np.bool_]:
-    """The part of a region that hangs together with a place."""
+    """Return the part of a region that hangs together with a place."""
     part = np.zeros_like(allowed)
     part[int(np.argmin(np.abs(p - place[1]))), int(np.argmin(np.abs(q - place[0])))] = True
     while True:

@@ -43,7 +43,7 @@ MOST_PASSAGES = 100_000
 
 
 def is_scene(file: str | Path) -> bool:
-    """Whether a file is a scene's and not an entry's: it has keys that no entry has.
+    """Return whether a file is a scene's and not an entry's: it has keys that no entry has.
 
     Args:
         file: its path, or the id of an entry.

@@ -38,7 +38,7 @@ class _Part:
 
 
 def sampled(times: Times, digits: int) -> Numbers:
-    """The times as an array: doubles where they are evenly spaced and 15 digits serve, exact numbers otherwise.
+    """Return the times as an array: doubles where they are evenly spaced and 15 digits serve, exact numbers otherwise.
 
     Args:
         times: evenly spaced, or a list.
@@ -59,7 +59,7 @@ def sampled(times: Times, digits: int) -> Numbers:
 
 
 def belongings(times: Numbers, pieces: Sequence[FreeArc], rest: Rest | None) -> Integers:
-    """The arc of each time, which is in [begin, end); −1 from the last bounce on where a wall keeps the body.
+    """Return the arc of each time, which is in [begin, end); −1 from the last bounce on where a wall keeps the body.
 
     Args:
         times: doubles or exact numbers, shape (m,).
@@ -83,7 +83,7 @@ def belongings(times: Numbers, pieces: Sequence[FreeArc], rest: Rest | None) -> 
 
 
 def _ratio(value: Mpf) -> tuple[int, int]:
-    """An ``mpf`` as a fraction."""
+    """Return an ``mpf`` as a fraction."""
     sign, mantissa, exponent, _ = value._mpf_
     top = int(-mantissa if sign else mantissa)
     return (top << exponent, 1) if exponent >= 0 else (top, 1 << -exponent)
@@ -139,7 +139,7 @@ def trajectory_of(
 def _parts(
     times: Numbers, number: Integers, arcs: Sequence[Arc], pieces: Sequence[FreeArc], whole: Callable[[FreeArc], Motion]
 ) -> list[_Part]:
-    """The flights of one free motion together, other arcs one by one; those without a time are left out."""
+    """Return the flights of one free motion together, other arcs one by one; those without a time are left out."""
     order = np.argsort(number, kind="stable")
     ordered = number[order]
     found: list[_Part] = []
@@ -164,7 +164,7 @@ def _parts(
 
 
 def _resting(scene: Question, rest: Rest, times: Numbers) -> State:
-    """The state of a body that a wall keeps; not a number where other coordinates still move."""
+    """Return the state of a body that a wall keeps; not a number where other coordinates still move."""
     kind = object if scene.digits > FLOAT_DIGITS else float
     missing = rest.limit.context.nan if kind is object else np.nan
 

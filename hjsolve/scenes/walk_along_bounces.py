@@ -78,7 +78,7 @@ def walk(free: Free, now: Now, pending: list[Pending], horizon: Mpf | None, most
 
 
 def _ahead(free: Free, now: Now, pending: list[Pending], tolerance: Mpf) -> list[Candidate]:
-    """Every event to come with its time."""
+    """Return every event to come with its time."""
     ahead: list[Candidate] = []
     for p in pending:
         if p.event.time is not None:

@@ -74,7 +74,7 @@ def separate(system: System | str | Path, *, budget: float = DEFAULT_BUDGET) -> 
 
 
 def _of_one_coordinate(verdict: Verdict) -> Verdict:
-    """A verdict, once a kink of V in one coordinate leaves the separated equations of the others as they are.
+    """Return a verdict, once a kink of V in one coordinate leaves the separated equations of the others as they are.
 
     Raises:
         InvalidSystemError: V separates on both sides of a jump, but with other constants.
@@ -135,13 +135,13 @@ def _decide(setting: Setting, matrix: stackel.Matrix | None, start: float) -> Ve
 
 
 def _small(setting: Setting) -> bool:
-    """Whether Levi-Civita's conditions are worth a second, independent proof beside Stäckel's certificate."""
+    """Return whether Levi-Civita's conditions are worth a second, independent proof beside Stäckel's certificate."""
     elements = [*setting.metric, setting.potential]
     return sum(len(x.numerator) + sum(len(base) for base, _ in x.bases) for x in elements) <= SMALL_SYSTEM
 
 
 def _conditions(setting: Setting, *, hunting: bool) -> tuple[Obstruction | Undecided | None, list[ReductionStep]]:
-    """The first condition proved to fail, else the first that stays open, else the step that says all hold.
+    """Return the first condition proved to fail, else the first that stays open, else the step that says all hold.
 
     Hunting: Stäckel's certificate has failed, so some condition fails; those that pass the filter are not proved first.
     """
@@ -212,7 +212,7 @@ def _full_forms(setting: Setting, reduced: Reduced) -> tuple[Liouville | None, S
 
 
 def _evidence_of(reduced: Reduced, shell: Shell) -> list[ReductionStep]:
-    """The forms found, as steps."""
+    """Return the forms found, as steps."""
     steps = []
     if reduced.stackel is not None:
         text = (

@@ -23,7 +23,7 @@ from hjsolve.separation.verdicts import Constant, Separation, Verdict
 
 
 def shell_system(system: System) -> System:
-    """The natural system whose shell is the relativistic one; the true energy is a parameter of it.
+    """Return the natural system whose shell is the relativistic one; the true energy is a parameter of it.
 
     Args:
         system: of a relativistic particle.
@@ -42,7 +42,7 @@ def shell_system(system: System) -> System:
 
 
 def shell_energy(system: System) -> sp.Expr:
-    """The value −½m₀c² that the shell's own energy has.
+    """Return the value −½m₀c² that the shell's own energy has.
 
     Args:
         system: of a relativistic particle.
@@ -80,14 +80,14 @@ def decided(system: System, decide: Callable[[System], Verdict]) -> Verdict:
 
 
 def _shell(shell: Shell, system: System, energy: sp.Symbol, H: sp.Expr) -> Shell:
-    """The shell in terms of the true energy; without essential coordinates H itself is the potential."""
+    """Return the shell in terms of the true energy; without essential coordinates H itself is the potential."""
     steps = _steps(system, shell.steps, shell.energy)
     potential = shell.potential if shell.coordinates else H
     return replace(shell, system=system, energy=energy, potential=potential, steps=steps)
 
 
 def _steps(system: System, steps: tuple[ReductionStep, ...], own: sp.Symbol | None) -> tuple[ReductionStep, ...]:
-    """The argument for the shell's system with the value −½m₀c² of its own energy, after the step that leads to it."""
+    """Return the argument for the shell's system at its own energy −½m₀c², after the step that leads to it."""
     if own is None:
         return (_step(system), *steps)
     value = shell_energy(system)

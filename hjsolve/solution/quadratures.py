@@ -239,7 +239,7 @@ def solve(
 
 @lru_cache(maxsize=128)
 def _remembered(system: System, find: bool, budget: float) -> Solution:
-    """The solution of a system; a refusal raises and is not remembered, more time may decide it."""
+    """Return the solution of a system; a refusal raises and is not remembered, more time may decide it."""
     verdict = separate(system, budget=budget)
     if isinstance(verdict, Separation) or not find:
         return _solved(verdict)
@@ -287,7 +287,7 @@ def _separated_terms(verdict: Separation) -> tuple[sp.Expr, ...]:
 
 
 def _named(verdict: Separation) -> dict[str, Constant]:
-    """The constants, those meanings made plainer that a physicist would recognise."""
+    """Return the constants, those meanings made plainer that a physicist would recognise."""
     plainer = {c.name: _recognised(c, verdict) for c in separation_constants(verdict)[1:]}
     return {name: replace(c, meaning=plainer.get(name) or c.meaning) for name, c in verdict.constants.items()}
 
@@ -369,7 +369,7 @@ def _names_taken(verdict: Separation) -> frozenset[str]:
 
 
 def _fresh(name: str, taken: Iterable[str], **assumptions: bool) -> sp.Symbol:
-    """A symbol of this name, or with underscores added where the user already has one that looks like it."""
+    """Return a symbol of this name, or with underscores added where the user already has one that looks like it."""
     return sp.Symbol(free_name(name, taken), **assumptions)
 
 

@@ -70,7 +70,7 @@ def _wait_for_workers(distributed: Any, client: Any, scheduler: str) -> None:
 
 
 def remote_part(task: EnsembleTask, expected: Mapping[str, str], starts: Columns) -> Columns | UnfitWorker:
-    """The columns of one part, on a worker.
+    """Return the columns of one part, on a worker.
 
     Args:
         task: what is to be computed of each orbit.

@@ -110,7 +110,7 @@ def sweep(
 
 
 def _on_failures(statuses: Mapping[str, int]) -> tuple[str, ...]:
-    """The commonest reason, where more than half of the orbits are not ok."""
+    """Return the commonest reason, where more than half of the orbits are not ok."""
     words = {status: statuses.get(status.word, 0) for status in Status}
     total, failed = sum(words.values()), sum(count for status, count in words.items() if status is not Status.OK)
     if 2 * failed <= total:

@@ -121,7 +121,7 @@ class Folder:
         return Journal(self.path / JOURNAL)
 
     def part(self, number: int) -> Path:
-        """The file of a part.
+        """Return the file of a part.
 
         Args:
             number: of the part, from 0 on.
@@ -166,7 +166,7 @@ class Folder:
         _write_manifest(self.path, {**self.plan.head, "complete": False})
 
     def _names(self) -> set[str]:
-        """The names in the folder, once none of them is foreign."""
+        """Return the names in the folder, once none of them is foreign."""
         expected = {self.part(number).name for number in range(self.plan.parts)}
         with os.scandir(self.path) as entries:
             names = {entry.name: entry for entry in entries if not entry.name.startswith(("_", "."))}
@@ -181,7 +181,7 @@ class Folder:
         return set(names)
 
     def _examined(self, number: int, digest: str | None) -> WholePart | str:
-        """What a part that is there holds, or in words why it is no good."""
+        """Return what a part that is there holds, or in words why it is no good."""
         path = self.part(number)
         if digest is None:
             return "no digest of it was noted"
@@ -309,7 +309,7 @@ def verified(path: Path, plan: SweepPlan) -> dict[str, int]:
 
 
 def _manifest(path: Path, parts: int) -> dict[str, Any]:
-    """The manifest of a folder.
+    """Return the manifest of a folder.
 
     Raises:
         InvalidInputError: it is no manifest, a link, or far longer than a manifest of so many parts.
@@ -326,7 +326,7 @@ def _manifest(path: Path, parts: int) -> dict[str, Any]:
 
 
 def _signed(path: Path, parts: int) -> dict[int, str]:
-    """The digests in a complete manifest, by the number of the part; none in another one."""
+    """Return the digests in a complete manifest, by the number of the part; none in another one."""
     held = _manifest(path, parts)
     files = held.get("files") if held.get("complete") is True else None
     if not isinstance(files, list):
@@ -336,7 +336,7 @@ def _signed(path: Path, parts: int) -> dict[int, str]:
 
 
 def _of_same_scene(path: Path, plan: SweepPlan) -> dict[str, Any]:
-    """The manifest, once it is that of the same scene."""
+    """Return the manifest, once it is that of the same scene."""
     held = _manifest(path, plan.parts)
     scene, form = dict(held["scene"]), held["format"]
     if form != FORMAT:

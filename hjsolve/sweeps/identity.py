@@ -65,7 +65,7 @@ def _plain(value: object) -> object:
 
 @cache
 def code() -> dict[str, str]:
-    """The code that computes: version and digest of hjsolve's sources, and the libraries that decide the last bits."""
+    """Return the version and digest of hjsolve's sources, and the libraries that decide the last bits."""
     digest = hashlib.sha256()
     root = Path(__file__).resolve().parents[1]
     for path in sorted(root.rglob("*.py")):

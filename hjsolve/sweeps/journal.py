@@ -72,7 +72,7 @@ class Journal:
 
 
 def _note(line: bytes) -> NotedPart | None:
-    """What a line says; None where it is no note of a part, whatever its types are."""
+    """Return what a line says; None where it is no note of a part, whatever its types are."""
     try:
         held = json.loads(line)
     except (ValueError, RecursionError):

@@ -54,7 +54,7 @@ class SweepPoints:
     keep: tuple[str, ...] = ()
 
     def kept(self, begin: int, end: int) -> dict[str, pa.ChunkedArray]:
-        """The columns passed on, of the starts begin ≤ number < end, as they are.
+        """Return the columns passed on, of the starts begin ≤ number < end, as they are.
 
         Args:
             begin, end: numbers of the first start and of the one after the last.
@@ -68,7 +68,7 @@ class SweepPoints:
         return {name: rows[name] for name in self.keep}
 
     def window(self, names: list[str], begin: int, end: int) -> dict[str, Reals]:
-        """The starts begin ≤ number < end: ``q.r`` … in the order of the coordinates, then ``p.r`` ….
+        """Return the starts begin ≤ number < end: ``q.r`` … in the order of the coordinates, then ``p.r`` ….
 
         Args:
             names: of the coordinates.
@@ -94,7 +94,7 @@ class SweepPoints:
 
 
 def points_of(scene: Scene) -> tuple[SweepPoints, str]:
-    """The starts that a scene declares, and a digest of the table they come from (empty for a grid).
+    """Return the starts that a scene declares, and a digest of the table they come from (empty for a grid).
 
     Args:
         scene: with a ``sweep``.
@@ -222,7 +222,7 @@ def _npz(path: Path) -> Columns:
 
 
 def _parquet(scene: Scene, sweep: Varied, path: Path) -> tuple[ParquetTable, dict[str, str]]:
-    """The table, of which only footers are read, and initial condition → its column."""
+    """Return the table, of which only footers are read, and initial condition → its column."""
     try:
         from hjsolve.sweeps.parquet_table import opened_table
     except ImportError as error:
@@ -253,6 +253,6 @@ def _kept_faults(found: list[str], sweep: Varied) -> Iterator[str]:
 
 
 def _is_written(name: str) -> bool:
-    """Whether a name is, or looks like, one of a column that a sweep writes."""
+    """Return whether a name is, or looks like, one of a column that a sweep writes."""
     first, dot, _ = name.partition(".")
     return name in ("orbit", STATUS, RECOMPUTED) or bool(dot and first in (*GROUPS, *OF_MANY_ORBITS, "error"))

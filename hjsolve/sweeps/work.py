@@ -31,7 +31,7 @@ class SweepWork:
         return [c.name for c in self.task.system.coordinates]
 
     def starts(self, part: int) -> dict[str, Reals]:
-        """The initial conditions of a part.
+        """Return the initial conditions of a part.
 
         Args:
             part: its number, from 0 on.
@@ -52,7 +52,7 @@ class SweepWork:
 
 
 def columns_of(task: EnsembleTask, starts: Columns, threads: int | None) -> Columns:
-    """The columns of a part; runs here or on a worker.
+    """Return the columns of a part; runs here or on a worker.
 
     Args:
         task: what is to be computed of each orbit.

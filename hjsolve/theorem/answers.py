@@ -25,7 +25,7 @@ class Proof(Shown):
     expression: sp.Expr
 
     def __str__(self) -> str:
-        """The statement."""
+        """Return the statement."""
         return f"Proved: {self.statement}."
 
 
@@ -51,7 +51,7 @@ class Flaw(Shown):
         return False
 
     def __str__(self) -> str:
-        """What fails, with the point that shows it."""
+        """Return what fails, with the point that shows it."""
         if self.witness is None:
             return f"{self.statement}."
         place = ", ".join(f"{name} = {value}" for name, value in self.witness.point.items())

@@ -61,7 +61,7 @@ class CanonicalMap(Shown):
     hamiltonian: sp.Expr | None = None
 
     def __str__(self) -> str:
-        """The statement in one sentence."""
+        """Return the statement in one sentence."""
         found = f"; generating functions {listed_names(self.generating)}" if self.generating else ""
         return f"Canonical with valence {self.valence}{found}."
 

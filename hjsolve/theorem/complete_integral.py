@@ -51,7 +51,7 @@ class CompleteIntegral(Shown):
     equations: Mapping[str, sp.Eq]
 
     def __str__(self) -> str:
-        """The statement in one sentence."""
+        """Return the statement in one sentence."""
         names = listed_names(self.constants)
         return f"A complete integral in the constants {names}: it solves the equation, and |d2S/dq dalpha| is not zero."
 
@@ -121,7 +121,7 @@ def verify(
 def _energy(
     given: object, alphas: Mapping[str, sp.Symbol], names: Mapping[str, sp.Symbol], coordinates: Iterable[sp.Symbol]
 ) -> sp.Expr:
-    """The energy in the constants."""
+    """Return the energy in the constants."""
     if given is None:
         if "E" not in alphas:
             first = next(iter(alphas))

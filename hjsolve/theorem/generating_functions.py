@@ -132,7 +132,7 @@ def _shorter(F: sp.Expr) -> sp.Expr:
 def _holds(
     F: sp.Expr, kind: _Kind, letters: Mapping[str, sp.Symbol], given: Generating, seconds: float, *, positive: bool
 ) -> bool:
-    """Whether μ·gone = ± ∂F/∂kept and other = ± ∂F/∂held, proved with the map put in."""
+    """Return whether μ·gone = ± ∂F/∂kept and other = ± ∂F/∂held, proved with the map put in."""
     back = {letter: given.formulas[h] for h, letter in letters.items()}
     pairs = zip(kind.kept, kind.gone, strict=True)
     residuals = [given.valence * g - kind.old_sign * sp.diff(F, k).xreplace(back) for k, g in pairs]

@@ -88,7 +88,7 @@ def is_integral(f: object, system: Subject | str | Path, *, budget: float = BUDG
 
 
 def _function(given: object, space: PhaseSpace, name: str) -> sp.Expr:
-    """A function of (q, p, t); velocities become functions of q and p."""
+    """Return a function of (q, p, t); velocities become functions of q and p."""
     names: dict[str, sp.Expr] = dict(space.symbols)
     if "H" not in names:
         names["H"] = space.hamiltonian

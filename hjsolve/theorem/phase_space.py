@@ -121,7 +121,7 @@ def _put(end: sp.Expr | None, signed: Mapping[sp.Symbol, sp.Symbol]) -> sp.Expr 
 
 
 def _with_sign(parameter: sp.Symbol, value: sp.Expr | None) -> sp.Symbol:
-    """A symbol of the same name that has the sign of the value."""
+    """Return a symbol of the same name that has the sign of the value."""
     if value is None or value.is_zero or parameter.is_nonnegative or parameter.is_nonpositive:
         return parameter
     sign = {"positive": True} if value.is_positive else {"negative": True}

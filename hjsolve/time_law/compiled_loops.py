@@ -51,7 +51,7 @@ def fill_relative(times: Reals, high: float, low: float, upper: Reals, lower: Re
 
 @_kernel
 def _counted(n: float, more: float) -> int:
-    """The sum of whole numbers as an integer; ± ``TOO_MANY`` beyond them, 0 for nan."""
+    """Return the sum of whole numbers as an integer; ± ``TOO_MANY`` beyond them, 0 for nan."""
     if abs(n) < TOO_MANY:
         return int(n) + int(more)
     return 0 if n != n else (-TOO_MANY if n < 0 else TOO_MANY)

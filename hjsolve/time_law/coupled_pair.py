@@ -91,7 +91,7 @@ def _kernels(course: CoordinateMotion, n: int) -> Reals:
 
 
 def _sign(course: CoordinateMotion, rows: Reals, level: Weights) -> int:
-    """The sign of a combination of kernels all along a course, 0 where it has none.
+    """Return the sign of a combination of kernels all along a course, 0 where it has none.
 
     Beside a pole in a coordinate a kernel may be smaller than the rounding of its series: that counts as zero.
     """
@@ -124,7 +124,7 @@ def solve_pair(couple: CoupledPair, goals: Reals, noise: Reals, time: Reals) -> 
 
 
 def _one_way(pair: CoupledPair, side: int, goals: Reals, error_bounds: Reals) -> CoupledPhases:
-    """Times on one side of t₀."""
+    """Return times on one side of t₀."""
     gains = [_gain(c, pair.level, side) for c in pair.courses]
     k = int(gains[1] < gains[0])
     outer, inner = pair.courses[k], pair.courses[1 - k]
@@ -142,7 +142,7 @@ def _one_way(pair: CoupledPair, side: int, goals: Reals, error_bounds: Reals) ->
 
 
 def _gain(course: CoordinateMotion, level: Weights, side: int) -> float:
-    """How much the first equation can still grow along a course; infinite where it goes on for ever."""
+    """Return how much the first equation can still grow along a course; infinite where it goes on for ever."""
     limit = course.limits()[side > 0]
     if not np.isfinite(limit):
         return np.inf
@@ -171,7 +171,7 @@ class _Search:
     goals: Reals
 
     def other(self, x: Reals) -> tuple[Reals, Mask]:
-        """The other phase, and where the other coordinate would have ended."""
+        """Return the other phase, and where the other coordinate would have ended."""
         never = (np.zeros_like(x), np.zeros_like(x))
         level = self.pair.level
         y, whole, _, ended = solve_alone(
@@ -202,7 +202,7 @@ class _Search:
         return -1.0 if self._slope(_start(self.outer), _start(self.inner))[0] < 0 else 1.0
 
     def between(self, stations: Reals, side: int) -> Reals:
-        """The phase: first between which stations, then by Newton's method in that bracket."""
+        """Return the phase: first between which stations, then by Newton's method in that bracket."""
         shape = self.goals.shape[1:]
         # bisection over the stations, for all times at once
         first, last = np.zeros(shape, dtype=int), np.full(shape, len(stations) - 1)

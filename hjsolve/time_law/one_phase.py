@@ -51,7 +51,7 @@ def solve_alone(
 
 @singledispatch
 def _solved(course: KindOfMotion, *_: object) -> tuple[Reals, Reals, Reals, Mask]:
-    """The same for each kind of motion."""
+    """Solve the same for each kind of motion."""
     raise NotImplementedError(type(course))
 
 

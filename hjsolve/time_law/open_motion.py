@@ -140,7 +140,7 @@ def open_phases(
 def _phases(
     scheme: TriangularScheme, time: tuple[Reals, Reals], span: float, attempt: int
 ) -> tuple[list[Reals], list[Counts], list[Reals], Mask, Mask]:
-    """The same with panels that reach so far; True last where that is not far enough."""
+    """Return the same with panels that reach so far; True last where that is not far enough."""
     t = time[0] + time[1]
     courses = [reaching(c, scheme, span * 8.0**attempt, i, attempt) for i, c in enumerate(scheme.courses)]
     if scheme.steps:
@@ -179,12 +179,12 @@ def _phases(
 
 
 def _goes_on(course: CoordinateMotion, side: int) -> bool:
-    """True where a course is longer than its panels."""
+    """Return True where a course is longer than its panels."""
     return course.ends(side) in {"infinity", "boundary"} and not course.finished(side)
 
 
 def _one_way(course: CoordinateMotion, step: DecoupledStep, times: Reals) -> CoordinateMotion:
-    """A course that is a clock by itself and starts at the phase 0, with panels on the side where there are times.
+    """Return a coordinate motion that is its own clock and starts at phase 0, with panels where there are times.
 
     Its phase has the sign of the time.
     """
@@ -194,7 +194,7 @@ def _one_way(course: CoordinateMotion, step: DecoupledStep, times: Reals) -> Coo
 
 
 def _couple(courses: list[CoordinateMotion], scheme: TriangularScheme) -> CoupledPair | None:
-    """Two coupled coordinates that can be searched one within the other."""
+    """Return two coupled coordinates that can be searched one within the other."""
     if len(scheme.coupled) != 2:
         return None
     first, second = scheme.coupled

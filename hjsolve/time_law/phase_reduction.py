@@ -57,7 +57,7 @@ def _turns(rate: tuple[float, float], upper: Reals, lower: Reals, start: tuple[f
 
 
 def _counted(whole: Reals, more: Reals | float = 0.0) -> Integers:
-    """The sum of whole numbers as integers; ± ``TOO_MANY`` beyond them, 0 for nan."""
+    """Return the sum of whole numbers as integers; ± ``TOO_MANY`` beyond them, 0 for nan."""
     held = np.abs(whole) < TOO_MANY
     count = np.where(held, whole, 0.0).astype(np.int64) + np.where(held, more, 0.0).astype(np.int64)
     return np.where(held | np.isnan(whole), count, np.where(whole < 0, -TOO_MANY, TOO_MANY))

@@ -124,7 +124,7 @@ def _at(series: FourierSeries, χ: Mpf | int, context: Context) -> Mpf | int:
 
 
 def _rounding(series: FourierSeries, χ: Mpf | int, context: Context) -> float:
-    """What rounded coefficients leave open of the ripple at one phase; nothing at a turning point."""
+    """Return what rounded coefficients leave open of the ripple at one phase; nothing at a turning point."""
     return series.unresolved(context.mpf(χ))
 
 

@@ -145,7 +145,7 @@ def _unknown(text: str, library: str) -> InvalidInputError:
 
 
 def _root(value: object) -> str:
-    """The library that the class of a value comes from."""
+    """Return the library that the class of a value comes from."""
     roots = [base.__module__.partition(".")[0] for base in type(value).__mro__]
     return next((root for root in roots if root in _ROOTS), "")
 

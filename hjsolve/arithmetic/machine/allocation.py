@@ -55,7 +55,7 @@ def allocated(
 
 
 def _needed(lines: Sequence[Instruction], results: Sequence[Value]) -> list[Instruction]:
-    """The instructions that some values depend on."""
+    """Return the instructions that some values depend on."""
     wanted, kept = set(results), []
     for line in reversed(lines):
         if not wanted.isdisjoint(line.results):
@@ -95,7 +95,7 @@ def _fused(lines: Sequence[Instruction], results: Sequence[Value]) -> list[Instr
 
 
 def _fusion(outer: str, inner: str, place: int) -> str | None:
-    """The operation that does both; the inner one is the first operand (place 0) or the second."""
+    """Return the operation that does both; the inner one is the first operand (place 0) or the second."""
     if outer == "mul":
         return "absmul" if inner == "abs" else None
     if inner == "mul":

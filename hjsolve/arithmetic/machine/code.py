@@ -39,7 +39,7 @@ class MachineCode:
     rows: int
 
     def __len__(self) -> int:
-        """The number of instructions that are run over all lanes."""
+        """Return the number of instructions that are run over all lanes."""
         return len(self.instructions)
 
     @cached_property

@@ -147,7 +147,7 @@ class KeptCode:
 
 
 def _read(path: Path) -> bytes:
-    """What a file holds after its digest; nothing where the digest is another."""
+    """Return what a file holds after its digest; nothing where the digest is another."""
     try:
         content = path.read_bytes()
     except OSError:

@@ -181,7 +181,7 @@ def pair_sinhcosh(x: float, x_low: float) -> Four:
 
 @exactly
 def _series(first: int, r: float, r_low: float, s: float, s_low: float) -> Two:
-    """The series of sine (1) or cosine (0) of r, s = r²."""
+    """Return the series of sine (1) or cosine (0) of r, s = r²."""
     rest = _TURN_REST[12 + first]
     for n in range(10 + first, -1, -2):
         rest = rest * s + _TURN_REST[n]

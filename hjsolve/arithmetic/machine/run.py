@@ -61,7 +61,10 @@ def prepared(apart: frozenset[int]) -> tuple[int, Integers]:
 
 @cache
 def _compiled(code: int | None) -> Any:
-    """An operation, or the machine (None), as a function with the interface of C; some tenths of a second, once."""
+    """Return an operation, or the machine (None), as a function with the interface of C.
+
+    Some tenths of a second, once.
+    """
     from numba.core import types
     from numba.core.ccallback import CFunc
 

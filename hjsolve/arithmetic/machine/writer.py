@@ -106,7 +106,7 @@ class InstructionWriter:
         return self._numbers.get(x) == number
 
     def _both(self, x: Value, y: Value) -> tuple[float, float] | None:
-        """The numbers that both values are."""
+        """Return the numbers that both values are."""
         return (self._numbers[x], self._numbers[y]) if x in self._numbers and y in self._numbers else None
 
     def rational(self, numerator: int, denominator: int) -> Value:

@@ -179,7 +179,7 @@ def _map(system: System, M: sp.MatrixBase, assigned: Mapping[str, int]) -> Curvi
 
 
 def _in_space(system: System, q: Mapping[str, sp.Symbol], mass: sp.Expr, n: int) -> System:
-    """The same system in x, y, z."""
+    """Return the same system in x, y, z."""
     old = {s: sp.Dummy(s.name, real=True) for s in q.values()}
     q = {role: old[s] for role, s in q.items()}
     taken = {p.name for p in system.parameters}

@@ -54,7 +54,10 @@ def with_named_constants(cartesian: Cartesian) -> tuple[Cartesian, Values]:
 
 
 def _irrational(x: sp.Expr) -> Iterator[sp.Expr]:
-    """The constants of an expression that are not rational: roots, π, values of functions; exponents are left alone."""
+    """Yield the constants of an expression that are not rational: roots, π, values of functions.
+
+    Exponents are left alone.
+    """
     if x.is_Rational:
         return
     if x.is_number and not x.is_Mul and not x.is_Add:

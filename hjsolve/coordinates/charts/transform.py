@@ -110,7 +110,7 @@ def web_of(geometry: Geometry | Web, cartesian: Cartesian, *, budget: float | No
 
 
 def _range(symbol: sp.Symbol, where: CoordinateRange, potential: sp.Expr) -> CoordinateRange:
-    """The range of a coordinate; half a turn of an angle that V holds itself, which acos(cos ν) has become there."""
+    """Return the range of a coordinate; half a turn of an angle that V contains, where acos(cos ν) stands for it."""
     if not where.periodic:
         return where
     circular = (sp.sin, sp.cos, sp.tan)

@@ -62,7 +62,7 @@ def _sides(c: Coordinate, shift: sp.Rational, values: Mapping[sp.Symbol, sp.Expr
 
 
 def _agree(web: Web, cartesian: Cartesian, point: Point) -> bool:
-    """Whether V of the web is V as given at one point, parameters at the values that decide signs."""
+    """Return whether V of the web is V as given at one point, parameters at the values that decide signs."""
     at = {c.symbol: x for c, x in zip(web.system.coordinates, point, strict=True)} | dict(cartesian.values)
     place = {
         c.symbol: web.transformation[c.name].xreplace(at).evalf(_DIGITS + 10) for c in cartesian.system.coordinates
@@ -75,7 +75,7 @@ def _agree(web: Web, cartesian: Cartesian, point: Point) -> bool:
 
 
 def _ended(system: System, k: int, *, angle: bool) -> System:
-    """The system with coordinate k positive, and smaller than π where it was an angle."""
+    """Return the system with coordinate k positive, and smaller than π where it was an angle."""
     name = system.coordinates[k].name
     domains = {c.name: c.domain.written(c.name) for c in system.coordinates}
     domains[name] = f"0 < {name} < pi" if angle else f"0 < {name}"

@@ -130,7 +130,7 @@ def gaussian_curvature(metric: sp.MatrixBase, u: tuple[sp.Symbol, ...]) -> sp.Ex
 
 
 def _turned(system: System, g: sp.MatrixBase, mass: sp.Expr, *, one: int) -> Sphere | None:
-    """The sphere in coordinates of which ``one`` runs along meridians, g = E(u) du² + G(u) dv² on the unit sphere."""
+    """Return the sphere in coordinates with ``one`` along meridians, g = E(u) du² + G(u) dv² on the unit sphere."""
     u, v = (system.coordinates[k].symbol for k in (one, 1 - one))
     E, G = g[one, one], g[1 - one, 1 - one]
     if g[0, 1] != 0 or g.free_symbols & {v}:
@@ -163,7 +163,7 @@ def _inverse(Z: sp.Expr, u: sp.Symbol, system: System) -> sp.Expr | None:
 
 
 def _stereographic(system: System, g: sp.MatrixBase, mass: sp.Expr) -> Sphere | None:
-    """The sphere seen from its pole: g = 4 s² (dx² + dy²)/((1 + s² ((x − x₀)² + (y − y₀)²))²)."""
+    """Return the sphere seen from its pole: g = 4 s² (dx² + dy²)/((1 + s² ((x − x₀)² + (y − y₀)²))²)."""
     x, y = (q.symbol for q in system.coordinates)
     if g[0, 1] != 0 or not _same(g[0, 0], g[1, 1]):
         return None

@@ -94,13 +94,13 @@ def webs_on_sphere(given: OnSphere, *, budget: float) -> tuple[list[Geometry], t
 
 
 def _web(geometry: Geometry, given: OnSphere, budget: float) -> Web:
-    """The web in coordinates of the whole sphere, or where these do not do, of one octant."""
+    """Return the web in coordinates of the whole sphere, or where these do not do, of one octant."""
     webs = [web for local in charts_on_sphere(geometry, given) if (web := _transformed(geometry, local, given, budget))]
     return next((web for web in webs if web.certified), webs[-1])
 
 
 def charts_on_sphere(geometry: Geometry | Web, given: OnSphere) -> Iterator[SeparableChart]:
-    """The charts of a web on the unit sphere, that of the whole sphere first.
+    """Yield the charts of a web on the unit sphere, that of the whole sphere first.
 
     Args:
         geometry: kind and constants of the web.
@@ -117,7 +117,7 @@ def charts_on_sphere(geometry: Geometry | Web, given: OnSphere) -> Iterator[Sepa
 
 
 def _transformed(geometry: Geometry, local: SeparableChart, given: OnSphere, budget: float) -> Web | None:
-    """The transformed system; None where its V is not the given one everywhere."""
+    """Return the transformed system; None where its V is not the given one everywhere."""
     space, sphere, names = given.space, given.sphere, tuple(s.name for s in local.symbols)
     L = sp.symbols("X0:3", real=True)
     moved = [sp.Add(*(axis[i] * Xi for axis, Xi in zip(geometry.axes, L, strict=True))) for i in range(3)]

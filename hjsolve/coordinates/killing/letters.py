@@ -152,7 +152,7 @@ def kernel_in_letters(samples: Samples, table: EquationTable, width: int) -> lis
 
 
 def _confirmed(found: Sequence[Fractional], samples: Samples, table: EquationTable, width: int) -> bool:
-    """Whether the kernel at other values, modulo another prime, is the one found."""
+    """Return whether the kernel at other values, modulo another prime, is the one found."""
     box, dice = KernelAtValues(samples, table, width, _CHECK), Random(5)  # noqa: S311
     for _ in range(2):
         point = tuple(dice.randrange(2, _CHECK - 1) for _ in samples.made_of.ground.parameters)
@@ -189,7 +189,7 @@ def _in_field(found: Sequence[Fractional], ground: Ground, width: int) -> list[l
 
 
 def letters_are_polynomial(samples: Samples) -> bool:
-    """Whether V is a polynomial in its letters, so that elimination over their ring is short.
+    """Return whether V is a polynomial in its letters, so that elimination over their ring is short.
 
     Args:
         samples: of the derivatives of V.

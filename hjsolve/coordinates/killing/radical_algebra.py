@@ -83,7 +83,7 @@ def _prepare(expression: sp.Expr, coordinates: Sequence[sp.Symbol]) -> sp.Expr:
 
 
 def _held(expression: sp.Expr, functions: Iterable[type[sp.Function]]) -> list[type[sp.Function]]:
-    """Those of some functions that an expression holds."""
+    """Return those of some functions that an expression holds."""
     every = parts([expression])
     return [function for function in functions if any(isinstance(part, function) for part in every)]
 
@@ -196,7 +196,7 @@ class PointAlgebra:
         return total
 
     def _monomial(self, first: Key, second: Key) -> Element:
-        """The product of two monomials in the radicals."""
+        """Return the product of two monomials in the radicals."""
         if (first, second) not in self._products:
             self._products[first, second] = self._reduced(first, second)
         return self._products[first, second]

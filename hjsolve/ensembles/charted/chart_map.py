@@ -117,7 +117,7 @@ def chart_map(
 def _in_space(
     chart: Chart, x: list[sp.Symbol], rates: list[sp.Symbol], kind: str, frame: str
 ) -> tuple[list[sp.Expr], list[sp.Expr]]:
-    """The point of space, and its momentum (velocity where T is that of Cartesian coordinates and velocities come)."""
+    """Return the point of space and its momentum (its velocity where T is Cartesian and velocities are given)."""
     outer = chart.outer
     if not isinstance(outer, CurvilinearMap):
         return list(x), list(rates)
@@ -134,7 +134,7 @@ def _in_space(
 
 
 def _functions_of(chart: Chart) -> list[sp.Expr]:
-    """What of a coordinate occurs in X: sines of it, or itself."""
+    """Return what of a coordinate occurs in X: sines of it, or itself."""
     return [
         sp.Add(*(f for place in chart.place for f in place.atoms(sp.sin, sp.cos, sp.sinh, sp.cosh) if f.has(s)))
         for s in chart.symbols
@@ -152,7 +152,7 @@ class _Numbers:
         return to_bits(sp.sympify(e).xreplace(self.values))(_BITS)
 
     def term(self, value: Any) -> sp.Expr:
-        """A number of many digits as a term of a formula."""
+        """Return a number of many digits as a term of a formula."""
         scaled = value * 2**_SHORT
         if scaled == int(scaled) and abs(scaled) < 2 ** (2 * _SHORT):
             return sp.Rational(int(scaled), 2**_SHORT)
@@ -162,7 +162,7 @@ class _Numbers:
 
 
 def _frame(chart: Chart, numbers: _Numbers, kind: str) -> tuple[list[sp.Expr], Any, Any]:
-    """The origin, frame⁻¹, and frameᵀ (times the masses where velocities are given), entry by entry."""
+    """Return the origin, frame⁻¹, and frameᵀ (times the masses where velocities are given), entry by entry."""
     c = Multi(_BITS).context
     frame = c.matrix([[numbers.value(e) for e in row] for row in chart.frame.tolist()])
     forward = frame.T
@@ -183,7 +183,7 @@ def _frame(chart: Chart, numbers: _Numbers, kind: str) -> tuple[list[sp.Expr], A
 
 
 def _tidy(x: Any, c: Any) -> Any:
-    """A short binary number where x is one but for the rounding of an inverse matrix."""
+    """Return a short binary number where x is one but for the rounding of an inverse matrix."""
     near = c.nint(x * 2**_SHORT) / 2**_SHORT
     return near if abs(near - x) <= abs(x) * c.mpf(2) ** (-_NOUGHT // 2) else x
 

@@ -137,7 +137,7 @@ def _separated(chart: ChartMap) -> list[int]:
 
 
 def _moved(chart: ChartMap, found: SeparatedStarts) -> tuple[Reals, Reals]:
-    """How far û is moved into the motion, and the momenta there."""
+    """Return how far û is moved into the motion, and the momenta there."""
     moved, p = np.zeros_like(found.q), found.p.copy()
     for row, k in enumerate(_separated(chart)):
         slope, step = found.slope[row], np.maximum(found.loss[k], np.spacing(np.abs(found.q[k])))
@@ -149,7 +149,7 @@ def _moved(chart: ChartMap, found: SeparatedStarts) -> tuple[Reals, Reals]:
 
 
 def _phase_rate(unitless: bool, u: Reals, p: Reals, slope: Reals, bend: Reals) -> Reals:
-    """A bound on dχ/du of the phase χ of a coordinate, but for ``_PHASE``.
+    """Return a bound on dχ/du of the phase χ of a coordinate, but for ``_PHASE``.
 
     It is √S/|p| with p² = (u − a)(b − u) S, where S is about |F″|/2; where that is small, F′ over the width b − a,
     which is larger than p²/F′ and taken to be no less than a part of the natural length of u. It is 1 for a rotation.

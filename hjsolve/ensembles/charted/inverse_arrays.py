@@ -137,7 +137,7 @@ def _paraboloidal(X: Sequence[Reals], lengths: Lengths) -> list[Reals]:
 
 
 def _three_roots(total: Elementwise, pairs: Elementwise, product: Elementwise) -> list[Reals]:
-    """The real roots of s³ − total·s² + pairs·s − product in rising order, by the cosine of a third of an angle."""
+    """Return real roots of s³ − total·s² + pairs·s − product in rising order, by the cosine of a third of an angle."""
     middle, width = total / 3, _root(total**2 - 3 * pairs)
     cosine = _over(2 * total**3 - 9 * total * pairs + 27 * product, 2 * width**3, 1.0)
     angle = np.arccos(np.clip(cosine, -1.0, 1.0))

@@ -140,7 +140,7 @@ def _rounding(
     formulas: ChartFormulas, errors: RunningError[N], known: Known[N], given: tuple[list[N], list[N], list[N]],
     constants: list[N],
 ) -> tuple[list[N], list[N]]:  # fmt: skip
-    """What doubles lose of p_u and of F(û); two doubles lose 2⁻⁴⁴ of it at most."""
+    """Return what doubles lose of p_u and of F(û); two doubles lose 2⁻⁴⁴ of it at most."""
     q, x, rates = given
     start = [WithErrorBound(row) for row in (*in_order_of_chart(formulas.order, q), *x)]
     steps = [r.error for r in formulas.step.run(errors, [*start, *known.numbers])]
@@ -207,7 +207,7 @@ def known_values(writer: InstructionWriter, formulas: ChartFormulas) -> tuple[Kn
 
 @lru_cache(maxsize=64)
 def _starts(formulas: ChartFormulas, near: bool) -> MachineCode:
-    """The rows of ``ExactStarts``; with ``near`` functions of u come from those of û."""
+    """Return the rows of ``ExactStarts``; with ``near`` functions of u come from those of û."""
     writer, n = InstructionWriter(), len(formulas.order)
     pairs, (q, x, rates) = PairWriter(writer), (writer.inputs(n) for _ in range(3))
     known, exact = known_values(writer, formulas)
@@ -227,7 +227,7 @@ def _starts(formulas: ChartFormulas, near: bool) -> MachineCode:
 
 @lru_cache(maxsize=64)
 def _point(formulas: ChartFormulas) -> MachineCode:
-    """The exact positions, high parts and then low ones."""
+    """Return the exact positions, high parts and then low ones."""
     writer, n = InstructionWriter(), len(formulas.order)
     pairs = PairWriter(writer)
     blocks = [[pairs.of(value) for value in writer.inputs(n)] for _ in range(3)]

@@ -111,7 +111,7 @@ class Clearance:
         return None if self._table is None else self._table.cells
 
     def _radius_at(self, centre: Complexes, smallest: Reals) -> Reals:
-        """The largest radius about some places, at least the smallest, to a tenth or so; 0 for none.
+        """Return the largest radius about some places, at least the smallest, to a tenth or so; 0 for none.
 
         What holds in a disk is taken to hold in smaller ones; where it is not so, a smaller radius may be found.
         """
@@ -142,7 +142,7 @@ class Clearance:
         return np.logical_and.reduce(self._bounded(constants, centres, radii, real), axis=1)
 
     def _bounded(self, constants: tuple[Reals, ...], centres: Reals | Complexes, radii: Reals, real: Reals) -> Mask:
-        """The same for each of the disks."""
+        """Return the same for each of the disks."""
         with np.errstate(all="ignore"):
             sizes = self._parts.run(Float64(), [real, *self._known(constants)])
             place = Disk(centres.astype(complex), radii + 4 * UNIT * np.abs(centres))
@@ -223,7 +223,7 @@ class _Table:
 
 
 def _depth(cells: Integers, radius_at: RadiusAt) -> Integers:
-    """How often some large cells are to be halved; a function of each cell alone.
+    """Return how often some large cells are to be halved; a function of each cell alone.
 
     Where the middle of a cell says that it is to be divided, the least radius about the middles of 16 parts decides.
     """
@@ -252,13 +252,13 @@ def _shares(re: Reals, im: Reals) -> tuple[Reals, Reals]:
 
 
 def _numbers(size: Reals, share: Reals, left: Mask, depth: _Often) -> tuple[Integers, Integers]:
-    """The cell of a place when all cells are halved ``depth`` times: along its size, and along the angle."""
+    """Return the cell of a place when all cells are halved ``depth`` times: along its size, and along the angle."""
     turn = np.minimum((share * (QUARTER << depth)).astype(np.int64), (QUARTER << depth) - 1)
     return size.view(np.int64) >> (DROPPED - depth), np.where(left, (2 * QUARTER << depth) - 1 - turn, turn)
 
 
 def _middle(along: Integers, turn: Integers, depth: _Often) -> tuple[Complexes, Reals]:
-    """A place within each cell, and the distance of its farthest corner."""
+    """Return a place within each cell, and the distance of its farthest corner."""
     left = turn >= (QUARTER << depth)
     turn = np.where(left, (2 * QUARTER << depth) - 1 - turn, turn)
     sizes = [((along + k) << (DROPPED - depth)).view(np.float64) for k in (0, 1)]

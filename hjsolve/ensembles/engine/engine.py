@@ -133,7 +133,7 @@ def build(
 
 
 def _names(solution: Solution, want: frozenset[str]) -> dict[str, tuple[str, ...]]:
-    """Columns of every quantity: coordinates that are separated or ignorable angles have actions and angles."""
+    """Return columns of every quantity: coordinates that are separated or ignorable angles have actions and angles."""
     periodic = tuple(
         c.name for c in solution.system.coordinates if c.name in solution.coordinates or c.domain.kind == "angle"
     )

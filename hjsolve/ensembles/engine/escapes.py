@@ -184,7 +184,7 @@ def _from_turning_point(
 
 
 def _free(way: EscapeRoute) -> Mask:
-    """Whether F > 0 all the way, and the turning point is where it is said to be."""
+    """Return whether F > 0 all the way, and the turning point is where it is said to be."""
     with np.errstate(all="ignore"):
         left = np.flatnonzero(np.isfinite(way.start) & np.isfinite(way.error) & np.isfinite(way.size))
         proved, begin = np.zeros(len(way.start), dtype=bool), np.full(len(way.start), np.nan)
@@ -203,7 +203,7 @@ def _free(way: EscapeRoute) -> Mask:
 
 
 def _begun(way: EscapeRoute) -> Reals:
-    """The distance up to which the first cell is settled, NaN where it is not."""
+    """Return the distance up to which the first cell is settled, NaN where it is not."""
     everything, side = np.arange(len(way.start)), way.side
     turning = way.error > 0
     outer, inner = way.start - side * way.error, way.start + side * way.error
@@ -233,7 +233,7 @@ def _cell(one: Reals, other: Reals) -> Interval:
 
 
 def _positive(way: EscapeRoute, begin: Reals, far: Reals) -> Mask:
-    """Whether F > 0 at all distances from ``begin`` to beyond x = ``far``."""
+    """Return whether F > 0 at all distances from ``begin`` to beyond x = ``far``."""
     n, side = len(begin), way.side
     end = far + np.abs(way.start)
     steps = np.ceil(np.log(end / begin) / np.log(_RATIO)).astype(int)
@@ -260,7 +260,7 @@ def _positive(way: EscapeRoute, begin: Reals, far: Reals) -> Mask:
 
 # ------------------------------------------------------------------------------------------------ to infinity
 def _beyond(way: EscapeRoute, far: Reals) -> Mask:
-    """Whether F > 0 wherever side·x ≥ far: over one endless cell, or by expansions."""
+    """Return whether F > 0 wherever side·x ≥ far: over one endless cell, or by expansions."""
     proved = way.radicand(np.arange(len(far)), _cell(way.side * far, np.full_like(far, way.side * np.inf))).low > 0
     left = np.flatnonzero(~proved)
     if len(left):
@@ -289,7 +289,7 @@ def _for_box(way: EscapeRoute, far: Reals, index: Integers, proved: Mask) -> Non
 
 
 def _spread(values: Reals) -> float:
-    """How many powers of two values span; those with both signs come next to those that span half a power.
+    """Return how many powers of two values span; those with both signs come next to those that span half a power.
 
     What leads p² at infinity is mostly a constant of one sign, the energy, and has to be known best.
     """
@@ -300,7 +300,7 @@ def _spread(values: Reals) -> float:
 
 
 def _cut(values: Reals) -> int:
-    """Where to divide sorted values: at a change of sign, else in the middle of their logarithms."""
+    """Return where to divide sorted values: at a change of sign, else in the middle of their logarithms."""
     negative = int(np.searchsorted(values, 0.0))
     if 0 < negative < len(values):
         return negative

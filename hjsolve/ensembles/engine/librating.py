@@ -128,7 +128,7 @@ def rough_ones(sums: Sums, modes: Modes) -> Mask:
 
 
 def _smallness(one: CoordinateOfOrbits) -> Reals:
-    """The error of p² at the start over about how large p² becomes; 0 where small motions have no view."""
+    """Return the error of p² at the start over about how large p² becomes; 0 where small motions have no view."""
     found = np.zeros(len(one.q))
     if has_slopes(one.coordinate.plain):
         view = one.programs.views[0]
@@ -161,7 +161,7 @@ def _wide(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, Motions]:
 
 
 def _between(one: CoordinateOfOrbits) -> tuple[Motions, _Ends]:
-    """The motions between their turning points, in doubles."""
+    """Return the motions between their turning points, in doubles."""
     n = len(one.q)
     places, bends, distances = np.empty((2, n)), np.empty((2, 2, n)), []
     lanes = Lanes(np.zeros((5, _SEARCHING), dtype=np.int64), np.empty((4, _SEARCHING)), np.empty((3, n)))
@@ -213,7 +213,7 @@ def _integrated(one: CoordinateOfOrbits, motions: Motions, modes: Modes, program
 
 
 def _told(one: CoordinateOfOrbits, lower: Reals, upper: Reals) -> tuple[Reals, Reals]:
-    """Turning points and bounds on their errors: what the rounding of F there leaves of them."""
+    """Return turning points and bounds on their errors: what the rounding of F there leaves of them."""
     known, places, errors = np.concatenate([one.constants, one.uncertainty]), [], []
     for formula, view, x in zip(sides(one.coordinate), one.programs.views, (lower, upper), strict=True):
         with np.errstate(all="ignore"):
@@ -260,12 +260,12 @@ def _exactly(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, list[Reals], 
 
 
 def _in_doubles(one: CoordinateOfOrbits) -> Reals:
-    """Bounds on the errors that the constants have in doubles, of which 32 digits leave a part."""
+    """Return bounds on the errors that the constants have in doubles, of which 32 digits leave a part."""
     return one.uncertainty + np.maximum(one.uncertainty - np.abs(one.low), 0.0) * 2.0**44
 
 
 def _refined(one: CoordinateOfOrbits, side: int, x: Reals, C: Reals) -> tuple[Pair, Reals, Reals]:
-    """Turning points to 32 digits by Newton's method with F′ in doubles, F′ there, and the last step."""
+    """Return turning points to 32 digits by Newton's method with F′ in doubles, F′ there, and the last step."""
     slopes, squares = one.programs.views[side].slopes, one.programs.exact[side].squares
     with np.errstate(all="ignore"):
         _, slope = run_rows(slopes, one.parameters, np.stack([x, *one.constants]))
@@ -281,7 +281,7 @@ def _refined(one: CoordinateOfOrbits, side: int, x: Reals, C: Reals) -> tuple[Pa
 def _told_to_32_digits(
     one: CoordinateOfOrbits, bases: list[Reals], slopes: Reals, fine: Integers
 ) -> tuple[Reals, Reals]:
-    """The turning points of some of the orbits, and bounds on their errors."""
+    """Return the turning points of some of the orbits, and bounds on their errors."""
     zero, places, errors = np.zeros(len(one.q)), [], []
     given = np.stack([zero, zero, zero, *one.constants, *one.low, *bases, *_in_doubles(one)])
     for k, formula in enumerate(sides(one.coordinate)):
@@ -345,7 +345,10 @@ def _small(one: CoordinateOfOrbits, modes: Modes, known: Reals, ends: Reals) -> 
 
 
 def _told_from_start(one: CoordinateOfOrbits, known: Reals, ends: Reals) -> tuple[Reals, Reals]:
-    """Turning points of small motions; |F′| there is W S, with S = 4F/W² from the middle, of which half is taken."""
+    """Return turning points of small motions.
+
+    |F′| there is W S, with S = 4F/W² from the middle, of which half is taken.
+    """
     code, (low, high), errors = one.programs.small.errors, ends, []
 
     def looked(x: Reals) -> Reals:
@@ -361,7 +364,7 @@ def _told_from_start(one: CoordinateOfOrbits, known: Reals, ends: Reals) -> tupl
 
 
 def _at_rest(one: CoordinateOfOrbits, first: Reals) -> Sums:
-    """A stable double zero of p²: J = 0 and ∂J/∂cⱼ = kⱼ/√(−½F″), the limit of a vanishing libration."""
+    """Return a stable double zero of p²: J = 0 and ∂J/∂cⱼ = kⱼ/√(−½F″), the limit of a vanishing libration."""
     m, made = len(one.constants), one.programs.small
     given = np.stack([one.q, *one.constants, *one.uncertainty])
     sums = no_sums(m, len(one.q))
@@ -399,7 +402,10 @@ class _Ends(NamedTuple):
         return self._replace(bends=self.bends[..., index], even=self.even[index])
 
     def maps(self, width: Reals, *, alike: bool = False) -> tuple[Integers, Integers]:
-        """The maps of the motions, and how much is seen from below; ``alike``: both ends as if like the worse one."""
+        """Return the maps of the motions, and how much is seen from below; ``alike``.
+
+        Both ends as if like the worse one.
+        """
         found = []
         with np.errstate(all="ignore"):
             for (first, bend), sign in zip(self.bends, self.signs, strict=True):
@@ -422,7 +428,7 @@ def _taken(motions: Motions, index: Integers) -> Motions:
 
 
 def _home(view: LoweredFormula, own: Reals, other: LoweredFormula, far: Reals) -> Reals:
-    """That turning point, as an offset in a view, from which places keep their digits: the one nearer to x = 0.
+    """Return that turning point, as an offset in a view, from which places keep their digits: the one nearer to x = 0.
 
     Args:
         view, own: of the turning point from which p² is seen there.

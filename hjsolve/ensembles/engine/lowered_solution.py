@@ -192,7 +192,7 @@ def _separated(
 
 
 def _parts(F: sp.Expr, constants: list[sp.Symbol]) -> list[sp.Expr] | None:
-    """The coefficients of F as a polynomial in the constants; None where it is none, or of a high degree."""
+    """Return the coefficients of F as a polynomial in the constants; None where it is none, or of a high degree."""
     found, level = [], [(F, 0)]
     none = dict.fromkeys(constants, 0)
     for _ in range(_HIGHEST_DEGREE + 1):
@@ -209,7 +209,7 @@ def _parts(F: sp.Expr, constants: list[sp.Symbol]) -> list[sp.Expr] | None:
 
 
 def _shapes(parts: list[sp.Expr], q: sp.Symbol) -> tuple[sp.Expr, ...]:
-    """Some functions of q without their strengths, so that formulas that differ by these alone share a table.
+    """Return some functions of q without their strengths, so that formulas that differ by these alone share a table.
 
     A factor that q is not in changes nothing of where a function is analytic, nor of how it grows. A sum of powers of q
     gives way to the powers: each of them grows in a disk as it does about every other place.

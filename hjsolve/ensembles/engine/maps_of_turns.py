@@ -73,7 +73,7 @@ def _of_this_process() -> TurnMaps:
 
 
 def _shared() -> tuple[Reals, Reals, Reals]:
-    """What depends on the sizes alone: ``circle``, with ones in a third row, ``last`` and ``middle``."""
+    """Return what depends on the sizes alone: ``circle``, with ones in a third row, ``last`` and ``middle``."""
     circle = np.ones((len(COUNTS), 3, 2 * _WIDEST))
     last, middle = np.zeros((len(COUNTS), 6, _WIDEST)), np.zeros((len(COUNTS), 6, _WIDEST))
     for k, count in enumerate(COUNTS):

@@ -191,7 +191,7 @@ def _of_this_process() -> NodeMaps:
 
 
 def _shared_tables() -> Tables:
-    """What depends on the sizes alone."""
+    """Return what depends on the sizes alone."""
     size = len(COUNTS)
     last, middle = np.zeros((size, 5, _WIDEST)), np.zeros((size, 3, _WIDEST))
     cosines = []
@@ -211,7 +211,7 @@ def _shared_tables() -> Tables:
 
 
 def _rows(key: NodeMap) -> dict[str, Elementwise]:
-    """The rows of one map in the tables."""
+    """Return the rows of one map in the tables."""
     samples = SAMPLES if key.level == 0 else STRETCHED_SAMPLES
     parts = [nodes.equal_anomalies(count, key.symmetry * count) for count in COUNTS]
     share = np.pi / key.symmetry / (samples - 1 + 2 * _MARGIN)

@@ -184,7 +184,7 @@ def _bulirsch(u: Pair, means: list[tuple[Pair, Pair]]) -> tuple[Pair, Pair, Pair
 
 @cache
 def shifts(count: int, symmetry: int) -> tuple[Reals, Reals]:
-    """What a shift δF of p² does to the mean of k r, in terms of g = k r δF sin²χ/F.
+    """Return what a shift δF of p² does to the mean of k r, in terms of g = k r δF sin²χ/F.
 
     The change is the finite part −½ ∫ g/sin²χ dχ/π = −½ ∫ g′ cot χ dχ/π, at most ½ Σ |Δg| cot χ/π from node to node,
     the first step half as much again because g′ vanishes at a turning point. The bound is twice that, for safety.

@@ -49,7 +49,7 @@ def room(clearance: Clearance, middle: Reals, width: Reals) -> Reals:
 def least_at_a_glance(
     maps: NodeMaps, clearance: Clearance, constants: tuple[Reals, ...], middle: Reals, width: Reals
 ) -> Integers:
-    """The first size that one disk about the middle of a motion proves to be enough, −1 for none."""
+    """Return the first size that one disk about the middle of a motion proves to be enough, −1 for none."""
     known = np.nan_to_num(room(clearance, middle, width), nan=-1.0)
     enough = maps.strips.enough[0]
     least = np.searchsorted(-enough, -known)
@@ -79,7 +79,9 @@ class ResolutionProof:
     above: Clearance
 
     def least(self, left: Integers, maps: Integers, span: Integers) -> Integers:
-        """The first size that is proved to resolve some orbits, −1 for none; the tables grow until they tell for all.
+        """Return the first size that is proved to resolve some orbits, −1 for none.
+
+        The tables grow until they tell for all.
 
         Args:
             left: which orbits.

@@ -107,7 +107,7 @@ def rotations(one: CoordinateOfOrbits, slow: SlowPlaces, modes: Modes, *, finely
 
 
 def _least(clearance: Clearance, slow: SlowPlaces, direction: Reals) -> Integers:
-    """The first size that is proved to resolve each orbit, −1 for none: p² is known between the nodes.
+    """Return the first size that is proved to resolve each orbit, −1 for none: p² is known between the nodes.
 
     See ``proof_of_resolution``; what is proved for a number of nodes is proved for more, whose strip is narrower.
     """
@@ -134,7 +134,10 @@ def _least(clearance: Clearance, slow: SlowPlaces, direction: Reals) -> Integers
 
 
 def _share(clearance: Clearance, slow: SlowPlaces, direction: Reals, count: int, *, coarse: bool) -> Reals:
-    """The least radius that is known over the one needed, of orbits with the same nodes; 0 where am has a pole."""
+    """Return the least radius that is known over the one needed, of orbits with the same nodes.
+
+    0 where am has a pole.
+    """
     over = covered_turn(rotation_nodes(2 * count, int(slow.level[0]), 1 + int(slow.several[0])), coarse=coarse)
     if not over.inside:
         return np.zeros(len(slow.level))

@@ -90,7 +90,7 @@ def slow_places(jet: Jet, values: Reals, grid: Reals) -> SlowPlaces:
 
 
 def _refined(jet: Jet, place: Reals) -> tuple[Reals, Reals, Reals]:
-    """A place where F is least, the distance √(2F/F″) of zeros from the real line, NaN for none near, and F."""
+    """Return a place where F is least, the distance √(2F/F″) of zeros from the real line, NaN for none near, and F."""
     going = np.ones(len(place), dtype=bool)
     with np.errstate(all="ignore"):
         for _ in range(8):
@@ -104,7 +104,7 @@ def _refined(jet: Jet, place: Reals) -> tuple[Reals, Reals, Reals]:
 
 
 def _second(values: Reals, grid: Reals, slow: Reals) -> tuple[Integers, Mask]:
-    """The point of the grid at the bottom of the narrowest of all other valleys, and whether there is one."""
+    """Return the point of the grid at the bottom of the narrowest of all other valleys, and whether there is one."""
     before, after = np.roll(values, 1, axis=1), np.roll(values, -1, axis=1)
     away = np.abs((grid - slow[:, None] + np.pi) % (2 * np.pi) - np.pi) > _AWAY * 2 * np.pi / len(grid)
     bend = before - 2 * values + after
@@ -116,7 +116,7 @@ def _second(values: Reals, grid: Reals, slow: Reals) -> tuple[Integers, Mask]:
 
 
 def _one(gap: Reals, other: Reals) -> tuple[Integers, Reals]:
-    """The level with which nodes that crowd at one place are fewest, and half the width of the strip in χ.
+    """Return the level with which nodes that crowd at one place are fewest, and half the width of the strip in χ.
 
     Without a second slow place the zeros of p² go where dn has its poles. With one the best level is that at which the
     narrowest strip, of the zeros beside either place or of the poles, is widest.
@@ -135,7 +135,7 @@ def _one(gap: Reals, other: Reals) -> tuple[Integers, Reals]:
 
 
 def _two(gap: Reals, ratio: Reals) -> tuple[Integers, Reals]:
-    """The same for nodes that crowd at two places; the gap is the smaller one, in θ."""
+    """Return the same for nodes that crowd at two places; the gap is the smaller one, in θ."""
     with np.errstate(all="ignore"):
         wanted = np.rint(-np.log2(0.5 * np.nan_to_num(gap, nan=1.0, posinf=1.0)))
         level = np.clip(wanted, 0, MOST_LEVEL).astype(int)
@@ -153,7 +153,7 @@ def _levels() -> tuple[Reals, Reals]:
 
 
 def _mean(start: Reals) -> Reals:
-    """The arithmetic-geometric mean with 1; 2K/π = 1/mean(k′) (DLMF 19.8.5)."""
+    """Return the arithmetic-geometric mean with 1; 2K/π = 1/mean(k′) (DLMF 19.8.5)."""
     a, b = np.ones_like(start), start
     for _ in range(64):
         a, b = 0.5 * (a + b), np.sqrt(a * b)

@@ -61,7 +61,7 @@ class MomentumRule:
 
 @lru_cache(maxsize=64)
 def _rounded(tape: Tape, parameters: int) -> MachineCode:
-    """Momenta and bounds on their errors, in doubles."""
+    """Return momenta and bounds on their errors, in doubles."""
     writer = InstructionWriter()
     given = [WithErrorBound(x) for x in writer.inputs(len(tape.inputs) - parameters)]
     known = [WithErrorBound(writer.parameter(), writer.parameter()) for _ in range(parameters)]
@@ -72,7 +72,7 @@ def _rounded(tape: Tape, parameters: int) -> MachineCode:
 
 @lru_cache(maxsize=64)
 def _exact(tape: Tape, parameters: int) -> MachineCode:
-    """Momenta in two doubles, high parts and then low ones."""
+    """Return momenta in two doubles, high parts and then low ones."""
     writer = InstructionWriter()
     pairs = PairWriter(writer)
     given = [pairs.of(x) for x in writer.inputs(len(tape.inputs) - parameters)]
@@ -120,7 +120,7 @@ class Starts:
 
 
 def given_momenta(q: Reals, p: Reals) -> Starts:
-    """Starts of orbits whose momenta are the doubles they are.
+    """Return starts of orbits whose momenta are the doubles they are.
 
     Args:
         q, p: of all coordinates, shape (coordinates, n).
@@ -130,7 +130,7 @@ def given_momenta(q: Reals, p: Reals) -> Starts:
 
 
 def from_velocities(rule: MomentumRule, q: Reals, velocity: Reals) -> Starts:
-    """Starts of orbits whose velocities are given.
+    """Return starts of orbits whose velocities are given.
 
     Args:
         rule: of the system.

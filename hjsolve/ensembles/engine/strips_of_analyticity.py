@@ -203,7 +203,7 @@ def _rectangles(table: Nodes, a: float, length: float, shape: tuple[int, int]) -
 
 
 def _goal(χ: Complexes, table: Nodes) -> Complexes:
-    """The anomaly before nodes were crowded."""
+    """Return the anomaly before nodes were crowded."""
     γ, δ = table.node_map
     return χ + γ * np.sin(χ) + 0.5 * δ * np.sin(2 * χ)
 

@@ -141,7 +141,7 @@ def _third(way: Way, place: sp.Expr | None) -> sp.Expr:
 
 
 def _complex_third(way: Way, ρ: Parts) -> Parts:
-    """The same of a complex place; with v(ρ) off the negative axis every argument is, see ``_third``.
+    """Return the same of a complex place; with v(ρ) off the negative axis every argument is, see ``_third``.
 
     Of the two values of a root in κ either will do: p₊² p₋² = a² v(ρ), and neither is ever negative.
     """

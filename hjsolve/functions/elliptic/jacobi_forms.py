@@ -124,7 +124,7 @@ def _legendre(R: PartialFractions, way: Way) -> sp.Expr:
     E = sp.elliptic_e(m) if whole else sp.elliptic_e(φ, m)
 
     def third(place: sp.Expr | None) -> sp.Expr:
-        """The integral of sn²/(1 − n sn²), n from the place of the pole (Byrd & Friedman 310, 318, 337)."""
+        """Return the integral of sn²/(1 − n sn²), n from the place of the pole (Byrd & Friedman 310, 318, 337)."""
         if place == order.points[0] and whole:
             raise NoForm("the integral diverges at the end of the interval")
         if place == order.points[0]:

@@ -116,7 +116,7 @@ def first_and_other_kinds(R: PartialFractions, way: Way, kinds: Kinds) -> sp.Exp
 
 
 def whole_way(P: BranchPoints, interval: Interval) -> Way:
-    """The way through the whole interval, from its lower end if that is a root.
+    """Return the way through the whole interval, from its lower end if that is a root.
 
     Args:
         P: the branch points.

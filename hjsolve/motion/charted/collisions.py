@@ -64,7 +64,7 @@ def collision_times(chart: Chart, motion: Motion) -> tuple[str, Ends] | None:
 
 
 def _infinite(chart: Chart, motion: Motion, place: list[Mpf], field: Multi) -> bool:
-    """Whether h² V does not vanish at a focus, where h² does."""
+    """Return whether h² V does not vanish at a focus, where h² does."""
     values, system = motion.initial.values, chart.system
     rest = [system.coordinate(name).symbol for name in chart.coordinates[2:]]
     fixed = [*rest, *(p.symbol for p in system.parameters)]

@@ -106,7 +106,7 @@ def _exact_point(chart: Chart, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[lis
 
 
 def _plane(chart: Chart, kept: tuple[int, ...]) -> Chart | None:
-    """The system without the coordinates across an axis or plane; None where a body there would leave it."""
+    """Return the system without the coordinates across an axis or plane; None where a body there would leave it."""
     original = chart.space
     taken = {p.name for p in original.parameters}
     L = [sp.Symbol(name if name not in taken else f"{name}_web", real=True) for name in "XYZ"[: chart.frame.cols]]

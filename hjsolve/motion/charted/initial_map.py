@@ -142,7 +142,9 @@ def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr
 
 
 def _inside(chart: Chart, u: list[Mpf]) -> list[Mpf]:
-    """The coordinates of the point that are in their ranges: (−u, −v) for (u, v) where one of them has to be positive.
+    """Return the coordinates of the point that are in their ranges.
+
+    (−u, −v) for (u, v) where one of them has to be positive.
 
     Raises:
         InvalidInputError: the point is on the edge, where V has a crease.

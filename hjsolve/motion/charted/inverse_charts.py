@@ -119,7 +119,7 @@ def _conical(X: Sequence[Mpf], lengths: Lengths, c: Context) -> list[Mpf]:
 
 
 def _ellipsoidal(X: Sequence[Mpf], lengths: Lengths, c: Context) -> list[Mpf]:
-    """The roots u < v < w of Π(s − aᵢ) − Σ xᵢ² Π_{j≠i}(s − aⱼ), x = X/a."""
+    """Return the roots u < v < w of Π(s − aᵢ) − Σ xᵢ² Π_{j≠i}(s − aⱼ), x = X/a."""
     a, b = lengths["a"], [lengths[f"a{i}"] for i in (1, 2, 3)]
     x = [value / a for value in X]
     squares = [value**2 for value in x]
@@ -144,7 +144,7 @@ def _ellipsoidal(X: Sequence[Mpf], lengths: Lengths, c: Context) -> list[Mpf]:
 
 
 def _paraboloidal(X: Sequence[Mpf], lengths: Lengths, c: Context) -> list[Mpf]:
-    """The roots u < v < w of (s − 2x)(s − b)(s − c) − y²(s − c) − z²(s − b), (x, y, z) = X/a."""
+    """Return the roots u < v < w of (s − 2x)(s − b)(s − c) − y²(s − c) − z²(s − b), (x, y, z) = X/a."""
     a, b, e = (lengths[name] for name in ("a", "b", "c"))
     x, y, z = (value / a for value in X)
     u, v, w = _three_roots(2 * x + b + e, 2 * x * (b + e) + b * e - y**2 - z**2, 2 * x * b * e - y**2 * e - z**2 * b, c)
@@ -161,7 +161,7 @@ def _paraboloidal(X: Sequence[Mpf], lengths: Lengths, c: Context) -> list[Mpf]:
 
 
 def _three_roots(total: Mpf, pairs: Mpf, product: Mpf, c: Context) -> list[Mpf]:
-    """The real roots of s³ − total·s² + pairs·s − product in rising order, by the cosine of a third of an angle."""
+    """Return real roots of s³ − total·s² + pairs·s − product in rising order, by the cosine of a third of an angle."""
     middle = total / 3
     width2 = max(total**2 - 3 * pairs, c.zero)
     if not width2:

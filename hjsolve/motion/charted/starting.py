@@ -86,7 +86,7 @@ def start_charted(
 
 
 def _told(chart: Chart, within: Motion, parts: frozenset[str]) -> ChartedMotion:
-    """A motion in the separated coordinates, told in the user's; it ends where it collides with a focus."""
+    """Return a motion in the separated coordinates, told in the user's; it ends where it collides with a focus."""
     motion = ChartedMotion(**{f.name: getattr(within, f.name) for f in fields(Motion)}, within=within)
     found = collision_times(chart, within) if "time" in parts else None
     if found is None:

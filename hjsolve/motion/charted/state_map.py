@@ -80,7 +80,7 @@ def state_in(chart: Chart, values: Mapping[sp.Symbol, sp.Expr], state: State, re
 
 
 def _inputs(chart: Chart, group: Mapping[str, AtTimes], other: Mapping[str, AtTimes]) -> list[Numbers]:
-    """The arrays of two groups in the order of the formulas, flat."""
+    """Return the arrays of two groups in the order of the formulas, flat."""
     return [np.ravel(np.asarray(g[name])) for g in (group, other) for name in chart.coordinates]
 
 

@@ -126,7 +126,7 @@ class _Parts:
     θ: sp.Symbol
 
     def has_pole(self, end: sp.Expr) -> bool:
-        """Whether an end is one of the coordinates only."""
+        """Return whether an end is one of the coordinates only."""
         G, own = self.M[self.k, self.k], self.M[self.i, self.i]
         if self.A[self.i] != 0 or any(self.M[self.i, j] != 0 for j in range(self.M.rows) if j != self.i):
             return False
@@ -150,7 +150,10 @@ class _Parts:
 
 
 def _domain(c: Coordinate, fold: Fold | None) -> str | None:
-    """The domain of a coordinate after it is continued; None where it has two poles that are not half a turn apart."""
+    """Return the domain of a coordinate after it is continued.
+
+    None where it has two poles that are not half a turn apart.
+    """
     if fold is None:
         return c.domain.written(c.name)
     low, high = c.domain.lower, c.domain.upper

@@ -206,7 +206,7 @@ def motion_through_poles(
 
 
 def _meets_a_pole(motion: Motion) -> bool:
-    """True where a coordinate reaches an end of its domain, before or after the initial time."""
+    """Return True where a coordinate reaches an end of its domain, before or after the initial time."""
     courses = [place.course for place in motion.separated.located.values()]
     return any(course.ends(side) in {"boundary", "fall"} for course in courses for side in (1, -1))
 
@@ -222,7 +222,7 @@ def _continued(
     way: Continuation, solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str], *,
     certified: bool,
 ) -> ContinuedMotion | None:  # fmt: skip
-    """The motion in the continued coordinates; None where it does not come from them."""
+    """Return the motion in the continued coordinates; None where it does not come from them."""
     try:
         other = solve(way.system)
         within = motion_through_poles(other, _carried(other, solution, initial), t0, digits, parts, certified=certified)
@@ -239,7 +239,7 @@ def _continued(
 
 
 def _carried(other: Solution, solution: Solution, initial: Initial) -> Initial:
-    """The initial data without the dropped angle, and the constants of the continued system."""
+    """Return the initial data without the dropped angle, and the constants of the continued system."""
     values = {p.symbol: initial.values[p.symbol] for p in other.system.parameters}
     for c in other.system.coordinates:
         old = solution.system.coordinate(c.name)
@@ -294,7 +294,7 @@ def folded(way: Continuation, initial: Initial, state: State, solution: Solution
 
 
 def _either_side(begin: sp.Expr, odd: Elementwise, like: Elementwise) -> AtTimes:
-    """An angle that stands still, and half a turn on where an odd number of poles was passed."""
+    """Return an angle that stands still, and half a turn on where an odd number of poles was passed."""
     many = np.asarray(like).dtype == object
     π = multiprecision(256).pi if many else np.pi
     start = to_bits(begin)(256 if many else 64)
@@ -322,7 +322,7 @@ def _principal(angle: Any, π: Any) -> Any:
 
 
 def _fold(fold: Fold, initial: Initial, s: Any) -> tuple[Any, Any]:
-    """The given coordinate, and where it was reached through an odd number of poles."""
+    """Return the given coordinate, and where it was reached through an odd number of poles."""
     low, high = (None if end is None else _number(end, initial, s) for end in (fold.lower, fold.upper))
     if low is not None and high is not None:  # s is an angle in (−π, π]
         turn = 2 * (high - low)
@@ -351,7 +351,7 @@ def _unit(state: State) -> float:
 
 
 def _errors(way: Continuation, state: State, initial: Initial, names: list[str]) -> Errors:
-    """Those of the continued state; at a pole itself the side of the axis and the sign of momenta are open."""
+    """Return those of the continued state; at a pole itself the side of the axis and the sign of momenta are open."""
     q, p, v = dict(state.error.q), dict(state.error.p), dict(state.error.velocity)
     unit = _unit(state)
     angle = 4 * unit * np.pi + 0 * np.asarray(next(iter(q.values())), dtype=float)

@@ -70,7 +70,7 @@ def started_at(motion: SeparatedMotion, angles: Mapping[str, sp.Expr]) -> Separa
 
 
 def _phases(torus: TorusEquations, bits: int) -> list[Mpf]:
-    """The phases at which the right sides of Jacobi's equations are those of the equations."""
+    """Return the phases at which the right sides of Jacobi's equations are those of the equations."""
     context, now = multiprecision(bits), np.zeros(1)
     χ, whole, _ = torus_phases(torus, (now, now))
     refined, _ = on_torus(torus, χ, whole, [context.mpf(0)], bits)
@@ -78,7 +78,7 @@ def _phases(torus: TorusEquations, bits: int) -> list[Mpf]:
 
 
 def _in_first_turn(motion: SeparatedMotion, k: int, χ: Mpf) -> Mpf:
-    """A phase, by whole turns such that an angle that rotates lies in (−π, π]."""
+    """Return a phase, by whole turns such that an angle that rotates lies in (−π, π]."""
     name = motion.solution.coordinates[k]
     course = motion.located[name].course
     if not course.rotates or motion.solution.system.coordinate(name).domain.kind != "angle":
@@ -92,7 +92,7 @@ def _in_first_turn(motion: SeparatedMotion, k: int, χ: Mpf) -> Mpf:
 def _ignorable(
     motion: SeparatedMotion, torus: TorusEquations, name: str, angle: Mpf, phases: list[Mpf], begins: list[Mpf]
 ) -> sp.Expr:
-    """An ignorable angle at t₀, in (−π, π]: θ and what the separated coordinates add to its mean growth."""
+    """Return an ignorable angle at t₀, in (−π, π]: θ and what the separated coordinates add to its mean growth."""
     j = constant_index(motion, name)
     total = angle
     for i, (χ, begin) in enumerate(zip(phases, begins, strict=True)):

@@ -157,7 +157,7 @@ def _numbers(given: Values, names: Sequence[str], what: str) -> dict[str, sp.Exp
 
 
 def _shift(solution: Solution, values: Mapping[sp.Symbol, sp.Expr], name: str) -> sp.Expr:
-    """What a rotation adds to J for the action of its shell momentum P = p + A: the mean of A over a turn."""
+    """Return what a rotation adds to J for the action of its shell momentum P = p + A: the mean of A over a turn."""
     A, q = solution.shift[name].subs(values), solution.system.coordinate(name).symbol
     return sp.S.Zero if A == 0 else sp.integrate(A, (q, 0, 2 * sp.pi)) / (2 * sp.pi)
 
@@ -200,7 +200,7 @@ def _left(
     solution: Solution, curves: Sequence[RadicandCurve], found: Sequence[Candidate],
     hints: tuple[Values, Values],
 ) -> list[Candidate]:  # fmt: skip
-    """The tori that the hints leave.
+    """Return the tori that the hints leave.
 
     Raises:
         InvalidInputError: none is left.
@@ -231,7 +231,7 @@ def _fits(curves: Sequence[RadicandCurve], candidate: Candidate, wells: Mapping[
 
 
 def _same(one: Torus, other: Torus) -> bool:
-    """Whether two tori are the same: equal constants, and wells that overlap."""
+    """Return whether two tori are the same: equal constants, and wells that overlap."""
     for a, b in zip(one.initial.constants.values(), other.initial.constants.values(), strict=True):
         x, y = to_bits(a)(128), to_bits(b)(128)
         if abs(x - y) > 1e-10 * max(abs(x), abs(y)):

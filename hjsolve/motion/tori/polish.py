@@ -123,7 +123,7 @@ def _damped(
     goal: Goal, curves: Sequence[RadicandCurve], move: tuple[list[Mpf], list[int], Sequence[Mpf]], before: _Trial,
     about: tuple[Sequence[str], list[Mpf], list[Mpf], int],
 ) -> tuple[_Trial | None, list[Mpf]]:  # fmt: skip
-    """The longest of a step and its halves after which the residual is less."""
+    """Return the longest of a step and its halves after which the residual is less."""
     (κ, unknown, step), (kinds, goals, allowed, bits) = move, about
     old = max(abs(r) / a for r, a in zip(before.residuals, allowed, strict=True))
     for halving in range(_HALVINGS):
@@ -185,7 +185,10 @@ def _tried(
 
 
 def _top(curve: RadicandCurve, κ: list[Mpf], top: Mpf, bits: int) -> Mpf:
-    """The maximum of p² next to a place, by Newton's method on (p²)′; the place itself where p² has none there."""
+    """Return the maximum of p² next to a place, by Newton's method on (p²)′.
+
+    The place itself where p² has none there.
+    """
     begin, first = top, None
     for _ in range(12 + bits.bit_length()):
         _, slope, bend = curve.exactly(top, κ, bits)

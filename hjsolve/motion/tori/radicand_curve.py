@@ -208,7 +208,7 @@ def cycle_near(curve: RadicandCurve, κ: Reals, low: float, high: float, *, harm
 
 
 def _is_small(curve: RadicandCurve, κ: Reals, top: float) -> bool:
-    """Whether a libration is so small that the rounding of p² matters more than what is anharmonic."""
+    """Return whether a libration is so small that the rounding of p² matters more than what is anharmonic."""
     value, _, bend = curve.bend(top, κ)
     length = max(abs(top), curve.turn / (2 * np.pi))
     return bend < 0 and value < _SMALL * -bend * length**2
@@ -226,7 +226,7 @@ def _harmonic(curve: RadicandCurve, κ: Reals, top: float) -> Cycle | None:
 
 
 def _top(curve: RadicandCurve, κ: Reals, low: float, high: float) -> float:
-    """The maximum of p² in an interval and next to it; any place inside where p² has none."""
+    """Return the maximum of p² in an interval and next to it; any place inside where p² has none."""
     margin = (high - low) / 2 or 1e-3 * max(abs(low), 1e-3)
     first, last = max(low - margin, (low + curve.lower) / 2), min(high + margin, (high + curve.upper) / 2)
     if curve.turn:
@@ -253,7 +253,7 @@ def _top(curve: RadicandCurve, κ: Reals, low: float, high: float) -> float:
 
 
 def _turning_point(curve: RadicandCurve, κ: Reals, top: float, side: int) -> float | None:
-    """The first zero of p² on one side of a place; None where p² > 0 as far as it was looked."""
+    """Return the first zero of p² on one side of a place; None where p² > 0 as far as it was looked."""
     end = curve.upper if side > 0 else curve.lower
     natural = min(max(abs(top), 1e-3), abs(end - top)) if np.isfinite(end) else max(abs(top), 1e-3)
     away = natural * _REACH

@@ -130,7 +130,7 @@ def candidates(
 def _begun_nearest(
     curves: Sequence[RadicandCurve], wanted: Wanted, constants: Reals, tables: Sequence[_Runs], samples: Integers
 ) -> Candidate | None:
-    """The torus to which Newton's method leads from some samples, the nearest first."""
+    """Return the torus to which Newton's method leads from some samples, the nearest first."""
     for s in samples[[k for k in _ATTEMPTS if k < len(samples)]]:
         intervals = [(float(t.low[s]), float(t.high[s])) for t in tables]
         kinds = ["rotation" if t.round[s] else "libration" for t in tables]
@@ -143,7 +143,7 @@ def _begun_nearest(
 def _overlapping(
     curves: Sequence[RadicandCurve], tables: Sequence[_Runs], samples: Integers, candidate: Candidate
 ) -> Mask:
-    """Which samples move, along every coordinate, in an interval that overlaps that of a candidate."""
+    """Return which samples move, along every coordinate, in an interval that overlaps that of a candidate."""
     result = np.ones(len(samples), dtype=bool)
     for curve, t, cycle in zip(curves, tables, candidate.cycles, strict=True):
         overlap = t.round[samples] | np.full(len(samples), cycle.kind == "rotation")
@@ -154,7 +154,7 @@ def _overlapping(
 
 
 def _families(curves: Sequence[RadicandCurve], tables: Sequence[_Runs], allowed: Integers) -> Integers:
-    """Number the families of some samples: those connected through samples whose intervals overlap alike."""
+    """Return number the families of some samples: those connected through samples whose intervals overlap alike."""
     joined = np.ones((len(allowed), len(allowed)), dtype=bool)
     for curve, t in zip(curves, tables, strict=True):
         low, high = t.low[allowed], t.high[allowed]
@@ -191,7 +191,7 @@ class _Runs:
 def _sampled(
     solution: Solution, values: Mapping[sp.Symbol, sp.Expr], curves: Sequence[RadicandCurve], wanted: Wanted
 ) -> _Samples:
-    """Samples at rest, and with the momenta of rotations that have the actions wanted."""
+    """Return samples at rest, and with the momenta of rotations that have the actions wanted."""
     system, n = solution.system, len(curves)
     most = max(2, round(_SAMPLES ** (1 / n)))
     choices = []
@@ -215,7 +215,7 @@ def _sampled(
 
 
 def _runs(curve: RadicandCurve, constants: Reals, at: Integers) -> _Runs:
-    """The interval of p² > 0 next to each sample, and what is crudely its action."""
+    """Return the interval of p² > 0 next to each sample, and what is crudely its action."""
     grid = curve.samples()
     squared = curve.value(grid[None, :], constants[:, :, None])
     positive, size = squared > 0, len(grid)
@@ -242,7 +242,7 @@ def _runs(curve: RadicandCurve, constants: Reals, at: Integers) -> _Runs:
 
 
 def _scores(tables: Sequence[_Runs], wanted: Wanted) -> Reals:
-    """How far crude actions are from those wanted; infinite where the kind does not allow them."""
+    """Return how far crude actions are from those wanted; infinite where the kind does not allow them."""
     total = np.zeros(len(tables[0].low))
     least = 1e-3 * wanted.scale
     for i, table in enumerate(tables):
@@ -297,7 +297,7 @@ def _cycles(
     curves: Sequence[RadicandCurve], κ: Reals, intervals: Sequence[tuple[float, float]], kinds: Sequence[str],
     goals: Reals,
 ) -> list[Cycle] | None:  # fmt: skip
-    """The cycles of all coordinates; None where one does not come back, or is of another kind."""
+    """Return the cycles of all coordinates; None where one does not come back, or is of another kind."""
     result = []
     for curve, (low, high), kind, goal in zip(curves, intervals, kinds, goals, strict=True):
         cycle = cycle_near(curve, κ, low, high, harmonic=goal == 0)
@@ -308,7 +308,7 @@ def _cycles(
 
 
 def _same(curves: Sequence[RadicandCurve], one: Candidate, other: Candidate) -> bool:
-    """Whether two candidates are one torus: the same constants and wells."""
+    """Return whether two candidates are one torus: the same constants and wells."""
     if not np.allclose(one.constants, other.constants, rtol=1e-6, atol=1e-12):
         return False
     for curve, a, b in zip(curves, one.cycles, other.cycles, strict=True):

@@ -124,7 +124,7 @@ class Figure:
         return f"Figure({self.title}: {self.description})"
 
     def _repr_svg_(self) -> str:
-        """What a notebook shows."""
+        """Return what a notebook shows."""
         from hjsolve.reports.document.drawing_style import standalone
 
         return standalone(self.svg)

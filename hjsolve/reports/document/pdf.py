@@ -25,7 +25,7 @@ _SECONDS = 120
 
 
 def browser(target: Path) -> str:
-    """The browser that prints.
+    """Return the browser that prints.
 
     Args:
         target: the file that is wanted, for the message.
@@ -47,7 +47,7 @@ def browser(target: Path) -> str:
 
 
 def printed(page: str, target: Path) -> bytes:
-    """The PDF of a page.
+    """Return the PDF of a page.
 
     Args:
         page: HTML that needs no other file.

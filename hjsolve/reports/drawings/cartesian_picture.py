@@ -62,7 +62,7 @@ def embedding(system: System) -> Embedding:
 
 
 def _agrees(found: Embedding, system: System) -> bool:
-    """Whether the usual place of such coordinates is the one that the system says, if it says one."""
+    """Return whether the usual place of such coordinates is the one that the system says, if it says one."""
     if not system.places or found.shape == "sphere":
         return True
     return usual_place(found, system) == tuple(formula for _, formula in system.places)
@@ -122,7 +122,10 @@ def _flat(system: System, M: sp.Matrix) -> Embedding | None:
 
 
 def _sphere(system: System, M: sp.Matrix) -> Embedding | None:
-    """A polar angle or elevation θ and an azimuth φ whose inertia has I sin²θ or I cos²θ in it: pendulum and top."""
+    """Return a polar angle or elevation θ and an azimuth φ whose inertia has I sin²θ or I cos²θ in it.
+
+    Pendulum and top.
+    """
     for i, polar in enumerate(system.coordinates):
         domain, inertia = polar.domain, M[i, i]
         if domain.kind != "interval" or domain.upper is None or inertia.has(*(c.symbol for c in system.coordinates)):

@@ -59,7 +59,7 @@ def map_grid(found: EnergyMomentumMap) -> MapGrid | None:
 
 
 def _deepest(mask: NDArray[np.bool_], x: Array, y: Array) -> tuple[float, float]:
-    """A place of a region that is far from its edge: what is left when its rim is taken off again and again."""
+    """Return a place of a region that is far from its edge: what is left when its rim is taken off again and again."""
     inner = mask
     while True:
         wide = np.pad(inner, 1)

@@ -192,7 +192,7 @@ def spans_covered(well: EffectivePotential) -> list[tuple[float, float]]:
 
 
 def _turns(well: EffectivePotential, low: float, high: float) -> list[float]:
-    """Copies of an interval of an angle that meet the window."""
+    """Return copies of an interval of an angle that meet the window."""
     if not well.periodic:
         return [0.0]
     first = np.ceil((well.window[0] - high) / (2 * np.pi))
@@ -291,7 +291,7 @@ def momenta_shown(
 
 # -------------------------------------------------------------------------------- words
 def is_angle(well: EffectivePotential) -> bool:
-    """Whether a coordinate is marked in parts of π.
+    """Return whether a coordinate is marked in parts of π.
 
     Args:
         well: the coordinate.

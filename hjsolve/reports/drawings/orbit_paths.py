@@ -92,7 +92,7 @@ def _reach(motion: Motion, t0: float) -> float:
 
 
 def _size(motion: Motion, name: str, start: float) -> tuple[float, float]:
-    """Where a running coordinate starts from, and the length it should be measured by."""
+    """Return where a running coordinate starts from, and the length it should be measured by."""
     turning = [float(e.value) for e in motion.turning_points.get(name, ()) if e is not None]
     anchor = turning[0] if turning else start
     return anchor, max(abs(anchor), abs(start - anchor), 0.3)
@@ -254,7 +254,7 @@ def _sphere(motion: Motion, where: Embedding, t: Array, path: tuple[Array, ...],
 
 
 def time_box(motion: Motion) -> Box:
-    """The letter of the parameter of a motion.
+    """Return the letter of the parameter of a motion.
 
     Args:
         motion: of any kind.

@@ -11,7 +11,7 @@ _SCAN = 1200
 
 
 def window_places(well: EffectivePotential) -> Array:
-    """Places across the window, without the ends of the domain, where the potential may be infinite.
+    """Return places across the window, without the ends of the domain, where the potential may be infinite.
 
     Args:
         well: the coordinate.

@@ -18,7 +18,7 @@ _FINE, _LEVELS, _BETWEEN, _ROOM = 121, 12, 8, 0.25
 
 
 def least_energy(plane: PlaneMotion, q: Array) -> Array:
-    """The least energy at a place, that of the body at rest in it: V, with what ignorable momenta add.
+    """Return the least energy at a place, that of the body at rest in it: V, with what ignorable momenta add.
 
     Args:
         plane: the equations of motion.
@@ -86,7 +86,7 @@ def _range(coordinate: Coordinate, path: Array) -> tuple[float, float]:
 
 
 def _smooth(plane: PlaneMotion, times: Array, states: Array) -> tuple[Array, Array]:
-    """The path between its steps by Hermite's cubics; angles in one turn, with a gap where they jump."""
+    """Return the path between its steps by Hermite's cubics; angles in one turn, with a gap where they jump."""
     rates, h = plane.slopes(states)[:2], np.diff(times)
     s = (np.arange(_BETWEEN) / _BETWEEN)[:, None]
     rows = []

@@ -264,7 +264,7 @@ def assemble(
 
 
 def _path(frame: DrawingFrame, x: Array, y: Array) -> str:
-    """Points in tenths of a pixel; values far outside are drawn in so that coordinates stay small."""
+    """Return points in tenths of a pixel; values far outside are drawn in so that coordinates stay small."""
     across = np.clip(frame.px(x), -4 * frame.width, 5 * frame.width)
     down = np.clip(frame.py(y), -4 * frame.height, 5 * frame.height)
     parts, pen, last = [], "M", ""

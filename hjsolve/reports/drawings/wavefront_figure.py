@@ -114,7 +114,7 @@ def figure_of_wavefronts(family: Wavefronts, key: str) -> Figure | None:
 def _curves(
     family: Wavefronts, frame: svg.DrawingFrame, curve: FamilyCurve, x: Array, y: Array
 ) -> tuple[list[str], list[str], list[str]]:
-    """A curve on three layers: what is faint, wavefronts, orbits and caustics."""
+    """Return a curve on three layers: what is faint, wavefronts, orbits and caustics."""
     if curve.kind == "caustic":
         return [], [], [svg.curve(frame, x, y, "curve")]
     strong = one_sheet(family, curve) if family.family == "constants" else np.ones(len(x), dtype=bool)
@@ -127,7 +127,7 @@ def _curves(
 
 
 def _weak(strong: Array) -> Array:
-    """The other points, and their neighbours, so that the parts of a line meet."""
+    """Return the other points, and their neighbours, so that the parts of a line meet."""
     other = ~strong.astype(bool)
     wider = other.copy()
     wider[1:] |= other[:-1]

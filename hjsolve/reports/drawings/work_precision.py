@@ -95,7 +95,7 @@ def _x(row: Row) -> float:
 
 
 def _y(row: Row, cost: Cost) -> float:
-    """Where an error is drawn; what is not resolved stands a little below the digits asked."""
+    """Return where an error is drawn; what is not resolved stands a little below the digits asked."""
     deepest = 10.0 ** -((row.digits or 15.0) + 6.0)
     return depth(-math.log10(min(1.0, max(row.error or 0.0, deepest, cost.floor))))
 

@@ -84,7 +84,7 @@ class _HtmlWriter(PieceWriter, BlockWriter[str]):
         return f'<p class="note">{self.text(text)}</p>'
 
     def formula(self, formula: Formula) -> str:
-        """The formula; a long one twice, with shorter lines for narrow screens, of which the style sheet shows one."""
+        """Return the formula; a long one twice, in shorter lines for narrow screens (CSS shows one)."""
         tag = f'<span class="tag">{escape(formula.tag)}</span>' if formula.tag else ""
         if width(formula.box) <= _FULL * NARROW:
             return f'<div class="formula">{_set(formula.box, LINE, "scroll")}{tag}</div>'
@@ -127,7 +127,7 @@ class _HtmlWriter(PieceWriter, BlockWriter[str]):
         return f'<div class="figures">{"".join(map(self.figure, figures))}</div>'
 
     def text(self, text: Text) -> str:
-        """The pieces; a sign that follows a formula stays on its line."""
+        """Return the pieces; a sign that follows a formula stays on its line."""
         parts: list[str] = []
         for piece in text:
             if parts and isinstance(piece, str) and piece[:1] in _CLOSING and parts[-1].endswith("</math>"):
@@ -166,7 +166,7 @@ def _set(box: Box, letters: float, names: str) -> str:
 
 
 def _smaller(letters: float, room: float) -> str:
-    """A formula that is still too long for a line when it is broken is set smaller, down to three fifths."""
+    """Return a formula that is still too long for a line when it is broken is set smaller, down to three fifths."""
     scale = max(0.6, _FULL * room / letters) if letters > _FULL * room else 1.0
     return f' style="font-size:{100 * scale:.0f}%"' if scale < 1 else ""
 

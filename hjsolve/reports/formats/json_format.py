@@ -74,12 +74,12 @@ class _JsonWriter(BlockWriter[JsonTable]):
 
 
 def _with_gaps(values: Sequence[float]) -> list[float | None]:
-    """The numbers of a line; null where it is interrupted."""
+    """Return the numbers of a line; null where it is interrupted."""
     return [x if math.isfinite(x) else None for x in values]
 
 
 def _cell(cell: Text) -> str | JsonTable:
-    """A number keeps its value and error apart; everything else is text."""
+    """Return a number keeps its value and error apart; everything else is text."""
     if len(cell) == 1 and isinstance(cell[0], Number):
         return {"value": cell[0].value, "error": cell[0].error or "0", "certified": cell[0].certified}
     return line(cell)

@@ -65,7 +65,10 @@ def letters_for_sums(
 
 
 def _primitive(e: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """A number, and the sum that it multiplies: most of its terms are positive, or the sum where every symbol is 1."""
+    """Return a number, and the sum that it multiplies.
+
+    Most of its terms are positive, or the sum where every symbol is 1.
+    """
     number, rest = e.primitive()
     surplus = sum(-1 if term.could_extract_minus_sign() else 1 for term in rest.args)
     if surplus == 0:
@@ -104,7 +107,7 @@ def _sign_outside(integral: sp.Integral) -> sp.Expr:
 
 
 def _plain(part: sp.Expr) -> bool:
-    """Whether it may be abbreviated: no integrals, derivatives or functions that are left open."""
+    """Return whether it may be abbreviated: no integrals, derivatives or functions that are left open."""
     return not part.has(sp.Integral, sp.Derivative, AppliedUndef)
 
 

@@ -245,7 +245,7 @@ def _call(expression: sp.Function, power: Box | None = None) -> Box:
 
 
 def _callable(shown: Box) -> Box:
-    """The name of a function that is not known: v₁ of v₁(r)."""
+    """Return the name of a function that is not known: v₁ of v₁(r)."""
     if isinstance(shown, Script):
         return Script(_callable(shown.base), shown.sub, shown.sup)
     return Glyph(shown.text, "function") if isinstance(shown, Glyph) else shown

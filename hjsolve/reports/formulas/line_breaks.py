@@ -83,7 +83,10 @@ def _rows(shown: Box) -> tuple[tuple[Box, ...], ...]:
 
 
 def _sides(items: tuple[Box, ...], line: float) -> tuple[tuple[Box, ...], tuple[Box, ...]]:
-    """The left side with its sign of equality, and the right side; the left one is empty where it is long itself."""
+    """Return the left side with its sign of equality, and the right side.
+
+    The left one is empty where it is long itself.
+    """
     equals = next((i for i, item in enumerate(items) if item == Glyph("=", "operator")), None)
     if equals is None or sum(map(width, items[: equals + 1])) > line / 3:
         return (), items
@@ -91,7 +94,7 @@ def _sides(items: tuple[Box, ...], line: float) -> tuple[tuple[Box, ...], tuple[
 
 
 def _terms(items: tuple[Box, ...]) -> list[list[Box]]:
-    """The items from each sign up to the next; a sign that another operator precedes belongs to its term."""
+    """Return the items from each sign up to the next; a sign that another operator precedes belongs to its term."""
     terms: list[list[Box]] = [[]]
     for place, item in enumerate(items):
         before = items[place - 1] if place else None

@@ -123,7 +123,7 @@ def _factor(item: Box, previous: Box | None, following: Box | None) -> str:
 
 
 def _continues(following: Box | None) -> bool:
-    """Whether another factor follows."""
+    """Return whether another factor follows."""
     return following is not None and not (isinstance(following, Glyph) and following.kind in {"operator", "text"})
 
 

@@ -106,7 +106,7 @@ def _well(subject: Neighbours, own: LiveCoordinate) -> Json:
 
 
 def _where(subject: Neighbours) -> Json:
-    """The place of the moving point as a tape over the coordinates, and how it is drawn."""
+    """Return the place of the moving point as a tape over the coordinates, and how it is drawn."""
     motion = subject.motion
     solution, system = motion.solution, motion.solution.system
     where, formulas = _drawn(motion)
@@ -129,7 +129,7 @@ def _where(subject: Neighbours) -> Json:
 
 
 def _drawn(motion: Motion) -> tuple[Embedding, list[sp.Expr]]:
-    """Where the motion is seen, and the formulas of it in the separated and ignorable coordinates."""
+    """Return where the motion is seen, and the formulas of it in the separated and ignorable coordinates."""
     solution = motion.solution
     chart = solution.chart
     system: System = solution.system if chart is None else chart.original
@@ -165,7 +165,10 @@ def _torus(subject: Neighbours) -> Json | None:
 
 
 def _map(tables: LiveTables) -> Json | None:
-    """The map of the static report, where both of its constants have sliders: its window and its critical curves."""
+    """Return the map of the static report, where both of its constants have sliders.
+
+    Its window and its critical curves.
+    """
     named = [s.name for s in tables.sliders]
     try:
         found = energy_momentum_map(tables.neighbours.motion)
@@ -185,7 +188,7 @@ def _map(tables: LiveTables) -> Json | None:
 
 
 def _thinned(x: Array, y: Array, window: Sequence[tuple[float, float]]) -> list[tuple[float, float] | None]:
-    """The points of a curve that are farther from the one before than can be seen; None where it is broken."""
+    """Return the points of a curve that are farther from the one before than can be seen; None where it is broken."""
     u, v = ((w - low) / (high - low) for w, (low, high) in zip((x, y), window, strict=True))
     near = (np.abs(u - 0.5) < 1) & (np.abs(v - 0.5) < 1)  # false of nan
     found: list[tuple[float, float] | None] = []

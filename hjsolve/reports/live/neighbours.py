@@ -162,7 +162,7 @@ def _waves(values: Array, χ: Array, rotates: int) -> Array:
 
 
 def _last(column: Array) -> Array:
-    """The largest of the last coefficients."""
+    """Return the largest of the last coefficients."""
     parts = (column[:, :WAVES], column[:, WAVES:])
     return np.max([np.abs(p[:, -6:]).max(axis=1, initial=0.0) for p in parts], axis=0)
 

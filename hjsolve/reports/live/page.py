@@ -95,7 +95,7 @@ def _of_coordinate(k: str, q: str) -> tuple[tuple[str, str], ...]:
 
 
 def _narrowed(tables: LiveTables) -> str:
-    """What became of the ranges asked for."""
+    """Return what became of the ranges asked for."""
     return " ".join(
         f"Of {escape(label(s.name))} the range {s.asked[0]:.6g} to {s.asked[1]:.6g} was asked for."
         for s in tables.sliders

@@ -92,7 +92,7 @@ def _with(subject: Neighbours, sliders: tuple[str, ...]) -> Neighbours:
 
 
 def _first(subject: Neighbours, asked: Mapping[str, tuple[float, float] | None]) -> Array | None:
-    """The first box whose motions are all alike, shape (d, 2): how far down and up; None where there is none."""
+    """Return the first box whose motions are all alike, shape (d, 2): how far down and up; None where there is none."""
     size = np.array([abs(v) or 1.0 for v in subject.value])
     most = _most(subject, asked)
     boxes = (np.minimum(first * size[:, None] * np.ones(2), most) for first in _FIRST)
@@ -100,7 +100,7 @@ def _first(subject: Neighbours, asked: Mapping[str, tuple[float, float] | None])
 
 
 def _most(subject: Neighbours, asked: Mapping[str, tuple[float, float] | None]) -> Array:
-    """How far each side may grow, shape (d, 2)."""
+    """Return how far each side may grow, shape (d, 2)."""
     most = []
     for name, v in zip(subject.sliders, subject.value, strict=True):
         limits = asked.get(name)
@@ -127,7 +127,7 @@ def _grow(
 
 
 def _alike(subject: Neighbours, reach: Array) -> bool:
-    """Whether all motions in the box, and a little beyond it, are of the kind of the one in it."""
+    """Return whether all motions in the box, and a little beyond it, are of the kind of the one in it."""
     v, n = subject.value, _GRID[len(reach)]
     sides = [np.linspace(c - _ROOM * r[0], c + _ROOM * r[1], n) for c, r in zip(v, reach, strict=True)]
     points = np.stack([g.ravel() for g in np.meshgrid(*sides, indexing="ij")], axis=1)

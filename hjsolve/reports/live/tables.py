@@ -101,7 +101,7 @@ def live_tables(motion: Motion, asked: Asked | None = None) -> LiveTables:
 
 
 def _names(motion: Motion, asked: Asked) -> tuple[str, ...]:
-    """The sliders in the order of the page: momenta, separation constants, E, parameters."""
+    """Return the sliders in the order of the page: momenta, separation constants, E, parameters."""
     solution = motion.solution
     parameters = [p.name for p in solution.system.parameters]
     for name, span in asked.items():
@@ -134,7 +134,7 @@ def _worst(tables: LiveTables, sizes: Mapping[str, float]) -> float:
 
 # ------------------------------------------------------------------------------------------------ the tables
 def _tables(subject: Neighbours, sliders: tuple[SliderRange, ...], sizes: Mapping[str, float]) -> LiveTables:
-    """The tables of a box with the fewest polynomials that are enough, and their bounds without the engine."""
+    """Return the tables of a box with the fewest polynomials that are enough, and their bounds without the engine."""
     for size in _SIZES[len(sliders)]:
         values = _at_nodes(subject, sliders, size)
         for dropped in _DROPPED:
@@ -148,7 +148,7 @@ def _tables(subject: Neighbours, sliders: tuple[SliderRange, ...], sizes: Mappin
 
 
 def _at_nodes(subject: Neighbours, sliders: Sequence[SliderRange], size: int) -> dict[tuple[int, str], Array]:
-    """Every column at Chebyshev's points of the ranges, so many on each axis."""
+    """Return every column at Chebyshev's points of the ranges, so many on each axis."""
     u = np.cos(np.pi * (np.arange(size) + 0.5) / size)
     places = [(s.low + s.high) / 2 + (s.high - s.low) / 2 * u for s in sliders]
     grid = np.stack([g.ravel() for g in np.meshgrid(*places, indexing="ij")], axis=1)

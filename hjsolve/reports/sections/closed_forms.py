@@ -54,7 +54,7 @@ SECONDS = 2.5
 
 
 def closed_form_report(subject: Motion | Solution) -> list[Section]:
-    """The forms of a motion's own regime, or of the regimes of a solution, as far as a report has time for them.
+    """Return the forms of a motion's own regime, or of the regimes of a solution, as far as a report has time for them.
 
     Args:
         subject: a motion, or a solution where no motion is known.
@@ -159,7 +159,7 @@ class _Told:
         self.letters, self.lettered = sp.numbered_symbols("u_", start=1, real=True), dict[sp.Expr, sp.Symbol]()
 
     def shown(self, name: str, e: sp.Basic, write: Callable[[Any], Formula]) -> list[Block | _TooLong]:
-        """A formula, and what the quantities in it are."""
+        """Return a formula, and what the quantities in it are."""
         found = (
             None
             if sp.count_ops(e) > LONGEST_SHOWN
@@ -172,7 +172,7 @@ class _Told:
         return [write(shown), *with_parts, *self.meanings([e])]
 
     def meanings(self, shown: Sequence[sp.Basic]) -> list[Block | _TooLong]:
-        """What the quantities of formulas are, those of which nothing was said."""
+        """Return what the quantities of formulas are, those of which nothing was said."""
         needed, _ = needed_names({s for e in shown for s in e.free_symbols}, self.where)
         new = {s: meaning for s, meaning in reversed(needed.items()) if s not in self.known}
         self.known |= set(new)
@@ -192,7 +192,7 @@ def _fits_a_sentence(symbol: sp.Symbol, meaning: object) -> bool:
 
 
 def _along(form: RegimeForms, q: str) -> Box:
-    """The coordinate on which an orbit formula depends."""
+    """Return the coordinate on which an orbit formula depends."""
     held = form.written_out(f"orbit.{q}").free_symbols
     return name_box(next(c.name for c in form.solution.system.coordinates if c.symbol in held and c.name != q))
 
@@ -245,7 +245,7 @@ def _names(names: list[str]) -> Text:
 
 
 def _conditions(words: Text) -> tuple[Text, list[Formula]]:
-    """The words of a regime, and the conditions that are too long for a sentence, displayed."""
+    """Return the words of a regime, and the conditions that are too long for a sentence, displayed."""
     kept: list[Inline] = []
     displayed: list[Formula] = []
     for piece in words:
@@ -259,17 +259,17 @@ def _conditions(words: Text) -> tuple[Text, list[Formula]]:
 
 
 def _fits(e: sp.Basic, write: Callable[[Any], Formula]) -> bool:
-    """Whether every piece of a formula that cannot be broken is narrow enough."""
+    """Return whether every piece of a formula that cannot be broken is narrow enough."""
     return width(narrowed(write(e).box)) <= _WIDEST
 
 
 def _shown(name: str, e: sp.Basic, write: Callable[[Any], Formula]) -> Formula | _TooLong:
-    """A definition; of one that takes more than a page its name."""
+    """Return a definition; of one that takes more than a page its name."""
     return write(e) if sp.count_ops(e) <= LONGEST_SHOWN and _fits(e, write) else _TooLong(name)
 
 
 def _meaning(symbols: list[tuple[sp.Symbol, int]], meaning: object) -> list[Block | _TooLong]:
-    """What symbols of a form stand for: in a sentence where it is short, else displayed."""
+    """Return what symbols of a form stand for: in a sentence where it is short, else displayed."""
     if isinstance(meaning, sp.Poly) and symbols[0][1] >= 0:
         e, words = meaning.as_expr(), _root_words(symbols)
         if width(display(e, IN_A_CELL)) <= IN_A_CELL:
@@ -284,7 +284,7 @@ def _meaning(symbols: list[tuple[sp.Symbol, int]], meaning: object) -> list[Bloc
 
 
 def _root_words(symbols: list[tuple[sp.Symbol, int]]) -> Text:
-    """Which of the real roots of one polynomial the symbols are."""
+    """Return which of the real roots of one polynomial the symbols are."""
     if len(symbols) == 1:
         symbol, index = symbols[0]
         return (math(symbol), f": root number {index + 1}, counted upwards, of the real roots of ")

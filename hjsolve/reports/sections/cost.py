@@ -52,7 +52,7 @@ def cost_section(table: Cost) -> Section:
 
 
 def _against(table: Cost) -> str:
-    """What the errors were measured against."""
+    """Return what the errors were measured against."""
     if not table.reference:
         return (
             "No reference with more digits could be had in that time, so no true errors are known; `hjsolve cost` "
@@ -63,7 +63,10 @@ def _against(table: Cost) -> str:
 
 
 def _cheapest(table: Cost) -> Table | None:
-    """The quickest method for a number of right digits: for all that is wanted, and for the parts some methods give."""
+    """Return the quickest method for a number of right digits.
+
+    For all that is wanted, and for the parts some methods give.
+    """
     given = {row.covers for row in table.rows if row.answered}
     columns = [("all", "Everything"), *(c for c in (("numbers", "Numbers"), ("states", "States")) if c[0] in given)]
     rows: list[tuple[Text, ...]] = []
@@ -144,7 +147,7 @@ def cost_document(table: Cost) -> Document:
 
 
 def plain_rows(table: Cost) -> dict[str, object]:
-    """The table as plain data, for JSON.
+    """Return the table as plain data, for JSON.
 
     Args:
         table: what was measured.

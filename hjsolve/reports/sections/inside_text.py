@@ -69,7 +69,10 @@ class _Reader:
     names: Collection[str]
 
     def formula(self, place: int) -> _Found | None:
-        """The longest formula from a place on, sides of an equation included; None where none is worth setting."""
+        """Return the longest formula from a place on, sides of an equation included.
+
+        None where none is worth setting.
+        """
         found = self._sum(place, inner=False)
         while found is not None and (token := self._token(found.end)) and token["operator"] == "=":
             side = self._sum(token.end(), inner=False)
@@ -107,7 +110,7 @@ class _Reader:
         return term and _Found(row(Glyph(MINUS, "operator"), term.box), term.end)
 
     def _product(self, place: int, *, inner: bool) -> _Found | None:
-        """Factors with * and / between them; inside brackets a blank is a product as well."""
+        """Return factors with * and / between them; inside brackets a blank is a product as well."""
         found = self._power(place)
         while found is not None and (token := self._token(found.end)):
             if token["operator"] in {"*", "/"}:
@@ -132,7 +135,7 @@ class _Reader:
         return base and self._raised(base)
 
     def _raised(self, base: _Found) -> _Found | None:
-        """A base with the exponent that follows it, if one does."""
+        """Return a base with the exponent that follows it, if one does."""
         exponent = self._exponent(base.end)
         if exponent is None:
             return base
@@ -190,7 +193,7 @@ class _Reader:
         return _Found(row(head, Glyph(APPLY, "operator"), inside) if plain else row(head, argument.box), end)
 
     def _known(self, name: str) -> bool:
-        """Whether a word is a name: declared, or a letter as formulas have it: x, dx, x1, gamma_12, p_theta."""
+        """Return whether a word is a name: declared, or a letter as formulas have it: x, dx, x1, gamma_12, p_theta."""
         if several(name, self.names):
             return True
         match = _STEM.fullmatch(name.removeprefix("p_"))
@@ -200,7 +203,7 @@ class _Reader:
 
 
 def several(name: str, names: Collection[str]) -> list[str]:
-    """The coordinates that a letter has as indices, ``E_x_y``; none where that is not what the word is.
+    """Return the coordinates that a letter has as indices, ``E_x_y``; none where that is not what the word is.
 
     Args:
         name: the word.
@@ -225,7 +228,7 @@ def typeset_name(name: str, names: Collection[str]) -> Box:
 
 
 def _bare(box: Box) -> Box:
-    """A numerator, denominator or exponent needs no brackets of its own."""
+    """Return a numerator, denominator or exponent needs no brackets of its own."""
     return box.body if isinstance(box, Fence) else box
 
 

@@ -47,7 +47,7 @@ def in_parts(
 
 
 def _widest_sum(e: sp.Basic) -> sp.Expr | None:
-    """The sum inside a formula that saves most."""
+    """Return the sum inside a formula that saves most."""
     outer = set(e.args) | {e} if isinstance(e, sp.Eq) else {e}
     found = Counter(p for p in sp.preorder_traversal(e) if p.is_Add and p not in outer)
     sizes = {p: sp.count_ops(p) for p in found}

@@ -107,7 +107,7 @@ def _turning_points(motion: Motion) -> Table:
 
 
 def _end(motion: Motion, name: str, end: Estimate | None) -> Text:
-    """A turning point; exact where the motion starts there at rest, and where a short decimal is proved to be it."""
+    """Return a turning point; exact where the motion starts there at rest, or is proved to be a short decimal."""
     if end is None:
         return DASH
     coordinate = motion.solution.system.coordinate(name)
@@ -119,7 +119,7 @@ def _end(motion: Motion, name: str, end: Estimate | None) -> Text:
 
 
 def _short_root(motion: Motion, name: str, end: Estimate) -> sp.Rational | None:
-    """A decimal of few digits within the error of a turning point, once it is a simple zero of P² exactly.
+    """Return a decimal of few digits within the error of a turning point, once it is a simple zero of P² exactly.
 
     Another zero within the error would need P²′ to vanish in between, so |P²′| ≤ |P²″| times the error.
     """
@@ -136,7 +136,7 @@ def _short_root(motion: Motion, name: str, end: Estimate) -> sp.Rational | None:
 
 
 def _known(exact: sp.Expr | None, estimate: Estimate) -> Text:
-    """The exact decimal where a number has one, else the estimate."""
+    """Return the exact decimal where a number has one, else the estimate."""
     ending = terminating(exact) if exact is not None else None
     return _number(estimate) if ending is None else (ending,)
 

@@ -90,7 +90,7 @@ def section_of_refused_motion(system: System, initial: Mapping[str, Any], *, ret
 
 
 def _validated(found: SurfaceOfSection) -> list[Inline]:
-    """The evidence for a section: what the energy lost, and how long two runs agree."""
+    """Return the evidence for a section: what the energy lost, and how long two runs agree."""
     number = np.isfinite(found.points[0]).sum(axis=1)
     least = int(np.min(found.settled))
     share = "all of them" if (found.settled >= number).all() else f"the first {least} of each motion and more"

@@ -150,7 +150,7 @@ def solution_sections(solution: Solution) -> list[Section]:
 
 
 def source_of_equation(solution: Solution, name: str) -> str:
-    """Where the book has one of Jacobi's equations other than the time law.
+    """Return where the book has one of Jacobi's equations other than the time law.
 
     Args:
         solution: whose equation.
@@ -163,7 +163,7 @@ def source_of_equation(solution: Solution, name: str) -> str:
 
 
 def _holds_time(solution: Solution, equation: sp.Eq) -> bool:
-    """Whether an equation holds the time, as of a motion without a separated coordinate."""
+    """Return whether an equation holds the time, as of a motion without a separated coordinate."""
     coordinates = {c.symbol for c in solution.system.coordinates}
     return any(s.name == "t" for s in equation.free_symbols - coordinates)
 
@@ -177,12 +177,12 @@ def _jacobi(solution: Solution, law: sp.Eq, tag: str) -> Formula:
 
 
 def _is_long(solution: Solution) -> bool:
-    """Whether the squared momenta are too long to be repeated under every integral."""
+    """Return whether the squared momenta are too long to be repeated under every integral."""
     return any(width(box(square)) > LINE for square in solution.momentum_squared.values())
 
 
 def _by_momenta(solution: Solution, expression: sp.Expr) -> sp.Expr:
-    """An expression with p(q), or P(q) with P = p + A, in place of the roots √P²."""
+    """Return an expression with p(q), or P(q) with P = p + A, in place of the roots √P²."""
     letters = {}
     for name, square in solution.momentum_squared.items():
         letter = f"P_{name}" if solution.shift[name] != 0 else f"p_{name}"
@@ -227,7 +227,7 @@ def _characteristic_function(solution: Solution) -> Section:
 
 
 def _determinant(solution: Solution) -> list[Block]:
-    """The determinant that makes W a complete integral, its roots written as the letters of the momenta."""
+    """Return the determinant that makes W a complete integral, its roots written as the letters of the momenta."""
     if not solution.momentum_squared:
         return []
     roots = {name: sp.sqrt(square) for name, square in solution.momentum_squared.items()}

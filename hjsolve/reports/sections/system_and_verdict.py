@@ -128,7 +128,7 @@ def system_section(
 
 
 def letters_of(system: System, momentum_squared: Mapping[str, sp.Expr]) -> dict[sp.Expr, sp.Symbol]:
-    """Sums in the formulas of a system that are abbreviated in its report.
+    """Return sums in the formulas of a system that are abbreviated in its report.
 
     Args:
         system: what is given.
@@ -139,7 +139,7 @@ def letters_of(system: System, momentum_squared: Mapping[str, sp.Expr]) -> dict[
 
 
 def _kinks(system: System) -> list[Block]:
-    """What the letters for signs in V stand for."""
+    """Return what the letters for signs in V stand for."""
     if not system.kinks:
         return []
     told = "V has kinks or jumps where these signs change; between them each is a constant, 1 or −1:"
@@ -193,7 +193,7 @@ def _with_meanings(
     header: tuple[Text, ...], rows: Sequence[tuple[Text, ...]], told: Sequence[tuple[str, str]], system: System,
     caption: str,
 ) -> Table:  # fmt: skip
-    """A table with columns for meanings and units, those that are not empty."""
+    """Return a table with columns for meanings and units, those that are not empty."""
     columns: list[tuple[Text, list[Text]]] = [
         (("Meaning",), [typeset_prose(meaning, system) for _, meaning in told]),
         (("Unit",), [(typeset(unit),) if unit else () for unit, _ in told]),
@@ -358,7 +358,7 @@ def _by_its_shell(verdict: Separation) -> str:
 
 
 def _diagonal(system: System) -> bool:
-    """Whether T holds no product of two velocities; entries that only look like something are decided."""
+    """Return whether T holds no product of two velocities; entries that only look like something are decided."""
     mass = mass_matrix(system)
     mixed = (mass[i, j] for i in range(mass.rows) for j in range(i))
     return all(entry == 0 or isinstance(is_zero(entry), Zero) for entry in mixed)

@@ -44,7 +44,7 @@ def constants_of(shell: Shell, reader: Reader, matrix: Matrix | None) -> dict[st
 
 
 def _meaning_of_energy(system: System) -> str:
-    """What H is: the energy, Jacobi's integral, or the constant square of the velocity along a geodesic."""
+    """Return what H is: the energy, Jacobi's integral, or the constant square of the velocity along a geodesic."""
     if system.signature == "indefinite" and system.potential == 0 and not any(linear_terms(system)):
         return "T, half the square of the velocity by this metric; not an energy"
     if kinetic_rest(system) != 0:
@@ -53,7 +53,9 @@ def _meaning_of_energy(system: System) -> str:
 
 
 def _sign_of_time(shell: Shell, coordinate: Coordinate) -> int:
-    """The sign of the metric along a coordinate that is the one time of a geodesic's metric somewhere; 0 where none is.
+    """Return the sign of the metric along a coordinate that is the one time of a geodesic's metric somewhere.
+
+    0 where none is.
 
     One of the metric's n > 2 signs, as a number at places of the domain, differs from all others: it is that of time.
     """

@@ -244,7 +244,7 @@ CHARTS = (
 
 
 def of_dimension(n: int) -> Sequence[KnownChart]:
-    """The charts with n coordinates.
+    """Return the charts with n coordinates.
 
     Args:
         n: 2 or 3 for those known; there are none of other dimensions.

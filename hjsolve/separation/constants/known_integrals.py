@@ -76,7 +76,7 @@ class Naming:
         self._known: list[KnownIntegral] | None = None
 
     def __call__(self, rows: Sequence[Sequence[Element]], column: Sequence[Element]) -> list[str]:
-        """The meaning of every α = Σ wᵢ(½Pᵢ² + ψᵢ), one for each row w; nothing where it is not known."""
+        """Return the meaning of every α = Σ wᵢ(½Pᵢ² + ψᵢ), one for each row w; nothing where it is not known."""
         if not self.usable:
             return [""] * len(rows)
         try:
@@ -130,7 +130,10 @@ class Naming:
         return f"{found}, {energy.words}" if found and energy.words and not b.is_zero else found
 
     def _with_rest(self, known: KnownIntegral, a: Element, b: Element, energy: Energy, rest: Element) -> str:
-        """The words, once the momenta that are left agree: what remains is quadratic in the ignorable momenta."""
+        """Return the words, once the momenta that are left agree.
+
+        What remains is quadratic in the ignorable momenta.
+        """
         reader, field = self.reader, self.reader.field
         written = shortest_form(reader, a) * known.symbol + shortest_form(reader, b) * energy.symbol
         for x, y in ((x, y) for k, x in enumerate(self.shell.ignorable) for y in self.shell.ignorable[k:]):
@@ -188,7 +191,7 @@ class Naming:
         return self._known
 
     def _of_charts(self) -> Iterator[KnownIntegral]:
-        """The integrals of the chart that T is recognised to be written in."""
+        """Yield the integrals of the chart that T is recognised to be written in."""
         mass = mass_matrix(self.system)
         n = len(self.names)
         if n not in (2, 3) or not mass.is_diagonal() or any(linear_terms(self.system)):
@@ -272,7 +275,7 @@ Sample = tuple[dict[sp.Symbol, mpmath.mpf], list[mpmath.mpf]]
 
 
 def _sampled(system: System, entries: Sequence[sp.Expr]) -> list[Sample]:
-    """Two points and the values of the entries there; none where they have no values."""
+    """Return two points and the values of the entries there; none where they have no values."""
     found = []
     for shift in (3, 5):
         point = {p.symbol: CONTEXT.mpf(3 * k + 5) / 7 for k, p in enumerate(system.parameters)}
@@ -287,7 +290,7 @@ def _sampled(system: System, entries: Sequence[sp.Expr]) -> list[Sample]:
 def _proportional(
     order: Sequence[int], squares: Sequence[sp.Expr], samples: Sequence[Sample], free: frozenset[int]
 ) -> bool:
-    """Whether the entries are one constant times squares at the points; a filter before the exact test."""
+    """Return whether the entries are one constant times squares at the points; a filter before the exact test."""
     first = None
     for point, values in samples:
         for k in (k for k in range(len(squares)) if k not in free):

@@ -49,7 +49,7 @@ class BasePoint:
     _values: dict[tuple[int, frozenset[int]], Element] = field(default_factory=dict)
 
     def keep(self, x: Element, kept: set[int] | frozenset[int]) -> Element:
-        """The element with every coordinate but those at the positions ``kept`` put to its base value.
+        """Return the element with every coordinate but those at the positions ``kept`` put to its base value.
 
         Args:
             x: element of the field.
@@ -94,7 +94,7 @@ class BasePoint:
         return self._values[k, kept]
 
     def _table(self, q: sp.Symbol, choice: int) -> dict[sp.Expr, sp.Expr]:
-        """Values of q and of the generators that are functions of q alone."""
+        """Return values of q and of the generators that are functions of q alone."""
         table: dict[sp.Expr, sp.Expr] = {q: self._coordinate(q, choice)}
         for g in list(self.reader.field.generators):
             if q not in g.atom.free_symbols or not g.atom.free_symbols <= {q}:
@@ -130,7 +130,7 @@ class BasePoint:
         return middle
 
     def _with_rational_roots(self, q: sp.Symbol, value: sp.Rational, choice: int) -> sp.Rational:
-        """The value, or another one where the square roots of polynomials in q alone are rational, if there is one."""
+        """Return the value, or one where the square roots of polynomials in q alone are rational, if there is one."""
         roots = [g.atom for g in self.reader.field.generators if g.kind == "root" and g.atom.free_symbols == {q}]
         radicands = [x.base for x in roots if x.is_Pow and x.exp == sp.S.Half and x.base.is_polynomial(q)]
         polynomials = [sp.Poly(r, q) for r in radicands]
@@ -144,7 +144,7 @@ class BasePoint:
 
 
 def _are_squares(rows: Sequence[Sequence[Fraction]], v: Fraction) -> bool:
-    """Whether polynomials, by their coefficients from the highest on, are squares of rational numbers at v."""
+    """Return whether polynomials, by their coefficients from the highest on, are squares of rational numbers at v."""
     values = (reduce(lambda sum_, a: sum_ * v + a, row, Fraction(0)) for row in rows)
     return all(
         x >= 0 and isqrt(x.numerator) ** 2 == x.numerator and isqrt(x.denominator) ** 2 == x.denominator for x in values
@@ -156,7 +156,7 @@ def _is_number(end: sp.Expr | None) -> bool:
 
 
 def find_base_points(reader: Reader, symbols: Sequence[sp.Symbol]) -> Iterator[BasePoint]:
-    """Base points to try, the simplest first, then points inside the domain, then random ones.
+    """Yield base points to try, the simplest first, then points inside the domain, then random ones.
 
     Args:
         reader: of the field; it knows the domain.

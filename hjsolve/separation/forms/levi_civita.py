@@ -113,7 +113,7 @@ class LeviCivitaConditions:
         return [(p, [jet.logarithm(p) for jet in jets[:-1]], jets[-1]) for p, jets in found]
 
     def passes_filter(self, i: int, j: int, about: int | None) -> bool | None:
-        """Whether S_ij(gʰʰ), or S_ij(U) where ``about`` is None, vanishes at random points modulo primes.
+        """Return whether S_ij(gʰʰ), or S_ij(U) where ``about`` is None, vanishes at random points modulo primes.
 
         None when no point could be found.
 
@@ -126,7 +126,7 @@ class LeviCivitaConditions:
         return not any(self._value(i, j, about, *place) for place in self._jets)
 
     def one_factor(self, i: int, j: int) -> bool | None:
-        """Whether S_ij(gʰʰ)/gʰʰ is the same for every h at random points modulo primes; None when there is none.
+        """Return whether S_ij(gʰʰ)/gʰʰ is the same for every h at random points modulo primes; None when there is none.
 
         Args:
             i, j: positions of the two coordinates.
@@ -145,7 +145,7 @@ class LeviCivitaConditions:
         return (f.mixed[i, j] + square - known) % prime
 
     def holds(self, condition: Condition, sieve: Filter) -> bool:
-        """Proof that a condition holds; False is no proof of the opposite.
+        """Return proof that a condition holds; False is no proof of the opposite.
 
         Args:
             condition: one of these.
@@ -183,12 +183,12 @@ class LeviCivitaConditions:
         return [mixed, [self.minus, self.log[j][i], self.slope[j]], [self.minus, self.log[i][j], self.slope[i]]]
 
     def _again(self, terms: Sum, j: int) -> Sum:
-        """The derivative of a sum with respect to coordinate j, as a sum."""
+        """Return the derivative of a sum with respect to coordinate j, as a sum."""
         return [y for x in terms for y in self.reader.diff_terms(x, self.symbols[j])]
 
 
 def sum_vanishes(reader: Reader, products: Products, sieve: Filter) -> bool:
-    """Proof that a sum of products is zero: the modular filter, then the exact normal form.
+    """Return proof that a sum of products is zero: the modular filter, then the exact normal form.
 
     False is no proof of the opposite.
 
@@ -201,7 +201,7 @@ def sum_vanishes(reader: Reader, products: Products, sieve: Filter) -> bool:
 
 
 def sum_of_products(reader: Reader, products: Products) -> Element:
-    """The sum of products of sums as one element.
+    """Return the sum of products of sums as one element.
 
     Args:
         reader: of the field.
@@ -236,7 +236,7 @@ def general_condition(
 
 
 def coefficients(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> list[Element]:
-    """The coefficients of a polynomial in some symbols, cheapest first.
+    """Return the coefficients of a polynomial in some symbols, cheapest first.
 
     The element itself if a denominator holds them.
 

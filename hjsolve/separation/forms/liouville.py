@@ -28,7 +28,7 @@ def recognise(
     potential: Element,
     region: Region,
 ) -> Liouville | None:
-    """The functions f, R, v of an orthogonal system, or None when it is not of Liouville's form.
+    """Return the functions f, R, v of an orthogonal system, or None when it is not of Liouville's form.
 
     Args:
         reader: reads and differentiates.
@@ -123,7 +123,7 @@ def _split_at_base_point(
 
 
 def _is_additive(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> bool:
-    """Whether all mixed derivatives vanish."""
+    """Return whether all mixed derivatives vanish."""
     slopes = [reader.diff(x, q) for q in symbols]
     return all(reader.diff(slopes[i], symbols[j]).is_zero for j in range(len(symbols)) for i in range(j))
 
@@ -170,7 +170,7 @@ def _split_terms(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> li
 
 
 def _without(reader: Reader, x: Element, others: Sequence[sp.Symbol]) -> Element:
-    """The same function written without symbols it does not really depend on."""
+    """Return the same function written without symbols it does not really depend on."""
     if not any(x.depends_on(q) for q in others):
         return x
     for point in find_base_points(reader, others):
@@ -182,7 +182,7 @@ def _without(reader: Reader, x: Element, others: Sequence[sp.Symbol]) -> Element
 
 
 def _sign_somewhere(reader: Reader, x: Element, region: Region) -> int:
-    """Sign at the first point of the region where it is certain; +1 if nowhere."""
+    """Return sign at the first point of the region where it is certain; +1 if nowhere."""
     expression = reader.write(x)
     for point in region.points(expression):
         try:

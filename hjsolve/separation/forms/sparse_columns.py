@@ -118,7 +118,7 @@ def _candidate_lines(reader: Reader, functionals: list[Vector], d: int) -> list[
 
 
 def _promising(reader: Reader, functionals: Sequence[Vector], vectors: list[Vector], few: int) -> list[Vector]:
-    """Those that most functionals annihilate, in their order; all of them where they are few.
+    """Return those that most functionals annihilate, in their order; all of them where they are few.
 
     Annihilation is read off modulo a prime: it only decides which candidates are worth multiplying out.
     """
@@ -136,7 +136,7 @@ def _promising(reader: Reader, functionals: Sequence[Vector], vectors: list[Vect
 
 
 def _kernel(reader: Reader, rows: Sequence[Vector]) -> Vector | None:
-    """The vector that d − 1 functionals of dimension d annihilate; None when they are dependent."""
+    """Return the vector that d − 1 functionals of dimension d annihilate; None when they are dependent."""
     field, d = reader.field, len(rows[0])
     work = [list(row) for row in rows]
     pivots: list[int] = []
@@ -171,7 +171,7 @@ def _apply(reader: Reader, rows: list[Row], vector: Sequence[Element | None], st
 
 
 def _independent_lines(reader: Reader, rows: list[Row], candidates: list[Vector]) -> list[Vector]:
-    """The n − 1 best independent candidates: most zeros first, then shortest, then upper triangular."""
+    """Return the n − 1 best independent candidates: most zeros first, then shortest, then upper triangular."""
     scored = []
     for position, v in enumerate(candidates):
         image = _scaled(reader, _apply(reader, rows, [None, *v]))
@@ -201,7 +201,7 @@ def _rank(reader: Reader, vectors: Sequence[Vector]) -> int:
 
 
 def _scaled(reader: Reader, image: Row) -> Row:
-    """A column divided by the constant content of its last entry that is not zero.
+    """Return a column divided by the constant content of its last entry that is not zero.
 
     So that this entry has coefficient 1.
     """
@@ -212,7 +212,7 @@ def _scaled(reader: Reader, image: Row) -> Row:
 
 
 def _constant_part(reader: Reader, x: Element) -> Element:
-    """The factors of an element that hold no coordinate."""
+    """Return the factors of an element that hold no coordinate."""
     field = reader.field
     moving = set(reader.bounds)
     y = field.factored(x)

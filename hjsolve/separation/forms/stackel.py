@@ -84,7 +84,9 @@ def certified(reader: Reader, metric: Sequence[Element], potential: Element, mat
 
 
 def plausible(reader: Reader, metric: Sequence[Element], potential: Element, matrix: Matrix) -> bool:
-    """The identities of ``certified`` at random points modulo primes: what fails here is not worth making readable.
+    """Return the identities of ``certified`` at random points modulo primes.
+
+    What fails here is not worth making readable.
 
     Args:
         reader: of the field.
@@ -97,7 +99,7 @@ def plausible(reader: Reader, metric: Sequence[Element], potential: Element, mat
 
 
 def _identities(reader: Reader, metric: Sequence[Element], potential: Element, matrix: Matrix) -> Iterator[Products]:
-    """The sums of products that vanish for a Stäckel matrix and column."""
+    """Yield the sums of products that vanish for a Stäckel matrix and column."""
     one, n = reader.field.one, range(len(metric))
     for j in n:
         yield [*([[metric[i]], [matrix.rows[i][j]]] for i in n), *([[[-one]]] if j == 0 else [])]
@@ -152,7 +154,7 @@ def at_base_point(
 def finished(
     reader: Reader, names: Sequence[str], metric: Sequence[sp.Expr], potential: sp.Expr, matrix: Matrix
 ) -> Stackel:
-    """The verdict's form: readable expressions.
+    """Return the verdict's form: readable expressions.
 
     With one coordinate ψ = V/c is written term by term as the user wrote V.
 

@@ -34,7 +34,7 @@ def small_oscillations(system: System) -> bool:
 
 
 def advice_for_linear_equations(system: System) -> str:
-    """What to do with a system whose equations are linear and that has gyroscopic terms; nothing for any other.
+    """Return what to do with a system whose equations are linear and that has gyroscopic terms; nothing for any other.
 
     Args:
         system: the one refused.
@@ -57,7 +57,7 @@ def advice_for_linear_equations(system: System) -> str:
 
 
 def for_metric(system: System, pair: tuple[str, str], coupled: bool) -> str:
-    """Advice when the kinetic energy is the obstacle.
+    """Return advice when the kinetic energy is the obstacle.
 
     Args:
         system: the one refused.
@@ -87,7 +87,7 @@ def for_metric(system: System, pair: tuple[str, str], coupled: bool) -> str:
 
 
 def for_potential(system: System, pair: tuple[str, str]) -> str:
-    """Advice when the kinetic energy separates and the potential does not.
+    """Return advice when the kinetic energy separates and the potential does not.
 
     Args:
         system: the one refused.
@@ -110,7 +110,7 @@ def for_potential(system: System, pair: tuple[str, str]) -> str:
 
 
 def _search(system: System) -> str:
-    """Where other coordinates are looked for, if the system is one of a particle in a plane or in space."""
+    """Return where other coordinates are looked for, if the system is one of a particle in a plane or in space."""
     speeds = [c.velocity for c in system.coordinates]
     masses = {sp.diff(system.kinetic, v, 2) for v in speeds}
     cartesian = (
@@ -124,7 +124,7 @@ def _search(system: System) -> str:
 
 
 def for_gyroscopic(system: System, pair: tuple[str, str]) -> str:
-    """Advice when linear terms are not a gradient.
+    """Return advice when linear terms are not a gradient.
 
     Args:
         system: the one refused.
@@ -143,7 +143,7 @@ def for_gyroscopic(system: System, pair: tuple[str, str]) -> str:
 
 
 def about_blocks(blocks: Sequence[Sequence[str]]) -> str:
-    """What the finest partition into blocks means; nothing when there is one block only.
+    """Return what the finest partition into blocks means; nothing when there is one block only.
 
     Args:
         blocks: names of the coordinates, block by block.
@@ -158,7 +158,7 @@ def about_blocks(blocks: Sequence[Sequence[str]]) -> str:
 
 
 def about_energy(system: System, energy: sp.Expr) -> str:
-    """What separation at one energy means.
+    """Return what separation at one energy means.
 
     Args:
         system: the one refused at the other energies.
@@ -175,7 +175,7 @@ def about_energy(system: System, energy: sp.Expr) -> str:
 
 
 def for_undecided() -> str:
-    """Advice when nothing was proved."""
+    """Return advice when nothing was proved."""
     return (
         "Neither a proof nor a counterexample was found within the budget. Give more time (budget=), write T and V "
         "in simpler "

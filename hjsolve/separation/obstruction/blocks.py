@@ -30,7 +30,7 @@ def finest(
     potential: Element,
     failing: Iterable[tuple[int, int]],
 ) -> tuple[Block, ...]:
-    """The finest partition into blocks that is proved to separate; one block when there is none.
+    """Return the finest partition into blocks that is proved to separate; one block when there is none.
 
     Args:
         reader: reads and differentiates.
@@ -48,7 +48,7 @@ def finest(
 
 
 def components(n: int, pairs: Iterable[tuple[int, int]]) -> tuple[Block, ...]:
-    """Connected components of a graph on 0 … n − 1.
+    """Return connected components of a graph on 0 … n − 1.
 
     Args:
         n: number of vertices.
@@ -81,7 +81,7 @@ def separates(
     potential: Element,
     partition: Sequence[Block],
 ) -> bool:
-    """Proof that a shell separates into these blocks; False is no proof of the opposite.
+    """Return proof that a shell separates into these blocks; False is no proof of the opposite.
 
     Args:
         reader: reads and differentiates.
@@ -105,7 +105,7 @@ def separates(
 
 
 def _is_one_energy(reader: Reader, symbols: Sequence[sp.Symbol], metric: Sequence[Element], block: Block) -> bool:
-    """Whether the ratios of the gⁱⁱ of a block are functions of the block's coordinates alone."""
+    """Return whether the ratios of the gⁱⁱ of a block are functions of the block's coordinates alone."""
     sieve, minus = Filter(reader.field), [reader.field.coerce(-1)]
     outside = [q for k, q in enumerate(symbols) if k not in block]
     for k in block[1:]:

@@ -22,7 +22,7 @@ SECONDS, TERMS = 0.5, 100_000
 
 
 def diagnosed(found: Obstruction, setting: Setting, conditions: LeviCivitaConditions) -> Obstruction:
-    """The obstruction with ``distance``, ``blocks`` and ``conformal``, and the words for them.
+    """Return the obstruction with ``distance``, ``blocks`` and ``conformal``, and the words for them.
 
     Args:
         found: the obstruction of an orthogonal shell.

@@ -72,7 +72,7 @@ def _points(symbols: Sequence[sp.Symbol], whole: sp.Tuple, region: Region) -> It
 def _errors(
     symbols: Sequence[sp.Symbol], functions: Sequence[sp.Expr], part: str, base: Point, points: Sequence[Point]
 ) -> list[mpmath.mpf]:
-    """Errors at up to ``SAMPLES`` points, fewer where evaluation is slow, with the base point given."""
+    """Return errors at up to ``SAMPLES`` points, fewer where evaluation is slow, with the base point given."""
     deadline = time.monotonic() + SECONDS
     with mp.workprec(PRECISION):
         g0 = _values(functions, base)
@@ -93,7 +93,7 @@ def _errors(
 def _rebuilt(
     symbols: Sequence[sp.Symbol], functions: Sequence[sp.Expr], base: Point, g0: list[mpmath.mpf], point: Point
 ) -> tuple[list[mpmath.mpf], list[mpmath.mpf]]:
-    """The metric and the potential at a point as rebuilt from the lines through the base point, and as they are."""
+    """Return metric and the potential at a point as rebuilt from the lines through the base point, and as they are."""
     n = len(symbols)
     s, u = mp.matrix(n, n), mp.matrix(n, 1)
     for i, q in enumerate(symbols):
@@ -106,6 +106,6 @@ def _rebuilt(
 
 
 def _values(functions: Sequence[sp.Expr], point: Point) -> list[mpmath.mpf]:
-    """Values of several functions at a point; what they share is evaluated once."""
+    """Return values of several functions at a point; what they share is evaluated once."""
     walk = Walk(point, PRECISION)
     return [sum(finite(partial(walk, f))) / 2 for f in functions]

@@ -124,7 +124,7 @@ def _written_out(setting: Setting, condition: Condition) -> sp.Expr:
 
 
 def _enclosed(setting: Setting, condition: Condition) -> Witness | None:
-    """A witness of S_ij(f) by jets of the expressions of the shell."""
+    """Return a witness of S_ij(f) by jets of the expressions of the shell."""
     i, j = condition.i, condition.j
     shell, pair = setting.shell, (setting.symbols[i], setting.symbols[j])
     f = shell.potential if condition.about is None else shell.inverse_metric[condition.about]
@@ -140,7 +140,7 @@ def _enclosed(setting: Setting, condition: Condition) -> Witness | None:
 
 
 def _d(f: sp.Expr, *symbols: sp.Symbol) -> sp.Expr:
-    """A derivative; left as it stands where f is large."""
+    """Return a derivative; left as it stands where f is large."""
     if not f.free_symbols.issuperset(symbols):
         return sp.S.Zero
     if f.has(*UNKNOWNS) or sum(1 for _ in islice(sp.preorder_traversal(f), LARGE)) < LARGE:
@@ -156,7 +156,7 @@ def _failing(
     enclosed: Callable[[], Witness | None],
     region: Region,
 ) -> tuple[sp.Expr, NonZero | Unproved]:
-    """What does not vanish, with the proof: the simplest coefficient of a sum of products in the constants.
+    """Return what does not vanish, with the proof: the simplest coefficient of a sum of products in the constants.
 
     Where it is too much to multiply out, the whole as written out, enclosed as it stands or by its elements.
     """
@@ -180,7 +180,7 @@ def _failing(
 
 
 def _simplest_nonzero(parts: Iterable[sp.Expr], region: Region, budget: Budget) -> tuple[sp.Expr, NonZero | Unproved]:
-    """The first expression proved not to vanish, else the first of all with what is known about it."""
+    """Return the first expression proved not to vanish, else the first of all with what is known about it."""
     open_case: tuple[sp.Expr, Unproved] | None = None
     for part in parts:
         answer = not_zero(part, region, budget, "no witness was found")

@@ -17,7 +17,9 @@ from hjsolve.separation.forms.levi_civita import LeviCivitaConditions
 
 
 def energy_of_separation(conditions: LeviCivitaConditions) -> Element | None:
-    """The one energy at which the shell separates, in terms of parameters and constant momenta; None if none is proved.
+    """Return the one energy at which the shell separates, in terms of parameters and constant momenta.
+
+    None if none is proved.
 
     The caller has found that the shell does not separate at every energy.
 
@@ -49,14 +51,14 @@ def energy_of_separation(conditions: LeviCivitaConditions) -> Element | None:
 
 
 def _cannot_hold(conditions: LeviCivitaConditions, i: int, j: int) -> bool:
-    """Whether random points modulo primes rule out that a pair separates at some energy."""
+    """Return whether random points modulo primes rule out that a pair separates at some energy."""
     if conditions.one_factor(i, j) is False:
         return True
     return bool(conditions.passes_filter(i, j, i)) and conditions.passes_filter(i, j, None) is False
 
 
 def difference(a: Products, b: Products, minus: Sequence[Element]) -> Products:
-    """The sum of products a − b.
+    """Return the sum of products a − b.
 
     Args:
         a, b: sums of products.

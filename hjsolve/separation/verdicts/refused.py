@@ -55,7 +55,7 @@ class Obstruction(Shown):
     conformal_energy: sp.Expr | None = None
 
     def __str__(self) -> str:
-        """The verdict in one sentence."""
+        """Return the verdict in one sentence."""
         names, pair = listed_names(c.name for c in self.system.coordinates), dict.fromkeys(self.pair)
         who = f"couples {listed_names(pair)}" if len(pair) > 1 else f"is in the way of {listed_names(pair)}"
         part = _PARTS.get(self.part, self.part)
@@ -89,7 +89,7 @@ class Undecided(Shown):
     evidence: tuple[ReductionStep, ...]
 
     def __str__(self) -> str:
-        """The verdict in one sentence."""
+        """Return the verdict in one sentence."""
         names = listed_names(c.name for c in self.system.coordinates)
         return f"Not decided in {names}: {_shown(self.residual)} was proved neither to vanish everywhere nor not to."
 

@@ -98,7 +98,7 @@ class Separation(Shown):
     seconds: float
 
     def __str__(self) -> str:
-        """The verdict in one sentence."""
+        """Return the verdict in one sentence."""
         form = "of Liouville form" if self.liouville else "of Stäckel form" if self.stackel else ""
         shell = "of Liouville form" if self.reduced.liouville else "of Stäckel form" if self.reduced.stackel else ""
         why = f"it is {form}" if form else f"its energy shell is {shell}" if shell else "no coordinate is essential"

@@ -108,7 +108,10 @@ class Region:
         generator: random.Random,
         stretched: bool,
     ) -> sp.Rational | None:
-        """A rational number inside the coordinate's interval; None when the interval is empty for these parameters."""
+        """Return a rational number inside the coordinate's interval.
+
+        None when the interval is empty for these parameters.
+        """
         lower, upper = (None if end is None else end.subs(point) for end in self.bounds[symbol])
         if any(end is not None and end.is_real is False for end in (lower, upper)):
             return None
@@ -130,7 +133,7 @@ class Region:
 
 
 def _stretched(share: Fraction, lower: sp.Expr | None, upper: sp.Expr | None, side: int) -> sp.Rational:
-    """A place anywhere on a line or half-line, next to its end as well as far out."""
+    """Return a place anywhere on a line or half-line, next to its end as well as far out."""
     distance = sp.Rational(share.numerator, share.denominator - share.numerator)
     end = lower if upper is None else upper
     if end is None:
@@ -156,7 +159,7 @@ def search(
     points: Iterable[dict[sp.Expr, sp.Rational]],
     budget: Budget | None = None,
 ) -> Witness | None:
-    """The first of the points where an enclosure, of a point and a precision, excludes zero.
+    """Return the first of the points where an enclosure, of a point and a precision, excludes zero.
 
     Args:
         enclosure: lower and upper bound at a point, to a number of binary digits.
@@ -179,7 +182,7 @@ def search(
 
 
 def value_to_40_digits(expression: sp.Expr, region: Region) -> tuple[dict[str, sp.Rational], mpmath.mpf] | None:
-    """A point of the region and the value of the expression there to 40 digits; None when no point has one.
+    """Return a point of the region and the value of the expression there to 40 digits; None when no point has one.
 
     Args:
         expression: what is to be worked out.

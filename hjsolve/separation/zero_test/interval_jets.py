@@ -72,7 +72,7 @@ def has_jets(x: sp.Expr, pair: tuple[sp.Symbol, sp.Symbol]) -> bool:
 
 @lru_cache(maxsize=16384)
 def _moves(x: sp.Expr, pair: tuple[sp.Symbol, sp.Symbol]) -> bool:
-    """Whether an expression depends on one of two coordinates; asked of the same parts at every point."""
+    """Return whether an expression depends on one of two coordinates; asked of the same parts at every point."""
     return not x.free_symbols.isdisjoint(pair)
 
 
@@ -142,7 +142,7 @@ class JetWalk:
         return rational(int(x.p), int(x.q), self.precision)
 
     def plus(self, a: Slope, b: Slope) -> Slope:
-        """The sum.
+        """Return the sum.
 
         Args:
             a: an interval jet.
@@ -153,7 +153,7 @@ class JetWalk:
         return libmp.mpi_add(a, b, self.precision)
 
     def times(self, a: Slope, b: Slope) -> Slope:
-        """The product.
+        """Return the product.
 
         Args:
             a: an interval jet.
@@ -162,7 +162,7 @@ class JetWalk:
         return None if a is None or b is None else libmp.mpi_mul(a, b, self.precision)
 
     def over(self, a: Slope, b: Interval) -> Slope:
-        """The quotient.
+        """Return the quotient.
 
         Args:
             a: an interval jet.
@@ -171,7 +171,7 @@ class JetWalk:
         return None if a is None else libmp.mpi_mul(a, enclose_inverse(b, self.precision), self.precision)
 
     def negative(self, a: Slope) -> Slope:
-        """The negative.
+        """Return the negative.
 
         Args:
             a: an interval jet.

@@ -98,7 +98,7 @@ def is_zero(expression: sp.Expr, region: Region | None = None, *, budget: Budget
 
 
 def not_zero(expression: sp.Expr, region: Region, budget: Budget, reason: str) -> NonZero | Unproved:
-    """The second half of the test: a witness, or the value to 40 digits.
+    """Return the second half of the test: a witness, or the value to 40 digits.
 
     Args:
         expression: what the first half did not prove to be zero.
@@ -114,7 +114,7 @@ def not_zero(expression: sp.Expr, region: Region, budget: Budget, reason: str) -
 
 
 def free_region(expression: sp.Expr) -> Region:
-    """Every symbol over the reals that its own assumptions allow.
+    """Return every symbol over the reals that its own assumptions allow.
 
     Args:
         expression: whose symbols are meant.

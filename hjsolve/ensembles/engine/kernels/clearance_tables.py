@@ -24,7 +24,10 @@ _UNTOLD = -2
 
 @inlined
 def _radius(re: float, im: float, table: Clearances) -> float:
-    """The radius in the table, 0 where it is not known yet; see ``clearance``. Without branches: they cost most."""
+    """Return the radius in the table, 0 where it is not known yet; see ``clearance``. Without branches.
+
+    They cost most.
+    """
     size = abs(re) + im
     turn = min(int(im / size * _TURNS), _TURNS - 1) if size > 0.0 else 0
     turn = 2 * _TURNS - 1 - turn if re < 0.0 else turn
@@ -39,7 +42,7 @@ def _radius(re: float, im: float, table: Clearances) -> float:
 @inlined
 def _failing(motions: Motions, i: int, place: tuple[int, int], first: int, strips: Strips, low: Clearances,
              high: Clearances) -> int:  # fmt: skip
-    """The first disk of a strip that is not known, from one of them on and around; ``count`` where all are.
+    """Return the first disk of a strip that is not known, from one of them on and around; ``count`` where all are.
 
     −1 where the table does not tell yet.
     """
@@ -63,7 +66,7 @@ def _failing(motions: Motions, i: int, place: tuple[int, int], first: int, strip
 @kernel
 def glances(motions: Motions, room: Reals, span: Integers, strips: Strips, low: Clearances, high: Clearances,
             least: Integers) -> None:  # fmt: skip
-    """The first size that is proved to resolve an orbit: −1 for none, −2 where a table does not tell yet.
+    """Write the first size that is proved to resolve an orbit: −1 for none, −2 where a table does not tell yet.
 
     Args:
         motions: of n orbits.

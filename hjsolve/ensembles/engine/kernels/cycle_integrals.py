@@ -174,7 +174,7 @@ def _noted(work: Scratch, t: int, which: int, at: int, span: tuple[int, int, int
 
 @inlined
 def _spans(tables: Tables, m: int, share: int, which: int) -> tuple[int, int, int]:
-    """The samples that a view looks at, and its farthest place."""
+    """Return the samples that a view looks at, and its farthest place."""
     inside, farthest = tables.spans[m, share, 0], tables.places.shape[2] - FARTHEST + 2 * share
     return (0, inside, farthest) if which == 0 else (inside, tables.samples[m] - inside, farthest + 1)
 

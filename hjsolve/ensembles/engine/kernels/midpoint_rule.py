@@ -64,7 +64,7 @@ def _coefficients(rows: Reals, x: Reals, n: int) -> tuple[float, float, Last]:
 
 @reducing
 def _middle(rows: Reals, x: Reals, n: int) -> float:
-    """Size of the largest of three coefficients in the middle of the series."""
+    """Return size of the largest of three coefficients in the middle of the series."""
     p, q, r = 0.0, 0.0, 0.0
     for j in range(n):
         v = x[j]
@@ -93,7 +93,7 @@ def _weighted(x: Reals, y: Reals, n: int) -> float:
 
 @inlined
 def _needed(late: float, early: float, scale: float, n: int, wish: float) -> float:
-    """How many nodes bring the last coefficients down to ``wish``: they fall geometrically."""
+    """Return how many nodes bring the last coefficients down to ``wish``: they fall geometrically."""
     excess = max(2.0 / n * late, 1e-300) / scale
     if late < _GEOMETRIC_FALL * early:
         more = n + 3.0 * math.log(wish / excess) / math.log(max(late / early, 1e-9))
@@ -104,7 +104,10 @@ def _needed(late: float, early: float, scale: float, n: int, wish: float) -> flo
 
 @inlined
 def _crowding(last: Last, first: int) -> int:
-    """The crowding for a singularity beside χ = φ; cos φ and cos 2φ from correlations of the last coefficients."""
+    """Return the crowding for a singularity beside χ = φ.
+
+    Cos φ and cos 2φ from correlations of the last coefficients.
+    """
     if first >= _UNSTRETCHED:
         return first
     late, early = max(abs(last[3]), abs(last[4])), max(abs(last[0]), abs(last[1]))

@@ -88,14 +88,14 @@ def _load(bend: MachineProgram, walk: SearchSide, lanes: Lanes, j: int, i: int, 
 
 @inlined
 def _onward(walk: SearchSide, inner: float, step: float) -> float:
-    """The next place outward, not more than three quarters of the way to the end of the domain."""
+    """Return the next place outward, not more than three quarters of the way to the end of the domain."""
     x, side, floor = inner + walk.side * step, walk.side, walk.floor
     return floor + 0.25 * (inner - floor) if side * (x - floor) > -0.25 * side * (floor - inner) else x
 
 
 @inlined
 def _begun(walk: SearchSide, i: int, first: float, second: float) -> float:
-    """The first step of the search of an orbit, 0 where there is nothing to search."""
+    """Return the first step of the search of an orbit, 0 where there is nothing to search."""
     x, P, side, floor = walk.start[i], walk.momentum[i], walk.side, walk.floor
     if not (math.isfinite(first) and (P != 0.0 or first != 0.0) and side * (floor - x) > 0.0):
         return 0.0
@@ -177,7 +177,7 @@ def _bracketed(bend: MachineProgram, walk: SearchSide, lanes: Lanes) -> None:
 
 @helper
 def _improved(slopes: MachineProgram, walk: SearchSide, places: Reals, orbits: Reals) -> None:
-    """Some steps of Newton's method inside the brackets, without branches, a block of orbits at a time."""
+    """Take some steps of Newton's method inside the brackets, without branches, a block of orbits at a time."""
     n, width, x = places.shape[0], slopes.registers.shape[1], slopes.registers[0]
     inner, outer, moved = orbits[0], orbits[1], orbits[2]
     f, slope = slopes.registers[slopes.outputs[0]], slopes.registers[slopes.outputs[1]]
@@ -205,7 +205,7 @@ def _improved(slopes: MachineProgram, walk: SearchSide, places: Reals, orbits: R
 
 @inlined
 def _finishing(walk: SearchSide, places: Reals, lanes: Lanes, j: int, i: int) -> int:
-    """Whether Newton's method has still to go on for an orbit."""
+    """Return whether Newton's method has still to go on for an orbit."""
     lanes.reals[3, j] = np.inf
     if i == places.shape[0]:
         return _FREE
@@ -283,7 +283,7 @@ def turning_points(
 
 @kernel
 def smallness(bend: MachineProgram, errors: MachineProgram, walk: SearchSide, uncertainty: Reals, small: Reals) -> None:
-    """The error of p² at the start over about how large p² becomes.
+    """Write the error of p² at the start over about how large p² becomes.
 
     Args:
         bend, errors: programs of the view, of the same width.

@@ -1,4 +1,4 @@
-"""Turning points of small motions about a maximum of p², as offsets from the start.
+"""Write the turning points of small motions about a maximum of p², as offsets from the start.
 
 F(q₀ + x) = P₀² + x (F′₀ + x F[q₀, q₀, q₀ + x]) is solved as a quadratic equation whose last coefficient hardly varies,
 again and again, by secants (Traub, Iterative Methods, 1964, §8.1: Steffensen's acceleration of a fixed point).
@@ -22,7 +22,7 @@ _FAR = 0.5  # part of the way to an end of the domain beyond which a motion is n
 
 @inlined
 def _quadratic(square: float, outward: float, bend: float) -> float:
-    """The positive zero of square + outward d + bend d², bend < 0."""
+    """Return the positive zero of square + outward d + bend d², bend < 0."""
     root = np.sqrt(outward * outward - 4.0 * bend * square)
     return (outward + root) / (-2.0 * bend) if outward > 0.0 else 2.0 * square / (root - outward)
 
@@ -30,7 +30,7 @@ def _quadratic(square: float, outward: float, bend: float) -> float:
 @helper
 def _solved(value: MachineProgram, known: Reals, first: int, side: float, places: Reals, work: Reals,
             on: Integers) -> None:  # fmt: skip
-    """The turning points of a block of orbits on one side; ``work``: ½F″, d, d before, and what was off then."""
+    """Write the turning points of a block of orbits on one side; ``work``: ½F″, d, d before, and what was off then."""
     width, m = value.registers.shape[1], known.shape[0] - 5
     count = min(width, known.shape[1] - first)
     x, F, (bend, d, before, off) = (
@@ -87,7 +87,7 @@ def small_ends(
     value: MachineProgram, bounds: MachineProgram, known: Reals, uncertainty: Reals, floors: Reals, places: Reals,
     work: Reals, on: Integers,
 ) -> None:  # fmt: skip
-    """Turning points of small motions; NaN where a motion is not as small as that.
+    """Write the turning points of small motions; NaN where a motion is not as small as that.
 
     Args:
         value, bounds: programs of small motions, of the same width.

@@ -123,7 +123,7 @@ def _nodes(fill: MachineProgram, errors: MachineProgram, motions: Rounds, i: int
 
 @helper
 def _noise(fill: MachineProgram, errors: MachineProgram, n: int, noise: Reals) -> bool:
-    """Sums of the errors of all integrands over the nodes; whether F > 0 at all of them."""
+    """Return sums of the errors of all integrands over the nodes; whether F > 0 at all of them."""
     kernels = noise.shape[0] - 1
     r, F, δF = fill.registers[fill.outputs[1]], fill.registers[fill.outputs[2]], errors.registers[errors.outputs[0]]
     total, positive = 0.0, True
@@ -150,7 +150,7 @@ def _size(x: Reals, n: int) -> float:
 
 @inlined
 def _largest(rows: Reals, x: Reals, n: int) -> float:
-    """Size of the largest of six coefficients."""
+    """Return size of the largest of six coefficients."""
     found = 0.0
     for k in range(6):
         found = max(found, abs(dot(rows[k], x, n)))
@@ -242,7 +242,7 @@ def _running(weights: Reals, χ: float, sign: float, n: int, circle: Reals) -> N
 @helper
 def _timed(fill: MachineProgram, motions: Rounds, i: int, place: tuple[int, int, int], tables: Turns, results: Sums,
            work: TurnScratch) -> None:  # fmt: skip
-    """The phase of the start, and the running integrals up to it less their mean growth."""
+    """Write the phase of the start, and the running integrals up to it less their mean growth."""
     (m, size, n), weights, kernels = place, work.rows[0], work.noise.shape[0] - 1
     direction, ratio, map_ = motions.direction[i], motions.ratio[i], tables.maps[m]
     χ, bound = _phase(motions.left[i], direction, ratio, map_)
