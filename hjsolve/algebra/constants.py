@@ -228,7 +228,7 @@ def _form(terms: list[sp.Expr]) -> _Form:
 
 
 def _vanishes(form: _Form) -> bool:
-    """Return proof that both the sum of logarithms and the sum of angles are zero."""
+    """Return a proof that both the sum of logarithms and the sum of angles are zero."""
     logarithms = {a: r for a, r in form.logarithms.items() if r}
     angles = {a: r for a, r in form.angles.items() if r}
     if logarithms:

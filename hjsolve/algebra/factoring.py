@@ -64,7 +64,7 @@ def factored(expression: sp.Expr) -> sp.Expr:
 
 
 def irreducible(f: Element) -> Factors:
-    """Return factors of a polynomial up to a constant, each prime to the others; irreducible where that is cheap.
+    """Return the factors of a polynomial up to a constant, each prime to the others; irreducible where that is cheap.
 
     Args:
         f: a polynomial.

@@ -289,7 +289,7 @@ class Field:
         return self._reduced_factors(y.coefficient**n, {0: 1}, {b: n * e for b, e in y.factors.items()})
 
     def total(self, elements: Iterable[Element]) -> Element:
-        """Return sum over the common denominator; factors that all terms share are not expanded.
+        """Return the sum over the common denominator; factors that all terms share are not expanded.
 
         Args:
             elements: elements of the field.

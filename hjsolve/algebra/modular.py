@@ -37,7 +37,7 @@ class ModularPoint:
         self._powers: dict[tuple[int, int], int] = {}
 
     def value(self, k: int) -> int:
-        """Return value of generator k.
+        """Return the value of generator k.
 
         Args:
             k: number of the generator.
@@ -81,7 +81,7 @@ class ModularPoint:
         return root
 
     def poly(self, a: Poly) -> int:
-        """Return value of a polynomial.
+        """Return the value of a polynomial.
 
         Args:
             a: a polynomial.
@@ -96,7 +96,7 @@ class ModularPoint:
         return total % p
 
     def element(self, x: Element) -> int:
-        """Return value of an element.
+        """Return the value of an element.
 
         Args:
             x: an element.
@@ -151,7 +151,7 @@ class Filter:
         return True
 
     def _total(self, products: Products, place: int) -> int | None:
-        """Return value of the sum at one of the points; None where a root or a denominator fails there."""
+        """Return the value of the sum at one of the points; None where a root or a denominator fails there."""
         point, known = self._places[place]
         try:
             total = 0

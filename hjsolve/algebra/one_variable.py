@@ -118,7 +118,7 @@ def _radicand(node: sp.Basic) -> sp.Expr | None:
 
 
 def _sign(x: sp.Expr) -> int:
-    """Return sign of a constant that is not zero.
+    """Return the sign of a constant that is not zero.
 
     Raises:
         UndecidableError: it may be zero.

@@ -134,7 +134,7 @@ def exponents(monomial: int) -> list[tuple[int, int]]:
 
 
 def add(a: Poly, b: Poly, scale: int = 1) -> Poly:
-    """Return sum a + scale·b.
+    """Return the sum a + scale·b.
 
     Args:
         a: a polynomial.
@@ -220,7 +220,7 @@ def content(a: Poly) -> int:
 
 
 def monomial_content(a: Iterable[int]) -> int:
-    """Return greatest monomial that divides every monomial given.
+    """Return the greatest monomial that divides every monomial given.
 
     Args:
         a: packed monomials.
@@ -235,7 +235,7 @@ def monomial_content(a: Iterable[int]) -> int:
 
 
 def _common(a: int, b: int) -> int:
-    """Return greatest common divisor of two packed monomials."""
+    """Return the greatest common divisor of two packed monomials."""
     out, shift = 0, 0
     while a and b:
         out |= min(a & FIELD, b & FIELD) << shift
@@ -300,7 +300,7 @@ def exact_quotient(a: Poly, b: Poly, guard: int, budget: Budget) -> Poly | None:
 
 
 def value_modulo(a: Poly, n: int) -> int:
-    """Return value modulo n at one fixed integer point; generator k is put to a number that depends on k only.
+    """Return the value modulo n at one fixed integer point; generator k is put to a number that depends on k only.
 
     Args:
         a: a polynomial.
@@ -315,7 +315,7 @@ def value_modulo(a: Poly, n: int) -> int:
 
 
 def value(a: Poly) -> int:
-    """Return value at the same fixed integer point.
+    """Return the value at the same fixed integer point.
 
     Args:
         a: a polynomial.
@@ -355,7 +355,7 @@ def support(a: Poly) -> int:
 
 
 def generators(a: Poly) -> list[int]:
-    """Return numbers of the generators that occur in a, ascending.
+    """Return the numbers of the generators that occur in a, ascending.
 
     Args:
         a: a polynomial.

@@ -363,7 +363,7 @@ class Reader:
 
 
 def _is_zero(x: sp.Expr) -> bool:
-    """Return proof that a constant is zero."""
+    """Return a proof that a constant is zero."""
     try:
         lower, upper = enclose(x, {}, 64)
     except NoEnclosureError:

@@ -24,7 +24,7 @@ from hjsolve.algebra.signs import sign_of
 def constant_zero(
     reader: FieldReader, f: sp.Expr, symbols: Sequence[sp.Symbol], place: Mapping[sp.Symbol, sp.Rational]
 ) -> bool:
-    """Return proof that f is zero on its domain.
+    """Return a proof that f is zero on its domain.
 
     Args:
         reader: reads and differentiates; its bounds are the box.
@@ -47,7 +47,7 @@ def constant_zero(
 
 
 def is_one_constant(reader: FieldReader, f: sp.Expr, symbol: sp.Symbol, inside: sp.Expr, budget: Budget) -> bool:
-    """Return proof that f, whose derivative by a variable vanishes, has one value along it: that it does not jump.
+    """Return a proof that f, whose derivative by a variable vanishes, has one value along it: that it does not jump.
 
     x − atan(tan x) is constant between the poles of the tangent, and another constant beyond each of them.
 

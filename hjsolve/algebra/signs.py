@@ -23,7 +23,7 @@ ANYTHING: Range = (None, None)
 
 
 def atom_bounds(atom: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> Range:
-    """Return bounds of an atom on the domain; None where there is none.
+    """Return the bounds of an atom on the domain; None where there is none.
 
     Args:
         atom: a symbol, or a function of symbols.
@@ -190,7 +190,7 @@ def _times(x: Range, y: Range) -> Range:
 
 
 def _sign_of_end(end: Fraction | None, upper: int) -> int:
-    """Return sign of an end of a range; None is +∞ at the upper end and −∞ at the lower one."""
+    """Return the sign of an end of a range; None is +∞ at the upper end and −∞ at the lower one."""
     if end is None:
         return 1 if upper else -1
     return (end > 0) - (end < 0)

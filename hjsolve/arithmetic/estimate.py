@@ -203,7 +203,7 @@ class Estimate:
 
 
 def _term(x: object) -> propagation.Term | None:
-    """Return value and error of an operand; None for what is no real number."""
+    """Return the value and error of an operand; None for what is no real number."""
     if isinstance(x, Estimate):
         return x.value, x.error
     return (x, 0.0) if propagation.is_real(x) else None

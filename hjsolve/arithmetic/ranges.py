@@ -208,7 +208,7 @@ def _told(c: Context, x: Range) -> str:
 
 # ------------------------------------------------------------------------------------------------ not monotone
 def _wave(c: Context, name: str, x: Range) -> Range:
-    """Return range of sin or cos: the values at the ends, and ±1 where a crest or trough may lie inside."""
+    """Return the range of sin or cos: the values at the ends, and ±1 where a crest or trough may lie inside."""
     if x[0] == x[1] == 0:
         return _wide(c, name, x[0], 0)
     ends = [_wide(c, name, end, None) for end in x]

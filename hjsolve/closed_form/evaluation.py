@@ -199,7 +199,7 @@ def _partial(e: sp.Expr, k: int) -> sp.Expr:
 def _slopes_in_names(
     function: type[sp.Function], count: int
 ) -> tuple[tuple[sp.Symbol, ...], sp.Expr, tuple[sp.Expr, ...]]:  # fmt: skip
-    """Return names for the arguments of a function, the function of them, and its derivatives by each."""
+    """Return the names for the arguments of a function, the function of them, and its derivatives by each."""
     names = tuple(sp.Dummy(f"a{k}", real=True) for k in range(count))
     value = function(*names)
     return names, value, tuple(sp.diff(value, name) for name in names)

@@ -143,7 +143,7 @@ def wanted_form(form: NamedForms, name: str) -> sp.Expr:
 
 
 def _exact(form: NamedForms, expression: sp.Expr, values: Mapping[str, object]) -> dict[sp.Symbol, sp.Expr]:
-    """Return symbol → exact value, of everything the regime and the expression need."""
+    """Return the symbol → exact value, of everything the regime and the expression need."""
     exact = {p.symbol: p.value for p in form.solution.system.parameters if p.value is not None}
     needed = {s.name: s for s in (*form.regime.example, *needed_names(expression.free_symbols, form.where)[1])}
     for name, value in values.items():
@@ -164,7 +164,7 @@ def _exact(form: NamedForms, expression: sp.Expr, values: Mapping[str, object]) 
 def root_values(
     form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr], digits: int
 ) -> dict[sp.Symbol, mpmath.mpf]:  # fmt: skip
-    """Return values of the symbols that ``where`` defines, as far as what they rest on is known.
+    """Return the values of the symbols that ``where`` defines, as far as what they rest on is known.
 
     Args:
         form: of a regime.

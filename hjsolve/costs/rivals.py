@@ -103,7 +103,7 @@ def _when(task: Task, times: Times | None) -> Reals:
 
 
 def _sides(when: Reals, start: float) -> list[tuple[Integers, Reals]]:
-    """Return places of the times after the start and before it, each in the order in which they are reached."""
+    """Return the places of the times after the start and before it, each in the order in which they are reached."""
     found = []
     for side in (when >= start, when < start):
         places = np.nonzero(side)[0]

@@ -106,7 +106,7 @@ def _signs(b: Reals, e: Reals) -> NDArray[np.int64]:
 
 
 def _variations(b: Reals, e: Reals) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Return sign changes along each row, and whether that is their number whatever the signs not proved are."""
+    """Return the sign changes along each row, and whether that is their number whatever the signs not proved are."""
     signs = _signs(b, e)
     forward, backward = signs.copy(), signs.copy()
     for k in range(1, signs.shape[1]):

@@ -291,7 +291,7 @@ def _piece(table: list[list[mpmath.mpf]], a: mpmath.mpf, b: mpmath.mpf, length: 
 
 
 def _shifted(row: list[mpmath.mpf], a: mpmath.mpf, step: mpmath.mpf) -> list[mpmath.mpf]:
-    """Return coefficients of N(a + step·s), by Horner's scheme."""
+    """Return the coefficients of N(a + step·s), by Horner's scheme."""
     result = list(row)
     for first in range(len(result) - 1):
         for k in range(len(result) - 2, first - 1, -1):

@@ -22,7 +22,7 @@ SUFFIX = ".parquet"
 
 
 def axis_names(shape: tuple[int, ...]) -> tuple[str, ...]:
-    """Return names of the axes of a batch: ``orbit``, or ``axis_0``, ``axis_1``, … where there are several.
+    """Return the names of the axes of a batch: ``orbit``, or ``axis_0``, ``axis_1``, … where there are several.
 
     Args:
         shape: of the batch.

@@ -145,7 +145,7 @@ class ModalMotion(Shown):
         return State(t, q, p, velocity, {}, state.status, bounds)
 
     def _named(self, values: list[Mpf]) -> Iterator[dict[str, Mpf]]:
-        """Return values of q, p and velocity by coordinate."""
+        """Return the values of q, p and velocity by coordinate."""
         names = [c.name for c in self.modes.system.coordinates]
         return (dict(zip(names, values[k * len(names) :], strict=False)) for k in range(3))
 

@@ -89,7 +89,7 @@ class FramedMotion(Shown):
         return np.array(found, dtype=object)
 
     def _bound(self, formula: sp.Expr, value: Numbers, state: State, times: Numbers) -> Numbers:
-        """Return errors of Q and Q̇ carried over to first order, doubled, and the rounding of the formula."""
+        """Return the errors of Q and Q̇ carried over to first order, doubled, and the rounding of the formula."""
         total = 16 * 10.0 ** -max(self.motion.digits, 15) * (np.abs(value) + self._size(formula, state, times))
         for c in self.frame.system.coordinates:
             for symbol, error in ((c.symbol, state.error.q[c.name]), (c.velocity, state.error.velocity[c.name])):

@@ -168,7 +168,7 @@ def open_phases(name: str, course: CoordinateMotion, place: Mpf, bits: int) -> l
 
 
 def _elapsed(motion: SeparatedMotion, k: int, phase: Mpf) -> tuple[Time, Time]:
-    """Return time from t₀ until coordinate k has a phase, and a bound on its error."""
+    """Return the time from t₀ until coordinate k has a phase, and a bound on its error."""
     torus, scheme, many = motion.torus, motion.scheme, motion.digits > 15
     if torus is not None and all(s.constant for i, s in enumerate(torus.oscillations[k]) if i != k):
         periodic = torus.oscillations[k][k]
@@ -197,7 +197,7 @@ def _noise(motion: SeparatedMotion) -> Time:
 
 
 def _own_time(motion: SeparatedMotion, course: CoordinateMotion, step: DecoupledStep, phase: Mpf) -> tuple[Time, Time]:
-    """Return time of a coordinate whose equation holds no other."""
+    """Return the time of a coordinate whose equation holds no other."""
     course = course.with_reach(abs(float(phase)))
     total: Time = 0.0
     size = 0.0
@@ -218,7 +218,7 @@ def _integral_at(motion: SeparatedMotion, course: CoordinateMotion, j: int, χ: 
 
 
 def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[float, float]:
-    """Return time at which χₖ(t), increasing, passes a phase; by bracketing and the secant rule."""
+    """Return the time at which χₖ(t), increasing, passes a phase; by bracketing and the secant rule."""
 
     def full(t: float) -> tuple[float, float]:
         χ, whole, errors, ended = solve_phases(motion, (np.array([t]), np.zeros(1)))

@@ -234,7 +234,7 @@ def _wave(series: FourierSeries, χ: Reals) -> Reals:
 
 
 def _scale(motion: SeparatedMotion) -> float:
-    """Return size below which q needs no relative accuracy: 0 unless it passes through zero."""
+    """Return the size below which q needs no relative accuracy: 0 unless it passes through zero."""
     name = motion.solution.coordinates[0]
     ends = motion.turning_points.get(name)
     if ends is None:

@@ -218,7 +218,7 @@ def chebyshev_points(count: int, bits: int) -> list[Mpf]:
 
 
 def integrated_row(row: list[Mpf], half: Mpf, start: Mpf) -> list[Mpf]:
-    """Return coefficients of the integral, equal to ``start`` at the left edge (Mason & Handscomb 2003, (2.43)).
+    """Return the coefficients of the integral, equal to ``start`` at the left edge (Mason & Handscomb 2003, (2.43)).
 
     Args:
         row: coefficients of the integrand.

@@ -151,7 +151,7 @@ _AT_ONCE, _BLOCK = 256, 64
 
 
 def _power_sums(coefficients: Complexes, z: Complexes) -> Complexes:
-    """Return sum cₖ zᵏ over k = 1, 2, … for each row of coefficients, shape (rows, *z.shape).
+    """Return the sum cₖ zᵏ over k = 1, 2, … for each row of coefficients, shape (rows, *z.shape).
 
     A block of powers at a time is a product of matrices; the blocks are joined by Horner's rule in z^64.
     """

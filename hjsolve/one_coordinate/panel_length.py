@@ -75,7 +75,7 @@ def _log(x: Mpf) -> float:
 
 
 def nodes_for(excess: float, digits: int) -> int:
-    """Return nodes for an error of 10^−(digits + 1), relative, where the bound is e^excess times the size.
+    """Return the nodes for an error of 10^−(digits + 1), relative, where the bound is e^excess times the size.
 
     Args:
         excess: logarithm of the bound over the size.

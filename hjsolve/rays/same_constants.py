@@ -106,7 +106,7 @@ class SameConstants(Shown):
         return self._curve(value, phases[:, order], solved[order])
 
     def _by(self, given: PhaseSweep, sought: PhaseSweep, value: float) -> tuple[Reals, Reals]:
-        """Return phases of one coordinate, all along and at the cusps, and those of the other where W = value."""
+        """Return the phases of one coordinate, all along and at the cusps, and those of the other where W = value."""
         low, high = given.low, given.high
         if given.turn:
             low, high = given.phase_of(value - sought.gained(np.array([sought.high, sought.low]))[0])
@@ -134,7 +134,7 @@ class SameConstants(Shown):
         return self.first, self.second
 
     def _doubts(self, value: float, phases: Reals, second_solved: Mask) -> Errors:
-        """Return errors of a front: of the coordinate that was solved for, how far its phase may be off."""
+        """Return the errors of a front: of the coordinate that was solved for, how far its phase may be off."""
         sums = [s.gained(χ) for s, χ in zip(self._sweeps, phases, strict=True)]
         doubt = np.abs(sums[0][0] + sums[1][0] - value) + sums[0][2] + sums[1][2] + EPS * abs(value)
         q_error, p_error = {}, {}
@@ -255,19 +255,19 @@ def _known(errors: Errors) -> Errors:
 
 
 def _with_fixed(errors: Callable[[], Errors], still: Mapping[str, Reals]) -> Errors:
-    """Return errors of a curve in the plane where a coordinate stays."""
+    """Return the errors of a curve in the plane where a coordinate stays."""
     found = errors()
     return Errors({**found.q, **{name: 0 * values for name, values in still.items()}}, dict(found.p), {})
 
 
 def _moved(errors: Callable[[], Errors], name: str, more: Reals) -> Errors:
-    """Return errors of an orbit that was moved along a coordinate."""
+    """Return the errors of an orbit that was moved along a coordinate."""
     found = errors()
     return Errors({**found.q, name: found.q[name] + more}, found.p, {})
 
 
 def _of_state(state: State, names: tuple[str, str]) -> Errors:
-    """Return errors of an orbit."""
+    """Return the errors of an orbit."""
     found = state.error
     q = {n: np.asarray(found.q[n], float) + EPS * np.abs(np.asarray(state.unwrapped(n), float)) for n in names}
     return Errors(q, {n: np.asarray(found.p[n], float) for n in names}, {})

@@ -266,7 +266,7 @@ class SamePlace(Shown):
         states = self._states(asked)
 
         def of_neighbour(values: Reals, k: int) -> Reals:
-            """Return values of the ray k further on at the times of each ray."""
+            """Return the values of the ray k further on at the times of each ray."""
             place = shifts.index(k) * many
             return np.roll(values[:, place : place + many], -k, axis=0)
 

@@ -174,7 +174,7 @@ def _refuse_rest_on_a_wall(scene: Question, solution: Solution, first: Mapping[s
 
 
 def _digits(scene: Question, horizon: sp.Expr | None) -> int:
-    """Return digits of the state at events: a phase loses as many as the time has before the point."""
+    """Return the digits of the state at events: a phase loses as many as the time has before the point."""
     span = abs(to_bits(horizon)(64)) + 1 if horizon is not None else 1000
     return max(scene.digits, 15) + GUARD + math.ceil(multiprecision(64).log10(span))
 

@@ -50,7 +50,7 @@ class BranchPoints:
         return sp.Mul(self.leading, *factors)
 
     def taylor(self, place: sp.Expr) -> list[sp.Expr]:
-        """Return coefficients of P in powers of x − place; the first is exactly zero at a real root.
+        """Return the coefficients of P in powers of x − place; the first is exactly zero at a real root.
 
         Args:
             place: a real place.

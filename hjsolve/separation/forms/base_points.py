@@ -94,7 +94,7 @@ class BasePoint:
         return self._values[k, kept]
 
     def _table(self, q: sp.Symbol, choice: int) -> dict[sp.Expr, sp.Expr]:
-        """Return values of q and of the generators that are functions of q alone."""
+        """Return the values of q and of the generators that are functions of q alone."""
         table: dict[sp.Expr, sp.Expr] = {q: self._coordinate(q, choice)}
         for g in list(self.reader.field.generators):
             if q not in g.atom.free_symbols or not g.atom.free_symbols <= {q}:

@@ -182,7 +182,7 @@ def _without(reader: Reader, x: Element, others: Sequence[sp.Symbol]) -> Element
 
 
 def _sign_somewhere(reader: Reader, x: Element, region: Region) -> int:
-    """Return sign at the first point of the region where it is certain; +1 if nowhere."""
+    """Return the sign at the first point of the region where it is certain; +1 if nowhere."""
     expression = reader.write(x)
     for point in region.points(expression):
         try:

@@ -106,6 +106,6 @@ def _rebuilt(
 
 
 def _values(functions: Sequence[sp.Expr], point: Point) -> list[mpmath.mpf]:
-    """Return values of several functions at a point; what they share is evaluated once."""
+    """Return the values of several functions at a point; what they share is evaluated once."""
     walk = Walk(point, PRECISION)
     return [sum(finite(partial(walk, f))) / 2 for f in functions]

@@ -64,7 +64,7 @@ def _coefficients(rows: Reals, x: Reals, n: int) -> tuple[float, float, Last]:
 
 @reducing
 def _middle(rows: Reals, x: Reals, n: int) -> float:
-    """Return size of the largest of three coefficients in the middle of the series."""
+    """Return the size of the largest of three coefficients in the middle of the series."""
     p, q, r = 0.0, 0.0, 0.0
     for j in range(n):
         v = x[j]

@@ -150,7 +150,7 @@ def _size(x: Reals, n: int) -> float:
 
 @inlined
 def _largest(rows: Reals, x: Reals, n: int) -> float:
-    """Return size of the largest of six coefficients."""
+    """Return the size of the largest of six coefficients."""
     found = 0.0
     for k in range(6):
         found = max(found, abs(dot(rows[k], x, n)))
