@@ -1,4 +1,4 @@
-"""Ten thousand bounces: processor time, true errors against closed forms in 60 digits beside what is claimed.
+"""Ten thousand bounces: processor time, true errors against closed forms in 60 digits next to what is claimed.
 
 The energy is compared on every arc. Numbers whose claim is below their true error are counted as false. Run it
 by ``python -m benchmarks.bounces [bounces]``.

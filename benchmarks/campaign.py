@@ -255,7 +255,7 @@ def _passages(finding: Finding, motion: Any, better: Any) -> None:
 
 
 def _alone(better: Any) -> bool:
-    """Return True where times of passages are had to many digits: one separated coordinate."""
+    """Return True where times of passages are available to many digits: one separated coordinate."""
     return len(better.separated.located) == 1
 
 

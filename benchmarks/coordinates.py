@@ -4,7 +4,7 @@
 
 One line for each potential: the dimension of the Killing kernel (and of its concircular part), the seconds of wall and
 of CPU time of one call, the largest time ``separate`` took for one of the webs, and the webs found. Expected dimensions
-and webs stand beside them, and a line that differs is marked. Times are for a single call in a process that has warmed
+and webs stand next to them, and a line that differs is marked. Times are for a single call in a process that has warmed
 up on another potential; read the CPU column on a busy machine.
 """
 

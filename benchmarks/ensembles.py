@@ -5,7 +5,7 @@
 
 Times are processor time of the process (one thread), medians of the second and later calls of all contestants in turn;
 a busy machine changes the ratios little. Every sample ends with 40 orbits of the same family whose actions and
-frequencies are known to 32 digits; the errors and claims beside the times are of those. "error/limit" is the largest
+frequencies are known to 32 digits; the errors and claims next to the times are of those. "error/limit" is the largest
 error over max(1e-12, 20 times what half an ulp of the input does). The tables are Markdown; ``--write`` puts them, with
 what the machine was doing, into ``docs/ensembles.md`` where comments name the part.
 """
@@ -135,7 +135,7 @@ def worth(batch: hjsolve.Batch, references: dict[str, Any]) -> tuple[str, ...]:
 
 
 def galpy_quality(found: Any, references: dict[str, Any]) -> tuple[float, float]:
-    """Median relative error of galpy's actions, and the share of orbits that are lost (NaN, or 9999.99)."""
+    """Median relative error of galpy's actions, and the fraction of orbits that are lost (NaN, or 9999.99)."""
     values = np.stack([np.asarray(x, float) for x in found])
     lost = (~np.isfinite(values) | (np.abs(values - 9999.99) < 0.01)).any(axis=0)
     errors = [

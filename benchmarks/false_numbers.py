@@ -7,7 +7,7 @@ in their logarithm down to 1e-13, distances on demand from 1e-100 to 1e100, and 
 barely bound. Truth: the closed form in 60 digits, from the doubles that the ensemble was given. Fields without one
 (Yukawa, a ring) are compared with mpmath's quadrature between turning points found by bisection: some hundred orbits.
 
-Each orbit is asked for by the default call, single motions excepted. An orbit that is not ``ok`` is no fault, but
+Each orbit is asked for by the default call, single motions excepted. An orbit that is not ``ok`` is not a fault, but
 there should be few; one that is ``ok`` and farther from the truth than its claim is false. Status 1 where one is.
 """
 

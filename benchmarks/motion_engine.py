@@ -1,4 +1,4 @@
-"""q(t) of the pendulum and of Kepler, and certified periods: error beside time, rivals in the same run.
+"""q(t) of the pendulum and of Kepler, and certified periods: error next to time, rivals in the same run.
 
     python benchmarks/motion_engine.py
 

@@ -1,4 +1,4 @@
-"""The same work by hjsolve and by its peers: ratios of time, error beside time, all sides interleaved in one run.
+"""The same work by hjsolve and by its peers: ratios of time, error next to time, all sides interleaved in one run.
 
     python -m benchmarks.peers [--json FILE] [--repeats N] [WORK …]      WORK: pendulum kepler kerr galaxy
 

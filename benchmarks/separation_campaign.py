@@ -2,7 +2,7 @@
 
 Half of the cases separate by construction; in the other half one term of size 1e-9 has been added. The univariate
 functions are polynomials, trigonometric, exponential, radical, rational and logarithmic. No verdict may be wrong: the
-process ends with status 1 when one is. It reports the share of ``Undecided``, median and worst processor time of
+process ends with status 1 when one is. It reports the fraction of ``Undecided``, median and worst processor time of
 ``separate`` by number of coordinates (the budget is wall time), and the seeds of what was wrong or undecided.
 """
 

@@ -1,4 +1,4 @@
-"""What a sweep costs beside its orbits: reading starts, writing parts, opening and finishing a folder of many parts.
+"""What a sweep costs in addition to its orbits: reading starts, writing parts, managing a folder of many parts.
 
     python -m benchmarks.sweep_parts [--parts 100000]
 

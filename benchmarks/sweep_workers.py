@@ -129,7 +129,7 @@ def priced(runs: list[Run], count: int) -> Run:
 
 
 def starts(scene: Path, count: int) -> None:
-    """Write the scene, and the table of starts beside it.
+    """Write the scene, and the table of starts next to it.
 
     Args:
         scene: where to.

@@ -48,7 +48,7 @@ class Row:
 
     @property
     def definitions(self) -> dict[str, int]:
-        """Of every definition that is no root of a polynomial."""
+        """Of every definition that is not a root of a polynomial."""
         where = {} if self.form is None else self.form.where
         return {s.name: int(sp.count_ops(e)) for s, e in where.items() if not isinstance(e, tuple)}
 

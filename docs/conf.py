@@ -12,7 +12,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
-import gallery  # noqa: E402  (a file beside this one)
+import gallery  # noqa: E402  (a file next to this one)
 from sphinx.application import Sphinx  # noqa: E402
 
 import hjsolve  # noqa: E402
@@ -51,7 +51,7 @@ napoleon_use_ivar = True
 
 
 def setup(app: Sphinx) -> None:
-    """Write the gallery first; links to files beside this folder lead to their pages.
+    """Write the gallery first; links to files next to this folder lead to their pages.
 
     Args:
         app: what builds the site.

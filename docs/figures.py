@@ -1,4 +1,4 @@
-"""Draw the figures of README and docs: ``python docs/figures.py`` writes them beside this file."""
+"""Draw the figures of README and docs: ``python docs/figures.py`` writes them next to this file."""
 
 from __future__ import annotations
 

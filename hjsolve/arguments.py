@@ -99,7 +99,7 @@ def table(value: object, source: str, example: str = '{"r": 1}') -> Mapping[str,
         example: what could be written instead, for the message.
 
     Raises:
-        InvalidInputError: it is no mapping.
+        InvalidInputError: it is not a mapping.
     """
     if value is None:
         return {}
@@ -113,7 +113,7 @@ def table(value: object, source: str, example: str = '{"r": 1}') -> Mapping[str,
 def ascii_name(name: Any) -> Any:
     """Return a name with its Greek letters spelled: ``θ1`` is theta1, ``p_φ`` is p_phi, ``λ`` is lam, ``Ω`` is Omega.
 
-    Letters that have no such name are left as they are, and so is what is no text.
+    Letters that have no such name are left as they are, and so is what is not text.
 
     Args:
         name: what came.

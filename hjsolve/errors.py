@@ -145,7 +145,7 @@ def of_kind(value: object, kind: type[T]) -> T:
         The same value.
 
     Raises:
-        InternalError: it is no instance of that class.
+        InternalError: it is not an instance of that class.
     """
     if not isinstance(value, kind):
         raise InternalError(f"a {kind.__name__} is needed here, not {type(value).__name__}; please report it")

@@ -218,7 +218,7 @@ NUMBERS: dict[str, Any] = {n: getattr(mp, n) for n in dir(mp) if not n.startswit
 """What ``mp`` offers, by name."""
 
 NAMES: list[dict[str, Any] | str] = [NUMBERS, "mpmath"]
-"""The ``modules`` of ``sympy.lambdify`` for functions of the numbers of ``mp``."""
+"""The ``modules`` of ``sympy.lambdify`` for functions of ``mp`` numbers."""
 
 _made: dict[int, FixedContext] = {}
 _making = threading.Lock()
@@ -258,7 +258,7 @@ def for_the_user(x: Any) -> Any:
 
 
 def for_any_context(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Let a function of the numbers of ``mp`` take the user's as well, at the user's precision.
+    """Let a function of ``mp`` numbers take the user's as well, at the user's precision.
 
     Args:
         function: of numbers of ``mp``, at its present precision.

@@ -19,7 +19,7 @@ Ends = tuple[sp.Expr | None, sp.Expr | None]
 
 
 class TooLargeError(ArithmeticError):
-    """More work than is worth while, or ends and roots that could not be told apart."""
+    """More work than is worth while, or ends and roots that could not be separated."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def analytic_pieces(
         budget: of the exact computation.
 
     Raises:
-        TooLargeError: the critical points could not be had.
+        TooLargeError: the critical points could not be computed.
     """
     polynomial = _critical(functions, t, budget)
     for low, high in ends:
@@ -138,7 +138,7 @@ def _critical(functions: Sequence[sp.Expr], t: sp.Symbol, budget: Budget) -> sp.
         if x.is_Add or x.is_Mul:
             return x.func(*map(visit, x.args))
         if not (x.is_Pow and x.exp.is_Rational):
-            raise TooLargeError(f"{sp.sstr(x)[:40]} is no root")
+            raise TooLargeError(f"{sp.sstr(x)[:40]} is not a root")
         base, q = visit(x.base), int(x.exp.q)
         if base.has(t) and (q > 1 or x.exp < 0):
             watched.append(base)

@@ -49,12 +49,12 @@ class AlgebraicCurve:
     def _carried(self, f: sp.Expr) -> sp.Expr:
         if self.kind == "plain":
             if f.has(*_CIRCULAR, *_RISING) and any(n.has(self.x) for n in f.atoms(*_CIRCULAR, *_RISING)):
-                raise NotAlgebraicError("x stands beside functions of x")
+                raise NotAlgebraicError("x stands next to functions of x")
             return f.xreplace({self.x: self.t})
         table = {node: self._node(node) for node in f.atoms(*_CIRCULAR, *_RISING) if node.has(self.x)}
         found = f.xreplace(table)
         if found.has(self.x):
-            raise NotAlgebraicError("x stands beside functions of x")
+            raise NotAlgebraicError("x stands next to functions of x")
         return found
 
     def _node(self, node: sp.Expr) -> sp.Expr:

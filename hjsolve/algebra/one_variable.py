@@ -42,7 +42,7 @@ _GIVE_UP = (UndecidableError, TooLargeError, NotAlgebraicError, NoEnclosureError
 
 
 def vanishes(f: sp.Expr, x: sp.Symbol, bounds: Bounds, budget: Budget) -> bool:
-    """Proof that a function of x is zero on the open interval, wherever it is defined; False is no proof of anything.
+    """Proof that a function of x is zero on the open interval, where it is defined; False proves nothing.
 
     Args:
         f: of x alone.

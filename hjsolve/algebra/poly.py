@@ -355,7 +355,7 @@ def support(a: Poly) -> int:
 
 
 def generators(a: Poly) -> list[int]:
-    """Return the numbers of the generators that occur in a, ascending.
+    """Return the indices of the generators that occur in a, ascending.
 
     Args:
         a: a polynomial.

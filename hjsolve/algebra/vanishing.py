@@ -27,7 +27,7 @@ BoundsOf = Mapping[sp.Symbol, Bounds]
 
 
 def proved_zero(x: sp.Expr, bounds: BoundsOf, budget: Budget) -> bool:
-    """Return a proof that an expression is zero wherever it is defined; False is no proof of anything.
+    """Return a proof that an expression is zero wherever it is defined; False is not a proof of anything.
 
     Args:
         x: the expression.
@@ -48,7 +48,7 @@ def proved_zero(x: sp.Expr, bounds: BoundsOf, budget: Budget) -> bool:
 
 
 def element_vanishes(reader: Reader, x: Element, budget: Budget) -> bool:
-    """Return a proof that an element of a field is zero wherever it is defined; False is no proof of anything.
+    """Return a proof that an element of a field is zero wherever it is defined; False is not a proof of anything.
 
     Args:
         reader: of the field; it knows the domain.

@@ -1,4 +1,4 @@
-"""How fast something grows towards infinity: monomials in e^{λs}, s and log s, and what is left beside them."""
+"""How fast something grows towards infinity: monomials in e^{λs}, s and log s, and what is left next to them."""
 
 from __future__ import annotations
 

@@ -2,8 +2,8 @@
 
 A disk is a centre and a radius, arrays of any shape. Every operation gives a disk that holds all values of the
 operation over the disks it is given, its own rounding included; where the operation meets a singularity or a branch
-cut, or overflows, the radius is no finite number, "nothing is known here", never an error. A formula whose radius stays
-finite over a disk is analytic there: this is what proofs of resolution rest on (``one_coordinate.resolution``).
+cut, or overflows, the radius is not a finite number, "nothing is known here", never an error. A formula whose radius
+stays finite over a disk is analytic there: this is what proofs of resolution rest on (``one_coordinate.resolution``).
 Functions of principal value are taken as analytic off their cuts only. (Gargantini & Henrici, Numer. Math. 18 (1972)
 305.)
 

@@ -1,8 +1,8 @@
 """Disks with their logarithms: what a formula can be over a disk of the complex plane, products and powers kept exact.
 
 The square of a disk is enclosed by a disk that may hold 0 where the disk does not, and then nothing is known of its
-inverse or its root. A logarithm does not lose that: beside the disk of values of f there is a disk of ℓ, f = exp ℓ with
-ℓ analytic. Products add the ℓ, powers and roots multiply them, and where |g| < |f|,
+inverse or its root. A logarithm does not lose that: next to the disk of values of f there is a disk of ℓ, f = exp ℓ
+with ℓ analytic. Products add the ℓ, powers and roots multiply them, and where |g| < |f|,
 
     log(f + g) = log f + log(1 + exp(log g − log f)),   log cosh z = z + log(1 + exp(−2z)) − log 2  for Re z > 0.
 
@@ -88,7 +88,7 @@ class DisksInLogarithms:
         return self.constant(_D.pi())
 
     def add(self, x: Logged, y: Logged) -> Logged:
-        """Return x + y; its logarithm is had from log(1 + exp(log y − log x)) where |y| < |x|, or the other way round.
+        """Return x + y; its logarithm follows from log(1 + exp(log y − log x)) where |y| < |x|, or the other way round.
 
         Args:
             x, y: disks with their logarithms.

@@ -203,7 +203,7 @@ class Estimate:
 
 
 def _term(x: object) -> propagation.Term | None:
-    """Return the value and error of an operand; None for what is no real number."""
+    """Return the value and error of an operand; None for what is not a real number."""
     if isinstance(x, Estimate):
         return x.value, x.error
     return (x, 0.0) if propagation.is_real(x) else None
@@ -217,7 +217,7 @@ def combined(name: str, *operands: object) -> Estimate:
         operands: one or two.
 
     Returns:
-        The Estimate; ``NotImplemented`` where an operand is no real number, so that Python can ask the operand.
+        The Estimate; ``NotImplemented`` where an operand is not a real number, so that Python can ask the operand.
 
     Raises:
         InvalidInputError: the function is not real there, or has no bound.

@@ -176,7 +176,7 @@ class Intervals:
         return Interval(np.where(outside, -np.inf, result.low), np.where(outside, np.inf, result.high))
 
     def _sine(self, x: Interval, name: str) -> Interval:
-        """Return the range of sin or cos: the values at the ends, and ±1 where a crest lies inside."""
+        """Return the range of sin or cos: the values at the ends, and ±1 where a maximum lies inside."""
         turn, quarter = 2 * self.plain.pi(), self.plain.pi() / 2
         maximum = quarter if name == "sin" else 0 * quarter
         a, b = self._call(name, x.low), self._call(name, x.high)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from typing_extensions import TypeVar
 
     N = TypeVar("N", default=Any)
-    """The numbers of an arithmetic."""
+    """The number type of an arithmetic."""
     X = TypeVar("X", bound="Numeric")
     """Numbers of one kind."""
 else:

@@ -69,7 +69,7 @@ def shortest(value: Any, digits: int = 15) -> str:
 
 
 def special(value: Decimal) -> str:
-    """Write what is no finite number.
+    """Write what is not a finite number.
 
     Args:
         value: infinite, or no number.

@@ -68,7 +68,7 @@ def propagated(name: str, terms: Sequence[Term]) -> Term:
 
 
 def _reach(c: MpContext, spread: Range, value: float | Mpf) -> Mpf:
-    """Return how far an interval extends from a number in it or beside it, rounded up."""
+    """Return how far an interval extends from a number in it or next to it, rounded up."""
     below, above = c.fsub(value, spread[0], rounding="c"), c.fsub(spread[1], value, rounding="c")
     return max(below, above, c.zero)
 

@@ -208,12 +208,12 @@ def _told(c: Context, x: Range) -> str:
 
 # ------------------------------------------------------------------------------------------------ not monotone
 def _wave(c: Context, name: str, x: Range) -> Range:
-    """Return the range of sin or cos: the values at the ends, and ±1 where a crest or trough may lie inside."""
+    """Return the range of sin or cos: the values at the ends, and ±1 where a maximum or minimum may lie inside."""
     if x[0] == x[1] == 0:
         return _wide(c, name, x[0], 0)
     ends = [_wide(c, name, end, None) for end in x]
     low, high = max(min(a for a, _ in ends), -c.one), min(max(b for _, b in ends), c.one)
-    # in quarter turns, crests of the sine lie at 1 + 4k and troughs at 3 + 4k; of the cosine at 4k and 2 + 4k
+    # in quarter turns, maxima of the sine lie at 1 + 4k and troughs at 3 + 4k; of the cosine at 4k and 2 + 4k
     first, last = (divide(c, (end, end), quarter_turns(c, 1)) for end in x)
     crest = 1 if name == "sin" else 0
     return (
@@ -364,4 +364,4 @@ OF_TWO: dict[str, Callable[[Context, Range, Range], Range]] = {
     "hypot": hypotenuse, "floor_divide": whole_quotient, "remainder": remainder,
     "maximum": greater, "minimum": less,
 }  # fmt: skip
-"""Functions of two variables, by numpy's names."""
+"""Functions of two variables, with the names of numpy."""

@@ -15,7 +15,7 @@ _AT_ZERO = {
 
 
 class IrrationalError(ArithmeticError):
-    """A value that is no fraction, or not seen to be one."""
+    """A value that is not a fraction, or not seen to be one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +23,7 @@ class Rationals(ByOperators):
     """Exact arithmetic with fractions.
 
     Raises:
-        IrrationalError: a value is no fraction, or not seen to be one.
+        IrrationalError: a value is not a fraction, or not seen to be one.
         ZeroDivisionError: a division by zero.
     """
 
@@ -36,7 +36,7 @@ class Rationals(ByOperators):
         return Fraction(numerator, denominator)
 
     def pi(self) -> Fraction:
-        """Refuse π, which is no fraction.
+        """Refuse π, which is not a fraction.
 
         Raises:
             IrrationalError: always.
@@ -60,7 +60,7 @@ class Rationals(ByOperators):
             x: a fraction.
 
         Raises:
-            IrrationalError: the value is no fraction, or not seen to be one.
+            IrrationalError: the value is not a fraction, or not seen to be one.
         """
         if name == "neg":
             return -x

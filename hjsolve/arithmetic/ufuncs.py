@@ -31,7 +31,7 @@ class Combined(Protocol):
     """How a function of numbers is worked out, of which at least one is an Estimate; ``estimate.combined``."""
 
     def __call__(self, name: str, /, *operands: object) -> object:
-        """Return an Estimate; ``NotImplemented`` where an operand is no real number."""
+        """Return an Estimate; ``NotImplemented`` where an operand is not a real number."""
 
 
 def of_estimates(

@@ -21,7 +21,7 @@ from hjsolve.precision import one_at_a_time
 
 @one_at_a_time
 def load(entry: str | Path) -> Frame:
-    """Read and verify the frame of a catalog entry: the table ``[frame]`` beside the autonomous system.
+    """Read and verify the frame of a catalog entry: the table ``[frame]`` next to the autonomous system.
 
     Args:
         entry: id, or path of a .toml file.

@@ -1,7 +1,7 @@
-"""What a catalog entry says beside T and V: why it is refused, its constraints, and the system as the book states it.
+"""What a catalog entry says besides T and V: why it is refused, its constraints, and the system as the book states it.
 
-A system with a nonintegrable constraint, friction or explicit time is no T and V, so it has no ``System``; the entry
-still says what was asked (Greenwood ch. 1, 3 and 7) and ``load`` answers with its reason.
+A system with a nonintegrable constraint, friction or explicit time is not given by T and V, so it has no ``System``;
+the entry still says what was asked (Greenwood ch. 1, 3 and 7) and ``load`` answers with its reason.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ KEYS = {
 
 @dataclass(frozen=True, repr=False)
 class Refusal(Shown):
-    """Why a system that is no T and V is refused; the verdict that ``NotSeparableError`` carries for it.
+    """Why a system that is not given by T and V is refused; the verdict that ``NotSeparableError`` carries for it.
 
     Attributes:
         id: the entry.
         kind: one of ``REFUSALS``.
         reason: in words.
         instead: what to do.
-        formulas: the constraints, forces or conditions that stand in the way, as written in the entry.
+        formulas: the constraints, forces or conditions that prevent separation, as written in the entry.
     """
 
     id: str
@@ -90,7 +90,7 @@ class Stated(Shown):
 
 
 def refusal(table: Toml) -> Refusal | None:
-    """Return the refusal of an entry that is no T and V; None for every other entry.
+    """Return the refusal of an entry that is not given by T and V; None for every other entry.
 
     Args:
         table: of the entry.
@@ -139,7 +139,7 @@ def outside_faults(table: Toml) -> Iterator[str]:
         yield "constraint: missing; a nonholonomic entry states its constraint"
     for place, constraint in enumerate(table.get("constraint", []), start=1):
         if because == "nonholonomic" and constraint.get("integral"):
-            yield f"constraint[{place}].integral: an integrable constraint is no reason to refuse; integrate it"
+            yield f"constraint[{place}].integral: an integrable constraint is not a reason to refuse; integrate it"
         if "kinetic" in table and not constraint.get("integral"):
             yield f"constraint[{place}].integral: missing; T and V obey integrable constraints only"
         if "hamiltonian" in table:

@@ -32,7 +32,7 @@ def exact_table(file: Traversable, source: str) -> TomlTable:
         source: what it is called in errors.
 
     Raises:
-        CatalogError: the file cannot be read, is too long, is no UTF-8 text, or no TOML.
+        CatalogError: the file cannot be read, is too long, is not UTF-8 text, or no TOML.
     """
     try:
         data = bytes_of(file, LONGEST, shown=source) if isinstance(file, Path) else file.read_bytes()

@@ -46,7 +46,7 @@ def named_roots(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix
         prefix: of new names.
 
     Raises:
-        NoFormError: the roots in radicals could not be told apart.
+        NoFormError: the roots in radicals could not be separated.
     """
     radicals = _radicals(curve, signs)
     where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]] = {}
@@ -66,7 +66,7 @@ def named_roots(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix
             real, where = _by_names(real, signs, prefix)
             pairs = tuple((re, _part_by_name(im, signs, prefix, where) if re == 0 else im) for re, im in pairs)
     if len(real) != len(region.roots) or len(real) + 2 * len(pairs) != P.degree():
-        raise NoFormError(f"the roots of {P.as_expr()} in {x} could not be told apart")
+        raise NoFormError(f"the roots of {P.as_expr()} in {x} could not be separated")
     with mp.workdps(30):
         below = [k for k, r in enumerate(region.roots) if r < region.place]
         above = [k for k, r in enumerate(region.roots) if r > region.place]
@@ -112,7 +112,7 @@ def _part_by_name(
 
 
 def _remaining_pair(P: sp.Poly, real: list[sp.Symbol]) -> tuple[tuple[sp.Expr, sp.Expr], ...]:
-    """Return the complex pair that is left beside named real roots: x² + βx + γ by Vieta."""
+    """Return the complex pair that is left next to named real roots: x² + βx + γ by Vieta."""
     if len(real) == P.degree():
         return ()
     if len(real) != P.degree() - 2:
@@ -144,7 +144,7 @@ def _two_pairs(
     where[symbol] = (resolvent, 2)
     values = ordered_real_roots(resolvent, signs.numbers, 50)
     if len(values) != 3 or not values[2] > 0:
-        raise NoFormError("the complex roots of P could not be told apart")
+        raise NoFormError("the complex roots of P could not be separated")
     signs.name({symbol: sp.Float(values[2], 50)})
     s, found = sp.sqrt(symbol), list[tuple[sp.Expr, sp.Expr]]()
     for side in (-1, 1):

@@ -35,7 +35,7 @@ class RegimeForms(Shown):
         periods: coordinate → 2π/abs(Ω).
         actions: coordinate → J = (1/2π) ∮ p dq.
         frequencies: coordinate → Ω = ∂H/∂J.
-        mean_velocities: ignorable coordinate that is no angle → ⟨dq/dt⟩.
+        mean_velocities: ignorable coordinate that is not an angle → ⟨dq/dt⟩.
         inverse: coordinate → q(t).
         orbit: coordinate → q as a function of another coordinate, the one that it holds.
         parametric: coordinate → q(τ) of two separated coordinates, τ the common value of the integrals of first kind in

@@ -44,7 +44,7 @@ def inverse_forms(
     shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, why_not: dict[str, WhyNot],
     names: NamedQuantities,
 ) -> dict[str, sp.Expr]:  # fmt: skip
-    """q(t) of every coordinate that can be had.
+    """q(t) of every coordinate that can be computed.
 
     Each coordinate must have one independent integral τ, its others being multiples of it by constants: then Jacobi's
     equations are linear in the τ, and each τ(q) is inverted by itself.

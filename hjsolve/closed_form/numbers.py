@@ -105,7 +105,7 @@ def refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
         if curve.substitution.closed:
             middle, half = float(middle_of(curve, numbers)), float(number_of(curve.substitution.turn, numbers)) / 2
             told = f"; the form is that of one turn, {symbol} from {middle - half:.3g} to {middle + half:.3g}"
-        raise InvalidInputError(f"{symbol} = {float(numbers[symbol]):.6g} is no place of this regime's motion{told}")
+        raise InvalidInputError(f"{symbol} = {float(numbers[symbol]):.6g} is not a place of this regime's motion{told}")
 
 
 def curves_held(form: NamedForms, held: Iterable[sp.Symbol]) -> list[tuple[MomentumCurve, RootInterval, sp.Symbol]]:
@@ -244,7 +244,7 @@ class _CompiledForm:
         """Return the arguments in order."""
         for name in given:
             if name not in self.names:
-                raise InvalidInputError(f"{name!r} is no argument; they are {', '.join(self.names)}")
+                raise InvalidInputError(f"{name!r} is not an argument; they are {', '.join(self.names)}")
         missing = [name for name in self.names if name not in given and name not in self.defaults]
         if missing:
             raise MissingValueError(f"a value is missing for {', '.join(missing)}")

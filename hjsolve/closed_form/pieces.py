@@ -31,10 +31,10 @@ from hjsolve.functions.elliptic import PartialFractions
 from hjsolve.precision import mp
 
 LONGEST_FORM = 20000
-"""Operations above which a form is no use."""
+"""Operations above which a form is of no use."""
 _SAME = mp.mpf(10) ** -30
 LONGEST_CONDITION = 40
-"""Operations of a condition that is still worth stating beside the order of the roots."""
+"""Operations of a condition that is still worth stating next to the order of the roots."""
 
 
 @dataclass(frozen=True)

@@ -159,7 +159,7 @@ def settled(made: Regime, expression: sp.Expr) -> sp.Expr:
 
 
 def positive_in(made: Regime, expression: sp.Expr) -> bool:
-    """Whether an expression is positive by the regime's conditions on single symbols; False is no proof of anything.
+    """Whether an expression is positive by the regime's conditions on single symbols; False is not a proof of anything.
 
     Args:
         made: the regime.

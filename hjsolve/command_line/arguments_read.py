@@ -28,7 +28,7 @@ def given_hamiltonian(options: Namespace) -> LinearHamiltonian | None:
         options: the parsed arguments.
 
     Raises:
-        InvalidInputError: ``--effect`` beside an entry with H(q, p).
+        InvalidInputError: ``--effect`` next to an entry with H(q, p).
     """
     if options.system is None or options.coordinate or options.kinetic or options.potential or _is_scene(options):
         return None
@@ -134,7 +134,7 @@ def scene(options: Namespace) -> Scene | None:
         options: the parsed arguments.
 
     Raises:
-        InvalidInputError: options of a system or of a motion beside a scene, which says them itself.
+        InvalidInputError: options of a system or of a motion next to a scene, which says them itself.
     """
     if not _is_scene(options):
         return None
@@ -263,7 +263,7 @@ def located(target: T) -> T | Path:
     """Return a path for a file, the text itself for an id; a helpful word for other files.
 
     Args:
-        target: what the user gave: a catalog id, a file name, or a value that is no text, which comes back as it is.
+        target: what the user gave: a catalog id, a file name, or a value that is not text, which comes back as it is.
 
     Raises:
         InvalidInputError: a directory, or a file whose name does not end in .toml.
@@ -277,7 +277,7 @@ def located(target: T) -> T | Path:
 
 
 def sliders(options: Namespace) -> dict[str, tuple[float, float] | None]:
-    """Return the sliders asked of a live page: name → range, None for as far as it goes.
+    """Return the sliders asked of a live page: name → range, None for as far as possible.
 
     Args:
         options: the parsed arguments.

@@ -87,7 +87,7 @@ def _listed(titles: Mapping[str, str]) -> None:
         ("separable", "separates"),
         ("extended", "separates, by its own form of the energy or in a declared frame"),
         ("refused", "is refused, with the reason"),
-        ("outside", "is no T and V, and is refused"),
+        ("outside", "is not given by T and V, and is refused"),
     ):
         names = [name for name in catalog.ids(each) if name in titles]
         if names:

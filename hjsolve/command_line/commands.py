@@ -46,7 +46,7 @@ def _check(options: Namespace) -> int:
         return _print_hamiltonian(problem, solved=False)
     try:
         system = arguments_read.system(options)
-    except NotSeparableError as outside:  # a catalog entry that is no T and V: its reason is the answer
+    except NotSeparableError as outside:  # a catalog entry that is not given by T and V: its reason is the answer
         print(wrapped((str(outside),)))
         return REFUSED
     verdict = separate(system, budget=options.budget)
@@ -101,7 +101,7 @@ def solve_command(options: Namespace) -> int:
         )
         return ANSWER
     if verdict is None or isinstance(verdict, Separation):
-        raise InternalError("a verdict that is no separation is needed here; please report it")
+        raise InternalError("a verdict that is not a separation is needed here; please report it")
     evidence = [
         system_and_verdict.evidence_section(verdict, lead=False),
         obstruction.refusal_section(verdict),
@@ -201,7 +201,7 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
         given = {"--q": options.q, "--velocity": options.velocity, "--momentum": options.momentum}
         given |= {"--find": options.find, "--cost": options.cost, "--brief": options.brief, "--slider": options.slider}
         given |= {"--motion": options.motion != "default", "--digits": options.digits != 15}
-        refuse_unused({name: bool(value) for name, value in given.items()}, "the entry is no T and V")
+        refuse_unused({name: bool(value) for name, value in given.items()}, "the entry is not given by T and V")
         return REFUSED, write_document(outside_document(outside), target, title=title)
     initial = arguments_read.initial(options)
     if arguments_read.given_hamiltonian(options) is not None:

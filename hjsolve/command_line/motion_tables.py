@@ -31,7 +31,7 @@ Json: TypeAlias = "str | float | list[Json] | dict[str, Json] | None"
 
 
 def print_motion(motion: Motion, options: Namespace) -> None:
-    """Print the numbers of a motion, or its states at the times asked.
+    """Print the results of a motion, or its states at the times asked.
 
     Args:
         motion: the motion.
@@ -58,7 +58,7 @@ def print_run(run: Run, options: Namespace) -> None:
         options: the parsed arguments.
 
     Raises:
-        InvalidInputError: ``--times`` beside a scene, or a scene that wants no states.
+        InvalidInputError: ``--times`` next to a scene, or a scene that wants no states.
     """
     if options.times is not None:
         raise InvalidInputError(f"--times: {options.system} is a scene, which says its times itself")

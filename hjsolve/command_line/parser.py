@@ -159,7 +159,7 @@ def _add(kinds: _Commands, name: str, summary: str, about: str) -> argparse.Argu
 def _add_check(kinds: _Commands) -> None:
     about = (
         "Decide whether a system separates in its coordinates and print the evidence: the reduction, the\n"
-        f"conditions, Stäckel's and Liouville's form; or the obstruction with a witness.\n\n{_SYSTEMS}"
+        f"conditions, Stäckel and Liouville forms; or the obstruction with a witness.\n\n{_SYSTEMS}"
     )
     check = _add(kinds, "check", "does the system separate? with the evidence", about)
     _system_arguments(check)
@@ -214,7 +214,7 @@ def _add_report(kinds: _Commands) -> None:
     )  # fmt: skip
     report.add_argument(
         "--slider", action="append", default=[], metavar="NAME[=LOW:HIGH]",
-        help="of a live page: a slider for this constant or parameter, as far as it goes or in a range",
+        help="of a live page: a slider for this constant or parameter, as far as possible or in a range",
     )  # fmt: skip
     report.add_argument(
         "--brief", action="store_true",
@@ -255,7 +255,7 @@ def _add_motion(kinds: _Commands) -> None:
         "Compute a motion and print its numbers, or where it is at the times given, each number with a bound on\n"
         "its error: as CSV, or as JSON. Of a scene, the states at its own times.\n\n" + _SYSTEMS
     )
-    motion = _add(kinds, "motion", "the numbers of a motion, and where it is at given times", about)
+    motion = _add(kinds, "motion", "results of a motion, and where it is at given times", about)
     _system_arguments(motion)
     _find_argument(motion)
     _motion_arguments(motion)

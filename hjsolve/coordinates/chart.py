@@ -1,4 +1,4 @@
-"""The simplest coordinates in which a system separates, and how they are tied to the user's own.
+"""The simplest coordinates in which a system separates, and how they are related to the user's own.
 
     x = origin + frame · X(u),     T = m/2 Σ h_k²(u) u̇_k²
 
@@ -43,7 +43,7 @@ _WITHOUT_ENDS = ("conical", "paraboloidal", "ellipsoidal")
 
 @dataclass(frozen=True, repr=False)
 class Chart(Shown):
-    """Separated coordinates of a system given in others; motions are started and told in the user's own.
+    """Separated coordinates of a system given in others; motions are started and expressed in the user's own.
 
     Attributes:
         kind: as in ``Geometry.kind``, or ``normal modes``.
@@ -158,7 +158,7 @@ def _found_in_space(system: System, why: str, refused: object, budget: float) ->
         try:
             return _modal(system, f"{why}; T and V are quadratic with constant coefficients", budget)
         except InvalidSystemError as reason:
-            raise NotSeparableError(f"{why}, and normal modes are not to be had: {reason}", refused) from None
+            raise NotSeparableError(f"{why}, and normal modes are not available: {reason}", refused) from None
     try:
         found = find_coordinates(system, special=False, budget=budget)
     except InvalidSystemError as reason:

@@ -1,4 +1,4 @@
-"""The numbers of an answer, by name, and how far they are from other ones."""
+"""The results in an answer, by name, and how far they are from other ones."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Answer:
 
 
 def scalars(run: Run) -> Numbers:
-    """Collect the numbers of every arc that are no states.
+    """Collect the results of every arc that are not states.
 
     Args:
         run: of the scene.

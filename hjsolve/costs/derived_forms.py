@@ -1,4 +1,4 @@
-"""Closed forms that ``hjsolve.closed_forms`` derives, as a method beside the others, for systems with none typed in.
+"""Closed forms that ``hjsolve.closed_forms`` derives, as a method next to the others, for systems with none typed in.
 
 Only what the scene asks is evaluated: numbers of the motion, and states where the inverse is known and every separated
 momentum is positive at the start (the branch that the forms are of). The error claimed is the difference of two
@@ -40,7 +40,7 @@ class DerivedForm:
     """The forms of a scene's motion, made ready.
 
     Attributes:
-        fixed: name → formula, of the numbers of the motion.
+        fixed: name → formula, of the results of the motion.
         states: name → formula, of functions of the time.
         form: they are of.
         exact: symbol → exact value, of all symbols but the time and the named roots.

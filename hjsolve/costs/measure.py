@@ -138,7 +138,7 @@ def _first(
                 return thinned
         expected = _expected(trial, last)
         if expected > allowed:
-            note = f"would take about {duration(expected)}, more than its share of what was left"
+            note = f"would take about {duration(expected)}, more than its fraction of what was left"
             return TrialRecord(trial, replace(empty, status="too slow", note=note))
         begin = time.thread_time()
         result = trial.compute(None, time.perf_counter() + allowed)

@@ -89,7 +89,7 @@ def result_of(scene: Scene, task: Task) -> Result:
 
 
 def numbers_read(result: Result, places: Sequence[int]) -> Answer:
-    """Return the numbers of a run, its states at the places compared.
+    """Return the values of a run, its states at the places compared.
 
     Args:
         result: of a run.

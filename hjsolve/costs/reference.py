@@ -69,7 +69,7 @@ def true_values(task: Task, digits: int, seconds: float, *, own: bool = True, pr
         own, proofs: whether there is time for hjsolve's own methods with so many digits, and for ball arithmetic.
 
     Returns:
-        The reference; its keys are those that could be had.
+        The reference; its keys are those that could be computed.
     """
     scene, words = task.scene, list[str]()
     angles = frozenset(f"q.{c.name}" for c in scene.system.coordinates if c.domain.kind == "angle")

@@ -137,7 +137,7 @@ def explanation(cost: Cost) -> list[str]:
         f"Asked: {', '.join(cost.want)}{states}.",
         f"True errors against {cost.reference}; relative to the size of each quantity, the worst of all."
         if cost.reference
-        else "No reference could be had in the time, so no true errors are known; give more seconds.",
+        else "No reference could be computed in the time, so no true errors are known; give more seconds.",
         "Times are processor time, medians of interleaved runs, without the symbolic solution and compilation.",
     ]
 

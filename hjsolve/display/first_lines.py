@@ -1,4 +1,4 @@
-"""The first lines of many: a reader mends ten faults at a time, and a terminal is no place for sixty thousand."""
+"""The first lines of many: a reader mends ten faults at a time, and a terminal is not a place for sixty thousand."""
 
 from __future__ import annotations
 

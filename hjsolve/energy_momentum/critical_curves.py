@@ -358,7 +358,7 @@ def equations(own: CoordinateKinds, letters: Mapping[sp.Symbol, sp.Symbol]) -> s
     The polynomial in the two constants that vanishes on every curve of double zeros.
 
     Args:
-        own: the coordinate; None where its P² is no polynomial.
+        own: the coordinate; None where its P² is not a polynomial.
         letters: symbols to write it in.
     """
     if own.polynomial is None:

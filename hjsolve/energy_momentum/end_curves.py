@@ -21,7 +21,7 @@ def end_polynomials(own: CoordinateKinds) -> list[tuple[str, sp.Expr]]:
     """N at the ends of the domain, as polynomials in the two constants, and what is at that end.
 
     Args:
-        own: the coordinate; nothing is found where its P² is no polynomial, or where it is an angle.
+        own: the coordinate; nothing is found where its P² is not a polynomial, or where it is an angle.
     """
     if own.polynomial is None or own.polynomial.closed:
         return []

@@ -83,7 +83,7 @@ class EnergyMomentumMap(ByValue, Shown):
             every coordinate → one kind, empty where no motion passes there. Object arrays where arrays came in.
 
         Raises:
-            InvalidInputError: a value that is no finite number, or q without every separated coordinate.
+            InvalidInputError: a value that is not a finite number, or q without every separated coordinate.
         """
         xs, ys, shape = _points(x, y)
         found = {own.name: own.at(xs, ys) for own in self.coordinates}
@@ -148,7 +148,7 @@ class EnergyMomentumMap(ByValue, Shown):
             where a coordinate has no bounded region, or an orbit was not had by ``ensemble(…, fallback=False)``.
 
         Raises:
-            InvalidInputError: a value that is no finite number.
+            InvalidInputError: a value that is not a finite number.
         """
         xs, ys, shape = _points(x, y)
         good, batch = bounded_orbits(self.solution, self.coordinates, xs, ys, {"actions"})
@@ -190,7 +190,7 @@ class EnergyMomentumMap(ByValue, Shown):
         Raises:
             InvalidInputError: no isolated critical value; more than one separated coordinate; neither constant is the
                 momentum of an ignorable angle; the circle meets a critical curve.
-            NotConvergedError: frequencies along the circle could not be had.
+            NotConvergedError: frequencies along the circle could not be computed.
         """
         if len(self.coordinates) != 1:
             raise InvalidInputError("monodromy: it is worked out for systems with one separated coordinate")

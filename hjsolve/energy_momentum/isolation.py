@@ -18,7 +18,7 @@ from hjsolve.arithmetic.floats import EPS
 Reals = NDArray[np.float64]
 _DEEPEST = 60
 _SHARES = (0.5, 0.4609375, 0.5703125, 0.390625)
-"""Where an interval is divided: at its middle, or beside it where the polynomial may vanish there."""
+"""Where an interval is divided: at its middle, or next to it where the polynomial may vanish there."""
 
 
 @dataclass(frozen=True)

@@ -196,7 +196,7 @@ def monodromy_round(
         own = batch.frequencies[coordinates[0].name]
         gains = {name: 2 * np.pi * batch.frequencies[name] / own for name in angles}
         if not all(np.isfinite(gain).all() for gain in gains.values()):
-            raise NotConvergedError("monodromy: a frequency on this circle could not be had; give another radius")
+            raise NotConvergedError("monodromy: a frequency on this circle did not converge; give another radius")
         steps = {name: _steps(gain) for name, gain in gains.items()}
         if max(float(np.abs(step).max()) for step in steps.values()) < _LONGEST:
             winding = {name: round(float(step.sum() / (2 * np.pi))) for name, step in steps.items()}

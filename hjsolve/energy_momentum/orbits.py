@@ -45,7 +45,7 @@ def drawn_actions(own: CoordinateKinds, x: Reals, y: Reals) -> Reals:
     """Return J = (1/2π) ∮ p dq of the first bounded region at many points, to the few digits of a drawing.
 
     Args:
-        own: the coordinate; all NaN where its P² is no polynomial.
+        own: the coordinate; all NaN where its P² is not a polynomial.
         x, y: the points, shape (m,).
     """
     result = np.full(len(x), np.nan)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Batch(ByValue, OrbitColumns):
-    """The numbers of many orbits; numpy arrays, or dask arrays where dask arrays came in, all of one shape.
+    """Results of many orbits; numpy arrays, or dask arrays where dask arrays came in, all of one shape.
 
     ``actions``, ``frequencies``, ``periods``, ``angles``, ``constants`` map names to arrays, ``turning_points`` to
     pairs (lower, upper); ``error`` maps a quantity to bounds on its errors in the same form. Only what was wanted is
@@ -33,7 +33,7 @@ class Batch(ByValue, OrbitColumns):
 
     Attributes:
         columns: flat name → array: ``actions.r``, ``turning_points.r.lower``, … of what was wanted, ``error.actions.r``
-            beside each, ``status`` (a ``Status`` as int8) and ``recomputed``.
+            next to each, ``status`` (a ``Status`` as int8) and ``recomputed``.
         layout: which quantities and names there are.
         shape: of every array, that of the initial conditions.
     """
@@ -122,7 +122,7 @@ class Batch(ByValue, OrbitColumns):
         if isinstance(key, str):
             raise InvalidInputError(f"batch[{key!r}]: orbits are picked by place; batch.columns[{key!r}] is a column")
         if isinstance(key, Batch):
-            raise InvalidInputError("batch[…]: a batch is no index; give a mask such as batch.codes == 0")
+            raise InvalidInputError("batch[…]: a batch is not an index; give a mask such as batch.codes == 0")
         columns = {name: column[key] for name, column in self.columns.items()}
         if not self.lazy:
             columns = {name: np.asarray(column) for name, column in columns.items()}

@@ -1,4 +1,4 @@
-"""A batch told in units: its columns as quantities of pint or astropy."""
+"""A batch expressed in units: its columns as quantities of pint or astropy."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _ROLES = {
 
 @dataclass(frozen=True, repr=False)
 class BatchInUnits(Shown):
-    """The numbers of many orbits with their units, each a ``Measured`` of arrays.
+    """Results of many orbits with their units, each a ``Measured`` of arrays.
 
     Attributes:
         batch: whose numbers they are; computed.

@@ -46,7 +46,7 @@ def conditions(
         p, velocity: the same, one of the two; with R and z the columns vR, vT and vz.
 
     Raises:
-        InvalidInputError: a name that is no coordinate, columns of a potential without that axis, an array that does
+        InvalidInputError: a name that is not a coordinate, columns of a potential without that axis, an array that does
             not hold real numbers, shapes that do not broadcast against each other, p and velocity both or neither.
         MissingValueError: a coordinate without values.
     """
@@ -128,7 +128,7 @@ def _as_numpy(value: Any, source: str) -> Any:
         if not shared or isinstance(error, RuntimeError):
             raise InvalidInputError(f"{source}: {_kind(value)} gives no numpy array: {error}") from error
     except ValueError as error:
-        raise InvalidInputError(f"{source}: is no array: its rows have different lengths") from error
+        raise InvalidInputError(f"{source}: is not an array: its rows have different lengths") from error
     try:
         return np.from_dlpack(value)
     except (TypeError, ValueError, RuntimeError, BufferError) as error:

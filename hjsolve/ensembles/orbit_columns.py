@@ -18,11 +18,11 @@ WORDS = np.array([status.word for status in Status])
 
 @dataclass(frozen=True, eq=False, repr=False)
 class OrbitColumns:
-    """The numbers of many orbits, by quantity and name; ``Batch`` says what is done with them.
+    """Results of many orbits, by quantity and name; ``Batch`` says what is done with them.
 
     Attributes:
         columns: flat name → array: ``actions.r``, ``turning_points.r.lower``, … of what was wanted, ``error.actions.r``
-            beside each, ``status`` (a ``Status`` as int8) and ``recomputed``.
+            next to each, ``status`` (a ``Status`` as int8) and ``recomputed``.
         layout: which quantities and names there are.
         shape: of every array, that of the initial conditions.
     """

@@ -1,4 +1,4 @@
-"""From a question to an answer: one pure function on the public verbs, with every error told in a line."""
+"""From a question to an answer: one pure function on the public verbs, with every error reported in one line."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _CARRIED = 12
 
 
 def answer_question(question: PageQuestion) -> PageAnswer:
-    """PageAnswer a question as far as it goes; what is wrong is told in ``problem``, never raised.
+    """PageAnswer a question as far as possible; what is wrong is reported in ``problem``, never raised.
 
     Args:
         question: what was typed.

@@ -21,7 +21,7 @@ def question_about(subject: str | Path | None) -> PageQuestion:
         subject: id of an entry, path of an entry or a scene; None for a system to begin with.
 
     Raises:
-        InvalidInputError: there is no such entry, or it is no T and V.
+        InvalidInputError: there is no such entry, or it is not given by T and V.
     """
     if subject is None:
         return PageQuestion("x: line", "dot(x)**2/2", "x**4/4 - x**2/2", q={"x": "1.2"}, velocity={"x": "0"})

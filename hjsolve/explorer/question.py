@@ -72,7 +72,7 @@ class Portrait:
     box: tuple[float, float, float, float]
 
     def at(self, x: float, y: float) -> tuple[float, float]:
-        """Give (q, p) under a pixel; beside the frame, of the nearest place in it.
+        """Give (q, p) under a pixel; next to the frame, of the nearest place in it.
 
         Args:
             x, y: pixels of the drawing, from the left and from the top.

@@ -29,7 +29,7 @@ class Worker:
 
     Attributes:
         seconds: one question may take.
-        megabytes: it may take beside what the engine itself needs.
+        megabytes: it may take next to what the engine itself needs.
     """
 
     def __init__(self, seconds: float, megabytes: int):

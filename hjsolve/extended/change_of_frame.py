@@ -146,7 +146,7 @@ def carried_initial_data(
         p: original momenta.
 
     Raises:
-        InvalidInputError: velocity and p both or neither, or a name that is no original coordinate.
+        InvalidInputError: velocity and p both or neither, or a name that is not an original coordinate.
         MissingValueError: a coordinate without a value.
     """
     from hjsolve.motion.initial_data import complete_numbers, one_of_velocity_and_p  # numpy: not to check a system

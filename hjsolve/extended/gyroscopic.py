@@ -102,7 +102,7 @@ class LinearModes(Shown):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModalMotion(Shown):
-    """A motion told in the coordinates as posed.
+    """A motion expressed in the coordinates as posed.
 
     Attributes:
         modes: the normal form.

@@ -137,7 +137,7 @@ def start_on_level(
         digits: relative digits wanted.
 
     Raises:
-        InvalidInputError: a velocity, no p, q outside its domain, or H that is no real number there.
+        InvalidInputError: a velocity, no p, q outside its domain, or H that is not a real number there.
         MissingValueError: q or p is not given for this coordinate alone, or a parameter has no value.
     """
     coordinate, digits = problem.coordinate, arguments.digits(digits)
@@ -151,7 +151,7 @@ def start_on_level(
     at = {**values, coordinate.symbol: place, coordinate.momentum: momentum}
     E = problem.hamiltonian.xreplace(at)
     if not E.is_finite or not E.is_real:
-        raise InvalidInputError("initial data: H is no real number there")
+        raise InvalidInputError("initial data: H is not a real number there")
     slopes = [sp.diff(problem.hamiltonian, s) for s in (coordinate.symbol, coordinate.momentum)]
     begin, rests = number(t0, source="t0"), all(number_is_zero(slope.xreplace(at)) for slope in slopes)
     curve = _curve(problem, slopes, values, E, (place, momentum), digits)

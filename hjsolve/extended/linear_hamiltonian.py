@@ -1,4 +1,4 @@
-"""One degree of freedom with a given H(q, p) that is no T + V: solved for p.
+"""One degree of freedom with a given H(q, p) that is not T + V: solved for p.
 
     H(q, p) = a(q) p + b(q) = E:        p = (E − b)/a,     W = ∫ p dq,     t − β = ∂W/∂E = ∫ dq/a      (Greenwood P5-1)
 

@@ -1,4 +1,4 @@
-"""Motions in a declared frame: computed in the autonomous coordinates, told in the original ones."""
+"""Motions in a declared frame: computed in the autonomous coordinates, expressed in the original ones."""
 
 from __future__ import annotations
 

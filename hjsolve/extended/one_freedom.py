@@ -1,4 +1,4 @@
-"""H(q, p) of one degree of freedom that is no T + V, as formulas; how it is solved is in ``linear_hamiltonian.py``."""
+"""H(q, p) of one degree of freedom that is not T + V, as formulas; how it is solved is in ``linear_hamiltonian.py``."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class LinearInMomentum(Shown):
 
 @dataclass(frozen=True, repr=False)
 class NonlinearInMomentum(Shown):
-    """H(q, p) of one degree of freedom that is no polynomial of first or second degree in p.
+    """H(q, p) of one degree of freedom that is not a polynomial of first or second degree in p.
 
     Attributes:
         coordinate: q.

@@ -283,7 +283,7 @@ def _check_base(base: Node, n: mpmath.mpf | None, fail: Fail) -> None:
     if n is None and base.value < 0:
         raise fail("a negative number to a variable power is not real")
     if n is not None and n < 0 and abs(base.value) < _VANISHING and not base.expression.is_Rational:
-        raise fail("a division by a number that cannot be told from zero")
+        raise fail("a division by a number that cannot be distinguished from zero")
 
 
 def _check_exponent(base: Node, exponent: Node, n: mpmath.mpf, fail: Fail) -> None:

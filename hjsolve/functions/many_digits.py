@@ -51,8 +51,8 @@ def evaluated(value: Callable[..., mpmath.mpf], arguments: tuple[sp.Expr, ...], 
         bits: of the value.
 
     Returns:
-        A Float (or a complex sum of two), or None where an argument is no number, lies outside the domain of the
-        function, or no digits could be had (a zero that is not exact).
+        A Float (or a complex sum of two), or None where an argument is not a number, lies outside the domain of the
+        function, or no digits could be computed (a zero that is not exact).
     """
     working, former = bits + _GUARD, None
     for _ in range(_DOUBLINGS):

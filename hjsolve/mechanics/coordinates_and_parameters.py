@@ -124,7 +124,7 @@ def check_value(declared: Parameter) -> None:
         declared: the parameter; one without a value passes.
 
     Raises:
-        InvalidSystemError: the value has another sign than declared, or is no integer where one is declared.
+        InvalidSystemError: the value has another sign than declared, or is not an integer where one is declared.
     """
     value = declared.value
     if value is None:
@@ -216,7 +216,7 @@ def read_functions(given: object, coordinates: Iterable[str], names: Mapping[str
         names: every declared name and its symbol.
 
     Raises:
-        InvalidSystemError: no list of such texts, a name that is taken, or an argument that is no coordinate.
+        InvalidSystemError: no list of such texts, a name that is taken, or an argument that is not a coordinate.
     """
     example = 'write functions=["v1(r)"], the name of the function and the coordinates it depends on'
     if isinstance(given, str) or not isinstance(given, Iterable):
@@ -226,7 +226,7 @@ def read_functions(given: object, coordinates: Iterable[str], names: Mapping[str
         match = _APPLIED.fullmatch(text) if isinstance(text, str) else None
         if match is None:
             shown = printable(repr(text))[:60]
-            raise InvalidSystemError(f"functions: {shown} is no function of coordinates; {example}")
+            raise InvalidSystemError(f"functions: {shown} is not a function of coordinates; {example}")
         name, arguments = match[1], [a.strip() for a in match[2].split(",")]
         check_name(name, "function")
         if name in names or name in found:
@@ -280,7 +280,7 @@ def check_clashes(coordinates: list[str], parameters: list[str]) -> None:
         coordinates, parameters: names as declared.
 
     Raises:
-        InvalidSystemError: a name in both lists, or ``p_x`` beside a coordinate ``x``.
+        InvalidSystemError: a name in both lists, or ``p_x`` next to a coordinate ``x``.
     """
     for name in parameters:
         if name in coordinates:

@@ -64,7 +64,7 @@ def read_domain(name: str, text: object, parameters: Mapping[str, sp.Expr]) -> D
         parameters: the names that bounds may use.
 
     Raises:
-        InvalidSystemError: the text is no such domain.
+        InvalidSystemError: the text is not a such domain.
         ExpressionError: a bound is not a formula.
     """
     if not isinstance(text, str):

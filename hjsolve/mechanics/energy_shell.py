@@ -173,7 +173,7 @@ def reduce(system: System, budget: Budget | None = None) -> Shell | Irreducible:
         budget: work allowed to exact arithmetic; 20 s by default.
 
     Returns:
-        The ``Shell``, or ``Irreducible`` with the pair of coordinates that stands in the way.
+        The ``Shell``, or ``Irreducible`` with the pair of coordinates that are coupled.
 
     Raises:
         WorkLimitError: exact arithmetic needs more than the budget, or T or V is outside its reach.

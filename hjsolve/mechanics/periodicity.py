@@ -27,7 +27,7 @@ _ROUNDING = CONTEXT.mpf(10) ** -50
 def check_periodic(
     parts: Iterable[tuple[str, sp.Expr]], coordinates: Sequence[Coordinate], parameters: Sequence[Parameter]
 ) -> None:
-    """Refuse an angle that T or V is no function of.
+    """Refuse an angle that T or V is not a function of.
 
     What holds for all values of the parameters, or for their default values, is accepted: cos(n a) with n = 2, or with
     n declared integer. An undetermined function of an angle counts as periodic.

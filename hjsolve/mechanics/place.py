@@ -45,7 +45,7 @@ def read_place(
     for axis in table:
         if axis not in AXES:
             raise InvalidSystemError(
-                f'place: "{axis}" is no axis; give x, y, z as functions of the coordinates: {_EXAMPLE}'
+                f'place: "{axis}" is not an axis; give x, y, z as functions of the coordinates: {_EXAMPLE}'
             )
     places = tuple((axis, _formula(table[axis], axis, symbols)) for axis in AXES if axis in table)
     if places:

@@ -77,7 +77,7 @@ class Measures(Shown):
             name, role: as of ``exponents``.
 
         Raises:
-            InvalidInputError: it does not follow from those declared, or is no unit of the library.
+            InvalidInputError: it does not follow from those declared, or is not a unit of the library.
         """
         powers = self.table.powers(self.exponents(name, role))
         if powers is None:

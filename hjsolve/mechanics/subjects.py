@@ -24,8 +24,8 @@ def system_of(subject: object, verb: str) -> System:
         verb: the function that asks, for the message.
 
     Raises:
-        InvalidInputError: none of these; ``CatalogError`` for an id or a file that is no entry.
-        NotSeparableError: an entry that is no T and V; the error carries its ``Refusal``.
+        InvalidInputError: none of these; ``CatalogError`` for an id or a file that is not an entry.
+        NotSeparableError: an entry that is not given by T and V; the error carries its ``Refusal``.
     """
     if isinstance(subject, System):
         return subject

@@ -300,7 +300,7 @@ def _check_values(system: System) -> None:
 
 
 def refuse_turns_that_differ(system: System, parameters: Sequence[Parameter]) -> None:
-    """Refuse T or V that, with these values of the parameters, is no function of a coordinate declared an angle.
+    """Refuse T or V that, with these values of the parameters, is not a function of a coordinate declared an angle.
 
     Args:
         system: whose T and V are looked at.

@@ -79,7 +79,7 @@ def angle_variables(motion: SeparatedMotion, t: object) -> AngleVariables:
         t: a time or an array of times.
 
     Raises:
-        InvalidInputError: a time that is no finite real number, or beyond what two doubles hold.
+        InvalidInputError: a time that is not a finite real number, or beyond what two doubles hold.
     """
     shape, floats, exact = read_times(t)
     time, precise, bits = times_at(motion, floats, exact)

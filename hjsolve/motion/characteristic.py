@@ -42,7 +42,7 @@ def waves_along(motion: SeparatedMotion, t: object, *, principal: bool) -> Estim
         principal: True for S.
 
     Raises:
-        InvalidInputError: a time that is no finite real number.
+        InvalidInputError: a time that is not a finite real number.
     """
     shape, floats, exact = read_times(t)
     source = _finer(motion) if motion.digits <= FLOAT_DIGITS and needs_table(motion) else motion
@@ -114,7 +114,7 @@ def swept_from_start(
     Args:
         course: of a separated coordinate.
         χ: phases, shape (m,).
-        whole: turns beside them, shape (m,).
+        whole: turns next to them, shape (m,).
         many: whether they have many digits.
     """
     start = np.array([course.start], dtype=object) if many else np.array([float(course.start)])
@@ -215,7 +215,7 @@ def _turns(course: CoordinateMotion) -> bool:
 
 
 def _outside_integrals(motion: SeparatedMotion, name: str) -> tuple[Mpf, float]:
-    """Return what stands beside the integrals: t₀ for E.
+    """Return what stands next to the integrals: t₀ for E.
 
     q − ∂χ/∂c at t₀ for the momentum of an ignorable coordinate.
     """

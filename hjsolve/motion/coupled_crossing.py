@@ -140,7 +140,7 @@ def _fading(gains: Sequence[X]) -> bool:
 def _monotone(values: _Values[X], first: X, last: X) -> bool:
     """Return True where the second integral is.
 
-    At the end of a domain its rate may vanish, beside a pole be all rounding.
+    At the end of a domain its rate may vanish, next to a pole be all rounding.
     """
     rates = [values.rate(1, first + (last - first) * k / 16) for k in range(16)]
     noise = values.course.rate_noise(1) if values.kind is float else 0.0

@@ -45,7 +45,7 @@ def crossing_time(motion: SeparatedMotion, name: str, value: object, passage: in
         passage: 0 for the first crossing at t ≥ t₀, 1 for the next, −1 for the last before t₀ ….
 
     Raises:
-        InvalidInputError: a value that is no number, or a passage that is not whole or beyond 2⁶⁰.
+        InvalidInputError: a value that is not a number, or a passage that is not whole or beyond 2⁶⁰.
         OutsideMotionError: the motion never reaches that position, or not that often.
     """
     if abs(arguments.whole(passage, "passage")) > _MOST_PASSAGES:

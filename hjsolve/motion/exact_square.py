@@ -1,7 +1,7 @@
 """What exact arithmetic tells of p² where numbers of any precision leave it open: zeros of high multiplicity.
 
-A zero of multiplicity three or more cannot be told from a zero and a pair close to it by any number of digits. Where p²
-is a rational function of q with rational coefficients, its square-free factorisation decides (Yun 1976).
+A zero of multiplicity three or more cannot be distinguished from a zero and a pair close to it by any number of digits.
+Where p² is a rational function of q with rational coefficients, its square-free factorisation decides (Yun 1976).
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class ExactZeros:
         return 3
 
     def multiple_zeros(self) -> list[InBits]:
-        """Return the zeros of p² proved to be triple or higher; none where p² is no rational function."""
+        """Return the zeros of p² proved to be triple or higher; none where p² is not a rational function."""
         number = expanded(self.squared.xreplace(dict(self.values)))
         if not number.is_rational_function(self.variable):
             return []

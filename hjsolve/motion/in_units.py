@@ -1,4 +1,4 @@
-"""A motion told in units: its numbers as quantities of pint or astropy, each with its error."""
+"""A motion expressed in units: its numbers as quantities of pint or astropy, each with its error."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ class StateInUnits(ByValue, Shown):
 
 @dataclass(frozen=True, repr=False)
 class MotionInUnits(Shown):
-    """The numbers of a motion with their units, each a ``Measured``: value and error are quantities.
+    """Results of a motion with their units, each a ``Measured``: value and error are quantities.
 
     Attributes:
         motion: whose numbers they are.

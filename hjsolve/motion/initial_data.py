@@ -1,7 +1,7 @@
 """Exact initial data: what the user wrote, as exact numbers, and the constants of the motion they give.
 
 Nothing is rounded here. A float is the binary number it is, "1.2" is 6/5, "sqrt(2)" stays a root; the
-constants of the motion are exact expressions that can be had to any number of digits. Whether one of
+constants of the motion are exact expressions that can be evaluated to any number of digits. Whether one of
 them is zero (a parabolic orbit, a motion through the axis) is decided with ``ZERO_BITS`` bits.
 """
 
@@ -55,7 +55,7 @@ def parameter_values(system: System, given: Values) -> dict[sp.Symbol, sp.Expr]:
         given: name → number; the others take their defaults.
 
     Raises:
-        InvalidInputError: a name that is no parameter, or a value against the parameter's ``assume``.
+        InvalidInputError: a name that is not a parameter, or a value against the parameter's ``assume``.
         MissingValueError: a parameter without any value, or a function in T or V that is left undetermined.
     """
     if system.functions:
@@ -70,14 +70,14 @@ def parameter_values(system: System, given: Values) -> dict[sp.Symbol, sp.Expr]:
 
 
 def values_of(parameters: Sequence[Parameter], given: Values) -> dict[sp.Symbol, sp.Expr]:
-    """Give every parameter its exact value, as ``parameter_values``, where there is no T and V beside them.
+    """Give every parameter its exact value, as ``parameter_values``, where there is no T and V next to them.
 
     Args:
         parameters: as declared.
         given: name → number; the others take their defaults.
 
     Raises:
-        InvalidInputError: a name that is no parameter, or a value against the parameter's ``assume``.
+        InvalidInputError: a name that is not a parameter, or a value against the parameter's ``assume``.
         MissingValueError: a parameter without any value.
     """
     known = {p.name: p for p in parameters}
@@ -286,7 +286,7 @@ def complete_numbers(coordinates: Sequence[Coordinate], given: Values, what: str
         what: the name of the argument.
 
     Raises:
-        InvalidInputError: a name that is no coordinate, or no number.
+        InvalidInputError: a name that is not a coordinate, or no number.
         MissingValueError: a coordinate without one.
     """
     names = [c.name for c in coordinates]
@@ -310,7 +310,7 @@ def _inside_domains(system: System, values: Mapping[sp.Symbol, sp.Expr]) -> None
             if not _real(end):
                 given = ", ".join(f"{symbol} = {values[symbol]}" for symbol in sorted(bound.free_symbols, key=str))
                 raise InvalidInputError(
-                    f"parameters: the domain of {c.name} {'begins' if side > 0 else 'ends'} at {bound}, which is no "
+                    f"parameters: the domain of {c.name} {'begins' if side > 0 else 'ends'} at {bound}, which is not a "
                     f"real number for {given}; choose parameters for which it is"
                 )
             if sign(side * (place - end)) <= 0:

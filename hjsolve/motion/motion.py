@@ -76,7 +76,7 @@ class Motion(ShownMotion):
 
     @property
     def as_solved(self) -> Motion:
-        """The same motion told in the coordinates of its solution; itself, where those are the given ones."""
+        """The same motion expressed in the coordinates of its solution; itself, where those are the given ones."""
         return self
 
     @property
@@ -136,7 +136,7 @@ class Motion(ShownMotion):
             The state; float64 up to 15 digits, mpf above.
 
         Raises:
-            InvalidInputError: a time that is no finite real number.
+            InvalidInputError: a time that is not a finite real number.
         """
         from hjsolve.motion.placing import with_place
         from hjsolve.motion.state_at import state_at_times
@@ -162,8 +162,8 @@ class Motion(ShownMotion):
             The value and its error, each of the shape of t or of the places; nan where the motion has ended.
 
         Raises:
-            InvalidInputError: both t and q or neither, a time or place that is no finite real number, a coordinate that
-                is missing or has no branches.
+            InvalidInputError: both t and q or neither, a time or place that is not a finite real number, a coordinate
+                that is missing or has no branches.
             OutsideMotionError: a place or a branch that the motion never has.
         """
         from hjsolve.motion.characteristic import waves_along
@@ -196,7 +196,7 @@ class Motion(ShownMotion):
             passage: 0 for the first crossing at t ≥ t₀, 1 for the next, −1 for the last before t₀ …
 
         Raises:
-            InvalidInputError: an unknown coordinate, a value that is no number, or a passage that is not whole.
+            InvalidInputError: an unknown coordinate, a value that is not a number, or a passage that is not whole.
             OutsideMotionError: the motion never reaches that position, or not that often.
         """
         from hjsolve.motion.crossings import crossing_time
@@ -217,7 +217,7 @@ class Motion(ShownMotion):
             Array of shape (m,).
 
         Raises:
-            InvalidInputError: an unknown coordinate, or a value that is no number.
+            InvalidInputError: an unknown coordinate, or a value that is not a number.
             OutsideMotionError: the motion never reaches a value.
         """
         from hjsolve.motion.crossings import crossing_times
@@ -241,7 +241,7 @@ class Motion(ShownMotion):
             the bounds on their errors, modulo 2π.
 
         Raises:
-            InvalidInputError: a time that is no finite real number.
+            InvalidInputError: a time that is not a finite real number.
         """
         from hjsolve.motion.angles_along import angle_variables
 
@@ -303,7 +303,7 @@ class Motion(ShownMotion):
         """Where else each separated coordinate could move with the same constants: other wells, and places of rest.
 
         Coordinate → intervals (lower, upper) in order, without the one the motion is in (``turning_points``); None for
-        an end that is no turning point. At most ``one_coordinate.allowed_regions.MOST_REGIONS`` on each side. Worked
+        an end that is not a turning point. At most ``one_coordinate.allowed_regions.MOST_REGIONS`` on each side. Worked
         out when it is read.
         """
         refuse_kinks(self.solution.system.kinks, "other_regions")

@@ -85,7 +85,7 @@ def separated_motion(
 
     Raises:
         ForbiddenMotionError: no real motion has these constants.
-        NotConvergedError: a turning point or an integral could not be had to the digits asked.
+        NotConvergedError: a turning point or an integral did not converge to the digits asked.
     """
     begins = {name: replace(coordinate_start(solution, initial, name), parts=parts) for name in solution.coordinates}
     located = {name: locate(checked(begin), digits) for name, begin in begins.items()}

@@ -1,4 +1,4 @@
-"""Values worked out in a row, told in the shape of the times that were asked for."""
+"""Values worked out in a row, expressed in the shape of the times that were asked for."""
 
 from __future__ import annotations
 

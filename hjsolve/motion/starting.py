@@ -33,7 +33,7 @@ def started(
 
     Raises:
         ForbiddenMotionError: no real motion has these constants.
-        NotConvergedError: a turning point or an integral could not be had to the digits asked.
+        NotConvergedError: a turning point or an integral did not converge to the digits asked.
     """
     make = _certified if certified else _move
     return make(solution, initial, t0, max(digits, FLOAT_DIGITS), parts)

@@ -145,7 +145,7 @@ def _pi_of(value: Any) -> float | Mpf:
 class AnyMotion(Protocol):
     """What every kind of motion answers, however it was found: ``isinstance(motion, AnyMotion)``.
 
-    ``Motion``, those of a moving frame, of linear modes, and of H(q, p) that is no T + V.
+    ``Motion``, those of a moving frame, of linear modes, and of H(q, p) that is not T + V.
     """
 
     @property

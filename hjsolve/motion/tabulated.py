@@ -77,7 +77,7 @@ class DenseOutput:
         table: quantities 0: q, 1: shell momentum, then the oscillation of each ignorable coordinate.
         waves: ignorable coordinates in the table's order, and their oscillation at the start.
         first: least argument of a table that is not folded.
-        begin: argument at t₀ where it is no angle variable.
+        begin: argument at t₀ where it is not an angle variable.
         ends: quantities that hold the distances from the lower and the upper turning point, where velocities need them.
     """
 

@@ -22,7 +22,7 @@ def grid(values: object, source: str) -> NDArray[np.generic]:
         source: the name of the argument.
 
     Raises:
-        InvalidInputError: rows of different lengths, a masked array, or something else that is no array.
+        InvalidInputError: rows of different lengths, a masked array, or something else that is not an array.
     """
     if isinstance(values, np.ma.MaskedArray):
         raise InvalidInputError(f"{source}: is masked; leave out what is masked, with {source}.compressed()")
@@ -48,7 +48,7 @@ def exact_numbers(values: object, source: str) -> tuple[tuple[int, ...], list[sp
         source: what they are called in errors.
 
     Raises:
-        InvalidInputError: no array, or something in it that is no finite real number.
+        InvalidInputError: no array, or something in it that is not a finite real number.
     """
     array = grid(values, source)
     return array.shape, [number(x.item() if hasattr(x, "item") else x, source=source) for x in array.ravel()]
@@ -79,7 +79,7 @@ def whole_numbers(whole: Counts) -> Integers:
         whole: turns, an array of floats or of numbers of many digits.
 
     Raises:
-        InvalidInputError: more than can be told apart.
+        InvalidInputError: more than can be distinguished.
     """
     sizes = np.abs(whole.astype(float))
     if sizes.size and not np.max(sizes) < MOST_TURNS:

@@ -80,5 +80,5 @@ def rates_of(system: System, q: Values, velocity: Values, factors: tuple[sp.Expr
     at = {c.symbol: places[c.name] for c in system.coordinates}
     scales = [h.xreplace(at) for h in factors]
     if any(number_is_zero(h) for h in scales):
-        raise InvalidInputError("q: on the axis the coordinates have no unit vectors; start a little beside it")
+        raise InvalidInputError("q: on the axis the coordinates have no unit vectors; start a little next to it")
     return {c.name: speeds[c.name] / h for c, h in zip(system.coordinates, scales, strict=True)}

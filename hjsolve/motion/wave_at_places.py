@@ -37,7 +37,8 @@ def wave_at(motion: SeparatedMotion, q: Mapping[str, object], branch: Mapping[st
         branch: separated coordinate → sign of its momentum, +1 or −1; 1 where left out and there are two.
 
     Raises:
-        InvalidInputError: a coordinate that is missing or unknown, a place that is no number, a branch that is no sign.
+        InvalidInputError: a coordinate that is missing or unknown, a place that is not a number, a branch that is not a
+            sign.
         OutsideMotionError: a place, or a branch, that the motion never has.
     """
     solution = motion.solution
@@ -105,7 +106,7 @@ def _on_turning_point(motion: SeparatedMotion, name: str, place: Mpf, slack: flo
 
 
 def _phase(motion: SeparatedMotion, name: str, place: Mpf, sign: int | None) -> tuple[Mpf, int]:
-    """Return the phase of a place on a branch, and whole turns beside it."""
+    """Return the phase of a place on a branch, and whole turns next to it."""
     course, bits = motion.located[name].course, bits_for(motion.digits, 128)
     if course.rests:
         rest = course.place(np.array([0 * place], dtype=object))[0][0]

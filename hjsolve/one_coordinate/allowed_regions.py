@@ -51,7 +51,7 @@ class _Negated(MomentumSquared):
 
 
 def others(start: CoordinateStart, lower: End, upper: End, digits: int) -> list[AllowedRegion]:
-    """Return the regions beside the one a motion is in, in order of q.
+    """Return the regions next to the one a motion is in, in order of q.
 
     Args:
         start: the coordinate.

@@ -90,7 +90,7 @@ class Libration(Unstretched):
 
 @dataclass(frozen=True)
 class BarrierAnomaly(Unstretched):
-    """A libration that passes over a low barrier; χ as in ``Libration``, slow at the crest.
+    """A libration that passes over a low barrier; χ as in ``Libration``, slow at the maximum.
 
     Attributes:
         lower: a.
@@ -201,7 +201,7 @@ class TwoBarrierAnomaly(Unstretched):
     w = am(v + K) − π/2, v = 2K(χ − π)/π, is slow at both: cos w = cd v, sin w = k′ sd v.
 
     Attributes:
-        slow: the place of w = 0, at the highest crest (χ = π).
+        slow: the place of w = 0, at the highest maximum (χ = π).
         direction: +1 or −1, the sign of p.
         scale, tilt: the map tan((q − slow)/2) = Y/(scale + tilt Y), Y = tan(w/2), for motion upward.
         complement, quarter: k′² and K.
@@ -311,7 +311,7 @@ def two_barrier_anomaly(
     takes iε to z₁ and i/ε to z₂ exists when both pairs have the same hyperbolic distance, 2 ln(1/ε).
 
     Args:
-        crest, gap: the highest crest, a complex pair crest ± i·gap.
+        crest, gap: the highest maximum of V, a complex pair crest ± i·gap.
         other, other_gap: the second one.
         direction: sign of p.
         arithmetic: precision of all of them.

@@ -122,8 +122,8 @@ def over_other_near_zeros(start: CoordinateStart, anomaly: Rotation, gap: Mpf | 
 
     Args:
         start: the coordinate.
-        anomaly: slow at the highest crest only.
-        gap: distance of the complex zero of p² next to that crest from the real axis; None where it is far.
+        anomaly: slow at the highest maximum only.
+        gap: distance of the complex zero of p² next to that maximum from the real axis; None where it is far.
         bits: working precision.
     """
     arithmetic = Multi(bits)

@@ -83,7 +83,7 @@ class EndMap:
         return context.atanh(context.sqrt(x)) if self.turning else -context.log(1 - x)
 
     def rest(self, y: Numeric, arithmetic: Float64 | Multi) -> Numeric | int:
-        """Return what |p|/|dq/dy| is multiplied by to stay finite: a power of the share of the way that is left.
+        """Return what |p|/|dq/dy| is multiplied by to stay finite: a power of the fraction of the way that is left.
 
         Args:
             y: place on the branch, y ≥ 0.

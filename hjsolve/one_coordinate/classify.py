@@ -432,7 +432,7 @@ def _judged(start: CoordinateStart, end: End) -> End:
     if _outgrows_powers(start.radicand, place, here - place):
         raise NotConvergedError(
             f"p² grows faster than any power of the distance on the way to {start.name} = {float(place):.9g}, an "
-            "essential singularity: no integral can be had up to there; give the coordinate a domain that ends before"
+            "essential singularity: no integral converges up to there; give the coordinate a domain that ends before"
         )
     sizes = []
     for power in (200, 216):

@@ -50,7 +50,7 @@ class ExactSquare(Protocol):
         ...
 
     def multiple_zeros(self) -> Sequence[Number]:
-        """Return the zeros of p² proved to be triple or higher; none where p² is no rational function."""
+        """Return the zeros of p² proved to be triple or higher; none where p² is not a rational function."""
         ...
 
 

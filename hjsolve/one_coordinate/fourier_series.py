@@ -209,7 +209,7 @@ def _one(given: list[Mpf | None], even: bool, digits: int, bits: int, floor: flo
     if not values:
         return zero()
     context, nodes = multiprecision(bits), len(values)
-    # c₀ by the midpoint rule; the rest is transformed, so that a small oscillation keeps its digits beside it
+    # c₀ by the midpoint rule; the rest is transformed, so that a small oscillation keeps its digits next to it
     mean = context.fsum(values) / nodes
     largest = max(floor, *(abs(v) for v in values))
     rest = [v - mean for v in values]

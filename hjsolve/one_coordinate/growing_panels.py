@@ -104,7 +104,7 @@ class Growing:
         return self._first(count)
 
     def known(self) -> Panels:
-        """Return the panels there are, after more could not be had: the way is known as far as they go.
+        """Return the panels there are, after no further ones converged: the path is known up to their end.
 
         Raises:
             NotConvergedError: there are none.

@@ -265,7 +265,7 @@ class KindOfMotion(ABC):
         return 0.0
 
     def momentum_noise(self, χ: Reals) -> Reals | float:  # noqa: ARG002
-        """Return the rounding of p beside that of its value, in units of the last place: of a sum, and of χ in it.
+        """Return the rounding of p next to that of its value, in units of the last place: of a sum, and of χ in it.
 
         Args:
             χ: phases in doubles, shape (m,).

@@ -69,7 +69,7 @@ class Branch:
                 return more
             if more > _MOST_BITS:
                 q = float(self.way.position(y, Multi(self.bits))[0])
-                raise NotConvergedError(f"p² cannot be told from zero near q = {q:.9g}")
+                raise NotConvergedError(f"p² cannot be distinguished from zero near q = {q:.9g}")
             more += max(64, min(self.bits + more, lost + enough + 32))
             exact = self._seen(y, more + 2 * self.bits) if more >= extra + self.bits else exact
 
@@ -101,7 +101,7 @@ class Branch:
             weights: wⱼ, one a constant; None where y itself is meant.
             amount: how far the integrals must reach.
             partly: True where less will do: on the way to infinity, or to the end of a domain, the integrals are given
-                as far as they can be had.
+                as far as they can be computed.
 
         Raises:
             NotConvergedError: they cannot be had so far.

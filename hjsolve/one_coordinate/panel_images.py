@@ -15,7 +15,7 @@ _ONE = single(1.0, 0.0)
 
 
 class Scale(NamedTuple):
-    """|dx/dy| = rate·rᵃ and what the momentum is divided by, pace·rᵇ, r being the root of the share of the way left.
+    """|dx/dy| = rate·rᵃ and what the momentum is divided by, pace·rᵇ, r being the root of the fraction of the way left.
 
     At a turning point both stand without the root of x that p² brings.
     """

@@ -36,7 +36,7 @@ _FAR, _FARTHER = 100, 116
 """Distances from an end, 2^−…, at which the orders of what vanishes there are taken."""
 _EXACT = 2048
 _HIGHEST = 64
-"""Of the orders; what grows or falls faster is no power."""
+"""Of the orders; what grows or falls faster is not a power."""
 _AWAY = 16.0
 """Distance from the start, in natural lengths of at most 1, from which on a way to infinity is far out."""
 
@@ -308,7 +308,7 @@ class Surrounding:
         return self.sight.integrands(squared, weights, root_bounds(places.root, places), [0] * len(weights), 0)
 
     def _closely(self, places: Spots) -> Sizes:
-        """p² from the place of the panel, where its value and slope are had in many digits."""
+        """p² from the place of the panel, where its value and slope are known to many digits."""
         sight, way = self.sight, self.sight.way
         here = way.position(self.y, Multi(sight.bits + 64))[0] if self.y else way.start
         value, slope, _ = sight.radicand.jet(here, 2 * sight.bits + 256)

@@ -119,6 +119,6 @@ class SimpleZero:
             left = float(multiprecision(64).log(abs(f / (slope * x)), 2)) if slope else 0.0
             extra += max(64, int(bits + 48 + left))
         raise NotConvergedError(
-            f"the turning point near q = {float(ray.place(x1, 128)):.15g} could not be had to {self.digits} digits: "
+            f"the turning point near q = {float(ray.place(x1, 128)):.15g} did not converge to {self.digits} digits: "
             "p² is too flat there"
         )

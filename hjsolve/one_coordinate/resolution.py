@@ -149,7 +149,7 @@ class Integrands:
         return [factor, *self.kernels[1].run(seen.q)]
 
     def factors(self, seen: ComplexPlace) -> tuple[Complexes, ...]:
-        """Return R at points in every way it can be had; where terms cancel one of them may be nothing but rounding.
+        """Return R at points in every available form; where terms cancel one of them may be nothing but rounding.
 
         Args:
             seen: complex places.

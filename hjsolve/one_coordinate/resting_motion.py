@@ -48,7 +48,7 @@ class AtRest(KindOfMotion):
 
     @property
     def kernels(self) -> list[FourierSeries]:
-        """Series of what is left of the kernels beside their means: nothing."""
+        """Series of what is left of the kernels next to their means: nothing."""
         return [zero() for _ in self.rates]
 
     def swing(self, j: int) -> Mpf:

@@ -268,7 +268,7 @@ class _Growth:
         return cls(edges, np.concatenate([[0.0], np.cumsum(2 * half * rates[:, 0])]), rates)
 
     def rate(self, share: Reals) -> Reals:
-        """dχ/dψ where a share of ψ's whole turn is reached, by Newton steps within a piece."""
+        """dχ/dψ where a fraction of ψ's whole turn is reached, by Newton steps within a piece."""
         # the piece that holds the goal, and what is left of it there in units of half the piece
         goal = share * self.levels[-1]
         piece = np.clip(np.searchsorted(self.levels, goal, side="right") - 1, 0, len(self.rates) - 1)

@@ -28,7 +28,7 @@ class Unbounded(KindOfMotion):
         start: χ of the initial place.
         reach: how far the panels go: (weights, amount of the weighted sum of integrals), or (None, greatest phase).
         back: the amount for the branch behind, where it is another; None for the same.
-        partly: True where panels that do not reach so far will do, as far as they can be had.
+        partly: True where panels that do not reach so far will do, as far as they can be computed.
     """
 
     kind: Kind

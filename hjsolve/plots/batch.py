@@ -49,7 +49,7 @@ def plotted_batch(batch: Batch, x: str | None, y: str | None, colour: str | None
         raise InvalidInputError("plot: the batch has one column only; want more than one number of each orbit")
     for name in (x, y, *((colour,) if colour is not None else ())):
         if name not in names:
-            raise InvalidInputError(f"plot: {name!r} is no column of numbers of this batch; it has {', '.join(names)}")
+            raise InvalidInputError(f"plot: {name!r} is not a numeric column of this batch; it has {', '.join(names)}")
     values = [np.ravel(batch.columns[name]) for name in (x, y)]
     errors = [np.ravel(batch.columns[f"error.{name}"]) for name in (x, y)]
     there = np.atleast_1d(np.isfinite(values).all(axis=0))

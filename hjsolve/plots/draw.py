@@ -150,7 +150,7 @@ def _spatial(ax: Any, *, sphere: bool) -> None:
 def _history(motion: Motion, name: str | None, ax: Axes) -> Axes:
     known = [c.name for c in motion.solution.system.coordinates]
     if name is not None and name not in known:
-        raise InvalidInputError(f'plot: "{name}" is no coordinate; they are {", ".join(known)}')
+        raise InvalidInputError(f'plot: "{name}" is not a coordinate; they are {", ".join(known)}')
     chosen = name or (motion.solution.coordinates or known)[0]
     trace = orbit_paths.trace(motion)
     keep = orbit_paths.few_cycles(motion, trace.t)

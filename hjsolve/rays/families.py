@@ -108,7 +108,7 @@ def wavefronts(motion: Motion, family: str = "constants", *, fronts: int = 24, o
     W is the action from there, and its caustic the envelope: of a projectile the parabola of safety.
 
     Args:
-        motion: of two coordinates, or of two beside an ignorable one: then in the plane that turns with that.
+        motion: of two coordinates, or of two next to an ignorable one: then in the plane that turns with that.
         family: ``constants`` or ``place``.
         fronts: how many lines.
         orbits: how many orbits; of the family of a place, directions, at least 16. None for 12 and 48.

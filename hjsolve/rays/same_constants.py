@@ -292,7 +292,7 @@ def started_with_same_constants(motion: Motion, placing: Placing | None) -> Same
     taken, names = motion.separated, motion.solution.coordinates
     rest = [c.name for c in motion.solution.system.coordinates if c.name not in names]
     if not (len(names) == 2 and len(rest) <= 1) and not (len(names) == 1 and len(rest) == 1):
-        raise InvalidInputError("wavefronts: two coordinates are needed, or two beside one ignorable one")
+        raise InvalidInputError("wavefronts: two coordinates are needed, or two next to one ignorable one")
     if resting := [n for n in names if taken.located[n].course.rests]:
         raise InvalidInputError(f"wavefronts: {resting[0]} rests, so the orbits of the family fill no area")
     separated = [_separated(taken, name) for name in names]

@@ -38,7 +38,7 @@ _SIDE = 4
 _SLOWEST = 0.25
 """Where an order more does not make a difference that much smaller, the directions are too far apart to be believed."""
 _NOTHING = 1e-15
-"""A component of a momentum that is rounding, as a part of the other: straight at a centre, not just beside it."""
+"""A component of a momentum that is rounding, as a part of the other: straight at a centre, not just next to it."""
 _UNCLEAR = 1e-4
 """Error of a point of the envelope, as a part of its way, beyond which it is left out."""
 
@@ -65,7 +65,7 @@ class SamePlace(Shown):
 
     Attributes:
         names: of the two coordinates.
-        rays: one motion a direction, at equal angles in the metric of T; None where it could not be had.
+        rays: one motion a direction, at equal angles in the metric of T; None where it did not converge.
         start, length: the time they leave at, and how long they are followed.
         placing: where coordinates are in space; None where unknown.
     """
@@ -109,7 +109,7 @@ class SamePlace(Shown):
         return tuple(curves)
 
     def _states_and_forces(self, times: Reals, doubts: Reals) -> tuple[_States, tuple[Reals, Reals]]:
-        """Return states at times, and how far p moves while the time does, from states beside."""
+        """Return states at times, and how far p moves while the time does, from neighbouring states."""
         m = times.shape[1]
         far = np.where(np.isfinite(doubts), doubts, 0.0)
         asked = self._states(np.concatenate([times, times + far, times - far], axis=1))

@@ -174,7 +174,7 @@ def separated_sweep(
 
 
 def phase_slack(sweep: PhaseSweep, χ: Reals, doubt: Reals) -> Reals:
-    """Return how far a phase may be from the one at which W has the value wanted, from how W changes beside it.
+    """Return how far a phase may be from the one at which W has the value wanted, from how W changes next to it.
 
     Args:
         sweep: the coordinate.

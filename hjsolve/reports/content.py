@@ -266,7 +266,7 @@ def _document(material: Material, letters: Mapping[sp.Expr, sp.Symbol], *, brief
 def _add_numbers(
     motion: Motion, summary: str, sections: list[Section | None], failures: list[str], clock: dict[str, float]
 ) -> orbit_paths.Trace | None:
-    """Add the drawings and the numbers of the motion, as far as they can be had; the rest is told."""
+    """Add the drawings and the results of the motion, as far as they can be computed; the rest is reported."""
     trace = None
     try:
         trace = drawn = _timed(clock, "where it is at the times drawn", lambda: orbit_paths.trace(motion))
@@ -291,7 +291,7 @@ def _sentence(error: Exception) -> str:
 
 
 def _fell_short(failures: list[str]) -> Section:
-    text = "Some numbers of this motion could not be had to the digits asked, and are left out. What fell short: "
+    text = "Some numbers of this motion did not converge to the digits asked, and are left out. What fell short: "
     return Section("unsettled", "What fell short", tuple(Note((text, failure, ".")) for failure in failures))
 
 

@@ -26,7 +26,7 @@ def figures(motion: Motion) -> dict[str, Figure]:
         there is more than one coordinate, ``time``. ``figure.save("orbit.svg")`` writes one; a notebook shows it.
 
     Raises:
-        InvalidInputError: this is no motion.
+        InvalidInputError: this is not a motion.
 
     Example:
         >>> import hjsolve

@@ -90,7 +90,7 @@ def report(
         live: whether the page has sliders for the constants of the motion and a point that moves (.html only; for a
             motion whose separated coordinates all librate or rotate). It is one file that asks nothing of the net.
         sliders: constants or parameters that a live page is to have sliders for, each with its range (low, high), or
-            None for as far as it goes; sliders beside them, up to four in all, are constants.
+            None for as far as possible; sliders next to them, up to four in all, are constants.
         brief: whether closed forms, the map of all motions and surfaces of section are left out, which take most of
             the time.
         title: in place of the system's own.
@@ -118,7 +118,7 @@ def report(
         return save_scene(subject, target, cost, title=title)
     if (outside := outside_entry(subject)) is not None:
         refuse_live(live)
-        refuse_unused({**own, "cost": bool(cost), "brief": brief}, "the entry is no T and V, and has no motions")
+        refuse_unused({**own, "cost": bool(cost), "brief": brief}, "an entry not given by T and V has no motions")
         return write_document(outside_document(outside), target, title=title)
     if isinstance(subject, LinearHamiltonian) or (
         isinstance(subject, str | Path) and catalog.hamiltonian(subject) is not None
@@ -240,7 +240,7 @@ def save(
 
 
 def outside_entry(subject: object) -> catalog.Entry | None:
-    """Return the entry that is named, where it is no T and V: its reason is the report.
+    """Return the entry that is named, where it is not given by T and V: its reason is the report.
 
     Args:
         subject: what the report is asked of.

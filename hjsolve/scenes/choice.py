@@ -1,6 +1,6 @@
 """Which method a scene is run with: the cheapest that reaches the digits asked, or the best that fits into a time.
 
-    accuracy = {digits = d}     up to 15: double precision. Above: mpmath; far above, for the numbers of a motion, the
+    accuracy = {digits = d}     up to 15: double precision. Above: mpmath; far above, for the results of a motion, the
                                 one of mpmath and ball arithmetic that takes less, judged by both at 20 digits
     accuracy = {seconds = s}    more and more digits, each time with the method that should take less, as long as the
                                 next run should still fit

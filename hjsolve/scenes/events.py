@@ -76,7 +76,7 @@ def read_event(table: Toml, system: System, where: str) -> Event:
 
     Raises:
         CatalogError: a coordinate that does not exist, or a value outside its domain.
-        ExpressionError: something that is no number.
+        ExpressionError: something that is not a number.
     """
     at, names = table["at"], [c.name for c in system.coordinates]
     for key, used in (("at.coordinate", [at["coordinate"]] if "coordinate" in at else []),

@@ -49,5 +49,5 @@ def force_words(verdict: Dissipative) -> str:
     """
     return (
         f"a force that no T and V contain acts on {', '.join(verdict.pair)}: dH/dt = {verdict.residual}, so the energy "
-        f"is no constant and Hamilton-Jacobi does not apply; {verdict.advice}"
+        f"is not a constant and Hamilton-Jacobi does not apply; {verdict.advice}"
     )

@@ -75,7 +75,7 @@ class Varied:
         axes: of the grid; the last varies fastest.
         table: the file, in place of a grid.
         columns: initial condition, ``q.r``, → its column in the file, where that has another name.
-        keep: columns of the file that are written beside the results as they are.
+        keep: columns of the file that are written next to the results as they are.
     """
 
     chunk: int
@@ -143,14 +143,14 @@ def _is_count(value: object, least: int) -> bool:
 
 # ------------------------------------------------------------------------------------------------ its content
 def read_sweep(given: Toml | None, folder: Path) -> Varied | None:
-    """Read a table that has no ``sweep_faults``; a file is looked for beside the scene first.
+    """Read a table that has no ``sweep_faults``; a file is looked for next to the scene first.
 
     Args:
         given: the table ``sweep``; None where the scene has none.
         folder: of the scene's file.
 
     Raises:
-        ExpressionError: a value that is no number.
+        ExpressionError: a value that is not a number.
     """
     if given is None:
         return None
@@ -185,7 +185,7 @@ def disagreements(sweep: Varied, names: list[str], fixed: Mapping[str, Mapping[s
             yield f"sweep.{axis.group}.{axis.name}: log spacing needs a positive start and stop"
     for key in sweep.columns:
         if key not in keys(names):
-            yield f'sweep.columns: "{key}" is no initial condition{nearest(key, keys(names))}'
+            yield f'sweep.columns: "{key}" is not an initial condition{nearest(key, keys(names))}'
     if sweep.table is None:
         yield from missing([f"{axis.group}.{axis.name}" for axis in sweep.axes], names, fixed)
     elif not sweep.table.is_file() and not (sweep.table.suffix == ".parquet" and sweep.table.is_dir()):

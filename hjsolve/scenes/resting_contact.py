@@ -2,7 +2,7 @@
 
 With restitution e < 1 and a force towards the wall the speeds after the bounces fall like eⁿ, and the whole of them
 takes a finite time (Zeno). Speed after → speed before the next bounce is an analytic map of slope 1, so the times are
-tₙ = t∞ + c₁ eⁿ + c₂ e²ⁿ + …, and so is every quantity at the bounces: the limit is had by Richardson's rule with the
+tₙ = t∞ + c₁ eⁿ + c₂ e²ⁿ + …, and so is every quantity at the bounces: the limit follows by Richardson's rule with the
 known ratios e, e², … (Brezinski & Redivo Zaglia, *Extrapolation Methods*, §2.1), long before the bounces are too small
 to be seen. Its error is taken from the change with the last bounce.
 """

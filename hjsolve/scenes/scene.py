@@ -91,7 +91,7 @@ class Scene(Question):
             NotSeparableError: the system does not separate, or a force acts on it, and the method is ``quadratures``;
                 the error carries the verdict.
             InvalidInputError: initial data that cannot be used.
-            NotConvergedError: a number could not be had to the digits asked.
+            NotConvergedError: a number did not converge to the digits asked.
         """
         from hjsolve.scenes.choice import run_chosen
 
@@ -148,7 +148,7 @@ def _built(table: Toml, source: str, folder: Path) -> Scene:
 
 
 def _entry(system: str | Toml, source: str, folder: Path) -> tuple[Toml, str]:
-    """Return the table of the system, from the catalog, a file beside the scene, or the scene itself."""
+    """Return the table of the system, from the catalog, a file next to the scene, or the scene itself."""
     if isinstance(system, Mapping):
         return system, f"{source}: system"
     if system.endswith(".toml"):

@@ -3,7 +3,7 @@
 Hamilton's equations are integrated step by step, each step with an error below the tolerance; on the last step before
 a crossing q_s takes the part of the time (Hénon, Physica D 5 (1982) 412), so that a single step ends on the section.
 Every motion is followed twice, with tolerances a hundred times apart: up to where the two part their returns are those
-of the motion to that difference. After that, where motions are chaotic, they are returns of motions beside it, at the
+of the motion to that difference. After that, where motions are chaotic, they are returns of motions next to it, at the
 same energy: what of the energy is lost is measured at each.
 """
 

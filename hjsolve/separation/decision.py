@@ -40,7 +40,7 @@ SMALL_SYSTEM = 120
 def separate(system: System | str | Path, *, budget: float = DEFAULT_BUDGET) -> Verdict:
     """Decide whether the Hamilton–Jacobi equation of a system separates in its coordinates.
 
-    The system is reduced to its energy shell, Levi-Civita's conditions are decided exactly, one by one, and Stäckel's
+    The system is reduced to its energy shell, Levi-Civita's conditions are decided exactly, one by one, and the Stäckel
     matrix is constructed and verified. Parameters stay symbolic: a verdict holds for all values that their assumptions
     allow.
 
@@ -93,9 +93,9 @@ def _of_one_coordinate(verdict: Verdict) -> Verdict:
 
 
 def _constructed(shell: Shell, work: Budget) -> tuple[Setting, stackel.Matrix | None]:
-    """Read a shell and construct Stäckel's matrix; None where there is none, or no coordinate it would be of.
+    """Read a shell and construct the Stäckel matrix; None where there is none, or no coordinate it would be of.
 
-    Steep functions of shifted places, tanh(1000 x - 300), are kept whole if it can be had so: multiplied out by
+    Steep functions of shifted places, tanh(1000 x - 300), are kept whole where that is possible: multiplied out by
     addition theorems they could not be worked out in numbers.
     """
     held = {c.symbol for c in shell.coordinates}
@@ -119,8 +119,8 @@ def _decide(setting: Setting, matrix: stackel.Matrix | None, start: float) -> Ve
             if failed is not None:
                 return failed
         if matrix is None:
-            text = "Levi-Civita's conditions hold, but no regular base point for Stäckel's matrix was found."
-            steps = (*shell.steps, *proved, ReductionStep("Stäckel's matrix", text))
+            text = "Levi-Civita's conditions hold, but no regular base point for the Stäckel matrix was found."
+            steps = (*shell.steps, *proved, ReductionStep("Stäckel matrix", text))
             words = advice.for_undecided()
             return Undecided(shell.system, shell, (), "metric", sp.nan, {}, None, words, steps)
     reduced = _reduced_forms(setting, matrix)
@@ -135,7 +135,7 @@ def _decide(setting: Setting, matrix: stackel.Matrix | None, start: float) -> Ve
 
 
 def _small(setting: Setting) -> bool:
-    """Return whether Levi-Civita's conditions are worth a second, independent proof beside Stäckel's certificate."""
+    """Return whether Levi-Civita's conditions are worth a second, independent proof next to Stäckel's certificate."""
     elements = [*setting.metric, setting.potential]
     return sum(len(x.numerator) + sum(len(base) for base, _ in x.bases) for x in elements) <= SMALL_SYSTEM
 
@@ -171,9 +171,9 @@ def _conditions(setting: Setting, *, hunting: bool) -> tuple[Obstruction | Undec
 
 
 def _reduced_forms(setting: Setting, matrix: stackel.Matrix | None) -> Reduced:
-    """Stäckel's and Liouville's forms of the shell; with one coordinate f = 1, R = g, v = V.
+    """Stäckel and Liouville forms of the shell; with one coordinate f = 1, R = g, v = V.
 
-    A shell that holds a momentum to first degree is not of Liouville's form.
+    A shell that holds a momentum to first degree is not of Liouville form.
     """
     if matrix is None:
         return Reduced(None, None)
@@ -190,7 +190,7 @@ def _reduced_forms(setting: Setting, matrix: stackel.Matrix | None) -> Reduced:
 
 
 def _full_forms(setting: Setting, reduced: Reduced) -> tuple[Liouville | None, Stackel | None]:
-    """Liouville's and Stäckel's forms over all coordinates; None where T is not diagonal or has linear terms."""
+    """Liouville and Stäckel forms over all coordinates; None where T is not diagonal or has linear terms."""
     shell, reader = setting.shell, setting.reader
     system = shell.system
     if any(linear_terms(system)):
@@ -216,17 +216,17 @@ def _evidence_of(reduced: Reduced, shell: Shell) -> list[ReductionStep]:
     steps = []
     if reduced.stackel is not None:
         text = (
-            "Stäckel's matrix, from the base-point construction; c^T Phi = (1, 0, ..., 0) and c^T psi = V were "
+            "Stäckel matrix, from the base-point construction; c^T Phi = (1, 0, ..., 0) and c^T psi = V were "
             "verified by substitution, exactly. Row i contains coordinate i only."
         )
-        steps.append(ReductionStep("Stäckel's matrix", text, reduced.stackel.matrix))
+        steps.append(ReductionStep("Stäckel matrix", text, reduced.stackel.matrix))
         text = "The part of the separated equations without separation constants."
-        steps.append(ReductionStep("Stäckel's column", text, sp.Tuple(*reduced.stackel.column)))
+        steps.append(ReductionStep("Stäckel column", text, sp.Tuple(*reduced.stackel.column)))
     if reduced.liouville is not None:
         form = reduced.liouville
-        text = "The shell is of Liouville's form: T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)."
+        text = "The shell is of Liouville form: T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)."
         steps.append(
-            ReductionStep("Liouville's form", text, sp.Tuple(sp.Tuple(*form.f), sp.Tuple(*form.R), sp.Tuple(*form.v)))
+            ReductionStep("Liouville form", text, sp.Tuple(sp.Tuple(*form.f), sp.Tuple(*form.R), sp.Tuple(*form.v)))
         )
     if not shell.coordinates:
         text = "Every momentum is constant and H is a function of them: the motion is uniform."

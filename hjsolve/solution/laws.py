@@ -35,7 +35,7 @@ class Check(Shown):
         name: short and stable, e.g. ``hamilton-jacobi``.
         statement: the law in words and symbols.
         verdict: ``proved`` (exact), ``numeric`` (not proved; zero to 40 digits at a point of the domain), ``undecided``
-            (neither could be had), ``failed`` (proved not to hold, or not zero at 40 digits).
+            (neither was reached), ``failed`` (proved not to hold, or not zero at 40 digits).
         residual: zero when proved, else the expression that should have vanished.
     """
 

@@ -65,8 +65,8 @@ class Solution(ShownSolution):
             None where every coordinate is ignorable (then E is a function of the other constants
             and the orbit equations carry the time).
         orbit_equations: name of a constant → −β = ∂W/∂(constant); for all constants but E.
-        chart: how the coordinates were found and are tied to the user's own, which motions are started and told in;
-            None where they are the user's own.
+        chart: how the coordinates were found and are related to the user's own, which motions are started and expressed
+            in; None where they are the user's own.
     """
 
     system: System
@@ -158,7 +158,7 @@ class Solution(ShownSolution):
                 position, or of unknown names; no torus has the actions, or several have.
             MissingValueError: a parameter or an initial value is missing.
             ForbiddenMotionError: no real motion has these constants.
-            NotConvergedError: a turning point or an integral could not be had to the digits asked.
+            NotConvergedError: a turning point or an integral did not converge to the digits asked.
 
         Example:
             >>> import hjsolve
@@ -206,7 +206,8 @@ def solve(
     Args:
         system: a system, or the ``Separation`` it already gave; or the id or file of a catalog entry.
         coordinates: ``as given``; or ``find``: the given ones if they separate, else normal modes, else the simplest
-            certified web of ``find_coordinates``. Motions are then started and told in the given ones all the same.
+            certified web of ``find_coordinates``. Motions are then started and expressed in the given ones all the
+            same.
         budget: seconds for the decision in the given coordinates, and as many for the search for others.
 
     Returns:

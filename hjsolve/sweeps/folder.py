@@ -135,7 +135,7 @@ class Folder:
         its window. What is amiss is said in ``bad`` and ``notes``.
 
         Raises:
-            InvalidInputError: the folder holds what readers would take for more orbits, or a part is no file.
+            InvalidInputError: the folder holds what readers would take for more orbits, or a part is not a file.
         """
         there = self._names()
         noted, strange = self.journal.digests(self.plan.parts)
@@ -181,7 +181,7 @@ class Folder:
         return set(names)
 
     def _examined(self, number: int, digest: str | None) -> WholePart | str:
-        """Return what a part that is there holds, or in words why it is no good."""
+        """Return what a part that is there holds, or in words why it is not usable."""
         path = self.part(number)
         if digest is None:
             return "no digest of it was noted"
@@ -194,7 +194,7 @@ class Folder:
                 orbits, recomputed = table[ORBIT].to_numpy(), int(np.count_nonzero(table[RECOMPUTED].to_numpy()))
                 counts = {entry["values"]: entry["counts"] for entry in table[STATUS].value_counts().to_pylist()}
             except (pa.ArrowException, OSError, KeyError) as error:
-                return f"it is no part of a sweep ({' '.join(str(error).split())[:80]})"
+                return f"it is not a part of a sweep ({' '.join(str(error).split())[:80]})"
         if not np.array_equal(orbits, np.arange(*self.plan.window(number))):
             return "its orbits are not those of its place"
         return WholePart(digest, {**counts, RECOMPUTED: recomputed})
@@ -312,7 +312,7 @@ def _manifest(path: Path, parts: int) -> dict[str, Any]:
     """Return the manifest of a folder.
 
     Raises:
-        InvalidInputError: it is no manifest, a link, or far longer than a manifest of so many parts.
+        InvalidInputError: it is not a manifest, a link, or far longer than a manifest of so many parts.
     """
     file = path / MANIFEST
     try:
@@ -321,7 +321,7 @@ def _manifest(path: Path, parts: int) -> dict[str, Any]:
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         if isinstance(error, InvalidInputError):
             raise
-        raise InvalidInputError(f"{file}: is no manifest of a sweep; {_ELSE}") from error
+        raise InvalidInputError(f"{file}: is not a manifest of a sweep; {_ELSE}") from error
     return dict(held)
 
 

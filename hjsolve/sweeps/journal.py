@@ -1,6 +1,6 @@
 """The journal of a sweep: a line of JSON for every part, with the digest of its bytes, written before the part is.
 
-The digest decides whether a part is good. A line that is no note of a part counts for nothing, and is reported; of
+The digest decides whether a part is good. A line that is not a note of a part counts for nothing, and is reported; of
 several lines of one part the last counts.
 """
 
@@ -72,7 +72,7 @@ class Journal:
 
 
 def _note(line: bytes) -> NotedPart | None:
-    """Return what a line says; None where it is no note of a part, whatever its types are."""
+    """Return what a line says; None where it is not a note of a part, whatever its types are."""
     try:
         held = json.loads(line)
     except (ValueError, RecursionError):

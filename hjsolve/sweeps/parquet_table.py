@@ -96,7 +96,7 @@ def opened_table(path: Path) -> ParquetTable:
         path: of a file or a folder.
 
     Raises:
-        InvalidInputError: a file is no Parquet file, or has other columns than the first; there is none.
+        InvalidInputError: a file is not a Parquet file, or has other columns than the first; there is none.
     """
     found = sorted(path.rglob("*.parquet")) if path.is_dir() else [path]
     files = tuple(p for p in found if p.is_file() and not _hidden(p.relative_to(path)))
@@ -127,4 +127,4 @@ def _footer(path: Path) -> pq.FileMetaData:
     try:
         return pq.read_metadata(path)
     except pa.ArrowInvalid as error:
-        raise InvalidInputError(f"{path}: is no Parquet file: {error}") from error
+        raise InvalidInputError(f"{path}: is not a Parquet file: {error}") from error

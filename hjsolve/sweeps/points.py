@@ -41,7 +41,7 @@ class SweepPoints:
         fixed: initial condition → the one number that it is in all orbits.
         table: a Parquet table, of which every window is read when it is wanted.
         heading: initial condition → its column in that table.
-        keep: columns of that table that are written beside the results.
+        keep: columns of that table that are written next to the results.
     """
 
     kind: str
@@ -165,7 +165,7 @@ def _table_faults(
 ) -> Iterator[str]:
     for name in found:
         if name.partition(".")[0] in GROUPS and "." in name and name not in heading.values():
-            yield f'column "{name}" is no initial condition{nearest(name, heading)}'
+            yield f'column "{name}" is not an initial condition{nearest(name, heading)}'
     for key, name in sweep.columns.items():
         if name not in found:
             yield f'no column "{name}" for {key}{nearest(name, found)}'
@@ -199,7 +199,7 @@ def _csv(path: Path) -> Columns:
         rows = np.loadtxt(io.StringIO(body), delimiter=",", ndmin=2, converters=_number, encoding="utf-8")
     except ValueError as error:
         text = " ".join(str(error).split())
-        raise InvalidInputError(f"{path}: is no table of numbers below one line of headings: {text}") from error
+        raise InvalidInputError(f"{path}: is not a table of numbers below one line of headings: {text}") from error
     if rows.shape[1] != len(headings):
         raise InvalidInputError(f"{path}: has {len(headings)} headings and {rows.shape[1]} columns")
     return {name: rows[:, k] for k, name in enumerate(headings)}

@@ -39,7 +39,7 @@ def solve_alone(
         weights: w.
         value: right side at each time, shape (m,).
         residual_bound: a bound on its error, shape (m,).
-        own: part of ``value`` that grows with the time, per unit; 0 where other coordinates have a share in it.
+        own: part of ``value`` that grows with the time, per unit; 0 where other coordinates have a fraction in it.
         time: high and low parts of the times, shape (m,).
 
     Returns:

@@ -169,7 +169,7 @@ def torus_phases(system: TorusEquations, time: tuple[Reals, Reals]) -> tuple[lis
 def _of_others(
     system: TorusEquations, k: int, χ: list[Reals | None], errors: list[Reals | None]
 ) -> tuple[Elementwise, Elementwise]:
-    """Ripples of θₖ beside the phases known by now, and what their errors and rounding do to that sum."""
+    """Oscillations of θₖ next to the phases known by now, and what their errors and rounding do to that sum."""
     total, error_bound = 0.0, 0.0
     for i in system.order:
         periodic = system.oscillations[k][i]

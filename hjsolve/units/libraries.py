@@ -42,7 +42,7 @@ class UnitLibrary(Hashable, Protocol):
             powers: text → exponent.
 
         Raises:
-            InvalidInputError: a text that is no unit of this library.
+            InvalidInputError: a text that is not a unit of this library.
         """
 
     def number(self, quantity: Quantity, unit: Unit) -> Number:
@@ -110,7 +110,7 @@ class Pint(Shown):
         return self
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _pint_of_this_process, ()  # a registry is no data; pint's own quantities come back in this one, too
+        return _pint_of_this_process, ()  # a registry is not data; pint's own quantities come back in this one, too
 
     def unit(self, powers: Powers) -> Unit:
         """Return the unit that is a product of powers."""
@@ -141,7 +141,7 @@ def _pint_of_this_process() -> Pint:
 
 
 def _unknown(text: str, library: str) -> InvalidInputError:
-    return InvalidInputError(f'units: "{text}" is no unit of {library}')
+    return InvalidInputError(f'units: "{text}" is not a unit of {library}')
 
 
 def _root(value: object) -> str:

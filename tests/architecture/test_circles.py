@@ -84,7 +84,7 @@ def without(graph: Graph, arrows: Iterable[tuple[str, str]]) -> dict[str, set[st
 
 
 def room(module: str) -> str:
-    """The room or sub-room of a file, or the file itself where it lies beside the rooms."""
+    """The room or sub-room of a file, or the file itself where it lies next to the rooms."""
     inner = module.split(".")[1:]
     return ".".join(inner[:-1] if len(inner) > 1 else inner)
 

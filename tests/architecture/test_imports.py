@@ -1,4 +1,4 @@
-"""Imports point one way, no room escapes the contract, and nothing lies loose beside the rooms."""
+"""Imports point one way, no room escapes the contract, and nothing lies loose next to the rooms."""
 
 from __future__ import annotations
 

@@ -164,5 +164,5 @@ def test_angles_with_a_squared_cosine(seed: int) -> None:
     ("cone", {"r": "1.1", "phi": 0}, {"r": "0.3", "phi": "1.2"}),
 ])  # fmt: skip
 def test_forms_with_complex_roots_and_double_poles(name: str, q: dict, velocity: dict) -> None:
-    """Carlson's integrals: a complex pair beside two real roots, and a double pole at infinity."""
+    """Carlson's integrals: a complex pair next to two real roots, and a double pole at infinity."""
     test_numbers_agree_with_the_engine_to_36_digits(name, q, velocity, {})

@@ -41,7 +41,7 @@ def run(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
 def test_check_prints_verdict_and_evidence_and_ends_with_0(capsys: Capture) -> None:
     assert main(["check", "kepler-planar"]) == 0
     out = capsys.readouterr().out
-    assert "Separates in r and θ: a system of Liouville's form. θ is ignorable." in out
+    assert "Separates in r and θ: a system of Liouville form. θ is ignorable." in out
     assert "Φ = [m, −1/r²; 0, 1]" in out
     assert "p_θ²/(2 m r²)" in out
 

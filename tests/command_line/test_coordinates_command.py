@@ -96,7 +96,7 @@ def test_what_is_not_cartesian_is_told_what_to_write(name: str, capsys: Capture)
 
 
 def test_a_positive_parameter_as_a_pivot_is_no_fault() -> None:
-    """The only root of the pivot λ is excluded by the assumption; it is no fault and no exceptional value."""
+    """The only root of the pivot λ is excluded by the assumption; it is not a fault and no exceptional value."""
     x, y = sp.symbols("x y", real=True)
     λ = sp.Symbol("lambda_", positive=True)
     V = (x**2 + y**2) / 2 + λ * (x**2 * y - y**3 / 3)

@@ -1,4 +1,4 @@
-"""Forms that are derived stand beside the other methods, and their claims hold."""
+"""Forms that are derived stand next to the other methods, and their claims hold."""
 
 from __future__ import annotations
 

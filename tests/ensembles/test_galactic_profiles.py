@@ -176,7 +176,7 @@ def test_stars_in_kpc_and_km_s_turn_nowhere_that_p_squared_is_not_known_from_zer
 
 
 def test_a_narrow_crest_far_out_is_not_overlooked() -> None:
-    """E > 0 alone proves nothing: a crest of height 1 and width 10 at R = 1000 lies between two trials of the search."""
+    """E > 0 alone proves nothing: a maximum of height 1 and width 10 at R = 1000 lies between two trials of the search."""
     system = hjsolve.System(PLANE, KINETIC, "-1/(R + 1) + exp(-(R - 1000)**2/100)")
     R, p, L = np.linspace(1, 3, 8), np.linspace(1.0, 1.3, 8), np.full(8, 0.5)
     assert ((p**2 + (L / R) ** 2) / 2 - 1 / (R + 1) > 0).all()

@@ -1,4 +1,4 @@
-"""Librations beside a narrow barrier, p² growing without bound beyond it: a walk outward must not step over it."""
+"""Librations next to a narrow barrier, p² growing without bound beyond it: a walk outward must not step over it."""
 
 from __future__ import annotations
 

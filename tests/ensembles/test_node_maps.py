@@ -18,7 +18,7 @@ from hjsolve.ensembles.engine.strips_of_analyticity import squares
 
 @pytest.mark.parametrize("lower", [0, 2, 53, 54, 55, 2 * MOST_LEVEL])
 def test_a_map_is_divided_where_it_should_however_steep_an_end_is(lower: int) -> None:
-    # 1/(1 + 2^54) is nothing beside 1: a nearly radial orbit ended the whole batch with ZeroDivisionError
+    # 1/(1 + 2^54) is nothing next to 1: a nearly radial orbit ended the whole batch with ZeroDivisionError
     for low, high in ((lower, 2 * MOST_LEVEL - lower), (2 * MOST_LEVEL - lower, lower)):
         key = NodeMap(1, low, high)
         table = libration_nodes(node_maps.COUNTS[0], key.level, key.node_map)

@@ -1,4 +1,4 @@
-"""Questions of the page: what follows from them is what the public verbs give, and what is wrong is told in a line."""
+"""Questions of the page: what follows from them is what the public verbs give, and what is wrong is reported in a line."""
 
 from __future__ import annotations
 

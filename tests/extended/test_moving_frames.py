@@ -1,4 +1,4 @@
-"""Declared frames and gauges (Ex 2-5, Ex 6-9, P6-13): verified, solved, and told in the original coordinates."""
+"""Declared frames and gauges (Ex 2-5, Ex 6-9, P6-13): verified, solved, and expressed in the original coordinates."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ def random_integral(rng):
 
 
 def with_double_root(rng):
-    """The same with two real roots beside the interval in one place; then the integral is elementary."""
+    """The same with two real roots next to the interval in one place; then the integral is elementary."""
     while True:
         P, interval, low, high, R = random_integral(rng)
         beside = [k for k in range(len(P.real)) if k not in interval]

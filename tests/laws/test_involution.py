@@ -1,4 +1,4 @@
-"""The constants of every system of the catalog are in involution, and E is Hamilton's function: sympy at 50 digits."""
+"""The constants of every system of the catalog are in involution, and E is the Hamiltonian: sympy at 50 digits."""
 
 from __future__ import annotations
 

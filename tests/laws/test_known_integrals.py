@@ -367,7 +367,7 @@ def test_the_constant_of_kerr_is_carters():
 
 
 def test_a_name_is_not_given_to_a_neighbour():
-    """One wrong number in the metric, and the constant is no angular momentum any more."""
+    """One wrong number in the metric, and the constant is not an angular momentum any more."""
     kinetic = "m/2*(dot(r)**2 + 2*r**2*dot(theta)**2 + r**2*sin(theta)**2*dot(phi)**2)"
     verdict = separate(make(SPHERICAL_COORDINATES, kinetic, "-k/r", "m k"))
     assert isinstance(verdict, Separation)

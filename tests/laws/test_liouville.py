@@ -1,4 +1,4 @@
-"""Liouville's form, by sympy at 50 digits: T = Σ R p²/(2Σf), V = Σv/Σf, one coordinate each, f and R positive."""
+"""Liouville form, by sympy at 50 digits: T = Σ R p²/(2Σf), V = Σv/Σf, one coordinate each, f and R positive."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a refusal says beside its witness: the distance from separable, the blocks, the one energy."""
+"""What a refusal says next to its witness: the distance from separable, the blocks, the one energy."""
 
 import pytest
 import sympy as sp

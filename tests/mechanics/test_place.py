@@ -19,7 +19,7 @@ TWO = "-1/sqrt((x - 1)**2 + (y - 2)**2) - 3/sqrt((x - 3)**2 + (y + 1)**2)"
 @pytest.mark.parametrize(
     ("place", "error", "says"),
     [
-        ({"w": "r"}, InvalidSystemError, "is no axis"),
+        ({"w": "r"}, InvalidSystemError, "is not an axis"),
         ({"x": "r*cos(ph)"}, ExpressionError, "did you mean phi"),
         ({"x": "r*phi"}, InvalidSystemError, "not 2.pi-periodic in phi"),
         ({"x": "sqrt(-r)"}, ExpressionError, "real"),

@@ -103,7 +103,7 @@ def test_motion_to_an_end_of_the_domain(case: Ending) -> None:
 
 @pytest.mark.nightly
 def test_an_exponential_approach_and_escape_as_far_as_doubles_reach() -> None:
-    """x = e^(−t): e^(−1000) is no double, and e^600 nearly none; panels grow with the logarithm of x."""
+    """x = e^(−t): e^(−1000) is not a double, and e^600 nearly none; panels grow with the logarithm of x."""
     motion = line("-x**2/2", "0 < x").motion(q={"x": 1}, velocity={"x": -1})
 
     with mp.workdps(DIGITS):

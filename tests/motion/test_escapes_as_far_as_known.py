@@ -75,7 +75,7 @@ def test_random_escapes_at_early_times(number: int) -> None:
 @pytest.mark.nightly
 @pytest.mark.slow
 def test_a_way_that_is_not_known_to_its_end_is_no_end() -> None:
-    """The last panels that can be had are short, and integrals do not grow over them: that is no finite time."""
+    """The last panels that can be computed are short, and integrals do not grow over them: that is not a finite time."""
     system = hjsolve.System({"q": "line"}, "dot(q)**2/2", "-q**2*(1 + exp(-2*q**2))/5 - 9*atan(q**3)/10")
     motion = hjsolve.solve(system).motion(q={"q": "0.3"}, velocity={"q": "1"})
     late = motion.at([10, 1000, 1e6])

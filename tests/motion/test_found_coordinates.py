@@ -1,4 +1,4 @@
-"""Motions in coordinates that were found, told in x, y, z: against Taylor series of Hamilton's equations in x, y, z."""
+"""Motions in coordinates that were found, expressed in x, y, z: against Taylor series of Hamilton's equations in x, y, z."""
 
 from __future__ import annotations
 

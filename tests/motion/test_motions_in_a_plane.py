@@ -37,7 +37,7 @@ def start(place: str, speed: str) -> dict[str, dict[str, str]]:
     ("potential", "place", "speed", "kinds"),
     [
         (GARNIER, "-0.772 0", "0.5 0", {"X": "libration"}),
-        (TURNED, "0.6 -0.8", "1.2 -1.6", {"X": "libration"}),  # its axis is no axis of x, y
+        (TURNED, "0.6 -0.8", "1.2 -1.6", {"X": "libration"}),  # its axis is not an axis of x, y
         (KDV, "0 0.06", "0 0.03", {"X": "libration"}),
         (KDV, "0 0", "0 -0.07", {"X": "libration"}),  # from the focus
         ("x**4 + 12*x**2*y**2 + 16*y**4", "-0.565 0", "0 0", {"Y": "libration"}),  # across the axis of the parabolas

@@ -1,4 +1,4 @@
-"""Motions on spheres in coordinates found, told in the user's angles: against Taylor series of L̇ = −x × ∇V, ẋ = L × x."""
+"""Motions on spheres in coordinates found, expressed in the user's angles: against Taylor series of L̇ = −x × ∇V, ẋ = L × x."""
 
 from __future__ import annotations
 

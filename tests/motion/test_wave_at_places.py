@@ -19,7 +19,7 @@ def started(name, digits):
 
 
 def moved_a_little(motion):
-    """A time at which nothing has turned or ended yet, to be told from t₀."""
+    """A time at which nothing has turned or ended yet, to be distinguished from t₀."""
     rates = [1 / abs(float(p.value)) for p in motion.periods.values()]
     step = 0.02 / max(rates) if rates else 0.01
     ends = [abs(float(e.value)) for e in motion.boundary_times.values()]

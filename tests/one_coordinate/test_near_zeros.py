@@ -1,4 +1,4 @@
-"""Motions that just pass over crests, or past a softened centre of force: roughness inside the motion, not at its ends."""
+"""Motions that just pass over maxima, or past a softened centre of force: roughness inside the motion, not at its ends."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def over(potential: str, domain: str, x: str, v: str, digits: int = 15) -> Any:
 
 
 def wheel_period(n: int, above: str) -> mpf:
-    """One turn over cos nx with E = 1 + above: n equal crests."""
+    """One turn over cos nx with E = 1 + above: n equal maxima."""
     height = 2 + mpf(above)
     return 4 * mp.ellipk(2 / height) / mp.sqrt(2 * height)
 

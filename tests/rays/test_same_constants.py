@@ -65,7 +65,7 @@ def test_the_gradient_of_w_obeys_hamilton_and_jacobis_equation(name: str) -> Non
             front.error.p[c.name] for c in system.coordinates
         ]
         allowed = sum(np.abs(slope(*point)) * error for slope, error in zip(slopes, errors)) + 1e-14 * (abs(E) + 1)
-        # in (q, p) along a sheet the errors of q and p go together, so their sum is no bound on H; it is one on its parts
+        # in (q, p) along a sheet the errors of q and p go together, so their sum is not a bound on H; it is one on its parts
         assert np.all(
             np.abs(value(*point) - E) <= allowed + 1e-13 * (1 + np.abs(value(*point[:2], 0 * point[2], 0 * point[3])))
         )

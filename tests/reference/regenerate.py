@@ -25,7 +25,7 @@ MARKER = "# Reference values below this line are written by tests/reference/rege
 DIGITS = 40
 TAYLOR = "Taylor series of Hamilton's equations, local error 1e-55"
 SHARE = mpf("0.03")
-"""A time is passed over when a coordinate or momentum is smaller than this share of its size: a relative test of a
+"""A time is passed over when a coordinate or momentum is smaller than this fraction of its size: a relative test of a
 number near its own zero would only test rounding."""
 
 

@@ -1,4 +1,4 @@
-"""A coordinate that oscillates beside one that escapes lost its whole turns in the other's equation."""
+"""A coordinate that oscillates next to one that escapes lost its whole turns in the other's equation."""
 
 from __future__ import annotations
 

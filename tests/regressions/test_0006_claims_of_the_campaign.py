@@ -12,7 +12,7 @@ def solved(name):
 
 
 def test_a_mean_rate_that_cancels_is_zero_and_has_no_period():
-    """A charge circling beside the axis: its azimuth comes back, Ω_θ = 0; it was 4e-53 ± 1e-68 with a period 1e53."""
+    """A charge circling next to the axis: its azimuth comes back, Ω_θ = 0; it was 4e-53 ± 1e-68 with a period 1e53."""
     start = {
         "q": {"r": "2.43", "theta": "0.2", "z": "-0.199"},
         "velocity": {"r": "0.203", "theta": "0.591", "z": "0.865"},

@@ -210,7 +210,7 @@ def test_an_end_that_is_never_reached_because_the_other_coordinate_runs_away_is_
 def test_a_black_hole_s_pole_may_be_passed_as_near_as_one_likes(place, speed):
     """θ goes down to 9e-17 or 9e-27, where its kernel is below the rounding of the series; it was not converged, or false.
 
-    The motion just beside the pole is that through it: a start at 1e-6 tells where it must be, within 1e-6.
+    The motion just next to the pole is that through it: a start at 1e-6 tells where it must be, within 1e-6.
     """
     solution = hjsolve.solve(hjsolve.catalog.load("kerr"))
 

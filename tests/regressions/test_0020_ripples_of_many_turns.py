@@ -1,4 +1,4 @@
-"""Three coupled librations, one 1e5 times smaller than its neighbours: its phase ripples by 350 radians beside theirs.
+"""Three coupled librations, one 1e5 times smaller than its neighbours: its phase ripples by 350 radians next to theirs.
 
 What the errors of their phases do to it was counted as if that ripple had the slope 1: the claim for φ was 0.87 of its error
 (motion 173 of the campaign with seed 21).

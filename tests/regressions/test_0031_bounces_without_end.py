@@ -73,7 +73,7 @@ def test_a_wall_on_a_curved_well_is_extrapolated_as_well() -> None:
         speed, time = mp.sqrt(mp.mpf("2.25") ** 2 - 1), mp.acos(1 / mp.mpf("2.25"))
         for _ in range(200):
             speed *= mp.mpf("0.6")
-            time += 2 * mp.atan(speed)  # z + 1 = cos t + v sin t is 1 again after twice the phase of its crest
+            time += 2 * mp.atan(speed)  # z + 1 = cos t + v sin t is 1 again after twice the phase of its maximum
         assert abs(mp.mpf(run.rest.time.value) - time) <= run.rest.time.error < 1e-15
 
 

@@ -1,4 +1,4 @@
-"""Above 15 digits an angle that a libration carries beside an escape was off by whole growths, with a claim of 1e-28.
+"""Above 15 digits an angle that a libration carries next to an escape was off by whole growths, with a claim of 1e-28.
 
 The refined phases held their whole turns already, and these were added once more, in doubles.
 """

@@ -1,4 +1,4 @@
-"""A report of a system with a coordinate t, of one in a declared frame, of one that is no T and V, of one that falls short.
+"""A report of a system with a coordinate t, of one in a declared frame, of one that is not given by T and V, of one that falls short.
 
 Kerr's time law had one letter t for the path's parameter and for Boyer and Lindquist's time; framed entries told the
 autonomous system only; a refused entry had no report; a number that fell short took the formulas with it.

@@ -170,7 +170,7 @@ def test_what_was_measured_against_nothing_is_not_called_true() -> None:
 
 
 def test_what_did_not_fit_is_told_so() -> None:
-    row = Row("mpmath", 30, status="too slow", note="would take about 41 ms, more than its share of what was left")
+    row = Row("mpmath", 30, status="too slow", note="would take about 41 ms, more than its fraction of what was left")
     shown = table("Taylor series", row).text
     assert "did not fit the budget · would take about 41 ms" in shown
     assert "too slow" not in shown

@@ -1,4 +1,4 @@
-"""Coordinates that end at a crease of V got new symbols, and the place was still told in the old ones."""
+"""Coordinates that end at a crease of V got new symbols, and the place was still expressed in the old ones."""
 
 import pytest
 
@@ -9,7 +9,7 @@ R2 = "(x**2 + y**2 + z**2 - 1)"
 
 @pytest.mark.nightly
 def test_states_in_coordinates_that_end_at_a_crease_know_where_they_are():
-    """Found by benchmarks/charts.py: errors of a motion in Vinti's potential could not be had."""
+    """Found by benchmarks/charts.py: errors of a motion in Vinti's potential could not be computed."""
     spread = f"sqrt({R2}**2 + 4*z**2)"
     system = hjsolve.System(
         dict.fromkeys("xyz", "line"), "(dot(x)**2 + dot(y)**2 + dot(z)**2)/2", f"-sqrt(({R2} + {spread})/2)/{spread}"

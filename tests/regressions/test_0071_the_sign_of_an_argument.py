@@ -1,4 +1,4 @@
-"""cosh((x − c)/w) beside cosh(x/L) was a RecursionError: sympy turned the sign of an argument that was turned back."""
+"""cosh((x − c)/w) next to cosh(x/L) was a RecursionError: sympy turned the sign of an argument that was turned back."""
 
 from __future__ import annotations
 

@@ -105,7 +105,7 @@ def test_a_name_that_is_markup_is_escaped() -> None:
 
 
 def test_a_sum_before_an_integral_keeps_its_parentheses() -> None:
-    """A factor a − b before ∫ is one factor, with or without numbers beside it."""
+    """A factor a − b before ∫ is one factor, with or without numbers next to it."""
     integral = sp.Integral(r, (r, sp.Symbol("r_0"), r))
     for factor in (m - k, 5 * sp.sqrt(26) - 63, 3 * (m - k)):
         assert "(" in plain(box(factor * integral)).split("∫")[0], factor

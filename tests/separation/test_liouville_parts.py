@@ -1,4 +1,4 @@
-"""The steps of Liouville's form one by one: products and sums taken apart, also where only a base point does it."""
+"""The steps of Liouville form one by one: products and sums taken apart, also where only a base point does it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The proofs of separate() asked one by one: the filter is no proof, every identity counts, coefficients lose nothing."""
+"""The proofs of separate() asked one by one: the filter is not a proof, every identity counts, coefficients lose nothing."""
 
 from __future__ import annotations
 

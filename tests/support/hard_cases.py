@@ -218,5 +218,5 @@ def cases() -> list[Case]:
         well("1.000000000001", "bottom of a well"),
         cubic("1", "1.00000001", "1.00000003", "three nearly equal roots"),
         cubic("1", "1.00000001", "1.0000000100000001", "three nearly equal roots, two of them closer still"),
-        cubic("0", "1e-12", "1", "small width beside a large scale"),
+        cubic("0", "1e-12", "1", "small width next to a large scale"),
     ]  # fmt: skip

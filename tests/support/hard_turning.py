@@ -93,6 +93,6 @@ def turning() -> list[Turning]:
         top("top with loops", "the precession changes its sign", "1/2", "-0.3", "6"),
         top("top with waves", "neighbour of the cusps", "1/2", "1e-9", "6"),
         *(top(f"nearly steady top, one part in 1e{n}", small, "pi/6", f"-1.{'0' * (n - 1)}1", "5/2") for n in (4, 8, 12)),
-        *(top(f"nearly sleeping top, {name}, tilted by {x}", "both turning points beside the pole" if name == "stable" else "beside the separatrix of the sleeping top", f"pi/2 - {x}", "-1/2", phi, 40.0)
+        *(top(f"nearly sleeping top, {name}, tilted by {x}", "both turning points next to the pole" if name == "stable" else "next to the separatrix of the sleeping top", f"pi/2 - {x}", "-1/2", phi, 40.0)
           for name, phi in (("stable", "6"), ("critical", "4"), ("unstable", "2")) for x in ("1/1000", "1e-6")),
     ]  # fmt: skip

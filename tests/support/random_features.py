@@ -231,7 +231,7 @@ def _motion(drawn: Draw) -> tuple[float, float] | None:
 
 
 def truth(drawn: Draw) -> Truth:
-    """Return the numbers of a draw, right to 17 digits and more.
+    """Return the values of a draw, right to 17 digits and more.
 
     Raises:
         ArithmeticError: two rules did not agree.

@@ -49,7 +49,7 @@ def entries() -> tuple[str, ...]:
 
 @functools.cache
 def solution(name: str) -> Solution | None:
-    """The solution of an entry; None for one that is solved in another frame only, or is no T and V."""
+    """The solution of an entry; None for one that is solved in another frame only, or is not given by T and V."""
     system = catalog.describe(name).system
     try:
         return None if system is None else solve(system)

@@ -50,7 +50,7 @@ def fields(value: Any) -> dict[str, str]:
 
 
 def motion(**more: Any) -> Any:
-    """The numbers of a motion and of a state."""
+    """Results of a motion and of a state."""
     import hjsolve
 
     found = hjsolve.solve("kepler-planar").motion(

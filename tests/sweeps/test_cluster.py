@@ -100,7 +100,7 @@ def test_a_worker_dies_and_the_client_dies_and_every_orbit_is_there_once(
     text: str | None, orbits: int, least: int, added: int, statuses: set[str],
     scene: Path, tmp_path: Path, undisturbed: Path,
 ) -> None:  # fmt: skip
-    """A worker is killed after ``least`` parts, the client after ``added`` more, then the sweep is gone on with."""
+    """A worker is killed after ``least`` parts, the client after ``added`` more, then the sweep resumes."""
     if text:
         scene.write_text(text, encoding="utf-8")
         undisturbed = hjsolve.sweep(scene, tmp_path / "undisturbed").path

@@ -112,7 +112,7 @@ def test_a_line_that_is_no_note_counts_for_nothing_and_is_reported_with_its_file
 
 def test_a_manifest_of_brackets_is_no_manifest(scene: Path, finished: Path) -> None:
     (finished / "_manifest.json").write_text("[" * 200_000)
-    with pytest.raises(hjsolve.InvalidInputError, match="is no manifest of a sweep"):
+    with pytest.raises(hjsolve.InvalidInputError, match="is not a manifest of a sweep"):
         hjsolve.sweep(scene, finished)
 
 

@@ -1,4 +1,4 @@
-"""A disk that takes no more, no folder or no locks: it is told in a line, and nothing is left half."""
+"""A disk that takes no more, no folder or no locks: it is reported in a line, and nothing is left half."""
 
 from __future__ import annotations
 

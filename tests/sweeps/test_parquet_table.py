@@ -37,7 +37,7 @@ def stars() -> pa.Table:
 
 
 def written(folder: Path, *, split: bool, group: int) -> Path:
-    """The table as one file or as three in subfolders, beside things that are no data; and its scene."""
+    """The table as one file or as three in subfolders, next to things that are no data; and its scene."""
     table, path = stars(), folder / "stars.parquet"
     if split:
         for name, low, high in (("b/x", 40, 41), ("a/y", 0, 40), ("c/x", 41, N)):
@@ -118,7 +118,7 @@ def test_a_table_that_was_touched_is_another_one(tmp_path: Path) -> None:
     with pytest.raises(hjsolve.InvalidInputError, match="has other columns than"):
         hjsolve.sweep(scene, tmp_path / "out")
     part.write_bytes(b"PAR1")
-    with pytest.raises(hjsolve.InvalidInputError, match="is no Parquet file"):
+    with pytest.raises(hjsolve.InvalidInputError, match="is not a Parquet file"):
         hjsolve.sweep(scene, tmp_path / "out")
 
 

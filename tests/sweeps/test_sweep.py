@@ -180,7 +180,7 @@ def test_other_code_other_folders_and_a_second_writer_are_refused(scene: Path, f
     with pytest.raises(hjsolve.InvalidInputError, match=r"begun by other code .*numpy 0"):
         hjsolve.sweep(scene, out)
     manifest.write_text("{}")
-    with pytest.raises(hjsolve.InvalidInputError, match="is no manifest of a sweep"):
+    with pytest.raises(hjsolve.InvalidInputError, match="is not a manifest of a sweep"):
         hjsolve.sweep(scene, out)
     manifest.unlink()
     with pytest.raises(hjsolve.InvalidInputError, match="a folder with other things in it"):
@@ -238,11 +238,11 @@ def test_a_fault_of_the_table_is_one_line_with_file_and_key(kind: str, scene: Pa
 
 
 TABLES = {
-    "words": ("q.r,p.theta\n1,one\n", "is no table of numbers"),
-    "ragged": ("q.r,p.theta\n1,1\n1\n", "is no table of numbers"),
+    "words": ("q.r,p.theta\n1,one\n", "is not a table of numbers"),
+    "ragged": ("q.r,p.theta\n1,1\n1\n", "is not a table of numbers"),
     "too few headings": ("q.r\n1,1\n", "1 headings and 2 columns"),
     "no rows": ("q.r,p.theta\n", "holds no rows"),
-    "misspelled": ("q.r,p.thta\n1,1\n", 'column "p.thta" is no initial condition; did you mean "p.theta"'),
+    "misspelled": ("q.r,p.thta\n1,1\n", 'column "p.thta" is not an initial condition; did you mean "p.theta"'),
     "nothing of use": ("a,b\n1,1\n", "no column is an initial condition"),
     "both kinds": ("q.r,p.theta,velocity.r\n1,1,1\n", "columns of both p and velocity"),
 }

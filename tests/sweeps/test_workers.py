@@ -44,7 +44,7 @@ def kept(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 @pytest.fixture
 def told(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """What is remarked beside the progress."""
+    """What is remarked next to the progress."""
     found: list[str] = []
     monkeypatch.setattr(Tally, "tell", lambda _, remark="": found.append(remark))
     return found

@@ -160,7 +160,7 @@ WRONG = {
     "a bracket of two coordinates": ({"Q1": "q1", "Q2": "q2 + p1", "P1": "p1", "P2": "p2"}, "brackets"),
     "a bracket with another momentum": ({"Q1": "q1 + q2", "Q2": "q2", "P1": "p1", "P2": "p2"}, "brackets"),
     "two valences": ({"Q1": "2*q1", "Q2": "3*q2", "P1": "p1", "P2": "p2"}, "brackets"),
-    "a valence that is no constant": ({"Q": "q*p", "P": "p"}, "valence"),
+    "a valence that is not a constant": ({"Q": "q*p", "P": "p"}, "valence"),
     "a valence that changes with the time": ({"Q": "t*q", "P": "p"}, "valence"),
     "dependent variables": ({"Q": "q + p", "P": "(q + p)**2"}, "valence"),
     "a sign": ({"Q": "atan(q/p)", "P": "(q**2 - p**2)/2"}, "valence"),

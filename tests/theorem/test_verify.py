@@ -203,7 +203,7 @@ def test_input_that_cannot_be_used(call: dict[str, object], message: str) -> Non
 
 
 def test_an_integral_that_is_left_proves_nothing() -> None:
-    """W is no sum: its slope in y holds an integral over x that nothing evaluates."""
+    """W is not a sum: its slope in y holds an integral over x that nothing evaluates."""
     x, y, E, a = sp.symbols("x y E a", real=True)
     answer = hjsolve.verify(FREE, W=sp.Integral(sp.sqrt(E + a * x * y), x), constants="E, a")
     assert isinstance(answer, hjsolve.Undecided)

@@ -1,4 +1,4 @@
-"""Many times at once: the table of the inverted time law, by numpy and by compiled loops."""
+"""Many times at once: the table of the inverted time law, with numpy and by compiled loops."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def pendulum(rate: str) -> hjsolve.Motion:
 
 
 def by(monkeypatch: pytest.MonkeyPatch, way: str, motion: hjsolve.Motion, t: np.ndarray) -> hjsolve.State:
-    """State of a motion at times, all of it worked out by numpy or all by compiled loops."""
+    """State of a motion at times, all of it worked out with numpy or all by compiled loops."""
     monkeypatch.setenv("HJSOLVE_COMPILED", {"numpy": "0", "compiled": "1"}[way])
     monkeypatch.setattr("hjsolve.time_law.compiled.WORTH", 1)
     state = motion.at(t)

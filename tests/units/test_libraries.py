@@ -43,7 +43,7 @@ def test_what_is_no_quantity_has_no_library():
 
 @pytest.mark.parametrize("wanted", ["astropy", "pint"])
 def test_an_unknown_unit_is_one_clear_error(wanted):
-    with pytest.raises(hjsolve.InvalidInputError, match=f'"furlongz" is no unit of {wanted}'):
+    with pytest.raises(hjsolve.InvalidInputError, match=f'"furlongz" is not a unit of {wanted}'):
         library(wanted).unit({"furlongz": 1})
 
 

@@ -58,7 +58,7 @@ def on_sphere(sphere: Sphere, values: Mapping[sp.Symbol, sp.Expr]) -> OnSphere:
         values: parameter → value used where a sign has to be known.
 
     Raises:
-        InvalidSystemError: V is no function on the sphere.
+        InvalidSystemError: V is not a function on the sphere.
     """
     V = sphere.carried(sphere.system.potential)
     if V is None:

@@ -34,7 +34,7 @@ def equations_at_points(samples: Samples, table: EquationTable, width: int) -> I
 
 
 def _in_domain(table: EquationTable, domain: Domain) -> EquationTable:
-    """Convert the rational coefficients of a table to the numbers of the field of constants, once for all points."""
+    """Convert the rational coefficients of a table to elements of the field of constants, once for all points."""
     return [
         [
             [(slot, [(exponents, domain.convert(c)) for exponents, c in terms]) for slot, terms in tensor]

@@ -45,7 +45,8 @@ class ChartMap:
         lifted: p_u from (u, x, p or v, numbers).
         numbers: values of the last inputs, in two doubles.
         edges: for each of the first two coordinates whether it has to be positive, and whether π is its end.
-        unitless: for each coordinate whether it is no length (an angle, a hyperbolic argument), so that its scale is 1.
+        unitless: for each coordinate whether it is not a length (an angle, a hyperbolic argument), so that its scale is
+            1.
         model: of the separated system, whose constants and p² are used.
     """
 

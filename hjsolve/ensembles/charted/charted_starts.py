@@ -3,7 +3,7 @@
 The engine takes places as exact. So the place û is a double next to the true one, u, and the momenta given are those
 that *the same orbit* has at û: on its torus p_k is a function of u_k alone, and p̂_k² = p_k² + F_k(û_k) − F_k(u_k). What
 is not known of û becomes an error of p̂, |F′| δu/2|p|, and of the phase. Where that is too much (a start next to a
-turning point), û is moved a little into the motion, and p̂² = F(û) is had with 32 digits.
+turning point), û is moved a little into the motion, and p̂² = F(û) is computed to 32 digits.
 """
 
 from __future__ import annotations

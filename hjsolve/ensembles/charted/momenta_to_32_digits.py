@@ -194,7 +194,7 @@ def parameter_values(chart: ChartMap) -> list[float]:
 
 
 def known_values(writer: InstructionWriter, formulas: ChartFormulas) -> tuple[Known[Value], list[PairOfValues]]:
-    """Return the numbers of a map and the parameters of its system: in doubles with bounds, and in two doubles.
+    """Return the values of a map and the parameters of its system: in doubles with bounds, and in two doubles.
 
     Args:
         writer: of the program, whose parameters they become.

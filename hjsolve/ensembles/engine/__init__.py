@@ -2,7 +2,7 @@
 
 In: a solution, read once by ``build``, and arrays of starts. Out: columns: an orbit comes back with status ``OK`` and a
 claimed error that is not below the true error for exactly these inputs, or with another status and NaN: it then
-belongs to the engine of single motions (``hjsolve.motion``), which has as many digits as it takes.
+belongs to the engine of single motions (``hjsolve.motion``), which raises its precision as needed.
 Read ``engine.py`` first, then ``passes.py``; ``librating.py`` and ``kernels`` do most of the work.
 """
 

@@ -1,4 +1,4 @@
-"""What a batch gives back: one array a quantity, an error beside every number, a status for every orbit."""
+"""What a batch gives back: one array a quantity, an error next to every number, a status for every orbit."""
 
 from __future__ import annotations
 

@@ -298,7 +298,7 @@ def _told_to_32_digits(
 def _narrow(
     one: CoordinateOfOrbits, index: Integers, modes: Modes, sums: Sums, found: TurningPoints, places: bool
 ) -> None:
-    """Integrate motions about a maximum of p² that is deep beside them, or that stay there."""
+    """Integrate motions about a maximum of p² that is deep next to them, or that stay there."""
     made, n = one.programs.small, len(one.q)
     (first,) = run_rows(made.slope, one.parameters, np.stack([one.q, *one.constants, *one.low]))
     known = np.stack([*one.constants, one.q, one.P**2, first, 0 * one.q, 0 * one.q])

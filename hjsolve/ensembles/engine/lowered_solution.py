@@ -29,7 +29,7 @@ _HIGHEST_DEGREE = 4
 _KEPT = 32
 """Tables of clearances that stay, each of some 0.6 MB."""
 _BITS = 256
-"""Of a parameter that is no fraction."""
+"""Of a parameter that is not a fraction."""
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128, 160, 192, 256, 320, 
 """Numbers of nodes: whole vectors of eight."""
 
 SAMPLES, STRETCHED_SAMPLES = 4, 12
-"""Places at which rounding errors are looked at, beside the middle."""
+"""Places at which rounding errors are looked at, next to the middle."""
 
 _WIDEST = COUNTS[-1]
 _FIRST = np.concatenate([[0], np.cumsum(COUNTS)])
@@ -100,7 +100,7 @@ def fitting(lower: Reals, upper: Reals, even: Mask) -> Integers:
 def views(lower: Reals, upper: Reals, nearby: tuple[Reals, Reals]) -> Integers:
     """Tell how some motions are divided: 0 in the middle, 1 next to the upper and 2 next to the lower end.
 
-    What is lost at a turning point is small beside p² there, and not where p² is smaller by far. Near escape p² is
+    What is lost at a turning point is small next to p² there, and not where p² is smaller by far. Near escape p² is
     large far out: only what is nearer to that end than its own scale, W over ``nearby``, is seen from it.
 
     Args:

@@ -22,7 +22,7 @@ from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.program_parts import ARITHMETIC, MADE, PLACE, ParameterRows, error_of, filled
 
 SMALL_KNOWN = 5
-"""Of small motions, beside the constants: q₀, P₀², F′₀, a bound on the error of F[q, q, q + x], W."""
+"""Of small motions, next to the constants: q₀, P₀², F′₀, a bound on the error of F[q, q, q + x], W."""
 
 _ROUNDED, _OFFSETS = 6 * UNIT, 16 * UNIT
 """Roundings of P₀² + x (F′₀ + …); of distances from turning points and of what they are multiplied with."""

@@ -30,10 +30,10 @@ _CROWDED = 28, 7
 """Nodes that stretched anomalies mostly need, and how many more for each level; fewer are not tried."""
 _FIRST = 32
 _UNKNOWN, _CAUTIOUS, _HOPELESS = 0.4, 0.7, 2.0
-"""The nodes needed grow nearly like the share of the radius that is missing, at least with this power; for stretched
+"""The nodes needed grow nearly like the fraction of the radius that is missing, at least with this power; for stretched
 anomalies, and where nothing is known, as if the share were 0.4 at least. Twice as many as there are is too many."""
 _CLOSE = 0.5
-"""A share of a coarse cover from which on a finer one may be enough."""
+"""A fraction of a coarse cover from which on a finer one may be enough."""
 _NODES = 1 << 20
 """Of all orbits that are looked at together."""
 

@@ -1,6 +1,6 @@
 """Where a rotation is slow, and how its nodes crowd there.
 
-p² of a rotation has pairs of zeros beside the real line, slow ± i·gap. Elliptic anomalies, q = slow + 2 am − π, carry
+p² of a rotation has pairs of zeros next to the real line, slow ± i·gap. Elliptic anomalies, q = slow + 2 am − π, carry
 one such pair far away and leave fewer nodes for the rest of the turn; where p² has two slow places, see also
 ``turned_circle``.
 """
@@ -119,7 +119,7 @@ def _one(gap: Reals, other: Reals) -> tuple[Integers, Reals]:
     """Return the level with which nodes that crowd at one place are fewest, and half the width of the strip in χ.
 
     Without a second slow place the zeros of p² go where dn has its poles. With one the best level is that at which the
-    narrowest strip, of the zeros beside either place or of the poles, is widest.
+    narrowest strip, of the zeros next to either place or of the poles, is widest.
     """
     complement = np.where(np.isfinite(gap), (gap / 2) ** 2 / (1 + (gap / 2) ** 2), 1.0)
     level = np.clip(np.where(complement < 0.125, np.rint(-np.log2(complement) / 2), 0), 0, MOST_LEVEL).astype(int)

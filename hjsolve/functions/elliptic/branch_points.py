@@ -83,7 +83,7 @@ class PartialFractions:
     Attributes:
         powers: (k, coefficient), k ≥ 0.
         poles: (place, power ≥ 1, coefficient), the place real and outside the closed interval of integration; it may
-            be a real root of P that is no end of the interval.
+            be a real root of P that is not an end of the interval.
         complex_poles: (re, im, A, B) for (A x + B)/((x − re)² + im²).
     """
 

@@ -109,7 +109,7 @@ class _Pair:
 
     @cached_property
     def third(self) -> sp.Expr | None:
-        """The real branch point beside e and the pair."""
+        """The real branch point next to e and the pair."""
         return self.way.others[0]
 
     def p2(self, place: sp.Expr | None) -> sp.Expr:

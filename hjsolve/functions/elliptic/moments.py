@@ -13,7 +13,7 @@ from hjsolve.functions.complex_pole import Parts, divided
 from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, NoForm, PartialFractions
 
 INFINITY = None
-"""The branch point of a cubic that is no root."""
+"""The branch point of a cubic that is not a root."""
 
 
 @dataclass(frozen=True)

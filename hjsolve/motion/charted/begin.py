@@ -78,7 +78,7 @@ def start(
         InvalidInputError: initial data that are no numbers, incomplete, or outside the domain.
         MissingValueError: a parameter or an initial value is missing.
         ForbiddenMotionError: no real motion has these constants.
-        NotConvergedError: a turning point or an integral could not be had to the digits asked.
+        NotConvergedError: a turning point or an integral did not converge to the digits asked.
 
     Example:
         >>> import hjsolve

@@ -1,4 +1,4 @@
-"""A motion told in the user's coordinates and computed in the separated ones that were found for it."""
+"""A motion expressed in the user's coordinates and computed in the separated ones that were found for it."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class ChartedMotion(Motion):
 
     @property
     def as_solved(self) -> Motion:
-        """The same motion told in the separated coordinates."""
+        """The same motion expressed in the separated coordinates."""
         return self._inner
 
     @property
@@ -66,7 +66,7 @@ class ChartedMotion(Motion):
             The state; float64 up to 15 digits, mpf above.
 
         Raises:
-            InvalidInputError: a time that is no finite real number.
+            InvalidInputError: a time that is not a finite real number.
         """
         inner, values = self._inner, self._inner.initial.values
         if isinstance(inner, ContinuedMotion):
@@ -87,7 +87,7 @@ class ChartedMotion(Motion):
             branch: separated coordinate → +1 or −1.
 
         Raises:
-            InvalidInputError: a time or place that is no finite real number, or a motion that ends in a collision.
+            InvalidInputError: a time or place that is not a finite real number, or a motion that ends in a collision.
         """
         self._refuse_collision()
         return self._inner.characteristic_function(t, q=q, branch=branch)
@@ -99,7 +99,7 @@ class ChartedMotion(Motion):
             t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
 
         Raises:
-            InvalidInputError: a time that is no finite real number, or a motion that ends in a collision.
+            InvalidInputError: a time that is not a finite real number, or a motion that ends in a collision.
         """
         self._refuse_collision()
         return self._inner.principal_function(t)
@@ -117,7 +117,7 @@ class ChartedMotion(Motion):
             passage: 0 for the first crossing at t ≥ t₀, 1 for the next, −1 for the last before t₀ …
 
         Raises:
-            InvalidInputError: an unknown coordinate, a value that is no number, or a passage that is not whole.
+            InvalidInputError: an unknown coordinate, a value that is not a number, or a passage that is not whole.
             OutsideMotionError: the motion never reaches that position, or not that often.
         """
         self._refuse_given(name)
@@ -135,7 +135,7 @@ class ChartedMotion(Motion):
             Array of shape (m,).
 
         Raises:
-            InvalidInputError: an unknown coordinate, or a value that is no number.
+            InvalidInputError: an unknown coordinate, or a value that is not a number.
             OutsideMotionError: the motion never reaches a value.
         """
         for coordinate in (name, along):

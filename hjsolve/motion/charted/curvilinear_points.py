@@ -1,4 +1,4 @@
-"""Points told in polar, cylindrical or spherical coordinates, in numbers, with bounds on their errors.
+"""Points expressed in polar, cylindrical or spherical coordinates, in numbers, with bounds on their errors.
 
 To first order an error (δx, δy, δz) of the point moves ρ by (|x| δx + |y| δy)/ρ, φ by (|x| δy + |y| δx)/ρ², r by
 Σ |xᵢ| δxᵢ/r and θ by (|z| δρ + ρ δz)/r². Where δ⊥ = hypot(δx, δy) is more than a part of ρ nothing is known of φ and of

@@ -52,7 +52,7 @@ def start_charted(
     Raises:
         InvalidInputError: initial data that are no numbers, incomplete, or where the coordinates found are singular.
         MissingValueError: a parameter or an initial value is missing.
-        NotConvergedError: a turning point or an integral could not be had to the digits asked.
+        NotConvergedError: a turning point or an integral did not converge to the digits asked.
     """
     chart = solution.chart
     if chart is None:
@@ -86,7 +86,7 @@ def start_charted(
 
 
 def _told(chart: Chart, within: Motion, parts: frozenset[str]) -> ChartedMotion:
-    """Return a motion in the separated coordinates, told in the user's; it ends where it collides with a focus."""
+    """Return a motion in the separated coordinates, expressed in the user's; it ends where it collides with a focus."""
     motion = ChartedMotion(**{f.name: getattr(within, f.name) for f in fields(Motion)}, within=within)
     found = collision_times(chart, within) if "time" in parts else None
     if found is None:

@@ -1,4 +1,4 @@
-"""Points told in the user's coordinates, in numbers, with bounds on their errors.
+"""Points expressed in the user's coordinates, in numbers, with bounds on their errors.
 
 On a sphere an error (δX, δY, δZ) of the point turns u by (|Z| δ⊥ + ρ δZ)/(ρ² + Z²) and φ by (|X| δY + |Y| δX)/ρ², with
 δ⊥ = hypot(δX, δY), to first order: u is known at a pole, φ is not. Where δ⊥ is more than a part of ρ nothing is known

@@ -1,4 +1,4 @@
-"""A motion computed in coordinates continued through poles, told in the given ones."""
+"""A motion computed in coordinates continued through poles, expressed in the given ones."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class ContinuedMotion(Motion):
     """A motion that passes poles of its coordinates: p_φ = 0, and nothing but the coordinates ends there.
 
     Kinds, turning points, actions and frequencies are those of the continued coordinates: r < 0 is the place −r with
-    φ + π, θ beyond its end the place before it with φ + π. States are told in the given coordinates.
+    φ + π, θ beyond its end the place before it with φ + π. States are expressed in the given coordinates.
 
     Attributes:
         given_solution: of the system as given.
@@ -68,7 +68,7 @@ class ContinuedMotion(Motion):
             The state; float64 up to 15 digits, mpf above.
 
         Raises:
-            InvalidInputError: a time that is no finite real number.
+            InvalidInputError: a time that is not a finite real number.
         """
         state = folded(_there(self.continued), self.initial, _there(self.within).at(t), self.solution)
         return with_place(self.solution.system, self.initial.values, state)
@@ -121,7 +121,7 @@ class ContinuedMotion(Motion):
             passage: 0 for the first crossing at t ≥ t₀, 1 for the next, −1 for the last before t₀ …
 
         Raises:
-            InvalidInputError: an unknown coordinate, the angle that jumps, a value that is no number.
+            InvalidInputError: an unknown coordinate, the angle that jumps, a value that is not a number.
             OutsideMotionError: the motion never reaches that position, or not that often.
         """
         self._refuse_angle(name)
@@ -139,7 +139,7 @@ class ContinuedMotion(Motion):
             Array of shape (m,).
 
         Raises:
-            InvalidInputError: an unknown coordinate, the angle that jumps, or a value that is no number.
+            InvalidInputError: an unknown coordinate, the angle that jumps, or a value that is not a number.
             OutsideMotionError: the motion never reaches a value.
         """
         for coordinate in (name, along):
@@ -175,7 +175,7 @@ def motion_through_poles(
     Raises:
         ForbiddenMotionError: no real motion has these constants.
         InvalidInputError: it starts at a pole that is more than one of the coordinates.
-        NotConvergedError: a turning point or an integral could not be had to the digits asked.
+        NotConvergedError: a turning point or an integral did not converge to the digits asked.
     """
     angles = [
         c.name
@@ -343,7 +343,7 @@ def _number(end: sp.Expr, initial: Initial, like: Any) -> Any:
 
 
 def _unit(state: State) -> float:
-    """Relative rounding of the numbers of a state."""
+    """Relative rounding of the values of a state."""
     some = np.ravel(np.asarray(next(iter(state.q.values()))))
     if some.dtype != object:
         return EPS

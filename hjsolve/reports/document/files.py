@@ -88,7 +88,7 @@ def replace(target: Path, content: str | bytes) -> None:
         if place.exists():
             name.chmod(place.stat().st_mode & 0o777)
         name.replace(place)
-    finally:  # nothing is left beside the target, whatever went wrong
+    finally:  # nothing is left next to the target, whatever went wrong
         with suppress(OSError):
             name.unlink(missing_ok=True)
 

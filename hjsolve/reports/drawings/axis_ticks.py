@@ -1,4 +1,4 @@
-"""Round places on an axis and what is written beside them."""
+"""Round places on an axis and what is written next to them."""
 
 from __future__ import annotations
 

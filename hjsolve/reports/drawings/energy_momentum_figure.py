@@ -133,7 +133,7 @@ def _filled(frame: svg.DrawingFrame, grid: MapGrid, k: int) -> str:
 
 
 def visible(found: EnergyMomentumMap, grid: MapGrid | None, curve: CriticalCurve) -> tuple[Array, Array]:
-    """Return the points of a curve, NaN where no real motion lies beside them.
+    """Return the points of a curve, NaN where no real motion lies next to them.
 
     Args:
         found: the map.

@@ -106,7 +106,7 @@ def _peak(three: Array) -> float:
 
 
 def levels(well: EffectivePotential) -> list[float]:
-    """Choose levels worth drawing beside the motion's own.
+    """Choose levels worth drawing next to the motion's own.
 
     Args:
         well: the coordinate.

@@ -25,7 +25,7 @@ def plane_axes(system: System) -> tuple[str, ...]:
     """Name the two axes of the plane in which a family is drawn; none where its coordinates lie in no plane.
 
     Args:
-        system: of two coordinates, or of two beside an ignorable one, which is 0 in the plane.
+        system: of two coordinates, or of two next to an ignorable one, which is 0 in the plane.
     """
     if found := _plane_of_three(system):
         return tuple(found)

@@ -74,7 +74,7 @@ class _JsonWriter(BlockWriter[JsonTable]):
 
 
 def _with_gaps(values: Sequence[float]) -> list[float | None]:
-    """Return the numbers of a line; null where it is interrupted."""
+    """Return the values of a line; null where it is interrupted."""
     return [x if math.isfinite(x) else None for x in values]
 
 

@@ -1,4 +1,4 @@
-"""A document as one LaTeX file, for pdflatex with ``amsmath``; drawings are told in words."""
+"""A document as one LaTeX file, for pdflatex with ``amsmath``; drawings are described in words."""
 
 from __future__ import annotations
 

@@ -113,7 +113,7 @@ def _row(items: tuple[Box, ...]) -> str:
 
 
 def _factor(item: Box, previous: Box | None, following: Box | None) -> str:
-    """One item of a row, in brackets where it would not be read alone beside its neighbours."""
+    """One item of a row, in brackets where it would not be read alone next to its neighbours."""
     text = plain(item)
     if isinstance(item, Fraction) and "/" in text and _continues(following):
         return f"({text})"

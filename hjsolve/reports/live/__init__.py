@@ -2,6 +2,6 @@
 
 In: a motion whose separated coordinates librate or rotate. Out: tables that some JavaScript reads, and the page.
 Read ``tables.py`` first (what is computed beforehand), then ``neighbours.py`` (the series), ``ranges.py`` (how far the
-sliders reach), ``bounds.py`` (how far the page may be off) and ``page_numbers.py``, the twin of a script beside it;
-``data.py`` and ``page.py`` put it all and the scripts beside them into a report.
+sliders reach), ``bounds.py`` (how far the page may be off) and ``page_numbers.py``, the twin of a script next to it;
+``data.py`` and ``page.py`` put it all and the scripts next to them into a report.
 """

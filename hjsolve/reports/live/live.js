@@ -1,5 +1,5 @@
 "use strict";
-// The live part of a report: reads the tables beside it, follows the sliders, moves one point on three drawings.
+// The live part of a report: reads the tables next to it, follows the sliders, moves one point on three drawings.
 // Nothing is fetched; the tables are Chebyshev coefficients, the time law is a sine series (see docs/live.md).
 (() => {
   const data = JSON.parse(document.getElementById("live-data").textContent);

@@ -1,6 +1,6 @@
 "use strict";
-// The numbers of a live report: its tables at a setting of the sliders, phases and places at a time, formulas as tapes.
-// The twin of page_numbers.py; what is computed beforehand is told in docs/live.md.
+// The values of a live report: its tables at a setting of the sliders, phases and places at a time, formulas as tapes.
+// The twin of page_numbers.py; what is computed beforehand is described in docs/live.md.
 const hjsolveNumbers = (data) => {
   const bytes = Uint8Array.from(atob(data.table), (c) => c.charCodeAt(0));
   const table = new Float64Array(bytes.buffer), n = data.coordinates.length, WAVES = data.waves;

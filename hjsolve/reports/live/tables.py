@@ -112,7 +112,7 @@ def _names(motion: Motion, asked: Asked) -> tuple[str, ...]:
         if span is not None and not span[0] < now < span[1]:
             raise InvalidInputError(f"live: the range of {name} has to contain its value in the motion, {now:.6g}")
     if len(asked) > MOST_SLIDERS:
-        raise InvalidInputError(f"live: at most {MOST_SLIDERS} sliders can be had, {len(asked)} are asked for")
+        raise InvalidInputError(f"live: at most {MOST_SLIDERS} sliders are possible, {len(asked)} are asked for")
     angles = [f"p_{c.name}" for c in solution.system.coordinates if c.domain.kind == "angle"][::-1]
     momenta = [n for n in solution.constants if n.startswith("p_")]
     momenta = [*(n for n in angles if n in momenta), *(n for n in momenta if n not in angles)]

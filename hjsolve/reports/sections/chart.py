@@ -36,7 +36,7 @@ def chart_section(chart: Chart, motion: Motion | None = None) -> Section:
     blocks.append(
         Paragraph(
             (
-                "Everything below is in the coordinates found. Motions are started and told in the given ones "
+                "Everything below is in the coordinates found. Motions are started and expressed in the given ones "
                 "all the same.",
             )
         )

@@ -55,7 +55,7 @@ def _against(table: Cost) -> str:
     """Return what the errors were measured against."""
     if not table.reference:
         return (
-            "No reference with more digits could be had in that time, so no true errors are known; `hjsolve cost` "
+            "No reference with more digits could be computed in that time, so no true errors are known; `hjsolve cost` "
             "takes a longer one."
         )
     states = f"; states were compared at {table.checked} of the times" if table.checked else ""

@@ -265,7 +265,7 @@ def energy_drift(motion: Motion, trace: orbit_paths.Trace) -> float | None:
         trace: where it is at the times shown.
 
     Returns:
-        The largest difference; None where E is no constant of the solution or the state is not finite.
+        The largest difference; None where E is not a constant of the solution or the state is not finite.
     """
     system = motion.solution.system
     if "E" not in motion.constants:

@@ -1,4 +1,4 @@
-"""The report of an entry that is no T and V: what was asked, why it is refused, what to do instead."""
+"""The report of an entry that is not given by T and V: what was asked, why it is refused, what to do instead."""
 
 from __future__ import annotations
 

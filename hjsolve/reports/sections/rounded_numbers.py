@@ -76,7 +76,7 @@ def terminating(value: sp.Basic, digits: int = 15) -> Number | None:
         digits: significant digits that count as short.
 
     Returns:
-        The exact decimal; None where the number is no rational, or its expansion is long or does not end.
+        The exact decimal; None where the number is not a rational, or its expansion is long or does not end.
 
     Example:
         >>> terminating(sp.Rational(-7, 25))

@@ -1,4 +1,4 @@
-"""The sections of a report about the solution: Stäckel's and Liouville's form, W, time law, orbit equations."""
+"""The sections of a report about the solution: Stäckel and Liouville forms, W, time law, orbit equations."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from hjsolve.solution.quadratures import Solution
 
 
 def forms_section(verdict: Separation) -> Section | None:
-    """Show Stäckel's matrix and Liouville's functions, of the full system and of the shell.
+    """Show the Stäckel matrix and the Liouville functions, of the full system and of the shell.
 
     Args:
         verdict: a separation.
@@ -32,14 +32,14 @@ def forms_section(verdict: Separation) -> Section | None:
     blocks: list[Block] = []
     if any(full) and verdict.ignorable:
         text = (
-            "Of the whole system: every ignorable coordinate has a row and a separation constant of its own here, "
-            "which the matrix of the shell has not."
+            "For the whole system every ignorable coordinate has its own row and separation constant, "
+            "unlike in the matrix of the energy shell."
         )
         blocks.append(Paragraph((text,)))
     blocks += _forms(*full, _Whose("H", Glyph("V" if kinetic_rest(verdict.system) == 0 else "V′")))
     if any(shell) and (not all(full) or not verdict.ignorable) and shell != full:
         blocks += [Paragraph((_of_the_shell(verdict),)), *_forms(*shell, _Whose("the shell", name_box("V_eff")))]
-    return Section("forms", "Stäckel's and Liouville's form", tuple(blocks)) if blocks else None
+    return Section("forms", "Stäckel and Liouville forms", tuple(blocks)) if blocks else None
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def _stackel(form: Stackel, whose: _Whose) -> list[Block]:
     comma, zero = Glyph(",", "operator"), Glyph("0", "number")
     one = Fence(row(Glyph("1", "number"), comma, zero, comma, Glyph("…", "operator"), comma, zero))
     text: Text = (
-        f"Stäckel's matrix Φ, column ψ and coefficients c of ½p² in {whose.energy}; row i contains coordinate ",
+        f"Stäckel matrix Φ, column ψ and coefficients c of ½p² in {whose.energy}; row i contains coordinate ",
         *_order(form.coordinates),
         " only. Checked by substitution, exactly: ",
         Mathematics(row(transposed, Φ, EQUALS, one)),
@@ -108,9 +108,9 @@ def _liouville(form: Liouville, whose: _Whose) -> list[Block]:
     whole = row(kinetic, Glyph(",  ", "text"), potential)
     header: tuple[Text, ...] = (("Coordinate",), (Mathematics(f),), (Mathematics(R),), (Mathematics(v),))
     return [
-        Paragraph(("Liouville's form:",)),
+        Paragraph(("Liouville form:",)),
         Formula(whole, "T = sum(R_i*p_i**2)/(2*sum(f_i)), V = sum(v_i)/sum(f_i)", "Greenwood (5-125)"),
-        Table(header, rows, "Liouville's functions"),
+        Table(header, rows, "Liouville functions"),
     ]
 
 

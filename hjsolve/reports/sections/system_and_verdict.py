@@ -161,17 +161,17 @@ RELATIVISTIC = (
 
 
 def _hamilton(system: System) -> list[Block]:
-    """Hamilton's function and what its momenta are; of a relativistic particle they are not ∂T/∂q̇."""
+    """Show the Hamiltonian and its momenta; of a relativistic particle they are not ∂T/∂q̇."""
     H = hamiltonian(system)
     if system.relativity is None:
-        text = ("Hamilton's function, with the momenta ", Mathematics(_momentum_definition()), ":")
+        text = ("The Hamiltonian, with the momenta ", Mathematics(_momentum_definition()), ":")
         return [Paragraph(text), formula(Glyph("H"), H, "Greenwood (4-109)")]
     field = any(linear_terms(system))
     tag = "" if field else "Greenwood (7-159)"
     return [
         Paragraph(("The momenta:",)),
         *(formula(name_box(f"p_{name}"), p, tag) for name, p in momenta(system).items()),
-        Paragraph(("Hamilton's function, the rest energy included:",)),
+        Paragraph(("The Hamiltonian, the rest energy included:",)),
         formula(Glyph("H"), H, "Greenwood (7-170)" if field else "Greenwood (7-165)"),
     ]
 
@@ -232,7 +232,7 @@ def steps_block(steps: Sequence[ReductionStep], system: System) -> Steps:
 
 
 def _step_formula(title: str, result: sp.Basic | None) -> Formula | None:
-    """Nested tuples (Liouville's functions) have their own table and are not repeated here."""
+    """Nested tuples (the Liouville functions) have their own table and are not repeated here."""
     if result is None or (isinstance(result, sp.Tuple) and any(isinstance(item, sp.Tuple) for item in result)):
         return None
     if title in _LEFT:
@@ -240,7 +240,7 @@ def _step_formula(title: str, result: sp.Basic | None) -> Formula | None:
     return Formula(display(result), str(result))
 
 
-_LEFT = {"Stäckel's matrix": "Φ", "Stäckel's column": "ψ"}
+_LEFT = {"Stäckel matrix": "Φ", "Stäckel column": "ψ"}
 
 
 def reduction_section(verdict: Separation | Obstruction | Undecided) -> Section | None:
@@ -303,15 +303,9 @@ def answer(verdict: Separation | Obstruction | Undecided) -> Text:
             )
             return (Strong("Separates"), " ", *inside, _form(verdict), *ignorable)
         case Obstruction():
-            pair = (" between ", *listed(verdict.pair)) if len(set(verdict.pair)) > 1 else ()
-            return (
-                Strong("Does not separate"),
-                " ",
-                *inside,
-                f": the {_PARTS.get(verdict.part, verdict.part)} stands in the way",
-                *pair,
-                ".",
-            )
+            part = f": the {_PARTS.get(verdict.part, verdict.part)}"
+            pair = (" couples ", *listed(verdict.pair)) if len(set(verdict.pair)) > 1 else (" prevents it",)
+            return (Strong("Does not separate"), " ", *inside, part, *pair, ".")
         case Undecided():
             return (
                 Strong("Not decided"),
@@ -331,12 +325,12 @@ _PARTS = {
 
 def _form(verdict: Separation) -> str:
     if verdict.liouville is not None:
-        return ": a system of Liouville's form."
+        return ": a system of Liouville form."
     if verdict.stackel is not None:
         return (
-            ": a system of Stäckel's form, not of Liouville's."
+            ": a system of Stäckel form, not of Liouville form."
             if verdict.reduced.liouville is None
-            else (": a system of Stäckel's form; of Liouville's only once the ignorable coordinates are gone.")
+            else (": a system of Stäckel form; of Liouville form only once the ignorable coordinates are gone.")
         )
     if verdict.reduced.stackel is None:
         return ": no coordinate is left after the ignorable ones; the motion is uniform."

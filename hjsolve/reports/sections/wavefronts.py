@@ -20,7 +20,7 @@ def wavefront_section(motion: Motion) -> Section | None:
         motion: of any kind.
 
     Returns:
-        The section; None where two coordinates do not lie in a plane, or no family could be had in a short time.
+        The section; None where two coordinates do not lie in a plane, or no family could be computed in a short time.
     """
     open_ones = [n for n in motion.solution.coordinates if motion.kinds[n] not in {"libration", "rotation"}]
     if len(open_ones) > 1 or len(motion.solution.coordinates) not in _COUNTS:

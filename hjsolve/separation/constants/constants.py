@@ -27,7 +27,7 @@ def constants_of(shell: Shell, reader: Reader, matrix: Matrix | None) -> dict[st
     Args:
         shell: the shell H = E in essential coordinates.
         reader: of its field.
-        matrix: Stäckel's Φ and ψ as elements; None where the shell does not separate or has one coordinate.
+        matrix: the Stäckel Φ and ψ as elements; None where the shell does not separate or has one coordinate.
     """
     system = shell.system
     squares = (g * X for g, X in zip(shell.inverse_metric, shell.momentum_terms, strict=True))

@@ -145,7 +145,7 @@ class LeviCivitaConditions:
         return (f.mixed[i, j] + square - known) % prime
 
     def holds(self, condition: Condition, sieve: Filter) -> bool:
-        """Return a proof that a condition holds; False is no proof of the opposite.
+        """Return a proof that a condition holds; False is not a proof of the opposite.
 
         Args:
             condition: one of these.
@@ -190,7 +190,7 @@ class LeviCivitaConditions:
 def sum_vanishes(reader: Reader, products: Products, sieve: Filter) -> bool:
     """Return a proof that a sum of products is zero: the modular filter, then the exact normal form.
 
-    False is no proof of the opposite.
+    False is not a proof of the opposite.
 
     Args:
         reader: of the field.

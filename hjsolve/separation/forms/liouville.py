@@ -1,7 +1,7 @@
-"""Recognising Liouville's form T = Σ Rᵢpᵢ²/(2Σf), V = Σv/Σf, and finding its functions (Greenwood (5-125), (5-126)).
+"""Recognising the Liouville form T = Σ Rᵢpᵢ²/(2Σf), V = Σv/Σf, and finding its functions (Greenwood (5-125), (5-126)).
 
 With gⁱⁱ = Rᵢ/σ, σ = Σf: every ratio gⁱⁱ/gʲʲ = Rᵢ/Rⱼ must be a product of a function of qᵢ and one of qⱼ, and σ and σV
-must be sums of functions of one coordinate each. In two dimensions this is the same as Stäckel's form up to a
+must be sums of functions of one coordinate each. In two dimensions this is the same as the Stäckel form up to a
 rescaling; in more it is less.
 """
 
@@ -28,7 +28,7 @@ def recognise(
     potential: Element,
     region: Region,
 ) -> Liouville | None:
-    """Return the functions f, R, v of an orthogonal system, or None when it is not of Liouville's form.
+    """Return the functions f, R, v of an orthogonal system, or None when it is not of Liouville form.
 
     Args:
         reader: reads and differentiates.
@@ -87,7 +87,7 @@ def split_product(
 ) -> tuple[Element, Element] | None:
     """Write x = a(q_i)·b(q_j), constants in a; by its factors where they separate, else at a base point.
 
-    None if it is no product.
+    None if it is not a product.
 
     Args:
         reader: reads and differentiates.

@@ -1,4 +1,4 @@
-"""Choosing the separation constants so that Stäckel's matrix is sparse and reads as in a textbook.
+"""Choosing the separation constants so that the Stäckel matrix is sparse and reads as in a textbook.
 
 The rows of Φ are functions of one coordinate each. Written over a common denominator, each row is a list of coefficient
 functionals acting on constant column vectors. A column with a zero in row i is a vector in the kernel of row i. Since

@@ -1,4 +1,4 @@
-"""Stäckel's matrix and column by the base-point construction, made readable, and verified by substitution.
+"""Stäckel matrix and column by the base-point construction, made readable, and verified by substitution.
 
 Greenwood (p. 208) says that Stäckel's theorem "presents no direct method". This is one: hold all coordinates but the
 i-th at a base point q⁰ (written q̂ᵢ); a separable shell then has

@@ -81,7 +81,7 @@ def separates(
     potential: Element,
     partition: Sequence[Block],
 ) -> bool:
-    """Return a proof that a shell separates into these blocks; False is no proof of the opposite.
+    """Return a proof that a shell separates into these blocks; False is not a proof of the opposite.
 
     Args:
         reader: reads and differentiates.

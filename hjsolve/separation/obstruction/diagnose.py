@@ -52,9 +52,9 @@ def _measured(found: Obstruction, setting: Setting) -> Obstruction:
         return found
     what = "inverse metric" if found.part == "metric" else "potential"
     text = (
-        f"Rebuilt from its values on the lines through one point, as Stäckel's form allows, the {what} comes out with "
-        f"a relative error of {distance:.2g} (median over sample points); 0 would be separable. This measures how far "
-        "from separable the system is, and plays no part in the proof."
+        f"Rebuilt from its values on the lines through one point, as the Stäckel form allows, the {what} comes out "
+        f"with a relative error of {distance:.2g} (median over sample points); 0 would be separable. This "
+        "measures how far from separable the system is, and plays no part in the proof."
     )
     return replace(found, distance=distance, evidence=(*found.evidence, ReductionStep("Distance", text)))
 

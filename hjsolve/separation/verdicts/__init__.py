@@ -1,6 +1,6 @@
 """The three verdicts and what they carry; every one is a frozen value with its evidence.
 
-In: what the rooms beside this one find. Out: ``Separation``, ``Obstruction`` or ``Undecided``. Read ``separated.py``
+In: what the rooms next to this one find. Out: ``Separation``, ``Obstruction`` or ``Undecided``. Read ``separated.py``
 first.
 """
 

@@ -13,7 +13,7 @@ from hjsolve.mechanics.system import System
 
 @dataclass(frozen=True, repr=False)
 class Liouville(Shown):
-    """A system of Liouville's form: T = Σ Rᵢpᵢ²/(2Σf), V = Σv/Σf (Greenwood (5-125), (5-126)).
+    """A system of Liouville form: T = Σ Rᵢpᵢ²/(2Σf), V = Σv/Σf (Greenwood (5-125), (5-126)).
 
     Attributes:
         coordinates: names, in order.
@@ -30,7 +30,7 @@ class Liouville(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Stackel(Shown):
-    """A system of Stäckel's form: cᵀΦ = (1, 0, …, 0), cᵀψ = V (Greenwood (5-139), (5-140)).
+    """A system of Stäckel form: cᵀΦ = (1, 0, …, 0), cᵀψ = V (Greenwood (5-139), (5-140)).
 
     Attributes:
         coordinates: names, in order.
@@ -80,8 +80,8 @@ class Separation(Shown):
         shell: its energy shell.
         ignorable: names of the ignorable coordinates.
         constants: constants of the motion by name: E, the separation constants, the ignorable momenta.
-        liouville: Liouville's functions of the full system, or None.
-        stackel: Stäckel's matrix of the full system, or None (T not diagonal, or terms linear in the velocities).
+        liouville: the Liouville functions of the full system, or None.
+        stackel: the Stäckel matrix of the full system, or None (T not diagonal, or terms linear in the velocities).
         reduced: the same for the shell over the essential coordinates.
         evidence: the argument, step by step.
         seconds: how long the decision took.

@@ -53,7 +53,7 @@ class Unproved:
     """Neither was proved.
 
     Attributes:
-        point: where the value was taken; empty when no value could be had.
+        point: where the value was taken; empty when no value could be computed.
         value: the expression there to 40 digits, or None.
         reason: what stood in the way.
     """
@@ -83,7 +83,7 @@ def is_zero(expression: sp.Expr, region: Region | None = None, *, budget: Budget
     region = region or free_region(expression)
     reason = "no witness was found"
     if not expression.free_symbols and (witness := find_witness(expression, region, budget)) is not None:
-        return NonZero(witness)  # of a constant it is had at once, and roots of numbers may take seconds to denest
+        return NonZero(witness)  # a constant is decided at once, and roots of numbers may take seconds to denest
     try:
         reader = Reader([expression], region.bounds, budget)
         terms = [reader.element(term) for term in sp.Add.make_args(expression)]

@@ -112,7 +112,7 @@ def _placed(lanes: Reals, at: int, end: tuple[float, float, float], W: float, pl
 
 @inlined
 def _known(program: MachineProgram, first: int, span: tuple[int, int], c: Reals) -> None:
-    """Write the numbers of one orbit into some lanes, from one register on."""
+    """Write the values of one orbit into some lanes, from one register on."""
     for k in range(c.shape[0]):
         row, value = program.registers[first + k], c[k]
         for g in range(span[0], span[1]):

@@ -104,7 +104,7 @@ def _needed(late: float, early: float, scale: float, n: int, wish: float) -> flo
 
 @inlined
 def _crowding(last: Last, first: int) -> int:
-    """Return the crowding for a singularity beside χ = φ.
+    """Return the crowding for a singularity next to χ = φ.
 
     Cos φ and cos 2φ from correlations of the last coefficients.
     """

@@ -2,7 +2,7 @@
 
 J = (1/2π) ∮ √F dq and ∂J/∂cⱼ = (1/2π) ∮ kⱼ dq/√F are means of F r and kⱼ r over equally spaced χ, r = |dq/dχ|/√F, with
 the anomalies of ``maps_of_turns``: q = centre ± θ(χ), or ± the Möbius transform of θ where p² has two slow places
-(``turned_circle``). Both cosines and sines occur: the slow place is no axis of symmetry of p².
+(``turned_circle``). Both cosines and sines occur: the slow place is not an axis of symmetry of p².
 """
 
 from __future__ import annotations

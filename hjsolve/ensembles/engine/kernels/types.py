@@ -36,7 +36,7 @@ class Tables(NamedTuple):
         places: (q − a)/W, (b − q)/W, |dq/dχ|/W and sin²χ where errors are looked at, equally spaced in χ; and for every
             share the farthest that nodes are seen, from below and from above; shape (maps, 4, most + 6).
         samples: how many of them, shape (maps,).
-        spans: how many of them are seen from below, and the first and last beside which nodes are seen in both ways,
+        spans: how many of them are seen from below, and the first and last next to which nodes are seen in both ways,
             shape (maps, 3, 3).
         last, middle: cosines of the convergence test, shape (sizes, 5 or 3, widest).
         cosines: all of them, of one size after the other, rows of as many as there are nodes.
