@@ -192,7 +192,7 @@ def _solved(
 
 
 def _refused(question: PageQuestion, verdict: Obstruction | Undecided, search: str) -> PageAnswer:
-    """Return the refusal, what the search for other coordinates answered, and the motion, integrated step by step."""
+    """Return the refusal, what the search for other coordinates answered, and the motion, integrated numerically."""
     lead = _html(Paragraph(system_and_verdict.answer(verdict)))
     if search:
         lead += "\n" + _html(Paragraph((search,)))

@@ -67,7 +67,7 @@ def plotted_batch(batch: Batch, x: str | None, y: str | None, colour: str | None
         ax.set_xlabel(_label(x))
         ax.set_ylabel(_label(y))
         if missing := int((~there).sum()):
-            ax.set_title(f"{missing} of {len(there)} orbits have no such numbers", fontsize=9.5, color=style.SOFT)
+            ax.set_title(f"{missing} of {len(there)} orbits omitted (no values)", fontsize=9.5, color=style.SOFT)
     return ax
 
 

@@ -35,7 +35,7 @@ def test_every_orbit_is_a_point_at_its_numbers(batch: hjsolve.Batch) -> None:
     assert there.sum() == 4
     np.testing.assert_array_equal(points[:, 0], batch.actions["r"][there])
     np.testing.assert_array_equal(points[:, 1], batch.frequencies["r"][there])
-    assert ax.get_title() == "1 of 5 orbits have no such numbers"
+    assert ax.get_title() == "1 of 5 orbits omitted (no values)"
     # Kepler's third law, Ω = k² m/(J_r + J_θ)³, between the axes and the colour
     shade = np.asarray(ax.collections[0].get_array())
     np.testing.assert_allclose(points[:, 1], (points[:, 0] + shade) ** -3.0, rtol=1e-12)

@@ -66,9 +66,9 @@ def contour_figure(plane: PlaneMotion, times: Array, states: Array, key: str) ->
     title = f"Lines of equal potential over {spoken(first.name)} and {spoken(second.name)}"
     words = f"{title}; the motion at energy {E:.6g} stays inside one of them."
     caption: list[Inline] = [
-        "Blue: equal least energy over ", names[0], " and ", names[1], ", that is V with what constant momenta add, ",
-        f"{step:.3g} from line to line. Heavy: ", Mathematics(Glyph("E")), f" = {E:.6g}, which no motion of this "
-        "energy leaves. Red: the motion, from the ring.",
+        "Blue: contours of the effective potential over ", names[0], " and ", names[1],
+        f", {step:.3g} apart. Heavy: ", Mathematics(Glyph("E")), f" = {E:.6g}, the limit of every "
+        "motion of this energy. Red: the motion, starting at the ring.",
     ]  # fmt: skip
     data = {first.name: list(map(float, x)), second.name: list(map(float, y)), "E": [E]}
     return Figure(svg.assemble(frame, key, title, words, below, inside, above), title, words, tuple(caption), data)

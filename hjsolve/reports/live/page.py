@@ -95,9 +95,10 @@ def _of_coordinate(k: str, q: str) -> tuple[tuple[str, str], ...]:
 
 
 def _narrowed(tables: LiveTables) -> str:
-    """Return what became of the ranges asked for."""
+    """Return, for each range that was narrowed, the one requested, the one covered, and why."""
     return " ".join(
-        f"Of {escape(label(s.name))} the range {s.asked[0]:.6g} to {s.asked[1]:.6g} was asked for."
+        f"The requested range of {escape(label(s.name))} is {s.asked[0]:.6g} to {s.asked[1]:.6g}; the tables cover "
+        f"{s.low:.6g} to {s.high:.6g}, beyond which the kind of motion changes or the tables are not accurate."
         for s in tables.sliders
         if s.asked is not None and (s.low > s.asked[0] or s.high < s.asked[1])
     )

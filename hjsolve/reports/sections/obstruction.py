@@ -44,9 +44,9 @@ def refusal_section(verdict: Obstruction | Undecided) -> Section:
         blocks.append(
             Paragraph(
                 (
-                    "A witness that it does not: at ",
+                    "Counterexample: at ",
                     *_point(point),
-                    " it is proved to lie between ",
+                    " its value provably lies between ",
                     Number(rounded_outward(verdict.witness.lower, up=False)),
                     " and ",
                     Number(rounded_outward(verdict.witness.upper, up=True)),

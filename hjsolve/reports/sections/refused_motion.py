@@ -76,16 +76,16 @@ def section_of_refused_motion(system: System, initial: Mapping[str, Any], *, ret
     E = float(plane.energy(plane.start))
     lost = float(np.max(np.abs(plane.energy(states) - E)))
     told: list[Inline] = [
-        "Without quadratures the motion is integrated step by step: by extrapolation of order 12, the error of each "
-        "step below ", Number(f"1e{round(math.log10(TOLERANCES[0]))}"),
-        " of what a variable reaches. Along the path drawn the energy keeps to within ",
+        "No quadratures are available, so the motion is integrated numerically (extrapolation, order 12). The error of "
+        "each step is below ", Number(f"1e{round(math.log10(TOLERANCES[0]))}"),
+        " of the range of each variable. Along the path drawn the energy is constant to within ",
         bound(lost), ".",
     ]  # fmt: skip
     if found is not None:
         figures.append(section_figure(plane, found, "surface-of-section"))
         told += _validated(found)
     elif returns:
-        told.append(" It does not come back often enough to one surface for a section to be drawn.")
+        told.append(" The motion returns too rarely to one surface for a section to be drawn.")
     return Section("refused-motion", "How it moves", (Paragraph(tuple(told)), Figures(tuple(figures))))
 
 
@@ -95,7 +95,7 @@ def _validated(found: SurfaceOfSection) -> list[Inline]:
     least = int(np.min(found.settled))
     share = "all of them" if (found.settled >= number).all() else f"the first {least} of each motion and more"
     return [
-        " Of the surface of section every motion was followed twice, with tolerances a hundred times apart: the two "
+        " Every motion of the surface of section was computed twice, with tolerances a hundred times apart. The two runs "
         f"agree to {AGREEMENT:g} of the figure in {share}, {int(np.minimum(found.settled, number).sum())} of "
         f"{int(number.sum())} returns; at no return does the energy differ from E by more than ",
         bound(found.drift), ".",
