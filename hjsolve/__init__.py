@@ -116,8 +116,6 @@ _PUBLIC = {
     "InternalError InvalidInputError InvalidSystemError MissingExtraError MissingValueError NotConvergedError "
     "NotSeparableError OutsideMotionError ",
 }
-_RENAMED = {"Coordinates": "SeparableCoordinates", "Swept": "SweepResult", "linear_modes": "gyroscopic_modes"}
-"""Names of the last release; they give the new ones for one release more, with a warning."""
 _HOMES = {name: home for home, names in _PUBLIC.items() for name in names.split()}
 _MODULES = {"catalog": "catalog", "functions": "functions", "frames": "catalog.moving_frames"}
 
@@ -136,22 +134,11 @@ def __getattr__(name: str) -> Any:
     """Import a public name when it is first asked for (PEP 562)."""
     if name in _MODULES:
         return _room(_MODULES[name])
-    if name in _RENAMED:
-        return _renamed(name)
     if name not in _HOMES:
         raise AttributeError(f"module 'hjsolve' has no attribute {name!r}")
     value = getattr(_room(_HOMES[name]), name)
     globals()[name] = value
     return value
-
-
-def _renamed(name: str) -> Any:
-    """Return the value of a name that was given up, with a warning that says what to write."""
-    import warnings
-
-    new = _RENAMED[name]
-    warnings.warn(f"hjsolve.{name} is called hjsolve.{new} now", DeprecationWarning, stacklevel=3)
-    return __getattr__(new)
 
 
 def __dir__() -> list[str]:

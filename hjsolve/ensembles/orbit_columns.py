@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -81,12 +80,6 @@ class OrbitColumns:
     def recomputed(self) -> Any:
         """True where the single-orbit engine computed the orbit, because the vectorised one handed it back."""
         return self.columns[RECOMPUTED]
-
-    @property
-    def exact(self) -> Any:
-        """The former name of ``recomputed``, with a warning."""
-        warnings.warn("Batch.exact is called Batch.recomputed now", DeprecationWarning, stacklevel=2)
-        return self.recomputed
 
     @property
     def lazy(self) -> bool:

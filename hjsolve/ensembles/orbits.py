@@ -65,8 +65,8 @@ def ensemble(
         threads: how many; None for all cores that this process may use. Dask has its own, this is not for it.
         fallback: compute orbits that the vectorised engine hands back one by one, up to some tenths of a second each;
             without, they are ``not_converged``.
-        compiled: means nothing any more: kernels are compiled once for all systems where numba is installed (extra
-            ``fast``), and ``HJSOLVE_COMPILED=0`` in the environment runs them as plain Python.
+        compiled: accepted and ignored. Kernels are compiled once for all systems where numba is installed (extra
+            ``fast``); ``HJSOLVE_COMPILED=0`` in the environment runs them as plain Python.
         coordinates: ``as given``, or ``find`` for others where the given ones do not separate, as of ``solve``: q, p
             and velocity stay those of the system as given, and the columns are those of the separated coordinates.
         velocity_frame: ``coordinate``: velocities are the rates of the coordinates; ``orthonormal``: lengths per time

@@ -7,7 +7,6 @@ the time law. No differential equation is integrated.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -292,11 +291,6 @@ class Motion(ShownMotion):
         if self.again is None:
             raise InternalError("this motion does not know its input")
         return input_sensitivities(self.again, self.given)
-
-    def input_doubt(self) -> dict[str, dict[str, float]]:
-        """Return ``input_sensitivity()``, whose former name this is, with a warning."""
-        warnings.warn("Motion.input_doubt is called Motion.input_sensitivity now", DeprecationWarning, stacklevel=2)
-        return self.input_sensitivity()
 
     @property
     def other_regions(self) -> dict[str, tuple[tuple[Estimate | None, Estimate | None], ...]]:
