@@ -21,16 +21,23 @@ project, author, copyright = "hjsolve", "the authors of hjsolve", "the authors o
 release = version = hjsolve.__version__
 extensions = [
     "myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode", "sphinx_copybutton", "sphinx_design",
+    "site_extensions",
 ]  # fmt: skip
 exclude_patterns = ["_generated/reports", "**.ipynb_checkpoints"]
+html_math_renderer = "mathml"  # no mathematics by a script from the net
+numfig = False
+math_eqref_format = "({number})"
 
 html_theme = "furo"
-html_title = "hjsolve"
+html_title = f"hjsolve {release}"
+html_static_path = ["static"]
+html_css_files = ["hjsolve.css"]
 html_extra_path = ["_generated/site"]
 html_show_sphinx = False
 pygments_style, pygments_dark_style = "friendly", "native"
 
-myst_enable_extensions = ["colon_fence"]  # no mathematics by a script from the net: formulas are Unicode
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
+myst_dmath_double_inline = False
 myst_heading_anchors = 4
 myst_url_schemes = ["http", "https", "mailto"]
 nb_execution_mode = "cache"

@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from hjsolve.mechanics.system import Domain as Domain
     from hjsolve.mechanics.system import Parameter as Parameter
     from hjsolve.mechanics.system import System as System
+    from hjsolve.mechanics.system import parameter as parameter
     from hjsolve.motion.motion import Motion as Motion
     from hjsolve.motion.state import AnyMotion as AnyMotion
     from hjsolve.motion.state import State as State
@@ -84,7 +85,7 @@ if TYPE_CHECKING:
     from hjsolve.theorem.integrals import poisson_bracket as poisson_bracket
 
 _PUBLIC = {
-    "mechanics.system": "Coordinate Domain Parameter System",
+    "mechanics.system": "Coordinate Domain Parameter System parameter",
     "coordinates": "SeparableCoordinates NormalModes Web find_coordinates normal_modes",
     "coordinates.typed_change": "change_coordinates",
     "closed_form.closed_forms": "closed_forms",

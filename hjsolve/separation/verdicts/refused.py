@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import mpmath
 import sympy as sp
 
-from hjsolve.display.shown import Shown, cut, listed_names
+from hjsolve.display.shown import Shown, listed_names
 from hjsolve.mechanics.energy_shell import ReductionStep, Shell
 from hjsolve.mechanics.system import System
 from hjsolve.separation.zero_test.interval_evaluation import Witness
@@ -57,7 +57,7 @@ class Obstruction(Shown):
     def __str__(self) -> str:
         """Return the verdict in one sentence."""
         names, pair = listed_names(c.name for c in self.system.coordinates), dict.fromkeys(self.pair)
-        who = f"couples {listed_names(pair)}" if len(pair) > 1 else f"is in the way of {listed_names(pair)}"
+        who = f"couples {listed_names(pair)}" if len(pair) > 1 else f"is not of a separable form in {listed_names(pair)}"
         part = _PARTS.get(self.part, self.part)
         return f"Does not separate in {names}: the {part} {who}, since {_shown(self.residual)} is not zero everywhere."
 
@@ -98,4 +98,5 @@ _PARTS = {"metric": "kinetic energy", "gyroscopic": "gyroscopic term"}
 
 
 def _shown(residual: sp.Expr) -> str:
-    return cut(str(residual), _LONGEST)
+    text = str(residual)
+    return text if len(text) <= _LONGEST else "the residual (a long expression)"
