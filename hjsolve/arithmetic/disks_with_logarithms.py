@@ -84,7 +84,7 @@ class DisksInLogarithms:
         return self.constant(_D.pi())
 
     def add(self, x: Logged, y: Logged) -> Logged:
-        """Return x + y; the logarithm is log x + log(1 + exp(log y − log x)) where |y| < |x|, or the other way round."""
+        """Return x + y; logarithm: log x + log(1 + exp(log y − log x)) where |y| < |x|, or the other way round."""
         plain = _logged(_D.add(x.value, y.value), x.way.value + y.way.value)
         return _beside(_beside(plain, x, y, 1.0), y, x, 1.0)
 
