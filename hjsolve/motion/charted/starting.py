@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -87,7 +87,7 @@ def start_charted(
 
 def _told(chart: Chart, within: Motion, parts: frozenset[str]) -> ChartedMotion:
     """A motion in the separated coordinates, told in the user's; it ends where it collides with a focus."""
-    motion = ChartedMotion(**{f.name: getattr(within, f.name) for f in fields(Motion)}, within=within)
+    motion = ChartedMotion.of(within)
     found = collision_times(chart, within) if "time" in parts else None
     if found is None:
         return motion
