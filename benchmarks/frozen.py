@@ -13,6 +13,7 @@ largest |difference| of a value over the sum of both claims, and which claims ch
 
 A number of 50 digits is written as four doubles whose sum it is. An ensemble has 16 orbits around the start of the
 family: each position and each momentum is scaled by powers of 1.01 and 1.003.
+A motion in doubles is asked for its states at three times, one by one, and at 2500 times at once.
 """
 
 from __future__ import annotations
@@ -42,6 +43,8 @@ SAMPLE = (
 """One entry of each family of coordinates."""
 WANTS = (("actions",), ("actions", "frequencies"), None)
 TIMES = ("0.37", "1.9", "12.5")
+MANY_TIMES = np.linspace(-31.0, 1234.5, 2500)
+"""So many times at once are answered from a table of the inverted time law (``motion.tabulated.FEWEST``)."""
 METHODS = {"15 digits": {}, "50 digits": {"digits": 50}, "certified": {"certified": True}}
 ESTIMATES = ("constants", "actions", "frequencies", "periods", "boundary_times", "mean_velocities", "betas")
 """Attributes of a motion: name → Estimate."""
@@ -56,6 +59,8 @@ Table = dict[str, Column]
 
 def doubles(values: Iterable[Any], parts: int) -> np.ndarray:
     """Each number as so many doubles, the later ones the rests of the earlier: shape (n, parts)."""
+    if parts == 1 and isinstance(values, np.ndarray) and values.dtype == np.float64:
+        return values.reshape(-1, 1)
     rows = []
     for value in values:
         with mp.workdps(_PRECISION):
@@ -104,6 +109,16 @@ def states(motion: Any, parts: int) -> Table:
     return columns
 
 
+def many_states(motion: Any) -> Table:
+    """The same at many times at once, in doubles."""
+    state, columns = motion.at(MANY_TIMES), dict[str, Column]()
+    columns["statuses of many"] = " ".join(sorted(set(np.ravel(state.status).tolist())))
+    for what in ("q", "p", "velocity"):
+        for name, value in getattr(state, what).items():
+            columns |= numbers(f"{what}.{name} at many", value, getattr(state.error, what)[name], 1)
+    return columns
+
+
 def of_one(motion: Any, want: tuple[str, ...] | None, parts: int) -> Table:
     """Every column of a single motion, a text where a quantity is refused."""
     columns: Table = {f"kind.{name}": str(kind) for name, kind in motion.kinds.items()}
@@ -113,6 +128,8 @@ def of_one(motion: Any, want: tuple[str, ...] | None, parts: int) -> Table:
     }
     if want is None:
         readers["states"] = lambda: states(motion, parts)
+        if motion.digits <= 15 and motion.states is None:
+            readers["many states"] = lambda: many_states(motion)
         readers["angles"] = lambda: estimates("angles", motion.angles(TIMES[0]), parts)
         readers["W"] = lambda: estimates("W", {TIMES[0]: motion.characteristic_function(TIMES[0])}, parts)
     for name, read in readers.items():

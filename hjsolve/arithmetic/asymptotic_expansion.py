@@ -69,11 +69,7 @@ class Growths:
         return Growth(((Monomial(0.0, 1.0, 0.0), self.plain.context.mpf(sign)),))
 
     def rational(self, numerator: int, denominator: int) -> Growth:
-        """Return a fraction: one term that does not grow.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return a fraction: one term that does not grow."""
         return self.constant(self.plain.rational(numerator, denominator))
 
     def pi(self) -> Growth:
@@ -136,19 +132,11 @@ class Growths:
         return Growth(tuple(left[:_TERMS]), rest)
 
     def add(self, x: Growth, y: Growth) -> Growth:
-        """Return x + y; terms that cancel are dropped, the remainders are added.
-
-        Args:
-            x, y: expansions for s ≥ Q.
-        """
+        """Return x + y; terms that cancel are dropped, the remainders are added."""
         return self._made([*x.terms, *y.terms], [Growth((), part.rest) for part in (x, y) if part.rest])
 
     def sub(self, x: Growth, y: Growth) -> Growth:
-        """Return x − y, as a sum.
-
-        Args:
-            x, y: expansions for s ≥ Q.
-        """
+        """Return x − y, as a sum."""
         return self.add(x, self._times(y, -1))
 
     def _times(self, x: Growth, c: Mpf | int) -> Growth:
@@ -157,11 +145,7 @@ class Growths:
         return Growth(terms, rest)
 
     def mul(self, x: Growth, y: Growth) -> Growth:
-        """Return x·y, every term by every term; what meets a remainder becomes part of the remainder.
-
-        Args:
-            x, y: expansions for s ≥ Q.
-        """
+        """Return x·y, every term by every term; what meets a remainder becomes part of the remainder."""
         terms = [(m.times(n), a * b) for m, a in x.terms for n, b in y.terms]
         rests = []
         for one, other in ((x, y), (y, x)):
@@ -173,20 +157,11 @@ class Growths:
         return self._made(terms, rests)
 
     def div(self, x: Growth, y: Growth) -> Growth:
-        """Return x/y, by the binomial series of 1/y about its leading term.
-
-        Args:
-            x, y: expansions for s ≥ Q; of y the leading term or the sign of the remainder is known.
-        """
+        """Return x/y, by the binomial series of 1/y about its leading term."""
         return self.mul(x, self.power(y, -1))
 
     def power(self, x: Growth, n: int) -> Growth:
-        """Return xⁿ; for n < 0 by the binomial series about the leading term.
-
-        Args:
-            x: an expansion for s ≥ Q.
-            n: the exponent, of either sign.
-        """
+        """Return xⁿ; for n < 0 by the binomial series about the leading term."""
         if n == 0:
             return self.rational(1, 1)
         if n > 0:
@@ -240,12 +215,7 @@ class Growths:
         return self._made(result.terms, [Growth((), r) for r in rests if r])
 
     def unary(self, name: str, x: Growth) -> Growth:
-        """Return a function of x: by its own rule, as of something that grows, or by Taylor's series.
-
-        Args:
-            name: of the function, one of ``tape.UNARY``.
-            x: an expansion for s ≥ Q.
-        """
+        """Return a function of x: by its own rule, as of something that grows, or by Taylor's series."""
         if name == "neg":
             return self._times(x, -1)
         if name in _OWN:

@@ -93,32 +93,18 @@ class Balls(ByOperators):
     """Functions that are entire: nothing has to be asked before."""
 
     def rational(self, numerator: int, denominator: int) -> flint.arb:
-        """Return a ball that holds a fraction.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return a ball that holds a fraction."""
         return flint.arb(flint.fmpq(numerator, denominator))
 
     def pi(self) -> flint.arb:
         return flint.arb.pi()
 
     def power(self, x: Ball, n: int) -> Ball:
-        """Return a ball that holds every xⁿ.
-
-        Args:
-            x: a real or complex ball.
-            n: the exponent, of either sign.
-        """
+        """Return a ball that holds every xⁿ."""
         return x * x if n == 2 else x**n
 
     def unary(self, name: str, x: Ball) -> Ball:
-        """Return a ball that holds every value of a function over x; nan where a complex ball meets a cut.
-
-        Args:
-            name: of the function, one of ``tape.UNARY``.
-            x: a real or complex ball.
-        """
+        """Return a ball that holds every value of a function over x; nan where a complex ball meets a cut."""
         if name in self.quick:
             return self.quick[name](x)
         if name == "abs":
@@ -133,40 +119,22 @@ class BallSeries(ByOperators):
     """Power series a₀ + a₁h + … whose coefficients are balls: a value with its derivatives, in one pass."""
 
     def rational(self, numerator: int, denominator: int) -> flint.arb:
-        """Return a ball that holds a fraction: a series of one term.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return a ball that holds a fraction: a series of one term."""
         return Balls().rational(numerator, denominator)
 
     def pi(self) -> flint.arb:
         return flint.arb.pi()
 
     def div(self, x: Ball | PowerSeries, y: Ball | PowerSeries) -> Ball | PowerSeries:
-        """Return x/y; y⁻¹ is not finite where a₀ of it holds zero.
-
-        Args:
-            x, y: balls, or series in h.
-        """
+        """Return x/y; y⁻¹ is not finite where a₀ of it holds zero."""
         return x / y if isinstance(y, flint.arb | flint.acb) else x * y**-1  # Arb's own division raises at a zero
 
     def power(self, x: Ball | PowerSeries, n: int) -> Ball | PowerSeries:
-        """Return xⁿ.
-
-        Args:
-            x: a ball, or a series in h.
-            n: the exponent, of either sign.
-        """
+        """Return xⁿ."""
         return x * x if n == 2 else x**n
 
     def unary(self, name: str, x: Ball | PowerSeries) -> Ball | PowerSeries:
-        """Return a function of x; what Arb has no series of is composed from the derivatives.
-
-        Args:
-            name: of the function, one of ``tape.UNARY``.
-            x: a ball, or a series in h.
-        """
+        """Return a function of x; what Arb has no series of is composed from the derivatives."""
         if not isinstance(x, flint.arb_series | flint.acb_series):
             return Balls().unary(name, x)
         if name == "neg":

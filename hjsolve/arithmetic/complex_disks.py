@@ -107,11 +107,7 @@ class Disks:
         return single(nearest, 0.0 if nearest == x else abs(nearest) * EPS)
 
     def rational(self, numerator: int, denominator: int) -> Disk:
-        """Return a disk about a fraction; its radius is zero where a double holds it exactly.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return a disk about a fraction; its radius is zero where a double holds it exactly."""
         value = Float64().rational(numerator, denominator)
         exact = denominator & (denominator - 1) == 0 and abs(numerator) < 2**53
         return single(value, 0.0 if exact else abs(value) * EPS)
@@ -120,38 +116,22 @@ class Disks:
         return single(np.pi, EPS)
 
     def add(self, x: Disk, y: Disk) -> Disk:
-        """Return a disk that holds every x + y.
-
-        Args:
-            x, y: disks, arrays that broadcast together.
-        """
+        """Return a disk that holds every x + y."""
         centre = x.centre + y.centre
         return Disk(centre, x.radius + y.radius + _UNIT * np.abs(centre))
 
     def sub(self, x: Disk, y: Disk) -> Disk:
-        """Return a disk that holds every x − y.
-
-        Args:
-            x, y: disks, arrays that broadcast together.
-        """
+        """Return a disk that holds every x − y."""
         centre = x.centre - y.centre
         return Disk(centre, x.radius + y.radius + _UNIT * np.abs(centre))
 
     def mul(self, x: Disk, y: Disk) -> Disk:
-        """Return a disk that holds every x·y.
-
-        Args:
-            x, y: disks, arrays that broadcast together.
-        """
+        """Return a disk that holds every x·y."""
         a, b = np.abs(x.centre), np.abs(y.centre)
         return Disk(x.centre * y.centre, a * (y.radius + _UNIT * b) + x.radius * (b + y.radius))
 
     def div(self, x: Disk, y: Disk) -> Disk:
-        """Return a disk that holds every x/y; nothing is known where y holds zero.
-
-        Args:
-            x, y: disks, arrays that broadcast together.
-        """
+        """Return a disk that holds every x/y; nothing is known where y holds zero."""
         return self.mul(x, self.inverse(y))
 
     def inverse(self, x: Disk) -> Disk:
@@ -167,12 +147,7 @@ class Disks:
         return Disk(x.centre.conj() / room, np.where(room > 0, share + _UNIT * (share + 1 / size), np.inf))
 
     def power(self, x: Disk, n: int) -> Disk:
-        """Return a disk that holds every xⁿ, narrower than a product of n different disks.
-
-        Args:
-            x: disks.
-            n: the exponent, of either sign.
-        """
+        """Return a disk that holds every xⁿ, narrower than a product of n different disks."""
         if n < 0:
             return self.inverse(self.power(x, -n))
         if n == 0:
@@ -182,12 +157,7 @@ class Disks:
         return Disk(value, grown + n * _UNIT * (size + x.radius) ** n)
 
     def unary(self, name: str, x: Disk) -> Disk:
-        """Return a disk that holds every value of a function; nothing is known where x meets a singularity or a cut.
-
-        Args:
-            name: of the function, one of ``tape.UNARY``.
-            x: disks.
-        """
+        """Return a disk that holds every value of a function; nothing is known where x meets a singularity or a cut."""
         result: Disk = _FUNCTIONS[name](self, x)
         return result
 

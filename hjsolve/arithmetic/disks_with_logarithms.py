@@ -77,68 +77,38 @@ class DisksInLogarithms:
         return _logged(x, np.asarray(x.centre)[..., None])
 
     def rational(self, numerator: int, denominator: int) -> Logged:
-        """Return a fraction, with its logarithm.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return a fraction, with its logarithm."""
         return self.constant(_D.rational(numerator, denominator))
 
     def pi(self) -> Logged:
         return self.constant(_D.pi())
 
     def add(self, x: Logged, y: Logged) -> Logged:
-        """Return x + y; its logarithm follows from log(1 + exp(log y − log x)) where |y| < |x|, or the other way round.
-
-        Args:
-            x, y: disks with their logarithms.
-        """
+        """Return x + y; logarithm: log x + log(1 + exp(log y − log x)) where |y| < |x|, or the other way round."""
         plain = _logged(_D.add(x.value, y.value), x.way.value + y.way.value)
         return _beside(_beside(plain, x, y, 1.0), y, x, 1.0)
 
     def sub(self, x: Logged, y: Logged) -> Logged:
-        """Return x − y, with −y as y turned by π.
-
-        Args:
-            x, y: disks with their logarithms.
-        """
+        """Return x − y, with −y as y turned by π."""
         plain = _logged(_D.sub(x.value, y.value), x.way.value - y.way.value)
         turned = Disk(y.power.centre + 1j * np.pi, y.power.radius)
         return _beside(_beside(plain, x, y, -1.0), y._replace(power=turned), x, 1.0)
 
     def mul(self, x: Logged, y: Logged) -> Logged:
-        """Return x·y; the logarithms are added.
-
-        Args:
-            x, y: disks with their logarithms.
-        """
+        """Return x·y; the logarithms are added."""
         plain = _logged(_D.mul(x.value, y.value), x.way.value * y.way.value)
         return _with(plain, _D.add(x.power, y.power))
 
     def div(self, x: Logged, y: Logged) -> Logged:
-        """Return x/y; the logarithms are subtracted.
-
-        Args:
-            x, y: disks with their logarithms.
-        """
+        """Return x/y; the logarithms are subtracted."""
         return self.mul(x, self.power(y, -1))
 
     def power(self, x: Logged, n: int) -> Logged:
-        """Return xⁿ; the logarithm is multiplied by n.
-
-        Args:
-            x: disks with their logarithms.
-            n: the exponent, of either sign.
-        """
+        """Return xⁿ; the logarithm is multiplied by n."""
         return _with(_logged(_D.power(x.value, n), x.way.value**n), _D.times(x.power, n))
 
     def unary(self, name: str, x: Logged) -> Logged:
-        """Return a function of x; roots and logarithms are continued along the way to the centre.
-
-        Args:
-            name: of the function, one of ``tape.UNARY``.
-            x: disks with their logarithms.
-        """
+        """Return a function of x; roots and logarithms are continued along the way to the centre."""
         with np.errstate(all="ignore"):
             if name == "sqrt":
                 nothing = Disk(np.zeros_like(x.power.centre), np.full_like(x.power.radius, np.inf))

@@ -59,40 +59,24 @@ class FirstDifferences(Generic[N]):
         return FirstDifference(base, value, self.plain.rational(1, 1))
 
     def rational(self, numerator: int, denominator: int) -> FirstDifference[N]:
-        """Return a constant: it has no slope.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return a constant: it has no slope."""
         return self.constant(self.plain.rational(numerator, denominator))
 
     def pi(self) -> FirstDifference[N]:
         return self.constant(self.plain.pi())
 
     def add(self, x: FirstDifference[N], y: FirstDifference[N]) -> FirstDifference[N]:
-        """Return x + y; slopes are added.
-
-        Args:
-            x, y: functions between e and q.
-        """
+        """Return x + y; slopes are added."""
         a = self.plain
         slope = y.slope if x.slope is None else x.slope if y.slope is None else a.add(x.slope, y.slope)
         return self._made(slope, lambda part: a.add(part(x), part(y)))
 
     def sub(self, x: FirstDifference[N], y: FirstDifference[N]) -> FirstDifference[N]:
-        """Return x − y; slopes are subtracted.
-
-        Args:
-            x, y: functions between e and q.
-        """
+        """Return x − y; slopes are subtracted."""
         return self.add(x, self.unary("neg", y))
 
     def mul(self, x: FirstDifference[N], y: FirstDifference[N]) -> FirstDifference[N]:
-        """Return x·y, by Leibniz' rule (xy)[e, q] = x[e, q] y(q) + x(e) y[e, q].
-
-        Args:
-            x, y: functions between e and q.
-        """
+        """Return x·y, by Leibniz' rule (xy)[e, q] = x[e, q] y(q) + x(e) y[e, q]."""
         a = self.plain
         left = None if x.slope is None else a.mul(x.slope, y.value)
         right = None if y.slope is None else a.mul(x.base, y.slope)
@@ -100,11 +84,7 @@ class FirstDifferences(Generic[N]):
         return self._made(slope, lambda part: a.mul(part(x), part(y)))
 
     def div(self, x: FirstDifference[N], y: FirstDifference[N]) -> FirstDifference[N]:
-        """Return h = x/y, by x = h y and Leibniz' rule: h[e, q] = (x[e, q] − h(e) y[e, q])/y(q).
-
-        Args:
-            x, y: functions between e and q.
-        """
+        """Return h = x/y, by x = h y and Leibniz' rule: h[e, q] = (x[e, q] − h(e) y[e, q])/y(q)."""
         a = self.plain
         if y.slope is None:
             slope = None if x.slope is None else a.div(x.slope, y.value)
@@ -115,12 +95,7 @@ class FirstDifferences(Generic[N]):
         return FirstDifference(base, a.div(x.value, y.value), a.div(rest, y.value))
 
     def power(self, x: FirstDifference[N], n: int) -> FirstDifference[N]:
-        """Return xⁿ, by squaring.
-
-        Args:
-            x: a function between e and q.
-            n: the exponent, of either sign.
-        """
+        """Return xⁿ, by squaring."""
         if n < 0:
             return self.div(self.rational(1, 1), self.power(x, -n))
         result = x
@@ -131,12 +106,7 @@ class FirstDifferences(Generic[N]):
         return result if n else self.rational(1, 1)
 
     def unary(self, name: str, x: FirstDifference[N]) -> FirstDifference[N]:
-        """Return Φ(x), its slope by Φ[x(e), x(q)] x[e, q].
-
-        Args:
-            name: of the function Φ, one of ``tape.UNARY``.
-            x: a function between e and q.
-        """
+        """Return Φ(x), its slope by Φ[x(e), x(q)] x[e, q]."""
         a = self.plain
         if x.slope is None:
             return self.constant(a.unary(name, x.value))

@@ -35,50 +35,30 @@ class DoubleDouble:
     """Arithmetic on ``Pair`` values, elementwise over arrays."""
 
     def rational(self, numerator: int, denominator: int) -> Pair:
-        """Return the two doubles next to a fraction.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return the two doubles next to a fraction."""
         return exact(Fraction(numerator, denominator))
 
     def pi(self) -> Pair:
         return Pair(2 * _HALF_PI[0], 2 * _HALF_PI[1])
 
     def add(self, x: Pair, y: Pair) -> Pair:
-        """Return x + y, by Knuth's sums without loss of both parts.
-
-        Args:
-            x, y: pairs of arrays that broadcast together.
-        """
+        """Return x + y, by Knuth's sums without loss of both parts."""
         s, e = two_sum(x.high, y.high)
         t, f = two_sum(x.low, y.low)
         s, e = quick_two_sum(s, e + t)
         return quick_two_sum(s, e + f)
 
     def sub(self, x: Pair, y: Pair) -> Pair:
-        """Return x − y, by the same sums.
-
-        Args:
-            x, y: pairs of arrays that broadcast together.
-        """
+        """Return x − y, by the same sums."""
         return self.add(x, Pair(-y.high, -y.low))
 
     def mul(self, x: Pair, y: Pair) -> Pair:
-        """Return x·y; the product of the low parts is below the rounding.
-
-        Args:
-            x, y: pairs of arrays that broadcast together.
-        """
+        """Return x·y; the product of the low parts is below the rounding."""
         p, e = two_product(x.high, y.high)
         return quick_two_sum(p, e + (x.high * y.low + x.low * y.high))
 
     def div(self, x: Pair, y: Pair) -> Pair:
-        """Return x/y, by long division with three quotients in doubles.
-
-        Args:
-            x, y: pairs of arrays that broadcast together.
-        """
+        """Return x/y, by long division with three quotients in doubles."""
         first = x.high / y.high
         rest = self.sub(x, self.mul(Pair(first, 0.0), y))
         second = rest.high / y.high
@@ -87,24 +67,14 @@ class DoubleDouble:
         return quick_two_sum(s, e + rest.high / y.high)
 
     def power(self, x: Pair, n: int) -> Pair:
-        """Return xⁿ, by squaring.
-
-        Args:
-            x: pairs of arrays.
-            n: the exponent, of either sign.
-        """
+        """Return xⁿ, by squaring."""
         if n < 0:
             return self.div(Pair(1.0, 0.0), self.power(x, -n))
         result: Pair = by_squaring(self.mul, x, n)
         return result
 
     def unary(self, name: str, x: Pair) -> Pair:
-        """Return a function of x, good to about 2⁻¹⁰⁰.
-
-        Args:
-            name: of the function, one of ``tape.UNARY``.
-            x: pairs of arrays.
-        """
+        """Return a function of x, good to about 2⁻¹⁰⁰."""
         result: Pair = getattr(self, f"_{name}")(x)
         return result
 

@@ -59,11 +59,7 @@ class Rates:
         return Rated(0.0, self.q, (_ONE, _ZERO))
 
     def rational(self, numerator: int, denominator: int) -> Rated:
-        """Return a fraction.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return a fraction."""
         return self.constant(_D.rational(numerator, denominator))
 
     def pi(self) -> Rated:
@@ -81,11 +77,7 @@ class Rates:
         return x.value if x.rate == 0 else _D.mul(self._power_of_e(x.rate), x.value)
 
     def add(self, x: Rated, y: Rated) -> Rated:
-        """Return x + y: the one that grows faster keeps its λ, the other enters its φ.
-
-        Args:
-            x, y: numbers e^{λq} φ over the same disks.
-        """
+        """Return x + y: the one that grows faster keeps its λ, the other enters its φ."""
         line = None
         if x.line and y.line:
             line = _D.add(x.line[0], y.line[0]), _D.add(x.line[1], y.line[1])
@@ -96,19 +88,11 @@ class Rates:
         return Rated(x.rate, _D.add(x.value, y.value), line)
 
     def sub(self, x: Rated, y: Rated) -> Rated:
-        """Return x − y, in the same way.
-
-        Args:
-            x, y: numbers e^{λq} φ over the same disks.
-        """
+        """Return x − y, in the same way."""
         return self.add(x, self.unary("neg", y))
 
     def mul(self, x: Rated, y: Rated) -> Rated:
-        """Return x·y; the λ are added.
-
-        Args:
-            x, y: numbers e^{λq} φ over the same disks.
-        """
+        """Return x·y; the λ are added."""
         line = None
         if x.line and y.line:
             for one, other in ((x.line, y.line), (y.line, x.line)):
@@ -117,31 +101,17 @@ class Rates:
         return Rated(x.rate + y.rate, _D.mul(x.value, y.value), line)
 
     def div(self, x: Rated, y: Rated) -> Rated:
-        """Return x/y; the λ are subtracted.
-
-        Args:
-            x, y: numbers e^{λq} φ over the same disks.
-        """
+        """Return x/y; the λ are subtracted."""
         return self.mul(x, self.power(y, -1))
 
     def power(self, x: Rated, n: int) -> Rated:
-        """Return xⁿ; λ is multiplied by n.
-
-        Args:
-            x: a number e^{λq} φ.
-            n: the exponent, of either sign.
-        """
+        """Return xⁿ; λ is multiplied by n."""
         value = _D.power(x.value, n)
         constant = x.line is not None and x.line[0] is _ZERO
         return Rated(n * x.rate, value, (_ZERO, value) if constant else None)
 
     def unary(self, name: str, x: Rated) -> Rated:
-        """Return a function of x; an exponential of a q + b becomes a factor e^{aq}.
-
-        Args:
-            name: of the function, one of ``tape.UNARY``.
-            x: a number e^{λq} φ.
-        """
+        """Return a function of x; an exponential of a q + b becomes a factor e^{aq}."""
         if name == "neg":
             line = x.line and (x.line[0] if x.line[0] is _ZERO else _negative(x.line[0]), _negative(x.line[1]))
             return Rated(x.rate, _negative(x.value), line)

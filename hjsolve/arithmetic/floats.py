@@ -83,32 +83,18 @@ class Float64(ByOperators):
     """More than any operation rounds by, relatively."""
 
     def rational(self, numerator: int, denominator: int) -> Elementwise:
-        """Return the double next to a fraction.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return the double next to a fraction."""
         return float(Fraction(numerator, denominator))
 
     def pi(self) -> Elementwise:
         return np.pi
 
     def power(self, x: Elementwise, n: int) -> Elementwise:
-        """Return xⁿ, elementwise; small powers are products.
-
-        Args:
-            x: a double or an array of doubles.
-            n: the exponent, of either sign.
-        """
+        """Return xⁿ, elementwise; small powers are products."""
         return np.float_power(x, n) if abs(n) > 3 else _small_power(x, n)
 
     def unary(self, name: str, x: Elementwise) -> Elementwise:
-        """Return a function of x, elementwise; nan outside its domain.
-
-        Args:
-            name: of the function, one of ``tape.UNARY``.
-            x: a double or an array of doubles.
-        """
+        """Return a function of x, elementwise; nan outside its domain."""
         return sech(x) if name == "sech" else getattr(np, _NUMPY_NAMES.get(name, name))(x)
 
     def where(self, condition: Truth, x: Elementwise, y: Elementwise) -> Elementwise:
@@ -265,31 +251,18 @@ class Multi(ByOperators):
         return +self.context.convert(value)
 
     def rational(self, numerator: int, denominator: int) -> Mpf:
-        """Return a fraction, rounded to the precision.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return a fraction, rounded to the precision."""
         return self.context.mpf(numerator) / denominator
 
     def pi(self) -> Mpf:
         return +self.context.pi
 
     def power(self, x: Numeric, n: int) -> Mpf:
-        """Return xⁿ.
-
-        Args:
-            x: a number of many digits.
-            n: the exponent, of either sign.
-        """
+        """Return xⁿ."""
         return cast("Mpf", x**n)
 
     def unary(self, name: str, x: Numeric) -> Mpf:
         """Return a function of one variable at a number.
-
-        Args:
-            name: of the function, such as ``sqrt``.
-            x: mpmath's number of this context.
 
         Raises:
             InvalidInputError: the value is not real, or beyond the range of numbers.

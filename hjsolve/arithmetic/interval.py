@@ -69,11 +69,7 @@ class Intervals:
         return Interval(np.where(lost, -np.inf, low), np.where(lost, np.inf, high))
 
     def rational(self, numerator: int, denominator: int) -> Interval:
-        """Return an interval that holds a fraction; of length zero where a double holds it exactly.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return an interval that holds a fraction; of length zero where a double holds it exactly."""
         value = np.array(self.plain.rational(numerator, denominator))
         exact = denominator & (denominator - 1) == 0 and abs(numerator) < 2**53
         return Interval(value, value) if exact else self._wide(value, value)
@@ -83,29 +79,17 @@ class Intervals:
         return self._wide(value, value)
 
     def add(self, x: Interval, y: Interval) -> Interval:
-        """Return an interval that holds every x + y.
-
-        Args:
-            x, y: intervals, arrays that broadcast together.
-        """
+        """Return an interval that holds every x + y."""
         with np.errstate(all="ignore"):
             return self._wide(np.add(x.low, y.low), np.add(x.high, y.high))
 
     def sub(self, x: Interval, y: Interval) -> Interval:
-        """Return an interval that holds every x − y.
-
-        Args:
-            x, y: intervals, arrays that broadcast together.
-        """
+        """Return an interval that holds every x − y."""
         with np.errstate(all="ignore"):
             return self._wide(np.subtract(x.low, y.high), np.subtract(x.high, y.low))
 
     def mul(self, x: Interval, y: Interval) -> Interval:
-        """Return an interval that holds every x·y: between the least and the greatest product of ends.
-
-        Args:
-            x, y: intervals, arrays that broadcast together.
-        """
+        """Return an interval that holds every x·y: between the least and the greatest product of ends."""
         with np.errstate(all="ignore"):
             if self.plain.minimum_keeps_nan:
                 products = [a * b for a in x for b in y]
@@ -116,11 +100,7 @@ class Intervals:
             return self._wide(_least(products), _greatest(products))
 
     def div(self, x: Interval, y: Interval) -> Interval:
-        """Return an interval that holds every x/y; the whole line where y may be zero.
-
-        Args:
-            x, y: intervals, arrays that broadcast together.
-        """
+        """Return an interval that holds every x/y; the whole line where y may be zero."""
         straddles = (y.low <= 0) & (y.high >= 0)
         with np.errstate(all="ignore"):
             inverse = Interval(1 / np.where(straddles, 1, y.high), 1 / np.where(straddles, 1, y.low))
@@ -128,12 +108,7 @@ class Intervals:
         return Interval(np.where(straddles, -np.inf, result.low), np.where(straddles, np.inf, result.high))
 
     def power(self, x: Interval, n: int) -> Interval:
-        """Return an interval that holds every xⁿ; not negative for an even n.
-
-        Args:
-            x: intervals.
-            n: the exponent, of either sign.
-        """
+        """Return an interval that holds every xⁿ; not negative for an even n."""
         if n < 0:
             return self.div(self.rational(1, 1), self.power(x, -n))
         with np.errstate(all="ignore"):
@@ -144,12 +119,7 @@ class Intervals:
         return self._wide(np.where(inside, 0, np.minimum(a, b)), np.maximum(a, b))
 
     def unary(self, name: str, x: Interval) -> Interval:
-        """Return an interval that holds every value of a function; the whole line outside its domain.
-
-        Args:
-            name: of the function, one of ``tape.UNARY``.
-            x: intervals.
-        """
+        """Return an interval that holds every value of a function; the whole line outside its domain."""
         if name == "neg":
             return Interval(-x.high, -x.low)
         if name == "abs":

@@ -44,11 +44,7 @@ class Jets(Generic[N]):
         return Jet(x, self.plain.rational(1, 1))
 
     def rational(self, numerator: int, denominator: int) -> Jet[N]:
-        """Return a constant: both derivatives are zero.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return a constant: both derivatives are zero."""
         return Jet(self.plain.rational(numerator, denominator))
 
     def pi(self) -> Jet[N]:
@@ -67,47 +63,26 @@ class Jets(Generic[N]):
         return None if x is None else self.plain.mul(self.plain.rational(2, 1), x)
 
     def add(self, x: Jet[N], y: Jet[N]) -> Jet[N]:
-        """Return x + y with its derivatives.
-
-        Args:
-            x, y: functions at one place, with their derivatives.
-        """
+        """Return x + y with its derivatives."""
         return Jet(self.plain.add(x.value, y.value), self._plus(x.first, y.first), self._plus(x.second, y.second))
 
     def sub(self, x: Jet[N], y: Jet[N]) -> Jet[N]:
-        """Return x − y with its derivatives.
-
-        Args:
-            x, y: functions at one place, with their derivatives.
-        """
+        """Return x − y with its derivatives."""
         return self.add(x, self.unary("neg", y))
 
     def mul(self, x: Jet[N], y: Jet[N]) -> Jet[N]:
-        """Return x·y, by (xy)″ = x″y + 2x′y′ + xy″.
-
-        Args:
-            x, y: functions at one place, with their derivatives.
-        """
+        """Return x·y, by (xy)″ = x″y + 2x′y′ + xy″."""
         first = self._plus(self._times(x.first, y.value), self._times(x.value, y.first))
         cross = self._double(self._times(x.first, y.first))
         second = self._plus(self._plus(self._times(x.second, y.value), cross), self._times(x.value, y.second))
         return Jet(self.plain.mul(x.value, y.value), first, second)
 
     def div(self, x: Jet[N], y: Jet[N]) -> Jet[N]:
-        """Return x/y, as x·y⁻¹.
-
-        Args:
-            x, y: functions at one place, with their derivatives.
-        """
+        """Return x/y, as x·y⁻¹."""
         return self.mul(x, self.power(y, -1))
 
     def power(self, x: Jet[N], n: int) -> Jet[N]:
-        """Return xⁿ, by the chain rule with n xⁿ⁻¹ and n(n − 1) xⁿ⁻².
-
-        Args:
-            x: a function at one place, with its derivatives.
-            n: the exponent, of either sign.
-        """
+        """Return xⁿ, by the chain rule with n xⁿ⁻¹ and n(n − 1) xⁿ⁻²."""
         a = self.plain
         if x.first is None:
             return Jet(a.power(x.value, n))
@@ -132,12 +107,7 @@ class Jets(Generic[N]):
         return Jet(value, self._times(slope, x.first), second)
 
     def unary(self, name: str, x: Jet[N]) -> Jet[N]:
-        """Return Φ(x), by the chain rule.
-
-        Args:
-            name: of the function Φ, one of ``tape.UNARY``.
-            x: a function at one place, with its derivatives.
-        """
+        """Return Φ(x), by the chain rule."""
         if name == "neg":
             return Jet(self.plain.unary("neg", x.value), self._minus(x.first), self._minus(x.second))
         value = self.plain.unary(name, x.value)

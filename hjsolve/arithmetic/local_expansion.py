@@ -127,55 +127,30 @@ class Locals:
     # ------------------------------------------------------------------ what a tape calls: one result a slot
 
     def rational(self, numerator: int, denominator: int) -> LocalExpansion:
-        """Return a constant: all differences are zero.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return a constant: all differences are zero."""
         return self._told(self.constant(_DISKS.rational(numerator, denominator)))
 
     def pi(self) -> LocalExpansion:
         return self._told(self.constant(_DISKS.pi()))
 
     def add(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
-        """Return x + y; where the leading parts cancel at e, the order is raised if it is known.
-
-        Args:
-            x, y: functions near e.
-        """
+        """Return x + y; where the leading parts cancel at e, the order is raised if it is known."""
         return self._told(self._add(x, y))
 
     def sub(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
-        """Return x − y, in the same way.
-
-        Args:
-            x, y: functions near e.
-        """
+        """Return x − y, in the same way."""
         return self._told(self._add(x, self._negative(y)))
 
     def mul(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
-        """Return x·y; orders are added, differences by Leibniz' rule.
-
-        Args:
-            x, y: functions near e.
-        """
+        """Return x·y; orders are added, differences by Leibniz' rule."""
         return self._told(self._mul(x, y))
 
     def div(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
-        """Return x/y; orders are subtracted.
-
-        Args:
-            x, y: functions near e; φ of y is not zero at e.
-        """
+        """Return x/y; orders are subtracted."""
         return self._told(self._mul(x, self._inverse(y)))
 
     def power(self, x: LocalExpansion, n: int) -> LocalExpansion:
-        """Return xⁿ; the order is multiplied by n.
-
-        Args:
-            x: a function near e.
-            n: the exponent, of either sign.
-        """
+        """Return xⁿ; the order is multiplied by n."""
         if n == 0:
             return self._told(self.constant(_DISKS.rational(1, 1)))
         base = self._inverse(x) if n < 0 else x
@@ -185,12 +160,7 @@ class Locals:
         return self._told(result)
 
     def unary(self, name: str, x: LocalExpansion) -> LocalExpansion:
-        """Return Φ(x), by the differences of Φ over disks.
-
-        Args:
-            name: of the function Φ, one of ``tape.UNARY``.
-            x: a function near e.
-        """
+        """Return Φ(x), by the differences of Φ over disks."""
         return self._told(self._negative(x) if name == "neg" else self._unary(name, x))
 
     # ------------------------------------------------------------------ orders

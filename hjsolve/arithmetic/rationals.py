@@ -28,11 +28,7 @@ class Rationals(ByOperators):
     """
 
     def rational(self, numerator: int, denominator: int) -> Fraction:
-        """Return a fraction.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return a fraction."""
         return Fraction(numerator, denominator)
 
     def pi(self) -> Fraction:
@@ -44,20 +40,11 @@ class Rationals(ByOperators):
         raise IrrationalError
 
     def power(self, x: Fraction, n: int) -> Fraction:
-        """Return xⁿ.
-
-        Args:
-            x: a fraction.
-            n: the exponent, of either sign.
-        """
+        """Return xⁿ."""
         return x**n
 
     def unary(self, name: str, x: Fraction) -> Fraction:
         """Return a function of one variable where its value is seen to be a fraction.
-
-        Args:
-            name: of the function, such as ``sqrt``.
-            x: a fraction.
 
         Raises:
             IrrationalError: the value is not a fraction, or not seen to be one.

@@ -52,11 +52,7 @@ class RunningError(Generic[N]):
         return None if error is None else self.plain.mul(self.plain.unary("abs", factor), error)
 
     def rational(self, numerator: int, denominator: int) -> WithErrorBound[N]:
-        """Return a fraction with the error of its rounding; None where it is exact.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return a fraction with the error of its rounding; None where it is exact."""
         value = self.plain.rational(numerator, denominator)
         power_of_two = denominator & (denominator - 1) == 0 and abs(numerator) < 2**53
         return WithErrorBound(value, None if power_of_two else self._scaled(value))
@@ -65,40 +61,24 @@ class RunningError(Generic[N]):
         return WithErrorBound(self.plain.pi(), self._scaled(self.plain.pi()))
 
     def add(self, x: WithErrorBound[N], y: WithErrorBound[N]) -> WithErrorBound[N]:
-        """Return x + y; its bound is δx + δy and the rounding of the sum.
-
-        Args:
-            x, y: values with bounds on their errors.
-        """
+        """Return x + y; its bound is δx + δy and the rounding of the sum."""
         value = self.plain.add(x.value, y.value)
         return WithErrorBound(value, self._sum(x.error, y.error, self._scaled(value)))
 
     def sub(self, x: WithErrorBound[N], y: WithErrorBound[N]) -> WithErrorBound[N]:
-        """Return x − y; its bound is δx + δy and the rounding of the difference.
-
-        Args:
-            x, y: values with bounds on their errors.
-        """
+        """Return x − y; its bound is δx + δy and the rounding of the difference."""
         value = self.plain.sub(x.value, y.value)
         return WithErrorBound(value, self._sum(x.error, y.error, self._scaled(value)))
 
     def mul(self, x: WithErrorBound[N], y: WithErrorBound[N]) -> WithErrorBound[N]:
-        """Return x·y; its bound is |y| δx + |x| δy and the rounding of the product.
-
-        Args:
-            x, y: values with bounds on their errors.
-        """
+        """Return x·y; its bound is |y| δx + |x| δy and the rounding of the product."""
         value = self.plain.mul(x.value, y.value)
         return WithErrorBound(
             value, self._sum(self._part(y.value, x.error), self._part(x.value, y.error), self._scaled(value))
         )
 
     def div(self, x: WithErrorBound[N], y: WithErrorBound[N]) -> WithErrorBound[N]:
-        """Return x/y; its bound is (δx + |x/y| δy)/|y| and the rounding of the quotient.
-
-        Args:
-            x, y: values with bounds on their errors.
-        """
+        """Return x/y; its bound is (δx + |x/y| δy)/|y| and the rounding of the quotient."""
         value = self.plain.div(x.value, y.value)
         passed = self._sum(x.error, self._part(value, y.error))
         if passed is not None:
@@ -106,24 +86,14 @@ class RunningError(Generic[N]):
         return WithErrorBound(value, self._sum(passed, self._scaled(value)))
 
     def power(self, x: WithErrorBound[N], n: int) -> WithErrorBound[N]:
-        """Return xⁿ; its bound is |n xⁿ⁻¹| δx and |n| roundings of the power.
-
-        Args:
-            x: a value with a bound on its error.
-            n: the exponent, of either sign.
-        """
+        """Return xⁿ; its bound is |n xⁿ⁻¹| δx and |n| roundings of the power."""
         a = self.plain
         value = a.power(x.value, n)
         slope = a.mul(a.rational(n, 1), a.power(x.value, n - 1)) if n != 1 else a.rational(1, 1)
         return WithErrorBound(value, self._sum(self._part(slope, x.error), self._scaled(value, abs(n))))
 
     def unary(self, name: str, x: WithErrorBound[N]) -> WithErrorBound[N]:
-        """Return Φ(x); its bound is |Φ′(x)| δx and ``own`` roundings of the value.
-
-        Args:
-            name: of the function Φ, one of ``tape.UNARY``.
-            x: a value with a bound on its error.
-        """
+        """Return Φ(x); its bound is |Φ′(x)| δx and ``own`` roundings of the value."""
         value = self.plain.unary(name, x.value)
         if name == "neg" or name == "abs":
             return WithErrorBound(value, x.error)

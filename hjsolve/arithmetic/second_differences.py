@@ -69,22 +69,14 @@ class SecondDifferences(Generic[N]):
         return SecondDifference(base, first, second, slope, a.add(base, a.mul(self.offset, slope)))
 
     def rational(self, numerator: int, denominator: int) -> SecondDifference[N]:
-        """Return a constant: it has no differences.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return a constant: it has no differences."""
         return SecondDifference(self.plain.rational(numerator, denominator))
 
     def pi(self) -> SecondDifference[N]:
         return SecondDifference(self.plain.pi())
 
     def add(self, x: SecondDifference[N], y: SecondDifference[N]) -> SecondDifference[N]:
-        """Return x + y; differences are added.
-
-        Args:
-            x, y: functions between q₀ and q₀ + δ.
-        """
+        """Return x + y; differences are added."""
         a = self.plain
         base = a.add(x.base, y.base)
         if x.first is None or y.first is None:
@@ -93,19 +85,11 @@ class SecondDifferences(Generic[N]):
         return self._made(base, a.add(x.first, y.first), a.add(x.second, y.second))
 
     def sub(self, x: SecondDifference[N], y: SecondDifference[N]) -> SecondDifference[N]:
-        """Return x − y; differences are subtracted.
-
-        Args:
-            x, y: functions between q₀ and q₀ + δ.
-        """
+        """Return x − y; differences are subtracted."""
         return self.add(x, self.unary("neg", y))
 
     def mul(self, x: SecondDifference[N], y: SecondDifference[N]) -> SecondDifference[N]:
-        """Return x·y, by (xy)[q₀, q₀, q] = x₀ y[q₀, q₀, q] + x′₀ y[q₀, q] + x[q₀, q₀, q] y.
-
-        Args:
-            x, y: functions between q₀ and q₀ + δ.
-        """
+        """Return x·y, by (xy)[q₀, q₀, q] = x₀ y[q₀, q₀, q] + x′₀ y[q₀, q] + x[q₀, q₀, q] y."""
         a = self.plain
         base = a.mul(x.base, y.base)
         if x.first is None or y.first is None:
@@ -117,11 +101,7 @@ class SecondDifferences(Generic[N]):
         return self._made(base, a.add(a.mul(x.first, y.base), a.mul(x.base, y.first)), second)
 
     def div(self, x: SecondDifference[N], y: SecondDifference[N]) -> SecondDifference[N]:
-        """Solve x = h y for h = x/y: x[q₀,q₀,q] = h₀ y[q₀,q₀,q] + h′₀ y[q₀,q] + h[q₀,q₀,q] y.
-
-        Args:
-            x, y: functions between q₀ and q₀ + δ.
-        """
+        """Solve x = h y for h = x/y: x[q₀,q₀,q] = h₀ y[q₀,q₀,q] + h′₀ y[q₀,q] + h[q₀,q₀,q] y."""
         a = self.plain
         if y.first is None:
             return self.mul(x, SecondDifference(a.div(a.rational(1, 1), y.base)))
@@ -132,24 +112,14 @@ class SecondDifferences(Generic[N]):
         return self._made(base, first, a.div(a.sub(rest, a.mul(first, y.slope)), y.value))
 
     def power(self, x: SecondDifference[N], n: int) -> SecondDifference[N]:
-        """Return xⁿ, by squaring.
-
-        Args:
-            x: a function between q₀ and q₀ + δ.
-            n: the exponent, of either sign.
-        """
+        """Return xⁿ, by squaring."""
         if n < 0:
             return self.div(self.rational(1, 1), self.power(x, -n))
         result: SecondDifference[N] = by_squaring(self.mul, x, n)
         return result
 
     def unary(self, name: str, x: SecondDifference[N]) -> SecondDifference[N]:
-        """Return Φ(x), by the addition theorem of Φ.
-
-        Args:
-            name: of the function Φ, one of ``tape.UNARY``.
-            x: a function between q₀ and q₀ + δ.
-        """
+        """Return Φ(x), by the addition theorem of Φ."""
         a = self.plain
         if x.first is None:
             return SecondDifference(a.unary(name, x.base))

@@ -27,7 +27,8 @@ UNARY = ("neg", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan
 class Arithmetic(Protocol[N]):
     """Where a tape is run: constants, the four operations, powers and the elementary functions.
 
-    Every arithmetic has these methods, on numbers x, y of its own kind: ``rational`` and ``pi`` make constants.
+    Every arithmetic has these methods, on numbers x, y of its own kind: ``rational`` and ``pi`` make constants. What
+    their arguments are is said here once.
     """
 
     def rational(self, numerator: int, denominator: int) -> N:

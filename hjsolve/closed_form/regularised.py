@@ -114,11 +114,7 @@ class EllipticArgument(Regularised):
         return x, way.direction * way.rate * slope, way.direction * self.ξ / way.rate, u_0
 
     def integral(self, key: sp.Symbol) -> sp.Expr:
-        """∫ ∂p/∂c dq as a function of the parameter.
-
-        Args:
-            key: the constant c.
-        """
+        """∫ ∂p/∂c dq as a function of the parameter."""
         R, way, x = self._rational(key), self.way, self.curve.x
         a, rest = reduced(R, self.curve.polynomial)
         integrals = LegendreIntegrals.along(self.ξ, way.k, way.m)
@@ -227,11 +223,7 @@ class Anomaly(Regularised):
         return first + ξ**2 / B, turn * ξ, 2 * turn * ξ / B, turn * positive_root(B * x_0 + C)
 
     def integral(self, key: sp.Symbol) -> sp.Expr:
-        """∫ ∂p/∂c dq as a function of the parameter.
-
-        Args:
-            key: the constant c.
-        """
+        """∫ ∂p/∂c dq as a function of the parameter."""
         law = elementary_antiderivative(self._rational(key), self.curve.polynomial, self.signs, self._side)
         return self._along(law)
 

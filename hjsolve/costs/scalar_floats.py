@@ -15,11 +15,7 @@ class ScalarFloat(ByOperators):
     """Double precision for scalars; what leaves the domain of a function is not a number."""
 
     def rational(self, numerator: int, denominator: int) -> float:
-        """Return the float next to a fraction.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return the float next to a fraction."""
         return numerator / denominator
 
     def pi(self) -> float:
@@ -27,29 +23,15 @@ class ScalarFloat(ByOperators):
         return math.pi
 
     def div(self, x: float, y: float) -> float:
-        """Return x/y; nan for a zero y.
-
-        Args:
-            x, y: floats.
-        """
+        """Return x/y; nan for a zero y."""
         return x / y if y else math.nan
 
     def power(self, x: float, n: int) -> float:
-        """Return xⁿ; nan for a pole.
-
-        Args:
-            x: a float.
-            n: the exponent, of either sign.
-        """
+        """Return xⁿ; nan for a pole."""
         return x**n if x or n > 0 else math.nan
 
     def unary(self, name: str, x: float) -> float:
-        """Return a function of x; nan outside its domain.
-
-        Args:
-            name: of the function, one of ``tape.UNARY``.
-            x: a float.
-        """
+        """Return a function of x; nan outside its domain."""
         if name == "neg":
             return -x
         try:

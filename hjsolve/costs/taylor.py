@@ -72,11 +72,7 @@ class Program:
         return self.plain.context.ldexp(self.plain.context.mpf(value), -self.bits)
 
     def rational(self, numerator: int, denominator: int) -> Slot:
-        """Return a fraction: a series of one term.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return a fraction: a series of one term."""
         return ConstantSeries(self.plain.rational(numerator, denominator))
 
     def pi(self) -> Slot:
@@ -84,19 +80,11 @@ class Program:
         return ConstantSeries(self.plain.pi())
 
     def add(self, x: Slot, y: Slot) -> Slot:
-        """Return x + y.
-
-        Args:
-            x, y: constants or series of this program.
-        """
+        """Return x + y."""
         return self._sum(x, y, 1)
 
     def sub(self, x: Slot, y: Slot) -> Slot:
-        """Return x − y.
-
-        Args:
-            x, y: constants or series of this program.
-        """
+        """Return x − y."""
         return self._sum(x, y, -1)
 
     def _sum(self, x: Slot, y: Slot, sign: int) -> Slot:
@@ -118,11 +106,7 @@ class Program:
         return x.__getitem__
 
     def mul(self, x: Slot, y: Slot) -> Slot:
-        """Return x·y, by Cauchy's product where both change.
-
-        Args:
-            x, y: constants or series of this program.
-        """
+        """Return x·y, by Cauchy's product where both change."""
         bits = self.bits
         if isinstance(x, ConstantSeries) and isinstance(y, ConstantSeries):
             return ConstantSeries(x.value * y.value)
@@ -136,11 +120,7 @@ class Program:
         return out
 
     def div(self, x: Slot, y: Slot) -> Slot:
-        """Return w = x/y, by w₀ = x₀/y₀ and y₀ wₖ = xₖ − Σ yⱼ wₖ₋ⱼ.
-
-        Args:
-            x, y: constants or series of this program.
-        """
+        """Return w = x/y, by w₀ = x₀/y₀ and y₀ wₖ = xₖ − Σ yⱼ wₖ₋ⱼ."""
         if isinstance(y, ConstantSeries):
             return self.mul(x, ConstantSeries(1 / y.value))
         a, out, bits = self.coefficients(x), self.new(), self.bits
@@ -153,12 +133,7 @@ class Program:
         return out
 
     def power(self, x: Slot, n: int) -> Slot:
-        """Return a whole power, by products, so that a base that vanishes does no harm.
-
-        Args:
-            x: constant or series.
-            n: the exponent, of either sign.
-        """
+        """A whole power, by products, so that a base that vanishes does no harm."""
         if isinstance(x, ConstantSeries):
             return ConstantSeries(x.value**n)
         result: Slot = x
@@ -168,12 +143,7 @@ class Program:
         return result if n > 0 else self.div(self.rational(1, 1), result)
 
     def unary(self, name: str, x: Slot) -> Slot:
-        """Return an elementary function, from the differential equation it satisfies.
-
-        Args:
-            name: of the function, such as ``sqrt``.
-            x: constant or series.
-        """
+        """An elementary function, from the differential equation it satisfies."""
         if isinstance(x, ConstantSeries):
             return ConstantSeries(self.plain.unary(name, x.value))
         if name in ("sin", "cos", "tan", "sinh", "cosh", "tanh"):

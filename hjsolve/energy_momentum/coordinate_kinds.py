@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
-from hjsolve.energy_momentum.exact_regions import regions_with_kinds, start_at
+from hjsolve.energy_momentum.exact_regions import at_place, regions_with_kinds
 from hjsolve.energy_momentum.isolation import Reals
 from hjsolve.energy_momentum.momentum_polynomial import MomentumPolynomial
 from hjsolve.errors import NotConvergedError, required
@@ -101,7 +101,7 @@ class CoordinateKinds(ByValue, Shown):
     def _open_kind(self, s: float, x: float, y: float) -> str:
         place = sp.Rational(float(required(self.polynomial).places(np.array([s]))[0]))
         try:
-            return str(locate(start_at(self.solution, self.name, self.exactly(x, y), place), 15).course.kind)
+            return str(locate(at_place(self.solution, self.name, self.exactly(x, y), place), 15).course.kind)
         except NotConvergedError:
             return UNDECIDED
 

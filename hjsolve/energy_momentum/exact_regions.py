@@ -15,13 +15,10 @@ import sympy as sp
 
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import required
-from hjsolve.lowering import momentum_squared_tapes
-from hjsolve.motion.exact_numbers import InBits, to_bits
-from hjsolve.motion.initial_data import domain_ends
+from hjsolve.motion.separated import start_at
 from hjsolve.one_coordinate.allowed_regions import AllowedRegion, every_region
 from hjsolve.one_coordinate.classify import locate
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart
-from hjsolve.one_coordinate.momentum_squared import MomentumSquared, has_period
 from hjsolve.one_coordinate.turning_points import End
 from hjsolve.solution.quadratures import Solution
 
@@ -56,7 +53,7 @@ def regions_with_kinds(
         NotConvergedError: P² could not be decided somewhere.
     """
     for shift in _SHIFTS:
-        start = start_at(solution, name, values, place + sp.Rational(shift) * (1 + abs(place)) * _room(solution, name))
+        start = at_place(solution, name, values, place + sp.Rational(shift) * (1 + abs(place)) * _room(solution, name))
         if start.radicand.value(start.place(256), 256) != 0:
             break
     return tuple(
@@ -71,7 +68,7 @@ def _room(solution: Solution, name: str) -> sp.Expr:
     return sp.S.One if domain.lower is None and domain.upper is None else sp.Rational(1, 64)
 
 
-def start_at(solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr], place: sp.Expr) -> CoordinateStart:
+def at_place(solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr], place: sp.Expr) -> CoordinateStart:
     """Begin at a place of a coordinate, on its way up.
 
     Args:
@@ -80,20 +77,8 @@ def start_at(solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr],
         values: symbol → exact number, of every constant and parameter.
         place: exact.
     """
-    coordinate, F = solution.system.coordinate(name), solution.momentum_squared[name]
-    constants = tuple(c.symbol for c in solution.constants.values())
-    parameters = tuple(p.symbol for p in solution.system.parameters)
-    squared, kernels, absent, periodic = momentum_squared_tapes(F, coordinate.symbol, constants, parameters)
-    rules = [to_bits(sp.sympify(values[s])) for s in (*constants, *parameters)]
-    radicand = MomentumSquared(squared, kernels, partial(_at_bits, rules))
-    low, high = (None if end is None else to_bits(end) for end in domain_ends(solution.system, name, values))
-    here = to_bits(sp.sympify(place))
-    angle = coordinate.domain.kind == "angle" and (periodic or has_period(radicand, here))
-    return CoordinateStart(name, radicand, here, 1, low, high, angle, absent, frozenset())
-
-
-def _at_bits(rules: list[InBits], bits: int) -> list[Mpf]:
-    return [rule(bits) for rule in rules]
+    start = start_at(solution, name, solution.momentum_squared[name], values, place)
+    return replace(start, parts=frozenset[str]())
 
 
 def _kind(start: CoordinateStart, region: AllowedRegion) -> str:

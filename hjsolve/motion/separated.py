@@ -154,35 +154,52 @@ def _limit(squared: sp.Expr, q: sp.Symbol, end: sp.Expr | None) -> InBits | None
     return to_bits(sp.S.Zero if number_is_zero(value) else value)
 
 
-def _smooth_start(solution: Solution, initial: Initial, name: str, squared: sp.Expr) -> CoordinateStart:
-    """Return the same of one p², analytic in the coordinate."""
+def start_at(
+    solution: Solution, name: str, squared: sp.Expr, values: Mapping[sp.Symbol, sp.Expr], place: sp.Expr,
+    exact: tuple[sp.Expr, ...] | None = None,
+) -> CoordinateStart:  # fmt: skip
+    """Make programs of one p², analytic in the coordinate, and begin at a place on the way up.
+
+    Args:
+        solution: of the system.
+        name: of the separated coordinate.
+        squared: p² in terms of the coordinate, the constants and the parameters.
+        values: symbol → exact number, of every constant and parameter.
+        place: exact.
+        exact: as of ``momentum_squared_tapes``.
+    """
     coordinate = solution.system.coordinate(name)
-    F = with_plain_exponents(squared, initial.values)
+    constants = tuple(c.symbol for c in solution.constants.values())
+    parameters = tuple(p.symbol for p in solution.system.parameters)
+    programs = momentum_squared_tapes(squared, coordinate.symbol, constants, parameters, exact)
+    rules = [to_bits(sp.sympify(values[s])) for s in (*constants, *parameters)]
+    radicand, here = MomentumSquared(*programs[:2], partial(_at_bits, rules)), to_bits(sp.sympify(place))
+    low, high = (None if end is None else to_bits(end) for end in domain_ends(solution.system, name, values))
+    angle = coordinate.domain.kind == "angle" and (programs[3] or has_period(radicand, here))
+    return CoordinateStart(name, radicand, here, 1, low, high, angle, programs[2])
+
+
+def _smooth_start(solution: Solution, initial: Initial, name: str, squared: sp.Expr) -> CoordinateStart:
+    """The start of a motion by one p², analytic in the coordinate."""
+    coordinate = solution.system.coordinate(name)
+    q, place = coordinate.symbol, initial.values[coordinate.symbol]
+    F = by_half_angles(with_plain_exponents(squared, initial.values), q)
     constants = tuple(solution.constants[c].symbol for c in solution.constants)
     parameters = tuple(p.symbol for p in solution.system.parameters)
-    exact = [initial.constants[c] for c in solution.constants] + [initial.values[s] for s in parameters]
-    rules = [to_bits(value) for value in exact]
-    F = by_half_angles(F, coordinate.symbol)
+    known = {solution.constants[c].symbol: initial.constants[c] for c in solution.constants}
+    known |= {s: initial.values[s] for s in parameters}
     own = (F, *(sp.diff(F, c) / 2 for c in constants))
-    known = dict(zip((*constants, *parameters), exact, strict=True))
-    joined = tuple(with_exact_coefficients(e, coordinate.symbol, known) for e in own)
-    squared, kernels, absent, periodic = momentum_squared_tapes(
-        F, coordinate.symbol, constants, parameters, None if joined == own else joined
-    )
-    radicand = MomentumSquared(squared, kernels, partial(_at_bits, rules))
+    joined = tuple(with_exact_coefficients(e, q, known) for e in own)
+    start = start_at(solution, name, F, known, place, None if joined == own else joined)
     momentum, shift = initial.values[coordinate.momentum], solution.shift[name]
-    ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
-    place = to_bits(initial.values[coordinate.symbol])
-    angle = coordinate.domain.kind == "angle" and (periodic or has_period(radicand, place))
     root = expanded(momentum + shift.subs(initial.values)) if shift != 0 else expanded(momentum)
-    forward = sign(root)
+    forward, radicand = sign(root), start.radicand
     if forward and not solution.system.kinks:
-        radicand = radicand.guarded(place, _square(to_bits(root)))
-    zeros = ExactZeros(F, coordinate.symbol, known, initial.values[coordinate.symbol])
-    start = CoordinateStart(name, radicand, place, forward, ends[0], ends[1], angle, absent, exact=zeros)
+        radicand = radicand.guarded(start.place, _square(to_bits(root)))
+    start = replace(start, radicand=radicand, forward=forward, exact=ExactZeros(F, q, known, place))
     if coordinate.domain.kind != "line":
         return start
-    return replace(start, winding=_winding(start, F, coordinate.symbol, constants, parameters, initial))
+    return replace(start, winding=_winding(start, F, q, constants, parameters, initial))
 
 
 def _winding(

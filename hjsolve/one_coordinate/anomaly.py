@@ -54,12 +54,6 @@ class Libration(Unstretched):
     direction = 1
 
     def place(self, χ: Numeric, arithmetic: Float64 | Multi) -> Place:
-        """Return the place at χ, |χ| ≤ 2π.
-
-        Args:
-            χ: phase; a number of the arithmetic, or an array of doubles.
-            arithmetic: in which q is worked out.
-        """
         sn, cn, _ = jacobi(χ * self.quarter / arithmetic.pi(), self.complement, self.quarter, arithmetic)
         denominator = 1 + self.near_lower * cn * cn
         from_lower = self.width * (sn * sn / denominator)
@@ -112,12 +106,6 @@ class BarrierAnomaly(Unstretched):
     direction = 1
 
     def place(self, χ: Numeric, arithmetic: Float64 | Multi) -> Place:
-        """Return the place at χ, |χ| ≤ 2π.
-
-        Args:
-            χ: phase; a number of the arithmetic, or an array of doubles.
-            arithmetic: in which q is worked out.
-        """
         folded = χ - 2 * arithmetic.pi() * arithmetic.rint(χ / (2 * arithmetic.pi()))
         sn, cn, dn = jacobi(2 * folded * self.quarter / arithmetic.pi(), self.complement, self.quarter, arithmetic)
         small = sn * sn / (1 + abs(cn)) / 2
@@ -167,12 +155,7 @@ class Rotation(Unstretched):
     even = False
 
     def place(self, χ: Numeric, arithmetic: Float64 | Multi) -> Place:
-        """Return the place at χ, |χ| ≤ 2π; q is not reduced to one turn.
-
-        Args:
-            χ: phase; a number of the arithmetic, or an array of doubles.
-            arithmetic: in which q is worked out.
-        """
+        """Return the place at χ, |χ| ≤ 2π; q is not reduced to one turn."""
         sn, cn, dn = jacobi(χ * self.quarter / arithmetic.pi(), self.complement, self.quarter, arithmetic)
         amplitude = arithmetic.atan2(sn, cn)
         stretch = 2 * self.quarter / arithmetic.pi() * dn
@@ -217,12 +200,7 @@ class TwoBarrierAnomaly(Unstretched):
     even = False
 
     def place(self, χ: Numeric, arithmetic: Float64 | Multi) -> Place:
-        """Return the place at χ, |χ| ≤ 2π; q is not reduced to one turn.
-
-        Args:
-            χ: phase; a number of the arithmetic, or an array of doubles.
-            arithmetic: in which q is worked out.
-        """
+        """Return the place at χ, |χ| ≤ 2π; q is not reduced to one turn."""
         pi, root = arithmetic.pi(), arithmetic.unary("sqrt", self.complement)
         turn = arithmetic.rint((χ - pi) / (2 * pi))
         sn, cn, dn = jacobi(2 * self.quarter * ((χ - pi) / pi - 2 * turn), self.complement, self.quarter, arithmetic)

@@ -181,65 +181,32 @@ class OverDisks(DifferenceRules[Disk]):
     """The rules over disks: of several ways to have a difference the narrowest is taken."""
 
     def fixed(self, disk: Disk) -> Disk:
-        """Return the disk as it is.
-
-        Args:
-            disk: the value at a or b, or the chord between them.
-        """
+        """Return the disk as it is."""
         return disk
 
     def plus(self, x: Disk, y: Disk) -> Disk:
-        """Return a disk that holds every x + y.
-
-        Args:
-            x, y: disks.
-        """
+        """Return a disk that holds every x + y."""
         return _DISKS.add(x, y)
 
     def times(self, x: Disk, y: Disk) -> Disk:
-        """Return a disk that holds every x·y.
-
-        Args:
-            x, y: disks.
-        """
+        """Return a disk that holds every x·y."""
         return _DISKS.mul(x, y)
 
     def reciprocal(self, x: Disk) -> Disk:
-        """Return a disk that holds every 1/x.
-
-        Args:
-            x: disks.
-        """
+        """Return a disk that holds every 1/x."""
         return _DISKS.inverse(x)
 
     def call(self, name: str, x: Disk) -> Disk:
-        """Return a disk that holds every Φ(x).
-
-        Args:
-            name: of the function Φ, one of ``tape.UNARY``.
-            x: disks.
-        """
+        """Return a disk that holds every Φ(x)."""
         return _DISKS.unary(name, x)
 
     def chord(self, name: str, x: Disk, y: Disk, at_x: Disk, at_y: Disk) -> Disk:
-        """Return the quotient of differences, or the mean of Φ′ over the hull: the smaller disk.
-
-        Args:
-            name: of the function Φ, one of ``tape.UNARY``.
-            x, y: disks.
-            at_x, at_y: Φ of them.
-        """
+        """Return the quotient of differences, or the mean of Φ′ over the hull: the smaller disk."""
         quotient = _DISKS.div(_DISKS.sub(at_y, at_x), _DISKS.sub(y, x))
         return tighter(quotient, _DISKS.derivative(name, hull(x, y)))
 
     def bend(self, name: str, places: tuple[Disk, Disk, Disk], chord: Disk, near_a: Disk, near_b: Disk) -> Disk:
-        """Return one of two quotients, or half the mean of Φ″ over the hull: the smallest disk.
-
-        Args:
-            name: of the function Φ, one of ``tape.UNARY``.
-            places: the disks of a, b and q.
-            chord, near_a, near_b: Φ[a, b], Φ[a, q] and Φ[b, q].
-        """
+        """Return one of two quotients, or half the mean of Φ″ over the hull: the smallest disk."""
         a, b, q = places
         one = _DISKS.div(_DISKS.sub(near_b, chord), _DISKS.sub(q, a))
         other = _DISKS.div(_DISKS.sub(near_b, near_a), _DISKS.sub(b, a))
@@ -251,54 +218,23 @@ class AtPoints(DifferenceRules[Complexes]):
     """The rules at points in complex doubles."""
 
     def fixed(self, disk: Disk) -> Complexes:
-        """Return the centre of a disk.
-
-        Args:
-            disk: the value at a or b, or the chord between them.
-        """
+        """Return the centre of a disk."""
         return disk.centre
 
     def plus(self, x: Complexes, y: Complexes) -> Complexes:
-        """Return x + y.
-
-        Args:
-            x, y: complex doubles.
-        """
         return x + y
 
     def times(self, x: Complexes, y: Complexes) -> Complexes:
-        """Return x·y.
-
-        Args:
-            x, y: complex doubles.
-        """
         return x * y
 
     def reciprocal(self, x: Complexes) -> Complexes:
-        """Return 1/x.
-
-        Args:
-            x: complex doubles.
-        """
         return 1 / x
 
     def call(self, name: str, x: Complexes) -> Complexes:
-        """Return Φ(x).
-
-        Args:
-            name: of the function Φ, one of ``tape.UNARY``.
-            x: complex doubles.
-        """
         return _DISKS.unary(name, Disk(x, np.zeros(()))).centre
 
     def chord(self, name: str, x: Complexes, y: Complexes, at_x: Complexes, at_y: Complexes) -> Complexes:
-        """Return Φ[x, y]: the quotient, or Φ′ in the middle where x and y are close.
-
-        Args:
-            name: of the function Φ, one of ``tape.UNARY``.
-            x, y: complex doubles.
-            at_x, at_y: Φ of them.
-        """
+        """Return Φ[x, y]: the quotient, or Φ′ in the middle where x and y are close."""
         apart = y - x
         close = np.abs(apart) < _CLOSE * np.maximum(np.abs(x), 1e-3)
         quotient = (at_y - at_x) / np.where(close, 1, apart)
@@ -314,13 +250,7 @@ class AtPoints(DifferenceRules[Complexes]):
         near_a: Complexes,
         near_b: Complexes,
     ) -> Complexes:
-        """Return Φ[a, b, q] over the longer of two distances, or ½Φ″ in the middle where all are close.
-
-        Args:
-            name: of the function Φ, one of ``tape.UNARY``.
-            places: a, b and q.
-            chord, near_a, near_b: Φ[a, b], Φ[a, q] and Φ[b, q].
-        """
+        """Return Φ[a, b, q] over the longer of two distances, or ½Φ″ in the middle where all are close."""
         a, b, q = places
         one, other = np.broadcast_arrays(q - a, b - a + 0 * q)
         widest = np.maximum(np.abs(one), np.abs(other))

@@ -82,12 +82,6 @@ class PieceByPiece(Unstretched):
     direction: ClassVar[int] = 1
 
     def place(self, χ: Any, arithmetic: Float64 | Multi) -> Place:
-        """Return the place at χ, |χ| ≤ 2π.
-
-        Args:
-            χ: phase; a number of the arithmetic, or an array of doubles.
-            arithmetic: in which q is worked out.
-        """
         n, pi = len(self.pieces), arithmetic.pi()
         folded = χ - 2 * pi * arithmetic.rint(χ / (2 * pi))
         step = pi / n
@@ -125,15 +119,9 @@ class PieceByPiece(Unstretched):
         return forward * arithmetic.pi() * (k + self.pieces[k].share(q)) / len(self.pieces)
 
     def in_doubles(self) -> Self:
-        """Return the same with its constants rounded to doubles, for vectorised use."""
         return self._converted(float)
 
     def lowered(self, arithmetic: Multi) -> Self:
-        """Return the same with its constants rounded to fewer digits.
-
-        Args:
-            arithmetic: with fewer.
-        """
         return self._converted(arithmetic.convert)
 
     def _converted(self, convert: Callable[[Mpf], Any]) -> Self:
@@ -157,38 +145,21 @@ class KinkedLibration(Periodic):
         return self
 
     def ratio(self, χ: Elementwise) -> Elementwise:
-        """Return p/(dq/dχ) to full relative accuracy; χ a float array or one ``mpf``.
-
-        Args:
-            χ: phase.
-        """
+        """Return p/(dq/dχ) to full relative accuracy; χ a float array or one ``mpf``."""
         return self.momentum.value(χ)
 
     def pace(self, weights: Weights, χ: Reals) -> Reals:
-        """Return Σ wⱼ dGⱼ/dχ.
-
-        Args:
-            weights: wⱼ, one a constant.
-            χ: phases in doubles, shape (m,).
-        """
+        """Return Σ wⱼ dGⱼ/dχ."""
         found: Any = sum(w * self.rate(j, χ) for j, w in enumerate(weights) if w)
         return found
 
     def crowding(self, χ: Reals) -> Reals:
-        """Return how the rounding of χ comes out in p/(dq/dχ), relative to it.
-
-        Args:
-            χ: phases in doubles, shape (m,).
-        """
+        """Return how the rounding of χ comes out in p/(dq/dχ), relative to it."""
         h = 1e-5
         return np.abs(χ * (self.momentum.value(χ + h) - self.momentum.value(χ - h)) / (2 * h * self.momentum.value(χ)))
 
     def momentum_noise(self, χ: Reals) -> Reals:
-        """Return the rounding of p in units of the last place: of a sum, and of χ in it.
-
-        Args:
-            χ: phases in doubles, shape (m,).
-        """
+        """Return the rounding of p in units of the last place: of a sum, and of χ in it."""
         return 4 * self.momentum.size / np.abs(self.momentum.value(χ)) + 4 * self.crowding(χ)
 
 

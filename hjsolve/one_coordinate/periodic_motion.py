@@ -72,7 +72,6 @@ class Periodic(KindOfMotion):
 
     @property
     def nodes(self) -> int:
-        """Quadrature nodes behind the integrals over a cycle."""
         return max((s.nodes for s in self.kernels), default=0)
 
     @property
@@ -94,22 +93,10 @@ class Periodic(KindOfMotion):
         return signed
 
     def integral(self, j: int, χ: Numbers) -> Numbers:
-        """Return Gⱼ from 0 to χ.
-
-        Args:
-            j: position of the constant.
-            χ: phases, shape (m,).
-        """
         mean = self.kernels[j].mean
         return (float(mean) if χ.dtype == float else mean) * χ + self.kernels[j].oscillation(χ)
 
     def rate(self, j: int, χ: Numbers) -> Numbers:
-        """Return dGⱼ/dχ.
-
-        Args:
-            j: position of the constant.
-            χ: phases, shape (m,).
-        """
         return self.kernels[j].value(χ)
 
     def growth(self, j: int) -> float | Mpf:
@@ -138,23 +125,14 @@ class Periodic(KindOfMotion):
         return self.anomaly.lower, self.anomaly.upper
 
     def momentum_integral(self, χ: Numbers) -> tuple[Numbers, Numbers, Numbers]:
-        """Return ∫ P dq from the phase 0 to χ, |P dq/dχ|, and the size that rounding refers to.
-
-        Args:
-            χ: phases, shape (m,); doubles or ``mpf``.
-        """
+        """Return ∫ P dq from the phase 0 to χ, |P dq/dχ|, and the size that rounding refers to."""
         series = required(self.density)
         mean: Elementwise = float(series.mean) if χ.dtype == float else series.mean
         size = abs(mean) * abs(χ) + series.size
         return mean * χ + series.oscillation(χ), abs(series.value(χ)), size
 
     def rounding_size(self, weights: Weights, χ: Reals) -> Reals:
-        """Return what the rounding of Σ wⱼ Gⱼ(χ) is relative to: the growth, and all the terms of the series.
-
-        Args:
-            weights: wⱼ, one a constant.
-            χ: phases in doubles, shape (m,).
-        """
+        """Return what the rounding of Σ wⱼ Gⱼ(χ) is relative to: the growth, and all the terms of the series."""
         used = [(j, abs(w)) for j, w in enumerate(weights) if w]
         size = cast("Reals", sum(w * phase_times(self.growth(j), χ) for j, w in used))
         for j, w in used:
@@ -162,11 +140,6 @@ class Periodic(KindOfMotion):
         return size
 
     def rate_noise(self, j: int) -> float:
-        """Return what rounding in doubles leaves open of dGⱼ/dχ where it is small.
-
-        Args:
-            j: position of the constant.
-        """
         series = self.kernels[j]
         return 2.0**-48 * (abs(float(series.mean)) + series.size)
 
@@ -191,28 +164,17 @@ class Periodic(KindOfMotion):
         return moved(end, np.where(low, below, -above))
 
     def place_in_two_doubles(self, χ: Reals, rough: Reals) -> Pair:
-        """Return q in two doubles, at phases in doubles; the second is 0 of a rotation.
-
-        Args:
-            χ: phases, shape (m,).
-            rough: q in doubles.
-        """
+        """Return q in two doubles, at phases in doubles; the second is 0 of a rotation."""
         if self.rotates:
             return Pair(rough, 0 * rough)
         return self.beside(*self.distances(χ))
 
     def place_grain(self, χ: Reals) -> Reals:
-        """Return the size that the rounding of a place in two doubles refers to.
-
-        Args:
-            χ: phases in doubles, shape (m,).
-        """
         if self.rotates:
             return np.abs(cast("Reals", self.place(χ)[0])) + np.pi * float(self.radian)
         return np.minimum(*self.distances(χ))
 
     def in_doubles(self) -> Self:
-        """Return the motion with the series of its momentum rounded to doubles, for vectorised use."""
         series = self.momentum
         if series.cosines.dtype != object:
             return self
@@ -222,19 +184,11 @@ class Periodic(KindOfMotion):
         )
 
     def momentum_noise(self, χ: Reals) -> Reals:
-        """Return the terms of ln(p/(dq/dχ)), which are rounded one by one, and what the rounding of χ does to it.
-
-        Args:
-            χ: phases in doubles, shape (m,).
-        """
+        """Return the terms of ln(p/(dq/dχ)), which are rounded one by one, and what the rounding of χ does to it."""
         return 2 * self.momentum.size + 4 * self.in_doubles().crowding(χ)
 
     def phase_rounding(self, χ: Reals) -> Reals:
-        """Return the rounding of the anomaly itself as an uncertainty of χ in doubles; 0 where it has none.
-
-        Args:
-            χ: phases, shape (m,).
-        """
+        """Return the rounding of the anomaly itself as an uncertainty of χ in doubles; 0 where it has none."""
         return self.anomaly.rounding(χ)
 
     def pace(self, weights: tuple[float, ...], χ: Reals) -> Reals:
@@ -298,11 +252,6 @@ class Periodic(KindOfMotion):
         return np.array([self.direction * turn * int(n) for n in count], dtype=object)
 
     def place(self, χ: Numbers) -> tuple[Numbers, Numbers]:
-        """Return q (not reduced to one turn) and the shell momentum at χ.
-
-        Args:
-            χ: phases, shape (m,).
-        """
         q, p = self._inner_place(χ)
         if self.radian == 1:
             return q, p

@@ -41,12 +41,7 @@ class ComplexPoints(Float64):
     """Complex doubles, where a few digits are enough."""
 
     def unary(self, name: str, x: Complexes) -> Complexes:
-        """Return a function of one variable.
-
-        Args:
-            name: of the function; ``turned`` is i times the number, ``abs`` the analytic function ±z.
-            x: complex, shape (m,).
-        """
+        """Return a function of one variable."""
         if name == "turned":
             return 1j * x
         if name == "abs":  # the analytic function ±z
@@ -57,12 +52,7 @@ class ComplexPoints(Float64):
         return Float64().unary(name, np.asarray(x, dtype=complex))
 
     def power(self, x: Complexes, n: int) -> Complexes:
-        """Return xⁿ.
-
-        Args:
-            x: complex, shape (m,).
-            n: exponent of either sign.
-        """
+        """Return xⁿ."""
         return x**n
 
 

@@ -60,38 +60,19 @@ class AtRest(KindOfMotion):
         return self.sizes[j]
 
     def momentum_integral(self, χ: Numbers) -> tuple[Numbers, Numbers, Numbers]:
-        """Return zeros: nothing is moved through.
-
-        Args:
-            χ: phases, shape (m,); doubles or ``mpf``.
-        """
+        """Return zeros: nothing is moved through."""
         return 0 * χ, 0 * χ, 0 * χ
 
     def rounding_size(self, weights: Weights, χ: Reals) -> Reals:
-        """Return what the rounding of Σ wⱼ Gⱼ(χ) is relative to.
-
-        Args:
-            weights: wⱼ, one a constant.
-            χ: phases in doubles, shape (m,).
-        """
         return cast("Reals", sum(abs(w) * phase_times(self.growth(j), χ) for j, w in enumerate(weights) if w))
 
     def place_in_two_doubles(self, χ: Reals, rough: Reals) -> Pair:  # noqa: ARG002
-        """Return the place in two doubles.
-
-        Args:
-            χ: phases, shape (m,).
-            rough: q in doubles.
-        """
+        """Return the place in two doubles."""
         rest = split(self.rest)
         return Pair(rest.high + 0 * χ, rest.low + 0 * χ)
 
     def place_grain(self, χ: Reals) -> Reals:
-        """Return 0: the place is known to any precision.
-
-        Args:
-            χ: phases in doubles, shape (m,).
-        """
+        """Return 0: the place is known to any precision."""
         return 0.0 * χ
 
     def growth(self, j: int) -> float | Mpf:
@@ -103,30 +84,14 @@ class AtRest(KindOfMotion):
         return self.rates[j]
 
     def integral(self, j: int, χ: Numbers) -> Numbers:
-        """Return Gⱼ from 0 to χ.
-
-        Args:
-            j: position of the constant.
-            χ: phases, shape (m,).
-        """
         return self.rate(j, χ) * χ
 
     def rate(self, j: int, χ: Numbers) -> Numbers:
-        """Return dGⱼ/dχ.
-
-        Args:
-            j: position of the constant.
-            χ: phases, shape (m,).
-        """
         rate: Elementwise = float(self.rates[j]) if χ.dtype == float else self.rates[j]
         return rate + 0 * χ
 
     def place(self, χ: Numbers) -> tuple[Numbers, Numbers]:
-        """Return the place, and the momentum 0.
-
-        Args:
-            χ: phases, shape (m,).
-        """
+        """Return the place, and the momentum 0."""
         count(places=χ.size)
         rest: Elementwise = float(self.rest) if χ.dtype == float else self.rest
         return rest + 0 * χ, 0 * χ

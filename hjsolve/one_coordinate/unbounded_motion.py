@@ -63,59 +63,26 @@ class Unbounded(KindOfMotion):
         return χ >= 0, ahead, self.behind.panels(weights, back, partly=self.partly)
 
     def finished(self, side: int) -> bool:
-        """Return whether the last phase held is the end of the motion, not of the panels.
-
-        Args:
-            side: 1 ahead, −1 behind.
-        """
         branch = self.branches[side < 0]
         return branch.way.end == "fall" or branch.panels(*self.reach, partly=self.partly).finished
 
     def covering(self, χ: Numbers) -> Unbounded:
-        """Return the motion with enough panels for some phases, on each side as far as there are any.
-
-        Args:
-            χ: phases, shape (m,).
-        """
         if not self.two_ways:
             return self.with_reach(float(np.max(np.abs(χ), initial=0)))
         return self.with_reach(float(np.max(χ, initial=0)), float(np.max(-χ, initial=0)))
 
     def with_reach(self, ahead: float, back: float | None = None) -> Unbounded:
-        """Return the motion with enough panels for phases up to a size.
-
-        Args:
-            ahead: greatest phase.
-            back: greatest −χ where panels behind shall reach elsewhere.
-        """
         least = max(1.0, abs(float(self.start)))
         behind = None if back is None else max(least, back)
         return replace(self, reach=(None, max(least, ahead)), back=behind, partly=False)
 
     def with_amount(self, weights: Weights | None, amount: float, *, partly: bool = False) -> Unbounded:
-        """Return the motion with panels as far as |Σ wⱼ Gⱼ| reaches an amount.
-
-        Args:
-            weights: wⱼ, one a constant; None where the phase itself is meant.
-            amount: how far.
-            partly: True where panels that do not reach so far will do.
-        """
         return replace(self, reach=(weights, amount), back=None, partly=partly)
 
     def carries(self, j: int) -> bool:
-        """Return False where the integral for a constant is zero all along.
-
-        Args:
-            j: position of the constant.
-        """
         return self.ahead.carries(j)
 
     def on_sides(self, *, ahead: bool, back: bool) -> Unbounded:
-        """Return the motion with panels on those sides only.
-
-        Args:
-            ahead, back: False where there are no phases.
-        """
         weights, amount = self.reach
         return replace(self, reach=(weights, amount if ahead else 1e-290), back=amount if back else 1e-290)
 
@@ -125,11 +92,7 @@ class Unbounded(KindOfMotion):
         return np.concatenate([(edges[1:] + edges[:-1]) / 2, [float(self.start)]])
 
     def stations(self, side: int) -> Reals:
-        """Return the ends of the panels from the start outward, and doublings beyond where the motion goes on for ever.
-
-        Args:
-            side: 1 ahead, −1 behind.
-        """
+        """Return the ends of the panels outward, and doublings beyond where the motion goes on for ever."""
         start = float(self.start)
         edges, limit = self.edges(), self.limits()[side > 0]
         beyond = edges[edges > start] if side > 0 else edges[edges < start][::-1]
@@ -138,12 +101,7 @@ class Unbounded(KindOfMotion):
         return places if np.isfinite(limit) else np.concatenate([places, places[-1] + side * doublings])
 
     def rounding_size(self, weights: Weights, χ: Reals) -> Reals:
-        """Return what the rounding of Σ wⱼ Gⱼ(χ) is relative to: a panel's series is rounded like its greatest value.
-
-        Args:
-            weights: wⱼ, one a constant.
-            χ: phases in doubles, shape (m,).
-        """
+        """Return what the rounding of Σ wⱼ Gⱼ(χ) is relative to: the greatest value of a panel's series."""
         used = [(j, abs(w)) for j, w in enumerate(weights) if w]
         edges = self.edges()
         summed: Elementwise = sum(w * np.abs(self.integral(j, edges)) for j, w in used)
@@ -152,11 +110,6 @@ class Unbounded(KindOfMotion):
         return np.maximum(np.maximum(summed[position], summed[position + 1]), tail)
 
     def momentum_integral(self, χ: Numbers) -> tuple[Numbers, Numbers, Numbers]:
-        """Return ∫ P dq from the phase 0 to χ, |P dq/dχ|, and the size that rounding refers to; nan beyond the panels.
-
-        Args:
-            χ: phases, shape (m,); doubles or ``mpf``.
-        """
         weights, amount = self.reach
         back = amount if self.back is None or not self.two_ways else self.back
         ahead, behind = self.ahead.swept(weights, amount), self.behind.swept(weights, back)
@@ -168,12 +121,7 @@ class Unbounded(KindOfMotion):
         return values, slopes, np.where(forward, ahead.grain(0, y), behind.grain(0, y))
 
     def place_in_two_doubles(self, χ: Reals, rough: Reals) -> Pair:  # noqa: ARG002
-        """Return start or end of a branch and the distance from it.
-
-        Args:
-            χ: phases, shape (m,).
-            rough: q in doubles.
-        """
+        """Return start or end of a branch and the distance from it."""
         pairs = []
         for branch in self.branches:
             way = branch.way.in_doubles()
@@ -189,40 +137,19 @@ class Unbounded(KindOfMotion):
         return Pair(*(np.where(χ >= 0, a, b) for a, b in zip(ahead, behind, strict=True)))
 
     def place_grain(self, χ: Reals) -> Reals:
-        """Return the size that the rounding of a place in two doubles refers to: its distance from the start.
-
-        Args:
-            χ: phases in doubles, shape (m,).
-        """
+        """Return the size that the rounding of a place in two doubles refers to: its distance from the start."""
         return np.abs(cast("Reals", self.place(χ)[0]) - float(self.ahead.way.start))
 
     def integral(self, j: int, χ: Numbers) -> Numbers:
-        """Return Gⱼ from 0 to χ.
-
-        Args:
-            j: position of the constant.
-            χ: phases, shape (m,).
-        """
         forward, ahead, behind = self._sides(χ)
         return np.where(forward, ahead.integral(j, np.abs(χ)), -behind.integral(j, np.abs(χ)))
 
     def grain(self, j: int, χ: Numbers) -> Reals:
-        """Return the size that the rounding of an integral in doubles refers to.
-
-        Args:
-            j: position of the constant.
-            χ: phases, shape (m,).
-        """
+        """Return the size that the rounding of an integral in doubles refers to."""
         forward, ahead, behind = self._sides(χ)
         return np.where(forward, ahead.grain(j, np.abs(χ)), behind.grain(j, np.abs(χ)))
 
     def rate(self, j: int, χ: Numbers) -> Numbers:
-        """Return dGⱼ/dχ.
-
-        Args:
-            j: position of the constant.
-            χ: phases, shape (m,).
-        """
         forward, ahead, behind = self._sides(χ)
         return np.where(forward, ahead.value(j, np.abs(χ)), behind.value(j, np.abs(χ)))
 
@@ -265,11 +192,7 @@ class Unbounded(KindOfMotion):
         return bool(last[0] * rate <= 10.0**-self.ahead.digits * total)
 
     def place(self, χ: Numbers) -> tuple[Numbers, Numbers]:
-        """Return q and the shell momentum at χ.
-
-        Args:
-            χ: phases, shape (m,).
-        """
+        """Return q and the shell momentum at χ."""
         count(places=χ.size)
         forward, ahead, behind = self._sides(χ)
         (q1, p1), (q2, p2) = self._on(self.ahead, ahead, χ, 1), self._on(self.behind, behind, χ, -1)

@@ -168,14 +168,14 @@ class Solution(ShownSolution):
             ('libration', 14.99332061)
         """
         # the one call from the symbolic half up into the numeric half: solving loads no numerical library
-        from hjsolve.motion.charted.begin import start
+        from hjsolve.motion.charted.begin import StartGiven, start
 
         refuse_null(self)
-        return start(
-            self, q=q, velocity=velocity, p=p, constants=constants, signs=signs, actions=actions,
-            angles=angles, kinds=kinds, parameters=parameters, t0=t0, digits=digits, certified=certified, want=want,
-            velocity_frame=velocity_frame,
+        given = StartGiven(
+            q=q, velocity=velocity, p=p, constants=constants, signs=signs, actions=actions, angles=angles, kinds=kinds,
+            parameters=parameters, t0=t0, digits=digits, certified=certified, want=want, velocity_frame=velocity_frame,
         )  # fmt: skip
+        return start(self, given)
 
 
 def refuse_null(solution: Solution) -> None:

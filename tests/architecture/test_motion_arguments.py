@@ -24,12 +24,11 @@ def test_the_signature_names_its_arguments(door):
     assert "position" in inspect.getdoc(DOORS[door])
 
 
-def test_the_arguments_of_the_method_are_those_of_start():
-    from hjsolve.motion.charted.begin import start
+def test_the_arguments_of_the_method_are_those_that_a_motion_is_started_from():
+    from hjsolve.motion.charted.begin import StartGiven
 
-    method, function = (inspect.signature(f).parameters for f in (LINE.motion, start))
-    told = {name: argument.default for name, argument in function.items() if name != "solution"}
-    assert {name: argument.default for name, argument in method.items()} == told
+    method, given = (inspect.signature(f).parameters for f in (LINE.motion, StartGiven))
+    assert {name: a.default for name, a in method.items()} == {name: a.default for name, a in given.items()}
 
 
 @pytest.mark.parametrize("door", DOORS)

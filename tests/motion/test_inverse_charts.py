@@ -36,7 +36,7 @@ def test_the_point_of_the_coordinates_of_a_point_is_the_point(kind: str) -> None
     numbers = {name: c.mpf(value.p) / value.q for name, value in lengths.items()}
     for _ in range(60):
         X = [c.mpf(dice.choice([0, 0, 1, -1, dice.uniform(-3, 3), 10 ** dice.uniform(-90, 3)])) for _ in range(n)]
-        u = inverse_chart(kind, X, [c.zero] * n, numbers, c)
+        u = inverse_chart(kind, X, [c.zero] * n, numbers, FIELD)
         back = tape.run(FIELD, u)
         assert max(abs(a - b) for a, b in zip(X, back, strict=True)) <= c.mpf(10) ** -180 * (1 + max(map(abs, X)))
 

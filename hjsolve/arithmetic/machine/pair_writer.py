@@ -67,22 +67,14 @@ class PairWriter:
         return self.writer.called(name, *(part for value in values for part in value), results=results)
 
     def rational(self, numerator: int, denominator: int) -> PairOfValues:
-        """Return the two doubles next to a fraction.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return the two doubles next to a fraction."""
         return self.written(exact(Fraction(numerator, denominator)))
 
     def pi(self) -> PairOfValues:
         return self.written(DoubleDouble().pi())
 
     def add(self, x: PairOfValues, y: PairOfValues) -> PairOfValues:
-        """Write x + y; nothing for a term 0.
-
-        Args:
-            x, y: numbers in two values.
-        """
+        """Write x + y; nothing for a term 0."""
         if self._is(x, 0.0) or self._is(y, 0.0):
             return y if self._is(x, 0.0) else x
         if y in self._opposite:
@@ -102,11 +94,7 @@ class PairWriter:
         return total
 
     def sub(self, x: PairOfValues, y: PairOfValues) -> PairOfValues:
-        """Write x − y; nothing for y = 0.
-
-        Args:
-            x, y: numbers in two values.
-        """
+        """Write x − y; nothing for y = 0."""
         if self._is(x, 0.0) or self._is(y, 0.0):
             return self._negative(y) if self._is(x, 0.0) else x
         if y in self._opposite:
@@ -114,11 +102,7 @@ class PairWriter:
         return PairOfValues(*self._called("pair_sub", x, y))
 
     def mul(self, x: PairOfValues, y: PairOfValues) -> PairOfValues:
-        """Write x·y; nothing for a factor 1 or 0.
-
-        Args:
-            x, y: numbers in two values.
-        """
+        """Write x·y; nothing for a factor 1 or 0."""
         if self._is(x, 0.0) or self._is(y, 0.0):
             return self.rational(0, 1)
         for factor, other in ((x, y), (y, x)):
@@ -129,20 +113,11 @@ class PairWriter:
         return PairOfValues(*self._called("pair_mul", x, y))
 
     def div(self, x: PairOfValues, y: PairOfValues) -> PairOfValues:
-        """Write x/y.
-
-        Args:
-            x, y: numbers in two values.
-        """
+        """Write x/y."""
         return x if self._is(y, 1.0) else PairOfValues(*self._called("pair_div", x, y))
 
     def power(self, x: PairOfValues, n: int) -> PairOfValues:
-        """Write xⁿ as products.
-
-        Args:
-            x: a number in two values.
-            n: the exponent, of either sign.
-        """
+        """Write xⁿ as products."""
         if n <= 0:
             return self.rational(1, 1) if n == 0 else self.div(self.rational(1, 1), self.power(x, -n))
         result: PairOfValues = by_squaring(self.mul, x, n)
@@ -157,10 +132,6 @@ class PairWriter:
 
     def unary(self, name: str, x: PairOfValues) -> PairOfValues:
         """Write a function of one variable.
-
-        Args:
-            name: of the function, one of ``tape.UNARY``.
-            x: a number in two values.
 
         Raises:
             ValueError: a function that is not known here.

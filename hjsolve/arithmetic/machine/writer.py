@@ -110,22 +110,14 @@ class InstructionWriter:
         return (self._numbers[x], self._numbers[y]) if x in self._numbers and y in self._numbers else None
 
     def rational(self, numerator: int, denominator: int) -> Value:
-        """Return a fraction, rounded to a double.
-
-        Args:
-            numerator, denominator: whole numbers, the second not zero.
-        """
+        """Return a fraction, rounded to a double."""
         return self.number(float(Fraction(numerator, denominator)))
 
     def pi(self) -> Value:
         return self.number(math.pi)
 
     def add(self, x: Value, y: Value) -> Value:
-        """Write x + y; nothing for a term 0.
-
-        Args:
-            x, y: values.
-        """
+        """Write x + y; nothing for a term 0."""
         if self._is(x, 0.0) or self._is(y, 0.0):
             return y if self._is(x, 0.0) else x
         if both := self._both(x, y):
@@ -137,11 +129,7 @@ class InstructionWriter:
         return self.called("add", *sorted((x, y)))[0]
 
     def sub(self, x: Value, y: Value) -> Value:
-        """Write x − y; nothing for y = 0.
-
-        Args:
-            x, y: values.
-        """
+        """Write x − y; nothing for y = 0."""
         if self._is(x, 0.0) or self._is(y, 0.0):
             return self._negative(y) if self._is(x, 0.0) else x
         if both := self._both(x, y):
@@ -153,11 +141,7 @@ class InstructionWriter:
         return self.called("sub", x, y)[0]
 
     def mul(self, x: Value, y: Value) -> Value:
-        """Write x·y; nothing for a factor 1 or 0.
-
-        Args:
-            x, y: values.
-        """
+        """Write x·y; nothing for a factor 1 or 0."""
         if self._is(x, 0.0) or self._is(y, 0.0):
             return self.number(0.0)
         if both := self._both(x, y):
@@ -172,11 +156,7 @@ class InstructionWriter:
         return self.called("mul", *sorted((x, y)))[0]
 
     def div(self, x: Value, y: Value) -> Value:
-        """Write x/y.
-
-        Args:
-            x, y: values.
-        """
+        """Write x/y."""
         both = self._both(x, y)
         if both and both[1] != 0.0:
             return self.number(both[0] / both[1])
@@ -189,12 +169,7 @@ class InstructionWriter:
         return self.called("div", x, y)[0]
 
     def power(self, x: Value, n: int) -> Value:
-        """Write xⁿ as products.
-
-        Args:
-            x: a value.
-            n: the exponent, of either sign.
-        """
+        """Write xⁿ as products."""
         if n <= 0:
             return self.number(1.0) if n == 0 else self.div(self.number(1.0), self.power(x, -n))
         result: Value = by_squaring(self.mul, x, n)
@@ -221,10 +196,6 @@ class InstructionWriter:
 
     def unary(self, name: str, x: Value) -> Value:
         """Write a function of one variable.
-
-        Args:
-            name: of the function, one of ``tape.UNARY``.
-            x: a value.
 
         Raises:
             ValueError: a function that is not known here.

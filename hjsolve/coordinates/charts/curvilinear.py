@@ -44,12 +44,7 @@ class CurvilinearMap(OuterMap):
     space: System
 
     def rates(self, x: Sequence[sp.Expr], speed: Sequence[sp.Expr]) -> Rates:
-        """Return q̇ and p of a point and its velocity; on the axis that of R and φ count as zero.
-
-        Args:
-            x: the point.
-            speed: its velocity.
-        """
+        """Return q̇ and p of a point and its velocity; on the axis that of R and φ count as zero."""
         square, spin = x[0] ** 2 + x[1] ** 2, x[0] * speed[1] - x[1] * speed[0]
         ρ, outward = sp.sqrt(square), x[0] * speed[0] + x[1] * speed[1]
         on_axis = square == 0

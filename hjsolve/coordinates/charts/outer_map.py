@@ -64,12 +64,7 @@ class SphereMap(OuterMap):
     mass: sp.Expr
 
     def rates(self, x: Sequence[sp.Expr], speed: Sequence[sp.Expr]) -> Rates:
-        """Return q̇ and p of a point and its velocity.
-
-        Args:
-            x: the point.
-            speed: its velocity.
-        """
+        """Return q̇ and p of a point and its velocity."""
         square, spin = x[0] ** 2 + x[1] ** 2, x[0] * speed[1] - x[1] * speed[0]
         along = (self.sense if self.latitude else -self.sense) * speed[2] / sp.sqrt(square)
         q, p = [along, spin / square], [self.mass * along, self.mass * spin]

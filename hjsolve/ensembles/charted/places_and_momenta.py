@@ -19,8 +19,8 @@ from hjsolve.arithmetic.machine.writer import InstructionWriter, MachineCode, Va
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.ensembles.charted.chart_map import ChartMap
-from hjsolve.ensembles.charted.inverse_arrays import inverse_arrays
 from hjsolve.ensembles.charted.momenta_to_32_digits import ChartFormulas, formulas_of, known_values, parameter_values
+from hjsolve.motion.charted.inverse_charts import inverse_chart
 
 _NEWTON_STEPS = {"ellipsoidal": 3, "paraboloidal": 3, "conical": 3}
 """Newton steps by kind, where it is not one."""
@@ -54,7 +54,8 @@ def carried(chart: ChartMap, x: Reals, rates: Reals) -> SeparatedStarts:
     """
     n, m = len(x), len(chart.model.separated)
     X = chart.local.run(Float64(), [*x, *_high(chart)])
-    near = _inside(chart, inverse_arrays(chart.kind, [np.broadcast_to(row, x.shape[1:]) for row in X], chart.lengths))
+    places, onward = [np.broadcast_to(row, x.shape[1:]) for row in X], [0.0] * len(X)
+    near = _inside(chart, inverse_chart(chart.kind, places, onward, chart.lengths, Float64()))
     code = _written(formulas_of(chart), _NEWTON_STEPS.get(chart.kind, 1))
     rows = run_rows(code, parameter_values(chart), np.concatenate([near, x, rates]))
     q, *others = np.split(rows, np.cumsum([n, n, n, n, m]))

@@ -1,20 +1,18 @@
 """How a motion starts: in the coordinates it is solved in, or in the user's where these were changed to solve it.
 
-``Solution.motion`` calls ``start``: read the initial data, start in coordinates that run on through poles where the
-motion meets some, and keep the input, so that the motion can be started anew.
+``Solution.motion`` calls ``start``: make numbers of what is given, start in coordinates that run on through poles where
+the motion meets some, and keep the input, so that the motion can be started anew.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-import sympy as sp
-
 from hjsolve import arguments
-from hjsolve.errors import InvalidInputError
+from hjsolve.errors import InvalidInputError, required
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.quantities_given import in_units
@@ -30,122 +28,121 @@ from hjsolve.precision import one_at_a_time
 from hjsolve.solution.quadratures import Solution
 
 EXAMPLE = 'motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"})'
+_GROUPS = ("q", "velocity", "p", "constants", "signs", "parameters")
+
+
+@dataclass(frozen=True, kw_only=True)
+class StartGiven:
+    """What a motion is started from; ``Solution.motion`` says what each of these is."""
+
+    q: Mapping[str, object] | None = None
+    velocity: Mapping[str, object] | None = None
+    p: Mapping[str, object] | None = None
+    constants: Mapping[str, object] | None = None
+    signs: Mapping[str, int] | None = None
+    actions: Mapping[str, object] | None = None
+    angles: Mapping[str, object] | None = None
+    kinds: Mapping[str, str] | None = None
+    parameters: Mapping[str, object] | None = None
+    t0: object = 0
+    digits: int = FLOAT_DIGITS
+    certified: bool = False
+    want: Iterable[str] | None = None
+    velocity_frame: str = COORDINATE
+
+    @property
+    def groups(self) -> dict[str, Any]:
+        """The initial data by name, with None for what was not given."""
+        return {name: getattr(self, name) for name in _GROUPS}
 
 
 @one_at_a_time
-def start(
-    solution: Solution,
-    *,
-    q: Mapping[str, object] | None = None,
-    velocity: Mapping[str, object] | None = None,
-    p: Mapping[str, object] | None = None,
-    constants: Mapping[str, object] | None = None,
-    signs: Mapping[str, int] | None = None,
-    actions: Mapping[str, object] | None = None,
-    angles: Mapping[str, object] | None = None,
-    kinds: Mapping[str, str] | None = None,
-    parameters: Mapping[str, object] | None = None,
-    t0: object = 0,
-    digits: int = FLOAT_DIGITS,
-    certified: bool = False,
-    want: Iterable[str] | None = None,
-    velocity_frame: str = COORDINATE,
-) -> Motion:
-    """Start a motion from initial data.
+def start(solution: Solution, given: StartGiven) -> Motion:
+    """Start a motion; see ``Solution.motion``.
 
     Args:
         solution: of the system.
-        q: coordinate → position, every one.
-        velocity: coordinate → velocity, every one; or
-        p: coordinate → canonical momentum, every one; or
-        constants: name of a constant of the motion (``Solution.constants``) → value, every one, with
-        signs: separated coordinate → 1 or −1, the sign its root P = √P² starts with; needless where P = 0.
-        actions: coordinate → J, every one that has an action; instead of the four above, with
-        angles: coordinate → angle variable at t0, 0 where left out; q is then a place in the well that is meant.
-        kinds: with actions, separated coordinate → the kind that is meant, where several tori have them.
-        parameters: name → value, where it differs from the default.
-        t0: time of the initial data.
-        digits: relative digits wanted, at least 1; float64 up to 15.
-        certified: prove constants, turning points, actions, frequencies and periods (needs the extra ``certified``);
-            states stay estimates, at the digits asked.
-        want: which of ``QUANTITIES`` will be asked; nothing else is integrated. None for all.
-        velocity_frame: ``coordinate``, or ``orthonormal`` where velocities are along the coordinates' unit vectors.
-
-    Returns:
-        The motion.
+        given: the arguments.
 
     Raises:
-        InvalidInputError: initial data that are no numbers, incomplete, or outside the domain.
-        MissingValueError: a parameter or an initial value is missing.
-        ForbiddenMotionError: no real motion has these constants.
-        NotConvergedError: a turning point or an integral did not converge to the digits asked.
-
-    Example:
-        >>> import hjsolve
-        >>> kepler = hjsolve.solve(hjsolve.catalog.load("kepler-planar"))
-        >>> motion = kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"})
-        >>> motion.kinds["r"], round(motion.periods["r"].value, 9)
-        ('libration', 14.99332061)
+        InvalidInputError, MissingValueError, ForbiddenMotionError, NotConvergedError: as of ``Solution.motion``.
     """
-    if actions is not None:
-        arguments.refuse_unused(
-            {"velocity": velocity is not None, "p": p is not None, "constants": constants is not None,
-             "signs": signs is not None, "certified": certified},
-            "actions={…} and angles={…} give the motion",
-        )  # fmt: skip
-        given = {"actions": actions, "angles": angles, "q": q, "kinds": kinds, "parameters": parameters}
-        return _on_torus(solution, given, t0, digits, want)
-    arguments.refuse_unused({"angles": angles is not None, "kinds": kinds is not None}, "there are no actions={…}")
-    if q is None:
+    if given.actions is not None:
+        others = ("velocity", "p", "constants", "signs")
+        unused = {name: getattr(given, name) is not None for name in others} | {"certified": given.certified}
+        arguments.refuse_unused(unused, "actions={…} and angles={…} give the motion")
+        return _on_torus(solution, given)
+    unused = {"angles": given.angles is not None, "kinds": given.kinds is not None}
+    arguments.refuse_unused(unused, "there are no actions={…}")
+    if given.q is None:
         raise InvalidInputError(f"motion: no q={{…}}; write {EXAMPLE}")
+    given = _checked(solution, _in_own_units(solution, given))
+    motion = _as_given(solution, given) if solution.chart is None else _in_found_coordinates(solution, given)
+    kept: dict[str, Any] = {name: None if group is None else dict(group) for name, group in given.groups.items()}
+    again = partial(_again, solution, replace(given, **kept, certified=False))
+    return replace(motion, given=kept, again=again)
+
+
+def _in_own_units(solution: Solution, given: StartGiven) -> StartGiven:
+    """Take units off, and turn lengths along unit vectors into rates of coordinates."""
     system = solution.system if solution.chart is None else solution.chart.original
-    q, factors = in_units(system, q, "q"), factors_of(system, velocity_frame, velocity)
-    if factors is None or velocity is None:
-        velocity = in_units(system, velocity, "velocity")
+    q, factors = in_units(system, required(given.q), "q"), factors_of(system, given.velocity_frame, given.velocity)
+    if factors is None or given.velocity is None:
+        velocity = in_units(system, given.velocity, "velocity")
     else:
-        velocity = rates_of(system, q, lengths_in_units(system, velocity, factors), factors)
-    p, parameters = in_units(system, p, "p"), in_units(system, parameters, "parameters")
-    if solution.chart is not None:
-        return start_charted(
-            solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters, t0=t0,
-            digits=digits, certified=certified, want=want,
-        )  # fmt: skip
-    told = tuple((constant.symbol, constant.expression) for constant in solution.constants.values())
-    constants = in_units(system, constants, "constants", told)
-    digits = arguments.digits(digits)
-    arguments.refuse_other(certified, bool, "certified", "True or False is needed")
-    if certified:
-        refuse_kinks(system.kinks, "certified=True")
-    initial = read_initial_data(
-        solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters
-    )
-    wanted = None if want is None else arguments.words(want, "want", '["actions", "periods"]')
-    parts, exact_t0 = parts_of(wanted), number(t0, source="t0")
-    groups = {
-        "q": q, "velocity": velocity, "p": p, "constants": constants, "signs": signs, "parameters": parameters,
-    }  # fmt: skip
-    given = {name: None if group is None else dict(group) for name, group in groups.items()}
-    motion = motion_through_poles(solution, initial, exact_t0, digits, parts, certified=certified)
-    return replace(motion, given=given, again=partial(_again, solution, given, exact_t0, wanted))
+        velocity = rates_of(system, q, lengths_in_units(system, given.velocity, factors), factors)
+    constants = given.constants
+    if solution.chart is None:
+        told = tuple((constant.symbol, constant.expression) for constant in solution.constants.values())
+        constants = in_units(system, constants, "constants", told)
+    return replace(
+        given, q=q, velocity=velocity, p=in_units(system, given.p, "p"), constants=constants,
+        parameters=in_units(system, given.parameters, "parameters"), velocity_frame=COORDINATE,
+    )  # fmt: skip
 
 
-def _on_torus(
-    solution: Solution, given: Mapping[str, Any], t0: object, digits: int, want: Iterable[str] | None
-) -> Motion:
+def _checked(solution: Solution, given: StartGiven) -> StartGiven:
+    """Refuse what cannot be; times as exact numbers, words as a set."""
+    if solution.chart is not None and (given.constants is not None or given.signs is not None):
+        raise InvalidInputError("constants, signs: with coordinates that were found, give velocity={…} or p={…}")
+    digits = arguments.digits(given.digits)
+    arguments.refuse_other(given.certified, bool, "certified", "True or False is needed")
+    if given.certified and solution.chart is None:
+        refuse_kinks(solution.system.kinks, "certified=True")
+    return replace(given, digits=digits, want=_words(given.want), t0=number(given.t0, source="t0"))
+
+
+def _words(want: Iterable[str] | None) -> frozenset[str] | None:
+    return None if want is None else arguments.words(want, "want", '["actions", "periods"]')
+
+
+def _as_given(solution: Solution, given: StartGiven) -> Motion:
+    """Start a motion in the coordinates of its solution."""
+    initial, parts = read_initial_data(solution, **given.groups), parts_of(given.want)
+    return motion_through_poles(solution, initial, given.t0, given.digits, parts, certified=given.certified)
+
+
+def _in_found_coordinates(solution: Solution, given: StartGiven) -> Motion:
+    """Start a motion in the user's coordinates."""
+    data = {name: group for name, group in given.groups.items() if name not in ("constants", "signs")}
+    return start_charted(
+        solution, data, t0=given.t0, digits=given.digits, certified=given.certified, want=given.want
+    )  # fmt: skip
+
+
+def _on_torus(solution: Solution, given: StartGiven) -> Motion:
     """Start a motion from actions and angles, those of the separated coordinates."""
     if solution.chart is not None:
         raise InvalidInputError(
             "actions: not with coordinates that were found; solve the system in its separated coordinates, "
             "solution.system, instead"
         )
-    parts = parts_of(None if want is None else arguments.words(want, "want", '["actions", "periods"]'))
-    parameters = in_units(solution.system, given["parameters"], "parameters")
-    return start_on_torus(solution, {**given, "parameters": parameters}, t0, arguments.digits(digits), parts)
+    parts, digits = parts_of(_words(given.want)), arguments.digits(given.digits)
+    parameters = in_units(solution.system, given.parameters, "parameters")
+    torus = {"actions": given.actions, "angles": given.angles, "q": given.q, "kinds": given.kinds}
+    return start_on_torus(solution, {**torus, "parameters": parameters}, given.t0, digits, parts)
 
 
-def _again(
-    solution: Solution, given: Mapping[str, Any], t0: sp.Expr, want: frozenset[str] | None, digits: int,
-    change: Mapping[str, Any],
-) -> Motion:  # fmt: skip
+def _again(solution: Solution, given: StartGiven, digits: int, change: Mapping[str, Any]) -> Motion:
     """Start a motion anew from what was given, with other digits or changed input."""
-    return start(solution, **{**given, **change}, t0=t0, digits=digits, want=want)
+    return start(solution, replace(given, digits=digits, **change))

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
-from hjsolve.arithmetic.number_types import Numbers
 from hjsolve.coordinates.chart import Chart
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.motion.charted.collisions import Ends, between
@@ -17,37 +16,36 @@ from hjsolve.motion.motion import Motion
 from hjsolve.motion.placing import with_place
 from hjsolve.motion.state import State
 from hjsolve.motion.through_poles.continued_motion import ContinuedMotion
+from hjsolve.motion.transformed_motion import TransformedMotion
 from hjsolve.solution.quadratures import Solution
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ChartedMotion(Motion):
+class ChartedMotion(TransformedMotion):
     """A motion of a system that separates in coordinates found for it (``solve(..., coordinates="find")``).
 
     ``at`` gives q, p and velocity in the user's coordinates; everything else is keyed by the separated ones.
 
     Attributes:
-        within: the motion in the separated coordinates.
         ends: times of the collisions with a focus before and after t₀, between which the motion is told.
     """
 
-    within: Motion | None = field(default=None, repr=False)
     ends: Ends = (None, None)
 
     @property
     def solution(self) -> Solution:
         """What is solved, in the separated coordinates."""
-        return self._inner.solution
+        return self.within.solution
 
     @property
     def initial(self) -> Initial:
         """The initial data and constants, in the separated coordinates."""
-        return self._inner.initial
+        return self.within.initial
 
     @property
     def as_solved(self) -> Motion:
-        """The same motion expressed in the separated coordinates."""
-        return self._inner
+        """The same motion told in the separated coordinates."""
+        return self.within
 
     @property
     def chart(self) -> Chart:
@@ -68,7 +66,7 @@ class ChartedMotion(Motion):
         Raises:
             InvalidInputError: a time that is not a finite real number.
         """
-        inner, values = self._inner, self._inner.initial.values
+        inner, values = self.within, self.within.initial.values
         if isinstance(inner, ContinuedMotion):
             state = state_in(self.chart, values, inner.unfolded(t), inner.dropped)
         else:
@@ -90,7 +88,7 @@ class ChartedMotion(Motion):
             InvalidInputError: a time or place that is not a finite real number, or a motion that ends in a collision.
         """
         self._refuse_collision()
-        return self._inner.characteristic_function(t, q=q, branch=branch)
+        return self.within.characteristic_function(t, q=q, branch=branch)
 
     def principal_function(self, t: object) -> Estimate | EstimateArray:
         """Return S = W − E (t − t₀) at a time or times; it is the same in all coordinates.
@@ -102,51 +100,11 @@ class ChartedMotion(Motion):
             InvalidInputError: a time that is not a finite real number, or a motion that ends in a collision.
         """
         self._refuse_collision()
-        return self._inner.principal_function(t)
+        return self.within.principal_function(t)
 
     def _refuse_collision(self) -> None:
         if self.ends != (None, None):
             raise InvalidInputError("W and S: not given for a motion that ends in a collision with a focus")
-
-    def time_at(self, name: str, value: object, passage: int = 0) -> Estimate:
-        """Return the time of the passage-th crossing of a position of a separated coordinate, counted from t₀ on.
-
-        Args:
-            name: separated coordinate.
-            value: position; for an angle modulo 2π.
-            passage: 0 for the first crossing at t ≥ t₀, 1 for the next, −1 for the last before t₀ …
-
-        Raises:
-            InvalidInputError: an unknown coordinate, a value that is not a number, or a passage that is not whole.
-            OutsideMotionError: the motion never reaches that position, or not that often.
-        """
-        self._refuse_given(name)
-        return self._inner.time_at(name, value, passage)
-
-    def orbit(self, name: str, *, along: str, values: object) -> Numbers:
-        """Return one separated coordinate where another passes given values for the first time after t₀.
-
-        Args:
-            name: separated coordinate wanted; unwrapped if it is an angle.
-            along: separated coordinate whose values are given.
-            values: positions of ``along``, shape (m,).
-
-        Returns:
-            Array of shape (m,).
-
-        Raises:
-            InvalidInputError: an unknown coordinate, or a value that is not a number.
-            OutsideMotionError: the motion never reaches a value.
-        """
-        for coordinate in (name, along):
-            self._refuse_given(coordinate)
-        return self._inner.orbit(name, along=along, values=values)
-
-    @property
-    def _inner(self) -> Motion:
-        if self.within is None:
-            raise InternalError("a charted motion without the motion it is computed from")
-        return self.within
 
     def _refuse_given(self, name: str) -> None:
         own = self.chart.coordinates

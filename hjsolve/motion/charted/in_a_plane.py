@@ -12,7 +12,7 @@ of which the motion is one as well, and in which a focus is a place like others.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Any
 
 import sympy as sp
@@ -21,13 +21,12 @@ from hjsolve.arithmetic.floats import Multi
 from hjsolve.coordinates.chart import Chart
 from hjsolve.coordinates.charts.curvilinear import CurvilinearMap
 from hjsolve.coordinates.webs.expanded_potential import flattened
-from hjsolve.errors import HJSolveError, InternalError
+from hjsolve.errors import HJSolveError
 from hjsolve.mechanics.system import System
 from hjsolve.motion.charted.charted_motion import ChartedMotion
 from hjsolve.motion.charted.initial_map import BITS, Frame, point_in_frame, rational_of
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.initial_data import read_phase_point
-from hjsolve.motion.motion import Motion
 from hjsolve.separation import Zero, is_zero
 from hjsolve.solution.quadratures import solve
 
@@ -44,13 +43,11 @@ class MotionInPlane(ChartedMotion):
         plane: how the coordinates along it, X, Y or Z of the web's frame, are tied to the user's.
     """
 
-    plane: Chart | None = field(default=None, repr=False)
+    plane: Chart = field(kw_only=True, repr=False)
 
     @property
     def chart(self) -> Chart:
         """How the coordinates along the axis or in the plane are tied to the user's."""
-        if self.plane is None:
-            raise InternalError("a motion in a plane without its plane")
         return self.plane
 
 
@@ -84,7 +81,7 @@ def motion_in_a_plane(chart: Chart, given: Mapping[str, Start | None], **options
             within = solve(plane.system, "find").motion(q=q, p=p, parameters=given["parameters"], **options)
         except HJSolveError:
             continue
-        return MotionInPlane(**{f.name: getattr(within, f.name) for f in fields(Motion)}, within=within, plane=plane)
+        return MotionInPlane.of(within, plane=plane)
     return None
 
 

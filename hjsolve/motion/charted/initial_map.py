@@ -126,7 +126,7 @@ def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr
 
     X, P, lengths = point_in_frame(chart, value, c)
     n = len(chart.symbols)
-    u = _inside(chart, inverse_chart(chart.kind, X, P, lengths, c)[-n:])  # on a sphere without r
+    u = _inside(chart, inverse_chart(chart.kind, X, P, lengths, field)[-n:])  # on a sphere without r
     _refuse_singular(chart, given, u, field)
     fixed = {s.symbol: value(s.symbol) for s in chart.system.parameters}
     J = sp.Matrix(chart.place).jacobian(chart.symbols)

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
-from typing import Any, TypeVar
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import sympy as sp
 
-from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
-from hjsolve.arithmetic.number_types import AtTimes, Elementwise, Numbers, Reals
-from hjsolve.errors import ForbiddenPlaceError, InternalError, InvalidInputError, NotConvergedError, NotSeparableError
+from hjsolve.arithmetic.number_types import AtTimes, Elementwise, Reals
+from hjsolve.errors import ForbiddenPlaceError, InvalidInputError, NotConvergedError, NotSeparableError
 from hjsolve.motion import quantities
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.initial_data import Initial, clean, domain_ends, with_numbers
@@ -22,15 +21,15 @@ from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.starting import started
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.through_poles.continuation import Continuation, Fold, continued_coordinates
+from hjsolve.motion.transformed_motion import TransformedMotion
 from hjsolve.solution.quadratures import Solution, solve
 
-Part = TypeVar("Part")
 _NOISE_BITS = 2000
 """A constant that is so small and a fraction of so many digits is the rounding of 0 (``charted.initial_map``)."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ContinuedMotion(Motion):
+class ContinuedMotion(TransformedMotion):
     """A motion that passes poles of its coordinates: p_φ = 0, and nothing but the coordinates ends there.
 
     Kinds, turning points, actions and frequencies are those of the continued coordinates: r < 0 is the place −r with
@@ -40,23 +39,21 @@ class ContinuedMotion(Motion):
         given_solution: of the system as given.
         given_initial: initial data and constants as given.
         continued: how the coordinates run on.
-        within: the motion in the continued coordinates.
     """
 
-    given_solution: Solution | None = field(default=None, repr=False)
-    given_initial: Initial | None = field(default=None, repr=False)
-    continued: Continuation | None = field(default=None, repr=False)
-    within: Motion | None = field(default=None, repr=False)
+    given_solution: Solution = field(kw_only=True, repr=False)
+    given_initial: Initial = field(kw_only=True, repr=False)
+    continued: Continuation = field(kw_only=True, repr=False)
 
     @property
     def solution(self) -> Solution:
         """What is solved: the system as given."""
-        return _there(self.given_solution)
+        return self.given_solution
 
     @property
     def initial(self) -> Initial:
         """The exact initial data and constants, as given."""
-        return _there(self.given_initial)
+        return self.given_initial
 
     def at(self, t: object) -> State:
         """Return the state at a time or times, in the given coordinates.
@@ -70,15 +67,15 @@ class ContinuedMotion(Motion):
         Raises:
             InvalidInputError: a time that is not a finite real number.
         """
-        state = folded(_there(self.continued), self.initial, _there(self.within).at(t), self.solution)
+        state = folded(self.continued, self.initial, self.within.at(t), self.solution)
         return with_place(self.solution.system, self.initial.values, state)
 
     @property
     def dropped(self) -> tuple[str, ...]:
         """The angles whose momentum is zero and that the continued coordinates do without."""
-        within = _there(self.within)
+        within = self.within
         more = within.dropped if isinstance(within, ContinuedMotion) else ()
-        way = _there(self.continued)
+        way = self.continued
         return more if way.carried else (way.angle, *more)
 
     def unfolded(self, t: object) -> State:
@@ -89,7 +86,7 @@ class ContinuedMotion(Motion):
         Args:
             t: a time or an array of times.
         """
-        within, way = _there(self.within), _there(self.continued)
+        within, way = self.within, self.continued
         state = within.unfolded(t) if isinstance(within, ContinuedMotion) else within.at(t)
         if way.carried:
             return state
@@ -112,51 +109,11 @@ class ContinuedMotion(Motion):
             {**state.velocity, name: nothing}, {}, state.status, errors,
         )  # fmt: skip
 
-    def time_at(self, name: str, value: object, passage: int = 0) -> Estimate:
-        """Return the time of the passage-th crossing of a position, counted from t₀ on.
-
-        Args:
-            name: coordinate; of one that is continued the position is that of the continued one.
-            value: position; for an angle modulo 2π.
-            passage: 0 for the first crossing at t ≥ t₀, 1 for the next, −1 for the last before t₀ …
-
-        Raises:
-            InvalidInputError: an unknown coordinate, the angle that jumps, a value that is not a number.
-            OutsideMotionError: the motion never reaches that position, or not that often.
-        """
-        self._refuse_angle(name)
-        return _there(self.within).time_at(name, value, passage)
-
-    def orbit(self, name: str, *, along: str, values: object) -> Numbers:
-        """Return one continued coordinate where another passes given values for the first time after t₀.
-
-        Args:
-            name: coordinate wanted; unwrapped if it is an angle.
-            along: coordinate whose values are given.
-            values: positions of ``along``, shape (m,).
-
-        Returns:
-            Array of shape (m,).
-
-        Raises:
-            InvalidInputError: an unknown coordinate, the angle that jumps, or a value that is not a number.
-            OutsideMotionError: the motion never reaches a value.
-        """
-        for coordinate in (name, along):
-            self._refuse_angle(coordinate)
-        return _there(self.within).orbit(name, along=along, values=values)
-
-    def _refuse_angle(self, name: str) -> None:
-        way = _there(self.continued)
+    def _refuse_given(self, name: str) -> None:
+        way = self.continued
         if name == way.angle:
             moves = "jumps" if way.carried else "is constant in this motion but for jumps"
             raise InvalidInputError(f"{name}: {moves} by pi at the poles; at(t).q[{name!r}] gives it")
-
-
-def _there(part: Part | None) -> Part:
-    if part is None:
-        raise InternalError("a continued motion without its parts")
-    return part
 
 
 def motion_through_poles(
@@ -228,13 +185,12 @@ def _continued(
         within = motion_through_poles(other, _carried(other, solution, initial), t0, digits, parts, certified=certified)
     except (NotSeparableError, NotConvergedError):
         return None
-    own = {f.name: getattr(within, f.name) for f in fields(Motion)}
     kinds = {c.name: within.kinds.get(c.name, "ignorable") for c in solution.system.coordinates}
     bits = bits_for(max(digits, FLOAT_DIGITS), 128)
     constants = {
         n: quantities.rounded(to_bits(x)(bits), max(digits, FLOAT_DIGITS)) for n, x in initial.constants.items()
     }
-    motion = ContinuedMotion(**own, given_solution=solution, given_initial=initial, continued=way, within=within)
+    motion = ContinuedMotion.of(within, given_solution=solution, given_initial=initial, continued=way)
     return replace(motion, kinds=kinds, constants={**within.constants, **constants})
 
 
