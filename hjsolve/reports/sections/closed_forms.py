@@ -271,7 +271,7 @@ def _shown(name: str, e: sp.Basic, write: Callable[[Any], Formula]) -> Formula |
 def _meaning(symbols: list[tuple[sp.Symbol, int]], meaning: object) -> list[Block | _TooLong]:
     """What symbols of a form stand for: in a sentence where it is short, else displayed."""
     if isinstance(meaning, sp.Poly) and symbols[0][1] >= 0:
-        e, words = meaning.as_expr(), _root_words(symbols)
+        e, words = meaning.as_expr(), _root_words(symbols, meaning.degree())
         if width(display(e, IN_A_CELL)) <= IN_A_CELL:
             return [Paragraph((*words, math(e)))]
         return [Paragraph(words), _shown(str(symbols[0][0]), e, equation)]
@@ -283,13 +283,16 @@ def _meaning(symbols: list[tuple[sp.Symbol, int]], meaning: object) -> list[Bloc
     return [_shown(str(symbol), e, partial(formula, box(symbol)))]
 
 
-def _root_words(symbols: list[tuple[sp.Symbol, int]]) -> Text:
-    """Which of the real roots of one polynomial the symbols are."""
-    if len(symbols) == 1:
-        symbol, index = symbols[0]
-        return (math(symbol), f": root number {index + 1}, counted upwards, of the real roots of ")
+def _root_words(symbols: list[tuple[sp.Symbol, int]], degree: int) -> Text:
+    """Which of the real roots of one polynomial the symbols are, from the lowest up."""
+    upwards = sorted(symbols, key=lambda one: one[1])
     pieces: list[Inline] = []
-    for symbol, _ in symbols:
-        pieces += [", " if pieces else "", math(symbol)]
-    numbers = ", ".join(str(index + 1) for _, index in symbols)
-    return (*pieces, f": roots number {numbers}, counted upwards, of the real roots of ")
+    for symbol, _ in upwards:
+        pieces += [" < " if pieces else "", math(symbol)]
+    places = [index + 1 for _, index in upwards]
+    if len(places) == 1:
+        return (*pieces, f": real root {places[0]}, counted upwards, of ")
+    if places == list(range(1, degree + 1)):
+        return (*pieces, ": the real roots of ")
+    first, last = ", ".join(map(str, places[:-1])), places[-1]
+    return (*pieces, f": real roots {first} and {last}, counted upwards, of ")
