@@ -137,7 +137,7 @@ def _sum(expression: sp.Add) -> Box:
 
 
 def _factor_key(factor: sp.Expr, momenta: set[str]) -> int:
-    """Order factors as physicists do: numbers, masses, E, other symbols, p, the q of a p, sin θ, sums, other functions, signs, ∫."""
+    """Order factors as physicists do: numbers, masses, E, letters, p, the q of a p, sin θ, sums, calls, signs, ∫."""
     base = factor.base if isinstance(factor, sp.Pow) else factor
     if factor.is_number:
         return 0
