@@ -1,10 +1,10 @@
-"""Complete integrals by the complement of the parameter, for doubles: next to m = 1 the number 1 − m has lost its digits.
+"""Complete integrals by the complement of the parameter, for doubles: next to m = 1 the difference 1 − m loses digits.
 
     K(m) = R_F(0, 1 − m, 1)
     E(m) = ⅓ (1 − m) [R_D(0, 1 − m, 1) + R_D(0, 1, 1 − m)]
     Π(n, m) = R_F(0, 1 − m, 1) + ⅓ n R_J(0, 1 − m, 1, 1 − n)
 
-DLMF 19.25.1 and 19.25.2. With m = (x₃ − x₂)/(x₃ − x₁) the complement is (x₂ − x₁)/(x₃ − x₁), a quotient of differences of
+DLMF 19.25.1, 19.25.2. With m = (x₃ − x₂)/(x₃ − x₁) the complement is (x₂ − x₁)/(x₃ − x₁), a quotient of differences of
 roots. A long motion between distant turning points has 1 − m of the order of their ratio.
 """
 
