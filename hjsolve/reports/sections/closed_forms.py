@@ -49,7 +49,7 @@ _WIDEST = NARROW / 0.65
 """Letters of the longest piece of a formula that cannot be broken; it is set smaller on a narrow screen."""
 _WIDEST_CELL = 1.2 * IN_A_CELL
 """And in a table, where it is not."""
-SECONDS = 2.5
+SECONDS = 6.0
 """Of processor time, for the forms of a report, which as a whole is to take less than eight."""
 
 
