@@ -50,7 +50,7 @@ _WIDEST = NARROW / 0.65
 _WIDEST_CELL = 1.2 * IN_A_CELL
 """And in a table, where it is not."""
 SECONDS = 6.0
-"""Of processor time, for the forms of a report, which as a whole is to take less than eight."""
+"""Of processor time, for the forms of a report: Kerr, Vinti and two centres, the longest, take three to four."""
 
 
 def closed_form_report(subject: Motion | Solution) -> list[Section]:
