@@ -13,6 +13,8 @@ import hjsolve
 from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.named_quantities import needed_names
+from hjsolve.reports.formulas.from_sympy import box
+from hjsolve.reports.formulas.latex import latex_of
 
 LONGEST = 40
 """Operations of a definition that is written next to its formula."""
@@ -71,9 +73,13 @@ def form_of(entry: str) -> RegimeForms:
     return form
 
 
+def _latex(expression: sp.Basic) -> str:
+    return latex_of(box(expression))
+
+
 def _left(name: str) -> str:
     group, _, q = name.partition(".")
-    written = sp.latex(sp.Symbol(q)) if q else ""
+    written = _latex(sp.Symbol(q)) if q else ""
     if group == "anomaly":
         return rf"{written}(\xi)"
     if group == "parametric":
@@ -96,22 +102,28 @@ def written(line: Line) -> str:
     for name in line.names:
         value = form.named()[name]
         if name == "time_law":
-            formula = f"{sp.latex(form.time_law.lhs)} = {sp.latex(value)}"  # type: ignore[union-attr]
+            formula = f"{_latex(form.time_law.lhs)} = {_latex(value)}"  # type: ignore[union-attr]
         elif name.startswith("orbit_equations"):
-            formula = f"{sp.latex(form.orbit_equations[name.partition('.')[2]].lhs)} = {sp.latex(value)}"
+            formula = f"{_latex(form.orbit_equations[name.partition('.')[2]].lhs)} = {_latex(value)}"
         else:
-            formula = f"{_left(name)} = {sp.latex(value)}"
+            formula = f"{_left(name)} = {_latex(value)}"
         text.append(f"$$\n{formula}\n$$\n")
     held = {s for name in line.names for s in form.named()[name].free_symbols}
     where = needed_names(held, form.where)[0]
-    short = [f"${sp.latex(s)} = {sp.latex(e)}$" for s, e in where.items()
+    short = [f"${_latex(s)} = {_latex(e)}$" for s, e in where.items()
              if not isinstance(e, tuple) and sp.count_ops(e) <= LONGEST]  # fmt: skip
-    roots = [f"${sp.latex(s)}$ is real root {e[1] + 1}, counted upwards, of ${sp.latex(e[0].as_expr())}$"
-             for s, e in where.items() if isinstance(e, tuple)]  # fmt: skip
+    polynomials: dict[sp.Poly, list[tuple[int, sp.Symbol]]] = {}
+    for s, e in where.items():
+        if isinstance(e, tuple):
+            polynomials.setdefault(e[0], []).append((e[1], s))
     if short:
         text.append(f"with {', '.join(short)}.\n")
-    text += [f"{one}.\n" for one in roots]
-    text.append(f"Regime: {form.regime.words}. Entry `{line.entry}`.\n")
+    for polynomial, roots in polynomials.items():
+        names = " < ".join(_latex(symbol) for _, symbol in sorted(roots, key=lambda one: one[0]))
+        text.append(f"${names}$ are real roots of ${_latex(polynomial.as_expr())}$, counted upwards from 1.\n")
+    kinds = ", ".join(f"${_latex(sp.Symbol(q))}$: {kind}" for q, kind in form.regime.kinds.items())
+    relations = ", ".join(f"${_latex(relation)}$" for relation in form.regime.relations)
+    text.append(f"Regime: {'; '.join(filter(None, (kinds, relations)))}. Entry `{line.entry}`.\n")
     if line.book:
         text.append(f"Book: {line.book}.\n")
     return "\n".join(text)

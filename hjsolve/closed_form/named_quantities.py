@@ -11,7 +11,7 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.evaluation import number_of
-from hjsolve.closed_form.tidy import elliptic, longer_than, multiplied_out, shortened_powers
+from hjsolve.closed_form.tidy import ELLIPTIC, elliptic, longer_than, multiplied_out, shortened_powers
 from hjsolve.functions.printing import Printable
 from hjsolve.precision import mp
 
@@ -165,18 +165,18 @@ class NamedQuantities:
             return value
         varying = {*self.variables, *self.places, *self.located, *(χ for pair in self._pairs for χ in pair)}
         varying |= {s for s in value.free_symbols if s.name in ("xi", "chi", "xi_1")}
-        return self._parts(value, varying)
+        return self._parts(value, _Dependence(varying))
 
-    def _parts(self, e: sp.Expr, varying: set[sp.Symbol]) -> sp.Expr:
-        if not e.free_symbols & varying and not elliptic(e):
+    def _parts(self, e: sp.Expr, depends: _Dependence) -> sp.Expr:
+        if not depends.moves(e):
             return e if not e.args or sp.count_ops(e) < LONG_PART else self.named("c", e)
-        if not e.args or e.free_symbols <= varying:
+        if not e.args or not depends.has_constants(e):
             return e
         if not (e.is_Add or e.is_Mul):
-            return e.func(*(self._parts(part, varying) for part in e.args))
-        constant = e.func(*(part for part in e.args if not part.free_symbols & varying and not elliptic(part)))
-        moving = [part for part in e.args if part.free_symbols & varying or elliptic(part)]
-        return e.func(self._parts(constant, varying), *(self._parts(part, varying) for part in moving))
+            return e.func(*(self._parts(part, depends) for part in e.args))
+        constant = e.func(*(part for part in e.args if not depends.moves(part)))
+        moving = [part for part in e.args if depends.moves(part)]
+        return e.func(self._parts(constant, depends), *(self._parts(part, depends) for part in moving))
 
     def in_brackets(self, value: sp.Expr) -> sp.Expr:
         """Return a sum with c (χ − χ₀) in place of c χ − c χ₀.
@@ -221,6 +221,30 @@ class NamedQuantities:
             expression: of a form.
         """
         return written_out(expression, self.where)
+
+
+class _Dependence:
+    """What parts of one form depend on; each part is asked once, where sympy's sets of symbols go down every time.
+
+    Args:
+        varying: the symbols that vary along a motion.
+    """
+
+    def __init__(self, varying: set[sp.Symbol]):
+        self.varying = varying
+        self._moves, self._constants = dict[sp.Expr, bool](), dict[sp.Expr, bool]()
+
+    def moves(self, e: sp.Expr) -> bool:
+        """Whether it varies along a motion, or has an elliptic function, which no constant part takes over."""
+        if e not in self._moves:
+            self._moves[e] = e in self.varying or isinstance(e, ELLIPTIC) or any(map(self.moves, e.args))
+        return self._moves[e]
+
+    def has_constants(self, e: sp.Expr) -> bool:
+        """Whether it has a symbol that does not vary."""
+        if e not in self._constants:
+            self._constants[e] = e not in self.varying if e.is_Symbol else any(map(self.has_constants, e.args))
+        return self._constants[e]
 
 
 def written_out(expression: sp.Expr, where: Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]) -> sp.Expr:

@@ -12,6 +12,7 @@ from mpmath import libmp
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Mpf, Reals
+from hjsolve.closed_form.complements import by_complements
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.doubles import RootsOfPolynomial, place_test, region_test, roots_of
 from hjsolve.closed_form.evaluation import many_digits, number_of
@@ -221,6 +222,8 @@ class _CompiledForm:
 
     def __init__(self, form: NamedForms, expression: sp.Expr, module: str):
         made, where = form.regime, form.where
+        if module == "numpy":
+            expression = by_complements(expression, where)
         self.form, self.roots = form, [s for s in expression.free_symbols if s in where]
         self.curves = [(c, r) for c, r in made.regions if c.degree > 2]
         plain = needed_names(expression.free_symbols, where)[1]

@@ -9,6 +9,7 @@ import sympy as sp
 from sympy.printing.c import C99CodePrinter, get_math_macros
 from sympy.printing.pycode import PythonCodePrinter
 
+from hjsolve.closed_form.complements import by_complements
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.errors import InvalidInputError
@@ -43,7 +44,7 @@ def source(form: NamedForms, language: str) -> str:
     mark = "#" if language == "python" else "//"
     head = [f"{mark} {form.solution.system.id or 'closed forms'}: {form.regime.words}"]
     head += [f"{mark} {symbol}: {_meaning(meaning)}" for symbol, meaning in form.where.items()]
-    named = form.named()
+    named = {name: by_complements(e, form.where) for name, e in form.named().items()}
     defined = needed_names({s for e in named.values() for s in e.free_symbols}, form.where)[0].values()
     every = sp.Tuple(*named.values(), *(e for e in defined if not isinstance(e, tuple)))
     write = _python if language == "python" else _c

@@ -111,3 +111,21 @@ def test_a_place_of_another_well_or_turn_is_refused(name: str, inside: str, outs
         form.evaluate("characteristic_function", values | {coordinate: outside})
     got = W(**{n: float(v) for n, v in values.items()}, **{coordinate: np.array([float(inside), float(outside)])})
     assert np.isnan(got).tolist() == [False, True]
+
+
+CONE = {"m": 1.25, "g": 0.95, "alpha": 0.968657734857, "E": 263.262840241, "p_phi": 4.166666666666667}
+"""Turning points 0.197 and 391: the parameter of the complete integrals is 1 − 1/990."""
+
+
+@pytest.mark.parametrize("name", ["periods.phi", "frequencies.phi", "periods.r", "actions.r"])
+def test_complete_integrals_keep_their_digits_next_to_the_parameter_one(name: str) -> None:
+    form = forms("cone")[0]
+    got = float(form.lambdify("numpy")[name](**CONE))
+    exact = form.evaluate(name, {n: repr(v) for n, v in CONE.items()}, 40).value
+    assert abs(got - exact) <= 20 * np.spacing(float(abs(exact)))
+
+
+def test_source_code_has_the_complements_too() -> None:
+    text = forms("cone")[0].code("python")
+    assert "elliptic_pi(nu, k**2)" not in text
+    assert "carlson_rj(0, 1, part" in text

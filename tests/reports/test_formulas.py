@@ -19,7 +19,7 @@ from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import plain
 
 r, θ, m, k, E = sp.Symbol("r", positive=True), sp.Symbol("theta", real=True), *sp.symbols("m k E")
-pr, pθ, vr = sp.symbols("p_r p_theta dot(r)")
+pr, pθ, vr, t = sp.symbols("p_r p_theta dot(r) t")
 
 
 @pytest.mark.parametrize(
@@ -50,6 +50,17 @@ pr, pθ, vr = sp.symbols("p_r p_theta dot(r)")
         (sp.Float("1.5e-20"), "1.5×10⁻²⁰"),
         (-sp.oo, "−∞"),
         (sp.Matrix([[m, 0], [0, 1]]), "[m, 0; 0, 1]"),
+        (sp.sqrt(2) * sp.sqrt(E) / sp.sqrt(k), "√(2 E/k)"),
+        (sp.sqrt(2) * sp.sqrt(k) * r / (2 * sp.sqrt(m)), "r √(k/(2 m))"),
+        (sp.sqrt(2) / (2 * sp.sqrt(m) * sp.sqrt(k)), "1/√(2 m k)"),
+        (sp.sqrt(6) / 12, "√6/12"),
+        (r / (sp.sqrt(m) * sp.sqrt(k)), "r/√(m k)"),
+        (sp.sqrt(2) * r * sp.sqrt(-E), "r √(−2 E)"),
+        (sp.sqrt(1 + 2 * E * pθ**2 / (m * k**2)), "√(1 + 2 E p_θ²/(m k²))"),
+        (r - k * t**2 / 2 + m * t, "r + m t − ½ k t²"),
+        (sp.sin(2 * θ) * (k - r), "(k − r) sin(2 θ)"),
+        (sp.sin(θ) * (k - r), "sin(θ) (k − r)"),
+        (r * sp.sign(pθ) * (k - r), "r (k − r) sgn p_θ"),
     ],
 )
 def test_a_formula_reads_like_the_book(expression: sp.Basic, expected: str) -> None:

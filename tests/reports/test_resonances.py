@@ -36,12 +36,16 @@ def test_relations_in_words(frequencies: dict[str, tuple[float, float]], words: 
 @pytest.mark.nightly
 def test_a_kepler_orbit_in_found_coordinates() -> None:
     """Turned and shifted by numbers of no meaning; and two unlike centres, which have none."""
-    kepler = hjsolve.System({"x": "line", "y": "line"}, "dot(x)**2/2 + dot(y)**2/2", "-1/sqrt((x - 3/7)**2 + (y + 2)**2)")
+    kepler = hjsolve.System(
+        {"x": "line", "y": "line"}, "dot(x)**2/2 + dot(y)**2/2", "-1/sqrt((x - 3/7)**2 + (y + 2)**2)"
+    )
     start = {"q": {"x": "1.3", "y": "-1.4"}, "velocity": {"x": "-0.4", "y": "0.6"}}
     words = frequency_relations(hjsolve.solve(kepler, coordinates="find").motion(**start))
     assert len(words) == 1
     assert words[0].count("Ω") == 2
     two = hjsolve.System(
-        {"x": "line", "y": "line"}, "dot(x)**2/2 + dot(y)**2/2", "-1/sqrt(x**2 + (y + 2)**2) - 2/sqrt((x - 3)**2 + (y + 2)**2)"
+        {"x": "line", "y": "line"},
+        "dot(x)**2/2 + dot(y)**2/2",
+        "-1/sqrt(x**2 + (y + 2)**2) - 2/sqrt((x - 3)**2 + (y + 2)**2)",
     )
     assert frequency_relations(hjsolve.solve(two, coordinates="find").motion(**start)) == ()

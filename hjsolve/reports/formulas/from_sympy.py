@@ -91,12 +91,31 @@ def _outside(integral: sp.Integral) -> sp.Expr:
 
 # ------------------------------------------------------------------------------------------------ sums and products
 def _terms(expression: sp.Add) -> list[sp.Expr]:
-    """Give the terms in sympy's order, those with functions last, the first one positive if any is: 1 + e cos θ."""
+    """Give the terms in sympy's order, powers of the time rising, functions last, the first one positive if any is.
+
+    So 1 + e cos θ, and y₀ + v (t − t₀) − ½ g (t − t₀)². A number stands before quotients: 1 + 2EL²/mk².
+    """
+    quotients = any(sp.fraction(term)[1].free_symbols for term in expression.args)
     terms = sorted(
-        expression.as_ordered_terms(), key=lambda term: bool(term.atoms(sp.Function) - term.atoms(sp.Abs, sp.sign))
+        expression.as_ordered_terms(),
+        key=lambda term: (
+            bool(term.atoms(sp.Function) - term.atoms(sp.Abs, sp.sign)),
+            _power_of_time(term),
+            quotients and not term.is_number,
+        ),
     )
     first = next((i for i, term in enumerate(terms) if not term.could_extract_minus_sign()), 0)
     return [terms[first], *terms[:first], *terms[first + 1 :]]
+
+
+def _power_of_time(term: sp.Expr) -> sp.Rational:
+    """The exponent of the factor that holds t; a term without the time has 0."""
+    exponents = [
+        exponent
+        for base, exponent in term.as_powers_dict().items()
+        if exponent.is_Rational and any(s.name == "t" for s in base.free_symbols)
+    ]
+    return sum(exponents, sp.S.Zero)
 
 
 def _signed_terms(expression: sp.Add) -> list[Box]:
@@ -118,7 +137,7 @@ def _sum(expression: sp.Add) -> Box:
 
 
 def _factor_key(factor: sp.Expr, momenta: set[str]) -> int:
-    """Order factors as physicists do: numbers, masses, E, other symbols, p, the q of a p, functions, sums, ∫."""
+    """Order factors as physicists do: numbers, masses, E, letters, p, the q of a p, sin θ, sums, calls, signs, ∫."""
     base = factor.base if isinstance(factor, sp.Pow) else factor
     if factor.is_number:
         return 0
@@ -128,14 +147,45 @@ def _factor_key(factor: sp.Expr, momenta: set[str]) -> int:
         if f"p_{base.name}" in momenta:
             return 5
         return 4 if base.name.startswith(("dot(", "p_")) else 2 if re.fullmatch(r"E|alpha_\d+", base.name) else 3
+    if isinstance(base, sp.sign):
+        return 9
     if isinstance(base, sp.Function):
-        return 6
-    return 8 if isinstance(factor, sp.Integral) else 7
+        return 6 if all(a.is_Symbol for a in base.args) else 8
+    return 10 if isinstance(factor, sp.Integral) else 7
 
 
 def _ordered_factors(product: sp.Expr) -> list[sp.Expr]:
     momenta = {symbol.name for symbol in product.free_symbols if symbol.name.startswith("p_")}
     return sorted(product.as_ordered_factors(), key=lambda factor: _factor_key(factor, momenta))
+
+
+def _roots_joined(coefficient: sp.Expr, factors: list[sp.Expr]) -> tuple[sp.Expr, list[sp.Expr]]:
+    """Write several square roots as one, as printed formulas are real: √(2E/k) for √2 √E/√k.
+
+    Args:
+        coefficient: the rational number in front.
+        factors: the others.
+
+    Returns:
+        Both, the root before the first sum, function or integral: ½ √2 √E is √(E/2).
+    """
+    half = sp.Rational(1, 2)
+    roots = [f for f in factors if f.is_Pow and abs(f.exp) == half and _may_join(f.base)]
+    if len(roots) < 2 or all(f.is_number for f in roots):
+        return coefficient, factors
+    under = sp.Mul(*[f.base ** (2 * f.exp) for f in roots])
+    for number in (f.base for f in roots if f.is_number):
+        if coefficient.is_Rational and coefficient.q % number == 0 and number in (f.base for f in roots if f.exp > 0):
+            under, coefficient = under / number**2, coefficient * number
+    above, below = sp.fraction(under)
+    joined = sp.Pow(below, -half, evaluate=False) if above == 1 else sp.Pow(under, half, evaluate=False)
+    kept = [f for f in factors if f not in roots]
+    place = next((i for i, f in enumerate(kept) if not f.as_base_exp()[0].is_Symbol), len(kept))
+    return coefficient, [*kept[:place], joined, *kept[place:]]
+
+
+def _may_join(base: sp.Expr) -> bool:
+    return not base.is_number or bool(base.is_Integer and base.is_positive)
 
 
 def _product(expression: sp.Mul) -> Box:
@@ -144,7 +194,8 @@ def _product(expression: sp.Mul) -> Box:
     coefficient, rest = expression.as_coeff_Mul()
     above: list[sp.Expr] = []
     below: list[sp.Expr] = []
-    for factor in _ordered_factors(rest):
+    coefficient, factors = _roots_joined(coefficient, _ordered_factors(rest))
+    for factor in factors:
         base, exponent = factor.as_base_exp()
         if base is not sp.E and exponent.is_Rational and exponent.is_negative and not base.is_Integer:
             below.append(base ** (-exponent))
@@ -188,7 +239,7 @@ def _power(expression: sp.Pow) -> Box:
     if exponent.is_Rational and exponent.is_negative:
         return Fraction(Glyph("1", "number"), _box(base ** (-exponent)))
     if exponent.is_Rational and exponent.p == 1 and exponent.q != 1:
-        return RadicalBox(_box(base), None if exponent.q == 2 else Glyph(str(exponent.q), "number"))
+        return RadicalBox(_under_root(base), None if exponent.q == 2 else Glyph(str(exponent.q), "number"))
     if isinstance(base, sp.Function) and not isinstance(base, sp.exp | sp.Abs | AppliedUndef) and exponent.is_Integer:
         return _call(base, _box(exponent))
     if isinstance(base, sp.Symbol):
@@ -197,6 +248,15 @@ def _power(expression: sp.Pow) -> Box:
         return Script(inner.base, inner.sub, power) if isinstance(inner, Script) else Script(inner, sup=power)
     bare = isinstance(base, sp.NumberSymbol | sp.exp) or (base.is_Integer and base.is_nonnegative)
     return Script(_box(base) if bare else Fence(_box(base)), sup=on_a_line(_box(exponent)))
+
+
+def _under_root(base: sp.Expr) -> Box:
+    """One fraction, not a half in front: √(m/2)."""
+    coefficient, rest = base.as_coeff_Mul()
+    if not base.is_Mul or not coefficient.is_Rational or coefficient.q == 1 or base.could_extract_minus_sign():
+        return _box(base)
+    above, below = sp.fraction(rest)
+    return Fraction(_box(coefficient.p * above), _box(coefficient.q * below))
 
 
 def on_a_line(inner: Box) -> Box:
