@@ -40,11 +40,19 @@ def kernel(function: F) -> F:
     Args:
         function: over arrays and bundles of arrays.
     """
-    made = _compiled_alone(function, fastmath={"contract"})
-    if available():
-        from hjsolve.arithmetic.machine.kept_code import keep
+    if not available():
+        return function
+    from hjsolve.arithmetic.machine.bundles import by_address
+    from hjsolve.arithmetic.machine.kept_code import keep
 
-        keep(made, function)
+    within = _compiled_within(function, fastmath={"contract"}, forceinline=True)
+
+    def entered(*arguments: Any) -> None:
+        within(*by_address(arguments))
+
+    entered.__name__, entered.__qualname__ = function.__name__, function.__qualname__
+    made = _compiled_alone(entered, fastmath={"contract"})
+    keep(made, function)
     KERNELS.append(made)
     return made
 
