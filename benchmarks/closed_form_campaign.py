@@ -108,7 +108,7 @@ def _doubles(entry: str, form: RegimeForms, sample: Sample) -> Iterator[Tried]:
 
 
 def _condition(form: RegimeForms, name: str, given: dict[str, float], exact: Any) -> float:
-    """The sum of |x ∂f/∂x / f| over the constants x, by differences in many digits."""
+    """Return the sum of |x ∂f/∂x / f| over the constants x, by differences in many digits."""
     step, total = Fraction(1, 10**15), 0.0
     for n, value in given.items():
         there = form.evaluate(name, {**given, n: str(Fraction(value) * (1 + step))}, DIGITS).value

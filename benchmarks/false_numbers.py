@@ -122,9 +122,7 @@ FIELDS = {
     "Pöschl and Teller": Field("tan(r)**2", lambda r: r.tan() ** 2, poeschl_teller, plane=False),
     "Yukawa": Field("-exp(-r/10)/r", lambda r: -exp(-r / 10) / r),
     "a ring about a pole": Field("(r**2 - 4)**2/20 - 1/r", lambda r: (r * r - 4) ** 2 / 20 - 1 / r),
-    "Plummer and a pole": Field(
-        "-1/r - 1/sqrt(1 + r**2) + r/10", lambda r: -1 / r - 1 / sqrt(1 + r * r) + r / 10
-    ),
+    "Plummer and a pole": Field("-1/r - 1/sqrt(1 + r**2) + r/10", lambda r: -1 / r - 1 / sqrt(1 + r * r) + r / 10),
 }
 CLOSED = sum(field.truth is not None for field in FIELDS.values())
 DOMAINS = {"Morse": "line", "Pöschl and Teller": "-pi/2 < r < pi/2"}

@@ -20,7 +20,7 @@ COMPLETE = (sp.elliptic_k, sp.elliptic_e, sp.elliptic_pi)
 
 
 def by_complements(expression: sp.Expr, where: Mapping[sp.Symbol, object]) -> sp.Expr:
-    """An equal expression whose complete integrals of named roots are Carlson's, of complements that are written out.
+    """Return an equal expression whose complete integrals of named roots are Carlson's, by complements.
 
     Args:
         expression: of a form.

@@ -227,6 +227,14 @@ def _of_multiples(
         yield Substitution(
             x, sp.sin(w), sp.asin(x) / κ, κ**2 * (1 - x**2), even_c.subs(S, x), sp.sin(w0), sp.sin(w1), True
         )
+    elif even_s is not None and _inside(w0, w1, -sp.pi, sp.pi):  # 1 + cos w = 2 cos² (w/2), however it was typed
+        slope = κ**2 * (1 - x**2) / 4
+        low, high = sp.sin(w0 / 2), sp.sin(w1 / 2)
+        yield Substitution(x, sp.sin(w / 2), 2 * sp.asin(x) / κ, slope, even_s.subs(C, 1 - 2 * x**2), low, high, True)
+    elif even_s is not None and _inside(w0, w1, sp.S.Zero, 2 * sp.pi):
+        slope = κ**2 * (1 - x**2) / 4
+        low, high = sp.cos(w1 / 2), sp.cos(w0 / 2)
+        yield Substitution(x, sp.cos(w / 2), 2 * sp.acos(x) / κ, slope, even_s.subs(C, 2 * x**2 - 1), low, high, False)
     if _inside(w0, w1, -sp.pi, sp.pi):
         half = function.subs({S: 2 * x / (1 + x**2), C: (1 - x**2) / (1 + x**2)}, simultaneous=True)
         yield Substitution(

@@ -14,6 +14,7 @@ from functools import partial
 
 import sympy as sp
 
+from hjsolve.algebra.poly import WorkLimitError
 from hjsolve.algebra.time_limit import SearchTimeError, seconds_left, within_seconds
 from hjsolve.coordinates.charts.curvilinear import CurvilinearMap, curvilinear_map
 from hjsolve.coordinates.charts.outer_map import OuterMap, flat_map, sphere_map
@@ -21,6 +22,7 @@ from hjsolve.coordinates.charts.transform import Cartesian, chart_and_axes, web_
 from hjsolve.coordinates.charts.validity import valid_everywhere
 from hjsolve.coordinates.curved.sphere import OnSphere, charts_on_sphere
 from hjsolve.coordinates.find import cartesian_form, find_coordinates, sphere_below
+from hjsolve.coordinates.gauge import find_gauge
 from hjsolve.coordinates.results import SeparableCoordinates, Vector, Web
 from hjsolve.coordinates.small_oscillations import normal_modes
 from hjsolve.coordinates.superintegrable import independent_integrals, told_of_modes, webs_in_words
@@ -65,6 +67,8 @@ class Chart(Shown):
             spherical coordinates.
         independent: number of independent integrals quadratic in the momenta, energy included, that were found; more
             than coordinates: frequencies obey relations with whole numbers (``superintegrable.py``). 0: not counted.
+        linear: a(u) of the terms Σ aₖ u̇ₖ of T in u; empty where there are none.
+        gauge: Λ(u); ∫ p·dq of the user's p is that of p_u and the growth of Λ.
     """
 
     kind: str
@@ -84,6 +88,8 @@ class Chart(Shown):
     lengths: Mapping[str, sp.Expr] = field(repr=False)
     outer: OuterMap = field(repr=False)
     independent: int = 0
+    linear: Vector = field(default=(), repr=False)
+    gauge: sp.Expr = sp.S.Zero
 
     @property
     def space(self) -> System:
@@ -149,9 +155,12 @@ def _found_in_space(system: System, why: str, refused: object, budget: float) ->
                 refused,
             )
     if any(a != 0 for a in linear_terms(system)):
+        chart = _in_another_gauge(system, why, budget)
+        if chart is not None:
+            return chart
         raise NotSeparableError(
-            f"{why}, and others are looked for only where T has no terms linear in the velocities; "
-            "where all coefficients are constant, see gyroscopic_modes",
+            f"{why}, nor do others in any gauge in which coordinates along straight lines are ignorable; where T has "
+            "terms linear in the velocities no more is tried. With constant coefficients, see gyroscopic_modes",
             refused,
         )
     if small_oscillations(system):
@@ -293,6 +302,28 @@ def _freedom(web: Web) -> str:
     if not web.freedom:
         return ""
     return f"; one of a family ({web.family}): the motion has more integrals than it needs, and frequencies that agree"
+
+
+def _in_another_gauge(system: System, why: str, budget: float) -> Chart | None:
+    """Return the system with a gauge, and axes, in which coordinates are ignorable; None where it is coupled."""
+    try:
+        gauge = find_gauge(system, seconds_left(budget))
+        verdict = None if gauge is None else separate(gauge.system, budget=seconds_left(budget))
+    except WorkLimitError:
+        raise SearchTimeError from None
+    if gauge is None or not isinstance(verdict, Separation):
+        return None
+    symbols = tuple(c.symbol for c in gauge.system.coordinates)
+    there = dict(zip((c.name for c in system.coordinates), gauge.frame * sp.Matrix(symbols), strict=True))
+    found = _there(system, there, gauge.system)
+    masses = sp.diag(*(sp.diff(gauge.system.kinetic, c.velocity, 2) for c in gauge.system.coordinates))
+    return Chart(
+        "cartesian", tuple(c.name for c in gauge.system.coordinates), there,
+        f"its momenta are less by ∇({gauge.function})",
+        f"{why}; in another gauge they do" if gauge.frame.is_Identity else f"{why}; turned ones do, in another gauge",
+        system, found, replace(verdict, system=found), (sp.S.Zero,) * len(symbols), gauge.frame, symbols, symbols,
+        tuple(masses.diagonal()), sp.S.One, {}, flat_map(system), linear=gauge.linear, gauge=gauge.function,
+    )  # fmt: skip
 
 
 def _modal(system: System, reason: str, budget: float) -> Chart:

@@ -8,7 +8,7 @@ series have coefficients in the digits of the motion, and the rounding of the la
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -32,8 +32,9 @@ from hjsolve.one_coordinate.coordinate_motion import Periodic
 from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.one_coordinate.resting_motion import AtRest
 from hjsolve.one_coordinate.stretched_anomaly import Stretched
+from hjsolve.time_law.open_motion import TriangularScheme, own_turns
 from hjsolve.time_law.phase_reduction import turns_and_rest
-from hjsolve.time_law.torus import TorusEquations, mean_rate, oscillation
+from hjsolve.time_law.torus import mean_rate, oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -115,8 +116,10 @@ def _in_many_digits(line: _Line, time: list[Mpf], bits: int, unit: float) -> tup
 
 def _lines(motion: SeparatedMotion, bits: int) -> dict[str, _Line]:
     torus = motion.torus
+    if motion.scheme is not None:
+        return _lines_of_own_clocks(motion, motion.scheme, bits)
     if torus is None:
-        return {name: _even(motion, name, bits) for name in motion.frequencies} if motion.equations is None else {}
+        return {name: _even(motion, name, bits) for name in motion.frequencies}
     context, unit = multiprecision(bits), unit_of(motion)
     begins = [phase_of_zero(course, context, bits) for course in torus.courses]
     result = {}
@@ -125,7 +128,7 @@ def _lines(motion: SeparatedMotion, bits: int) -> dict[str, _Line]:
             k = list(motion.solution.coordinates).index(name)
             rate, series = torus.rates[k], torus.oscillations[k]
             direction = 1 if float(frequency.value) * float(rate) > 0 else -1
-            start, doubt = torus.starts[k] - begins[k], torus.roundings[k] + _slopes(torus, series, unit)
+            start, doubt = torus.starts[k] - begins[k], torus.roundings[k] + _slopes(torus.courses, series, unit)
             start -= sum(oscillation_at(s, begin) for s, begin in zip(series, begins, strict=True))
         else:
             j = constant_index(motion, name)
@@ -134,8 +137,21 @@ def _lines(motion: SeparatedMotion, bits: int) -> dict[str, _Line]:
             series = tuple(oscillation(torus, i, j) for i in range(len(torus.courses)))
             for course, s, begin in zip(torus.courses, series, begins, strict=True):
                 start -= oscillation_at(s, context.mpf(course.start)) - oscillation_at(s, begin)
-            doubt = _slopes(torus, series, unit)
+            doubt = _slopes(torus.courses, series, unit)
         result[name] = _Line(rate, start, direction, float(doubt) + sum(map(_inexact, series)) * unit)
+    return result
+
+
+def _lines_of_own_clocks(motion: SeparatedMotion, scheme: TriangularScheme, bits: int) -> dict[str, _Line]:
+    """Angles of the coordinates that come back while another one does not."""
+    context, unit, names = multiprecision(bits), unit_of(motion), list(motion.solution.coordinates)
+    result = {}
+    for own in own_turns(scheme, bits):
+        if (name := names[own.index]) in motion.frequencies:
+            begin = phase_of_zero(own.cycle, context, bits)
+            start = own.start - begin - oscillation_at(own.series, begin)
+            doubt = own.rounding + _slopes([own.cycle], [own.series], unit) + _inexact(own.series) * unit
+            result[name] = _Line(own.rate, start, own.cycle.direction, doubt)
     return result
 
 
@@ -179,10 +195,10 @@ def _inexact(series: FourierSeries) -> float:
     return 0.0 if series.constant else 2 * series.oscillation_size
 
 
-def _slopes(torus: TorusEquations, series: tuple[FourierSeries, ...], unit: float) -> float:
+def _slopes(courses: Sequence[Periodic | AtRest], series: Sequence[FourierSeries], unit: float) -> float:
     """Return what the phases at t₀ leave open of the angle: dθ/dχ at the start, times the rounding of χ."""
     total = 0.0
-    for course, s in zip(torus.courses, series, strict=True):
+    for course, s in zip(courses, series, strict=True):
         phase = float(course.start)
         slope = abs(float(s.value(np.array([phase]))[0]) - float(s.mean)) if not s.constant else 0.0
         grown = course.phase_rounding(np.array([phase]))[0] * (unit / EPS) if isinstance(course, Periodic) else 0.0

@@ -18,7 +18,7 @@ from hjsolve.motion.initial_data import Initial, to_bits
 from hjsolve.one_coordinate.allowed_regions import AllowedRegion
 from hjsolve.one_coordinate.classify import Located
 from hjsolve.solution.quadratures import Solution
-from hjsolve.time_law.open_motion import DecoupledStep, TriangularScheme
+from hjsolve.time_law.open_motion import TriangularScheme, own_turns
 from hjsolve.time_law.torus import TorusEquations, mean_rate
 
 Equations = TorusEquations | TriangularScheme
@@ -148,12 +148,8 @@ def frequencies(solution: Solution, initial: Initial, equations: Equations | Non
                 result[name] = rounded(course.direction * torus.rates[k], digits, course.nodes)
         result |= _ignorable_rates(solution, torus, digits, angles=True)
         return {c.name: result[c.name] for c in system.coordinates if c.name in result}
-    scheme = required(equations.scheme)
-    for step in scheme.steps:
-        cycle = scheme.courses[step.index].cycle
-        if cycle is not None and (step == scheme.steps[0] or (step.weights[0] and _alone(scheme, step))):
-            mean = sum(w * series.mean for w, series in zip(step.weights, cycle.kernels, strict=False))
-            result[names[step.index]] = rounded(cycle.direction * step.weights[0] / mean, digits, cycle.nodes)
+    for own in own_turns(required(equations.scheme), bits_for(digits, 128)):
+        result[names[own.index]] = rounded(own.cycle.direction * own.rate, digits, own.cycle.nodes)
     return {name: f for name, f in result.items() if f.value}
 
 
@@ -199,15 +195,6 @@ def _ignorable_rate(equations: TorusEquations, j: int, digits: int) -> Estimate:
     nodes = max(c.nodes for c in equations.courses)
     plain = rounded(value if abs(value) > noise else 0, digits, nodes)
     return Estimate(plain.value, plain.error + (noise if digits > FLOAT_DIGITS else float(noise)), nodes=nodes)
-
-
-def _alone(scheme: TriangularScheme, step: DecoupledStep) -> bool:
-    """Return True when a coordinate's equation holds none of the other coordinates."""
-    others = [c for i, c in enumerate(scheme.courses) if i != step.index]
-    phase = np.array([0.7])
-    return all(
-        abs(float(np.ravel(sum(w * c.rate(j, phase) for j, w in enumerate(step.weights) if w))[0])) == 0 for c in others
-    )
 
 
 def _free_rates(solution: Solution, initial: Initial, digits: int, *, angles: bool) -> dict[str, Estimate]:

@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.floats import EPS, multiprecision
 from hjsolve.arithmetic.number_types import Counts, Mask, Mpf, Reals
 from hjsolve.errors import NotConvergedError
-from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic
+from hjsolve.one_coordinate.fourier_series import FourierSeries, combine
 from hjsolve.time_law.coupled_pair import CoupledPair, choose_pair, solve_pair
 from hjsolve.time_law.one_phase import solve_alone
 
@@ -114,6 +115,58 @@ def _own(i: int, left: list[int], samples: list[Reals]) -> DecoupledStep | None:
     weights[np.abs(weights) < 1e-11] = 0.0
     seen = samples[i] @ weights
     return DecoupledStep(i, tuple(float(w) for w in weights)) if np.min(np.abs(seen)) > 1e-6 else None
+
+
+@dataclass(frozen=True)
+class OwnTurns:
+    """A coordinate that comes back by a clock of its own, whatever the others do: χ + D(χ) = θ⁰ + Ω (t − t₀).
+
+    Attributes:
+        index: position of the coordinate.
+        cycle: its motion.
+        rate: Ω in many digits.
+        series: D (its mean is ignored).
+        start: θ⁰, the angle at t₀.
+        rounding: how far the rounded series leaves θ⁰ open; 0 where the motion starts at a turning point.
+    """
+
+    index: int
+    cycle: Periodic
+    rate: Mpf
+    series: FourierSeries
+    start: Mpf
+    rounding: float
+
+
+def own_turns(scheme: TriangularScheme, bits: int) -> list[OwnTurns]:
+    """Return the coordinates whose equation holds the time and none of the others, and which come back.
+
+    Args:
+        scheme: from ``plan``.
+        bits: binary digits of the arithmetic.
+    """
+    context, found = multiprecision(bits), []
+    for step in scheme.steps:
+        cycle = scheme.courses[step.index].cycle
+        if cycle is None or not step.weights[0] or not (step == scheme.steps[0] or _alone(scheme, step)):
+            continue
+        kernels = cycle.kernels[: scheme.equations]
+        mean = sum((w * series.mean for w, series in zip(step.weights, kernels, strict=True)), context.mpf(0))
+        series = combine([w / mean for w in step.weights], kernels)
+        begin = context.mpf(cycle.start)
+        start = begin if series.constant else begin + series.oscillation(begin)
+        rounding = series.unresolved(begin)
+        found.append(OwnTurns(step.index, cycle, step.weights[0] / mean, series, start, rounding))
+    return found
+
+
+def _alone(scheme: TriangularScheme, step: DecoupledStep) -> bool:
+    """Return True when a coordinate's equation holds none of the other coordinates."""
+    others = [c for i, c in enumerate(scheme.courses) if i != step.index]
+    phase = np.array([0.7])
+    return all(
+        abs(float(np.ravel(sum(w * c.rate(j, phase) for j, w in enumerate(step.weights) if w))[0])) == 0 for c in others
+    )
 
 
 def open_phases(

@@ -26,7 +26,9 @@ def uses_of_the_global_context(tree: ast.AST) -> Iterator[str]:
     """
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and (node.module or "") == "mpmath":
-            yield from (f"{node.lineno}: from mpmath import {name.name}" for name in node.names if name.name not in EXACT)
+            yield from (
+                f"{node.lineno}: from mpmath import {name.name}" for name in node.names if name.name not in EXACT
+            )
         if isinstance(node, ast.Call):
             named = [node.func, *node.args, *(part for a in node.args if isinstance(a, ast.Tuple) for part in a.elts)]
             yield from (f"{node.lineno}: {ast.unparse(node)}" for part in named if _of_mpmath(part))

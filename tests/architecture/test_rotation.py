@@ -71,7 +71,9 @@ def test_marks_leave_their_cases_for_the_night() -> None:
     assert sum(f"long[{c}]" not in out for c in "abcdef") == 2
 
 
-def test_without_a_repository_or_without_git_the_rotation_is_zero(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_repository_or_without_git_the_rotation_is_zero(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(rotation, "ROOT", tmp_path)
     assert rotation.of_the_commit() == 0
     (tmp_path / ".git").mkdir()

@@ -69,7 +69,9 @@ def test_certain_roots_are_those_of_fifty_digits(degree: int, seed: int) -> None
         largest = float(max(abs(r) for r in mpmath.polyroots(coefficients, maxsteps=400, extraprec=400)))
         for got, truth in zip(roots[:, k], exact, strict=False):
             with mpmath.workdps(50):
-                slope = sum((degree - j) * mpmath.mpf(c) * truth ** (degree - 1 - j) for j, c in enumerate(coefficients[:-1]))
+                slope = sum(
+                    (degree - j) * mpmath.mpf(c) * truth ** (degree - 1 - j) for j, c in enumerate(coefficients[:-1])
+                )
                 terms = sum(abs(mpmath.mpf(c) * truth ** (degree - j)) for j, c in enumerate(coefficients))
                 limit = float(4 * degree * 2**-53 * terms / abs(slope)) + 1e-17 * largest
                 assert abs(float(got - truth)) <= limit, (coefficients, got, truth)
@@ -86,7 +88,9 @@ def test_double_roots_and_no_polynomials_are_not_certain(degree: int) -> None:
 
 
 def test_roots_of_biquadratics_and_pure_powers() -> None:
-    roots, unsure = real_roots([np.array([1.0, 1, 1]), np.zeros(3), np.array([-5.0, 5, 0]), np.zeros(3), np.array([4.0, 4, -16])])
+    roots, unsure = real_roots(
+        [np.array([1.0, 1, 1]), np.zeros(3), np.array([-5.0, 5, 0]), np.zeros(3), np.array([4.0, 4, -16])]
+    )
     assert not unsure.any()
     assert roots[:, 0] == pytest.approx([-2, -1, 1, 2], rel=1e-15, abs=0)
     assert np.isinf(roots[:, 1]).all()

@@ -96,6 +96,21 @@ def test_a_half_angle_has_the_same_forms_however_it_is_typed(domain: str) -> Non
     assert len(found) == 1
 
 
+@pytest.mark.parametrize(
+    ("kinetic", "V", "domain"),
+    [
+        ("((1 + cos(x))**2 + sin(x)**2)*dot(x)**2/2", "1 - cos(x)", "-pi < x < pi"),
+        ("(2 + 2*cos(x))*dot(x)**2/2", "1 - cos(x)", "-pi < x < pi"),
+        ("2*cos(x/2)**2*dot(x)**2", "1 - cos(x)", "-pi < x < pi"),
+        ("((1 - cos(x))**2 + sin(x)**2)*dot(x)**2/2", "1 + cos(x)", "0 < x < 2*pi"),
+    ],
+)
+def test_a_cycloid_on_an_interval_has_its_period_however_it_is_typed(kinetic: str, V: str, domain: str) -> None:
+    """Huygens: the bob on a cycloid of radius 1 swings in 4 π at any height."""
+    forms = hjsolve.closed_forms(hjsolve.System({"x": domain}, kinetic, V))
+    assert [form.periods["x"] for form in forms if form.periods] == [4 * sp.pi]
+
+
 @pytest.mark.parametrize(("name", "energy"), [
     ("Morse", True), ("Rosen and Morse", True), ("Eckart", True), ("Kratzer", True), ("Duffing", False),
 ])  # fmt: skip

@@ -20,7 +20,22 @@ def _lower_parts(level: int, dice: np.random.Generator) -> np.ndarray:
 @pytest.mark.parametrize("count", [16, 24, 80, 320])
 @pytest.mark.parametrize(
     ("level", "node_map"),
-    [(0, 0), (0, 1), (0, 5), (1, 0), (4, 0), (9, 1), (9, 3), (9, 5), (23, 1), (23, 2), (23, 4), (23, 5), (40, 3), (40, 4)],
+    [
+        (0, 0),
+        (0, 1),
+        (0, 5),
+        (1, 0),
+        (4, 0),
+        (9, 1),
+        (9, 3),
+        (9, 5),
+        (23, 1),
+        (23, 2),
+        (23, 4),
+        (23, 5),
+        (40, 3),
+        (40, 4),
+    ],
 )
 def test_every_place_of_the_strip_lies_in_a_disk(level: int, node_map: int, count: int, coarse: bool) -> None:
     """Where a rectangle may hold q = ∞ or a pole of sn, too: there radii have to be infinite."""

@@ -149,9 +149,7 @@ def test_statuses_name_what_is_not_bounded() -> None:
     assert columns.status[2] != Status.OK
     assert columns.status[3] != Status.OK
     assert np.isnan(columns.actions["r"][1:]).all()
-    well = batch.build(
-        hjsolve.solve(hjsolve.catalog.load("double-well")), frozenset({"actions", "frequencies"})
-    )
+    well = batch.build(hjsolve.solve(hjsolve.catalog.load("double-well")), frozenset({"actions", "frequencies"}))
     rest = well.run({"x": np.array([0.0])}, {"x": np.array([0.0])})
     assert rest.status[0] != Status.OK
 
@@ -161,9 +159,7 @@ def test_a_narrow_barrier_is_not_jumped_over() -> None:
     data = galaxy.load()
     row = data["prolate"][data["family"] == 0][:8].copy()
     row[:, 4] = 1e-9
-    columns = batch.build(galaxy.solution(), frozenset({"actions", "turning_points"})).run(
-        *galaxy.start(row)
-    )
+    columns = batch.build(galaxy.solution(), frozenset({"actions", "turning_points"})).run(*galaxy.start(row))
     good = columns.status == Status.OK
     assert good.any()
     assert (columns.turning_points["u.lower"][good] > 0).all()
@@ -171,9 +167,7 @@ def test_a_narrow_barrier_is_not_jumped_over() -> None:
 
 
 def test_what_is_not_wanted_is_not_there() -> None:
-    columns = batch.build(galaxy.solution(), frozenset({"actions"})).run(
-        *galaxy.start(galaxy.load()["prolate"][:2])
-    )
+    columns = batch.build(galaxy.solution(), frozenset({"actions"})).run(*galaxy.start(galaxy.load()["prolate"][:2]))
     assert not columns.frequencies
     assert set(columns.error) == {"actions.u", "actions.w", "actions.phi"}
 

@@ -250,7 +250,9 @@ def test_equal_systems_share_one_solution_and_refusals_are_not_remembered(monkey
 
     calls = []
     separate = quadratures.separate
-    monkeypatch.setattr(quadratures, "separate", lambda system, **kwargs: (calls.append(system), separate(system, **kwargs))[1])
+    monkeypatch.setattr(
+        quadratures, "separate", lambda system, **kwargs: (calls.append(system), separate(system, **kwargs))[1]
+    )
 
     def oscillator(name: str) -> hjsolve.System:
         return hjsolve.System({name: "line"}, f"dot({name})**2/2", f"11*{name}**2/2", title="solved once")

@@ -180,7 +180,5 @@ def test_a_narrow_crest_far_out_is_not_overlooked() -> None:
     system = hjsolve.System(PLANE, KINETIC, "-1/(R + 1) + exp(-(R - 1000)**2/100)")
     R, p, L = np.linspace(1, 3, 8), np.linspace(1.0, 1.3, 8), np.full(8, 0.5)
     assert ((p**2 + (L / R) ** 2) / 2 - 1 / (R + 1) > 0).all()
-    batch = hjsolve.ensemble(
-        system, q={"R": R, "phi": 0}, p={"R": p, "phi": L}, want={"actions"}, fallback=False
-    )
+    batch = hjsolve.ensemble(system, q={"R": R, "phi": 0}, p={"R": p, "phi": L}, want={"actions"}, fallback=False)
     assert not (batch.status == "unbounded").any()

@@ -51,7 +51,9 @@ def test_double_wells_on_a_circle(seed: int) -> None:
 def test_orbits_about_two_centres() -> None:
     """Most orbits that go round both are slow on either side: hardly one takes a single motion."""
     system = hjsolve.System(
-        {"x": "line", "y": "line"}, "dot(x)**2/2 + dot(y)**2/2", "-1/sqrt((x - 1)**2 + y**2) - 2/sqrt((x + 1)**2 + y**2)"
+        {"x": "line", "y": "line"},
+        "dot(x)**2/2 + dot(y)**2/2",
+        "-1/sqrt((x - 1)**2 + y**2) - 2/sqrt((x + 1)**2 + y**2)",
     )
     dice = np.random.default_rng(5)
     angle, r = dice.uniform(-np.pi, np.pi, 60), dice.uniform(1.8, 2.6, 60)

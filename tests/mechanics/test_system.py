@@ -81,7 +81,9 @@ def test_an_unknown_domain_is_refused(text):
     assert DOMAINS[text] in str(caught.value)
 
 
-@pytest.mark.parametrize(("text", "message"), [("0 < x < q", "'q' is not declared"), ("1/2 a < x", "write /2*a or /(2*a)")])
+@pytest.mark.parametrize(
+    ("text", "message"), [("0 < x < q", "'q' is not declared"), ("1/2 a < x", "write /2*a or /(2*a)")]
+)
 def test_a_bound_that_is_no_formula_is_refused_at_its_place(text, message):
     with pytest.raises(ExpressionError, match="domain of x, column") as caught:
         oscillator(text, parameters={"a": 1})

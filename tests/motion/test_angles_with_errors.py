@@ -67,3 +67,17 @@ def test_angles_are_floats_and_arrays_as_before_and_a_mapping_with_errors():
     assert several["r"].shape == several.error["r"].shape == (1, 2)
     assert several["r"][0, 0] == one["r"]
     assert one == motion.angles("0.5")
+
+
+@pytest.mark.parametrize("digits", [15, 40])
+@pytest.mark.parametrize("t", ["0", "7/10", "-1234567/100"])
+def test_a_coordinate_that_comes_back_has_its_angle_while_another_one_escapes(digits, t):
+    """x = −A cos θ with θ = θ₀ + √2 t, in closed form."""
+    system = hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "x**2 - y")
+    motion = hjsolve.solve(system).motion(q={"x": "1/3", "y": 0}, velocity={"x": 1, "y": 1}, digits=digits)
+    angles = motion.angles(t)
+    assert set(angles) == set(motion.frequencies) == {"x"}
+    with mp.workdps(80):
+        rate = mp.sqrt(2)
+        truth = mp.atan2(1 / rate, mp.mpf(-1) / 3) + rate * (mp.mpf(t.split("/")[0]) / int(t.partition("/")[2] or 1))
+    assert gap(angles["x"], truth) <= angles.error["x"] <= 10.0 ** (3 - digits)

@@ -87,7 +87,9 @@ def test_whatever_the_potential_the_kind_is_right_and_an_escape_keeps_its_time(p
             motion = moving(potential, place, speed)
         except NotConvergedError:
             assume(False)  # honest; how often is counted in the campaign
-        assume(motion.kinds["x"] not in {"ignorable", "rotation"})  # a constant potential; a periodic one has its own tests
+        assume(
+            motion.kinds["x"] not in {"ignorable", "rotation"}
+        )  # a constant potential; a periodic one has its own tests
         bounded = None not in ends
         assert (motion.kinds["x"] == "libration") == bounded
         if not bounded:

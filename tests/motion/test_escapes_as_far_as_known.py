@@ -34,7 +34,10 @@ def check(solution: hjsolve.Solution, system: hjsolve.System, place: str, speed:
             assert state.status[k] == "ok"
             exact = flow.at(mp.mpf(t))
             for i, c in enumerate(names):
-                pairs = (state.q, state.error.q, exact[i]), (state.velocity, state.error.velocity, exact[i + len(names)])
+                pairs = (
+                    (state.q, state.error.q, exact[i]),
+                    (state.velocity, state.error.velocity, exact[i + len(names)]),
+                )
                 for values, errors, truth in pairs:
                     assert abs(mp.mpf(values[c][k]) - truth) <= errors[c][k] <= 1e-9 * (1 + abs(truth))
 
@@ -42,7 +45,8 @@ def check(solution: hjsolve.Solution, system: hjsolve.System, place: str, speed:
 @pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("place", "speed"), [("0.3 0.4 0.1", "0.2 -0.1 0.5"), ("-0.7 0.2 -0.3", "0.1 0.6 0"), ("0.1 -0.9 0.2", "-0.4 0.3 -0.6")]
+    ("place", "speed"),
+    [("0.3 0.4 0.1", "0.2 -0.1 0.5"), ("-0.7 0.2 -0.3", "0.1 0.6 0"), ("0.1 -0.9 0.2", "-0.4 0.3 -0.6")],
 )
 def test_one_without_a_part_in_the_time_escapes_where_v_overflows_far_away(place: str, speed: str) -> None:
     system = hjsolve.System(dict.fromkeys("xyz", "line"), "dot(x)**2/2 + dot(y)**2/2 + dot(z)**2/2", PARABOLIC)

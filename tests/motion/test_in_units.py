@@ -39,7 +39,9 @@ def test_a_motion_of_quantities_is_that_of_their_numbers_and_is_told_in_units(un
         assert energy.to("kg*kpc^2/Myr^2").estimate().value == motion.constants["E"].value
         assert turn.to("pc").estimate().agrees(motion.turning_points["r"][0].value * 1000)
         state, own = told.at(0.002 * units.Gyr), motion.at(2.0)
-        assert math.isclose(state.velocity["theta"].to("rad/yr").estimate().value, own.velocity["theta"] / 1e6, rel_tol=1e-12)
+        assert math.isclose(
+            state.velocity["theta"].to("rad/yr").estimate().value, own.velocity["theta"] / 1e6, rel_tol=1e-12
+        )
         assert math.isclose(state.place["x"].to("pc").estimate().value, own.place["x"] * 1000, rel_tol=1e-12)
         assert state.p["r"].error is not None
         assert len(repr(told).splitlines()) <= 20
@@ -69,13 +71,17 @@ def test_columns_of_stars_may_have_units():
         units={"x": "kpc", "y": "kpc", "z": "kpc", "t": "Myr"},
     )  # fmt: skip
     ask = {"coordinates": "find", "want": "actions"}
-    plain = hjsolve.ensemble(system, q={"R": [1.0], "z": [0.1]}, velocity={"vR": [0.1], "vT": [0.9], "vz": [0.05]}, **ask)
+    plain = hjsolve.ensemble(
+        system, q={"R": [1.0], "z": [0.1]}, velocity={"vR": [0.1], "vT": [0.9], "vz": [0.05]}, **ask
+    )
     speed = [1] * u.kpc / u.Myr
     told = hjsolve.ensemble(
         system, q={"R": [1000] * u.pc, "z": [100] * u.pc}, velocity={"vR": 0.1 * speed, "vT": 0.9 * speed, "vz": 0.05 * speed}, **ask
     )  # fmt: skip
     for name, values in plain.actions.items():
-        np.testing.assert_allclose(told.to_units(u).actions[name].to(u.kpc**2 / u.Myr).estimate().value, values, rtol=1e-12, atol=0)
+        np.testing.assert_allclose(
+            told.to_units(u).actions[name].to(u.kpc**2 / u.Myr).estimate().value, values, rtol=1e-12, atol=0
+        )
 
 
 def test_a_charted_motion_is_told_in_the_units_of_its_chart():
@@ -110,5 +116,9 @@ def test_constants_may_be_quantities():
     kepler = hjsolve.solve(KEPLER)
     plain = kepler.motion(q={"r": 1, "theta": 0}, constants={"E": -0.25, "p_theta": 0.5}, signs={"r": 1})
     energy = -0.25 * u.kg * u.kpc**2 / u.Myr**2
-    told = kepler.motion(q={"r": 1, "theta": 0}, constants={"E": energy.to(u.J), "p_theta": 0.5 * u.kg * u.kpc**2 / u.Myr}, signs={"r": 1})
+    told = kepler.motion(
+        q={"r": 1, "theta": 0},
+        constants={"E": energy.to(u.J), "p_theta": 0.5 * u.kg * u.kpc**2 / u.Myr},
+        signs={"r": 1},
+    )
     assert told.periods["r"].value == pytest.approx(plain.periods["r"].value, rel=1e-12)

@@ -121,7 +121,7 @@ def test_latitude_colatitude_mass_and_radius_are_the_same_motion(name: str, plac
     other = hjsolve.System(
         coordinates, f"m*R**2*(dot({name})**2 + {ρ}**2*dot(phi)**2)/2", f"m*R**2*({V})", {"m": "3/2", "R": 2}
     )
-    start, sign = ((sp.pi / 2 - sp.Rational("1.1"), -1) if name == "b" else (sp.Rational("1.1"), 1))
+    start, sign = (sp.pi / 2 - sp.Rational("1.1"), -1) if name == "b" else (sp.Rational("1.1"), 1)
     motion = hjsolve.solve(other, coordinates="find").motion(
         q={name: start, "phi": "0.4"}, velocity={name: sign * sp.Rational("0.3"), "phi": "0.9"}
     )

@@ -53,9 +53,7 @@ def motion(**more: Any) -> Any:
     """Results of a motion and of a state."""
     import hjsolve
 
-    found = hjsolve.solve("kepler-planar").motion(
-        q={"r": 1, "theta": 0}, velocity={"r": "0.1", "theta": "1.2"}, **more
-    )
+    found = hjsolve.solve("kepler-planar").motion(q={"r": 1, "theta": 0}, velocity={"r": "0.1", "theta": "1.2"}, **more)
     state = found.at("7.25")
     told = [found.constants, found.turning_points, found.actions, found.frequencies, found.periods]
     return bits([*told, state.q, state.p, state.velocity, state.error.q])

@@ -158,6 +158,7 @@ import resource
 from hjsolve.sweeps import cluster
 from hjsolve.sweeps.conduct import columns_of as quick
 def limited(*arguments, **options):
+    open("ASKED", "a").write("x")  # before: the compiler ends the whole process where it gets no memory
     pages = int(open("/proc/self/statm").read().split()[0])
     limit = pages * resource.getpagesize() + 2 ** 23
     resource.setrlimit(resource.RLIMIT_AS, (limit, resource.RLIM_INFINITY))
@@ -165,7 +166,6 @@ def limited(*arguments, **options):
         return quick(*arguments, **options)
     finally:
         resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
-        open("ASKED", "a").write("x")
 cluster.columns_of = limited
 """
 DEADLY = """
@@ -183,7 +183,7 @@ cluster.columns_of = deadly
 @pytest.mark.nightly
 @pytest.mark.parametrize("chunk", [30_000, 200_000])
 def test_a_worker_that_the_system_gives_no_memory(chunk: int, scene: Path, tmp_path: Path, kept: list[int]) -> None:
-    """Too little for arrays, and too little to load the compiler."""
+    """Too little for arrays, and too little for the compiler, which then ends the worker's process."""
     scene.write_text(MANY.replace("{chunk}", str(chunk)).replace("{count}", str(3 * chunk)), encoding="utf-8")
     undisturbed = hjsolve.sweep(scene, tmp_path / "undisturbed").path
     kept.clear()

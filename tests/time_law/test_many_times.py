@@ -182,6 +182,8 @@ def test_compiled_and_numpy_count_the_same_whole_turns_beyond_2_to_the_53() -> N
     whole, rest = np.empty(5, dtype=np.int64), np.empty(5)
     compiled_loops.turns(rate, times, 0 * times, start, whole, rest)
     theirs, left = phase_reduction._turns(rate, times, 0 * times, start)
-    exact = [round(Fraction(rate[0]) * Fraction(t) + Fraction(rate[1]) * Fraction(t) + Fraction(1, 4)) for t in times[:3]]
+    exact = [
+        round(Fraction(rate[0]) * Fraction(t) + Fraction(rate[1]) * Fraction(t) + Fraction(1, 4)) for t in times[:3]
+    ]
     assert whole.tolist() == theirs.tolist() == [*exact, 2**62, -(2**62)]
     assert np.array_equal(rest[:3], left[:3])

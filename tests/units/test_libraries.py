@@ -30,7 +30,9 @@ def test_a_conversion_is_within_its_rounding_of_the_exact_one(wanted):
         assert abs(Fraction(float(number)) - exact) <= Fraction(ROUNDING) * abs(exact)
 
 
-@pytest.mark.parametrize("wanted", ["astropy", "pint", astropy.units, pint, REGISTRY, astropy.units.m, REGISTRY.m, 1 * REGISTRY.m])
+@pytest.mark.parametrize(
+    "wanted", ["astropy", "pint", astropy.units, pint, REGISTRY, astropy.units.m, REGISTRY.m, 1 * REGISTRY.m]
+)
 def test_a_library_is_named_in_many_ways(wanted):
     assert library(wanted).name in str(type(wanted)) + str(wanted) + getattr(wanted, "__name__", "")
 

@@ -19,7 +19,10 @@ def test_an_estimate_goes_into_a_unit_and_back_with_its_error(km):
     length = hjsolve.Measured.of(hjsolve.Estimate(1.25, 1e-9), km)
     assert length.estimate() == hjsolve.Estimate(1.25, 1e-9)
     far = length.to("au").estimate()
-    low, high = (Fraction(x) * Fraction(1000, 149597870700) for x in (Fraction(1.25) - Fraction(1e-9), Fraction(1.25) + Fraction(1e-9)))
+    low, high = (
+        Fraction(x) * Fraction(1000, 149597870700)
+        for x in (Fraction(1.25) - Fraction(1e-9), Fraction(1.25) + Fraction(1e-9))
+    )
     assert Fraction(far.value) - Fraction(far.error) <= low < high <= Fraction(far.value) + Fraction(far.error)
     assert far.error < 1.001e-9 / 149597870
     assert str(length).startswith("1.2500000000(11) k")
@@ -28,7 +31,11 @@ def test_an_estimate_goes_into_a_unit_and_back_with_its_error(km):
 
 
 def test_digits_that_a_double_has_not_go_into_the_error_of_astropy_and_stay_in_pint():
-    period = hjsolve.solve("kepler-planar").motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"}, digits=40).periods["r"]
+    period = (
+        hjsolve.solve("kepler-planar")
+        .motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"}, digits=40)
+        .periods["r"]
+    )
     double, many = hjsolve.Measured.of(period, u.s), hjsolve.Measured.of(period, REGISTRY.s)
     assert many.estimate() == period
     assert 0 < abs(period.value - double.value.value) <= double.error.value < 1e-14

@@ -57,7 +57,7 @@ def _attribute(_context: Any, builder: Any, kind: BundleAddress, pointer: Any, n
 
 
 def _loaded(builder: Any, pointer: Any) -> Any:
-    """A value of several words, word by word: LLVM leaves out those that nobody reads."""
+    """Return a value of several words, word by word: LLVM leaves out those that nobody reads."""
     kind = pointer.type.pointee
     if not isinstance(kind, (ir.LiteralStructType, ir.ArrayType)):
         return builder.load(pointer)
@@ -76,7 +76,8 @@ def by_address(_context: Any, arguments: Any) -> Any:
         parts = []
         for k, kind in enumerate(arguments):
             value = builder.extract_value(given[0], k)
-            parts.append(cgutils.alloca_once_value(builder, value) if isinstance(_passed(kind), BundleAddress) else value)
+            by_address = isinstance(_passed(kind), BundleAddress)
+            parts.append(cgutils.alloca_once_value(builder, value) if by_address else value)
         return context.make_tuple(builder, made, parts)
 
     return made(arguments), generate

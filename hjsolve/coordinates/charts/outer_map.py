@@ -1,6 +1,6 @@
 """From points of space to the user's coordinates: the identity in flat space, two angles on a sphere.
 
-    flat      x = q,                                    m ẋ = p
+    flat      x = q,                                    m ẋ = p − a(q),  a of terms linear in the velocities
     sphere    n = (ρ cos φ, ρ sin φ, Z), ρ² + Z² = 1,   m ṅ = m J M⁻¹ p,    J = ∂n/∂q, M = m JᵀJ
 
 and back, with nothing that cancels next to a pole: u = atan2(ρ, ±Z) or atan2(±Z, ρ), φ = atan2(Y, X),
@@ -11,12 +11,12 @@ and back, with nothing that cancels next to a pole: u = atan2(ρ, ±Z) or atan2(
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import sympy as sp
 
 from hjsolve.coordinates.webs.web import Vector
-from hjsolve.mechanics.system import System, mass_matrix
+from hjsolve.mechanics.system import System, linear_terms, mass_matrix
 
 Rates = tuple[list[sp.Expr], list[sp.Expr]]
 """q̇ and p."""
@@ -29,22 +29,26 @@ class OuterMap:
     Attributes:
         place: x(q).
         momentum: m ẋ in q and p.
-        masses: the mass matrix M(q), p = M q̇.
+        masses: the mass matrix M(q), p = M q̇ + a(q).
+        linear: a(q) of T₁ = aᵀq̇; empty where T has no such terms.
     """
 
     place: Vector
     momentum: Vector
     masses: sp.ImmutableMatrix
+    linear: Vector = field(default=(), kw_only=True)
 
-    def rates(self, x: Sequence[sp.Expr], speed: Sequence[sp.Expr]) -> Rates:  # noqa: ARG002 - on a sphere it matters
+    def rates(self, x: Sequence[sp.Expr], speed: Sequence[sp.Expr]) -> Rates:
         """Return q̇ and p of a point and its velocity.
 
         Args:
             x: the point.
             speed: its velocity.
         """
-        rows = self.masses.tolist()
-        return list(speed), [sp.Add(*(a * b for a, b in zip(row, speed, strict=True))) for row in rows]
+        at = dict(zip(self.place, x, strict=True))
+        a = [e.xreplace(at) for e in self.linear] or [sp.S.Zero] * len(speed)
+        rows = zip(self.masses.tolist(), a, strict=True)
+        return list(speed), [sp.Add(own, *(m * v for m, v in zip(row, speed, strict=True))) for row, own in rows]
 
 
 @dataclass(frozen=True)
@@ -77,8 +81,11 @@ def flat_map(system: System) -> OuterMap:
     Args:
         system: with a constant mass matrix.
     """
-    q = system.coordinates
-    return OuterMap(tuple(c.symbol for c in q), tuple(c.momentum for c in q), mass_matrix(system))
+    q, a = system.coordinates, linear_terms(system)
+    momentum = tuple(c.momentum - e for c, e in zip(q, a, strict=True))
+    return OuterMap(
+        tuple(c.symbol for c in q), momentum, mass_matrix(system), linear=tuple(a) if any(e != 0 for e in a) else ()
+    )
 
 
 def sphere_map(system: System, mass: sp.Expr, normal: Vector) -> SphereMap | None:

@@ -100,7 +100,8 @@ def chart_map(
     steps = [
         sp.Add(*(J[i][k] * moved[i] for i in range(n) if J[i][k] != 0)).xreplace(rest) / squared[k] for k in range(n)
     ]
-    lifted = [sp.Add(*(J[i][k] * P[i] for i in range(n) if J[i][k] != 0)) for k in range(n)]
+    shift = chart.linear or (sp.S.Zero,) * n
+    lifted = [sp.Add(shift[k], *(J[i][k] * P[i] for i in range(n) if J[i][k] != 0)) for k in range(n)]
     fixed = [*(p.symbol for p in chart.system.parameters), *numbers.known]
     domains = [chart.system.coordinate(name).domain for name in chart.coordinates]
     names = [c.name for c in chart.system.coordinates]
@@ -120,9 +121,11 @@ def _in_space(
 ) -> tuple[list[sp.Expr], list[sp.Expr]]:
     """Return the point of space and its momentum (its velocity where T is Cartesian and velocities are given)."""
     outer = chart.outer
-    if not isinstance(outer, CurvilinearMap):
-        return list(x), list(rates)
     own = chart.original.coordinates
+    if not isinstance(outer, CurvilinearMap):
+        at = dict(zip((c.symbol for c in own), x, strict=True))
+        a = [e.xreplace(at) for e in outer.linear] if outer.linear and kind == "p" else [sp.S.Zero] * len(rates)
+        return list(x), [rate - e for rate, e in zip(rates, a, strict=True)]
     at = dict(zip((c.symbol for c in own), x, strict=True))
     given = dict(zip((c.momentum for c in own), rates, strict=True))
     if kind == "velocity":

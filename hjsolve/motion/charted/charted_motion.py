@@ -85,7 +85,8 @@ class ChartedMotion(TransformedMotion):
             branch: separated coordinate → +1 or −1.
 
         Raises:
-            InvalidInputError: a time or place that is not a finite real number, or a motion that ends in a collision.
+            InvalidInputError: a time or place that is not a finite real number, a motion that ends in a collision,
+                or that separates in another gauge, where ∫ p·dq is another.
         """
         self._refuse_collision()
         return self.within.characteristic_function(t, q=q, branch=branch)
@@ -97,7 +98,8 @@ class ChartedMotion(TransformedMotion):
             t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
 
         Raises:
-            InvalidInputError: a time that is not a finite real number, or a motion that ends in a collision.
+            InvalidInputError: a time that is not a finite real number, a motion that ends in a collision, or that
+                separates in another gauge, where ∫ p·dq is another.
         """
         self._refuse_collision()
         return self.within.principal_function(t)
@@ -105,6 +107,11 @@ class ChartedMotion(TransformedMotion):
     def _refuse_collision(self) -> None:
         if self.ends != (None, None):
             raise InvalidInputError("W and S: not given for a motion that ends in a collision with a focus")
+        if self.chart.gauge != 0:
+            raise InvalidInputError(
+                f"W and S: they depend on the gauge; motion.as_solved gives those of the gauge in which it separates, to "
+                f"which Λ - Λ(t0) is to be added, Λ = {self.chart.gauge}"
+            )
 
     def _refuse_given(self, name: str) -> None:
         own = self.chart.coordinates

@@ -1,4 +1,4 @@
-"""Initial data carried from the user's coordinates to the separated ones: u by the inverse chart, p_u = (∂X/∂u)ᵀ P.
+"""Initial data carried from the user's coordinates to the separated ones: u by the inverse chart, p_u = (∂X/∂u)ᵀP + a.
 
 Everything is worked out twice, to ``BITS`` and to half as many; what is no larger than the difference is zero (a
 coordinate plane, a turning point, no angular momentum), the rest is rounded to a rational number that is right to far
@@ -132,6 +132,9 @@ def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr
     J = sp.Matrix(chart.place).jacobian(chart.symbols)
     slopes = tape_of(tuple(J), (*chart.symbols, *fixed)).run(field, [*u, *fixed.values()])
     lifted = [c.fsum(slopes[i * n + k] * P[i] for i in range(len(P))) for k in range(n)]
+    if chart.linear:
+        own = tape_of(chart.linear, (*chart.symbols, *fixed)).run(field, [*u, *fixed.values()])
+        lifted = [p + a for p, a in zip(lifted, own, strict=True)]
     momenta = [q.momentum for q in solution.system.coordinates]
     formulas = tuple(constant.expression for constant in solution.constants.values())
     try:

@@ -1,4 +1,8 @@
-"""States carried back: x = origin + frame·X(u), ẋ = frame·Σ (∂X/∂u_k) p_k/(m h_k²), then q, q̇, p by the outer map.
+"""States carried back to the user's coordinates, with their errors.
+
+    x = origin + frame·X(u),  ẋ = frame·Σ (∂X/∂u_k) (p_k − a_k)/(m h_k²)
+
+Then q, q̇, p by the outer map; a is zero but in a changed gauge.
 
 The velocity of the separated coordinates is not used: next to a focus p_k and h_k² are small and well known, and their
 quotient is not. Errors of u and p_u, and the rounding of every operation, are carried through the formulas to first
@@ -40,6 +44,8 @@ def formulas_of(chart: Chart, resting: tuple[str, ...] = ()) -> tuple[sp.Expr, .
     """
     u, moving = chart.symbols, [name not in resting for name in chart.coordinates]
     momenta = [chart.system.coordinate(name).momentum for name in chart.coordinates]
+    if chart.linear:
+        momenta = [p - a for p, a in zip(momenta, chart.linear, strict=True)]
     rates = [p / (chart.mass * h) if m else sp.S.Zero for p, h, m in zip(momenta, chart.scale, moving, strict=True)]
     local = [sum(sp.diff(X, s) * rate for s, rate in zip(u, rates, strict=True)) for X in chart.place]
     x = [o + row for o, row in zip(chart.origin, _times(chart.frame, chart.place), strict=True)]

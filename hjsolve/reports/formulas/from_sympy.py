@@ -109,7 +109,7 @@ def _terms(expression: sp.Add) -> list[sp.Expr]:
 
 
 def _power_of_time(term: sp.Expr) -> sp.Rational:
-    """The exponent of the factor that holds t; a term without the time has 0."""
+    """Return the exponent of the factor that holds t; a term without the time has 0."""
     exponents = [
         exponent
         for base, exponent in term.as_powers_dict().items()

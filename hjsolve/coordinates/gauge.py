@@ -1,0 +1,142 @@
+"""Another gauge: axes along which the forces do not change, and T in which these coordinates are ignorable.
+
+    L = ½ ẋᵀM ẋ + aᵀẋ + T₀ − V,      Fᵢⱼ = ∂ᵢaⱼ − ∂ⱼaᵢ,      a → a − ∇Λ changes L by dΛ/dt only.
+
+A shift along d leaves the equations of motion alone where d·∇(V − T₀) = 0 and d·∇F = 0, whatever gauge a is written in.
+Shifts d, e with dᵀF e = 0 commute and have a gauge in which a depends on neither: for u along d, ∂ᵤa is closed, so that
+∂ᵤa = ∇g, and Λ = ∫ g du takes u out of a. Landau's gauge of a uniform field is the first example (Landau and Lifshitz,
+Quantum Mechanics, §112).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from hjsolve.algebra.integration import antiderivative, closed_form_potential
+from hjsolve.algebra.poly import Budget
+from hjsolve.algebra.readable import shortest_form
+from hjsolve.algebra.reader import Reader
+from hjsolve.mechanics.energy_shell import domain_bounds
+from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
+
+_SAMPLES = 4
+"""Places beyond the number of coordinates at which slopes are compared before a shift is proved."""
+
+
+@dataclass(frozen=True)
+class Gauge:
+    """Axes and a gauge in which some coordinates are ignorable.
+
+    Attributes:
+        system: in u, x = frame · u.
+        frame: columns, orthogonal in the sense of M.
+        linear: a(u) of T₁ = Σ aₖ u̇ₖ in the new gauge.
+        function: Λ(u) with (old) = (new) + ∇Λ.
+    """
+
+    system: System
+    frame: sp.ImmutableMatrix
+    linear: tuple[sp.Expr, ...]
+    function: sp.Expr
+
+
+def find_gauge(system: System, budget: float) -> Gauge | None:
+    """Return the gauge in which most coordinates are ignorable; None where no shift leaves the forces alone.
+
+    Args:
+        system: all coordinates along the whole line; T with constant masses and terms linear in the velocities.
+        budget: seconds for exact arithmetic.
+    """
+    x, M = [c.symbol for c in system.coordinates], mass_matrix(system)
+    if not M.free_symbols.isdisjoint(x):
+        return None
+    a, V = linear_terms(system), system.potential - kinetic_rest(system)
+    reader = Reader([*a, V, *M], domain_bounds(system), Budget.seconds(budget))
+    F = sp.Matrix(len(x), len(x), lambda i, j: sp.simplify(sp.diff(a[j], x[i]) - sp.diff(a[i], x[j])))
+    shifts = _shifts([V, *F], x, reader)
+    if not shifts:
+        return None
+    frame = _axes(shifts, M)
+    u = [sp.Symbol(f"_u{k}", real=True) for k in range(len(x))]
+    at = dict(zip(x, frame * sp.Matrix(u), strict=True))
+    there = [sp.expand(e.xreplace(at)) for e in frame.T * sp.Matrix(a)]
+    field = (frame.T * F * frame).applyfunc(lambda e: sp.expand(e.xreplace(at)))
+    commuting: list[int] = []
+    for k in range(len(shifts)):
+        if all(sp.simplify(field[k, other]) == 0 for other in commuting):
+            commuting.append(k)
+    bounds: dict[sp.Symbol, tuple[None, None]] = dict.fromkeys(u, (None, None))
+    Λ = sp.S.Zero
+    for k in commuting:
+        own = Reader([*there, *field], bounds, Budget.seconds(budget))
+        slopes = [own.element(sp.diff(e, u[k])) for e in there]
+        part = antiderivative(own, sp.expand(closed_form_potential(own, u, slopes)), u[k])
+        if part.has(sp.Integral):
+            return None
+        there = [shortest_form(own, own.element(e - sp.diff(part, s))) for e, s in zip(there, u, strict=True)]
+        Λ += part
+    if any(e.has(u[k]) for e in there for k in commuting):
+        return None
+    return _gauge(system, frame, M, u, there, Λ, V.xreplace(at))
+
+
+def _shifts(functions: Sequence[sp.Expr], x: Sequence[sp.Symbol], reader: Reader) -> list[sp.Matrix]:
+    """Constant vectors d with d·∇f = 0 for every f, proved."""
+    rows = [[sp.diff(f, s) for s in x] for f in functions]
+    rows = [row for row in rows if any(e != 0 for e in row)]
+    sampled = []
+    for m in range(len(x) + _SAMPLES):
+        at = {s: sp.Rational(sp.prime(3 * m + k + 4), sp.prime(2 * k + m + 2)) for k, s in enumerate(x)}
+        sampled += [[e.subs(at) for e in row] for row in rows]
+    if any(e.has(sp.nan, sp.zoo, sp.oo) for row in sampled for e in row):
+        return []
+    kernel = sp.Matrix(sampled or [[0] * len(x)]).nullspace(simplify=True)
+    kernel = [sp.Matrix([sp.simplify(e) for e in d]) for d in kernel]
+    proved = (reader.element(sp.Add(*(c * e for c, e in zip(d, row, strict=True)))) for d in kernel for row in rows)
+    return kernel if all(e.is_zero for e in proved) else []
+
+
+def _axes(shifts: Sequence[sp.Matrix], M: sp.Matrix) -> sp.ImmutableMatrix:
+    """Return the shifts, and what completes them, as columns that are orthogonal in the sense of M."""
+    unit = [sp.eye(M.rows)[:, k] for k in range(M.rows)]
+    columns: list[sp.Matrix] = []
+    for d in [*shifts, *unit]:
+        for c in columns:
+            d -= c * sp.simplify((c.T * M * d)[0] / (c.T * M * c)[0])
+        d = d.applyfunc(sp.simplify)
+        if any(e != 0 for e in d):
+            columns.append(d)
+    return sp.ImmutableMatrix(sp.Matrix.hstack(*columns))
+
+
+def _gauge(
+    system: System, frame: sp.ImmutableMatrix, M: sp.Matrix, u: Sequence[sp.Symbol], linear: Sequence[sp.Expr],
+    Λ: sp.Expr, potential: sp.Expr,
+) -> Gauge:  # fmt: skip
+    """Return the system in u; axes along the given ones keep their names."""
+    own = [c.name for c in system.coordinates]
+    order, taken = list(range(len(u))), {p.name for p in system.parameters}
+    hits = [[i for i in range(len(u)) if frame[i, k] != 0] for k in range(len(u))]
+    if all(len(hit) == 1 and frame[hit[0], k] == 1 for k, hit in enumerate(hits)):
+        order.sort(key=lambda k: hits[k][0])
+        names = own
+    else:
+        names = [next(n for n in (f"{c}_turned", f"{c}_axis") if n not in taken) for c in own]
+    frame = sp.ImmutableMatrix(frame[:, order])
+    speeds = [sp.Symbol(f"dot({name})", real=True) for name in names]
+    at = {u[k]: sp.Symbol(name, real=True) for k, name in zip(order, names, strict=True)}
+    a = [linear[k].xreplace(at) for k in order]
+    masses = (frame.T * M * frame).applyfunc(sp.simplify)
+    T = sp.Add(*(masses[i, i] * v**2 / 2 + e * v for i, (v, e) in enumerate(zip(speeds, a, strict=True))))
+    found = System(
+        dict.fromkeys(names, "line"),
+        T,
+        sp.expand(potential.xreplace(at)),
+        {p.name: p for p in system.parameters},
+        title=f"{system.title or 'system'} in another gauge",
+    )
+    symbols = {sp.Symbol(c.name, real=True): c.symbol for c in found.coordinates}
+    return Gauge(found, frame, tuple(e.xreplace(symbols) for e in a), sp.expand(Λ.xreplace(at).xreplace(symbols)))
