@@ -11,7 +11,7 @@ from hjsolve import arguments
 from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.display.shown import Shown
-from hjsolve.errors import InvalidInputError, MissingValueError
+from hjsolve.errors import InvalidInputError, MissingValueError, of_kind
 from hjsolve.motion.initial_data import parameter_values, to_bits
 from hjsolve.solution.quadratures import Solution
 from hjsolve.two_point.answers import Completeness, Connections
@@ -64,9 +64,10 @@ class ConnectionTable(Shown):
         """
         solution, q0, q1, time, turns, parameters = self.asked
         places = ({name: float(x[problem]) for name, x in q.items()} for q in (q0, q1))
-        return solution.two_point(
+        found = solution.two_point(
             q0=next(places), q1=next(places), time=float(time[problem]), turns=turns, parameters=parameters
         )
+        return of_kind(found, Connections)
 
 
 def has_arrays(*given: object) -> bool:
@@ -113,7 +114,10 @@ def table_of_conics(
     allowed = ~opposite[problem] & (~in_line[problem] | ((way == 1) & (N == 0) & (places.half_cosine[problem] > 0)))
     allowed |= in_line[problem] & (way == -1) & (N == 0) & (places.half_cosine[problem] < 0)
     problem, way, N = problem[allowed], way[allowed], N[allowed]
-    lane = Geometry(*(_taken(part, problem) for part in places))._replace(half_cosine=way * places.half_cosine[problem])
+    lane = Geometry(
+        places.r0[problem], places.r1[problem], places.half_sine[problem], way * places.half_cosine[problem],
+        *([x[problem] if np.ndim(x) else x for x in vector] for vector in places[4:]),
+    )  # fmt: skip
     path = transfer(lane.r0, lane.r1, lane.half_sine, lane.half_cosine)
     problems = Problems(lane, path, np.full(len(problem), k / m), m, time[problem])
     found, _ = conics(path, problems.wanted, N)
@@ -123,12 +127,14 @@ def table_of_conics(
         at = found.problem
         conjugate = conjugate + np.where(in_line[problem[at]], 0, 2 * found.turns + (lane.half_cosine[at] < 0))
     same = in_line & (places.r0 == places.r1)
+    p0, p1 = (
+        {name: _estimates(c) for name, c in zip(attraction.names, p, strict=True)} for p in (numbers.p0, numbers.p1)
+    )
+    given_places = [dict(zip(attraction.names, q, strict=True)) for q in (q0, q1)]
     return ConnectionTable(
-        problem[found.problem], found.turns, way[found.problem],
-        *({name: _estimates(c) for name, c in zip(attraction.names, p, strict=True)} for p in (numbers.p0, numbers.p1)),
-        _estimates(numbers.energy), _estimates(numbers.principal_function), conjugate, PROVED, same | opposite,
-        (solution, dict(zip(attraction.names, q0, strict=True)), dict(zip(attraction.names, q1, strict=True)), time,
-         turns, known),
+        problem[found.problem], found.turns, way[found.problem], p0, p1, _estimates(numbers.energy),
+        _estimates(numbers.principal_function), conjugate, PROVED, same | opposite,
+        (solution, given_places[0], given_places[1], time, turns, known),
     )  # fmt: skip
 
 
@@ -165,12 +171,6 @@ def _numbers(x: object, source: str) -> Reals:
     if not np.all(np.isfinite(column)):
         raise InvalidInputError(f"{source}: a number is not finite")
     return column
-
-
-def _taken(part: object, problem: Integers) -> object:
-    if isinstance(part, list):
-        return [x[problem] if np.ndim(x) else x for x in part]
-    return part[problem]  # type: ignore[index]
 
 
 def _estimates(column: Column) -> EstimateArray:

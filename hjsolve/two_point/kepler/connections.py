@@ -16,7 +16,6 @@ import sympy as sp
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
-from hjsolve.mechanics.system import System
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.two_point.answers import Completeness, Connection, Connections, Continuum
@@ -109,7 +108,7 @@ def joined_by_conics(attraction: Attraction, question: Question, values: Mapping
         x = float(found.w[i] - 1 if found.w[i] < found.v[i] else 1 - found.v[i])
         connections.append(_connection(asked, numbers, i, (way, N, x), bool(found.upper[i]) if several else None))
     if asked.plane_free:
-        continua += [_turned(asked, connection) for connection in connections]
+        continua += [_turned(connection) for connection in connections]
         connections = []
     nothing = not connections and not continua
     return Connections(tuple(connections), proof, tuple(continua), _least(problems, least) if nothing else None)
@@ -260,7 +259,7 @@ def _least_return(asked: _Asked) -> Estimate | None:
     return _rounded(_least_period(asked, min(whole))) if asked.same and whole else None
 
 
-def _turned(asked: _Asked, connection: Connection) -> Continuum:
+def _turned(connection: Connection) -> Continuum:
     """Half a turn in space: the plane of the orbit is free."""
     return Continuum(
         statement=f"q1 is opposite to q0 as seen from the centre: {connection.path}, in any plane through both.",

@@ -76,9 +76,8 @@ def geometry(kind: str, q0: Sequence[Any], q1: Sequence[Any], field: Field) -> G
         sine, cosine = field.sin(half), field.cos(half)
         flip = field.where(sine < 0, -1, 1)
         zero, one = 0 * sine, 1 + 0 * sine
-        return Geometry(
-            r0, r1, flip * sine, flip * cosine, [one, zero], [one, zero], [zero, r0 * one], [zero, r1 * one]
-        )
+        radial, turned = [one, zero], ([zero, r0 * one], [zero, r1 * one])
+        return Geometry(r0, r1, flip * sine, flip * cosine, radial, radial, *turned)
     if kind == "spherical":
         return _spherical(q0, q1, field)
     radii = [field.sqrt(sum(x * x for x in q)) for q in (q0, q1)]
@@ -93,9 +92,9 @@ def _between(radii: Sequence[Any], u0: list[Any], u1: list[Any], field: Field) -
     if len(u0) == 2:
         cross = u0[0] * u1[1] - u0[1] * u1[0]
         cosine = field.where(cross < 0, -cosine, cosine)
-        return Geometry(*radii, sine, cosine, u0, u1, [-u0[1], u0[0]], [-u1[1], u1[0]])
+        return Geometry(radii[0], radii[1], sine, cosine, u0, u1, [-u0[1], u0[0]], [-u1[1], u1[0]])
     normal = _unit(_cross(u0, u1), field)
-    return Geometry(*radii, sine, cosine, u0, u1, _cross(normal, u0), _cross(normal, u1))
+    return Geometry(radii[0], radii[1], sine, cosine, u0, u1, _cross(normal, u0), _cross(normal, u1))
 
 
 def _spherical(q0: Sequence[Any], q1: Sequence[Any], field: Field) -> Geometry:

@@ -160,7 +160,7 @@ def _root(λ: float, k: float, W: float, N: int, side: int, end: float) -> tuple
     z, low, high = _first(λ, k, W, N, side), 0.0, end
     if side != 0:
         least, _, _ = time_at(λ, k, N, 1 + (end - 1), 2 - end) if side < 0 else time_at(λ, k, N, 2 - end, end)
-        if W < 1.3 * least:  # the parabola of T at its minimum
+        if least * 1.3 > W:  # the parabola of T at its minimum
             bend = _bend(λ, k, N, end, 2 - end) if side < 0 else _bend(λ, k, N, 2 - end, end)
             guess = end - sqrt(2 * (W - least) / bend) if bend > 0 else -1.0
             z = guess if guess > 0 else z
@@ -225,14 +225,14 @@ def _fill(λs: Reals, ks: Reals, Ws: Reals, turns: Integers, counts: Integers, t
         lowest, _, rounding = time_at(λ, k, N, 1 + x, 1 - x)
         least[i] = lowest
         vague = rounding + 4 * EPS * lowest
-        if W > lowest + vague:
+        if lowest + vague < W:
             counts[i] = 2
             for j in range(2):
                 side = 2 * j - 1
                 end = 1 + x if side < 0 else 1 - x
                 w, v, error, slope = _root(λ, k, W, N, side, end)
                 _write(table, i, j, (λ, k, w, v, error, slope))
-        elif W >= lowest - vague:  # at the minimum: x is known to the root of the rounding
+        elif lowest - vague <= W:  # at the minimum: x is known to the root of the rounding
             counts[i] = 1
             bend = _bend(λ, k, N, 1 + x, 1 - x)
             _write(table, i, 0, (λ, k, 1 + x, 1 - x, sqrt(4 * vague / bend), 0.0))
