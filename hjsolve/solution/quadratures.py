@@ -37,6 +37,8 @@ from hjsolve.separation.verdicts import Verdict
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion
+    from hjsolve.two_point.answers import Connections
+    from hjsolve.two_point.kepler.arrays import ConnectionTable
 
 AS_GIVEN, FIND = "as given", "find"
 """What ``solve`` takes for ``coordinates``."""
@@ -176,6 +178,57 @@ class Solution(ShownSolution):
             parameters=parameters, t0=t0, digits=digits, certified=certified, want=want, velocity_frame=velocity_frame,
         )  # fmt: skip
         return start(self, given)
+
+    @arguments.by_name('two_point(q0={"r": 1, "theta": 0}, q1={"r": 2, "theta": "pi/2"}, time=3, turns=range(0, 3))')
+    def two_point(
+        self,
+        *,
+        q0: Mapping[str, object],
+        q1: Mapping[str, object],
+        time: object,
+        turns: object = (0,),
+        parameters: Mapping[str, object] | None = None,
+        digits: int = 15,
+    ) -> Connections | ConnectionTable:
+        """Find every motion that joins two places in a given time (Greenwood §5-1; Lambert's problem).
+
+        Args:
+            q0, q1: coordinate → place at time 0 and after ``time``, every one, in the coordinates the system was
+                given in; numbers as of ``motion``. In a Kepler problem also arrays of shape (n,): many problems.
+            time: from q0 to q1, > 0; in a Kepler problem also an array of shape (n,).
+            turns: numbers of whole turns, such as ``range(0, 3)``: whole periods of a single coordinate that the time
+                holds, whole revolutions of an angle.
+            parameters: name → value, where it differs from the default.
+            digits: of the motions, from 1 on.
+
+        Returns:
+            ``Connections``: iterable over the motions, each with ``motion``, ``principal_function`` (S, with
+            p0 = −∂S/∂q0 and p1 = ∂S/∂q1 (5-17), ∂S/∂T = −E (5-18)), ``conjugate_points`` and ``turns``; ``complete``
+            says whether they are proved to be all, else where the search looked. Where a family of motions joins the
+            places, ``continua`` says what is free; where none does, ``least_time`` is the least time in which one
+            does. For arrays a ``ConnectionTable``, one row for each motion.
+
+        Raises:
+            InvalidInputError: places that are incomplete or outside the domain, a time that is not positive, turns
+                that are not whole.
+            MissingValueError: a parameter or a place is missing.
+            NotConvergedError: the digits asked were not reached.
+
+        Example:
+            >>> import hjsolve
+            >>> kepler = hjsolve.solve(hjsolve.catalog.load("kepler-planar"))
+            >>> quarter = {"r": 1, "theta": "pi/2"}
+            >>> found = kepler.two_point(q0={"r": 1, "theta": 0}, q1=quarter, time="pi/2", turns=0)
+            >>> [(c.path, round(c.principal_function.value, 6)) for c in found]
+            [('counterclockwise', 2.356194), ('clockwise', 3.811747)]
+
+        References:
+            Lancaster and Blanchard, NASA TN D-5368 (1969); Izzo, Celestial Mechanics 121 (2015) 1.
+        """
+        from hjsolve.two_point.ask import two_point
+
+        refuse_null(self)
+        return two_point(self, q0=q0, q1=q1, time=time, turns=turns, parameters=parameters, digits=digits)
 
 
 def refuse_null(solution: Solution) -> None:

@@ -26,7 +26,11 @@ from pathlib import Path
 from typing import Any
 
 _ROOM = Path(__file__).parent
-_ROOMS = (_ROOM, _ROOM.parents[1] / "ensembles" / "engine" / "kernels")
+_ROOMS = (
+    _ROOM,
+    _ROOM.parents[1] / "ensembles" / "engine" / "kernels",
+    _ROOM.parents[1] / "two_point" / "kepler" / "kernels",
+)
 _OTHERS = 0o022
 _DIGEST = 32
 _SAID = "hjsolve: compiling its loops, once for this installation ('hjsolve setup' does it beforehand)\n"

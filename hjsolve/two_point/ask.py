@@ -1,0 +1,39 @@
+"""two_point(): which method answers."""
+
+from __future__ import annotations
+
+from hjsolve import arguments
+from hjsolve.errors import InvalidInputError
+from hjsolve.precision import one_at_a_time
+from hjsolve.solution.quadratures import Solution
+from hjsolve.two_point.answers import Connections
+from hjsolve.two_point.kepler.arrays import ConnectionTable, has_arrays, table_of_conics
+from hjsolve.two_point.kepler.attraction import attraction_of
+from hjsolve.two_point.kepler.connections import is_attraction, joined_by_conics
+from hjsolve.two_point.question import read_question
+
+
+@one_at_a_time
+def two_point(
+    solution: Solution, *, q0: object, q1: object, time: object, turns: object, parameters: object, digits: int
+) -> Connections | ConnectionTable:
+    """Find every motion that joins two places in a time.
+
+    Args:
+        solution, q0, q1, time, turns, parameters, digits: as of ``Solution.two_point``, which says what is returned.
+
+    Raises:
+        InvalidInputError: see there.
+    """
+    system = solution.system if solution.chart is None else solution.chart.original
+    attraction = attraction_of(system)
+    if has_arrays(q0, q1, time):
+        if attraction is None:
+            raise InvalidInputError(
+                "two_point: arrays are taken for the Kepler problem only; ask for one pair at a time"
+            )
+        return table_of_conics(solution, attraction, (q0, q1, time, turns), parameters)
+    question, values = read_question(solution, q0, q1, time, turns, parameters, arguments.digits(digits))
+    if attraction is not None and is_attraction(attraction, values):
+        return joined_by_conics(attraction, question, values)
+    raise NotImplementedError
