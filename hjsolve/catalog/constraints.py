@@ -1,16 +1,20 @@
-"""Constraints of an entry with T and V: each must hold in the entry's own coordinates, for nothing eliminates it.
+"""Constraints of an entry with T and V: each holds in its own coordinates, or is one that ``System`` eliminates.
 
 The literature's coordinates are x = f(q, t) by the table ``[stated] map``. A form Σ aᵢ(x, t) dot(xᵢ) + a(x, t) is put
-into q and dot(q) by the chain rule, and has to vanish identically; so has the rate of its integral.
+into q and dot(q) by the chain rule, and has to vanish identically; so has the rate of its integral. A constraint
+between coordinates of the entry that does not vanish is to be eliminated. An integral F given with it must have
+dF ∝ Σ aᵢ dxᵢ + a dt (Greenwood (1-20)): all 2 × 2 minors of the two rows of coefficients vanish.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
 import sympy as sp
 
-from hjsolve.catalog.toml_file import Toml
+from hjsolve.catalog.toml_file import Toml, TomlTable
 from hjsolve.errors import InvalidInputError
 from hjsolve.formulas.read import parse
 from hjsolve.separation.zero_test.zero_test import Zero, is_zero
@@ -18,8 +22,56 @@ from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 _CURE = "choose coordinates in which it holds, and say in [stated] map what {} in them"
 
 
+@dataclass(frozen=True)
+class ToEliminate:
+    """A constraint between coordinates of the entry.
+
+    Attributes:
+        number: place among the constraints of the entry, from 1.
+        equation: text for ``System(constraints=…)``.
+        constant: the constant of integration, as a table of ``parameters``; None where the equation has none.
+    """
+
+    number: int
+    equation: str
+    constant: TomlTable | None
+
+
+def to_eliminate(table: Toml) -> list[ToEliminate]:
+    """Give the constraints that ``System`` has to eliminate: those between coordinates of T and V that do not hold.
+
+    Args:
+        table: of an entry or of ``[system]``, its schema checked.
+
+    Raises:
+        InvalidInputError: a formula that cannot be read, or an integral that does not belong to its form.
+    """
+    given, found = table.get("constraint", []), list[ToEliminate]()
+    if not given or "kinetic" not in table:
+        return found
+    entry = _Coordinates(table)
+    taken = {c["name"] for key in ("coordinates", "parameters") for c in table.get(key, [])}
+    for number, constraint in enumerate(given, start=1):
+        where, names = f"constraint[{number}]", entry.names(constraint)
+        if entry.foreign(names) or isinstance(is_zero(entry.form(constraint["form"], names, f"{where}.form")), Zero):
+            continue
+        if "integral" not in constraint:
+            if "constant" in constraint:
+                raise InvalidInputError(f"{where}.constant: the value of an integral; write the integral too")
+            found.append(ToEliminate(number, constraint["form"], None))
+            continue
+        entry.refuse_false_integral(constraint, names, where)
+        name = next(f"c_{k}" for k in range(1, len(taken) + 2) if f"c_{k}" not in taken)
+        taken.add(name)
+        meaning = f"value of {constraint['integral']}"
+        value = {"value": constraint["constant"]} if "constant" in constraint else {}
+        constant: TomlTable = {"name": name, "meaning": meaning, **value}
+        found.append(ToEliminate(number, f"{constraint['integral']} = {name}", constant))
+    return found
+
+
 def constraint_faults(table: Toml) -> Iterator[str]:
-    """Yield a fault for every constraint that T and V do not obey, one line each.
+    """Yield a fault for every constraint that T and V do not obey and ``System`` cannot eliminate, one line each.
 
     Args:
         table: of an entry, its schema checked.
@@ -28,12 +80,14 @@ def constraint_faults(table: Toml) -> Iterator[str]:
     if not given or "kinetic" not in table:
         return
     try:
-        entry = _Coordinates(table)
+        entry, eliminated = _Coordinates(table), {e.number for e in to_eliminate(table)}
     except InvalidInputError as error:
         yield " ".join(str(error).split())
         return
     for number, constraint in enumerate(given, start=1):
-        where, names = f"constraint[{number}]", list(constraint["coordinates"])
+        where, names = f"constraint[{number}]", entry.names(constraint)
+        if number in eliminated:
+            continue
         cure = _CURE.format(f"{', '.join(names)} {'is' if len(names) == 1 else 'are'}")
         try:
             rates = {
@@ -66,6 +120,40 @@ class _Coordinates:
         texts = {**{name: name for name in self._symbols}, **stated}
         self._map = {name: parse(text, known, source=f"stated.map.{name}") for name, text in texts.items()}
 
+    def names(self, constraint: Toml) -> list[str]:
+        """Return the literature's coordinates that a constraint says it speaks of, else those that occur in it."""
+        if "coordinates" in constraint:
+            return list(constraint["coordinates"])
+        texts = f"{constraint['form']} {constraint.get('integral', '')}"
+        return [name for name in self._map if re.search(rf"(?<!\w){re.escape(name)}(?!\w)", texts)]
+
+    def foreign(self, names: list[str]) -> list[str]:
+        """Return those of the names that are no coordinates of T and V."""
+        return [name for name in names if name != "t" and name not in self._symbols]
+
+    def refuse_false_integral(self, constraint: Toml, names: list[str], where: str) -> None:
+        """Refuse an integral whose differential is not proportional to the form, with a minor that does not vanish."""
+        speeds = {name: sp.Dummy(f"dot({name})", real=True) for name in self._mapped(names, where)}
+        known = {**self._symbols, **self._own}
+        form = sp.expand(_difference(constraint["form"], known, speeds, f"{where}.form"))
+        integral = parse(constraint["integral"], known, source=f"{where}.integral")
+        if not form.free_symbols & set(speeds.values()):
+            raise InvalidInputError(f"{where}.integral: the form holds no velocity, so that it is its own integral")
+        variables = [*((speeds[n], self._symbols[n]) for n in speeds), (None, self._time)]
+        rest = form.subs(dict.fromkeys(speeds.values(), 0))
+        a = [rest if speed is None else form.coeff(speed, 1) for speed, _ in variables]
+        F = [sp.diff(integral, x) for _, x in variables]
+        others = [sp.diff(integral, q) for n, q in self._symbols.items() if n not in speeds]
+        minors = [*others, *(a[i] * F[j] - a[j] * F[i] for i in range(len(a)) for j in range(i))]
+        residual = next((m for m in minors if not isinstance(is_zero(m), Zero)), None)
+        if residual is None and any(not isinstance(is_zero(f), Zero) for f in F):
+            return
+        fault = f"{str(residual)[:80]} is not zero" if residual is not None else "it does not vary"
+        raise InvalidInputError(
+            f"{where}.integral: its differential is not proportional to the form, since {fault}; leave the integral "
+            "out to have it found, or correct it"
+        )
+
     def rate(self, text: str, names: list[str], source: str) -> sp.Expr:
         """Return the time derivative of a function of the literature's coordinates ``names`` and of t."""
         mapped = {name: self._map[name] for name in self._mapped(names, source)}
@@ -75,7 +163,7 @@ class _Coordinates:
         """Return a form in the literature's coordinates ``names`` and their velocities, in q, dot(q) and t."""
         mapped = self._mapped(names, source)
         velocities = {name: sp.Dummy(f"dot({name})", real=True) for name in mapped}
-        found = parse(text, {n: self._map[n] for n in mapped} | self._own, velocities=velocities, source=source)
+        found = _difference(text, {n: self._map[n] for n in mapped} | self._own, velocities, source)
         return sp.expand(found.xreplace({velocities[name]: self._derived(self._map[name]) for name in mapped}))
 
     @property
@@ -94,4 +182,13 @@ class _Coordinates:
         return sp.expand(sp.diff(f, self._time) + moving)
 
 
-__all__ = ["constraint_faults"]
+def _difference(text: str, known: Mapping[str, sp.Expr], velocities: Mapping[str, sp.Symbol], source: str) -> sp.Expr:
+    """Return the left side of an equation minus the right one, which is 0 where it is left out."""
+    sides = text.split("=")
+    if len(sides) > 2:
+        raise InvalidInputError(f'{source}: one equation is needed, such as "x**2 + y**2 = l**2"')
+    left, *right = [parse(side, known, velocities=velocities, source=source) for side in sides]
+    return left - sp.Add(*right)
+
+
+__all__ = ["ToEliminate", "constraint_faults", "to_eliminate"]

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from hjsolve.catalog import outside as refusals
 from hjsolve.catalog import schema, toml_file
-from hjsolve.catalog.constraints import constraint_faults
+from hjsolve.catalog.constraints import constraint_faults, to_eliminate
 from hjsolve.catalog.cross_checks import form_faults, motion_faults, reference_faults
 from hjsolve.catalog.effects import forces, with_effects
 from hjsolve.catalog.entry import Effect as Effect
@@ -231,6 +231,7 @@ def _built(table: Toml, source: str) -> System | LinearHamiltonian:
     problems = list(schema.faults(own, keys)) or list(form_faults(own))
     if not problems:
         problems = [f for k in ("coordinates", "parameters") for f in schema.repeated(own.get(k, []), k)]
+    problems = problems or list(constraint_faults(table))
     if problems:
         raise _refused(source, problems)
     try:
@@ -246,8 +247,12 @@ def _built(table: Toml, source: str) -> System | LinearHamiltonian:
                     "hjsolve.from_hamiltonian takes any other H(q, p)"
                 )
             return found
+        constraints = to_eliminate(table)
+        constants = [c.constant for c in constraints if c.constant is not None]
         return System(
-            coordinates, own["kinetic"], own.get("potential", "0"), parameters,
+            coordinates, own["kinetic"], own.get("potential", "0"),
+            parameters | {p["name"]: _parameter(p) for p in constants},
+            constraints=[c.equation for c in constraints],
             signature=own.get("signature", "definite"), title=own.get("title", ""), id=own.get("id", ""),
             relativity=own.get("relativity"), functions=own.get("functions", ()), place=own.get("place"),
             units={c["name"]: c["unit"] for c in own["coordinates"] if c.get("unit")} | own.get("units", {}),
@@ -308,7 +313,6 @@ def _checked(entry: str | Path) -> tuple[TomlTable, str]:
     problems = list(schema.faults(table, keys)) or [*refusals.outside_faults(table), *form_faults(table)]
     if not problems and not _is_file(entry) and table["id"] != file.name.removesuffix(".toml"):
         problems.append(f'id: "{table["id"]}" must be the name of the file, "{file.name.removesuffix(".toml")}"')
-    problems = problems or list(constraint_faults(table))
     if problems:
         raise _refused(source, problems)
     return table, source

@@ -23,8 +23,6 @@ _TEXT, _TEXTS, _FORMULAS = Key("text"), Key("texts"), Key("formulas")
 KEYS = {
     "refused_because": Key(
         "table", keys={"kind": Key("text", True, choices=REFUSALS), "forces": _FORMULAS, "conditions": _TEXTS}),
-    "constraint": Key("tables", keys={
-        "form": Key("text", True), "coordinates": Key("texts", True), "integral": _TEXT, "name": _TEXT}),
     "stated": Key("table", keys={
         "summary": _TEXT, "coordinates": _TEXTS, "kinetic": _TEXT, "potential": _TEXT, "map": _FORMULAS,
         "gauge": _TEXT}),
@@ -62,13 +60,17 @@ class Constraint(Shown):
     Attributes:
         form: Σ aᵢ(q, t) dot(qᵢ) + a_t(q, t), as a text.
         coordinates: the names it speaks of; ``t`` is the time.
-        integral: a function whose total time derivative is proportional to the form; empty for a nonholonomic one.
+        integral: a function whose total time derivative is proportional to the form; empty for a nonholonomic one,
+            and where it is to be found.
+        name: for display.
+        constant: the value of the integral; None where the entry does not say it.
     """
 
     form: str
-    coordinates: tuple[str, ...]
+    coordinates: tuple[str, ...] = ()
     integral: str = ""
     name: str = ""
+    constant: object = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -110,7 +112,8 @@ def constraints(table: Toml) -> tuple[Constraint, ...]:
     Args:
         table: of the entry.
     """
-    return tuple(Constraint(**{**c, "coordinates": tuple(c["coordinates"])}) for c in table.get("constraint", []))
+    given = table.get("constraint", [])
+    return tuple(Constraint(**{**c, "coordinates": tuple(c.get("coordinates", ()))}) for c in given)
 
 
 def stated(table: Toml) -> Stated | None:
@@ -140,8 +143,6 @@ def outside_faults(table: Toml) -> Iterator[str]:
     for place, constraint in enumerate(table.get("constraint", []), start=1):
         if because == "nonholonomic" and constraint.get("integral"):
             yield f"constraint[{place}].integral: an integrable constraint is not a reason to refuse; integrate it"
-        if "kinetic" in table and not constraint.get("integral"):
-            yield f"constraint[{place}].integral: missing; T and V obey integrable constraints only"
         if "hamiltonian" in table:
             yield f"constraint[{place}]: belongs to T and V; this entry gives H(q, p)"
     if "kinetic" in table and because and because not in _FOUND_BY_US:

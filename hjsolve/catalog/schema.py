@@ -72,11 +72,15 @@ _FRAME = {
     "place": Key("formulas"), "gauge": _TEXT,
 }  # fmt: skip
 _RELATIVITY = {"mass": Key("text", True), "light": Key("text", True)}
+_CONSTRAINT = {
+    "form": Key("text", True), "coordinates": Key("texts"), "integral": _TEXT, "constant": Key("number"), "name": _TEXT,
+}  # fmt: skip
 SYSTEM = {
     "id": _TEXT, "title": _TEXT, "coordinates": Key("tables", True, keys=_COORDINATE),
     "parameters": Key("tables", keys=_PARAMETER), "kinetic": Key("text", True), "potential": _TEXT,
     "signature": Key("text", choices=("definite", "indefinite")), "relativity": Key("table", keys=_RELATIVITY),
     "hamiltonian": _TEXT, "functions": Key("texts"), "place": Key("formulas"), "units": Key("formulas"),
+    "constraint": Key("tables", keys=_CONSTRAINT),
 }  # fmt: skip
 """The keys of an inline ``[system]`` table."""
 ENTRY = SYSTEM | {

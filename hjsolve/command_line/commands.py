@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from hjsolve.arguments import refuse_unused
 from hjsolve.command_line import arguments_read
+from hjsolve.command_line.theorem_commands import canonical_command as canonical_command
+from hjsolve.command_line.theorem_commands import verify_command as verify_command
 from hjsolve.command_line.time_allowed import within
 from hjsolve.errors import InternalError, InvalidInputError, MissingExtraError, NotSeparableError, required
 
@@ -386,6 +388,7 @@ def _print(system: System, sections: list[Section | None], answer: Text = ()) ->
     from hjsolve.reports.formats.text import section_text, wrapped
     from hjsolve.reports.formulas.from_sympy import box
     from hjsolve.reports.formulas.layout import Glyph, row
+    from hjsolve.reports.formulas.names import name_box
     from hjsolve.reports.formulas.one_line_text import plain
     from hjsolve.reports.sections.prose import heading
 
@@ -395,6 +398,8 @@ def _print(system: System, sections: list[Section | None], answer: Text = ()) ->
     equals = Glyph("=", "operator")
     for letter, energy in (("T", system.kinetic), ("V", system.potential)):
         print(f"    {plain(row(Glyph(letter), equals, box(energy)))}")
+    for name, formula in system.eliminated:
+        print(f"    {plain(row(name_box(name), equals, box(formula)))} by the constraints")
     if answer:
         print(f"\n{wrapped(answer)}")
     for section in sections:

@@ -35,6 +35,7 @@ examples:
   hjsolve report kepler-planar -o kepler.html   all of that, a motion with drawings, and numbers
   hjsolve explore kepler-planar                 a page on this machine: type, drag, read (extra explore)
   hjsolve cost kepler-planar                    what accuracy costs in time, measured
+  hjsolve verify pendulum -S "…" --constant E   is this a complete integral of it?
   hjsolve catalog                               what is in the catalog""",
     "check": """\
 examples:
@@ -46,6 +47,18 @@ examples:
 examples:
   hjsolve solve kepler-spherical
   hjsolve solve --coordinate "x: line" -T "m/2*dot(x)**2" -V "m*w**2/2*x**2" --parameter m=1 --parameter w=2""",
+    "verify": """\
+examples:
+  hjsolve verify kepler-planar -W "p*theta + integral(sqrt(2*m*(E + k/r) - p**2/r**2), r)" --constant E --constant p
+  hjsolve verify --coordinate "x: line" -T "dot(x)**2/2" -V "x**2/2" --constant a \\
+      -S "((x**2 + a**2)*cos(t) - 2*x*a)/(2*sin(t))"
+  hjsolve verify vertical-fall -W "integral(sqrt(2*m*(a - m*g*y)), y)" --constant a --energy a""",
+    "canonical": """\
+examples:
+  hjsolve canonical "Q = atan(q/p)" "P = (q**2 + p**2)/2" --domain "p: 0 < p"
+  hjsolve canonical "Q = a*q" "P = b*p" --constant a --constant b
+  hjsolve canonical --generating "F2 = (P + m*v)*(q - v*t)" --constant m --constant v --hamiltonian "p**2/(2*m)"
+  hjsolve canonical "Q1 = q1 - q2" "Q2 = q2" "P1 = p1" "P2 = p1 + p2" --pair "q1: p1" --pair "q2: p2" """,
     "coordinates": """\
 examples:
   hjsolve coordinates henon-heiles
@@ -134,6 +147,8 @@ def command_parser() -> argparse.ArgumentParser:
     _add_check(kinds)
     _add_solve(kinds)
     _add_coordinates(kinds)
+    _add_verify(kinds)
+    _add_canonical(kinds)
     _add_motion(kinds)
     _add_report(kinds)
     _add_explore(kinds)
@@ -191,6 +206,57 @@ def _add_coordinates(kinds: _Commands) -> None:
     _system_arguments(coordinates)
 
 
+def _add_verify(kinds: _Commands) -> None:
+    about = (
+        "Decide whether Hamilton's characteristic function W(q, constants) or principal function S(q, constants, t)\n"
+        "that you type is a complete integral: it solves the Hamilton-Jacobi equation, and its constants are\n"
+        "independent. integral(f, q) is an antiderivative, integral(f, q, a) one from a to q. Status 1: it is not,\n"
+        f"with a witness. Status 3: neither was proved.\n\n{_SYSTEMS}"
+    )
+    verify = _add(kinds, "verify", "is this W or S a complete integral?", about)
+    _system_arguments(verify)
+    verify.add_argument("-W", metavar="FORMULA", help="Hamilton's characteristic function W(q, constants)")
+    verify.add_argument("-S", metavar="FORMULA", help="Hamilton's principal function S(q, constants, t), in place of W")
+    _constant_argument(verify)
+    verify.add_argument("--energy", metavar="FORMULA", help="with -W, the energy in the constants (default: E)")
+    _budget_argument(verify, "for each proof")
+
+
+def _add_canonical(kinds: _Commands) -> None:
+    about = (
+        "Decide whether a map to new coordinates and momenta is canonical, by its brackets; find its valence, the\n"
+        "generating functions and what is added to the Hamiltonian. Or give one generating function, and have the\n"
+        "map. The old variables are q and p, or those of --pair. Status 1: it is not canonical, with a witness."
+    )
+    canonical = _add(kinds, "canonical", "is this map canonical? with its generating functions", about)
+    canonical.add_argument(
+        "formula", nargs="*", metavar="EQUATION", help='the coordinates first, then their momenta: "Q = atan(q/p)" …'
+    )
+    canonical.add_argument(
+        "--pair", action="append", default=[], metavar='"q: p"', help="an old coordinate and its momentum (repeat)"
+    )
+    canonical.add_argument(
+        "--domain", action="append", default=[], metavar='"NAME: DOMAIN"',
+        help='where an old variable lies, e.g. "p: 0 < p < pi/2" (repeat)',
+    )  # fmt: skip
+    _constant_argument(canonical)
+    canonical.add_argument("--hamiltonian", metavar="FORMULA", help="H(q, p, t), where the new one is wanted")
+    canonical.add_argument(
+        "--generating", metavar="EQUATION", help='in place of the map: "F2 = …", of kind F1(q, Q) to F4(p, P)'
+    )
+    canonical.add_argument(
+        "--new", action="append", default=[], metavar='"Q: P"', help="with --generating, the new pairs (repeat)"
+    )
+    _budget_argument(canonical, "for each proof")
+
+
+def _constant_argument(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--constant", action="append", default=[], metavar='NAME or "NAME: DOMAIN"',
+        help='a constant in the formulas, e.g. E, or "a: 0 < a" where they hold on one side only (repeat)',
+    )  # fmt: skip
+
+
 def _add_report(kinds: _Commands) -> None:
     about = (
         "Write a report: the system, its reduction, the test, W, time law and orbit, and one\n"
@@ -232,10 +298,10 @@ def _find_argument(command: argparse.ArgumentParser) -> None:
     )  # fmt: skip
 
 
-def _budget_argument(command: argparse.ArgumentParser) -> None:
+def _budget_argument(command: argparse.ArgumentParser, what: str = "for reading the system and deciding") -> None:
     command.add_argument(
         "--budget", type=float, default=60.0, metavar="S",
-        help="seconds for reading the system and deciding; then the answer is: not decided (default 60)",
+        help=f"seconds {what}; then the answer is: not decided (default 60)",
     )  # fmt: skip
 
 

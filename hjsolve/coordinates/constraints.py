@@ -60,8 +60,8 @@ def without_constraints(system: System, constraints: Iterable[str]) -> System:
     """
     if isinstance(constraints, str):
         constraints = [constraints]
-    if system.kinks or system.relativity is not None or system.declared_units:
-        raise InvalidSystemError(f"constraints: not with kinks of V, relativity or units; {_CURE}")
+    if system.kinks or system.relativity is not None:
+        raise InvalidSystemError(f"constraints: not with kinks of V or relativity; {_CURE}")
     speeds = frozenset(c.velocity for c in system.coordinates)
     given = [(f"constraints[{n}]", _read(system, text, f"constraints[{n}]")) for n, text in enumerate(constraints, 1)]
     first, formulas = _reduced(system, [(s, g) for s, g in given if degree(g, speeds) == 0], [])

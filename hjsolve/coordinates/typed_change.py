@@ -162,9 +162,11 @@ def transformed(
         kinetic += short_form(coefficient, bounds) * sp.Mul(*(speeds[k] for k in key))
     place = {axis: formula.xreplace(old) for axis, formula in system.place.items()}
     potential = short_form(system.potential.xreplace(old), bounds)
+    kept = {*domains, *(p.name for p in system.parameters), "t"}
+    units = {name: unit for name, unit in system.declared_units if name in kept}
     return System(
         domains, kinetic, potential, {p.name: p for p in (*system.parameters, *constants)},
-        signature=system.signature, title=system.title, place=place or None, functions=system.functions,
+        signature=system.signature, title=system.title, place=place or None, functions=system.functions, units=units,
     )  # fmt: skip
 
 

@@ -136,7 +136,7 @@ class System(Shown):
                 coordinates, kinetic, potential, parameters, signature=signature, title=title, id=id,
                 relativity=relativity, functions=functions, place=place, units=units,
             )  # fmt: skip
-            _set(self, **vars(without_constraints(free, constraints)))
+            _set(self, **vars(without_constraints(free, constraints)) | {"id": str(id)})
             return
         for name, text in (("title", title), ("id", id)):
             refuse_hidden(text, name)

@@ -70,7 +70,7 @@ class Completeness(Shown):
         return self.proved
 
     def __str__(self) -> str:
-        """The statement, with the ranges of a search."""
+        """Return the statement, with the ranges of a search."""
         ranges = "; ".join(f"{name} from {low:.6g} to {high:.6g}" for name, (low, high) in self.searched.items())
         return f"{self.statement}{': ' + ranges if ranges else ''}."
 
@@ -96,7 +96,7 @@ class Continuum(Shown):
     member: Connection | None = None
 
     def __str__(self) -> str:
-        """The statement and what is free."""
+        """Return the statement and what is free."""
         return f"{self.statement} Free: {', '.join(self.free)}."
 
 
@@ -127,7 +127,7 @@ class Connections(Shown):
         return self.connections[index]
 
     def __str__(self) -> str:
-        """What was found, in a few sentences."""
+        """Return what was found, in a few sentences."""
         count = len(self.connections)
         parts = [f"{count or 'No'} motion{'' if count == 1 else 's'}"]
         if not count and not self.continua and self.least_time is not None:

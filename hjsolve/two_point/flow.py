@@ -194,7 +194,7 @@ class Flow:
     def _stepped(
         self, state: Reals, h: Reals, tolerance: float, counter: _Conjugates | None
     ) -> tuple[Reals, Reals]:
-        """A step of each start, and its error in units of what is allowed."""
+        """Return a step of each start, and its error in units of what is allowed."""
         n = self.n
         with np.errstate(all="ignore"):
             new, error = extrapolated(lambda y: self.slopes(y, counter), state, h)
@@ -268,6 +268,6 @@ def conjugate_points(flow: Flow, q: Reals, p: Reals, time: float) -> tuple[int, 
 def _ends(
     low: sp.Expr | None, high: sp.Expr | None, values: Mapping[sp.Symbol, sp.Expr]
 ) -> tuple[float, float]:
-    """The ends of a domain in doubles."""
+    """Return the ends of a domain in doubles."""
     ends = [None if e is None else float(to_bits(e.subs(values))(64)) for e in (low, high)]
     return (-np.inf if ends[0] is None else ends[0], np.inf if ends[1] is None else ends[1])

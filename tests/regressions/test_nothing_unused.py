@@ -36,11 +36,11 @@ def constraint(form: str, integral: str, names: str = '["x", "y"]') -> str:
     [
         (
             constraint("2*dot(x) + 3*dot(y) + 5", "2*x + 3*y + 5*t"),
-            "does not hold .the form is 2.dot.x. . 3.dot.y. . 5",
+            "the constraint moves",
         ),
-        (constraint("2*dot(x) + 3*dot(y)", "x"), "the form is"),
+        (constraint("2*dot(x) + 3*dot(y)", "x"), "its differential is not proportional to the form"),
         (constraint("2*dot(X)", "2*X", '["X"]'), "T and V know no X; choose coordinates in which it holds"),
-        (constraint("dot(x) - dot(y)", ""), "constraint.1..integral: missing"),
+        (constraint("dot(x) - dot(y)", ""), "constraint.1..integral: the text is empty"),
         (
             '[stated]\nmap = {X = "x + w*t"}\n' + constraint("dot(X) - m", "X - m*t", '["X"]'),
             "the constraint does not hold",

@@ -98,8 +98,8 @@ class ChartedMotion(TransformedMotion):
             t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
 
         Raises:
-            InvalidInputError: a time that is not a finite real number, a motion that ends in a collision, or that
-                separates in another gauge, where ∫ p·dq is another.
+            InvalidInputError: a time that is not a finite real number, a motion that ends in a collision, or
+                that separates in another gauge, where ∫ p·dq is another.
         """
         self._refuse_collision()
         return self.within.principal_function(t)
@@ -109,8 +109,8 @@ class ChartedMotion(TransformedMotion):
             raise InvalidInputError("W and S: not given for a motion that ends in a collision with a focus")
         if self.chart.gauge != 0:
             raise InvalidInputError(
-                f"W and S: they depend on the gauge; motion.as_solved gives those of the gauge in which it separates, to "
-                f"which Λ - Λ(t0) is to be added, Λ = {self.chart.gauge}"
+                f"W and S: they depend on the gauge; motion.as_solved gives those of the gauge in which it separates, "
+                f"to which Λ - Λ(t0) is to be added, Λ = {self.chart.gauge}"
             )
 
     def _refuse_given(self, name: str) -> None:

@@ -120,11 +120,24 @@ def system_section(
     if system.relativity is not None:
         blocks.append(Paragraph((RELATIVISTIC,)))
     blocks += [formula(Glyph("T"), system.kinetic), formula(Glyph("V"), system.potential), *_letters(letters)]
-    blocks += _kinks(system)
+    blocks += [*_kinks(system), *eliminated_blocks(system)]
     blocks.append(_coordinates(system, meanings))
     if system.parameters:
         blocks.append(_parameters(system))
     return Section("system", "The system", (*blocks, *_hamilton(system)))
+
+
+def eliminated_blocks(system: System) -> list[Block]:
+    """Say how the coordinates that constraints eliminated follow from those that are left; empty without constraints.
+
+    Args:
+        system: the system.
+    """
+    if not system.eliminated:
+        return []
+    names = [c.name for c in system.coordinates]
+    left = f"The constraints leave the {'coordinate' if len(names) == 1 else 'coordinates'} {listed(names)}, with"
+    return [Paragraph(typeset_prose(left, system)), *(formula(name_box(n), f) for n, f in system.eliminated)]
 
 
 def letters_of(system: System, momentum_squared: Mapping[str, sp.Expr]) -> dict[sp.Expr, sp.Symbol]:

@@ -117,7 +117,7 @@ def joined_by_conics(attraction: Attraction, question: Question, values: Mapping
 def _exactly(
     attraction: Attraction, question: Question, values: Mapping[sp.Symbol, sp.Expr], bits: int
 ) -> ExactTransfer:
-    """The transfer with so many bits."""
+    """Return the transfer with so many bits."""
     context = multiprecision(bits)
     q0, q1 = ([to_bits(q[name])(bits) for name in attraction.names] for q in (question.q0, question.q1))
     places = geometry(attraction.kind, q0, q1, ExactFunctions(context))
@@ -135,7 +135,7 @@ def _lanes(asked: _Asked) -> list[tuple[int, int]]:
 
 
 def _problems(exact: ExactTransfer, ways: Sequence[int]) -> Problems:
-    """The transfers in doubles, from many digits: λ and 1 − λ² are right to the last one."""
+    """Return the transfers in doubles, from many digits: λ and 1 − λ² are right to the last one."""
     ones = np.ones(len(ways))
     places = exact.places
     signs = np.array(ways, dtype=float)
@@ -254,7 +254,7 @@ def _least_period(asked: _Asked, N: int) -> Mpf:
 
 
 def _least_return(asked: _Asked) -> Estimate | None:
-    """The least time of a return to the same place; None where there is no motion with full turns at all."""
+    """Return the least time of a return to the same place; None where there is no motion with full turns at all."""
     whole = [N for N in asked.question.turns if N > 0]
     return _rounded(_least_period(asked, min(whole))) if asked.same and whole else None
 
@@ -271,7 +271,7 @@ def _turned(connection: Connection) -> Continuum:
 
 
 def _least(problems: Problems, least: Any) -> Estimate | None:
-    """The least time of all lanes that were asked."""
+    """Return the least time of all lanes that were asked."""
     unit = problems.time / problems.wanted
     times = np.where(least > 0, least * unit, np.inf)
     value = float(np.min(times))

@@ -144,7 +144,7 @@ def _first(λ: float, k: float, W: float, N: int, side: int) -> float:
 
 @helper
 def _middle(low: float, high: float) -> float:
-    """The middle of a bracket of 1 + x or 1 − x, in the logarithm."""
+    """Return the middle of a bracket of 1 + x or 1 − x, in the logarithm."""
     if high == inf:
         return max(4.0, 2 * low)
     return sqrt(max(low, 1e-3 * high) * high)
