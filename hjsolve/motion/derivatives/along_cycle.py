@@ -1,0 +1,203 @@
+r"""How the integrals of a libration or rotation change with constants and parameters: one more derivative of each.
+
+Between turning points a(z) and b(z) the anomaly is q(χ; z) = a + (b − a) s(χ), with s a function of χ that is kept: any
+such map serves, the best one for z serves next to z too. At fixed χ
+
+    q_b = a_b (1 − s) + b_b s,  a_b = −F_b/F_q at a,  ρ_b = (ln p)_b = (F_b + F_q q_b)/(2F),  ω_b = (ln dq/dχ)_b,
+    (k_j)_b = [½ (F_jb + F_jq q_b) + ½ F_j (ω_b − ρ_b)] (dq/dχ)/p,     k_j = ½ F_j (dq/dχ)/p,
+
+where F_b + F_q q_b vanishes with F at both ends, so that ρ_b and (k_j)_b are analytic and periodic like k_j itself, and
+no term is left over from the ends. Their means are the second derivatives of the action (differentiation under the
+integral sign; the midpoint rule converges as for k_j: Trefethen & Weideman, SIAM Review 56 (2014) 385, §3). A rotation
+has a fixed map, q_b = 0; along a line on which p² repeats itself after L(z) it is q_b = q L_b/L.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from hjsolve.arithmetic.floats import Multi, multiprecision
+from hjsolve.arithmetic.fourier import smooth
+from hjsolve.arithmetic.number_types import Context, Counts, Mpf, Numbers
+from hjsolve.errors import NotConvergedError
+from hjsolve.motion.derivatives.bounded import Bounded, converted, stacked
+from hjsolve.motion.derivatives.formulas import AtPlace, Evaluation, Formulas
+from hjsolve.motion.derivatives.slopes import Slopes
+from hjsolve.motion.derivatives.waves import Waves
+from hjsolve.one_coordinate.coordinate_motion import Periodic
+from hjsolve.one_coordinate.fourier_series import fit
+from hjsolve.one_coordinate.phase_map import Place
+
+_MORE, _ATTEMPTS = 1.5, 6
+"""Nodes are made so many times more as long as the last coefficients are too large, and so often."""
+_LOST = 4
+"""Digits that second derivatives may have fewer than the integrals they are derivatives of."""
+_STEP = 2.0**-60
+"""Of a phase, by which the slopes of functions are measured that only serve error bounds."""
+
+
+@dataclass(frozen=True, eq=False)
+class CycleVariations:
+    """A libration or rotation with the derivatives of its integrals.
+
+    Attributes:
+        course: the motion of the coordinate.
+        rule: F and its derivatives.
+        scale: (ln L)_b of a rotation along a line, one a variable.
+        ends: a_b and b_b; none of a rotation.
+        waves: series of k_b, one a variable (the constants first), then of (k_j)_b with b inside j, then of ρ_b.
+        context: of the numbers.
+    """
+
+    course: Periodic
+    rule: Evaluation
+    scale: list[Mpf]
+    ends: tuple[list[Mpf], list[Mpf]] | None
+    waves: Waves
+    context: Context
+
+    rests = False
+
+    @property
+    def _shape(self) -> tuple[int, int]:
+        return self.rule.constants, len(self.scale)
+
+    def means(self) -> Bounded:
+        """Return J_b = ∂J/∂z_b of the unsigned action, shape (variables,)."""
+        return self.waves.means()[: self._shape[1]]
+
+    def second_means(self) -> Bounded:
+        """Return ∂²J/∂κ_j∂z_b, shape (constants, variables)."""
+        n, count = self._shape
+        found = self.waves.means()[count : count + n * count]
+        return Bounded(found.value.reshape(n, count), found.error.reshape(n, count))
+
+    def slopes(self, χ: Numbers, whole: Counts, errors: Numbers) -> Slopes:
+        """Return how place, momentum and integrals change with the phase and with the variables.
+
+        Args:
+            χ: phases near [−π, π], shape (m,).
+            whole: turns beside them, shape (m,).
+            errors: bounds on the errors of χ, shape (m,).
+        """
+        context = self.context
+        χ = converted(χ, context)
+        m = len(χ)
+        both = self._functions(np.concatenate([χ, χ + context.mpf(_STEP)]), np.concatenate([whole, whole]))
+        here, beside = (Slopes(*(part[..., k : k + m] for part in both)) for k in (0, m))
+        return here.with_phase_errors(beside, errors.astype(float), _STEP)
+
+    def _functions(self, χ: Numbers, whole: Counts) -> Slopes:
+        context, course, π = self.context, self.course, self.context.pi
+        q, p = course.place(χ)
+        if course.rotates:
+            q = q + course.length_of_turns(whole, q)
+        ratio = course.ratio(χ) / course.radian**2  # without the rate of a phase ψ
+        lack = float(course.momentum.tail) * max(1.0, course.momentum.size)
+        rate = np.array([self._rate(x) for x in χ], dtype=object)
+        at = [self.rule.at(x) for x in q]
+        turn = np.array([place.slope for place in at], dtype=object) * rate / ratio / 2
+        momentum = Bounded(p, lack * np.abs(p).astype(float))
+        n, count = self._shape
+        values, integrals = self.waves.at(χ, χ + 2 * π * whole.astype(object))
+        second = integrals[count : count + n * count]
+        return Slopes(
+            Bounded.exact(converted(p / ratio * rate, context)),
+            Bounded(turn, lack * np.abs(turn).astype(float)),
+            values[:n],
+            stacked([self._place_by(b, q) for b in range(count)]),
+            momentum * values[count + n * count :],
+            Bounded(second.value.reshape(n, count, -1), second.error.reshape(n, count, -1)),
+        )
+
+    def _rate(self, χ: Mpf) -> Mpf | int:
+        arithmetic = Multi(self.context.prec)
+        turn = 2 * self.context.pi
+        place = self.course.anomaly.place(χ - turn * self.context.nint(χ / turn), arithmetic)
+        return cast("Mpf | int", place.rate)
+
+    def _place_by(self, b: int, q: Numbers) -> Bounded:
+        if self.ends is None:
+            return Bounded.exact(q * self.scale[b])
+        a, c = self.course.turning_points
+        low, high = self.ends[0][b], self.ends[1][b]
+        return Bounded.exact(converted((low * (c - q) + high * (q - a)) / (c - a), self.context))
+
+
+def cycle_variations(course: Periodic, formulas: Formulas, scale: list[Mpf], digits: int) -> CycleVariations:
+    """Differentiate the integrals of a libration or rotation.
+
+    Args:
+        course: integrated to many digits.
+        formulas: of its coordinate.
+        scale: (ln L)_b, one a variable: how the length of a turn changes along a line; zeros of an angle.
+        digits: wanted of the series.
+
+    Raises:
+        NotConvergedError: the series do not fall to the digits wanted.
+    """
+    bits = _bits(course)
+    context, rule = multiprecision(bits), formulas.bound(bits)
+    ends = None
+    if not course.rotates:
+        ends = tuple(_end_by(rule.at(context.convert(end))) for end in course.turning_points)
+    nodes, n, count = max(course.momentum.nodes, course.nodes, 8), rule.constants, formulas.variables.count
+    for _ in range(_ATTEMPTS):
+        rows, sizes = zip(
+            *(_values(course, rule, scale, ends, place) for place in course.anomaly.places(nodes, Multi(bits))),
+            strict=True,
+        )
+        floors = [max(column) for column in zip(*sizes, strict=True)]
+        series = fit(rows, even=course.anomaly.even, digits=digits, bits=bits, floors=floors)
+        if max(float(s.tail) for s in series) <= 10.0 ** (_LOST - digits):
+            break
+        nodes = smooth(int(_MORE * nodes))
+    else:
+        raise NotConvergedError("the derivatives of the integrals over a cycle did not converge to the digits asked")
+    largest = [max(floor, *(abs(float(row[k])) for row in rows)) for k, floor in enumerate(floors)]
+    lacks = [4 * size * max(float(s.tail), 10.0**-digits) for s, size in zip(series, largest, strict=True)]
+    return CycleVariations(course, rule, scale, ends, Waves(series, lacks, bits), context)  # type: ignore[arg-type]
+
+
+def _bits(course: Periodic) -> int:
+    anomaly = course.anomaly
+    inner = getattr(anomaly, "inner", anomaly)
+    number = inner.lower if not course.rotates else inner.slow
+    return int(number.context.prec)
+
+
+def _end_by(at: AtPlace) -> list[Mpf]:
+    """How a turning point moves: a_b = −F_b/F_q."""
+    return [-by / at.slope for by in at.by]
+
+
+def _values(
+    course: Periodic, rule: Evaluation, scale: list[Mpf], ends: tuple[list[Mpf], ...] | None, place: Place
+) -> tuple[list[Mpf | None], list[float]]:
+    """k_b, then (k_j)_b, then ρ_b at one node, per unit of the phase ψ; and the sizes of what they are sums of."""
+    radian, n = course.radian, rule.constants
+    q = place.q * radian
+    at = rule.at(cast("Mpf", q))
+    speed = abs(cast("Mpf", place.speed)) * place.rate * radian
+    weight = speed / at.value**0.5 / 2
+    if ends is None:
+        moved, stretched = [s * q for s in scale], scale
+    else:
+        width = course.turning_points[1] - course.turning_points[0]
+        below, above = cast("Mpf", place.below) / width, cast("Mpf", place.above) / width
+        moved = [low * above + high * below for low, high in zip(*ends, strict=True)]
+        stretched = [(high - low) / width for low, high in zip(*ends, strict=True)]
+    growth = [(by + at.slope * m) / (2 * at.value) for by, m in zip(at.by, moved, strict=True)]
+    second, sizes = [], []
+    for j in range(n):
+        for b, move in enumerate(moved):
+            terms = at.mixed[j][b] * weight, at.slope_by[j] * move * weight, at.by[j] * stretched[b] * weight
+            own = at.by[j] * growth[b] * weight
+            second.append(terms[0] + terms[1] + terms[2] - own)
+            sizes.append(float(sum(map(abs, terms)) + abs(own)))
+    length = abs(q) if ends is None else width
+    relative = [float(abs(move) / length) if length else 0.0 for move in moved]
+    return [*(by * weight for by in at.by), *second, *growth], [*[0.0] * len(moved), *sizes, *relative]

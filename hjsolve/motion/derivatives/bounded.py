@@ -1,0 +1,134 @@
+"""Matrices of numbers in many digits, each with a bound on its error in doubles.
+
+Products carry the errors of their factors to first order, |δ(AB)| ≤ |δA||B| + |A||δB|, and a solution x of G x = r those
+of its equations, |δx| ≤ |G⁻¹|(|δr| + |δG||x|) (Higham, Accuracy and Stability of Numerical Algorithms, 2002, §7.1). What
+is of second order is covered by the factor that a result is given (``SAFETY``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hjsolve.arithmetic.number_types import Context, Mpf, Numbers, Reals
+from hjsolve.errors import NotConvergedError
+
+SAFETY = 2.0
+"""By which errors carried to first order are multiplied when a number is given."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bounded:
+    """An array of ``mpf`` with absolute errors.
+
+    Attributes:
+        value: objects, of any shape.
+        error: doubles, of the same shape.
+    """
+
+    value: Numbers
+    error: Reals
+
+    @classmethod
+    def exact(cls, value: Numbers) -> Bounded:
+        """Return numbers without an error.
+
+        Args:
+            value: of any shape.
+        """
+        return cls(value, np.zeros(value.shape))
+
+    @property
+    def size(self) -> Reals:
+        """The absolute values, in doubles."""
+        return np.asarray(np.abs(self.value), dtype=object).astype(float)
+
+    @property
+    def transposed(self) -> Bounded:
+        """The last two axes changed."""
+        return Bounded(np.swapaxes(self.value, -1, -2), np.swapaxes(self.error, -1, -2))
+
+    def __getitem__(self, key: object) -> Bounded:
+        value, error = self.value[key], self.error[key]
+        if isinstance(value, np.ndarray):
+            return Bounded(value, error)
+        return Bounded(np.array(value, dtype=object), np.array(error))
+
+    def __neg__(self) -> Bounded:
+        return Bounded(-self.value, self.error)
+
+    def __add__(self, other: Bounded) -> Bounded:
+        return Bounded(self.value + other.value, self.error + other.error)
+
+    def __sub__(self, other: Bounded) -> Bounded:
+        return self + -other
+
+    def __mul__(self, other: Bounded) -> Bounded:
+        """Return products of elements."""
+        return Bounded(self.value * other.value, self.error * other.size + self.size * other.error)
+
+    def __matmul__(self, other: Bounded) -> Bounded:
+        return Bounded(self.value @ other.value, self.error @ other.size + self.size @ other.error)
+
+
+def zeros(shape: tuple[int, ...], context: Context) -> Bounded:
+    """Return zeros.
+
+    Args:
+        shape: of the array.
+        context: of the numbers.
+    """
+    return Bounded.exact(np.full(shape, context.mpf(0), dtype=object))
+
+
+def stacked(rows: list[Bounded], axis: int = 0) -> Bounded:
+    """Return arrays of one shape as one array with a new axis.
+
+    Args:
+        rows: of equal shape.
+        axis: the new one.
+    """
+    return Bounded(np.stack([r.value for r in rows], axis), np.stack([r.error for r in rows], axis))
+
+
+def inverse(matrix: Bounded, context: Context) -> Bounded:
+    """Return the inverse of one square matrix, δ(G⁻¹) = −G⁻¹ δG G⁻¹.
+
+    Args:
+        matrix: shape (n, n).
+        context: of the numbers.
+
+    Raises:
+        NotConvergedError: it is singular.
+    """
+    n = len(matrix.value)
+    if not n:
+        return matrix
+    try:
+        found = context.matrix(matrix.value.tolist()) ** -1
+    except ZeroDivisionError:
+        raise NotConvergedError("the separated integrals are dependent: these derivatives do not exist") from None
+    value = np.array([[found[i, j] for j in range(n)] for i in range(n)], dtype=object)
+    size = np.abs(value).astype(float)
+    return Bounded(value, size @ matrix.error @ size)
+
+
+def converted(values: Numbers, context: Context) -> Numbers:
+    """Return numbers in one precision.
+
+    Args:
+        values: numbers of any kind.
+        context: of the result.
+    """
+    found: Numbers = np.frompyfunc(context.convert, 1, 1)(np.asarray(values, dtype=object))
+    return found if isinstance(found, np.ndarray) else np.array(found, dtype=object)
+
+
+def largest(numbers: list[Mpf]) -> float:
+    """Return the greatest absolute value, 0 of none.
+
+    Args:
+        numbers: of many digits.
+    """
+    return max((abs(float(x)) for x in numbers), default=0.0)

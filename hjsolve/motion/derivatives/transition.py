@@ -1,0 +1,174 @@
+"""The transition matrix of a motion, ∂(q, p)(t)/∂(q, p)(t₀), with a bound on the error of every entry."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.arithmetic.estimate_array import EstimateArray
+from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Mpf, Numbers, Reals
+from hjsolve.errors import NotConvergedError
+from hjsolve.motion.derivatives.bounded import SAFETY, Bounded, stacked
+from hjsolve.motion.derivatives.canonical import CanonicalMap, Frame, symplectic_inverse
+from hjsolve.motion.derivatives.prepared import MORE, prepared
+from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.phases import phases_at
+from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.times import read_times
+
+_TRIES = 4
+"""How often digits are added where the phases, or the matrix, have fewer than are asked."""
+
+
+def transition_matrix(motion: Motion, t: object) -> EstimateArray:
+    """Return ∂(q, p)(t)/∂(q, p)(t₀); see ``Motion.transition_matrix``.
+
+    Args:
+        motion: told in its separated coordinates.
+        t: a time or an array of times.
+
+    Raises:
+        InvalidInputError: a time that is no finite real number, or a motion that has no derivatives.
+        NotConvergedError: the matrix did not converge to the digits asked.
+    """
+    shape, floats, exact = read_times(t)
+    found = matrices(motion, floats, exact, parameters=False)[0]
+    return rounded(found, motion.digits, shape)
+
+
+def matrices(
+    motion: Motion, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]], *, parameters: bool
+) -> tuple[Bounded, Bounded, list[Frame | None]]:
+    """Return ∂(q, p)(t)/∂(q, p)(t₀), the same by the parameters at fixed (q, p)(t₀), and D(t), at m times.
+
+    Args:
+        motion: told in its separated coordinates.
+        floats: t as doubles, shape (m,), where all times are finite doubles; else None.
+        exact: rules that give each t in any number of binary digits.
+        parameters: whether these are varied too.
+
+    Returns:
+        Matrices of shape (m, 2n, 2n) and (m, 2n, parameters); nan where the motion has ended. The frames are those
+        D(t), None where every coordinate is ignorable or the motion has ended.
+
+    Raises:
+        NotConvergedError: they did not converge to the digits asked.
+    """
+    more = MORE
+    for _ in range(_TRIES):
+        map_ = prepared(motion, parameters, more)
+        if map_ is None:
+            return *_all_ignorable(motion, floats, exact, parameters=parameters), []
+        found = _matrices(map_, floats, exact)
+        lacking = _lacking(found[0], motion.digits)
+        if lacking <= 0:
+            return found
+        more += lacking + 4
+    raise NotConvergedError("the transition matrix did not converge to the digits asked")
+
+
+def _lacking(found: Bounded, digits: int) -> int:
+    """Digits that the greatest entries of a matrix lack."""
+    worst = 0.0
+    for size, error in zip(found.size, found.error, strict=True):
+        if np.all(np.isfinite(size)):
+            worst = max(worst, float(np.max(error, initial=0.0)) / max(float(np.max(size, initial=0.0)), 1e-300))
+    limit = 10.0 ** -(digits + 2)
+    return int(np.ceil(np.log10(worst / limit))) if worst > limit else 0
+
+
+@lru_cache(maxsize=16)
+def first_frame(map_: CanonicalMap) -> Frame:
+    """Return D(t₀).
+
+    Args:
+        map_: of the motion.
+    """
+    return map_.first_frame()
+
+
+def _matrices(
+    map_: CanonicalMap, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]]
+) -> tuple[Bounded, Bounded, list[Frame | None]]:
+    source = map_.source
+    phases = phases_at(source, floats, exact)
+    first = first_frame(map_)
+    start = symplectic_inverse(first.state)
+    going = np.flatnonzero(~phases.ended)
+    kept = iter(map_.frames(*([part[going] for part in group] for group in (phases.χ, phases.whole, phases.errors))))
+    frames = [None if over else next(kept) for over in phases.ended]
+    n2, m = len(first.state.value), len(map_.variables.parameters)
+    main, by = [], []
+    for frame in frames:
+        if frame is None:
+            main.append(_nothing((n2, n2), map_))
+            by.append(_nothing((n2, m), map_))
+            continue
+        M = frame.state @ start
+        main.append(M)
+        by.append(frame.by_parameters - M @ first.by_parameters)
+    if not frames:
+        return _nothing((0, n2, n2), map_), _nothing((0, n2, m), map_), []
+    return stacked(main), stacked(by), frames
+
+
+def _nothing(shape: tuple[int, ...], map_: CanonicalMap) -> Bounded:
+    return Bounded(np.full(shape, map_.context.nan, dtype=object), np.full(shape, np.nan))
+
+
+def _all_ignorable(
+    motion: Motion, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]], *, parameters: bool
+) -> tuple[Bounded, Bounded]:
+    """q grows evenly: q(t) = q₀ + (t − t₀) ∂H/∂p."""
+    system, source = motion.solution.system, motion.separated
+    H = motion.solution.separation.shell.potential
+    bits = bits_for(motion.digits + MORE, 128)
+    context = multiprecision(bits)
+    momenta = [c.momentum for c in system.coordinates]
+    symbols = [p.symbol for p in system.parameters] if parameters else []
+
+    def slopes(by: Sequence[sp.Symbol]) -> Numbers:
+        table = [[to_bits(sp.diff(H, p, b).subs(source.initial.values))(bits) for b in by] for p in momenta]
+        return np.array(table, dtype=object).reshape(len(momenta), len(by))
+
+    n = len(momenta)
+    rules = exact if floats is None else [_exactly(float(x)) for x in floats]
+    times = [context.convert(rule(bits)) - to_bits(source.t0)(bits) for rule in rules]
+    main = np.full((len(times), 2 * n, 2 * n), context.mpf(0), dtype=object)
+    by = np.full((len(times), 2 * n, len(symbols)), context.mpf(0), dtype=object)
+    main[:, range(2 * n), range(2 * n)] = context.mpf(1)
+    bend, turned = slopes(momenta), slopes(symbols)
+    for k, t in enumerate(times):
+        main[k, :n, n:], by[k, :n, :] = t * bend, t * turned
+    return Bounded.exact(main), Bounded.exact(by)
+
+
+def _exactly(x: float) -> Callable[[int], Mpf]:
+    return lambda bits: multiprecision(bits).mpf(x)
+
+
+def rounded(found: Bounded, digits: int, shape: tuple[int, ...] | None) -> EstimateArray:
+    """Round numbers to the digits asked, in the shape of the times.
+
+    Args:
+        found: the first axis is that of the times.
+        digits: decimal digits to give them to.
+        shape: of the times.
+    """
+    rest = found.value.shape[1:]
+    full = (*(shape or ()), *rest)
+    if digits <= FLOAT_DIGITS:
+        value = found.value.astype(float)
+        error = SAFETY * found.error + EPS * np.abs(value) / 2
+        return EstimateArray(value.reshape(full), error.reshape(full))
+    context = multiprecision(bits_for(digits, 16))
+    value = np.frompyfunc(context.convert, 1, 1)(found.value)
+    unit = float(multiprecision(64).mpf(10) ** -digits)
+    return EstimateArray(value.reshape(full), (SAFETY * found.error + unit * found.size).reshape(full))
+
+
