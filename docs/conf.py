@@ -53,6 +53,17 @@ autodoc_typehints_format = "short"
 autodoc_class_signature = "separated"
 python_use_unqualified_type_names = True
 autodoc_preserve_defaults = True
+nitpicky = True  # every reference leads somewhere; types of other packages are words, since a build fetches nothing
+nitpick_ignore_regex = [
+    ("py:.*", r"(sympy|sp|mpmath|numpy|np|pathlib|collections|matplotlib|importlib|os|flint|astropy|dask)\..*"),
+    ("py:.*", r"Axes|NDArray|Path|Array|Reals|Numbers|Vector|Window|Quantity|Toml|Times|Numeric|Mpf"),
+    ("py:exc", "ArgumentIndexError"),  # of sympy's own docstrings
+    ("py:class", r"hjsolve\..*\.[A-Z]"),  # type variables
+    # protocols of numbers, texts of captions, and what only hjsolve itself reads of a result
+    ("py:class", r"hjsolve\.(arithmetic\..*|reports\.document\.blocks|one_coordinate\..*)\.\w+"),
+    ("py:class", r"hjsolve\.(scenes\.(question|resting_contact)|ensembles\.orbit_columns|motion\.in_units)\.\w+"),
+    ("py:class", r"hjsolve\.(scenes\.results\.Choice|mechanics\.quantities_given\.Measures)"),
+]
 napoleon_google_docstring, napoleon_numpy_docstring = True, False
 napoleon_use_ivar = True
 

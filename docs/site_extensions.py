@@ -1,7 +1,7 @@
-"""What the site needs besides Sphinx's own extensions: formulas as MathML, and outputs under the code.
+"""What the site needs besides Sphinx's own extensions: formulas as MathML, outputs under the code, tidy API pages.
 
-Formulas are typeset when the site is built, so that a page fetches no script from the net. The pages of this folder put
-what a ``print`` shows in a comment after it, which reads well in the source; on the site it stands in a block below.
+Formulas are typeset when the site is built, so that a page fetches no script from the net. On some pages the output of
+a ``print`` stands in a comment after it, which reads well in the source; on the site it is a block below the code.
 """
 
 from __future__ import annotations
@@ -12,6 +12,8 @@ from html import escape
 from docutils import nodes
 from latex2mathml.converter import convert
 from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
+from sphinx.util.nodes import make_refnode
 from sphinx.writers.html5 import HTML5Translator
 
 _BLOCK = re.compile(r"^```python\n(.*?)^```\n", flags=re.DOTALL | re.MULTILINE)
@@ -58,14 +60,97 @@ def _block(self: HTML5Translator, node: nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
+INNER = {
+    "Batch": {"columns", "layout"},
+    "Chart": {"outer"},
+    "EnergyMomentumMap": {"solution", "constants", "coordinates"},
+    "FamilyCurve": {"errors", "placing"},
+    "Motion": {"separated", "states", "given", "again"},
+    "Regime": {"conditions", "regions"},
+    "Scene": {"table"},
+    "State": {"errors", "placing"},
+    "Wavefronts": {"maker"},
+}
+"""Fields of public classes that only hjsolve itself reads: they are not on the site."""
+
+
+def _hidden(_app: Sphinx, what: str, name: str, _thing: object, skip: bool | None, _options: object) -> bool | None:
+    """Hide inner fields; ``name`` is that of the member alone, so its class is not asked."""
+    return True if what == "class" and name in _INNER_ALONE else skip
+
+
+_INNER_ALONE = {"again", "layout", "maker", "outer", "placing", "regions", "separated", "states"}
+_HEADING = re.compile(r"^(\w[\w ]*):$")
+_FIELD = re.compile(r"^    ([\w, ]+): (.*)$")
+
+
+def _tidied(_app: Sphinx, what: str, name: str, _thing: object, _options: object, lines: list[str]) -> None:
+    """Prepare a docstring for napoleon, which takes any text before a colon for a type.
+
+    Fields described together (``x, y: …``) become one field each, inner fields are left out.
+    """
+    if what in ("attribute", "property") and lines:
+        lines[0] = _dashed(lines[0])
+    inner = INNER.get(name.rpartition(".")[2], set()) if what == "class" else set()
+    section, kept = "", []
+    names: list[str] = []
+    field: list[str] = []
+
+    def flush() -> None:
+        for own in names:
+            kept.append(f"    {own}: {field[0]}")
+            kept.extend(field[1:])
+        names.clear()
+
+    for line in lines:
+        if heading := _HEADING.match(line):
+            flush()
+            section, fresh = heading[1], True
+            kept.append(line)
+        elif section in ("Attributes", "Args") and (found := _FIELD.match(line)):
+            flush()
+            every = found[1].split(", ")
+            names[:] = [own for own in every if section == "Args" or own not in inner]
+            field = [found[2]]
+        elif names and (line.startswith("     ") or not line.strip()):
+            field.append(line)
+        else:
+            flush()
+            if section in ("Returns", "Yields") and line.strip() and fresh:
+                line, fresh = _dashed(line), False
+            kept.append(line)
+    flush()
+    lines[:] = kept
+
+
+def _dashed(line: str) -> str:
+    return re.sub(r":(?= |$)", " —", line, count=1)
+
+
+def _by_last_name(app: Sphinx, env: BuildEnvironment, node: nodes.Element, text: nodes.Element) -> nodes.Element | None:
+    """Resolve a class that is imported for type checkers only: its annotation has no module."""
+    wanted = node.get("reftarget", "")
+    if node.get("refdomain") != "py" or not wanted.isidentifier():
+        return None
+    known = {whole: thing for whole, thing in env.domains.python_domain.objects.items() if not thing.aliased}
+    found = [(whole, thing) for whole, thing in known.items() if whole.rpartition(".")[2] == wanted]
+    if len(found) != 1:
+        return None
+    (whole, thing), start = found[0], node.get("refdoc", env.docname)
+    return make_refnode(app.builder, start, thing.docname, thing.node_id, text, whole)
+
+
 def setup(app: Sphinx) -> None:
-    """Register the renderer and the hook.
+    """Register the renderer and the hooks.
 
     Args:
         app: what builds the site.
     """
     app.add_html_math_renderer("mathml", inline_renderers=(_inline, None), block_renderers=(_block, None))
     app.connect("source-read", _outputs)
+    app.connect("autodoc-process-docstring", _tidied, priority=100)
+    app.connect("autodoc-skip-member", _hidden)
+    app.connect("missing-reference", _by_last_name)
 
 
 def _outputs(_app: Sphinx, _name: str, source: list[str]) -> None:

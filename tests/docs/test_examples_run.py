@@ -7,16 +7,25 @@ import contextlib
 import io
 import math
 import re
+import sys
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "docs/guides").glob("*.md"))]
+TUTORIALS = sorted((ROOT / "docs/tutorials").glob("*.md"))
+_BLOCK = re.compile(r"^```python\n(.*?)^```\n(?:\n```text\n(.*?)^```\n)?", flags=re.DOTALL | re.MULTILINE)
 
 
 def blocks(page: Path) -> list[str]:
-    return re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    return [match[1] for match in _BLOCK.finditer(page.read_text(encoding="utf-8"))]
+
+
+def outputs(page: Path) -> list[list[str] | None]:
+    """The lines of the output block under each block of Python; None where there is none."""
+    found = _BLOCK.finditer(page.read_text(encoding="utf-8"))
+    return [None if match[2] is None else match[2].splitlines() for match in found]
 
 
 def promised(code: str) -> list[str]:
@@ -44,13 +53,13 @@ def _close(a: str, b: str) -> bool:
 @pytest.mark.parametrize("page", [p for p in PAGES if blocks(p)], ids=lambda p: p.name)
 def test_python_of_a_page_prints_what_it_says(page: Path) -> None:
     shared: dict[str, object] = {}
-    for code in blocks(page):
+    for code, below in zip(blocks(page), outputs(page)):
         out = io.StringIO()
         with contextlib.redirect_stdout(out):
             exec(compile(ast.parse(code), str(page), "exec"), shared)
         printed = out.getvalue().splitlines()
-        said = promised(code)
-        assert len(said) == code.count("print(") - code.count("print(why") - code.count("print(open_question"), (
+        said = promised(code) if below is None else below
+        assert below is not None or len(said) == code.count("print(") - code.count("print(why") - code.count("print(open_question"), (
             "each print has its value"
         )
         assert len(printed) == len(said), printed
@@ -58,9 +67,31 @@ def test_python_of_a_page_prints_what_it_says(page: Path) -> None:
             assert same(line, expected), f"{page.name} says {expected!r}, got {line!r}"
 
 
+def cells(page: Path) -> list[str]:
+    """The code of the cells of a tutorial, without options and magics."""
+    found = re.findall(
+        r"^```\{code-cell\} ipython3\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
+    )
+    return ["\n".join(line for line in code.splitlines() if not line.startswith((":", "%"))) for code in found]
+
+
+@pytest.mark.nightly
+@pytest.mark.filterwarnings("default")
+@pytest.mark.parametrize("page", TUTORIALS, ids=lambda p: p.stem)
+def test_the_cells_of_a_tutorial_run(page: Path) -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("agg")
+    shared: dict[str, object] = {}
+    assert len(cells(page)) >= 5
+    for code in cells(page):
+        exec(compile(ast.parse(code), str(page), "exec"), shared)
+    sys.modules["matplotlib.pyplot"].close("all")
+
+
 def test_readme_shows_at_least_three_numbers() -> None:
-    first = promised(blocks(ROOT / "README.md")[0])
-    assert sum(_close(value, value) for value in first) >= 3
+    first = outputs(ROOT / "README.md")[0]
+    assert first is not None
+    assert sum(_close(value.split()[0], value.split()[0]) for value in first) >= 3
 
 
 def test_the_first_python_of_readme_is_at_most_twelve_lines_and_on_the_first_screen() -> None:

@@ -61,7 +61,7 @@ def test_the_first_two_columns_are_drawn_where_none_is_named(batch: hjsolve.Batc
 
 @pytest.mark.parametrize("names", [("actions.x", None), (None, "status"), ("error.actions.r", None)])
 def test_what_is_no_column_of_numbers_is_refused(names: tuple[str | None, str | None], batch: hjsolve.Batch) -> None:
-    with pytest.raises(hjsolve.InvalidInputError, match="no column of numbers"):
+    with pytest.raises(hjsolve.InvalidInputError, match="not a numeric column"):
         batch.plot(*names)
     with pytest.raises(hjsolve.InvalidInputError, match="axes of matplotlib"):
         batch.plot(ax=3)

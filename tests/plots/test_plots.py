@@ -142,7 +142,7 @@ def test_wavefronts_are_plotted_between_their_caustics() -> None:
 @pytest.mark.parametrize(("call", "said"), [
     (lambda m: m.plot("rays"), "kind is one of orbit, time, phase, potential"),
     (lambda m: m.plot("phase", "theta"), '"theta" is not separated; r'),
-    (lambda m: m.plot("time", "x"), "no coordinate; they are r, theta"),
+    (lambda m: m.plot("time", "x"), "not a coordinate; they are r, theta"),
     (lambda m: m.plot("orbit", ax=3), "axes of matplotlib"),
     (lambda m: m.animate(frames=1), "frames"),
     (lambda m: m.animate(seconds=-1), "seconds > 0"),

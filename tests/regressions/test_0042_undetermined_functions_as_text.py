@@ -50,8 +50,8 @@ def test_a_function_of_both_coordinates_does_not_separate_and_one_in_T_does():
         ("0", ["r(r)"], "declared twice"),
         ("0", ["v1(r)", "v1(theta)"], "declared twice"),
         ("0", "v1(r)", "a list of texts"),
-        ("0", ["v1"], r"no function of coordinates; write functions=\[\"v1\(r\)\"\]"),
-        ("0", [3], "no function of coordinates"),
+        ("0", ["v1"], r"not a function of coordinates; write functions=\[\"v1\(r\)\"\]"),
+        ("0", [3], "not a function of coordinates"),
     ],
 )
 def test_what_is_no_declared_function_is_refused_with_what_to_write(potential, functions, message):
