@@ -13,8 +13,8 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.number_types import Reals
-from hjsolve.coordinates.charts.curvilinear import AZIMUTH, FROM_AXIS, HEIGHT, CurvilinearMap
-from hjsolve.coordinates.charts.outer_map import flat_map
+from hjsolve.coordinates.charts.curvilinear import CurvilinearMap
+from hjsolve.coordinates.charts.outer_map import AZIMUTH, FROM_AXIS, HEIGHT, flat_map
 from hjsolve.errors import of_kind, required
 from hjsolve.motion.velocity_frame import ORTHONORMAL
 from hjsolve.separation import Zero, is_zero

@@ -69,7 +69,7 @@ class Batch(ByValue, OrbitColumns):
 
         if self.layout.solution is None:
             raise InvalidInputError('to_units: the system declares no units; System(…, units={"r": "kpc", "t": "Myr"})')
-        return BatchInUnits(self.compute(), measures_of(self.layout.solution, library))
+        return BatchInUnits(self.compute(), measures=measures_of(self.layout.solution, library))
 
     def in_conventions(self, program: str) -> Batch:
         """Return the batch with actions, frequencies and angles counted as another program counts them.

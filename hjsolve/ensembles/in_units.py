@@ -8,23 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hjsolve.arithmetic.measured import Measured, measured_in
-from hjsolve.display.shown import Shown
+from hjsolve.arithmetic.measured import Measured
 from hjsolve.ensembles.export import axis_names, with_words
 from hjsolve.ensembles.layout import ERROR
 from hjsolve.ensembles.orbit_columns import OrbitColumns
-from hjsolve.mechanics.quantities_given import Measures
-from hjsolve.motion.in_units import measures_of, told_of
+from hjsolve.motion.in_units import ROLES, NumbersInUnits, measures_of, told_of
 from hjsolve.units.libraries import Number, library
-
-_ROLES = {
-    "actions": "action", "frequencies": "frequency", "periods": "period", "angles": "angle", "constants": "constant",
-}  # fmt: skip
 
 
 @dataclass(frozen=True, repr=False)
-class BatchInUnits(Shown):
-    """Results of many orbits with their units, each a ``Measured`` of arrays.
+class BatchInUnits(NumbersInUnits):
+    """The numbers of many orbits with their units, each a ``Measured`` of arrays.
 
     Attributes:
         batch: whose numbers they are; computed.
@@ -32,36 +26,15 @@ class BatchInUnits(Shown):
     """
 
     batch: OrbitColumns
-    measures: Measures
 
     @property
     def _shown_names(self) -> list[str]:
         return told_of(self, self.batch.layout.want)
 
     @property
-    def actions(self) -> dict[str, Measured]:
-        """J by coordinate."""
-        return self._quantity("actions")
-
-    @property
-    def frequencies(self) -> dict[str, Measured]:
-        """Ω by coordinate."""
-        return self._quantity("frequencies")
-
-    @property
-    def periods(self) -> dict[str, Measured]:
-        """2π/abs(Ω) by coordinate."""
-        return self._quantity("periods")
-
-    @property
     def angles(self) -> dict[str, Measured]:
         """Angle variables by coordinate, in radians."""
         return self._quantity("angles")
-
-    @property
-    def constants(self) -> dict[str, Measured]:
-        """Constants of the motion by name."""
-        return self._quantity("constants")
 
     @property
     def turning_points(self) -> dict[str, tuple[Measured, Measured]]:
@@ -78,13 +51,9 @@ class BatchInUnits(Shown):
         """As of ``Batch``."""
         return self.batch.status
 
-    def _quantity(self, quantity: str) -> dict[str, Measured]:
-        values: Mapping[str, Number] = getattr(self.batch, quantity)
+    def _pairs(self, quantity: str) -> dict[str, tuple[Number, Number]]:
         errors = self.batch.error[quantity]
-        return {name: self._numbers(x, errors[name], name, _ROLES[quantity]) for name, x in values.items()}
-
-    def _numbers(self, value: Number, error: Number, name: str, role: str) -> Measured:
-        return measured_in(value, error, self.measures.unit(name, role), self.measures.library)
+        return {name: (x, errors[name]) for name, x in getattr(self.batch, quantity).items()}
 
 
 def quantity_table(batch: OrbitColumns) -> Number:
@@ -109,6 +78,6 @@ def quantity_table(batch: OrbitColumns) -> Number:
         quantity, _, rest = name.removeprefix(ERROR).partition(".")
         if measures is not None and rest:
             coordinate = rest.rpartition(".")[0] if quantity == "turning_points" else rest
-            flat = found.quantity(flat, measures.unit(coordinate, _ROLES.get(quantity, "q")))
+            flat = found.quantity(flat, measures.unit(coordinate, ROLES.get(quantity, "q")))
         table[name] = flat
     return table

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -14,11 +14,18 @@ from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.quantities_given import Measures, measures
-from hjsolve.motion.state import State
 from hjsolve.solution.quadratures import Solution
 from hjsolve.units.libraries import Number, Quantity, library, library_of
 
+if TYPE_CHECKING:
+    from hjsolve.motion.motion import Motion
+
 _PLACE = "place of "
+ROLES = {
+    "constants": "constant", "actions": "action", "frequencies": "frequency", "periods": "period", "angles": "angle",
+    "boundary_times": "time",
+}  # fmt: skip
+"""Quantity → what its units are those of."""
 _QUANTITIES = ("turning_points", "constants", "actions", "frequencies", "periods", "boundary_times")
 
 
@@ -59,35 +66,45 @@ def measures_of(solution: Solution, wanted: object) -> Measures:
     return measures(system, library(wanted), tuple(told), None if chart is None else chart.system)
 
 
-class _Told(Protocol):
-    """What is told of a motion."""
+@dataclass(frozen=True, repr=False)
+class NumbersInUnits(Shown):
+    """Numbers by quantity and name, each a ``Measured``.
+
+    Attributes:
+        measures: their units.
+    """
+
+    measures: Measures = field(kw_only=True)
 
     @property
-    def constants(self) -> Mapping[str, Estimate]:
-        """As of ``Motion``."""
+    def constants(self) -> dict[str, Measured]:
+        """Constants of the motion by name."""
+        return self._quantity("constants")
 
     @property
-    def actions(self) -> Mapping[str, Estimate]:
-        """As of ``Motion``."""
+    def actions(self) -> dict[str, Measured]:
+        """J by coordinate."""
+        return self._quantity("actions")
 
     @property
-    def frequencies(self) -> Mapping[str, Estimate]:
-        """As of ``Motion``."""
+    def frequencies(self) -> dict[str, Measured]:
+        """Ω by coordinate, radians per unit time."""
+        return self._quantity("frequencies")
 
     @property
-    def periods(self) -> Mapping[str, Estimate]:
-        """As of ``Motion``."""
+    def periods(self) -> dict[str, Measured]:
+        """2π/abs(Ω) by coordinate."""
+        return self._quantity("periods")
 
-    @property
-    def boundary_times(self) -> Mapping[str, Estimate]:
-        """As of ``Motion``."""
+    def _pairs(self, quantity: str) -> dict[str, tuple[Number, Number]]:
+        """Name → value and error."""
+        raise NotImplementedError
 
-    @property
-    def turning_points(self) -> Mapping[str, tuple[Estimate | None, Estimate | None]]:
-        """As of ``Motion``."""
+    def _quantity(self, quantity: str) -> dict[str, Measured]:
+        return {name: self._numbers(*pair, name, ROLES[quantity]) for name, pair in self._pairs(quantity).items()}
 
-    def at(self, t: object) -> State:
-        """As of ``Motion``."""
+    def _numbers(self, value: Number, error: Number, name: str, role: str) -> Measured:
+        return measured_in(value, error, self.measures.unit(name, role), self.measures.library)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -110,45 +127,24 @@ class StateInUnits(ByValue, Shown):
 
 
 @dataclass(frozen=True, repr=False)
-class MotionInUnits(Shown):
-    """Results of a motion with their units, each a ``Measured``: value and error are quantities.
+class MotionInUnits(NumbersInUnits):
+    """The numbers of a motion with their units, each a ``Measured``: value and error are quantities.
 
     Attributes:
         motion: whose numbers they are.
         measures: its units.
     """
 
-    motion: _Told
-    measures: Measures
+    motion: Motion
 
     @property
     def _shown_names(self) -> list[str]:
         return told_of(self, _QUANTITIES)
 
     @property
-    def constants(self) -> dict[str, Measured]:
-        """Name → value and error."""
-        return {name: self._told(x, name, "constant") for name, x in self.motion.constants.items()}
-
-    @property
-    def actions(self) -> dict[str, Measured]:
-        """Coordinate → J."""
-        return {name: self._told(x, name, "action") for name, x in self.motion.actions.items()}
-
-    @property
-    def frequencies(self) -> dict[str, Measured]:
-        """Coordinate → Ω, radians per unit time."""
-        return {name: self._told(x, name, "frequency") for name, x in self.motion.frequencies.items()}
-
-    @property
-    def periods(self) -> dict[str, Measured]:
-        """Coordinate → 2π/abs(Ω)."""
-        return {name: self._told(x, name, "period") for name, x in self.motion.periods.items()}
-
-    @property
     def boundary_times(self) -> dict[str, Measured]:
         """Coordinate → time at which it reaches an end of its domain."""
-        return {name: self._told(x, name, "time") for name, x in self.motion.boundary_times.items()}
+        return self._quantity("boundary_times")
 
     @property
     def turning_points(self) -> dict[str, tuple[Measured | None, Measured | None]]:
@@ -181,10 +177,7 @@ class MotionInUnits(Shown):
         return {name: self._numbers(x, errors[name], name, role) for name, x in values.items()}
 
     def _end(self, name: str, end: Estimate | None) -> Measured | None:
-        return None if end is None else self._told(end, name, "q")
+        return None if end is None else self._numbers(end.value, end.error, name, "q")
 
-    def _told(self, number: Estimate, name: str, role: str) -> Measured:
-        return self._numbers(number.value, number.error, name, role)
-
-    def _numbers(self, value: Number, error: Number, name: str, role: str) -> Measured:
-        return measured_in(value, error, self.measures.unit(name, role), self.measures.library)
+    def _pairs(self, quantity: str) -> dict[str, tuple[Number, Number]]:
+        return {name: (x.value, x.error) for name, x in getattr(self.motion, quantity).items()}

@@ -275,7 +275,7 @@ class Motion(ShownMotion):
         """
         from hjsolve.motion.in_units import MotionInUnits, measures_of
 
-        return MotionInUnits(self, measures_of(self.solution, library))
+        return MotionInUnits(self, measures=measures_of(self.solution, library))
 
     def input_sensitivity(self) -> dict[str, dict[str, float]]:
         """Return how far each number can move when every float input moves by half an ulp.

@@ -15,15 +15,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import permutations
+from typing import ClassVar
 
 import sympy as sp
 
-from hjsolve.coordinates.charts.outer_map import OuterMap, Rates
+from hjsolve.coordinates.charts.outer_map import (
+    AZIMUTH,
+    COLATITUDE,
+    FROM_AXIS,
+    FROM_CENTRE,
+    HEIGHT,
+    LATITUDE,
+    OuterMap,
+    Rates,
+)
 from hjsolve.errors import InvalidSystemError
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
 
-AZIMUTH, HEIGHT, COLATITUDE, LATITUDE = "azimuth", "height", "colatitude", "latitude"
-FROM_AXIS, FROM_CENTRE = "radius from the axis", "radius from the centre"
 _CIRCULAR = (sp.tan, sp.cot, sp.sec, sp.csc)
 
 
@@ -36,8 +44,10 @@ class CurvilinearMap(OuterMap):
         scales: h of each, with T = m/2 Σ h² q̇².
         mass: m.
         space: the same system in x, y, z.
+        sense: as of ``SphereMap``; heights are those of z.
     """
 
+    sense: ClassVar[int] = 1
     roles: tuple[str, ...]
     scales: tuple[sp.Expr, ...]
     mass: sp.Expr

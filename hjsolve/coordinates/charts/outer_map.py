@@ -18,6 +18,8 @@ import sympy as sp
 from hjsolve.coordinates.webs.web import Vector
 from hjsolve.mechanics.system import System, linear_terms, mass_matrix
 
+AZIMUTH, HEIGHT, COLATITUDE, LATITUDE = "azimuth", "height", "colatitude", "latitude"
+FROM_AXIS, FROM_CENTRE = "radius from the axis", "radius from the centre"
 Rates = tuple[list[sp.Expr], list[sp.Expr]]
 """q̇ and p."""
 
@@ -66,6 +68,12 @@ class SphereMap(OuterMap):
     latitude: bool
     sense: int
     mass: sp.Expr
+
+    @property
+    def roles(self) -> tuple[str, ...]:
+        """What each of the user's coordinates is."""
+        pair = (LATITUDE if self.latitude else COLATITUDE, AZIMUTH)
+        return pair if self.meridian == 0 else pair[::-1]
 
     def rates(self, x: Sequence[sp.Expr], speed: Sequence[sp.Expr]) -> Rates:
         """Return q̇ and p of a point and its velocity."""

@@ -1,8 +1,8 @@
-"""Points expressed in the user's coordinates, in numbers, with bounds on their errors.
+"""Points in the user's coordinates, polar, cylindrical, spherical or on a sphere, with bounds on their errors.
 
-On a sphere an error (δX, δY, δZ) of the point turns u by (|Z| δ⊥ + ρ δZ)/(ρ² + Z²) and φ by (|X| δY + |Y| δX)/ρ², with
-δ⊥ = hypot(δX, δY), to first order: u is known at a pole, φ is not. Where δ⊥ is more than a part of ρ nothing is known
-of φ and of the velocities along the two coordinates; at the pole itself they are NaN.
+To first order an error (δx, δy, δz) of the point moves ρ by hypot(δx, δy) = δ⊥ at most, φ by (|x| δy + |y| δx)/ρ², r by
+hypot(δ⊥, δz) at most and θ by (|z| δ⊥ + ρ δz)/r². Where δ⊥ is more than a part of ρ nothing is known of φ and of the
+velocities that it turns; on the axis itself they are NaN.
 """
 
 from __future__ import annotations
@@ -12,12 +12,28 @@ from typing import TypeVar
 
 import numpy as np
 
-from hjsolve.arithmetic.number_types import Mpf, Numbers, Reals
+from hjsolve.arithmetic.number_types import Mask, Numbers, Reals
 from hjsolve.coordinates.charts.curvilinear import CurvilinearMap
-from hjsolve.coordinates.charts.outer_map import OuterMap, SphereMap
-from hjsolve.motion.charted.curvilinear_points import LOST, ROUNDINGS, bounds_curvilinear, told_curvilinear
+from hjsolve.coordinates.charts.outer_map import (
+    AZIMUTH,
+    COLATITUDE,
+    FROM_AXIS,
+    FROM_CENTRE,
+    HEIGHT,
+    LATITUDE,
+    OuterMap,
+    SphereMap,
+)
 
 Row = TypeVar("Row", Numbers, Reals)
+_LOST = 8
+"""Where the error across the axis is more than its 8th part of the distance from it, nothing is known of the angle."""
+_ROUNDINGS = 8
+_TURNED = (AZIMUTH, FROM_AXIS, COLATITUDE, LATITUDE)
+"""Coordinates whose rates are not known on the axis."""
+_hypot = np.frompyfunc(lambda a, b: a.context.hypot(a, b), 2, 1)
+_atan2 = np.frompyfunc(lambda a, b: b.context.atan2(a, b), 2, 1)
+"""Of two arrays of ``mpf``."""
 
 
 def told(outer: OuterMap, found: Sequence[Numbers]) -> list[Numbers]:
@@ -27,30 +43,35 @@ def told(outer: OuterMap, found: Sequence[Numbers]) -> list[Numbers]:
         outer: how points are tied to the user's coordinates.
         found: rows of numbers: x, then q̇ and p of the user's coordinates, then anything.
     """
-    if isinstance(outer, CurvilinearMap):
-        return told_curvilinear(outer, found)
-    if not isinstance(outer, SphereMap):
+    if not isinstance(outer, CurvilinearMap | SphereMap):
         return list(found)
-    X, Y, Z = found[:3]
-    if X.dtype == object:
-        rows = [_in_many_digits(outer, *point) for point in zip(X, Y, Z, strict=True)]
-        q = [np.array(column, dtype=object) for column in zip(*rows, strict=True)]
-    else:
-        ρ, height = np.hypot(X, Y), outer.sense * Z
-        u = np.arctan2(height, ρ) if outer.latitude else np.arctan2(ρ, height)
-        q = [u, np.arctan2(Y, X)]
-    pole = np.array([not x and not y for x, y in zip(X, Y, strict=True)], dtype=bool)
-    q[1] = np.where(pole, np.nan, q[1])
-    rates = [np.where(pole, np.nan, row) for row in found[3:5]]
-    p = list(found[5:7])
-    p[outer.meridian] = np.where(pole, np.nan, p[outer.meridian])
-    return [*_ordered(outer, q), *rates, *p, *found[7:]]
+    x, rest = found[: len(outer.place)], found[len(outer.place) :]
+    q = _values(outer, x)
+    axis = np.array([not a and not b for a, b in zip(x[0], x[1], strict=True)], dtype=bool)
+    q = [np.where(axis, np.nan, row) if role == AZIMUTH else row for role, row in zip(outer.roles, q, strict=True)]
+    return [*q, *_unknown(outer, rest, axis, np.nan)]
 
 
-def _in_many_digits(outer: SphereMap, X: Mpf, Y: Mpf, Z: Mpf) -> list[Mpf]:
-    context = X.context
-    ρ, height = context.hypot(X, Y), outer.sense * Z
-    return [context.atan2(height, ρ) if outer.latitude else context.atan2(ρ, height), context.atan2(Y, X)]
+def _values(outer: CurvilinearMap | SphereMap, x: Sequence[Numbers]) -> list[Numbers]:
+    hypot, atan2 = (_hypot, _atan2) if x[0].dtype == object else (np.hypot, np.arctan2)
+    ρ = hypot(x[0], x[1])
+    height = outer.sense * x[2] if len(x) == 3 else 0 * ρ
+    found = {
+        AZIMUTH: lambda: atan2(x[1], x[0]), FROM_AXIS: lambda: ρ, HEIGHT: lambda: height,
+        FROM_CENTRE: lambda: hypot(ρ, height), COLATITUDE: lambda: atan2(ρ, height), LATITUDE: lambda: atan2(height, ρ),
+    }  # fmt: skip
+    return [found[role]() for role in outer.roles]
+
+
+def _unknown(outer: CurvilinearMap | SphereMap, rows: Sequence[Row], where: Mask, instead: float) -> list[Row]:
+    """Rows of q̇, p and the rest, with something else where the rates of what turns about the axis are not known."""
+    n, result = len(outer.roles), list(rows)
+    for k, role in enumerate(outer.roles):
+        if role in _TURNED:
+            result[k] = np.where(where, instead, rows[k])
+        if role in _TURNED and role != AZIMUTH:
+            result[n + k] = np.where(where, instead, rows[n + k])
+    return result
 
 
 def bounds_told(outer: OuterMap, points: Sequence[Reals], bounds: Sequence[Reals], bits: int) -> list[Reals]:
@@ -62,25 +83,17 @@ def bounds_told(outer: OuterMap, points: Sequence[Reals], bounds: Sequence[Reals
         bounds: of x, q̇, p and the rest.
         bits: binary digits of the numbers.
     """
-    if isinstance(outer, CurvilinearMap):
-        return bounds_curvilinear(outer, points, bounds, bits)
-    if not isinstance(outer, SphereMap):
+    if not isinstance(outer, CurvilinearMap | SphereMap):
         return list(bounds)
-    X, Y, Z = points
-    ρ, across = np.hypot(X, Y), np.hypot(bounds[0], bounds[1])
-    unit = ROUNDINGS * 2.0**-bits
-    height = outer.sense * Z
-    u = np.arctan2(height, ρ) if outer.latitude else np.arctan2(ρ, height)
-    δu = (np.abs(Z) * across + ρ * bounds[2]) / (ρ**2 + Z**2) + unit * np.abs(u)
-    δφ = (np.abs(X) * bounds[1] + np.abs(Y) * bounds[0]) / ρ**2 + unit * np.abs(np.arctan2(Y, X))
-    lost, ended = ~(LOST * across < ρ), np.isnan(X)
-    lost &= ~ended
-    rates = [np.where(lost, np.inf, row) for row in bounds[3:5]]
-    p = list(bounds[5:7])
-    p[outer.meridian] = np.where(lost, np.inf, p[outer.meridian])
-    return [*_ordered(outer, [δu, np.where(lost, np.inf, δφ)]), *rates, *p, *bounds[7:]]
-
-
-def _ordered(outer: SphereMap, pair: list[Row]) -> list[Row]:
-    """Along the meridian and about the axis, in the user's order."""
-    return pair if outer.meridian == 0 else pair[::-1]
+    x, δ, unit = [np.abs(row) for row in points], bounds[: len(points)], _ROUNDINGS * 2.0**-bits
+    ρ, across = np.hypot(x[0], x[1]), np.hypot(δ[0], δ[1])
+    z, δz = (x[2], δ[2]) if len(points) == 3 else (np.zeros_like(ρ), np.zeros_like(ρ))
+    turned = (z * across + ρ * δz) / np.hypot(ρ, z) ** 2
+    lost = ~(_LOST * across < ρ) & ~np.isnan(points[0])
+    moved = {
+        AZIMUTH: np.where(lost, np.inf, (x[0] * δ[1] + x[1] * δ[0]) / ρ**2), FROM_AXIS: across, HEIGHT: δz,
+        FROM_CENTRE: np.hypot(across, δz), COLATITUDE: turned, LATITUDE: turned,
+    }  # fmt: skip
+    values = _values(outer, points)
+    q = [moved[role] + unit * np.abs(value) for role, value in zip(outer.roles, values, strict=True)]
+    return [*q, *_unknown(outer, bounds[len(points) :], lost, np.inf)]
