@@ -19,10 +19,12 @@ from hjsolve.formulas.read import number
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.quantities_given import in_units
 from hjsolve.motion.charted.starting import start_charted
-from hjsolve.motion.initial_data import read_initial_data
+from hjsolve.mechanics.system import mass_matrix
+from hjsolve.motion.initial_data import number_is_zero, read_initial_data, read_places, with_numbers
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.through_poles.continued_motion import motion_through_poles
+from hjsolve.motion.through_umbilics.starting import momenta_of, start_at_umbilic
 from hjsolve.motion.tori.from_actions import start_on_torus
 from hjsolve.motion.velocity_frame import COORDINATE, factors_of, lengths_in_units, rates_of
 from hjsolve.motion.wanted import parts_of
@@ -99,6 +101,10 @@ def start(
     if q is None:
         raise InvalidInputError(f"motion: no q={{…}}; write {EXAMPLE}")
     system = solution.system if solution.chart is None else solution.chart.original
+    if solution.chart is None and isinstance(velocity, Mapping) and velocity and set(velocity) == set(system.place) - {
+        c.name for c in system.coordinates
+    }:
+        return _with_velocity_in_space(solution, q, velocity, parameters, t0, digits, want)
     q, factors = in_units(system, q, "q"), factors_of(system, velocity_frame, velocity)
     if factors is None or velocity is None:
         velocity = in_units(system, velocity, "velocity")
@@ -127,6 +133,24 @@ def start(
     given = {name: None if group is None else dict(group) for name, group in groups.items()}
     motion = motion_through_poles(solution, initial, exact_t0, digits, parts, certified=certified)
     return replace(motion, given=given, again=partial(_again, solution, given, exact_t0, wanted))
+
+
+def _with_velocity_in_space(
+    solution: Solution, q: Mapping[str, object], velocity: Mapping[str, object],
+    parameters: Mapping[str, object] | None, t0: object, digits: int, want: Iterable[str] | None,
+) -> Motion:  # fmt: skip
+    """Start with a velocity along the axes of the system's place: p = m (∂x/∂q)ᵀ v; at an umbilic by its direction."""
+    system = solution.system
+    given = {axis: number(value, source=f"velocity[{axis}]") for axis, value in velocity.items()}
+    values = read_places(system, in_units(system, q, "q"), in_units(system, parameters, "parameters"))
+    if any(number_is_zero(with_numbers(e, values)) for e in mass_matrix(system).diagonal()):
+        parts = parts_of(None if want is None else arguments.words(want, "want", '["actions", "periods"]'))
+        exact_t0, wanted = number(t0, source="t0"), None if want is None else frozenset(want)
+        motion = start_at_umbilic(solution, values, given, exact_t0, arguments.digits(digits), parts)
+        again = {"q": dict(q), "velocity": dict(velocity), "parameters": parameters}
+        return replace(motion, given=again, again=partial(_again, solution, again, exact_t0, wanted))
+    p = momenta_of(system, values, given)
+    return start(solution, q=q, p=p, parameters=parameters, t0=t0, digits=digits, want=want)
 
 
 def _on_torus(
