@@ -13,6 +13,7 @@ angles at one umbilic form a geometric progression, is the special case of geode
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from hjsolve.arithmetic.number_types import Mpf
@@ -82,6 +83,10 @@ class Corner:
 
     passable: bool
     ratio: Mpf
+
+
+Corners = Callable[[tuple[int, int]], Corner]
+"""The umbilic at the ends of both ways, 1 or −1."""
 
 
 def following(arc: Arc, paths: tuple[Path, Path], corner: Corner) -> Arc:
@@ -213,11 +218,12 @@ class Arcs:
     Args:
         first: the arc on which it starts.
         paths: of both coordinates.
-        corners: by the ends of both ways, the umbilics.
+        corners: the rule that gives the umbilics.
     """
 
-    def __init__(self, first: Arc, paths: tuple[Path, Path], corners: dict[tuple[int, int], Corner]):
+    def __init__(self, first: Arc, paths: tuple[Path, Path], corners: Corners):
         self.paths, self.corners = paths, corners
+        self.met: dict[tuple[int, int], Corner] = {}
         self.known = {1: [first], -1: [reversed_arc(first)]}
 
     def longest(self) -> Mpf:
@@ -248,7 +254,7 @@ class Arcs:
         way = 1 if t > end else -1
         arcs, k = self.known[way], 0
         while way * t > arcs[k].ends(self.paths)[1]:
-            corner = self.corners[arcs[k].directions]
+            corner = self._corner(arcs[k].directions)
             if not corner.passable:
                 return None
             if k + 1 == len(arcs):
@@ -257,3 +263,8 @@ class Arcs:
                 arcs.append(following(arcs[k], self.paths, corner))
             k += 1
         return way * k, arcs[k] if way > 0 else reversed_arc(arcs[k])
+
+    def _corner(self, sides: tuple[int, int]) -> Corner:
+        if sides not in self.met:
+            self.met[sides] = self.corners(sides)
+        return self.met[sides]

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from itertools import product
+from functools import partial
 
 import sympy as sp
 
@@ -25,7 +25,7 @@ from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.separated import SeparatedMotion, checked, coordinate_start, turning_points
 from hjsolve.motion.starting import motion_of
-from hjsolve.motion.through_umbilics.arcs import Arc, Arcs, Corner, leaving
+from hjsolve.motion.through_umbilics.arcs import Arc, Arcs, Corner, Corners, leaving
 from hjsolve.motion.through_umbilics.branch_places import branches_only, metric_ratio
 from hjsolve.motion.through_umbilics.paths import Course, Path, path_of
 from hjsolve.motion.through_umbilics.umbilic_motion import SPARE, UmbilicMotion, umbilic_motion, work_bits
@@ -119,9 +119,7 @@ class _Ways:
         x = end.place(512)
         return _exact(x)
 
-    def _arcs_of(
-        self, courses: list[Course | None]
-    ) -> tuple[tuple[Path, Path], dict[tuple[int, int], Corner]] | None:  # fmt: skip
+    def _arcs_of(self, courses: list[Course | None]) -> tuple[tuple[Path, Path], Corners] | None:
         """Paths and corners; None where no end of an arc is reached in a finite time."""
         one, two = courses
         if one is None or two is None:
@@ -131,22 +129,26 @@ class _Ways:
             return None
         digits = self.digits + SPARE
         paths = path_of(one, weight, digits, self.bits), path_of(two, weight, digits, self.bits)
-        places: dict[tuple[sp.Expr, ...], tuple[bool, sp.Expr] | None] = {}
-        corners = {}
-        for sides in product((1, -1), repeat=2):
-            ends = [c.upper if side > 0 else c.lower for c, side in zip((one, two), sides, strict=True)]
-            key = tuple(e for e in map(_exact, ends) if e is not None)
-            if key not in places:
-                places[key] = self._umbilic(key) if len(key) == len(ends) else None
-            found = places[key]
-            residues = [p.residues[side > 0] for p, side in zip(paths, sides, strict=True)]
-            same = abs(residues[0] + residues[1]) <= residues[0].context.mpf(10) ** -self.digits * abs(residues[0])
-            if found is None or not same:
-                corners[sides] = Corner(False, one.lower * 0)
-                continue
-            ratio = self._logarithm(found[1], (one, two))
-            corners[sides] = Corner(found[0], ratio)
-        return paths, corners
+        return paths, partial(self._corner, paths)
+
+    def _corner(self, paths: tuple[Path, Path], sides: tuple[int, int]) -> Corner:
+        """The end of an arc at which both coordinates are at the ends named of their ways."""
+        courses = [path.course for path in paths]
+        ends = [_exact(c.upper if side > 0 else c.lower) for c, side in zip(courses, sides, strict=True)]
+        place = tuple(e for e in ends if e is not None)
+        one, two = (p.residues[side > 0] for p, side in zip(paths, sides, strict=True))
+        same = abs(one + two) <= one.context.mpf(10) ** -self.digits * abs(one)
+        ratio = self._ratio(place) if same and len(place) == len(ends) else None
+        if ratio is None:
+            return Corner(False, 0 * one)
+        squares = tuple(sp.sympify(self.solution.momentum_squared[name]).subs(self.known) for name in self.names)
+        passable = branches_only(self.solution.system, tuple(self.fixed.items()), place, squares)
+        sizes = [abs(c.upper - c.lower) / 2 if c.turning is None else 2 * abs(c.turning - c.lower) for c in courses]
+        c = one.context
+        return Corner(passable, c.log(sizes[1] / sizes[0]) - c.log(to_bits(ratio)(self.bits)) / 2)
+
+    def _ratio(self, place: tuple[sp.Expr, ...]) -> sp.Expr | None:
+        return metric_ratio(self.solution.system, tuple(self.fixed.items()), place)
 
     def _weight(self, one: Course, two: Course) -> Mpf | None:
         """w with k₁ + w k₂ = 0 at every double zero; None where there is no such number."""
@@ -160,25 +162,8 @@ class _Ways:
         tiny = found[0].context.mpf(10) ** -(self.digits + SPARE)
         return found[0] if all(abs(w - found[0]) <= tiny * (1 + abs(found[0])) for w in found) else None
 
-    def _umbilic(self, place: tuple[sp.Expr, ...]) -> tuple[bool, sp.Expr] | None:
-        """Whether T and V are regular at a place, and a/b there."""
-        system = self.solution.system
-        ratio = metric_ratio(system, self.fixed, place)
-        if ratio is None:
-            return None
-        squares = [sp.sympify(self.solution.momentum_squared[name]).subs(self.known) for name in self.names]
-        return branches_only(system, self.fixed, place, squares), ratio
-
-    def _logarithm(self, ratio: sp.Expr, courses: tuple[Course, Course]) -> Mpf:
-        """ν of y₂/y₁ = e^ν ε₂/ε₁."""
-        sizes = [
-            abs(c.upper - c.lower) / 2 if c.turning is None else 2 * abs(c.turning - c.lower) for c in courses
-        ]
-        c = sizes[0].context
-        return c.log(sizes[1] / sizes[0]) - c.log(to_bits(ratio)(self.bits)) / 2
-
     def _motion(
-        self, motion: Motion, arc: Arc, paths: tuple[Path, Path], corners: dict[tuple[int, int], Corner]
+        self, motion: Motion, arc: Arc, paths: tuple[Path, Path], corners: Corners
     ) -> UmbilicMotion | None:  # fmt: skip
         kinds = [self.solution.system.coordinate(name).domain.kind for name in self.names]
         free = [k for k, kind in enumerate(kinds) if kind in {"angle", "line"}]
@@ -208,7 +193,7 @@ class _Ways:
         directions = [-here for here in begins]
         if resting is not None:
             directions[resting] = begins[resting]
-        corner = corners[begins[0], begins[1]]
+        corner = corners((begins[0], begins[1]))
         c = direction[0].context
         slope = None if resting is not None else c.log(abs(direction[1] / direction[0]))
         arc = leaving(paths, (directions[0], directions[1]), corner, slope, resting, c.zero)
@@ -268,7 +253,7 @@ def start_at_umbilic(
     if len(q) != 2 or list(solution.coordinates) != [c.name for c in system.coordinates]:
         raise refused
     place = values[q[0]], values[q[1]]
-    ratio = metric_ratio(system, fixed, place)
+    ratio = metric_ratio(system, tuple(fixed.items()), place)
     if ratio is None:
         raise refused
     mass = particle_mass(system, values)
