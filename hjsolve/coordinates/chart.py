@@ -21,8 +21,8 @@ from hjsolve.coordinates.charts.outer_map import OuterMap, flat_map, sphere_map
 from hjsolve.coordinates.charts.transform import Cartesian, chart_and_axes, web_of
 from hjsolve.coordinates.charts.validity import valid_everywhere
 from hjsolve.coordinates.curved.sphere import OnSphere, charts_on_sphere
-from hjsolve.coordinates.gauge import find_gauge
 from hjsolve.coordinates.find import cartesian_form, find_coordinates, sphere_below
+from hjsolve.coordinates.gauge import find_gauge
 from hjsolve.coordinates.results import SeparableCoordinates, Vector, Web
 from hjsolve.coordinates.small_oscillations import normal_modes
 from hjsolve.coordinates.superintegrable import independent_integrals, told_of_modes, webs_in_words
@@ -159,8 +159,8 @@ def _found_in_space(system: System, why: str, refused: object, budget: float) ->
         if chart is not None:
             return chart
         raise NotSeparableError(
-            f"{why}, nor do others in any gauge in which coordinates along straight lines are ignorable; where T has "
-            "terms linear in the velocities no more is tried. Where all coefficients are constant, see gyroscopic_modes",
+            f"{why}, nor do straight ones, in any gauge in which some are ignorable; where T has terms linear in the "
+            "velocities no more is tried. Where all coefficients are constant, see gyroscopic_modes",
             refused,
         )
     if small_oscillations(system):
@@ -315,7 +315,8 @@ def _in_another_gauge(system: System, why: str, budget: float) -> Chart | None:
     found = _there(system, there, gauge.system)
     masses = sp.diag(*(sp.diff(gauge.system.kinetic, c.velocity, 2) for c in gauge.system.coordinates))
     return Chart(
-        "cartesian", tuple(c.name for c in gauge.system.coordinates), there, f"its momenta are less by ∇({gauge.function})",
+        "cartesian", tuple(c.name for c in gauge.system.coordinates), there,
+        f"momenta are less by the gradient of {gauge.function}",
         f"{why}; in another gauge they do" if gauge.frame.is_Identity else f"{why}; turned ones do, in another gauge",
         system, found, replace(verdict, system=found), (sp.S.Zero,) * len(symbols), gauge.frame, symbols, symbols,
         tuple(masses.diagonal()), sp.S.One, {}, flat_map(system), linear=gauge.linear, gauge=gauge.function,

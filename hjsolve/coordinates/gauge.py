@@ -132,10 +132,11 @@ def _gauge(
     masses = (frame.T * M * frame).applyfunc(sp.simplify)
     T = sp.Add(*(masses[i, i] * v**2 / 2 + e * v for i, (v, e) in enumerate(zip(speeds, a, strict=True))))
     found = System(
-        dict.fromkeys(names, "line"), T, sp.expand(potential.xreplace(at)), {p.name: p for p in system.parameters},
+        dict.fromkeys(names, "line"),
+        T,
+        sp.expand(potential.xreplace(at)),
+        {p.name: p for p in system.parameters},
         title=f"{system.title or 'system'} in another gauge",
     )
     symbols = {sp.Symbol(c.name, real=True): c.symbol for c in found.coordinates}
-    return Gauge(
-        found, frame, tuple(e.xreplace(symbols) for e in a), sp.expand(Λ.xreplace(at).xreplace(symbols))
-    )
+    return Gauge(found, frame, tuple(e.xreplace(symbols) for e in a), sp.expand(Λ.xreplace(at).xreplace(symbols)))

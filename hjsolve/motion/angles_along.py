@@ -34,7 +34,7 @@ from hjsolve.one_coordinate.resting_motion import AtRest
 from hjsolve.one_coordinate.stretched_anomaly import Stretched
 from hjsolve.time_law.open_motion import TriangularScheme, own_turns
 from hjsolve.time_law.phase_reduction import turns_and_rest
-from hjsolve.time_law.torus import TorusEquations, mean_rate, oscillation
+from hjsolve.time_law.torus import mean_rate, oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion

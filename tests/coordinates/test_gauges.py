@@ -51,10 +51,10 @@ def test_momenta_are_those_of_the_gauge_given(gauge):
     system = found(gauge, "cos(x + y)/3 + z**2/2")
     solution = hjsolve.solve(system, coordinates="find")
     state = solution.motion(q=START, velocity=SPEED).at("1.75")
-    a = hjsolve.System(
-        {c: "line" for c in "xyz"}, " + ".join(f"dot({c})**2/2" for c in "xyz") + " + " + gauge, "0"
-    )
-    at = {c.symbol: state.q[c.name] for c in a.coordinates} | {c.velocity: state.velocity[c.name] for c in a.coordinates}
+    a = hjsolve.System(dict.fromkeys("xyz", "line"), " + ".join(f"dot({c})**2/2" for c in "xyz") + " + " + gauge, "0")
+    at = {c.symbol: state.q[c.name] for c in a.coordinates} | {
+        c.velocity: state.velocity[c.name] for c in a.coordinates
+    }
     for c in a.coordinates:
         own = float(a.kinetic.diff(c.velocity).subs(at))
         assert abs(state.p[c.name] - own) <= state.error.p[c.name] + 1e-15 * 10
@@ -95,7 +95,7 @@ def test_ensembles_and_single_motions_agree_in_another_gauge():
 
 def test_w_depends_on_the_gauge_and_is_not_given():
     motion = hjsolve.solve(found(GAUGES["symmetric"], "-E*x"), coordinates="find").motion(q=START, velocity=SPEED)
-    with pytest.raises(hjsolve.InvalidInputError, match="depend on the gauge.*as_solved"):
+    with pytest.raises(hjsolve.InvalidInputError, match=r"depend on the gauge.*as_solved"):
         motion.characteristic_function(1)
     assert motion.as_solved.characteristic_function(1).value
 

@@ -14,17 +14,17 @@ from typing import Any
 import sympy as sp
 
 from hjsolve import arguments
-from hjsolve.errors import InvalidInputError
+from hjsolve.errors import ForbiddenPlaceError, InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.quantities_given import in_units
-from hjsolve.motion.charted.starting import start_charted
 from hjsolve.mechanics.system import mass_matrix
-from hjsolve.motion.initial_data import number_is_zero, read_initial_data, read_places, with_numbers
+from hjsolve.motion.charted.starting import start_charted
+from hjsolve.motion.initial_data import all_exact, number_is_zero, read_initial_data, read_places, with_numbers
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.through_poles.continued_motion import motion_through_poles
-from hjsolve.motion.through_umbilics.starting import momenta_of, start_at_umbilic
+from hjsolve.motion.through_umbilics.starting import hint_at_umbilic, momenta_of, start_at_umbilic
 from hjsolve.motion.tori.from_actions import start_on_torus
 from hjsolve.motion.velocity_frame import COORDINATE, factors_of, lengths_in_units, rates_of
 from hjsolve.motion.wanted import parts_of
@@ -122,9 +122,12 @@ def start(
     arguments.refuse_other(certified, bool, "certified", "True or False is needed")
     if certified:
         refuse_kinks(system.kinks, "certified=True")
-    initial = read_initial_data(
-        solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters
-    )
+    try:
+        initial = read_initial_data(
+            solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters
+        )
+    except ForbiddenPlaceError as error:
+        raise ForbiddenPlaceError(f"{error}{hint_at_umbilic(solution, q, parameters)}") from None
     wanted = None if want is None else arguments.words(want, "want", '["actions", "periods"]')
     parts, exact_t0 = parts_of(wanted), number(t0, source="t0")
     groups = {
@@ -145,8 +148,9 @@ def _with_velocity_in_space(
     values = read_places(system, in_units(system, q, "q"), in_units(system, parameters, "parameters"))
     if any(number_is_zero(with_numbers(e, values)) for e in mass_matrix(system).diagonal()):
         parts = parts_of(None if want is None else arguments.words(want, "want", '["actions", "periods"]'))
+        exact = all_exact(q, velocity, parameters)
         exact_t0, wanted = number(t0, source="t0"), None if want is None else frozenset(want)
-        motion = start_at_umbilic(solution, values, given, exact_t0, arguments.digits(digits), parts)
+        motion = start_at_umbilic(solution, values, given, exact_t0, arguments.digits(digits), parts, exact=exact)
         again = {"q": dict(q), "velocity": dict(velocity), "parameters": parameters}
         return replace(motion, given=again, again=partial(_again, solution, again, exact_t0, wanted))
     p = momenta_of(system, values, given)

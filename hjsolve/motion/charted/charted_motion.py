@@ -100,8 +100,8 @@ class ChartedMotion(Motion):
             t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
 
         Raises:
-            InvalidInputError: a time that is no finite real number, a motion that ends in a collision, or that separates
-                in another gauge, where ∫ p·dq is another.
+            InvalidInputError: a time that is no finite real number, a motion that ends in a collision, or one that
+                separates in another gauge, where ∫ p·dq is another.
         """
         self._refuse_collision()
         return self._inner.principal_function(t)
@@ -111,8 +111,8 @@ class ChartedMotion(Motion):
             raise InvalidInputError("W and S: not given for a motion that ends in a collision with a focus")
         if self.chart.gauge != 0:
             raise InvalidInputError(
-                f"W and S: they depend on the gauge; motion.as_solved gives those of the gauge in which it separates, to "
-                f"which Λ - Λ(t0) is to be added, Λ = {self.chart.gauge}"
+                "W and S: they depend on the gauge; motion.as_solved gives those of the gauge in which it separates, "
+                f"to which Λ - Λ(t0) is to be added, Λ = {self.chart.gauge}"
             )
 
     def time_at(self, name: str, value: object, passage: int = 0) -> Estimate:

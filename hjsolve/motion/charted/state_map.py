@@ -1,6 +1,6 @@
-"""States carried back: x = origin + frame·X(u), ẋ = frame·Σ (∂X/∂u_k) (p_k − a_k)/(m h_k²), then q, q̇, p by the outer
-map; a is zero but in a changed gauge.
+"""States carried back: x = origin + frame·X(u), ẋ = frame·Σ (∂X/∂u_k) (p_k − a_k)/(m h_k²), then q, q̇, p.
 
+The last are those of the outer map; a is zero but in a changed gauge.
 The velocity of the separated coordinates is not used: next to a focus p_k and h_k² are small and well known, and their
 quotient is not. Errors of u and p_u, and the rounding of every operation, are carried through the formulas to first
 order (``arithmetic.running_error``) and doubled.

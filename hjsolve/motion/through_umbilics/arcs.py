@@ -209,7 +209,9 @@ class _Search:
 
 
 def _lost() -> NotConvergedError:
-    return NotConvergedError("a place between two umbilics could not be found; ask for a time a little earlier or later")
+    return NotConvergedError(
+        "a place between two umbilics could not be found; ask for a time a little earlier or later"
+    )
 
 
 class Arcs:

@@ -1,9 +1,9 @@
 """Is a place where h = 0 one where only the coordinates branch? Umbilics of an ellipsoid, foci of elliptic coordinates.
 
-With T = ½ h (a q̇₁² + b q̇₂²), a of q₁ and b of q₂ alone, and h = f(q₁) + g(q₂) zero at (e₁, e₂), all even about e₁ and e₂,
-places are functions of (u + i v)², du = √a dq₁, dv = √b dq₂, and T and V are regular there when f and −g are one function
-of u² and −v²: then h, and p₁² a⁻¹ + p₂² b⁻¹ = 2 h (E − V), vanish together on u² + v² = 0. Two conditions say so along
-h(q₁, q₂) = 0 with q₁ − e₁ imaginary and q₂ real,
+With T = ½ h (a q̇₁² + b q̇₂²), a of q₁ and b of q₂ alone, and h = f(q₁) + g(q₂) zero at (e₁, e₂), all even about e₁ and
+e₂, places are functions of (u + i v)², du = √a dq₁, dv = √b dq₂, and T and V are regular there when f and −g are one
+function of u² and −v²: then h, and p₁² a⁻¹ + p₂² b⁻¹ = 2 h (E − V), vanish together on u² + v² = 0. Two conditions say
+so along h(q₁, q₂) = 0 with q₁ − e₁ imaginary and q₂ real,
 
     (∂₁h)²/a + (∂₂h)²/b = 0,        p₁²/a + p₂²/b = 0;
 
@@ -32,7 +32,7 @@ Known = tuple[tuple[sp.Symbol, sp.Expr], ...]
 
 @lru_cache(maxsize=64)
 def metric_ratio(system: System, known: Known, place: tuple[sp.Expr, ...]) -> sp.Expr | None:
-    """Return a/b at a place where M₁₁ = h a and M₂₂ = h b vanish; None where the place does not even look like a branch.
+    """Return a/b at a place where M₁₁ = h a and M₂₂ = h b vanish; None where the place does not look like a branch.
 
     Args:
         system: of two coordinates.

@@ -5,10 +5,10 @@ p² has a double zero e at both ends of the way, and 0 < p² between but for one
     q = c + h x                     from one double zero to the other,
     q = m − (m − e) x²              from e to m and back.
 
-With jac = |dq/dx|/|p| the clock ∫ N jac dx, N = k₁ + w k₂, is smooth where N vanishes at the double zeros, and the level
-∫ k₂ jac dx is c₋ ln(1 + x) − c₊ ln(1 − x) and a smooth function. Smooth functions are interpolated at Chebyshev points,
-twice as many until the last eighth of the coefficients is below the digits asked (Trefethen, Approximation Theory and
-Approximation Practice, chapters 3, 8); at three other places the series is compared with the function.
+With jac = |dq/dx|/|p| the clock ∫ N jac dx, N = k₁ + w k₂, is smooth where N vanishes at the double zeros, and the
+level ∫ k₂ jac dx is c₋ ln(1 + x) − c₊ ln(1 − x) and a smooth function. Smooth functions are interpolated at Chebyshev
+points, twice as many until the last eighth of the coefficients is below the digits asked (Trefethen, Approximation
+Theory and Approximation Practice, chapters 3, 8); at three other places the series is compared with the function.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from hjsolve.arithmetic.chebyshev import clenshaw
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.fourier import waves
-from hjsolve.arithmetic.number_types import Context, Mpf
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 
@@ -83,9 +83,7 @@ class Course:
             bits: binary digits of the arithmetic.
         """
         q = self.place(x)
-        if self.turning is None:
-            size = abs(self.slope(x)) / q.context.sqrt(self.radicand.value(q, bits))
-        elif x:
+        if self.turning is None or x:
             size = abs(self.slope(x)) / q.context.sqrt(self.radicand.value(q, bits))
         else:
             steep = abs(self.radicand.jet(q, bits).first * (self.turning - self.lower))

@@ -1,6 +1,7 @@
 """Start a motion through umbilics: one that tends to them, or one that begins at an umbilic with a velocity in space.
 
-At an umbilic p = 0 says nothing of the direction. With y = (√a δ₁, √b δ₂) places are functions of R + i I = (y₁ + i y₂)²/2:
+At an umbilic p = 0 says nothing of the direction. With y = (√a δ₁, √b δ₂) places are functions of
+R + i I = (y₁ + i y₂)²/2:
 
     ∂x/∂R = ∂₁₁x/a,    ∂x/∂I = ∂₁₂x/√(ab),
 
@@ -20,7 +21,7 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import HJSolveError, InvalidInputError
 from hjsolve.mechanics.system import System, kinetic_rest, mass_matrix
 from hjsolve.motion.exact_numbers import to_bits
-from hjsolve.motion.initial_data import Initial, clean, with_numbers
+from hjsolve.motion.initial_data import Initial, clean, read_places, with_numbers
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.separated import SeparatedMotion, checked, coordinate_start, turning_points
@@ -98,7 +99,7 @@ class _Ways:
 
     def _course(self, name: str, place: Located) -> Course | None:
         """The way of a coordinate between double zeros; None where it does not come back to one."""
-        ends = {side: end for side, end in ((-1, place.lower), (1, place.upper))}
+        ends = {-1: place.lower, 1: place.upper}
         radicand = coordinate_start(self.solution, self.initial, name).radicand
         zeros = {side: self._zero(end) for side, end in ends.items() if end.kind == "asymptote"}
         if None in zeros.values() or not zeros:
@@ -151,7 +152,7 @@ class _Ways:
         return metric_ratio(self.solution.system, tuple(self.fixed.items()), place)
 
     def _weight(self, one: Course, two: Course) -> Mpf | None:
-        """w with k₁ + w k₂ = 0 at every double zero; None where there is no such number."""
+        """W with k₁ + w k₂ = 0 at every double zero; None where there is no such number."""
         found = []
         for course in (one, two):
             for e in (course.lower, course.upper):
@@ -231,7 +232,7 @@ def _exact(x: Mpf) -> sp.Expr | None:
 
 def start_at_umbilic(
     solution: Solution, values: Mapping[sp.Symbol, sp.Expr], velocity: Mapping[str, sp.Expr], t0: sp.Expr, digits: int,
-    parts: frozenset[str],
+    parts: frozenset[str], *, exact: bool,
 ) -> UmbilicMotion:  # fmt: skip
     """Start at an umbilic with a velocity in space.
 
@@ -242,6 +243,7 @@ def start_at_umbilic(
         t0: the initial time, exact.
         digits: relative digits wanted.
         parts: what is integrated.
+        exact: whether no number given is a float.
 
     Raises:
         InvalidInputError: the place is no umbilic that a motion passes, or the velocity is zero.
@@ -262,11 +264,14 @@ def start_at_umbilic(
         raise InvalidInputError("velocity: is zero; a body at rest at an umbilic is not started")
     V = with_numbers(system.potential - kinetic_rest(system), values)
     energy = clean(mass * speed2 / 2 + V)
-    initial = _at_rest(solution, values, energy)
+    initial = replace(_at_rest(solution, values, energy), exact=exact)
     bits = work_bits(digits)
     c = Multi(bits).context
     second = [
-        [to_bits(sp.diff(x, *pair).subs(fixed).subs(dict(zip(q, place, strict=True))))(bits) for x in system.place.values()]
+        [
+            to_bits(sp.diff(x, *pair).subs(fixed).subs(dict(zip(q, place, strict=True))))(bits)
+            for x in system.place.values()
+        ]
         for pair in ((q[0], q[0]), (q[0], q[1]))
     ]
     v = [to_bits(velocity[axis])(bits) for axis in system.place]
@@ -293,7 +298,7 @@ def refuse_normal(whole: float | Mpf, along: float | Mpf) -> None:
     Raises:
         InvalidInputError: they differ by more than rounding.
     """
-    if abs(whole - along) > _ROUNDING * whole:
+    if abs(float(whole - along)) > _ROUNDING * float(whole):
         raise InvalidInputError("velocity: is not tangent to the surface on which the coordinates are")
 
 
@@ -333,7 +338,7 @@ def particle_mass(system: System, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Exp
         rows = [(metric[i, j] - m * G[i, j]).subs(there) for i in range(len(q)) for j in range(len(q))]
         if any(abs(sp.N(x, 40)) > sp.Float(10) ** -30 for x in rows):
             raise InvalidInputError(
-                "velocity: along x, y, z it needs T to be that of one particle at its place; give that of the coordinates"
+                "velocity: along x, y, z T must be that of one particle at its place; give that of the coordinates"
             )
     return m
 
@@ -358,3 +363,26 @@ def momenta_of(
     flat = rows * (rows.T * rows).LUsolve(rows.T * v.evalf(30))
     refuse_normal(float((v.T * v)[0]), float((flat.T * flat)[0]))
     return {c.name: mass * lifted[k] for k, c in enumerate(system.coordinates)}
+
+
+def hint_at_umbilic(solution: Solution, q: Mapping[str, object], parameters: Mapping[str, object] | None) -> str:
+    """Return how to start at an umbilic; nothing at another place.
+
+    Args:
+        solution: of the system.
+        q, parameters: as given.
+    """
+    system = solution.system
+    try:
+        values = read_places(system, q, parameters)
+    except HJSolveError:
+        return ""
+    place = tuple(values[c.symbol] for c in system.coordinates)
+    if (
+        len(place) != 2
+        or metric_ratio(system, tuple((p.symbol, values[p.symbol]) for p in system.parameters), place) is None
+    ):
+        return ""
+    axes = ", ".join(f'"{axis}": …' for axis in system.place or ("x", "y", "z"))
+    declared = "" if system.place else " to a System(…, place={…})"
+    return f". It is an umbilic: give the velocity in space, velocity={{{axes}}}{declared}"

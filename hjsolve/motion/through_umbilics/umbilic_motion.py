@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Never
+from typing import Any
 
 import numpy as np
-import sympy as sp
 
-from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.arithmetic.floats import EPS, bits_for
 from hjsolve.arithmetic.number_types import AtTimes, Mpf, Numbers
 from hjsolve.errors import InvalidInputError, required
@@ -30,6 +27,8 @@ _BUFFER = 200
 """Binary digits that p² and the metric may lose next to an umbilic."""
 _DOUBT = 20
 """Decimal digits beyond those asked to which the time is taken to be known."""
+_LEAST = 2.0**-200
+"""What a coordinate that is zero is not known to."""
 
 
 def work_bits(digits: int) -> int:
@@ -117,7 +116,7 @@ class UmbilicMotion(Motion):
     def _told(self, arc: Arc, number: int, z: tuple[Mpf | None, Mpf | None], sides: tuple[int, int]) -> _Row:
         """Coordinates and momenta from both ways; of a coordinate at a double zero the end at which it is."""
         arcs = required(self.arcs)
-        q, p, turns, away = [], [], [], []
+        told = []
         for k, (path, v) in enumerate(zip(arcs.paths, z, strict=True)):
             c, course = path.residues[0].context, path.course
             x = c.mpf(sides[k]) if v is None else c.tanh(v)
@@ -131,8 +130,8 @@ class UmbilicMotion(Motion):
             if self.solution.system.coordinate(list(self.solution.coordinates)[k]).domain.kind == "angle":
                 whole = int(c.ceil((place - c.pi) / (2 * c.pi)))
                 place -= 2 * c.pi * whole
-            q.append(place), p.append(size), turns.append(whole), away.append(distance)
-        return _Row(tuple(q), tuple(p), tuple(turns), tuple(away))
+            told.append((place, size, whole, distance))
+        return _Row(*zip(*told, strict=True))
 
     def _unfolded(self, number: int) -> tuple[Mpf, int]:
         """A and B of q = A + B q̃, q̃ on the way: turned over at each umbilic that was passed."""
@@ -188,62 +187,20 @@ class UmbilicMotion(Motion):
         doubt = 10.0 ** -(max(self.digits, FLOAT_DIGITS) + _DOUBT) * (1 + float(required(self.arcs).longest()))
         moved: dict[str, Any] = {n: doubt * np.abs(x.astype(float)) for n, x in v.items()}
         near = np.sqrt(sum(x.astype(float) ** 2 for x in away.values()))
+        exactly = {n: np.array([x == 0 for x in away[n]]) for n in q}
+        size = {n: [np.abs(x.astype(float)) for x in (q[n], p[n], v[n])] for n in q}
         with np.errstate(all="ignore"):
-            relative = sum(moved.values()) / near
-        places, momenta, rates = {}, {}, {}
-        for n in q:
-            size = np.abs(q[n].astype(float))
-            exactly = np.array([x == 0 for x in away[n]])
-            places[n] = np.where(exactly, 0.0, moved[n]) + unit * np.where(size > 0, size, 0.0) + 2.0**-200
-            momenta[n] = np.where(exactly, 0.0, 16 * np.abs(p[n].astype(float)) * relative) + unit * np.abs(
-                p[n].astype(float)
-            )
-            rates[n] = np.abs(v[n].astype(float)) * (unit + 16 * relative)
+            relative = 16 * sum(moved.values()) / near
+            places = {n: np.where(exactly[n], 0.0, moved[n]) + unit * size[n][0] + _LEAST for n in q}
+            momenta = {n: np.where(exactly[n], 0.0, size[n][1] * relative) + unit * size[n][1] for n in q}
+            rates = {n: size[n][2] * (unit + relative) for n in q}
 
         def group(table: Mapping[str, Any]) -> dict[str, AtTimes]:
             return {n: shaped(x, shape) for n, x in table.items()}
 
         return Errors(group(places), group(momenta), group(rates))
 
-    def _refuse(self, what: str) -> Never:
-        raise InvalidInputError(f"{what}: not given for a motion through umbilics; at(t) gives its states")
-
-    def characteristic_function(
-        self, t: object = None, *, q: Mapping[str, object] | None = None, branch: Mapping[str, int] | None = None
-    ) -> Estimate | EstimateArray:
-        """Refuse: W is not given.
-
-        Args:
-            t, q, branch: as of any motion.
-
-        Raises:
-            InvalidInputError: always.
-        """
-        self._refuse("characteristic_function")
-
-    def principal_function(self, t: object) -> Estimate | EstimateArray:
-        """Refuse: S is not given.
-
-        Args:
-            t: as of any motion.
-
-        Raises:
-            InvalidInputError: always.
-        """
-        self._refuse("principal_function")
-
-    def time_at(self, name: str, value: object, passage: int = 0) -> Estimate:
-        """Refuse: passages are not given.
-
-        Args:
-            name, value, passage: as of any motion.
-
-        Raises:
-            InvalidInputError: always.
-        """
-        self._refuse("time_at")
-
-    def orbit(self, name: str, *, along: str, values: object) -> Numbers:
+    def orbit(self, name: str, *, along: str, values: object) -> Numbers:  # noqa: ARG002
         """Refuse: passages are not given.
 
         Args:
@@ -252,28 +209,16 @@ class UmbilicMotion(Motion):
         Raises:
             InvalidInputError: always.
         """
-        self._refuse("orbit")
+        raise _refused("orbit")
 
-    def angles(self, t: object) -> Never:
-        """Refuse: there are no angle variables on a separatrix.
+    def _require(self, quantity: str) -> None:
+        if quantity != "trajectory":
+            raise _refused(quantity)
+        super()._require(quantity)
 
-        Args:
-            t: as of any motion.
 
-        Raises:
-            InvalidInputError: always.
-        """
-        self._refuse("angles")
-
-    @property
-    def betas(self) -> dict[str, Estimate]:
-        """Refused: not given."""
-        self._refuse("betas")
-
-    @property
-    def mean_velocities(self) -> dict[str, Estimate]:
-        """None: no coordinate is ignorable."""
-        return {}
+def _refused(quantity: str) -> InvalidInputError:
+    return InvalidInputError(f"{quantity}: not given for a motion through umbilics; at(t) gives its states")
 
 
 @dataclass(frozen=True)
@@ -296,4 +241,3 @@ def umbilic_motion(motion: Motion, arcs: Arcs, unfolding: int) -> UmbilicMotion:
     """
     own = {f.name: getattr(motion, f.name) for f in fields(Motion)}
     return replace(UmbilicMotion(**own, arcs=arcs, unfolding=unfolding), frequencies={}, periods={}, boundary_times={})
-
