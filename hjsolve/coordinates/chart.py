@@ -159,8 +159,8 @@ def _found_in_space(system: System, why: str, refused: object, budget: float) ->
         if chart is not None:
             return chart
         raise NotSeparableError(
-            f"{why}, nor do others in any gauge in which coordinates along straight lines are ignorable; where T has "
-            "terms linear in the velocities no more is tried. With constant coefficients, see gyroscopic_modes",
+            f"{why}, nor do straight ones, in any gauge in which some are ignorable; where T has terms linear in the "
+            "velocities no more is tried. Where all coefficients are constant, see gyroscopic_modes",
             refused,
         )
     if small_oscillations(system):
@@ -319,7 +319,7 @@ def _in_another_gauge(system: System, why: str, budget: float) -> Chart | None:
     masses = sp.diag(*(sp.diff(gauge.system.kinetic, c.velocity, 2) for c in gauge.system.coordinates))
     return Chart(
         "cartesian", tuple(c.name for c in gauge.system.coordinates), there,
-        f"its momenta are less by ∇({gauge.function})",
+        f"momenta are less by the gradient of {gauge.function}",
         f"{why}; in another gauge they do" if gauge.frame.is_Identity else f"{why}; turned ones do, in another gauge",
         system, found, replace(verdict, system=found), (sp.S.Zero,) * len(symbols), gauge.frame, symbols, symbols,
         tuple(masses.diagonal()), sp.S.One, {}, flat_map(system), linear=gauge.linear, gauge=gauge.function,

@@ -97,7 +97,9 @@ _INSTEAD_OF_WORD = {
     "ceil": "a step has no derivative; give each side its own domain",
     "Piecewise": "one formula for the whole domain; give each piece its own domain",
     "interp": "a table is not accepted; write a formula that was fitted to it",
-    "t": "an explicit time is not accepted; T and V may depend on coordinates and velocities only",
+    "t": "an explicit time is not accepted; T and V may depend on coordinates and velocities only. Where a moving "
+    "frame or a gauge takes the time out, as for a force F(t) or a moving anchor, write that system and how it moves, "
+    "[frame] in a file for hjsolve.frames.load",
     "Pi": "write pi",
     "PI": "write pi",
 }

@@ -156,7 +156,8 @@ def own_turns(scheme: TriangularScheme, bits: int) -> list[OwnTurns]:
         begin = context.mpf(cycle.start)
         start = begin if series.constant else begin + series.oscillation(begin)
         rounding = series.unresolved(begin)
-        found.append(OwnTurns(step.index, cycle, step.weights[0] / mean, series, start, rounding))
+        rate = context.mpf(step.weights[0]) / mean
+        found.append(OwnTurns(step.index, cycle, rate, series, start, rounding))
     return found
 
 

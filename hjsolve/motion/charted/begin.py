@@ -12,15 +12,17 @@ from functools import partial
 from typing import Any
 
 from hjsolve import arguments
-from hjsolve.errors import InvalidInputError, required
+from hjsolve.errors import ForbiddenPlaceError, InvalidInputError, required
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.quantities_given import in_units
+from hjsolve.mechanics.system import mass_matrix
 from hjsolve.motion.charted.starting import start_charted
-from hjsolve.motion.initial_data import read_initial_data
+from hjsolve.motion.initial_data import all_exact, number_is_zero, read_initial_data, read_places, with_numbers
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.through_poles.continued_motion import motion_through_poles
+from hjsolve.motion.through_umbilics.starting import hint_at_umbilic, momenta_of, start_at_umbilic
 from hjsolve.motion.tori.from_actions import start_on_torus
 from hjsolve.motion.velocity_frame import COORDINATE, factors_of, lengths_in_units, rates_of
 from hjsolve.motion.wanted import parts_of
@@ -76,8 +78,15 @@ def start(solution: Solution, given: StartGiven) -> Motion:
     arguments.refuse_unused(unused, "there are no actions={…}")
     if given.q is None:
         raise InvalidInputError(f"motion: no q={{…}}; write {EXAMPLE}")
+    if _velocity_is_in_space(solution, given):
+        return _with_velocity_in_space(solution, given)
     given = _checked(solution, _in_own_units(solution, given))
     motion = _as_given(solution, given) if solution.chart is None else _in_found_coordinates(solution, given)
+    return _kept(solution, given, motion)
+
+
+def _kept(solution: Solution, given: StartGiven, motion: Motion) -> Motion:
+    """Keep the input with a motion, so that it can be started anew."""
     kept: dict[str, Any] = {name: None if group is None else dict(group) for name, group in given.groups.items()}
     again = partial(_again, solution, replace(given, **kept, certified=False))
     return replace(motion, given=kept, again=again)
@@ -118,8 +127,31 @@ def _words(want: Iterable[str] | None) -> frozenset[str] | None:
 
 def _as_given(solution: Solution, given: StartGiven) -> Motion:
     """Start a motion in the coordinates of its solution."""
-    initial, parts = read_initial_data(solution, **given.groups), parts_of(given.want)
+    try:
+        initial = read_initial_data(solution, **given.groups)
+    except ForbiddenPlaceError as error:
+        raise ForbiddenPlaceError(f"{error}{hint_at_umbilic(solution, given.q, given.parameters)}") from None
+    parts = parts_of(given.want)
     return motion_through_poles(solution, initial, given.t0, given.digits, parts, certified=given.certified)
+
+
+def _velocity_is_in_space(solution: Solution, given: StartGiven) -> bool:
+    """Return True when the velocity is along the axes of the system's place, not the coordinates."""
+    names, place = {c.name for c in solution.system.coordinates}, set(solution.system.place)
+    velocity = given.velocity
+    return solution.chart is None and isinstance(velocity, Mapping) and bool(velocity) and set(velocity) == place - names
+
+
+def _with_velocity_in_space(solution: Solution, given: StartGiven) -> Motion:
+    """Start with a velocity along the axes of the system's place: p = m (∂x/∂q)ᵀ v; at an umbilic by its direction."""
+    system, q, velocity, parameters = solution.system, required(given.q), required(given.velocity), given.parameters
+    along = {axis: number(value, source=f"velocity[{axis}]") for axis, value in velocity.items()}
+    values = read_places(system, in_units(system, q, "q"), in_units(system, parameters, "parameters"))
+    if not any(number_is_zero(with_numbers(e, values)) for e in mass_matrix(system).diagonal()):
+        return start(solution, replace(given, velocity=None, p=momenta_of(system, values, along)))
+    given, exact = _checked(solution, given), all_exact(q, velocity, parameters)
+    motion = start_at_umbilic(solution, values, along, given.t0, given.digits, parts_of(given.want), exact=exact)
+    return _kept(solution, given, motion)
 
 
 def _in_found_coordinates(solution: Solution, given: StartGiven) -> Motion:

@@ -109,7 +109,7 @@ class ChartedMotion(TransformedMotion):
             raise InvalidInputError("W and S: not given for a motion that ends in a collision with a focus")
         if self.chart.gauge != 0:
             raise InvalidInputError(
-                f"W and S: they depend on the gauge; motion.as_solved gives those of the gauge in which it separates, "
+                "W and S: they depend on the gauge; motion.as_solved gives those of the gauge in which it separates, "
                 f"to which Λ - Λ(t0) is to be added, Λ = {self.chart.gauge}"
             )
 

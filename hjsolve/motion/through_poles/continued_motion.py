@@ -22,6 +22,7 @@ from hjsolve.motion.starting import started
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.through_poles.continuation import Continuation, Fold, continued_coordinates
 from hjsolve.motion.transformed_motion import TransformedMotion
+from hjsolve.motion.through_umbilics.starting import goes_on_at_umbilics
 from hjsolve.solution.quadratures import Solution, solve
 
 _NOISE_BITS = 2000
@@ -148,7 +149,7 @@ def motion_through_poles(
             if not angles:
                 raise
     if motion is not None and not _meets_a_pole(motion):
-        return motion
+        return goes_on_at_umbilics(motion) or motion
     for name in angles:
         way = continued_coordinates(solution.system, name)
         on = None if way is None else _continued(way, solution, initial, t0, digits, parts, certified=certified)

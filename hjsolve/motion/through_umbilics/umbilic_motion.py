@@ -1,0 +1,243 @@
+"""A motion through umbilics, told in the given coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
+
+import numpy as np
+
+from hjsolve.arithmetic.floats import EPS, bits_for
+from hjsolve.arithmetic.number_types import AtTimes, Mpf, Numbers
+from hjsolve.errors import InvalidInputError, required
+from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.placing import with_place
+from hjsolve.motion.positions import coordinate_velocities
+from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.shapes import shaped
+from hjsolve.motion.state import Errors, State
+from hjsolve.motion.through_umbilics.arcs import Arc, Arcs, places_on
+from hjsolve.motion.times import read_times
+
+SPARE = 25
+"""Decimal digits by which the series are better than what is told."""
+_BUFFER = 200
+"""Binary digits that p² and the metric may lose next to an umbilic."""
+_DOUBT = 20
+"""Decimal digits beyond those asked to which the time is taken to be known."""
+_LEAST = 2.0**-200
+"""What a coordinate that is zero is not known to."""
+
+
+def work_bits(digits: int) -> int:
+    """Return the binary digits of the arithmetic.
+
+    Args:
+        digits: asked.
+    """
+    return bits_for(max(digits, FLOAT_DIGITS) + SPARE, _BUFFER)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class UmbilicMotion(Motion):
+    """A motion both of whose coordinates tend to double zeros of p², which it reaches in a finite time, and goes on.
+
+    At every umbilic the first coordinate goes on and the second one turns back; (2e₁ − q₁, 2e₂ − q₂) is the same place.
+    States only: W, angles and passages are not given.
+
+    Attributes:
+        arcs: of the motion.
+        unfolding: the coordinate that goes on.
+    """
+
+    arcs: Arcs | None = field(default=None, repr=False)
+    unfolding: int = 0
+
+    def at(self, t: object) -> State:
+        """Return the state at a time or times.
+
+        At an umbilic itself velocities of the coordinates are infinite; places and momenta are given.
+
+        Args:
+            t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
+
+        Raises:
+            InvalidInputError: a time that is no finite real number.
+            NotConvergedError: there are too many umbilics before that time.
+        """
+        self._require("trajectory")
+        shape, floats, exact = read_times(t)
+        bits = work_bits(self.digits)
+        begin = to_bits(self.t0)(bits)
+        context = begin.context
+        times = [context.mpf(x) - begin for x in floats] if floats is not None else [x(bits) - begin for x in exact]
+        rows = [self._state(x) for x in times]
+        status = np.array(["ok" if row is not None else "reaches_boundary" for row in rows], dtype="<U16")
+        names = list(self.solution.coordinates)
+        nothing = _Row((context.nan,) * 2, (context.nan,) * 2, (0, 0), (context.nan,) * 2)
+        told = [nothing if row is None else row for row in rows]
+        q = {n: np.array([row.q[k] for row in told], dtype=object) for k, n in enumerate(names)}
+        p = {n: np.array([row.p[k] for row in told], dtype=object) for k, n in enumerate(names)}
+        turns = {n: np.array([row.turns[k] for row in told], dtype=int) for k, n in enumerate(names)}
+        away = {n: np.array([row.away[k] for row in told], dtype=object) for k, n in enumerate(names)}
+        v = self._velocities(q, p, away)
+        angles = {c.name for c in self.solution.system.coordinates if c.domain.kind == "angle"}
+
+        def group(table: Mapping[str, Numbers]) -> dict[str, AtTimes]:
+            few = self.digits <= FLOAT_DIGITS
+            return {n: shaped(x.astype(float) if few else x, shape) for n, x in table.items()}
+
+        def errors() -> Errors:
+            return self._errors(q, p, v, away, shape)
+
+        state = State(
+            t, group(q), group(p), group(v), {n: shaped(x, shape) for n, x in turns.items() if n in angles},
+            shaped(status, shape), errors,
+        )  # fmt: skip
+        return with_place(self.solution.system, self.initial.values, state)
+
+    def _state(self, t: Mpf) -> _Row | None:
+        arcs = required(self.arcs)
+        found = arcs.at(t)
+        if found is None:
+            return None
+        number, arc = found
+        begin, end = arc.ends(arcs.paths)
+        near = arcs.smallest(t)
+        if t - begin <= near or end - t <= near:
+            z: tuple[Mpf | None, Mpf | None] = (None, None)
+            sides = arc.sides(1 if end - t <= near else -1)
+        else:
+            z, sides = places_on(arc, arcs.paths, t), arc.directions
+        return self._told(arc, number, z, sides)
+
+    def _told(self, arc: Arc, number: int, z: tuple[Mpf | None, Mpf | None], sides: tuple[int, int]) -> _Row:
+        """Coordinates and momenta from both ways; of a coordinate at a double zero the end at which it is."""
+        arcs = required(self.arcs)
+        told = []
+        for k, (path, v) in enumerate(zip(arcs.paths, z, strict=True)):
+            c, course = path.residues[0].context, path.course
+            x = c.mpf(sides[k]) if v is None else c.tanh(v)
+            place, slope = course.place(x), course.slope(x) * arc.directions[k]
+            size = c.zero if v is None else path.momentum(v, x) * (1 if slope > 0 else -1 if slope < 0 else 0)
+            distance = min(abs(place - course.lower), abs(place - course.upper))
+            if k == self.unfolding:
+                shift, way = self._unfolded(number)
+                place, size = shift + way * place, way * size
+            whole = 0
+            if self.solution.system.coordinate(list(self.solution.coordinates)[k]).domain.kind == "angle":
+                whole = int(c.ceil((place - c.pi) / (2 * c.pi)))
+                place -= 2 * c.pi * whole
+            told.append((place, size, whole, distance))
+        return _Row(*zip(*told, strict=True))
+
+    def _unfolded(self, number: int) -> tuple[Mpf, int]:
+        """A and B of q = A + B q̃, q̃ on the way: turned over at each umbilic that was passed."""
+        arcs, k = required(self.arcs), self.unfolding
+        course = arcs.paths[k].course
+        side, count = (1 if number >= 0 else -1), abs(number)
+        d = arcs.known[side][0].directions[k]
+        ends = (course.upper, course.lower) if d > 0 else (course.lower, course.upper)
+        if arcs.known[1][0].rest is not None:  # moves on every second arc alone
+            return self._unfolded_resting(side, count)
+        pairs, odd = divmod(count, 2)
+        shift, way = 2 * pairs * (ends[0] - ends[1]), 1
+        return (shift + 2 * ends[0], -1) if odd else (shift, way)
+
+    def _unfolded_resting(self, side: int, count: int) -> tuple[Mpf, int]:
+        arcs, k = required(self.arcs), self.unfolding
+        course, shift, way = arcs.paths[k].course, 0 * required(self.arcs).paths[k].weight, 1
+        for arc in arcs.known[side][:count]:
+            e = course.upper if arc.directions[k] > 0 else course.lower
+            shift, way = shift + 2 * way * e, -way
+        return shift, way
+
+    def _velocities(
+        self, q: Mapping[str, Numbers], p: Mapping[str, Numbers], away: Mapping[str, Numbers]
+    ) -> dict[str, Numbers]:
+        """dq/dt; infinite at an umbilic, nan where the motion has ended."""
+        names = list(q)
+        rows: dict[str, list[Any]] = {n: [] for n in names}
+        for m in range(len(q[names[0]])):
+            context = q[names[0]][m].context
+            if any(q[n][m] != q[n][m] for n in names):
+                own = dict.fromkeys(names, context.nan)
+            elif all(away[n][m] == 0 for n in names):
+                own = dict.fromkeys(names, context.inf)
+            else:
+                at = [{n: group[n][m : m + 1] for n in names} for group in (q, p)]
+                own = {n: x[0] for n, x in coordinate_velocities(self.separated, *at).items()}
+            for n in names:
+                rows[n].append(own[n])
+        return {n: np.array(row, dtype=object) for n, row in rows.items()}
+
+    def _errors(
+        self, q: Mapping[str, Numbers], p: Mapping[str, Numbers], v: Mapping[str, Numbers],
+        away: Mapping[str, Numbers], shape: tuple[int, ...] | None,
+    ) -> Errors:  # fmt: skip
+        """What the time is not known to, times the velocity, and the rounding of what is told.
+
+        h is at least a multiple of the square of the distance from an umbilic, so that q̇ changes by itself over it, in
+        proportion, by no more than a few times the relative change of that distance.
+        """
+        few = self.digits <= FLOAT_DIGITS
+        unit = EPS if few else 10.0**-self.digits
+        doubt = 10.0 ** -(max(self.digits, FLOAT_DIGITS) + _DOUBT) * (1 + float(required(self.arcs).longest()))
+        moved: dict[str, Any] = {n: doubt * np.abs(x.astype(float)) for n, x in v.items()}
+        near = np.sqrt(sum(x.astype(float) ** 2 for x in away.values()))
+        exactly = {n: np.array([x == 0 for x in away[n]]) for n in q}
+        size = {n: [np.abs(x.astype(float)) for x in (q[n], p[n], v[n])] for n in q}
+        with np.errstate(all="ignore"):
+            relative = 16 * sum(moved.values()) / near
+            places = {n: np.where(exactly[n], 0.0, moved[n]) + unit * size[n][0] + _LEAST for n in q}
+            momenta = {n: np.where(exactly[n], 0.0, size[n][1] * relative) + unit * size[n][1] for n in q}
+            rates = {n: size[n][2] * (unit + relative) for n in q}
+
+        def group(table: Mapping[str, Any]) -> dict[str, AtTimes]:
+            return {n: shaped(x, shape) for n, x in table.items()}
+
+        return Errors(group(places), group(momenta), group(rates))
+
+    def orbit(self, name: str, *, along: str, values: object) -> Numbers:  # noqa: ARG002
+        """Refuse: passages are not given.
+
+        Args:
+            name, along, values: as of any motion.
+
+        Raises:
+            InvalidInputError: always.
+        """
+        raise _refused("orbit")
+
+    def _require(self, quantity: str) -> None:
+        if quantity != "trajectory":
+            raise _refused(quantity)
+        super()._require(quantity)
+
+
+def _refused(quantity: str) -> InvalidInputError:
+    return InvalidInputError(f"{quantity}: not given for a motion through umbilics; at(t) gives its states")
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A state in many digits."""
+
+    q: tuple[Mpf, ...]
+    p: tuple[Mpf, ...]
+    turns: tuple[int, ...]
+    away: tuple[Mpf, ...]
+
+
+def umbilic_motion(motion: Motion, arcs: Arcs, unfolding: int) -> UmbilicMotion:
+    """Return a motion that goes on through umbilics.
+
+    Args:
+        motion: with its constants and kinds.
+        arcs: what it does.
+        unfolding: the coordinate that goes on at each.
+    """
+    own = {f.name: getattr(motion, f.name) for f in fields(Motion)}
+    return replace(UmbilicMotion(**own, arcs=arcs, unfolding=unfolding), frequencies={}, periods={}, boundary_times={})
