@@ -11,6 +11,7 @@ from hjsolve.two_point.kepler.arrays import ConnectionTable, has_arrays, table_o
 from hjsolve.two_point.kepler.attraction import attraction_of
 from hjsolve.two_point.kepler.connections import is_attraction, joined_by_conics
 from hjsolve.two_point.question import read_question
+from hjsolve.two_point.searched import joined_by_search
 
 
 @one_at_a_time
@@ -36,4 +37,4 @@ def two_point(
     question, values = read_question(solution, q0, q1, time, turns, parameters, arguments.digits(digits))
     if attraction is not None and is_attraction(attraction, values):
         return joined_by_conics(attraction, question, values)
-    raise NotImplementedError
+    return joined_by_search(question, values)

@@ -13,39 +13,60 @@ Functional Analysis and its Applications 1 (1967) 1).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 import sympy as sp
 
-from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.arithmetic.tape import BoundTape, Tape
-from hjsolve.errors import NotConvergedError
-from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.scenes.extrapolated_flow import ORDER, extrapolated
+from hjsolve.scenes.extrapolated_flow import PARTS, extrapolated
 
 _SAFETY, _SHRINK, _GROW = 0.8, 0.1, 4.0
 _MOST_STEPS = 4000
-_FINE = 1e-11
-"""Relative error of a step where conjugate points are counted."""
+_FINE, _PARTS = 1e-10, (2, 4, 6, 8)
+"""Relative error of a step and parts of its extrapolation where conjugate points are counted."""
 _ARGUMENT, _WHOLE = 1e-5, 0.05
 """Error of the argument of det U in one step, in radians; and how far a count may be from a whole number."""
 
 
+@dataclass(frozen=True)
+class _Formulas:
+    """Functions of (q, p, parameters) that a flow needs.
+
+    Attributes:
+        first: ∂H/∂z.
+        second: ∂H/∂z and the entries of the matrix of the variational equations that are not zero.
+        entries: rows and columns of these.
+        parameters: symbols, in their order.
+    """
+
+    first: Callable[..., list[Reals]]
+    second: Callable[..., list[Reals]]
+    entries: tuple[Integers, Integers]
+    parameters: tuple[sp.Symbol, ...]
+
+
 @lru_cache(maxsize=32)
-def _tape(system: System) -> tuple[Tape, tuple[sp.Symbol, ...]]:
-    """First derivatives of H by q and p, then the upper triangle of the second ones; the parameters after q and p."""
+def _formulas(system: System) -> _Formulas:
     H = hamiltonian(system)
+    n = len(system.coordinates)
     z = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
     first = [sp.diff(H, s) for s in z]
-    second = [sp.diff(first[i], z[j]) for i in range(len(z)) for j in range(i, len(z))]
+    rates = [*first[n:], *(-f for f in first[:n])]
+    matrix = [[sp.diff(rate, s) for s in z] for rate in rates]
+    places = [(i, j) for i in range(2 * n) for j in range(2 * n) if matrix[i][j] != 0]
     parameters = tuple(p.symbol for p in system.parameters)
-    return lower([*first, *second], [*z, *parameters]), parameters
+    inputs = [*z, *parameters]
+    entries = np.array([i for i, _ in places]), np.array([j for _, j in places])
+    both = [*rates, *(matrix[i][j] for i, j in places)]
+    return _Formulas(
+        sp.lambdify(inputs, rates, modules="numpy", cse=True), sp.lambdify(inputs, both, modules="numpy", cse=True),
+        entries, parameters,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -68,6 +89,18 @@ class Ends:
     index: Integers
     reached: Mask
 
+    def column(self, i: int) -> Ends:
+        """Return one start alone.
+
+        Args:
+            i: which.
+        """
+        one = slice(i, i + 1)
+        return Ends(
+            self.q[:, one], self.p[:, one], self.position_by_momentum[one], self.momentum_by_momentum[one],
+            self.reversals[:, one], self.index[one], self.reached[one],
+        )  # fmt: skip
+
 
 class Flow:
     """The flow of one system with numbers for its parameters.
@@ -77,25 +110,30 @@ class Flow:
     """
 
     def __init__(self, system: System, values: Mapping[sp.Symbol, sp.Expr]):
-        tape, parameters = _tape(system)
+        self._formulas = _formulas(system)
         self.n = len(system.coordinates)
-        known = [float(to_bits(values[symbol])(64)) for symbol in parameters]
-        self._bound: BoundTape[Reals] = tape.bind(Float64(), known)  # type: ignore[arg-type]
-        self._upper = np.triu_indices(2 * self.n)
+        self._known = [float(to_bits(values[symbol])(64)) for symbol in self._formulas.parameters]
         self._domains = [_ends(c.domain.lower, c.domain.upper, values) for c in system.coordinates]
 
-    def _derivatives(self, z: Reals) -> tuple[Reals, Reals]:
-        """∂H/∂z of shape (2n, m) and ∂²H/∂z² of shape (m, 2n, 2n)."""
+    def rates(self, z: Reals) -> Reals:
+        """Return (q̇, ṗ), shape (2n, m).
+
+        Args:
+            z: q and p, shape (2n, m).
+        """
         with np.errstate(all="ignore"):
-            rows = self._bound.run(*z)
-        m, size = z.shape[1], 2 * self.n
-        first = np.stack([np.broadcast_to(row, (m,)) for row in rows[:size]])
-        second = np.empty((m, size, size))
-        i, j = self._upper
-        for k, row in enumerate(rows[size:]):
-            second[:, i[k], j[k]] = row
-            second[:, j[k], i[k]] = row
-        return first, second
+            rows = self._formulas.first(*z, *self._known)
+        return np.stack([row + 0 * z[0] for row in rows])
+
+    def _linearised(self, z: Reals) -> tuple[Reals, Reals]:
+        """(q̇, ṗ), and the matrix of the variational equations; shapes (2n, m) and (m, 2n, 2n)."""
+        size, m = 2 * self.n, z.shape[1]
+        with np.errstate(all="ignore"):
+            rows = self._formulas.second(*z, *self._known)
+        matrix = np.zeros((m, size, size))
+        for i, j, row in zip(*self._formulas.entries, rows[size:], strict=True):
+            matrix[:, i, j] = row
+        return np.stack([row + 0 * z[0] for row in rows[:size]]), matrix
 
     def slopes(self, state: Reals, counter: _Conjugates | None = None) -> Reals:
         """Return the rate of change of q, p, B and D, and of the argument of det U.
@@ -105,16 +143,14 @@ class Flow:
             counter: how it turns; None where it is not followed.
         """
         n, m = self.n, state.shape[1]
-        first, second = self._derivatives(state[: 2 * n])
-        frame = state[2 * n : -1].reshape(2, n, n, m).transpose(0, 3, 1, 2)
-        B, D = frame[0], frame[1]
-        qq, qp, pp = second[:, :n, :n], second[:, :n, n:], second[:, n:, n:]
+        rates, matrix = self._linearised(state[: 2 * n])
+        frame = state[2 * n : -1].reshape(2 * n, n, m).transpose(2, 0, 1)
+        turning = np.zeros((1, m))
         with np.errstate(all="ignore"):
-            rates = np.stack([qp.transpose(0, 2, 1) @ B + pp @ D, -(qq @ B + qp @ D)])
-            turning = np.zeros(m) if counter is None else counter.rate(frame, rates)
-        return np.concatenate(
-            [first[n:], -first[:n], rates.transpose(0, 2, 3, 1).reshape(2 * n * n, m), turning[None, :]]
-        )
+            change = matrix @ frame
+            if counter is not None:
+                turning[0] = counter.rate(frame.reshape(m, 2, n, n).swapaxes(0, 1), change.reshape(m, 2, n, n).swapaxes(0, 1))
+        return np.concatenate([rates, change.transpose(1, 2, 0).reshape(2 * n * n, m), turning])
 
     def velocity(self, q: Reals, p: Reals) -> Reals:
         """Return q̇, shape (n, m).
@@ -122,7 +158,7 @@ class Flow:
         Args:
             q, p: shape (n, m).
         """
-        return self._derivatives(np.concatenate([q, p]))[0][self.n :]
+        return self.rates(np.concatenate([q, p]))[: self.n]
 
     def kinetic_form(self, q: Reals) -> Reals:
         """Return H_pp at p = 0, which is the inverse of the mass matrix; shape (n, n).
@@ -130,7 +166,7 @@ class Flow:
         Args:
             q: shape (n,).
         """
-        return self._derivatives(np.concatenate([q, 0 * q])[:, None])[1][0, self.n :, self.n :]
+        return self._linearised(np.concatenate([q, 0 * q])[:, None])[1][0, : self.n, self.n :]
 
     def force(self, q: Reals) -> Reals:
         """Return −∂H/∂q at p = 0, shape (n,).
@@ -138,7 +174,7 @@ class Flow:
         Args:
             q: shape (n,).
         """
-        return -self._derivatives(np.concatenate([q, 0 * q])[:, None])[0][: self.n, 0]
+        return self.rates(np.concatenate([q, 0 * q])[:, None])[self.n :, 0]
 
     def _outside(self, q: Reals) -> Mask:
         gone = np.zeros(q.shape[1], dtype=bool)
@@ -146,7 +182,10 @@ class Flow:
             gone |= (values <= low) | (values >= high)
         return gone
 
-    def run(self, q: Reals, p: Reals, time: float, *, tolerance: float = 1e-9, count: bool = False) -> Ends:
+    def run(
+        self, q: Reals, p: Reals, time: float, *, tolerance: float = 1e-10, count: bool = False,
+        parts: tuple[int, ...] = PARTS, most: int = _MOST_STEPS,
+    ) -> Ends:  # fmt: skip
         """Run starts for a time.
 
         Args:
@@ -154,6 +193,8 @@ class Flow:
             time: > 0.
             tolerance: relative error of a step.
             count: whether conjugate points are counted.
+            parts: of the extrapolation.
+            most: steps.
 
         Returns:
             Where they are; ``reached`` is False for those that left the domain or met a singularity.
@@ -168,14 +209,14 @@ class Flow:
         now, step = np.zeros(m), np.full(m, time / 16)
         velocity, reversals = self.velocity(q, p), np.zeros((n, m), dtype=int)
         live, lost = np.arange(m), np.zeros(m, dtype=bool)
-        for _ in range(_MOST_STEPS):
+        for _ in range(most):
             if not len(live):
                 break
             h = np.minimum(step[live], time - now[live])
-            new, ratio = self._stepped(state[:, live], h, tolerance, counter)
+            new, ratio = self._stepped(state[:, live], h, tolerance, counter, parts)
             good = (ratio <= 1) & np.isfinite(ratio)
             with np.errstate(all="ignore"):
-                factor = np.clip(_SAFETY * ratio ** (-1 / (ORDER - 1)), _SHRINK, _GROW)
+                factor = np.clip(_SAFETY * ratio ** (-1 / (2 * len(parts) - 1)), _SHRINK, _GROW)
             factor = np.where(np.isfinite(factor), factor, _SHRINK)
             step[live] = h * np.where(good, np.maximum(factor, 0.5), np.minimum(factor, 0.5))
             moved = live[good]
@@ -192,12 +233,12 @@ class Flow:
         return Ends(state[:n], state[n : 2 * n], frame[0], frame[1], reversals, index, reached)
 
     def _stepped(
-        self, state: Reals, h: Reals, tolerance: float, counter: _Conjugates | None
+        self, state: Reals, h: Reals, tolerance: float, counter: _Conjugates | None, parts: tuple[int, ...]
     ) -> tuple[Reals, Reals]:
         """Return a step of each start, and its error in units of what is allowed."""
         n = self.n
         with np.errstate(all="ignore"):
-            new, error = extrapolated(lambda y: self.slopes(y, counter), state, h)
+            new, error = extrapolated(lambda y: self.slopes(y, counter), state, h, parts)
             size = np.maximum(np.abs(state[: 2 * n]), np.abs(new[: 2 * n]))
             scale = np.repeat(np.stack([np.max(size[:n], axis=0), np.max(size[n:], axis=0)]), n, axis=0)
             ratio = np.max(error[: 2 * n] / (tolerance * scale + 1e-300), axis=0)
@@ -245,24 +286,18 @@ class _Conjugates:
         return np.where(np.abs(turns - np.rint(turns)) < _WHOLE, np.rint(turns), -1).astype(int)
 
 
-def conjugate_points(flow: Flow, q: Reals, p: Reals, time: float) -> tuple[int, Ends]:
-    """Count the places conjugate to the first along one motion, its end not among them.
+def followed(flow: Flow, q: Reals, p: Reals, time: float) -> Ends:
+    """Run motions exactly enough to count the places conjugate to the first along them, their ends not among them.
 
     Args:
         flow: of the system.
-        q, p: where it starts, shape (n,).
-        time: how long it runs.
+        q, p: where they start, shape (n, m).
+        time: how long they run.
 
     Returns:
-        The number; and the end with its variations.
-
-    Raises:
-        NotConvergedError: doubles do not decide the number.
+        The ends with their variations; ``index`` is −1 where doubles do not decide it.
     """
-    ends = flow.run(q[:, None], p[:, None], time, tolerance=_FINE, count=True)
-    if not ends.reached[0] or ends.index[0] < 0:
-        raise NotConvergedError("the conjugate points along a motion could not be counted in doubles")
-    return int(ends.index[0]), ends
+    return flow.run(q, p, time, tolerance=_FINE, count=True, parts=_PARTS)
 
 
 def _ends(

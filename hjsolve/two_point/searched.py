@@ -1,0 +1,260 @@
+"""two_point where nothing is proved: a stated search, each motion of which is started by quadratures and run to q1."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.floats import EPS, multiprecision
+from hjsolve.arithmetic.number_types import Mpf, Reals
+from hjsolve.errors import HJSolveError, NotConvergedError
+from hjsolve.mechanics.kinks import refuse_kinks
+from hjsolve.mechanics.system import hamiltonian
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.motion import Motion
+from hjsolve.two_point.answers import Completeness, Connection, Connections, Continuum
+from hjsolve.two_point.flow import Ends, Flow
+from hjsolve.two_point.question import Question
+from hjsolve.two_point.shooting import Found, Zero, search
+from hjsolve.two_point.verified import difference, end_point
+
+_PASSES = 6
+_EXTRA = 12
+"""Decimal digits that momenta have beyond those of the motion."""
+
+
+@dataclass(frozen=True)
+class _Reached:
+    """A motion that ends at q1, and what it was refined with.
+
+    Attributes:
+        motion: the motion.
+        p: momenta at q0 to many digits.
+        ends: of the flow, with its variations.
+    """
+
+    motion: Motion
+    p: Mapping[str, Mpf]
+    ends: Ends
+
+
+def joined_by_search(question: Question, values: Mapping[sp.Symbol, sp.Expr]) -> Connections:
+    """Return the motions that a search finds.
+
+    Args:
+        question: what is asked.
+        values: symbol → exact number, of the parameters.
+
+    Raises:
+        InvalidInputError: T or V has kinks.
+        NotConvergedError: no motion could be followed for the time asked.
+    """
+    refuse_kinks(question.system.kinks, "two_point")
+    flow = Flow(question.system, values)
+    found = search(question, values, flow)
+    connections, continua, lost = [], [], 0
+    for zero in found.zeros:
+        if turns_of(question, zero.ends) not in question.turns:
+            continue
+        try:
+            reached = reach(question, zero.p, zero.ends)
+        except HJSolveError:
+            lost += 1
+            continue
+        connection = connection_of(question, reached)
+        if zero.free:
+            continua.append(_family(zero, connection))
+        elif not any(_same(connection, other) for other in connections):
+            connections.append(connection)
+    connections.sort(key=lambda c: (c.turns, c.principal_function.value))
+    return Connections(tuple(connections), _stated(question, found, lost), tuple(continua))
+
+
+def _stated(question: Question, found: Found, lost: int) -> Completeness:
+    more = f"; {lost} more could not be run to the end by quadratures" if lost else ""
+    return Completeness(
+        proved=False,
+        statement=(
+            f"A search, not a proof: Newton's method on the initial momenta from {found.starts} starts, without "
+            f"motions that leave the domain of a coordinate or collide{more}"
+        ),
+        searched={
+            "kinetic energy at q0": (0.0, found.energy),
+            "turns": (float(min(question.turns)), float(max(question.turns))),
+        },
+    )
+
+
+def reach(question: Question, p: Reals, ends: Ends) -> _Reached:
+    """Refine momenta with motions by quadratures until they end at q1.
+
+    Args:
+        question: what is asked.
+        p: momenta in doubles, shape (n,).
+        ends: where they lead in the flow.
+
+    Raises:
+        NotConvergedError: they do not end there.
+    """
+    coordinates = question.system.coordinates
+    if ends.index[0] < 0:
+        raise NotConvergedError("the conjugate points along a motion could not be counted in doubles")
+    context: Any = multiprecision(int(3.33 * (question.digits + _EXTRA)) + 16)
+    exact = [context.mpf(float(x)) for x in p]
+    inverse = np.linalg.pinv(ends.position_by_momentum[0], rcond=1e-9)
+    best: tuple[float, Motion, list[Mpf]] | None = None
+    for _ in range(_PASSES):
+        momenta = {c.name: x for c, x in zip(coordinates, exact, strict=True)}
+        motion = question.solution.motion(
+            q=dict(question.q0), p=momenta, parameters=dict(question.given), digits=question.digits
+        )
+        miss, allowed = end_point(question, motion)
+        worst = max(miss[c.name] / allowed[c.name] if miss[c.name] else 0.0 for c in coordinates)
+        if not np.isfinite(worst):
+            break
+        if best is not None and worst >= best[0]:
+            break
+        best = (worst, motion, exact)
+        state = motion.at(question.time)
+        apart = np.array(
+            [difference(state, c.name, question.q1[c.name], angle=c.domain.kind == "angle", digits=question.digits)
+             for c in coordinates]
+        )  # fmt: skip
+        if worst <= 0.05:
+            break
+        exact = [x - context.mpf(float(d)) for x, d in zip(exact, inverse @ apart, strict=True)]
+    if best is None or not best[0] <= 1:
+        raise NotConvergedError("a motion that the search found does not end at q1 by quadratures")
+    return _Reached(best[1], {c.name: x for c, x in zip(coordinates, best[2], strict=True)}, ends)
+
+
+def connection_of(question: Question, reached: _Reached, path: str = "") -> Connection:
+    """Return what a motion that ends at q1 is told as.
+
+    S is that of the motion with −∂S/∂q1 · (what it misses) added; momenta err by the error of the end point through
+    the inverse of ∂q/∂p0.
+
+    Args:
+        question: what is asked.
+        reached: the motion.
+        path: in words.
+    """
+    coordinates, motion, ends = question.system.coordinates, reached.motion, reached.ends
+    state = motion.at(question.time)
+    miss = np.array(
+        [difference(state, c.name, question.q1[c.name], angle=c.domain.kind == "angle", digits=question.digits)
+         for c in coordinates]
+    )  # fmt: skip
+    off = np.abs(miss) + np.array([float(state.error.q[c.name]) for c in coordinates])
+    inverse = np.abs(np.linalg.pinv(ends.position_by_momentum[0], rcond=1e-9))
+    p0_error = inverse @ off
+    p1_error = np.abs(ends.momentum_by_momentum[0]) @ p0_error
+    p0 = {c.name: _value(reached.p[c.name], question.digits, e) for c, e in zip(coordinates, p0_error, strict=True)}
+    p1 = {
+        c.name: Estimate(state.p[c.name], 2 * e + float(state.error.p[c.name]) + EPS * abs(float(state.p[c.name])))
+        for c, e in zip(coordinates, p1_error, strict=True)
+    }
+    S = motion.principal_function(question.time)
+    slopes = np.array([float(state.p[c.name]) for c in coordinates])
+    correction = -float(slopes @ miss)
+    S_error = float(S.error) + abs(correction) + float(np.abs(slopes) @ off) + 4 * EPS * abs(float(S.value))
+    sweep = _sweep(question, ends)
+    turns = turns_of(question, ends)
+    return Connection(
+        turns=turns,
+        path=path or _words(sweep, turns),
+        p0=p0,
+        p1=p1,
+        energy=_energy(question, p0),
+        principal_function=Estimate(S.value + correction, S_error),
+        conjugate_points=int(ends.index[0]),
+        sweep=sweep,
+        begin=_Known(motion),
+    )
+
+
+@dataclass(frozen=True)
+class _Known:
+    """A motion that is there already."""
+
+    motion: Motion
+
+    def __call__(self) -> Motion:
+        """Return it."""
+        return self.motion
+
+
+def _value(x: Mpf, digits: int, error: float) -> Estimate:
+    value = float(x) if digits <= 15 else x
+    return Estimate(value, 2 * error + EPS * abs(float(x)))
+
+
+def _energy(question: Question, p0: Mapping[str, Estimate]) -> Estimate:
+    """H at q0, with the error that the momenta give it."""
+    system = question.system
+    H = hamiltonian(system)
+    values = {p.symbol: p.value for p in system.parameters if p.value is not None}
+    for name, given in question.given.items():
+        values[system.symbols[name]] = sp.sympify(str(given)) if isinstance(given, str) else sp.nsimplify(given)
+    point = values | {c.symbol: question.q0[c.name] for c in system.coordinates}
+    at = {c.momentum: sp.Float(float(p0[c.name].value), 20) for c in system.coordinates}
+    E = float(sp.N(H.xreplace(point).xreplace(at), 20))
+    spread = sum(
+        abs(float(sp.N(sp.diff(H, c.momentum).xreplace(point).xreplace(at), 20))) * float(p0[c.name].error)
+        for c in system.coordinates
+    )
+    return Estimate(E, 2 * spread + 16 * EPS * abs(E))
+
+
+def _sweep(question: Question, ends: Ends) -> dict[str, float]:
+    """How far each angle runs."""
+    result = {}
+    for i, c in enumerate(question.system.coordinates):
+        if c.domain.kind == "angle":
+            result[c.name] = float(ends.q[i, 0]) - float(to_bits(question.q0[c.name])(64))
+    return result
+
+
+def turns_of(question: Question, ends: Ends) -> int:
+    """Return whole turns: of the angle that turns most, else half the reversals of the velocity that has most.
+
+    Args:
+        question: what is asked.
+        ends: of the motion.
+    """
+    sweep = _sweep(question, ends)
+    whole = [int((abs(angle) + 1e-9) // (2 * np.pi)) for angle in sweep.values()]
+    if whole:
+        return max(whole)
+    return int(np.max(ends.reversals[:, 0])) // 2
+
+
+def _words(sweep: Mapping[str, float], turns: int) -> str:
+    parts = [f"{name} by {angle:+.4g} rad" for name, angle in sweep.items()]
+    return ", ".join(parts) or (f"{turns} there-and-back{'' if turns == 1 else 's'}" if turns else "directly")
+
+
+def _family(zero: Zero, member: Connection) -> Continuum:
+    count = zero.free
+    return Continuum(
+        statement="q1 is conjugate to q0: motions with other initial momenta are there at the same time.",
+        free=(f"{count} component{'s' if count > 1 else ''} of the initial momentum",),
+        turns=member.turns,
+        energy=None,
+        principal_function=member.principal_function,
+        member=member,
+    )
+
+
+def _same(one: Connection, other: Connection) -> bool:
+    """Whether two connections are one motion: momenta alike within their errors or a part in 10⁸."""
+    size = max(abs(float(e.value)) for e in (*one.p0.values(), *other.p0.values()))
+    return all(
+        abs(float(one.p0[n].value - other.p0[n].value)) <= 1e-7 * size + one.p0[n].error + other.p0[n].error
+        for n in one.p0
+    )

@@ -1,0 +1,261 @@
+"""A search for the motions that join two places, by Newton's method on the initial momenta from many starts.
+
+With L Lᵀ = M⁻¹(q0) and u = Lᵀ (p − a), |u|² is twice the kinetic energy; misses are divided by L and the time. In these
+units the derivative of the miss, L⁻¹ (∂q/∂p0) L⁻ᵀ/T, is the identity for free motion, whatever the coordinates. Steps
+are as long as the miss allows: one that does not lessen it is halved. Where the derivative loses rank at a zero, the
+zero is no point: it is followed along the null directions, and if it goes on the places are joined by a continuum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.errors import NotConvergedError
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.two_point.flow import Ends, Flow, followed
+from hjsolve.two_point.question import Question
+
+_STARTS = {1: 60, 2: 200}
+_MOST_STARTS = 320
+_STEPS, _LEAST_FACTOR, _LONGEST = 30, 1 / 128, 0.5
+_FAST, _COARSE, _LONG_ENOUGH = (2, 4, 6), 1e-5, 250
+"""Parts of the extrapolation, relative error of a step and most steps while zeros are looked for."""
+_EXACT, _FINER = (2, 4, 6, 8), 1e-10
+"""The same while they are refined."""
+_FOUND, _SOLVED, _RANK, _SAME = 1e-3, 1e-7, 1e-5, 1e-3
+"""Misses at which a zero is taken to be found and solved, the singular value that counts as zero, and how near two
+zeros are one; in units of the speed looked for."""
+_REFINED = 5
+_FOLLOWED = 0.2
+
+
+@dataclass(frozen=True)
+class Zero:
+    """Initial momenta that lead to q1, in doubles.
+
+    Attributes:
+        p: shape (n,).
+        free: dimension of the family it belongs to; 0 for a single motion.
+        ends: where they lead, as the only one of its columns.
+    """
+
+    p: Reals
+    free: int
+    ends: Ends
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a search found, and where it looked.
+
+    Attributes:
+        zeros: the momenta.
+        starts: how many starts there were.
+        energy: the largest kinetic energy of a start.
+    """
+
+    zeros: tuple[Zero, ...]
+    starts: int
+    energy: float
+
+
+class _Target:
+    """The miss at q1 as a function of u, in units of velocity."""
+
+    def __init__(self, question: Question, flow: Flow):
+        self.flow, self.time = flow, float(to_bits(question.time)(64))
+        coordinates = question.system.coordinates
+        self.q0, self.q1 = (
+            np.array([float(to_bits(q[c.name])(64)) for c in coordinates]) for q in (question.q0, question.q1)
+        )
+        self.angle = np.array([c.domain.kind == "angle" for c in coordinates])
+        inverse = flow.kinetic_form(self.q0)
+        self.L = np.linalg.cholesky(inverse)
+        self.back = np.linalg.inv(self.L)
+        drift = flow.velocity(self.q0[:, None], np.zeros((flow.n, 1)))[:, 0]
+        self.centre = -np.linalg.solve(inverse, drift)
+
+    def momenta(self, u: Reals) -> Reals:
+        """Return p of u, shape (n, m) both.
+
+        Args:
+            u: Lᵀ (p − a).
+        """
+        return self.back.T @ u + self.centre[:, None]
+
+    def wrapped(self, r: Reals) -> Reals:
+        """Return misses with angles in (−π, π].
+
+        Args:
+            r: shape (n, m).
+        """
+        turned = r - 2 * np.pi * np.rint(r / (2 * np.pi))
+        return np.where(self.angle[:, None], turned, r)
+
+    def miss(self, u: Reals, *, exact: bool = False) -> tuple[Reals, Reals, Mask, Ends]:
+        """Return the miss (n, m) and its derivative (m, n, n), and which starts came to the end.
+
+        Args:
+            u: shape (n, m).
+            exact: whether zeros are refined.
+        """
+        q0 = np.repeat(self.q0[:, None], u.shape[1], axis=1)
+        if exact:
+            ends = self.flow.run(q0, self.momenta(u), self.time, tolerance=_FINER, parts=_EXACT)
+        else:
+            ends = self.flow.run(
+                q0, self.momenta(u), self.time, tolerance=_COARSE, parts=_FAST, most=_LONG_ENOUGH
+            )
+        y = self.back @ self.wrapped(ends.q - self.q1[:, None]) / self.time
+        slope = self.back @ ends.position_by_momentum @ self.back.T / self.time
+        return y, slope, ends.reached, ends
+
+    @property
+    def scale(self) -> float:
+        """A speed that motions of interest have: that of the straight way, and that which the forces give."""
+        straight = self.back @ self.wrapped((self.q1 - self.q0)[:, None])[:, 0] / self.time
+        return float(np.sqrt(np.sum(straight**2) + 2 * max(self._work(self.q0), self._work(self.q1))))
+
+    def _work(self, q: Reals) -> float:
+        """Σ |q ∂V/∂q|, what a force may do over a length of the size of q; half a turn for an angle."""
+        length = np.where(self.angle, np.pi, np.abs(q) + np.abs(self.q1 - self.q0))
+        return float(np.sum(np.abs(self.flow.force(q)) * length))
+
+
+def search(question: Question, values: Mapping[sp.Symbol, sp.Expr], flow: Flow) -> Found:
+    """Search for initial momenta that lead to q1 in the time.
+
+    Args:
+        question: what is asked.
+        values: symbol → number, of the parameters.
+        flow: of the system.
+
+    Raises:
+        NotConvergedError: no start came to its end.
+    """
+    target = _Target(question, flow)
+    turn = 2 * np.pi * (max(question.turns) + 1) * target.angle
+    round_ = float(np.linalg.norm(target.back @ turn)) / target.time if target.angle.any() else 0.0
+    scale = target.scale
+    largest = 2 * scale + (round_ if np.any(turn) else 0.0)
+    count = _STARTS.get(flow.n, _MOST_STARTS)
+    u = _ball(flow.n, count) * largest
+    near = _newton(target, u, scale)
+    return Found(tuple(_refined(target, near, scale)), count, largest**2 / 2)
+
+
+def _ball(n: int, count: int) -> Reals:
+    """Starts that fill a ball evenly in their radius: directions of Gaussian numbers, radii equally spaced."""
+    directions = np.random.default_rng(20250).normal(size=(n, count))
+    return directions / np.linalg.norm(directions, axis=0) * (np.arange(count) + 0.5) / count
+
+
+def _newton(target: _Target, u: Reals, scale: float) -> Reals:
+    """Newton's method on every start, with halved steps; what is near a zero, shape (n, number of zeros)."""
+    n, m = u.shape
+    y, slope, reached, _ = target.miss(u)
+    if not reached.any():
+        raise NotConvergedError("no motion from q0 could be followed for the time asked: each meets a singularity")
+    size = np.where(reached, np.linalg.norm(y, axis=0), np.inf)
+    live, found = np.flatnonzero(reached), np.zeros((n, 0))
+    factor = np.ones(m)
+    for _ in range(_STEPS):
+        done = live[size[live] <= _FOUND * scale]
+        found = _different(np.concatenate([found, u[:, done]], axis=1), scale)
+        live = live[(size[live] > _FOUND * scale) & (factor[live] >= _LEAST_FACTOR)]
+        live = live[_apart(u[:, live], scale)]
+        if not len(live):
+            break
+        step = -_solved(slope[live], y[:, live])
+        length = np.linalg.norm(step, axis=0)
+        cap = _LONGEST * (np.linalg.norm(u[:, live], axis=0) + scale)
+        step = step * np.minimum(1, cap / np.maximum(length, 1e-300)) * factor[live]
+        trial = u[:, live] + step
+        y_new, slope_new, reached, _ = target.miss(trial)
+        size_new = np.where(reached, np.linalg.norm(y_new, axis=0), np.inf)
+        better = size_new < size[live] * (1 - factor[live] / 8)
+        taken = live[better]
+        u[:, taken], y[:, taken], slope[taken] = trial[:, better], y_new[:, better], slope_new[better]
+        size[taken] = size_new[better]
+        factor[live] = np.where(better, np.minimum(1, 2 * factor[live]), factor[live] / 4)
+    return found
+
+
+def _solved(slope: Reals, y: Reals) -> Reals:
+    """The least solution of slope · x = y for each start, shape (n, m); singular values below a millionth are zero."""
+    left, s, right = np.linalg.svd(slope)
+    with np.errstate(all="ignore"):
+        inverse = np.where(s > 1e-6 * s[:, :1], 1 / s, 0.0)
+    inner = inverse * np.einsum("mji,jm->mi", left, y)
+    return np.einsum("mji,mj->im", right, inner)
+
+
+def _apart(u: Reals, scale: float) -> Integers:
+    """Positions of starts that are not all but the same."""
+    cells = np.rint(u / (_SAME * scale)).astype(int)
+    return np.sort(np.unique(cells, axis=1, return_index=True)[1])
+
+
+def _different(u: Reals, scale: float) -> Reals:
+    """Columns that are apart by more than what makes two zeros one."""
+    kept: list[int] = []
+    for k in range(u.shape[1]):
+        if all(np.linalg.norm(u[:, k] - u[:, j]) > 2 * _SAME * scale for j in kept):
+            kept.append(k)
+    return u[:, kept]
+
+
+def _refined(target: _Target, u: Reals, scale: float) -> list[Zero]:
+    """Zeros solved exactly, all at once, each once, with the dimensions of their families."""
+    if not u.shape[1]:
+        return []
+    for _ in range(_REFINED):
+        y, slope, reached, _ = target.miss(u, exact=True)
+        size = np.where(reached, np.linalg.norm(y, axis=0), np.inf)
+        if np.all((size <= _SOLVED * scale) | ~reached):
+            break
+        u = u - np.where(reached, _solved(slope, np.where(reached, y, 0.0)), 0.0)
+    u, slope = u[:, size <= 10 * _SOLVED * scale], slope[size <= 10 * _SOLVED * scale]
+    order = np.arange(u.shape[1])
+    kept: list[tuple[int, int]] = []
+    for k in order:
+        s = np.linalg.svd(slope[k])[1]
+        null = int(np.sum(s < _RANK * max(1.0, float(s[0]))))
+        if any(_one(u[:, k], u[:, j], free, scale) for j, free in kept):
+            continue
+        kept.append((int(k), _dimension(target, u[:, k], slope[k], null, scale) if null else 0))
+    chosen = [k for k, _ in kept]
+    p = target.momenta(u[:, chosen])
+    ends = followed(target.flow, np.repeat(target.q0[:, None], len(chosen), axis=1), p, target.time)
+    return [Zero(p[:, i], free, ends.column(i)) for i, (_, free) in enumerate(kept) if ends.reached[i]]
+
+
+def _one(u: Reals, other: Reals, free: int, scale: float) -> bool:
+    """Whether a zero is another one, or a member of its family: of the same energy, or of full dimension."""
+    if np.linalg.norm(u - other) <= 1e-5 * scale:
+        return True
+    alike = abs(np.sum(other**2) - np.sum(u**2)) <= 1e-5 * (np.sum(u**2) + scale**2)
+    return free == len(u) or (free > 0 and bool(alike))
+
+
+def _dimension(target: _Target, u: Reals, slope: Reals, null: int, scale: float) -> int:
+    """In how many of the null directions a zero goes on: it is displaced there, solved anew, and must not come back."""
+    directions = np.linalg.svd(slope)[2][-null:]
+    count = 0
+    length = _FOLLOWED * (np.linalg.norm(u) + scale) / 2
+    for direction in directions:
+        moved = u + length * direction
+        for _ in range(8):
+            y, J, reached, _ = target.miss(moved[:, None], exact=True)
+            if not reached[0]:
+                break
+            if np.linalg.norm(y) <= _SOLVED * scale:
+                count += bool(np.linalg.norm(moved - u) > length / 2)
+                break
+            moved = moved - _solved(J, y)[:, 0]
+    return count
