@@ -22,8 +22,8 @@ def decimal(value: Any) -> Decimal:
         The exact value; an ``mpf`` to 400 digits.
     """
     if hasattr(value, "man_exp"):
-        mantissa, exponent = value.man_exp
-        whole = Decimal(int(mantissa))
+        mantissa, exponent = value.man_exp  # of the absolute value
+        whole = Decimal(abs(int(mantissa)) if value >= 0 else -abs(int(mantissa)))
         scaled = WIDE.multiply(whole, WIDE.power(Decimal(2), Decimal(int(exponent))))
         return scaled if mantissa or value == 0 else Decimal(str(value).replace("+", ""))
     return Decimal(int(value)) if isinstance(value, int) else Decimal(float(value))

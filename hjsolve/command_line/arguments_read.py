@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
     from hjsolve.mechanics.system import System
     from hjsolve.motion.motion import Motion
+    from hjsolve.motion.state import AnyMotion
     from hjsolve.reports.document import Section
     from hjsolve.scenes import Scene
     from hjsolve.solution.quadratures import Solution
@@ -221,8 +222,38 @@ def motion_meant(options: Namespace, digits: int, *, find: bool = False) -> Moti
         InvalidInputError: there are no initial data.
         NotSeparableError: the system does not separate.
     """
-    from hjsolve import catalog as entries
     from hjsolve.solution.quadratures import AS_GIVEN, FIND, solve
+
+    meant, data = _meant(options)
+    return solve(meant, FIND if find else AS_GIVEN).motion(**data, digits=digits)
+
+
+def any_motion_meant(options: Namespace) -> AnyMotion:
+    """The motion that is meant, as ``motion_meant``; of a linear system with gyroscopic terms by its modes.
+
+    Args:
+        options: the parsed arguments.
+
+    Raises:
+        InvalidInputError, NotSeparableError: as ``motion_meant``.
+    """
+    from hjsolve.extended.gyroscopic import gyroscopic_modes, linear_modes_of
+    from hjsolve.separation import Undecided
+
+    try:
+        return motion_meant(options, options.digits, find=options.find)
+    except NotSeparableError as error:
+        meant, data = _meant(options)
+        if isinstance(error.verdict, Undecided) or linear_modes_of(meant) is None or "t0" in data:
+            raise
+        given = {key: data[key] for key in ("q", "velocity", "p") if key in data}
+        modes = gyroscopic_modes(meant, parameters=data.get("parameters", {}), digits=options.digits)
+        return modes.motion(**given)
+
+
+def _meant(options: Namespace) -> tuple[System, dict[str, Any]]:
+    """The system, and the initial data given or those of its entry."""
+    from hjsolve import catalog as entries
 
     data = initial(options) or (own_motion(options) if options.system is not None else None)
     meant = system(options)
@@ -230,7 +261,7 @@ def motion_meant(options: Namespace, digits: int, *, find: bool = False) -> Moti
         data = dict(entry_motion(entry, options.motion))
     if data is None:
         raise InvalidInputError("which motion? give --q and --velocity (or --momentum) for every coordinate")
-    return solve(meant, FIND if find else AS_GIVEN).motion(**data, digits=digits)
+    return meant, data
 
 
 def entry_motion(entry: Entry, name: str) -> Mapping[str, Any]:

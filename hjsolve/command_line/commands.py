@@ -61,8 +61,19 @@ def _check(options: Namespace) -> int:
     sections.append(
         quadratures.forms_section(verdict) if isinstance(verdict, Separation) else obstruction.refusal_section(verdict)
     )
+    if not isinstance(verdict, Separation):
+        sections += _linear_modes(system)
     _print(system, sections, system_and_verdict.answer(verdict))
     return _status(verdict)
+
+
+def _linear_modes(system: System) -> list[Section | None]:
+    """The modes of a linear system with gyroscopic terms; empty for any other."""
+    from hjsolve.extended.gyroscopic import linear_modes_of
+    from hjsolve.reports.sections.linear_modes import linear_modes_section
+
+    modes = linear_modes_of(system)
+    return [] if modes is None else [linear_modes_section(modes)]
 
 
 def solve_command(options: Namespace) -> int:
@@ -108,8 +119,9 @@ def solve_command(options: Namespace) -> int:
         system_and_verdict.evidence_section(verdict, lead=False),
         obstruction.refusal_section(verdict),
     ]
-    _print(required(system), evidence, system_and_verdict.answer(verdict))
-    return _status(verdict)
+    modes = _linear_modes(required(system))  # a linear canonical map solves it, where no coordinates separate it
+    _print(required(system), [*modes, *evidence], system_and_verdict.answer(verdict))
+    return ANSWER if modes else _status(verdict)
 
 
 def _closed(solved: Solution) -> list[Section]:
@@ -278,7 +290,7 @@ def motion_command(options: Namespace) -> int:
     if (scene := arguments_read.scene(options)) is not None:
         print_run(scene.run(), options)
     else:
-        print_motion(arguments_read.motion_meant(options, options.digits, find=options.find), options)
+        print_motion(arguments_read.any_motion_meant(options), options)
     return ANSWER
 
 

@@ -17,8 +17,7 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.propagation import short_bound
 from hjsolve.errors import InvalidInputError
 from hjsolve.formulas.read import number
-from hjsolve.motion.motion import Motion
-from hjsolve.motion.state import State
+from hjsolve.motion.state import AnyMotion, State
 from hjsolve.scenes import Run
 from hjsolve.scenes.results import Trajectory
 
@@ -30,7 +29,7 @@ Rows = Iterator[Sequence[object]]
 Json: TypeAlias = "str | float | list[Json] | dict[str, Json] | None"
 
 
-def print_motion(motion: Motion, options: Namespace) -> None:
+def print_motion(motion: AnyMotion, options: Namespace) -> None:
     """Print the results of a motion, or its states at the times asked.
 
     Args:
@@ -104,11 +103,11 @@ def times_from_text(text: str, digits: int) -> list[str | float]:
 
 
 # ------------------------------------------------------------------------------------------------ numbers
-def _number_rows(motion: Motion) -> Rows:
+def _number_rows(motion: AnyMotion) -> Rows:
     for name, kind in motion.kinds.items():
         yield "kind", name, kind, ""
     for quantity in _NUMBERS:
-        for name, found in getattr(motion, quantity).items():
+        for name, found in getattr(motion, quantity, {}).items():
             if isinstance(found, Estimate):
                 yield quantity, name, _written(found.value), short_bound(found.error)
             else:
@@ -117,8 +116,8 @@ def _number_rows(motion: Motion) -> Rows:
                         yield quantity, f"{name}.{side}", _written(end.value), short_bound(end.error)
 
 
-def _plain_numbers(motion: Motion) -> dict[str, Json]:
-    return {quantity: {name: _plain(x) for name, x in getattr(motion, quantity).items()} for quantity in _NUMBERS}
+def _plain_numbers(motion: AnyMotion) -> dict[str, Json]:
+    return {quantity: {name: _plain(x) for name, x in getattr(motion, quantity, {}).items()} for quantity in _NUMBERS}
 
 
 def _plain(found: Estimate | tuple[Estimate | None, ...] | None) -> Json:

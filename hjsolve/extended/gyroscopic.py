@@ -1,10 +1,12 @@
 """Linear gyroscopic systems: separated by a linear symplectic normal form, where no change of coordinates does it.
 
-With constant M, T₁ = Σ G_ij q̇_i q_j and V = ½ qᵀK q the motion is M q̈ + (G − Gᵀ) q̇ + K q = 0 (Greenwood (3-117)), with
-the characteristic equation det(M λ² + (G − Gᵀ) λ + K) = 0. In the space of (q, p), ż = J S z with S the Hessian of H.
-Where all λ are imaginary and simple, the real and imaginary parts of the eigenvectors, scaled, make a symplectic N:
+With constant M, T₁ = Σ G_ij q̇_i q_j and V = ½ qᵀK q − fᵀq the motion is M q̈ + (G − Gᵀ) q̇ + K q = f (Greenwood
+(3-117)), with the characteristic equation det(M λ² + (G − Gᵀ) λ + K) = 0. In the space of z = (q, p), ż = J (S z + h)
+with S the Hessian of H. Its motion is a sum of e^{λt} times polynomials, exactly (``linear_flow``): oscillations,
+drifts (λ = 0), growth. Where all λ are imaginary, not 0, and there are as many modes as roots, repeated ones
+included, vectors of each eigenspace that make the Hermitian form v†Jv/2i diagonal, scaled, make a symplectic N:
 
-    z = N (Q, P),   NᵀJN = J,   H = Σ σ_k ω_k (Q_k² + P_k²)/2,   σ_k = ±1.
+    z − z* = N (Q, P),   NᵀJN = J,   H = Σ σ_k ω_k (Q_k² + P_k²)/2,   σ_k = ±1.
 
 The modes are oscillators, those with σ = −1 of negative energy: stable by gyroscopic forces although V has no minimum.
 """
@@ -12,7 +14,7 @@ The modes are oscillators, those with σ = −1 of negative energy: stable by gy
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,16 +24,19 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import bits_for, multiprecision
-from hjsolve.arithmetic.number_types import AtTimes, Context, Elementwise, Mpc, Mpf, MpfMatrix
+from hjsolve.arithmetic.number_types import Context, Mpf, MpfMatrix, Numbers
 from hjsolve.display.shown import Shown
-from hjsolve.errors import InvalidInputError, InvalidSystemError, NotConvergedError
+from hjsolve.errors import InvalidSystemError, MissingValueError
+from hjsolve.extended.linear_flow import Factor, LinearFlow, LinearPath, affine, flow_of, path_of
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.subjects import system_of
-from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta, velocities
+from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta
 from hjsolve.motion.initial_data import complete_numbers, one_of_velocity_and_p, parameter_values, to_bits
 from hjsolve.motion.motion import Motion
+from hjsolve.motion.shapes import shaped
 from hjsolve.motion.state import Errors, State
+from hjsolve.motion.times import exact_numbers
 from hjsolve.precision import one_at_a_time
 from hjsolve.solution.quadratures import solve
 
@@ -47,22 +52,27 @@ class LinearModes(Shown):
         polynomial: det(M λ² + (G − Gᵀ) λ + K) in the symbol ``lambda``, parameters kept.
         exponents: all λ, ``mpc``, by size of the imaginary part, those with positive real or imaginary part first.
         ratios: for each of ``exponents`` the amplitudes A_i/A_1 by coordinate; empty where A_1 = 0.
-        stable: True where all λ are imaginary and simple.
-        frequencies: ω_k of the modes, increasing.
-        signs: σ_k, the sign of each mode's energy.
-        matrix: N as an ``mpmath`` matrix of 2n rows: q then p; None where the system is not stable.
-        normal_form: the modes as a system that separates, coordinates ``Q1`` …; None where not stable.
+        stable: True where no motion grows: all λ are imaginary, and repeated ones have as many modes as roots (proved).
+        complete: whether there are as many modes as exponents; False where some motion has a factor t, t², ….
+        frequencies: ω_k of the modes that oscillate, increasing, each as often as it occurs; () where some exponent
+            other than 0 is not imaginary, or has too few modes.
+        signs: σ_k, the sign of the energy of each of them.
+        drifts: half the number of exponents 0: coordinates that run on evenly, or rest.
+        matrix: N as an ``mpmath`` matrix of 2n rows: q then p; None where not every mode oscillates.
+        normal_form: the modes as a system that separates, coordinates ``Q1`` …; None where ``matrix`` is.
         values: the parameters used, by symbol.
         digits: of all numbers.
     """
 
     system: System
     polynomial: sp.Expr
-    exponents: tuple[Mpf | Mpc, ...]
+    exponents: tuple[Any, ...]
     ratios: tuple[Mapping[str, Any], ...]
     stable: bool
+    complete: bool
     frequencies: tuple[Mpf, ...]
     signs: tuple[int, ...]
+    drifts: int
     matrix: Any
     normal_form: System | None
     values: Mapping[sp.Symbol, sp.Expr]
@@ -76,7 +86,7 @@ class LinearModes(Shown):
         velocity: Mapping[str, object] | None = None,
         p: Mapping[str, object] | None = None,
     ) -> ModalMotion:
-        """Start a motion from initial data of the system as posed.
+        """Start a motion from initial data of the system as posed, at t = 0; stable or not.
 
         Args:
             q: position of every coordinate.
@@ -84,104 +94,132 @@ class LinearModes(Shown):
             p: its canonical momentum.
 
         Raises:
-            InvalidInputError: the system is not stable, or velocity and p are both given or both missing.
+            InvalidInputError: velocity and p are both given or both missing.
         """
+        start = tuple(_canonical(self, q, velocity, p))
         if self.normal_form is None:
-            raise InvalidInputError(
-                "modes.motion: the modes do not all oscillate at different frequencies, since some exponent is zero, "
-                "repeated or not imaginary; the exponents of this object show which"
-            )
-        bits = _bits(self.digits)
-        z = multiprecision(bits).matrix([to_bits(x)(bits) for x in _canonical(self, q, velocity, p)])
+            return ModalMotion(self, start, None)
+        context = multiprecision(_bits(self.digits))
+        A, b = equations(self.system, self.values)
+        rest = A.LUsolve(-b)
+        z = context.matrix([to_bits(x - r)(context.prec) for x, r in zip(start, rest, strict=True)])
         modal = _inverse(self.matrix) * z
         names = [c.name for c in self.normal_form.coordinates]
         n = len(names)
         data = [{name: number(modal[i + k], source="mode") for i, name in enumerate(names)} for k in (0, n)]
-        return ModalMotion(self, solve(self.normal_form).motion(q=data[0], p=data[1], digits=self.digits))
+        return ModalMotion(self, start, solve(self.normal_form).motion(q=data[0], p=data[1], digits=self.digits))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModalMotion(Shown):
-    """A motion expressed in the coordinates as posed.
+    """A motion of a linear system, in the coordinates as posed.
 
     Attributes:
-        modes: the normal form.
-        motion: of the modes, by Hamilton–Jacobi.
+        modes: the exponents, and the normal form where there is one.
+        start: q and p at t = 0, exact.
+        motion: of the normal form, by Hamilton–Jacobi; None where not every mode oscillates.
     """
 
     modes: LinearModes
-    motion: Motion
+    start: tuple[sp.Expr, ...]
+    motion: Motion | None
 
     @property
     def kinds(self) -> Mapping[str, str]:
-        """The kinds of motion of the modes ``Q1`` …."""
-        return self.motion.kinds
+        """The kinds of motion of the modes ``Q1`` …; where not all oscillate, of the coordinates as posed."""
+        if self.motion is not None:
+            return self.motion.kinds
+        names = [c.name for c in self.modes.system.coordinates]
+        path = self._path(sp.S.One)
+        return {name: _kind(path, i) for i, name in enumerate(names)}
 
     @property
     def constants(self) -> Mapping[str, Estimate]:
-        """The constants of the motion of the modes."""
-        return self.motion.constants
+        """The constants of the motion of the modes; where not all oscillate, the energy."""
+        if self.motion is not None:
+            return self.motion.constants
+        at = dict(zip(_phase_space(self.modes.system), self.start, strict=True)) | dict(self.modes.values)
+        bits = _bits(self.modes.digits)
+        E = to_bits(hamiltonian(self.modes.system).subs(at))(bits)
+        return {"E": Estimate(E, abs(E) * E.context.mpf(10) ** -self.modes.digits)}
 
     def at(self, t: object) -> State:
         """Return the state in the coordinates as posed at a time or at an array of times; as ``Motion.at``.
 
-        q and p are N times those of the modes, and their errors |N| times theirs, N being good to far more digits.
-
         Args:
             t: a time or an array of times.
         """
-        state, context = self.motion.at(t), multiprecision(_bits(self.modes.digits))
-        rows = [*self.modes.matrix.tolist(), *_speeds(self.modes)]
-        modal = [_converted(x, context) for x in (*state.q.values(), *state.p.values())]
-        q, p, velocity = self._named([sum(a * x for a, x in zip(row, modal, strict=True)) for row in rows])
+        shape, times = exact_numbers(t, "t")
+        path = self._path(max((sp.Abs(x) for x in times), default=sp.S.Zero))
+        context, n = path.context, len(self.modes.system.coordinates)
+        A, b = equations(self.modes.system, self.modes.values)
+        speeds = [[to_bits(x)(context.prec) for x in sp.Matrix(A.row(i)).row_join(b.row(i))] for i in range(n)]
+        rows, bounds = [], []
+        for exact in times:
+            moment = context.convert(to_bits(exact)(context.prec))
+            z, error = path.at(moment), path.bound(moment)
+            rows.append([*z[:-1], *(context.fdot(row, z) for row in speeds)])
+            bounds.append([*[error] * (2 * n), *(error * context.fsum(map(abs, row)) for row in speeds)])
+        unit = context.mpf(2) ** -53 if self.modes.digits <= 15 else context.mpf(10) ** -self.modes.digits
+        values, uncertainties = np.array(rows, dtype=object), np.array(bounds, dtype=object)
+        small = np.abs(values) <= 8 * uncertainties  # what is rounding alone is reported as 0
+        values, uncertainties = (
+            np.where(small, context.mpf(0), values),
+            np.where(small, 9 * uncertainties, uncertainties),
+        )
 
-        def bounds() -> Errors:
-            unit = context.mpf(10) ** (1 - self.modes.digits)
-            errors = [_converted(e, context) for e in (*state.error.q.values(), *state.error.p.values())]
-            uncertainties = [e + unit * np.abs(x) for e, x in zip(errors, modal, strict=True)]
-            sums = [sum(abs(a) * e for a, e in zip(row, uncertainties, strict=True)) for row in rows]
-            return Errors(*self._named(sums))
+        def errors() -> Errors:
+            return Errors(*self._named(uncertainties + unit * np.abs(values), shape))
 
-        return State(t, q, p, velocity, {}, state.status, bounds)
+        q, p, velocity = self._named(values, shape)
+        status = np.full(shape, "ok") if shape else "ok"
+        return State(t, q, p, velocity, {}, status, errors)
 
-    def _named(self, values: list[Mpf]) -> Iterator[dict[str, Mpf]]:
-        """Return the values of q, p and velocity by coordinate."""
+    def _path(self, span: sp.Expr) -> LinearPath:
+        A, b = equations(self.modes.system, self.modes.values)
+        return path_of(flow_of(affine(A, b)), [*self.start, sp.S.One], span, max(self.modes.digits, 15))
+
+    def _named(self, values: Numbers, shape: tuple[int, ...]) -> Iterator[dict[str, Any]]:
+        """Columns of q, p and velocity by coordinate, as doubles up to 15 digits, in the shape of the times."""
         names = [c.name for c in self.modes.system.coordinates]
-        return (dict(zip(names, values[k * len(names) :], strict=False)) for k in range(3))
+        columns = values.astype(float) if self.modes.digits <= 15 else values
+        found = [shaped(columns[:, k], shape) for k in range(columns.shape[1])]
+        return (dict(zip(names, found[k * len(names) :], strict=False)) for k in range(3))
 
 
-def _converted(x: AtTimes, context: Context) -> Elementwise:
-    array = np.asarray(x)
-    return np.frompyfunc(context.convert, 1, 1)(array) if array.ndim else context.convert(x)
-
-
-def _speeds(modes: LinearModes) -> list[list[Mpf]]:
-    """q̇ = ∂H/∂p as rows of numbers times (Q, P)."""
-    z = sp.Matrix([c.symbol for c in modes.system.coordinates] + [c.momentum for c in modes.system.coordinates])
-    rates = sp.Matrix(list(velocities(modes.system).values())).jacobian(z).subs(modes.values)
-    context = multiprecision(_bits(modes.digits))
-    found = context.matrix([[to_bits(x)(context.prec) for x in rates.row(i)] for i in range(rates.rows)]) * modes.matrix
-    return [list(row) for row in found.tolist()]
+def _kind(path: LinearPath, i: int) -> str:
+    """Whether a coordinate rests, stays bounded, or runs away, by the terms e^{λt} t^j that it holds."""
+    context, found = path.context, "equilibrium"
+    least = context.mpf(2) ** (-context.prec // 2) * path.scale
+    for λ, v in path.terms:
+        for j, column in enumerate(v):
+            if abs(column[i]) <= least or (λ == 0 and j == 0):
+                continue
+            if j > 0 or abs(context.re(λ)) > context.mpf(2) ** (-context.prec // 2) * abs(λ):
+                return "escape"
+            found = "libration"
+    return found
 
 
 @one_at_a_time
 def gyroscopic_modes(
     system: System | str | Path, *, parameters: Mapping[str, object] | None = None, digits: int = 30
 ) -> LinearModes:
-    """Bring a linear system to normal form by a linear symplectic map.
+    """Find the exponents of a linear system, and its normal form by a linear symplectic map where all modes oscillate.
 
     Args:
-        system: constant masses, T₁ bilinear, T₀ and V quadratic in the coordinates; or the id or file of a
+        system: constant masses, T₁ bilinear, T₀ and V of second degree in the coordinates; or the id or file of a
             catalog entry.
         parameters: values that differ from the defaults.
         digits: of all numbers.
 
     Returns:
-        The modes, with their frequencies and shapes.
+        The modes, with their frequencies and shapes; ``motion`` starts any motion, stable or not.
 
     Raises:
-        InvalidSystemError: the system is not linear, or has a constant force.
+        InvalidSystemError: the system is not linear.
         MissingValueError: a parameter has no value.
+        NotConvergedError: exponents too close to tell apart.
         InvalidInputError: no system at all, or digits out of range.
 
     References:
@@ -194,22 +232,64 @@ def gyroscopic_modes(
     values = parameter_values(system, parameters or {})
     polynomial = sp.expand((M * LAMBDA**2 + Γ * LAMBDA + K).det())
     bits = _bits(digits)
-    squares, simple = _squares(polynomial.subs(values), bits)
     context = multiprecision(bits)
-    exponents = [sign * context.sqrt(context.mpc(s)) for s in squares for sign in (1, -1)]
-    tiny = context.mpf(2) ** (-bits // 2)
-    stable = simple and all(s.real < 0 and abs(s.imag) <= tiny * abs(s) for s in map(context.mpc, squares))
+    flow = flow_of(equations(system, values)[0])
+    found, imaginary = _squares(flow, bits)
+    exponents = [
+        sign * context.sqrt(s)
+        for s, f in found for _ in range(f.multiplicity if s != 0 else f.multiplicity // 2) for sign in (1, -1)
+    ]  # fmt: skip
+    complete = all(f.block == 1 for _, f in found)
     ratios = tuple(_ratios(system, M, Γ, K, values, λ, context) for λ in exponents)
-    if not stable:
-        return LinearModes(system, polynomial, tuple(exponents), ratios, False, (), (), None, None, values, digits)
-    ω = tuple(sorted(context.sqrt(-context.mpc(s).real) for s in squares))
-    S = _hessian(system, values, context)
-    columns = [_pair(S, w, context) for w in ω]
-    N = _joined([c[0] for c in columns], [c[1] for c in columns], context)
-    signs = tuple(c[2] for c in columns)
-    return LinearModes(
-        system, polynomial, tuple(exponents), ratios, True, ω, signs, N, _oscillators(system, ω, signs), values, digits
-    )
+    zeros = next((f.multiplicity // 2 for s, f in found if s == 0), 0)
+    plain = LinearModes(
+        system, polynomial, tuple(exponents), ratios, imaginary and complete, complete, (), (), zeros, None, None,
+        values, digits,
+    )  # fmt: skip
+    turning = [(s, f) for s, f in found if s != 0]
+    if not imaginary or any(f.block > 1 for _, f in turning):
+        return plain
+    spaces = flow.projections(bits)
+    found_pairs = [pair for s, _ in turning for pair in _pairs(spaces, context.sqrt(-s.real), context)]
+    pairs = sorted(found_pairs, key=lambda pair: pair[2])
+    ω, signs = tuple(pair[2] for pair in pairs), tuple(pair[3] for pair in pairs)
+    plain = replace(plain, frequencies=ω, signs=signs)
+    if zeros:
+        return plain
+    N = _joined([pair[0] for pair in pairs], [pair[1] for pair in pairs], context)
+    return replace(plain, matrix=N, normal_form=_oscillators(system, ω, signs))
+
+
+def linear_modes_of(system: System) -> LinearModes | None:
+    """Return the modes of a system with terms linear in the velocities whose equations are linear; None of any other.
+
+    Args:
+        system: any; the defaults of its parameters are taken.
+    """
+    if system.relativity is not None or system.kinks or system.functions or not any(linear_terms(system)):
+        return None
+    try:
+        return gyroscopic_modes(system, digits=20)
+    except (InvalidSystemError, MissingValueError):
+        return None
+
+
+def equations(system: System, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[sp.Matrix, sp.Matrix]:
+    """Return A and b of ż = A z + b, z = (q, p): Hamilton's equations of a linear system, exact.
+
+    Args:
+        system: whose H is of second degree in z.
+        values: of the parameters.
+    """
+    z = _phase_space(system)
+    H, n = sp.expand(hamiltonian(system).subs(values)), len(system.coordinates)
+    J = sp.Matrix(sp.BlockMatrix([[sp.zeros(n), sp.eye(n)], [-sp.eye(n), sp.zeros(n)]]).as_explicit())
+    slopes = sp.Matrix([sp.diff(H, x) for x in z])
+    return J * sp.hessian(H, z), J * slopes.subs(dict.fromkeys(z, 0))
+
+
+def _phase_space(system: System) -> list[sp.Symbol]:
+    return [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
 
 
 def _bits(digits: int) -> int:
@@ -223,27 +303,45 @@ def _matrices(system: System) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:
     V = sp.expand(system.potential - kinetic_rest(system))
     G = sp.Matrix([[sp.diff(a, s) for s in q] for a in linear_terms(system)])
     K = sp.hessian(V, q)
-    origin = dict.fromkeys(q, sp.S.Zero)
     if any(set(q) & x.free_symbols for x in [*M, *G, *K]):
-        raise InvalidSystemError("linear modes: M, T1 and V must be constant, bilinear, quadratic in the coordinates")
-    if any(sp.expand(sp.diff(V, s).subs(origin)) != 0 for s in q):
-        raise InvalidSystemError("linear modes: V has a term of first degree; measure the coordinates from equilibrium")
+        raise InvalidSystemError(
+            "linear modes: T must have constant masses and linear terms bilinear in q and dot(q), and V must be of "
+            "second degree in the coordinates"
+        )
     return M, G - G.T, K
 
 
-def _squares(polynomial: sp.Expr, bits: int) -> tuple[list[Mpf], bool]:
-    """Return the roots of the characteristic equation in λ², and whether all are simple and none is zero."""
+def is_stable(system: System, values: Mapping[sp.Symbol, sp.Expr]) -> bool:
+    """Return whether no motion of a linear system grows.
+
+    Args:
+        system: linear.
+        values: of all parameters.
+    """
+    found, imaginary = _squares(flow_of(equations(system, values)[0]), _bits(15))
+    return imaginary and all(factor.block == 1 for _, factor in found)
+
+
+def _squares(flow: LinearFlow, bits: int) -> tuple[list[tuple[Any, Factor]], bool]:
+    """λ² of the exponents, which come in pairs ±λ: each once, with its factor; and whether all λ are imaginary."""
     context = multiprecision(bits)
-    s = sp.Symbol("s")
-    in_squares = sp.Poly(polynomial.subs(LAMBDA, sp.sqrt(s)), s)
-    coefficients = [context.convert(to_bits(c)(bits)) for c in in_squares.all_coeffs()]
-    try:
-        roots = context.polyroots(coefficients, maxsteps=400, extraprec=2 * bits)
-    except context.NoConvergence:
-        raise NotConvergedError("the characteristic equation has roots too close to tell apart") from None
-    discriminant = sp.discriminant(in_squares.as_expr(), s) if in_squares.degree() > 1 else sp.S.One
-    simple = abs(discriminant.evalf(30)) > 1e-25 and abs(coefficients[-1]) > 0
-    return sorted(roots, key=abs), bool(simple)
+    found: list[tuple[Any, Factor]] = []
+    for λ, factor in flow.exponents(bits):
+        upper = context.im(λ) > 0 if abs(context.im(λ)) >= abs(context.re(λ)) else context.re(λ) > 0
+        if λ == 0 or upper:
+            found.append((λ**2, factor))
+    imaginary = all(_negative(s, [x for x, _ in found], context) for s, _ in found if s != 0)
+    return sorted(found, key=lambda pair: abs(pair[0])), imaginary
+
+
+def _negative(s: Any, squares: list[Any], context: Context) -> bool:
+    """Whether λ² is real and negative.
+
+    The λ² are the simple roots of a real polynomial, so that one that is not real has its conjugate among them: an
+    imaginary part far below the distance to all the others is rounding.
+    """
+    gaps = [abs(s - x) for x in squares if x is not s] + [abs(s)]
+    return bool(s.real < 0 and abs(s.imag) <= min(gaps) * context.mpf(2) ** -16)
 
 
 def _ratios(
@@ -252,9 +350,9 @@ def _ratios(
     Γ: sp.Matrix,
     K: sp.Matrix,
     values: Mapping[sp.Symbol, sp.Expr],
-    λ: Mpf | Mpc,
+    λ: Any,
     context: Context,
-) -> dict[str, Mpf | Mpc]:
+) -> dict[str, Any]:
     """A_i/A_1 of the amplitudes with M λ² A + Γ λ A + K A = 0: the cofactors of one row."""
     n = M.rows
     numbers = [[[to_bits(sp.sympify(X[i, j]).subs(values))(context.prec) for j in range(n)] for i in range(n)]
@@ -268,7 +366,7 @@ def _ratios(
     return {c.name: best[i] / best[0] for i, c in enumerate(system.coordinates)}
 
 
-def _cofactors(A: MpfMatrix, row: int, context: Context) -> list[Mpf | Mpc]:
+def _cofactors(A: MpfMatrix, row: int, context: Context) -> list[Any]:
     n = A.rows
     found = []
     for j in range(n):
@@ -290,12 +388,6 @@ def _determinant(rows: list[list[Mpf]], context: Context) -> Mpf:
     return product
 
 
-def _hessian(system: System, values: Mapping[sp.Symbol, sp.Expr], context: Context) -> MpfMatrix:
-    z = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
-    S = sp.hessian(sp.expand(hamiltonian(system)), z).subs(values)
-    return context.matrix([[to_bits(S[i, j])(context.prec) for j in range(len(z))] for i in range(len(z))])
-
-
 def _symplectic(n: int, context: Context) -> MpfMatrix:
     J: MpfMatrix = context.matrix(2 * n, 2 * n)
     for i in range(n):
@@ -303,18 +395,35 @@ def _symplectic(n: int, context: Context) -> MpfMatrix:
     return J
 
 
-def _pair(S: MpfMatrix, ω: Mpf, context: Context) -> tuple[MpfMatrix, MpfMatrix, int]:
-    """Return the columns of N that belong to one frequency, and the sign of the mode's energy."""
-    n = S.rows // 2
-    J = _symplectic(n, context)
-    A = (J * S) * context.mpc(1) - context.mpc(0, 1) * ω * context.eye(2 * n)
-    rows = [_cofactors(A, row, context) for row in range(2 * n)]
-    v = max(rows, key=lambda x: max(abs(y) for y in x))
-    size = max(abs(x) for x in v)
-    u, w = context.matrix([(x / size).real for x in v]), context.matrix([(x / size).imag for x in v])
-    κ = (u.T * J * w)[0]
-    scale = context.sqrt(abs(κ))
-    return (u / scale, w / scale, 1) if κ > 0 else (w / scale, u / scale, -1)
+def _pairs(
+    spaces: list[tuple[Any, MpfMatrix]], ω: Mpf, context: Context
+) -> list[tuple[MpfMatrix, MpfMatrix, Mpf, int]]:
+    """The columns of N that belong to one frequency, which may be repeated, with the sign of each mode's energy.
+
+    ``spaces`` are the exponents, each with the projection on its eigenspace.
+    """
+    λ = context.mpc(0, ω)
+    V = min(((abs(μ - λ), M) for μ, M in spaces), key=lambda pair: pair[0])[1]
+    J, basis = _symplectic(V.rows // 2, context), list[MpfMatrix]()
+    columns = [context.matrix([V[i, j] for i in range(V.rows)]) for j in range(V.cols)]
+    rank = int(context.nint(context.re(sum(V[i, i] for i in range(V.rows)))))  # the trace of a projection
+    for _ in range(rank):
+        best = max(columns, key=context.norm)
+        basis.append(best / context.norm(best))
+        columns = [v - basis[-1] * (_adjoint(basis[-1]) * v)[0] for v in columns]
+    Φ = context.matrix([[v[i] for v in basis] for i in range(V.rows)])
+    κ, U = context.eighe(_adjoint(Φ) * J * Φ / context.mpc(0, 2))
+    found = []
+    for k, v in enumerate((Φ * U).T.tolist()):
+        scale = context.sqrt(abs(κ[k]))
+        u, w = (context.matrix([part(x) / scale for x in v]) for part in (context.re, context.im))
+        found.append((u, w, ω, 1) if κ[k] > 0 else (w, u, ω, -1))
+    return found
+
+
+def _adjoint(matrix: Any) -> Any:
+    """The conjugate transpose; the type of mpmath's matrices does not know it."""
+    return matrix.H
 
 
 def _joined(first: list[MpfMatrix], second: list[MpfMatrix], context: Context) -> MpfMatrix:

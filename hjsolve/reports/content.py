@@ -21,6 +21,7 @@ from hjsolve.errors import (
     NotConvergedError,
     NotSeparableError,
 )
+from hjsolve.extended.gyroscopic import linear_modes_of
 from hjsolve.extended.moving_frame import Frame
 from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
@@ -34,6 +35,7 @@ from hjsolve.reports.sections.chart import chart_section
 from hjsolve.reports.sections.closed_forms import closed_form_report
 from hjsolve.reports.sections.energy_momentum import energy_momentum_section
 from hjsolve.reports.sections.laws import laws_section
+from hjsolve.reports.sections.linear_modes import linear_modes_section
 from hjsolve.reports.sections.literature import literature_section
 from hjsolve.reports.sections.moving_frame import frame_section
 from hjsolve.reports.sections.prose import heading
@@ -233,8 +235,11 @@ def _document(material: Material, letters: Mapping[sp.Expr, sp.Symbol], *, brief
         sections.append(quadratures.forms_section(verdict))
     else:
         sections.append(obstruction.refusal_section(verdict))
+        modes = _timed(clock, "linear modes", lambda: linear_modes_of(system))
+        if modes is not None:
+            sections.append(linear_modes_section(modes, material.initial))
         sections.append(_timed(clock, "other coordinates", lambda: other_coordinates(system)))
-        if (start := material.initial) is not None and not brief:
+        if (start := material.initial) is not None and not brief and modes is None:
             sections.append(_timed(clock, "surface of section", lambda: section_of_refused_motion(system, start)))
     if material.solution is not None:
         solved = material.solution

@@ -72,3 +72,14 @@ def test_small_things() -> None:
     assert shortest(1e-9) == "1e-9"
     assert raised("-1.5e-9") == "−1.5×10⁻⁹"
     assert [written_duration(t) for t in (2e-4, 0.0375, 1.23, 45.0)] == ["200 µs", "38 ms", "1.2 s", "45 s"]
+
+
+def test_a_negative_number_of_many_digits_keeps_its_sign():
+    """mpmath's man_exp is that of the absolute value."""
+    from hjsolve.arithmetic.floats import multiprecision
+    from hjsolve.arithmetic.printed_digits import decimal, shortest
+
+    context = multiprecision(120)
+    assert decimal(context.mpf("-2.25")) == decimal(-2.25)
+    assert shortest(context.mpf("-2.25")) == "-2.25"
+    assert quantity(Estimate(context.mpf("-2.25"), context.mpf(10) ** -20)).value.startswith("-2.25")

@@ -44,15 +44,13 @@ def advice_for_linear_equations(system: System) -> str:
     energy = sp.expand(system.kinetic - system.potential)
     if system.relativity is not None or not any(linear_terms(system)) or not energy.is_polynomial(*symbols, *speeds):
         return ""
-    polynomial = sp.Poly(energy, *symbols, *speeds)
-    forced = any(polynomial.coeff_monomial(q) != 0 for q in symbols)
-    if int(polynomial.total_degree()) > 2 or forced:
+    if int(sp.Poly(energy, *symbols, *speeds).total_degree()) > 2:
         return ""
     return (
-        "T and V are quadratic with constant coefficients, so the equations of motion are linear: "
-        "hjsolve.gyroscopic_modes "
-        "brings the system to normal form by a linear symplectic map, after which every mode is an oscillator of its "
-        f"own where the motion is stable. {ALWAYS}"
+        "T and V are of second degree with constant coefficients, so the equations of motion are linear: "
+        "hjsolve.gyroscopic_modes (hjsolve solve, hjsolve motion) gives the exponents, every motion as a sum of "
+        "exponentials, and where all modes oscillate the normal form, in which each is an oscillator of its own. "
+        f"{ALWAYS}"
     )
 
 
