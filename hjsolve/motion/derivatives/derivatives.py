@@ -17,11 +17,12 @@ from hjsolve.motion.derivatives.along_cycle import CycleVariations
 from hjsolve.motion.derivatives.angles_by import angles_by, differentiable_angles, variations
 from hjsolve.motion.derivatives.at_rest import RestVariations
 from hjsolve.motion.derivatives.bounded import SAFETY, Bounded, stacked, zeros
-from hjsolve.motion.derivatives.canonical import CanonicalMap, symplectic_inverse
+from hjsolve.motion.derivatives.canonical import CanonicalMap
 from hjsolve.motion.derivatives.integrals import MeanMatrix, action_by, has_means, mean_matrix
 from hjsolve.motion.derivatives.prepared import prepared
 from hjsolve.motion.derivatives.results import DEPENDENT, NOT_ALONE, OK, REMARKS, SQUARE_ROOT, Derivatives
-from hjsolve.motion.derivatives.transition import first_frame, matrices
+from hjsolve.motion.derivatives.told import Told, told_in
+from hjsolve.motion.derivatives.transition import matrices, start_told
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
@@ -132,7 +133,8 @@ def derivatives_of(motion: Motion, of: Iterable[str], by: Iterable[str], t: obje
             'derivatives: by={"actions"} is for actions, frequencies, periods, turning points and constants; the state '
             'and the angles depend on angles too, write by={"initial"} or {"constants"}'
         )
-    map_ = prepared(motion, "parameters" in varied)
+    told = told_in(motion, parameters="parameters" in varied)
+    map_ = prepared(motion.as_solved, "parameters" in varied)
     found = _Collected(motion.digits)
     if map_ is None:
         raise InvalidInputError(
@@ -140,12 +142,12 @@ def derivatives_of(motion: Motion, of: Iterable[str], by: Iterable[str], t: obje
             "differentiate solution.separation.shell.potential"
         )
     means = mean_matrix(map_)
-    for group in _groups(map_, means, varied):
+    for group in _groups(map_, told, means, varied):
         _numbers(motion, map_, means, group, wanted, found)
         if "angles" in wanted:
             _angles(motion, map_, means, group, t, found)
     if "state" in wanted:
-        _state(motion, map_, varied, t, found)
+        _state(motion, map_, told, varied, t, found)
     return Derivatives(found.value, found.error, found.status, tuple(found.remarks))
 
 
@@ -156,13 +158,14 @@ def _words(given: Iterable[str], what: str, known: Sequence[str]) -> frozenset[s
     return names
 
 
-def _groups(map_: CanonicalMap, means: MeanMatrix | None, varied: frozenset[str]) -> list[Inputs]:
+def _groups(
+    map_: CanonicalMap, told: Told | None, means: MeanMatrix | None, varied: frozenset[str]
+) -> list[Inputs]:
     """What is varied, in terms of the constants of the motion."""
     solution, n = map_.source.solution, map_.freedoms
     system, c, m = solution.system, map_.context, len(map_.variables.parameters)
-    first = first_frame(map_)
-    inverse, Z = symplectic_inverse(first.state), variations(map_, 2 * n + m)
-    names = [q.name for q in system.coordinates]
+    (inverse, by_parameters), Z = start_told(map_, told), variations(map_, 2 * n + m)
+    names = told.names if told is not None else [q.name for q in system.coordinates]
     groups = []
 
     def padded(top: Bounded, bottom: Numbers) -> Bounded:
@@ -175,7 +178,7 @@ def _groups(map_: CanonicalMap, means: MeanMatrix | None, varied: frozenset[str]
         groups.append(Inputs(own, frame, Z @ frame))
     if "parameters" in varied:
         identity = np.array([[c.mpf(int(i == j)) for j in range(m)] for i in range(m)], dtype=object).reshape(m, m)
-        frame = padded(-(inverse @ first.by_parameters), identity)
+        frame = padded(by_parameters, identity)
         groups.append(Inputs(map_.variables.parameters, frame, Z @ frame))
     if "constants" in varied:
         groups.append(_constants(map_))
@@ -325,11 +328,13 @@ def _exactly(x: float) -> Callable[[int], Mpf]:
     return lambda bits: multiprecision(bits).mpf(x)
 
 
-def _state(motion: Motion, map_: CanonicalMap, varied: frozenset[str], t: object, found: _Collected) -> None:
+def _state(
+    motion: Motion, map_: CanonicalMap, told: Told | None, varied: frozenset[str], t: object, found: _Collected
+) -> None:
     """q and p at times."""
     shape, floats, exact = _times(motion, t)
     main, by, frames = matrices(motion, floats, exact, parameters="parameters" in varied)
-    names = [q.name for q in map_.source.solution.system.coordinates]
+    names = told.names if told is not None else [q.name for q in map_.source.solution.system.coordinates]
     n = len(names)
     columns: list[tuple[Inputs, Bounded | None]] = []
     empty = zeros((0, 0), map_.context)
