@@ -229,7 +229,7 @@ def motion_meant(options: Namespace, digits: int, *, find: bool = False) -> Moti
 
 
 def any_motion_meant(options: Namespace) -> AnyMotion:
-    """The motion that is meant, as ``motion_meant``; of a linear system with gyroscopic terms by its modes.
+    """Return the motion that is meant, as ``motion_meant``; of a linear system with gyroscopic terms by its modes.
 
     Args:
         options: the parsed arguments.
@@ -252,7 +252,7 @@ def any_motion_meant(options: Namespace) -> AnyMotion:
 
 
 def _meant(options: Namespace) -> tuple[System, dict[str, Any]]:
-    """The system, and the initial data given or those of its entry."""
+    """Return the system, and the initial data given or those of its entry."""
     from hjsolve import catalog as entries
 
     data = initial(options) or (own_motion(options) if options.system is not None else None)

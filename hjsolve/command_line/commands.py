@@ -68,7 +68,7 @@ def _check(options: Namespace) -> int:
 
 
 def _linear_modes(system: System) -> list[Section | None]:
-    """The modes of a linear system with gyroscopic terms; empty for any other."""
+    """Return the modes of a linear system with gyroscopic terms; empty for any other."""
     from hjsolve.extended.gyroscopic import linear_modes_of
     from hjsolve.reports.sections.linear_modes import linear_modes_section
 

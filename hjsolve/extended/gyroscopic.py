@@ -398,7 +398,7 @@ def _symplectic(n: int, context: Context) -> MpfMatrix:
 def _pairs(
     spaces: list[tuple[Any, MpfMatrix]], ω: Mpf, context: Context
 ) -> list[tuple[MpfMatrix, MpfMatrix, Mpf, int]]:
-    """The columns of N that belong to one frequency, which may be repeated, with the sign of each mode's energy.
+    """Return the columns of N that belong to one frequency, which may be repeated, with the sign of each mode's energy.
 
     ``spaces`` are the exponents, each with the projection on its eigenspace.
     """
@@ -422,7 +422,7 @@ def _pairs(
 
 
 def _adjoint(matrix: Any) -> Any:
-    """The conjugate transpose; the type of mpmath's matrices does not know it."""
+    """Return the conjugate transpose; the type of mpmath's matrices does not know it."""
     return matrix.H
 
 

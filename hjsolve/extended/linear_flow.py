@@ -113,7 +113,7 @@ def flow_of(A: sp.Matrix) -> LinearFlow:
 
 
 def _without_zero(f: sp.Poly) -> list[sp.Poly]:
-    """A squarefree polynomial as x times the rest, where 0 is one of its roots: that root is then exact."""
+    """Return a squarefree polynomial as x times the rest, where 0 is one of its roots: that root is then exact."""
     if f.nth(0) != 0:
         return [f]
     x = sp.Poly(X, X, domain=f.domain)
@@ -179,7 +179,7 @@ def _numbers(matrix: sp.ImmutableMatrix, context: Context) -> MpfMatrix:
 
 
 def _size(matrix: MpfMatrix) -> Mpf:
-    """The norm of the greatest row sum."""
+    """Return the norm of the greatest row sum."""
     rows = [matrix.ctx.fsum(abs(matrix[i, j]) for j in range(matrix.cols)) for i in range(matrix.rows)]
     return max(rows)
 
@@ -231,7 +231,7 @@ class LinearPath:
         return 2 * growth * (self.start + t * residual) + rounding * self.scale
 
     def _phase(self, t: Mpf) -> Mpf:
-        """The size of the greatest argument of an exponential: its rounding moves the phase."""
+        """Return the size of the greatest argument of an exponential: its rounding moves the phase."""
         return max(abs(λ) for λ, _ in self.terms) * t
 
 

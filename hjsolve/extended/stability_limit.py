@@ -36,7 +36,7 @@ class StableRange(Shown):
     stable: bool
 
     def __str__(self) -> str:
-        """The interval and the answer."""
+        """Return the interval and the answer."""
         ends = [str(sp.N(end, 8)) for end in (self.lower, self.upper)]
         return f"{ends[0]} to {ends[1]}: {'stable' if self.stable else 'not stable'}"
 
@@ -79,7 +79,7 @@ def stability_ranges(modes: LinearModes, parameter: str) -> tuple[StableRange, .
 
 
 def _real_zeros(product: sp.Poly) -> list[sp.Expr]:
-    """The distinct real zeros, in order."""
+    """Return the distinct real zeros, in order."""
     if product.degree() < 1:
         return []
     zeros = {zero for factor, _ in product.factor_list()[1] for zero in factor.real_roots(multiple=True)}
@@ -87,7 +87,7 @@ def _real_zeros(product: sp.Poly) -> list[sp.Expr]:
 
 
 def _between(lower: sp.Expr, upper: sp.Expr) -> sp.Rational:
-    """A rational number inside an interval, with few digits."""
+    """Return a rational number inside an interval, with few digits."""
     if lower == -sp.oo and upper == sp.oo:
         return sp.Integer(1)
     if lower == -sp.oo:

@@ -7,7 +7,7 @@ the time law. No differential equation is integrated.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +30,7 @@ from hjsolve.solution.quadratures import Solution
 
 if TYPE_CHECKING:
     from hjsolve.motion.angles_along import AngleVariables
+    from hjsolve.motion.derivatives.results import Derivatives
     from hjsolve.motion.in_units import MotionInUnits
 
 
@@ -246,6 +247,57 @@ class Motion(ShownMotion):
 
         self._require("angles")
         return angle_variables(self._source, t)
+
+    def derivatives(
+        self,
+        of: Iterable[str] = ("actions", "frequencies"),
+        by: Iterable[str] = ("constants",),
+        t: object = None,
+    ) -> Derivatives:
+        """Return exact derivatives of the motion: the integrals of the motion, differentiated; no finite differences.
+
+        By ``initial``, all q and p at t₀ ("q.r", "p.r") are varied one by one; by ``constants``, those of
+        ``Solution.constants``, for the state and the angles at constant Jacobi constants β; by ``parameters``, those of
+        the system at constant q and canonical p at t₀; by ``actions`` ("J.r"), the actions: of frequencies the Hessian
+        of the energy.
+
+        Args:
+            of: of ``actions``, ``frequencies``, ``periods``, ``turning_points``, ``constants``, ``angles``, ``state``.
+            by: of ``initial``, ``constants``, ``parameters``, ``actions``.
+            t: a time or an array of times, for the state and the angles; t₀ where left out.
+
+        Returns:
+            ``value["frequencies"]["r"]["E"]``, for the state ``value["q"]["r"]["q.theta"]`` and ``value["p"]``;
+            ``error`` alike; ``status`` says where a derivative does not exist.
+
+        Raises:
+            InvalidInputError: another name, a time that is no finite real number, or a motion that has no derivatives:
+                one through kinks of V or through poles, or at rest where the motion next to it is not linear.
+            NotConvergedError: an integral did not converge to the digits asked.
+        """
+        from hjsolve.motion.derivatives.derivatives import derivatives_of
+
+        return derivatives_of(self, of, by, t)
+
+    def transition_matrix(self, t: object) -> EstimateArray:
+        """Return the transition matrix ∂(q, p)(t)/∂(q, p)(t₀), at a price that does not grow with t.
+
+        It is D(t) D(t₀)⁻¹, D the matrix between Jacobi's constants (β, α) and the state: symplectic by its form
+        (Greenwood (5-53), (6-215)).
+
+        Args:
+            t: a time or an array of times.
+
+        Returns:
+            Value and error of shape (…, 2n, 2n): rows and columns are all q, then all p, in the system's order; nan
+            where the motion has ended.
+
+        Raises:
+            InvalidInputError, NotConvergedError: as of ``derivatives``.
+        """
+        from hjsolve.motion.derivatives.transition import transition_matrix
+
+        return transition_matrix(self, t)
 
     def __eq__(self, other: object) -> bool:
         """Return whether both are the same motion of the same system, with the same digits and the same proofs."""

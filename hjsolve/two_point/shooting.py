@@ -150,7 +150,7 @@ def search(question: Question, values: Mapping[sp.Symbol, sp.Expr], flow: Flow) 
 
 
 def _ball(n: int, count: int) -> Reals:
-    """Starts that fill a ball evenly in their radius: directions of Gaussian numbers, radii equally spaced."""
+    """Return Starts that fill a ball evenly in their radius: directions of Gaussian numbers, radii equally spaced."""
     directions = np.random.default_rng(20250).normal(size=(n, count))
     return directions / np.linalg.norm(directions, axis=0) * (np.arange(count) + 0.5) / count
 
@@ -187,7 +187,7 @@ def _newton(target: _Target, u: Reals, scale: float) -> Reals:
 
 
 def _solved(slope: Reals, y: Reals) -> Reals:
-    """The least solution of slope · x = y for each start, shape (n, m); singular values below a millionth are zero."""
+    """Return the least solution of slope · x = y for each start, shape (n, m); singular values below a millionth are zero."""
     left, s, right = np.linalg.svd(slope)
     with np.errstate(all="ignore"):
         inverse = np.where(s > 1e-6 * s[:, :1], 1 / s, 0.0)

@@ -101,7 +101,8 @@ class BranchVariations:
             for b, mixed in enumerate(row):
                 terms = (mixed, at.slope_by[j] * moved[b], at.by[j] * stretched[b], -at.by[j] * growth[b])
                 values.append(sum(terms) * weight)
-                sizes.append(float(sum(map(abs, terms)) * weight))
+                scale = abs(at.by[j] * self.start[b] / self.branch.way.length)  # what cancels in ρ_b is no smaller
+                sizes.append(float((sum(map(abs, terms)) + scale) * weight))
         return values, sizes
 
     def integral(self, y: Mpf) -> tuple[list[Mpf], list[float]]:
@@ -146,7 +147,7 @@ def _rule(formulas: Formulas, bits: int):  # type: ignore[no-untyped-def]  # noq
 
 @lru_cache(maxsize=512)
 def _resolved(variations: BranchVariations, left: Mpf, right: Mpf, degree: int, depth: int) -> tuple[_Piece, ...]:
-    """A panel, halved as long as its series do not fall.
+    """Return a panel, halved as long as its series do not fall.
 
     Raises:
         NotConvergedError: they never do.

@@ -191,13 +191,13 @@ def _values(
         moved = [low * above + high * below for low, high in zip(*ends, strict=True)]
         stretched = [(high - low) / width for low, high in zip(*ends, strict=True)]
     growth = [(by + at.slope * m) / (2 * at.value) for by, m in zip(at.by, moved, strict=True)]
+    length = abs(q) if ends is None else width
+    relative = [float(abs(move) / length) if length else 0.0 for move in moved]
     second, sizes = [], []
     for j in range(n):
         for b, move in enumerate(moved):
             terms = at.mixed[j][b] * weight, at.slope_by[j] * move * weight, at.by[j] * stretched[b] * weight
             own = at.by[j] * growth[b] * weight
             second.append(terms[0] + terms[1] + terms[2] - own)
-            sizes.append(float(sum(map(abs, terms)) + abs(own)))
-    length = abs(q) if ends is None else width
-    relative = [float(abs(move) / length) if length else 0.0 for move in moved]
+            sizes.append(float(sum(map(abs, terms)) + abs(own) + abs(at.by[j]) * weight * relative[b]))
     return [*(by * weight for by in at.by), *second, *growth], [*[0.0] * len(moved), *sizes, *relative]

@@ -23,13 +23,14 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.number_types import Context, Counts, Mpf, Numbers, Reals
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.derivatives.along_branch import OpenVariations
 from hjsolve.motion.derivatives.along_cycle import CycleVariations
 from hjsolve.motion.derivatives.at_rest import RestVariations
 from hjsolve.motion.derivatives.bounded import Bounded, converted, inverse, stacked, zeros
 from hjsolve.motion.derivatives.formulas import Variables
-from hjsolve.motion.derivatives.shift import shift_slopes
+from hjsolve.motion.derivatives.shift import shift_slopes, shift_tape
 from hjsolve.motion.derivatives.slopes import Slopes
 from hjsolve.motion.separated import SeparatedMotion
 
@@ -59,6 +60,7 @@ class CanonicalMap:
         parts: the separated coordinates with their derivatives.
         free: positions of the constants that are independent.
         tangent: ∂(constants, parameters)/∂(free constants, parameters).
+        shift: derivatives of the shift of momenta; None where there is none.
         context: of the numbers.
     """
 
@@ -67,6 +69,7 @@ class CanonicalMap:
     parts: tuple[CoordinateVariations, ...]
     free: tuple[int, ...]
     tangent: Bounded
+    shift: Tape | None
     context: Context
 
     @property
@@ -87,11 +90,13 @@ class CanonicalMap:
             whole: turns beside them.
             errors: bounds on the errors of χ.
         """
+        count = len(χ[0]) if len(χ) else 0
+        if not count:
+            return []
         slopes = [
             None if isinstance(part, RestVariations) else part.slopes(c, n, e)
             for part, c, n, e in zip(self.parts, χ, whole, errors, strict=True)
         ]
-        count = len(χ[0]) if len(χ) else 0
         return [self._frame(slopes, χ, whole, errors, m) for m in range(count)]
 
     def first_frame(self) -> Frame:
@@ -188,7 +193,10 @@ class CanonicalMap:
         solution, n = self.source.solution, self.freedoms
         names = list(solution.coordinates)
         others = [c for c in solution.system.coordinates if c.name not in names]
-        shift = shift_slopes(solution, self.source.initial, self.variables, places, self.context)
+        shift = None
+        if self.shift is not None:
+            about = solution, self.source.initial, self.variables.count
+            shift = shift_slopes(self.shift, *about, places, self.context)
         q = {name: row for name, row in zip(names, dq, strict=True) if row is not None}
         p = {name: row for name, row in zip(names, dP, strict=True) if row is not None}
         for k, coordinate in enumerate(others):
@@ -257,7 +265,8 @@ def canonical_map(
         own = Bounded.exact(np.array([[context.convert(part.at.by[j]) for j in bound] for part in rest], dtype=object))
         others = np.array([[context.convert(part.at.by[b]) for b in range(n + m)] for part in rest], dtype=object)
         T[bound, :] = -(inverse(own, context).value @ others @ T)
-    return CanonicalMap(source, variables, tuple(parts), free, Bounded.exact(T), context)
+    shift = shift_tape(source.solution, variables)
+    return CanonicalMap(source, variables, tuple(parts), free, Bounded.exact(T), shift, context)
 
 
 def _pivots(rows: list[list[Mpf]]) -> list[int]:
@@ -280,7 +289,7 @@ def _solved(G: Bounded, right: Bounded, context: Context) -> Bounded:
 
 
 def _outer(column: Bounded, row: Bounded) -> Bounded:
-    """A number, or a column, times a row."""
+    """Return a number, or a column, times a row."""
     return Bounded(
         np.multiply.outer(column.value, row.value),
         np.multiply.outer(column.error, row.size) + np.multiply.outer(column.size, row.error),

@@ -201,6 +201,6 @@ def _high_order(
 
 
 def _plain(e: sp.Expr, exponents: Known) -> sp.Expr:
-    """A formula with numbers for exponents, and without sign functions: |x| is analytic on each side."""
+    """Return a formula with numbers for exponents, and without sign functions: |x| is analytic on each side."""
     e = with_plain_exponents(e, dict(exponents)) if exponents else e
     return e.replace(sp.sign, lambda x: sp.Abs(x) / x) if e.has(sp.sign) else e

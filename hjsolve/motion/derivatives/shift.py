@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.number_types import Context, Mpf
-from hjsolve.lowering import lower
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.motion.derivatives.bounded import Bounded
 from hjsolve.motion.derivatives.formulas import Variables
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.initial_data import Initial
+from hjsolve.motion.positions import tape_of
 from hjsolve.solution.quadratures import Solution
 
 
@@ -36,24 +36,22 @@ class ShiftSlopes:
 
 
 def shift_slopes(
-    solution: Solution, initial: Initial, variables: Variables, q: list[Mpf], context: Context
-) -> ShiftSlopes | None:
-    """Return the derivatives of the shift at a place; None where no momentum is shifted.
+    tape: Tape, solution: Solution, initial: Initial, count: int, q: list[Mpf], context: Context
+) -> ShiftSlopes:
+    """Return the derivatives of the shift at a place.
 
     Args:
+        tape: of ``shift_tape``.
         solution: what is solved.
         initial: the exact initial data and constants.
-        variables: what is varied.
+        count: how many variables there are.
         q: places of the separated coordinates.
         context: of the numbers.
     """
-    if all(A == 0 for A in solution.shift.values()):
-        return None
-    tape, known = _tape(solution, variables)
-    values = {solution.constants[c].symbol: initial.constants[c] for c in solution.constants}
-    numbers = [to_bits({**initial.values, **values}[s])(context.prec) for s in known]
+    values = {**initial.values, **{solution.constants[c].symbol: initial.constants[c] for c in solution.constants}}
+    numbers = [to_bits(values[s])(context.prec) for s in _known(solution)]
     found = tape.run(Multi(context.prec), [*(context.convert(x) for x in q), *numbers])
-    ns, count = len(solution.coordinates), variables.count
+    ns = len(solution.coordinates)
     nm = len(solution.system.coordinates) - ns
     parts, position = [], 0
     for shape in ((ns, ns), (ns, count), (nm, ns), (nm, count)):
@@ -63,8 +61,15 @@ def shift_slopes(
     return ShiftSlopes(*parts)
 
 
-@lru_cache(maxsize=64)
-def _tape(solution: Solution, variables: Variables):  # type: ignore[no-untyped-def]  # noqa: ANN202
+def shift_tape(solution: Solution, variables: Variables) -> Tape | None:
+    """Return the formulas of all derivatives of the shift; None where no momentum is shifted.
+
+    Args:
+        solution: what is solved.
+        variables: what is varied.
+    """
+    if all(A == 0 for A in solution.shift.values()):
+        return None
     system = solution.system
     q = [system.coordinate(name).symbol for name in solution.coordinates]
     ignorable = [c for c in system.coordinates if c.name not in solution.coordinates]
@@ -73,5 +78,8 @@ def _tape(solution: Solution, variables: Variables):  # type: ignore[no-untyped-
     outputs = [sp.diff(a, x) for a in A for x in q] + [sp.diff(a, z) for a in A for z in variables.symbols]
     outputs += [sp.diff(a, c.momentum) for c in ignorable for a in A]
     outputs += [sp.diff(law, z) for law in laws for z in variables.symbols]
-    known = [c.symbol for c in solution.constants.values()] + [p.symbol for p in system.parameters]
-    return lower(outputs, [*q, *known]), tuple(known)
+    return tape_of(tuple(outputs), (*q, *_known(solution)))
+
+
+def _known(solution: Solution) -> list[sp.Symbol]:
+    return [c.symbol for c in solution.constants.values()] + [p.symbol for p in solution.system.parameters]

@@ -12,12 +12,15 @@ from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Numbers, Reals
 from hjsolve.errors import NotConvergedError
+from hjsolve.motion.charted.charted_motion import ChartedMotion
 from hjsolve.motion.derivatives.bounded import SAFETY, Bounded, stacked
 from hjsolve.motion.derivatives.canonical import CanonicalMap, Frame, symplectic_inverse
 from hjsolve.motion.derivatives.prepared import MORE, prepared
+from hjsolve.motion.derivatives.told import Told, told_in
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.phases import phases_at
+from hjsolve.motion.positions import positions_at
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.times import read_times
 
@@ -38,7 +41,7 @@ def transition_matrix(motion: Motion, t: object) -> EstimateArray:
     """
     shape, floats, exact = read_times(t)
     found = matrices(motion, floats, exact, parameters=False)[0]
-    return rounded(found, motion.digits, shape)
+    return without_collisions(motion, t, rounded(found, motion.digits, shape))
 
 
 def matrices(
@@ -59,12 +62,12 @@ def matrices(
     Raises:
         NotConvergedError: they did not converge to the digits asked.
     """
-    more = MORE
+    more, told = MORE, told_in(motion, parameters=parameters)
     for _ in range(_TRIES):
-        map_ = prepared(motion, parameters, more)
+        map_ = prepared(motion.as_solved, parameters, more)
         if map_ is None:
             return *_all_ignorable(motion, floats, exact, parameters=parameters), []
-        found = _matrices(map_, floats, exact)
+        found = _matrices(map_, told, floats, exact)
         lacking = _lacking(found[0], motion.digits)
         if lacking <= 0:
             return found
@@ -92,26 +95,50 @@ def first_frame(map_: CanonicalMap) -> Frame:
     return map_.first_frame()
 
 
-def _matrices(
-    map_: CanonicalMap, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]]
-) -> tuple[Bounded, Bounded, list[Frame | None]]:
-    source = map_.source
-    phases = phases_at(source, floats, exact)
+def start_told(map_: CanonicalMap, told: Told | None) -> tuple[Bounded, Bounded]:
+    """Return ∂(B, x, a, y)/∂(q, p)(t₀), and the same by the parameters at fixed (q, p)(t₀).
+
+    Args:
+        map_: of the motion.
+        told: the user's coordinates; None where they are those separated.
+    """
     first = first_frame(map_)
-    start = symplectic_inverse(first.state)
+    inverse, moved = symplectic_inverse(first.state), first.by_parameters
+    if told is not None:
+        source = map_.source
+        system = source.solution.system
+        values = [{}, {}]
+        for c in system.coordinates:
+            for group, symbol in zip(values, (c.symbol, c.momentum), strict=True):
+                group[c.name] = np.array([to_bits(source.initial.values[symbol])(map_.context.prec)], dtype=object)
+        ((C, shift),) = told.changes(source, *values, map_.context)
+        outer = symplectic_inverse(C)
+        return inverse @ outer, -(inverse @ (moved + outer @ shift))
+    return inverse, -(inverse @ moved)
+
+
+def _matrices(
+    map_: CanonicalMap, told: Told | None, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]]
+) -> tuple[Bounded, Bounded, list[Frame | None]]:
+    phases = phases_at(map_.source, floats, exact)
+    start, by_start = start_told(map_, told)
     going = np.flatnonzero(~phases.ended)
-    kept = iter(map_.frames(*([part[going] for part in group] for group in (phases.χ, phases.whole, phases.errors))))
+    found = map_.frames(*([part[going] for part in group] for group in (phases.χ, phases.whole, phases.errors)))
+    if told is not None and found:
+        q, p, _ = positions_at(map_.source, phases)
+        states = ({name: values[going] for name, values in group.items()} for group in (q, p))
+        changes = told.changes(map_.source, *states, map_.context)
+        found = [
+            Frame(C @ frame.state, C @ frame.by_parameters + shift)
+            for frame, (C, shift) in zip(found, changes, strict=True)
+        ]
+    kept = iter(found)
     frames = [None if over else next(kept) for over in phases.ended]
-    n2, m = len(first.state.value), len(map_.variables.parameters)
+    n2, m = len(start.value), len(map_.variables.parameters)
     main, by = [], []
     for frame in frames:
-        if frame is None:
-            main.append(_nothing((n2, n2), map_))
-            by.append(_nothing((n2, m), map_))
-            continue
-        M = frame.state @ start
-        main.append(M)
-        by.append(frame.by_parameters - M @ first.by_parameters)
+        main.append(_nothing((n2, n2), map_) if frame is None else frame.state @ start)
+        by.append(_nothing((n2, m), map_) if frame is None else frame.by_parameters + frame.state @ by_start)
     if not frames:
         return _nothing((0, n2, n2), map_), _nothing((0, n2, m), map_), []
     return stacked(main), stacked(by), frames
@@ -150,6 +177,20 @@ def _all_ignorable(
 
 def _exactly(x: float) -> Callable[[int], Mpf]:
     return lambda bits: multiprecision(bits).mpf(x)
+
+
+def without_collisions(motion: Motion, t: object, found: EstimateArray) -> EstimateArray:
+    """Return matrices with nan for times beyond a collision with a focus.
+
+    Args:
+        motion: any.
+        t: the times.
+        found: one matrix a time.
+    """
+    if not isinstance(motion, ChartedMotion) or motion.ends == (None, None):
+        return found
+    over = np.asarray(motion.at(t).status) != "ok"
+    return EstimateArray(*(np.where(over[..., None, None], np.nan, part) for part in (found.value, found.error)))
 
 
 def rounded(found: Bounded, digits: int, shape: tuple[int, ...] | None) -> EstimateArray:

@@ -175,7 +175,7 @@ class _Search:
         return left, -self.side * d * time * width, d * path.level(z, x), d * level * width
 
     def alone(self) -> tuple[Mpf | None, Mpf | None]:
-        """A coordinate that moves while the other one rests."""
+        """Return a coordinate that moves while the other one rests."""
         k = 1 - int(self.arc.rest or 0)
         c, z, last, longest = self.goal.context, 0 * self.goal, 0 * self.goal, self.goal.context.mpf(_LONGEST)
         for _ in range(_STEPS):

@@ -246,7 +246,7 @@ def _ends(row: Row, tiny: Mpf) -> bool:
 
 
 def _integral(row: Row) -> Row:
-    """The series of the integral from x = 0."""
+    """Return the series of the integral from x = 0."""
     zero = 0 * row[0]
     doubled = (2 * row[0], *row[1:], zero, zero)
     own = [zero, *((doubled[k - 1] - doubled[k + 1]) / (2 * k) for k in range(1, len(row) + 1))]

@@ -67,7 +67,7 @@ class _Ways:
         self.known = self.fixed | {c.symbol: initial.constants[n] for n, c in solution.constants.items()}
 
     def from_inside(self, motion: Motion) -> UmbilicMotion | None:
-        """The motion of one that starts between umbilics."""
+        """Return the motion of one that starts between umbilics."""
         located = {name: motion.separated.located[name] for name in self.names}
         resting = [k for k, place in enumerate(located.values()) if place.course.kind == "equilibrium"]
         for name in [self.names[k] for k in resting]:
@@ -98,7 +98,7 @@ class _Ways:
         return x, d or (1 if x > 0 else -1)
 
     def _course(self, name: str, place: Located) -> Course | None:
-        """The way of a coordinate between double zeros; None where it does not come back to one."""
+        """Return the way of a coordinate between double zeros; None where it does not come back to one."""
         ends = {-1: place.lower, 1: place.upper}
         radicand = coordinate_start(self.solution, self.initial, name).radicand
         zeros = {side: self._zero(end) for side, end in ends.items() if end.kind == "asymptote"}
@@ -114,7 +114,7 @@ class _Ways:
         return Course(radicand, e, e, turning.place(self.bits))
 
     def _zero(self, end: End) -> sp.Expr | None:
-        """A double zero as an exact number: a part of π or a fraction; None where it is neither."""
+        """Return a double zero as an exact number: a part of π or a fraction; None where it is neither."""
         if end.place is None:
             return None
         x = end.place(512)
@@ -133,7 +133,7 @@ class _Ways:
         return paths, partial(self._corner, paths)
 
     def _corner(self, paths: tuple[Path, Path], sides: tuple[int, int]) -> Corner:
-        """The end of an arc at which both coordinates are at the ends named of their ways."""
+        """Return the end of an arc at which both coordinates are at the ends named of their ways."""
         courses = [path.course for path in paths]
         ends = [_exact(c.upper if side > 0 else c.lower) for c, side in zip(courses, sides, strict=True)]
         place = tuple(e for e in ends if e is not None)
@@ -174,7 +174,7 @@ class _Ways:
     def from_umbilic(
         self, place: tuple[sp.Expr, sp.Expr], direction: tuple[Mpf, Mpf], t0: sp.Expr, parts: frozenset[str]
     ) -> UmbilicMotion | None:
-        """The motion that leaves an umbilic, y₁ and y₂ in the ratio given."""
+        """Return the motion that leaves an umbilic, y₁ and y₂ in the ratio given."""
         sides = [1 if y >= 0 else -1 for y in direction]
         beside = [self._beside(n, e, s) for n, e, s in zip(self.names, place, sides, strict=True)]
         located = {n: found for n, found in zip(self.names, beside, strict=True) if found is not None}
@@ -204,7 +204,7 @@ class _Ways:
         return self._motion(motion_of(base), arc, paths, corners)
 
     def _beside(self, name: str, e: sp.Expr, side: int) -> Located | None:
-        """The region of a coordinate beside a double zero."""
+        """Return the region of a coordinate beside a double zero."""
         c = self.solution.system.coordinate(name)
         values = {**self.initial.values, c.symbol: e + side * sp.Rational(_NEAR).limit_denominator(1000)}
         values[c.momentum] = sp.Integer(side)
@@ -217,7 +217,7 @@ class _Ways:
 
 
 def _exact(x: Mpf) -> sp.Expr | None:
-    """A part of π or a fraction that a number is to its digits; None where it is neither."""
+    """Return a part of π or a fraction that a number is to its digits; None where it is neither."""
     c = x.context
     tiny = c.ldexp(1 + abs(x), -min(c.prec, 512) // 2)
     share = c.nint(_MULTIPLES * x / c.pi)
@@ -303,7 +303,7 @@ def refuse_normal(whole: float | Mpf, along: float | Mpf) -> None:
 
 
 def _at_rest(solution: Solution, values: Mapping[sp.Symbol, sp.Expr], energy: sp.Expr) -> Initial:
-    """Initial data with p = 0, and the constants with which p² = 0 at the place in both coordinates."""
+    """Return Initial data with p = 0, and the constants with which p² = 0 at the place in both coordinates."""
     system = solution.system
     names = {name: c.symbol for name, c in solution.constants.items()}
     (other,) = [name for name in names if name != "E"]

@@ -134,7 +134,7 @@ class UmbilicMotion(Motion):
         return _Row(*zip(*told, strict=True))
 
     def _unfolded(self, number: int) -> tuple[Mpf, int]:
-        """A and B of q = A + B q̃, q̃ on the way: turned over at each umbilic that was passed."""
+        """Return a and B of q = A + B q̃, q̃ on the way: turned over at each umbilic that was passed."""
         arcs, k = required(self.arcs), self.unfolding
         course = arcs.paths[k].course
         side, count = (1 if number >= 0 else -1), abs(number)
@@ -177,7 +177,7 @@ class UmbilicMotion(Motion):
         self, q: Mapping[str, Numbers], p: Mapping[str, Numbers], v: Mapping[str, Numbers],
         away: Mapping[str, Numbers], shape: tuple[int, ...] | None,
     ) -> Errors:  # fmt: skip
-        """What the time is not known to, times the velocity, and the rounding of what is told.
+        """Return what the time is not known to, times the velocity, and the rounding of what is told.
 
         h is at least a multiple of the square of the distance from an umbilic, so that q̇ changes by itself over it, in
         proportion, by no more than a few times the relative change of that distance.

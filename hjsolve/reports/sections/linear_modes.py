@@ -136,7 +136,7 @@ def _normal_form(modes: LinearModes) -> Formula:
 
 
 def _limits(modes: LinearModes) -> list[Block]:
-    """The ranges of each parameter of the linear terms in which it is stable."""
+    """Return the ranges of each parameter of the linear terms in which it is stable."""
     held = {s for a in linear_terms(modes.system) for s in sp.sympify(a).free_symbols}
     rows: list[tuple[Text, ...]] = []
     for parameter in modes.system.parameters:
@@ -171,7 +171,7 @@ def _motion(modes: LinearModes, initial: Mapping[str, Any], coordinates: list[st
 
 
 def _complex(value: Any) -> str:
-    """A complex number with ten digits, the part that is rounding left out."""
+    """Return a complex number with ten digits, the part that is rounding left out."""
     parts = [value.real, value.imag]
     real, imag = (0 if abs(x) <= abs(value) * 1e-15 else x for x in parts)
     if imag == 0:

@@ -1,0 +1,123 @@
+r"""Derivatives of the angle variables at t₀: θ_k = Σ_j B_j ∂α_j/∂J_k, the Legendre partner of J in W.
+
+B_j = Σ_i [G_j(χ_i) − G_j(χ_i⁰)] + q_j is what Jacobi's equation of α_j comes to, counted from the phases χ⁰ of angle
+zero: the lower turning point of a libration, the place opposite to the highest barrier of a rotation, which moves with
+the variables like the barrier, q_b = −F_qb/F_qq there. So dθ_k = Σ_j (dB_j ∂α_j/∂J_k + B_j d(∂α_j/∂J_k)).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.motion.angles_along import phase_of_zero
+from hjsolve.motion.derivatives.along_cycle import CycleVariations
+from hjsolve.motion.derivatives.at_rest import RestVariations
+from hjsolve.motion.derivatives.bounded import Bounded, converted, stacked, zeros
+from hjsolve.motion.derivatives.canonical import CanonicalMap
+from hjsolve.motion.derivatives.integrals import MeanMatrix
+from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.one_coordinate.anomaly import TwoBarrierAnomaly
+
+
+def angles_by(map_: CanonicalMap, means: MeanMatrix) -> dict[str, Bounded]:
+    """Return the derivatives of the angles at t₀ by (B, x, a, y) and the parameters, coordinate → one row.
+
+    Args:
+        map_: of the motion.
+        means: K of it.
+    """
+    solution, n, nf = map_.source.solution, map_.freedoms, len(map_.free)
+    columns = 2 * n + len(map_.variables.parameters)
+    Z = variations(map_, columns)
+    B, dB = _laws(map_, Z)
+    others = [c.name for c in solution.system.coordinates if c.name not in solution.coordinates]
+    result = {}
+    for k, name in enumerate([*solution.coordinates, *others]):
+        part = map_.parts[k] if k < len(map_.parts) else None
+        if isinstance(part, RestVariations):
+            continue
+        weights = means.inverse[:, k]
+        row = weights @ dB
+        for f in range(nf):
+            row.value[f] = row.value[f] + weights.value[map_.free[f]]
+            row.error[f] += weights.error[map_.free[f]]
+        slopes = stacked([means.inverse_by(b)[:, k] for b in range(map_.variables.count)], 1)
+        row = row + (B @ slopes) @ Z
+        backward = isinstance(part, CycleVariations) and part.course.direction < 0
+        result[name] = -row if backward else row
+    return result
+
+
+def differentiable_angles(map_: CanonicalMap) -> bool:
+    """Whether the places from which angles are counted have derivatives: not those of two barriers.
+
+    Args:
+        map_: of the motion.
+    """
+    return not any(
+        isinstance(part, CycleVariations)
+        and isinstance(getattr(part.course.anomaly, "inner", part.course.anomaly), TwoBarrierAnomaly)
+        for part in map_.parts
+    )
+
+
+def variations(map_: CanonicalMap, columns: int) -> Bounded:
+    """Return how constants and parameters change with (B, x, a, y) and the parameters.
+
+    Args:
+        map_: of the motion.
+        columns: how many they are.
+    """
+    n, nf = map_.freedoms, len(map_.free)
+    Z = zeros((map_.variables.count, columns), map_.context)
+    Z.value[:, n : n + nf] = map_.tangent.value[:, :nf]
+    Z.value[:, 2 * n :] = map_.tangent.value[:, nf:]
+    return Z
+
+
+def _laws(map_: CanonicalMap, Z: Bounded) -> tuple[Bounded, Bounded]:
+    """B_j, and what the places of angle zero add to its differential, by all columns."""
+    c, solution, n = map_.context, map_.source.solution, len(map_.variables.constants)
+    B, dB = zeros((n,), c), zeros((n, Z.value.shape[1]), c)
+    for part in map_.parts:
+        if isinstance(part, RestVariations):
+            continue
+        start = np.array([c.convert(part.course.start)], dtype=object)
+        begin = np.array([c.convert(phase_of_zero(part.course, c, c.prec))], dtype=object)  # type: ignore[arg-type]
+        none = np.zeros(1, dtype=int)
+        waves, offset = part.waves, np.array([0.0])  # type: ignore[union-attr]
+        _, here = waves.at(start, start)
+        _, there = waves.at(begin, begin)
+        B = B + here[:n, 0] - there[:n, 0]
+        if part.course.rotates:
+            slopes = part.slopes(begin, none, offset)
+            moved = _zero_by(part, begin) @ Z - slopes.q_by[:, 0] @ Z  # type: ignore[arg-type]
+            phase = Bounded(
+                np.array([x / slopes.q.value[0] for x in moved.value], dtype=object),
+                moved.error / abs(float(slopes.q.value[0])),
+            )
+            dB = dB - slopes.integrals[:, :, 0] @ Z
+            rates = slopes.rates[:, 0]
+            dB = dB - Bounded(
+                np.multiply.outer(rates.value, phase.value),
+                np.multiply.outer(rates.error, phase.size) + np.multiply.outer(rates.size, phase.error),
+            )
+    for q in solution.system.coordinates:
+        if q.name not in solution.coordinates:
+            j = map_.variables.constants.index(q.momentum.name)
+            B.value[j] = B.value[j] + to_bits(map_.source.initial.values[q.symbol])(c.prec)
+    return B, dB
+
+
+def _zero_by(part: CycleVariations, begin: np.ndarray) -> Bounded:
+    """How the place of angle zero moves: with the barrier opposite to it, or not at all."""
+    c = part.context
+    place = c.convert(part.course.place(converted(begin, c))[0][0])
+    barrier = place - c.pi * part.course.radian
+    at = part.rule.at(barrier)
+    moves: list[Mpf] = [c.mpf(0)] * len(part.scale)
+    if abs(at.slope) <= abs(at.bend) * c.ldexp(1, -c.prec // 4):
+        moves = [-by / at.bend for by in at.slope_by]
+    half = c.pi * part.course.radian
+    return Bounded.exact(np.array([m + s * half for m, s in zip(moves, part.scale, strict=True)], dtype=object))

@@ -1,0 +1,360 @@
+"""What ``Motion.derivatives`` does: derivatives of the numbers of a motion and of its states, brought to what is varied."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from hjsolve import arguments
+from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Mpf, Numbers, Reals
+from hjsolve.errors import InvalidInputError, required
+from hjsolve.motion.derivatives.along_branch import OpenVariations
+from hjsolve.motion.derivatives.along_cycle import CycleVariations
+from hjsolve.motion.derivatives.angles_by import angles_by, differentiable_angles, variations
+from hjsolve.motion.derivatives.at_rest import RestVariations
+from hjsolve.motion.derivatives.bounded import SAFETY, Bounded, stacked, zeros
+from hjsolve.motion.derivatives.canonical import CanonicalMap
+from hjsolve.motion.derivatives.integrals import MeanMatrix, action_by, has_means, mean_matrix
+from hjsolve.motion.derivatives.prepared import prepared
+from hjsolve.motion.derivatives.results import DEPENDENT, NOT_ALONE, OK, REMARKS, SQUARE_ROOT, Derivatives
+from hjsolve.motion.derivatives.told import Told, told_in
+from hjsolve.motion.derivatives.transition import matrices, start_told
+from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.times import read_times
+
+OF = ("actions", "frequencies", "periods", "turning_points", "constants", "angles", "state")
+"""What may be differentiated."""
+BY = ("initial", "constants", "parameters", "actions")
+"""What it may be differentiated by."""
+
+
+@dataclass(frozen=True, eq=False)
+class Inputs:
+    """One group of what is varied, by (B, x, a, y) and the parameters, and by constants and parameters.
+
+    Attributes:
+        names: of its variables.
+        by_frame: how (B, x, a, y, λ) change with each of them, shape (columns, variables); None where they do not.
+        by: how constants and parameters do, shape (constants and parameters, variables).
+    """
+
+    names: tuple[str, ...]
+    by_frame: Bounded | None
+    by: Bounded
+
+
+@dataclass
+class _Collected:
+    digits: int
+    value: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
+    error: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
+    status: dict[str, dict[str, str]] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
+
+    def put(self, quantity: str, name: str, group: Inputs, rows: Sequence[Bounded | None], shape: Any = ()) -> None:
+        """Keep the derivatives of one number (of a pair of them) by one group.
+
+        Args:
+            quantity, name: of the number.
+            group: what is varied.
+            rows: the derivatives by the group, last axis; one, or a pair with None where there is no number.
+            shape: of the times; the first axis of a row is that of the times where there is one.
+        """
+        values = self.value.setdefault(quantity, {}).setdefault(name, {})
+        errors = self.error.setdefault(quantity, {}).setdefault(name, {})
+        self.status.setdefault(quantity, {}).setdefault(name, OK)
+        for k, variable in enumerate(group.names):
+            found = [None if row is None else self.rounded(row[..., k], shape) for row in rows]
+            values[variable], errors[variable] = (
+                found[0] if len(rows) == 1 else tuple(zip(*(f or (None, None) for f in found), strict=True))  # type: ignore[assignment]
+            )
+
+    def refuse(self, quantity: str, name: str, group: Inputs, status: str, pair: bool = False) -> None:  # noqa: FBT001, FBT002
+        """Keep nan for the derivatives of a number, and why.
+
+        Args:
+            quantity, name: of the number.
+            group: what is varied.
+            status: the word for why.
+            pair: whether it is a pair of numbers.
+        """
+        nan = float("nan")
+        for table, filler in ((self.value, nan), (self.error, nan)):
+            row = table.setdefault(quantity, {}).setdefault(name, {})
+            row.update(dict.fromkeys(group.names, (filler, filler) if pair else filler))
+        self.status.setdefault(quantity, {})[name] = status
+        remark = REMARKS[status].format(name=name)
+        if remark not in self.remarks:
+            self.remarks.append(remark)
+
+    def rounded(self, found: Bounded, shape: Any = ()) -> tuple[Any, Any]:
+        """Return a number, or an array of the shape of the times, rounded to the digits asked, with its error.
+
+        Args:
+            found: the number.
+            shape: of the times.
+        """
+        value, error = np.asarray(found.value, dtype=object), SAFETY * np.asarray(found.error, dtype=float)
+        if self.digits <= FLOAT_DIGITS:
+            plain = value.astype(float)
+            bound = error + EPS * np.abs(plain) / 2
+        else:
+            context = multiprecision(bits_for(self.digits, 16))
+            plain = np.frompyfunc(context.convert, 1, 1)(value)
+            bound = error + float(multiprecision(64).mpf(10) ** -self.digits) * np.abs(value).astype(float)
+        if shape:
+            return np.reshape(plain, shape), np.reshape(bound, shape)
+        one = np.ravel(np.asarray(plain, dtype=object))[0]
+        return one, float(np.ravel(bound)[0])
+
+
+def derivatives_of(motion: Motion, of: Iterable[str], by: Iterable[str], t: object) -> Derivatives:
+    """Differentiate a motion; see ``Motion.derivatives``.
+
+    Args:
+        motion: told in its separated coordinates.
+        of: names of ``OF``.
+        by: names of ``BY``.
+        t: times of the state and the angles; None for t₀.
+
+    Raises:
+        InvalidInputError: another name, a time that is no finite real number, or a motion that has no derivatives.
+        NotConvergedError: an integral did not converge to the digits asked.
+    """
+    wanted, varied = _words(of, "of", OF), _words(by, "by", BY)
+    if "actions" in varied and wanted & {"state", "angles"}:
+        raise InvalidInputError(
+            'derivatives: by={"actions"} is for actions, frequencies, periods, turning points and constants; the state '
+            'and the angles depend on angles too, write by={"initial"} or {"constants"}'
+        )
+    told = told_in(motion, parameters="parameters" in varied)
+    map_ = prepared(motion.as_solved, "parameters" in varied)
+    found = _Collected(motion.digits)
+    if map_ is None:
+        raise InvalidInputError(
+            "derivatives: every coordinate is ignorable, so that q grows evenly; write motion.transition_matrix(t) or "
+            "differentiate solution.separation.shell.potential"
+        )
+    means = mean_matrix(map_)
+    for group in _groups(map_, told, means, varied):
+        _numbers(motion, map_, means, group, wanted, found)
+        if "angles" in wanted:
+            _angles(motion, map_, means, group, t, found)
+    if "state" in wanted:
+        _state(motion, map_, told, varied, t, found)
+    return Derivatives(found.value, found.error, found.status, tuple(found.remarks))
+
+
+def _words(given: Iterable[str], what: str, known: Sequence[str]) -> frozenset[str]:
+    names = arguments.words(given, what, '{"frequencies"}')
+    for name in sorted(names - set(known)):
+        raise InvalidInputError(f'{what}: "{name}" is not known; known are {", ".join(known)}')
+    return names
+
+
+def _groups(
+    map_: CanonicalMap, told: Told | None, means: MeanMatrix | None, varied: frozenset[str]
+) -> list[Inputs]:
+    """Return what is varied, in terms of the constants of the motion."""
+    solution, n = map_.source.solution, map_.freedoms
+    system, c, m = solution.system, map_.context, len(map_.variables.parameters)
+    (inverse, by_parameters), Z = start_told(map_, told), variations(map_, 2 * n + m)
+    names = told.names if told is not None else [q.name for q in system.coordinates]
+    groups = []
+
+    def padded(top: Bounded, bottom: Numbers) -> Bounded:
+        zero = np.zeros(bottom.shape)
+        return Bounded(np.concatenate([top.value, bottom]), np.concatenate([top.error, zero]))
+
+    if "initial" in varied:
+        frame = padded(inverse, np.full((m, 2 * n), c.mpf(0), dtype=object))
+        own = tuple([f"q.{name}" for name in names] + [f"p.{name}" for name in names])
+        groups.append(Inputs(own, frame, Z @ frame))
+    if "parameters" in varied:
+        identity = np.array([[c.mpf(int(i == j)) for j in range(m)] for i in range(m)], dtype=object).reshape(m, m)
+        frame = padded(by_parameters, identity)
+        groups.append(Inputs(map_.variables.parameters, frame, Z @ frame))
+    if "constants" in varied:
+        groups.append(_constants(map_))
+    if "actions" in varied and means is not None:
+        known = means.inverse
+        directions = [p.course.direction if isinstance(p, CycleVariations) else 1 for p in map_.parts]
+        columns = [known[:, k] if d > 0 else -known[:, k] for k, d in enumerate(directions)]
+        columns += [known[:, k] for k in range(len(map_.parts), len(known.value))]
+        others = [q.name for q in system.coordinates if q.name not in solution.coordinates]
+        by = padded(stacked(columns, 1), np.full((m, len(known.value)), c.mpf(0), dtype=object))
+        groups.append(Inputs(tuple(f"J.{name}" for name in [*solution.coordinates, *others]), None, by))
+    return groups
+
+
+def _constants(map_: CanonicalMap) -> Inputs:
+    """Return the constants themselves, at constant β."""
+    c, n, m = map_.context, map_.freedoms, len(map_.variables.parameters)
+    constants = map_.variables.constants
+    by = zeros((map_.variables.count, len(constants)), c)
+    for j in range(len(constants)):
+        by.value[j, j] = c.mpf(1)
+    if map_.resting:
+        return Inputs(constants, None, by)
+    frame = zeros((2 * n + m, len(constants)), c)
+    for f, j in enumerate(map_.free):
+        frame.value[n + f, j] = c.mpf(1)
+    return Inputs(constants, frame, by)
+
+
+def _numbers(
+    motion: Motion, map_: CanonicalMap, means: MeanMatrix | None, group: Inputs, wanted: frozenset[str],
+    found: _Collected,
+) -> None:  # fmt: skip
+    """Actions, frequencies, periods, turning points and constants."""
+    solution = map_.source.solution
+    if "constants" in wanted:
+        for j, name in enumerate(map_.variables.constants):
+            found.put("constants", name, group, [group.by[j]])
+    if "actions" in wanted:
+        for name in motion.actions:
+            if name in solution.coordinates:
+                i = solution.coordinates.index(name)
+                if has_means(map_.parts[i]):
+                    found.put("actions", name, group, [action_by(map_, i) @ group.by])
+                continue
+            momentum = solution.system.coordinate(name).momentum.name
+            found.put("actions", name, group, [group.by[map_.variables.constants.index(momentum)]])
+    for quantity in ("frequencies", "periods"):
+        if quantity in wanted:
+            for name in getattr(motion, quantity):
+                row = _frequency_by(map_, means, name)
+                if row is None:
+                    found.refuse(quantity, name, group, NOT_ALONE)
+                    continue
+                row = row @ group.by
+                if quantity == "periods":
+                    row = _period_by(map_, means, name, row)
+                found.put(quantity, name, group, [row])
+    if "turning_points" in wanted:
+        for i, name in enumerate(solution.coordinates):
+            if name in motion.turning_points:
+                _turning(map_, i, name, group, found)
+
+
+def _frequency_by(map_: CanonicalMap, means: MeanMatrix | None, name: str) -> Bounded | None:
+    if means is None:
+        return None
+    k, direction = _position(map_, name)
+    row = means.frequencies_by()[k]
+    return row if direction > 0 else -row
+
+
+def _period_by(map_: CanonicalMap, means: MeanMatrix | None, name: str, row: Bounded) -> Bounded:
+    """d(2π/|Ω|) = −2π dΩ/(Ω |Ω|)."""
+    k, direction = _position(map_, name)
+    if means is None:
+        return row
+    Ω = means.frequencies[k]
+    value = Ω.value[()] * direction
+    factor = -2 * map_.context.pi / (value * abs(value))
+    uncertainty = abs(float(factor)) * 2 * float(Ω.error) / abs(float(value))
+    return Bounded(row.value * factor, abs(float(factor)) * row.error + uncertainty * row.size)
+
+
+def _position(map_: CanonicalMap, name: str) -> tuple[int, int]:
+    """Row of a coordinate in K, and the sign of its action."""
+    solution = map_.source.solution
+    if name in solution.coordinates:
+        k = solution.coordinates.index(name)
+        part = map_.parts[k]
+        return k, part.course.direction if isinstance(part, CycleVariations) else 1
+    others = [q.name for q in solution.system.coordinates if q.name not in solution.coordinates]
+    return len(map_.parts) + others.index(name), 1
+
+
+def _turning(map_: CanonicalMap, i: int, name: str, group: Inputs, found: _Collected) -> None:
+    part = map_.parts[i]
+    if isinstance(part, RestVariations):
+        found.refuse("turning_points", name, group, SQUARE_ROOT, pair=True)
+        return
+    if isinstance(part, CycleVariations):
+        ends = part.ends or (None, None)
+    else:
+        ends = _open_ends(part)
+    rows = [None if end is None else Bounded.exact(np.array(end, dtype=object)) @ group.by for end in ends]
+    if any(row is not None for row in rows):
+        found.put("turning_points", name, group, rows)
+
+
+def _open_ends(part: OpenVariations) -> tuple[list[Mpf] | None, list[Mpf] | None]:
+    way = part.ahead.branch.way
+    if not way.turning:
+        return None, None
+    return (part.ahead.start, None) if way.side > 0 else (None, part.ahead.start)
+
+
+def _times(motion: Motion, t: object) -> tuple[tuple[int, ...] | None, Reals | None, Sequence[Callable[[int], Mpf]]]:
+    return ((), None, [to_bits(motion.separated.t0)]) if t is None else read_times(t)
+
+
+def _angles(
+    motion: Motion, map_: CanonicalMap, means: MeanMatrix | None, group: Inputs, t: object, found: _Collected
+) -> None:
+    """θ(t) = θ(t₀) + Ω (t − t₀)."""
+    if means is None:
+        return
+    shape, floats, exact = _times(motion, t)
+    c, bits = map_.context, map_.context.prec
+    rules = exact if floats is None else [_exactly(float(x)) for x in floats]
+    gone = [c.convert(rule(bits)) - to_bits(map_.source.t0)(bits) for rule in rules]
+    rows = angles_by(map_, means)
+    for name in motion.frequencies:
+        if group.by_frame is None:
+            found.refuse("angles", name, group, DEPENDENT)
+        elif name not in rows:
+            found.refuse("angles", name, group, SQUARE_ROOT)
+        elif not differentiable_angles(map_):
+            found.refuse("angles", name, group, NOT_ALONE)
+        else:
+            rate = required(_frequency_by(map_, means, name))
+            begin, slope = rows[name] @ group.by_frame, rate @ group.by
+            grown = [Bounded(slope.value * x, slope.error * abs(float(x))) for x in gone]
+            found.put("angles", name, group, [stacked([begin + g for g in grown])], shape)
+
+
+def _exactly(x: float) -> Callable[[int], Mpf]:
+    return lambda bits: multiprecision(bits).mpf(x)
+
+
+def _state(
+    motion: Motion, map_: CanonicalMap, told: Told | None, varied: frozenset[str], t: object, found: _Collected
+) -> None:
+    """q and p at times."""
+    shape, floats, exact = _times(motion, t)
+    main, by, frames = matrices(motion, floats, exact, parameters="parameters" in varied)
+    names = told.names if told is not None else [q.name for q in map_.source.solution.system.coordinates]
+    n = len(names)
+    columns: list[tuple[Inputs, Bounded | None]] = []
+    empty = zeros((0, 0), map_.context)
+    if "initial" in varied:
+        own = tuple([f"q.{name}" for name in names] + [f"p.{name}" for name in names])
+        columns.append((Inputs(own, None, empty), main))
+    if "parameters" in varied:
+        columns.append((Inputs(map_.variables.parameters, None, empty), by))
+    if "constants" in varied:
+        group = _constants(map_)
+        known = [frame for frame in frames if frame is not None]
+        rows = None
+        if group.by_frame is not None and len(known) == len(frames):
+            rows = stacked([frame.state @ group.by_frame[: 2 * n] for frame in known])
+        columns.append((group, rows))
+    for group, rows in columns:
+        for k in range(2 * n):
+            if rows is None:
+                found.refuse("qp"[k >= n], names[k % n], group, DEPENDENT)
+            else:
+                found.put("qp"[k >= n], names[k % n], group, [rows[:, k]], shape)
+
+
