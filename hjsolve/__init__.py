@@ -67,6 +67,9 @@ if TYPE_CHECKING:
     from hjsolve.reports import report as report
     from hjsolve.reports.single_figures import figures as figures
     from hjsolve.scenes import Scene as Scene
+    from hjsolve.semiclassical.level import Level as Level
+    from hjsolve.semiclassical.level import Levels as Levels
+    from hjsolve.semiclassical.level_search import levels as levels
     from hjsolve.separation import Obstruction as Obstruction
     from hjsolve.separation import Separation as Separation
     from hjsolve.separation import Undecided as Undecided
@@ -94,6 +97,8 @@ _PUBLIC = {
     "separation": "separate Separation Obstruction Undecided",
     "solution.quadratures": "solve Solution",
     "energy_momentum.energy_momentum_map": "energy_momentum_map EnergyMomentumMap",
+    "semiclassical.level": "Level Levels",
+    "semiclassical.level_search": "levels",
     "rays.families": "wavefronts Wavefronts",
     "rays.family_curve": "FamilyCurve",
     "ensembles": "ensemble Batch Status",

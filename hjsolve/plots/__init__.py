@@ -15,13 +15,14 @@ if TYPE_CHECKING:
     from hjsolve.plots.draw import plotted as plotted
     from hjsolve.plots.draw import plotted_solution as plotted_solution
     from hjsolve.plots.energy_momentum import plotted_map as plotted_map
+    from hjsolve.plots.ladder import plotted_levels as plotted_levels
     from hjsolve.plots.wavefronts import plotted_wavefronts as plotted_wavefronts
 
 _HOMES = {
-    "animated": "animation", "plotted": "draw", "plotted_batch": "batch", "plotted_map": "energy_momentum",
+    "animated": "animation", "plotted": "draw", "plotted_batch": "batch", "plotted_levels": "ladder", "plotted_map": "energy_momentum",
     "plotted_solution": "draw", "plotted_wavefronts": "wavefronts",
 }  # fmt: skip
-__all__ = ["animated", "plotted", "plotted_batch", "plotted_map", "plotted_solution", "plotted_wavefronts"]
+__all__ = ["animated", "plotted", "plotted_batch", "plotted_levels", "plotted_map", "plotted_solution", "plotted_wavefronts"]
 
 
 def __getattr__(name: str) -> Any:

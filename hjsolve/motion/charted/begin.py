@@ -139,7 +139,7 @@ def _velocity_is_in_space(solution: Solution, given: StartGiven) -> bool:
     """Return True when the velocity is along the axes of the system's place, not the coordinates."""
     names, place = {c.name for c in solution.system.coordinates}, set(solution.system.place)
     velocity = given.velocity
-    return solution.chart is None and isinstance(velocity, Mapping) and bool(velocity) and set(velocity) == place - names
+    return solution.chart is None and isinstance(velocity, Mapping) and bool(velocity) and {*velocity} == place - names
 
 
 def _with_velocity_in_space(solution: Solution, given: StartGiven) -> Motion:

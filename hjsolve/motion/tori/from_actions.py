@@ -6,8 +6,8 @@ Read what is given, find the tori that may have the actions (``search.py``), cho
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -28,12 +28,87 @@ from hjsolve.motion.starting import motion_of, started
 from hjsolve.motion.tori.angles_given import started_at
 from hjsolve.motion.tori.polish import Goal, Torus, polished
 from hjsolve.motion.tori.radicand_curve import RadicandCurve, curves_of
-from hjsolve.motion.tori.search import Candidate, Wanted, candidates
+from hjsolve.motion.tori.search import Candidate, Meant, Wanted, candidates
 from hjsolve.solution.quadratures import Solution
 from hjsolve.time_law.torus import torus_equations
 
 Values = Mapping[str, object]
 _KINDS = ("libration", "rotation", "equilibrium")
+
+
+@dataclass(frozen=True)
+class AskedTorus:
+    """Actions whose tori are asked for.
+
+    Attributes:
+        solution: what is solved.
+        values: symbol → exact number, of the parameters and of ignorable coordinates with their momenta.
+        constants: name → exact number, of those that are known: the ignorable momenta.
+        actions: coordinate → J, exact.
+        digits: asked.
+        parts: what is integrated.
+        exact: False where some input was a float.
+        curves: p² of the separated coordinates.
+    """
+
+    solution: Solution
+    values: Mapping[sp.Symbol, sp.Expr]
+    constants: Mapping[str, sp.Expr]
+    actions: Mapping[str, sp.Expr]
+    digits: int
+    parts: frozenset[str]
+    exact: bool
+    curves: tuple[RadicandCurve, ...]
+
+
+def asked_torus(
+    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], actions: Mapping[str, sp.Expr], digits: int,
+    parts: frozenset[str], *, exact: bool, walls: Mapping[str, tuple[bool, bool]] | None = None,
+) -> AskedTorus:  # fmt: skip
+    """Put together what the search for a torus needs.
+
+    Args:
+        solution: what is solved.
+        values: parameter → exact number.
+        actions: every coordinate that has one → J, exact.
+        digits: asked.
+        parts: what is integrated.
+        exact: False where some input was a float.
+        walls: separated coordinate → which ends of its domain throw it back (lower, upper); none where left out.
+    """
+    values, constants = dict(values), {}
+    for c in solution.system.coordinates:
+        if c.name not in solution.coordinates:
+            values |= {c.symbol: sp.Integer(0), c.momentum: actions[c.name]}
+            constants[c.momentum.name] = actions[c.name]
+    curves = tuple(curves_of(solution, values, walls or {})) if solution.coordinates else ()
+    return AskedTorus(solution, values, constants, actions, digits, parts | {"action", "time"}, exact, curves)
+
+
+def candidates_of(asked: AskedTorus, kinds: Values, meant: Meant | None = None) -> Iterator[Candidate]:
+    """Yield the tori in doubles that may have the actions.
+
+    Args:
+        asked: the actions.
+        kinds: separated coordinate → the kind that is meant; others are left out.
+        meant: tells of the intervals in which the coordinates move whether they are meant; None for all.
+    """
+    return candidates(asked.solution, asked.values, asked.curves, wanted_of(asked), kinds, meant)
+
+
+def tori_of(asked: AskedTorus, found: Iterable[Candidate]) -> list[tuple[Candidate, Torus]]:
+    """Return the tori that have the actions to the digits asked, each once.
+
+    Args:
+        asked: the actions.
+        found: where Newton's method begins.
+    """
+    tori: list[tuple[Candidate, Torus]] = []
+    for candidate in found:
+        torus = polished(_goal(asked, candidate), asked.curves, candidate)
+        if torus is not None and not any(_same(torus, other) for _, other in tori):
+            tori.append((candidate, torus))
+    return tori
 
 
 def motion_on_torus(
@@ -65,38 +140,24 @@ def motion_on_torus(
         raise MissingValueError(f"actions: no value for {', '.join(missing)}; all of {', '.join(names)} are needed")
     θ = dict.fromkeys(names, sp.Integer(0)) | _numbers(angles or {}, names, "angles")
     values = parameter_values(solution.system, arguments.table(parameters, "parameters", '{"m": 1}'))
-    constants = {}
-    for c in solution.system.coordinates:
-        if c.name not in solution.coordinates:
-            values |= {c.symbol: sp.Integer(0), c.momentum: J[c.name]}
-            constants[c.momentum.name] = J[c.name]
-    exact = all_exact(actions, angles, parameters)
+    asked = asked_torus(solution, values, J, digits, parts, exact=all_exact(actions, angles, parameters))
     exact_t0 = number(t0, source="t0")
     if not solution.coordinates:
-        values |= {c.symbol: θ[c.name] for c in solution.system.coordinates}
-        return started(solution, Initial(values, constants, exact), exact_t0, digits, parts)
-    curves = curves_of(solution, values)
-    wanted = _wanted(solution, values, constants, J)
+        values = {**asked.values, **{c.symbol: θ[c.name] for c in solution.system.coordinates}}
+        return started(solution, Initial(values, asked.constants, asked.exact), exact_t0, digits, parts)
     kinds = _kinds_given(solution, kinds)
-    found = list(candidates(solution, values, curves, wanted, kinds))
-    left = _left(solution, curves, found, (q or {}, kinds))
-    tori: list[tuple[Candidate, Torus]] = []
-    parts = parts | {"action", "time"}
-    for candidate in left:
-        goal = _goal(solution, values, constants, J, candidate, digits, parts, exact=exact)
-        torus = polished(goal, curves, candidate)
-        if torus is not None and not any(_same(torus, other) for _, other in tori):
-            tori.append((candidate, torus))
+    left = _left(solution, asked.curves, list(candidates_of(asked, kinds)), (q or {}, kinds))
+    tori = tori_of(asked, left)
     if not tori:
         raise InvalidInputError(_no_torus(J))
     if len(tori) > 1:
-        told = "; ".join(sorted(_told(curves, candidate) for candidate, _ in tori))
+        told = "; ".join(sorted(_told(asked.curves, candidate) for candidate, _ in tori))
         raise InvalidInputError(f"actions: several tori have them; choose one by q={{…}} or kinds={{…}}: {told}")
     torus = tori[0][1]
     courses = [stays for place in torus.located.values() if (stays := place.course.bounded) is not None]
     equations = torus_equations(courses, bits_for(digits, 128))
     motion = SeparatedMotion(
-        solution, torus.initial, exact_t0, digits, parts, torus.located, equations,
+        solution, torus.initial, exact_t0, digits, asked.parts, torus.located, equations,
         turning_points(torus.located, digits), quantities.frequencies(solution, torus.initial, equations, digits),
     )  # fmt: skip
     return motion_of(started_at(motion, θ))
@@ -162,11 +223,15 @@ def _shift(solution: Solution, values: Mapping[sp.Symbol, sp.Expr], name: str) -
     return sp.S.Zero if A == 0 else sp.integrate(A, (q, 0, 2 * sp.pi)) / (2 * sp.pi)
 
 
-def _wanted(
-    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], constants: Mapping[str, sp.Expr], J: Mapping[str, sp.Expr]
-) -> Wanted:
+def wanted_of(asked: AskedTorus) -> Wanted:
+    """Return the actions in doubles, as the search takes them.
+
+    Args:
+        asked: the actions.
+    """
+    solution, constants, J = asked.solution, asked.constants, asked.actions
     names = list(solution.constants)
-    shifts = [float(_shift(solution, values, name)) for name in solution.coordinates]
+    shifts = [float(_shift(solution, asked.values, name)) for name in solution.coordinates]
     return Wanted(
         np.array([float(to_bits(J[name])(64)) for name in solution.coordinates]), np.array(shifts),
         np.array([float(to_bits(constants[name])(64)) if name in constants else 0.0 for name in names]),
@@ -174,16 +239,16 @@ def _wanted(
     )  # fmt: skip
 
 
-def _goal(
-    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], constants: Mapping[str, sp.Expr],
-    J: Mapping[str, sp.Expr], chosen: Candidate, digits: int, parts: frozenset[str], *, exact: bool,
-) -> Goal:  # fmt: skip
-    actions, directions = [], []
+def _goal(asked: AskedTorus, chosen: Candidate) -> Goal:
+    solution, actions, directions = asked.solution, [], []
     for name, cycle in zip(solution.coordinates, chosen.cycles, strict=True):
-        own = J[name] + (_shift(solution, values, name) if cycle.kind == "rotation" else 0)
+        own = asked.actions[name]
+        own += _shift(solution, asked.values, name) if cycle.kind == "rotation" else 0
         directions.append(-1 if sign(own) < 0 else 1)
         actions.append(abs(own))
-    return Goal(solution, values, constants, actions, directions, digits, parts, exact)
+    return Goal(
+        solution, asked.values, asked.constants, actions, directions, asked.digits, asked.parts, asked.exact
+    )  # fmt: skip
 
 
 def _kinds_given(solution: Solution, kinds: Values | None) -> Values:

@@ -20,7 +20,8 @@ from hjsolve.motion.initial_data import Initial, to_bits
 from hjsolve.motion.separated import checked, coordinate_start
 from hjsolve.motion.tori.radicand_curve import RadicandCurve
 from hjsolve.motion.tori.search import Candidate
-from hjsolve.one_coordinate.classify import Located, at_rest, locate
+from hjsolve.one_coordinate.classify import Located, at_rest
+from hjsolve.one_coordinate.walls import between_walls
 from hjsolve.solution.quadratures import Solution
 
 _SPARE = 192
@@ -61,10 +62,23 @@ class Torus:
     Attributes:
         initial: its constants, and some place on it.
         located: separated coordinate → its motion.
+        slopes: ∂J/∂κⱼ of each separated coordinate, J without its sign; shape (n, constants).
     """
 
     initial: Initial
     located: Mapping[str, Located]
+    slopes: Sequence[Sequence[Mpf]]
+
+    def rates(self, unknown: Sequence[int]) -> list[Mpf]:
+        """Return ∂E/∂J of the separated coordinates, J without its sign, where E is the first constant.
+
+        Args:
+            unknown: positions of the separation constants among all.
+        """
+        context = self.slopes[0][0].context
+        matrix = context.matrix([[row[j] for j in unknown] for row in self.slopes])
+        first = context.matrix([int(k == 0) for k in range(len(unknown))])
+        return list(context.lu_solve(matrix.T, first))
 
 
 @dataclass(frozen=True)
@@ -170,7 +184,7 @@ def _tried(
                 located[curve.name] = at_rest(replace(begin, exact=None, forward=0), goal.digits)
             continue
         try:
-            place = locate(checked(begin), goal.digits)
+            place = between_walls(checked(begin), curve.walls, goal.digits)
         except (NotConvergedError, ForbiddenMotionError):
             return None
         course = place.course
@@ -181,7 +195,7 @@ def _tried(
         located[curve.name] = place
         residuals.append(J - abs(course.action))
         slopes.append([context.convert(course.growth(j)) for j in range(len(κ))])
-    return _Trial(Torus(initial, located) if whole else None, tops, residuals, slopes)
+    return _Trial(Torus(initial, located, slopes) if whole else None, tops, residuals, slopes)
 
 
 def _top(curve: RadicandCurve, κ: list[Mpf], top: Mpf, bits: int) -> Mpf:

@@ -44,6 +44,7 @@ class RadicandCurve:
         numbers: rounded.
         lower, upper: ends of the domain; infinite where there are none.
         turn: period of p² along q where the coordinate is an angle or a line along which p² repeats itself; else 0.
+        walls: whether the lower and the upper end of the domain throw the coordinate back.
     """
 
     name: str
@@ -54,6 +55,7 @@ class RadicandCurve:
     lower: float
     upper: float
     turn: float
+    walls: tuple[bool, bool] = (False, False)
 
     def value(self, q: Reals, κ: Reals) -> Reals:
         """Return p² at places, NaN where the formula has no real value.
@@ -143,12 +145,15 @@ class Cycle:
     slopes: Reals
 
 
-def curves_of(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> list[RadicandCurve]:
+def curves_of(
+    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], walls: Mapping[str, tuple[bool, bool]]
+) -> list[RadicandCurve]:
     """Make the curves of all separated coordinates.
 
     Args:
         solution: what is solved.
         values: symbol of a parameter → exact number.
+        walls: coordinate → which ends of its domain throw it back; none where left out.
     """
     constants = tuple(c.symbol for c in solution.constants.values())
     parameters = tuple(p.symbol for p in solution.system.parameters)
@@ -169,7 +174,8 @@ def curves_of(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> list[R
             turn = 0.0 if rate is None else 2 * np.pi / float(to_bits(rate)(64))
         exact = tuple(values[p] for p in parameters)
         numbers = tuple(float(to_bits(x)(64)) for x in exact)
-        result.append(RadicandCurve(name, squared, kernels, exact, numbers, ends[0], ends[1], turn))
+        hard = walls.get(name, (False, False))
+        result.append(RadicandCurve(name, squared, kernels, exact, numbers, ends[0], ends[1], turn, hard))
     return result
 
 
@@ -265,7 +271,7 @@ def _turning_point(curve: RadicandCurve, κ: Reals, top: float, side: int) -> fl
     positive = curve.value(top + side * away, κ) > 0
     first = int(np.argmin(positive))
     if positive[first]:
-        return None
+        return end if curve.walls[side > 0] else None
     inside, outside = (float(away[first - 1]) if first else 0.0), float(away[first])
     for _ in range(_ROUNDS):
         trial = np.linspace(inside, outside, _TRIED + 1)

@@ -8,7 +8,7 @@ stays bounded and of its kind and the residual falls.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +29,10 @@ _WELLS = 4
 """How many wells of one family are looked for."""
 _STEPS, _HALVINGS, _CLOSE = 60, 8, 1e-11
 """Steps of Newton's method and halvings of each, and the relative residual at which it ends."""
+
+
+Meant = Callable[[Sequence[tuple[float, float, bool]]], bool]
+"""Of each coordinate: lower and upper end of where it moves on samples, and whether it goes round."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +94,7 @@ def candidates(
     curves: Sequence[RadicandCurve],
     wanted: Wanted,
     kinds: Mapping[str, object],
+    meant: Meant | None = None,
 ) -> Iterator[Candidate]:
     """Yield the tori found that have the actions wanted, one of each family.
 
@@ -99,6 +104,7 @@ def candidates(
         curves: p² of the separated coordinates.
         wanted: the actions.
         kinds: separated coordinate → the kind that is meant; other families are left out.
+        meant: tells of the intervals in which the coordinates move whether they are meant; None for all.
     """
     samples = _sampled(solution, values, curves, wanted)
     tables = [_runs(curve, samples.constants, at) for curve, at in zip(curves, samples.positions, strict=True)]
@@ -107,6 +113,9 @@ def candidates(
         if curve.name in kinds:
             scores = np.where(table.round == (kinds[curve.name] == "rotation"), scores, np.inf)
     allowed = np.flatnonzero(np.isfinite(scores))
+    if meant is not None:
+        rows = ([(float(t.low[s]), float(t.high[s]), bool(t.round[s])) for t in tables] for s in allowed)
+        allowed = allowed[np.fromiter((meant(row) for row in rows), dtype=bool, count=len(allowed))]
     allowed = np.sort(allowed[np.argsort(scores[allowed], kind="stable")][:_SAMPLES])
     families = _families(curves, tables, allowed)
     found: list[Candidate] = []
@@ -199,8 +208,10 @@ def _sampled(
         grid = curve.samples()
         inner = np.arange(len(grid) // 4, 3 * len(grid) // 4) if curve.turn else np.arange(len(grid))
         places = np.unique(inner[np.linspace(0, len(inner) - 1, min(most, len(inner))).astype(int)])
-        moving = bool(curve.turn) and wanted.of(i, "rotation") > 0
-        choices.append([(k, p) for p in ((0.0, wanted.of(i, "rotation")) if moving else (0.0,)) for k in places])
+        momentum = wanted.of(i, "rotation") if curve.turn else 0.0
+        if all(curve.walls):  # between walls there need not be a place of rest
+            momentum = np.pi * wanted.of(i, "libration") / (curve.upper - curve.lower)
+        choices.append([(k, p) for p in ((0.0, momentum) if momentum > 0 else (0.0,)) for k in places])
     table = np.array(np.meshgrid(*(np.arange(len(c)) for c in choices), indexing="ij")).reshape(n, -1)
     positions = np.stack([np.array([k for k, _ in c])[row] for c, row in zip(choices, table, strict=True)])
     momenta = np.stack([np.array([p for _, p in c])[row] for c, row in zip(choices, table, strict=True)])
@@ -229,7 +240,8 @@ def _runs(curve: RadicandCurve, constants: Reals, at: Integers) -> _Runs:
     p = np.sqrt(np.where(inside, squared, 0))
     steps = np.gradient(grid)
     action = np.sum(p * steps, axis=1) / np.pi
-    bounded = (before >= 0) & (after < size) & positive[rows, start]
+    at_wall = (before < 0) & curve.walls[0], (after >= size) & curve.walls[1]
+    bounded = ((before >= 0) | at_wall[0]) & ((after < size) | at_wall[1]) & positive[rows, start]
     around = np.zeros(len(at), dtype=bool)
     if curve.turn:
         around = np.all(positive, axis=1)
@@ -318,3 +330,57 @@ def _same(curves: Sequence[RadicandCurve], one: Candidate, other: Candidate) -> 
         if (a.kind == "rotation") != (b.kind == "rotation") or (a.kind != "rotation" and 2 * apart > width):
             return False
     return True
+
+
+@dataclass(frozen=True)
+class SampledActions:
+    """What samples of phase space show: bounded motions below some energy; crude.
+
+    Attributes:
+        energies: of the samples, shape (s,).
+        low, high: the intervals in which each coordinate moves, shape (n, s).
+        actions: shape (n, s).
+        rotations: which of them go round, shape (n, s).
+        at_ends: whether p² > 0 next to an end of the domain that is not a wall, of each coordinate; shape (n,).
+    """
+
+    energies: Reals
+    low: Reals
+    high: Reals
+    actions: Reals
+    rotations: Mask
+    at_ends: Mask
+
+
+def sampled_actions(
+    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], curves: Sequence[RadicandCurve], wanted: Wanted,
+    energy: float,
+) -> SampledActions:  # fmt: skip
+    """Look at samples of phase space for the actions that there are below an energy.
+
+    Args:
+        solution: what is solved.
+        values: symbol → exact number, for parameters and the momenta of ignorable coordinates.
+        curves: p² of the separated coordinates.
+        wanted: actions that samples of rotations get.
+        energy: the greatest one, of the first constant.
+    """
+    samples = _sampled(solution, values, curves, wanted)
+    E = samples.constants[0]
+    tables = [_runs(curve, samples.constants, at) for curve, at in zip(curves, samples.positions, strict=True)]
+    with np.errstate(invalid="ignore"):
+        low = np.isfinite(E) & (E <= energy)
+    met = np.array([_meets_an_end(curve, samples.constants[:, low]) for curve in curves])
+    some = np.flatnonzero(low & np.logical_and.reduce([table.bounded for table in tables]))
+    parts = (np.stack([part[some] for part in row]) for row in zip(*((t.low, t.high, t.action, t.round) for t in tables), strict=True))
+    return SampledActions(E[some], *parts, met)
+
+
+def _meets_an_end(curve: RadicandCurve, constants: Reals) -> bool:
+    """Whether p² > 0 next to a finite end of the domain that is not a wall, for some of the constants."""
+    if curve.turn or not constants.shape[1]:
+        return False
+    grid = curve.samples()
+    ends = [(grid[0], curve.lower, curve.walls[0]), (grid[-1], curve.upper, curve.walls[1])]
+    places = np.array([q for q, end, wall in ends if np.isfinite(end) and not wall])
+    return bool(len(places)) and bool(np.any(curve.value(places[None, :], constants[:, :, None]) > 0))

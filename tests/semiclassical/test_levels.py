@@ -1,0 +1,185 @@
+"""Semiclassical levels: against closed forms where they are exact, exact spectra elsewhere, and plain motions."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from mpmath import mp
+
+import hjsolve
+from tests.support import entries
+
+BOX = hjsolve.System({"x": "0 < x < 1"}, "dot(x)**2/2", "0")
+BOUNCER = hjsolve.System({"x": "0 < x"}, "dot(x)**2/2", "x")
+HALF_OSCILLATOR = hjsolve.System({"x": "0 < x"}, "dot(x)**2/2", "x**2/2")
+CALLS = {"morse": {"hbar": "0.1", "up_to": "0.99"}, "pendulum": {"up_to": 20}}
+
+
+def energies(found):
+    return [level.energy.value for level in found]
+
+
+def agree(found, expected):
+    """Whether energies are those expected within their own errors."""
+    assert len(found) == len(expected)
+    for level, E in zip(found, expected, strict=True):
+        assert abs(level.energy.value - E) <= level.energy.error + 2e-16 * abs(E), (dict(level.numbers), E)
+
+
+def test_oscillator_has_its_exact_levels():
+    agree(hjsolve.levels("harmonic-oscillator", up_to=5), [0.5, 1.5, 2.5, 3.5, 4.5])
+
+
+def test_morse_is_exact():
+    """E = ħω (n + ½) − (ħω (n + ½))²/4D with ω = a √(2D/m) (Morse 1929)."""
+    found = hjsolve.levels("morse", **CALLS["morse"])
+    quantum = [0.1 * np.sqrt(2) * (n + 0.5) for n in range(len(found))]
+    agree(found, [w - w**2 / 4 for w in quantum])
+    assert len(found) == 13
+
+
+@pytest.mark.nightly
+def test_hydrogen_has_bohrs_energies_and_degeneracies():
+    found = hjsolve.levels("kepler-spherical", up_to="-0.1")
+    agree(found, [-1 / 2] + 4 * [-1 / 8])
+    assert sorted(tuple(level.numbers.values()) for level in found) == [
+        (0, 0, -1), (0, 0, 0), (0, 0, 1), (0, 1, 0), (1, 0, 0),
+    ]  # fmt: skip
+    assert not any(level.near_separatrix for level in found)
+
+
+@pytest.mark.nightly
+def test_plane_oscillator_counts_both_senses_and_the_lines_through_the_centre():
+    found = hjsolve.levels("isotropic-oscillator-polar", up_to=4)
+    agree(found, [float(n) for n in (1, 2, 2, 3, 3, 3, 4, 4, 4, 4)])
+
+
+def test_sphere_has_the_square_of_l_plus_a_half():
+    found = hjsolve.levels("sphere-geodesics", up_to=4)
+    agree(found, [(l + 0.5) ** 2 / 2 for l in range(3) for _ in range(2 * l + 1)])
+
+
+@pytest.mark.parametrize(
+    ("system", "up_to", "expected", "maslov"),
+    [
+        (BOX, 100, [np.pi**2 * n**2 / 2 for n in (1, 2, 3, 4)], 4),
+        (BOUNCER, 5, [(3 * np.pi * (n + 0.75) / np.sqrt(8)) ** (2 / 3) for n in range(3)], 3),
+        (HALF_OSCILLATOR, 6, [1.5, 3.5, 5.5], 3),
+    ],
+)
+def test_hard_walls_add_two(system, up_to, expected, maslov):
+    found = hjsolve.levels(system, up_to=up_to)
+    np.testing.assert_allclose(energies(found), expected, rtol=1e-15, atol=0)
+    assert {level.maslov["x"] for level in found} == {maslov}
+
+
+def test_pendulum_rotations_come_twice_and_the_separatrix_is_marked():
+    found = hjsolve.levels("pendulum", **CALLS["pendulum"])
+    swings = [level for level in found if level.kinds["theta"] == "libration"]
+    turns = [level for level in found if level.kinds["theta"] == "rotation"]
+    assert [level.numbers["theta"] for level in swings] == list(range(8))
+    assert [level.numbers["theta"] for level in turns] == [-4, 4, -5, 5, -6, 6]
+    assert all(level.energy.value > 9.81 for level in turns)
+    marked = [(level.kinds["theta"], level.numbers["theta"]) for level in found if level.near_separatrix]
+    assert marked == [("libration", 7), ("rotation", -4), ("rotation", 4)]
+    for level in found:  # the same actions by a plain motion with these constants
+        with mp.workdps(30):
+            E = mp.mpf(level.energy.value)
+            m = (1 + E / mp.mpf("9.81")) / 2
+            root = mp.sqrt(mp.mpf("9.81"))
+            K = mp.ellipe(m) - (1 - m) * mp.ellipk(m) if m < 1 else mp.sqrt(m) * mp.ellipe(1 / m)
+            J = 8 * root / mp.pi * K * (1 if m < 1 else mp.mpf(1) / 2)
+            assert abs(abs(level.actions["theta"].value) - J) < 1e-14 * J
+
+
+@pytest.mark.nightly
+def test_wells_of_a_double_well_have_a_level_each():
+    found = hjsolve.levels("double-well", hbar="0.05", up_to="0.02")
+    below = [level for level in found if level.energy.value < 0]
+    assert [level.numbers["x"] for level in below] == [0, 0, 1, 1, 2, 2, 3, 3]
+    assert {np.sign(level.wells["x"][0] + level.wells["x"][1]) for level in below} == {-1.0, 1.0}
+    assert [level.numbers["x"] for level in found if level.near_separatrix] == [3, 3, 8]
+
+
+def test_actions_are_those_of_the_motion_with_the_same_constants():
+    """Stark: a torus found from J = (½, ½, 1) is one on which J is measured to be that."""
+    solution = entries.solved("stark")
+    (level,) = hjsolve.levels(solution, numbers={"u": 0, "v": 1, "phi": 1}, parameters={"F": "0.0005"})
+    again = solution.motion(actions={"u": "0.5", "v": "1.5", "phi": 1}, parameters={"F": "0.0005"})
+    assert again.constants["E"].agrees(level.energy)
+    q, p = again.at(0).q, again.at(0).p
+    plain = solution.motion(q=dict(q), p=dict(p), parameters={"F": "0.0005"})
+    for name, J in level.actions.items():
+        assert plain.actions[name].value == pytest.approx(J.value, rel=1e-13)
+    assert dict(level.maslov) == {"u": 2, "v": 2, "phi": 0}
+
+
+def spectrum(m, g, size=40):
+    """Exact levels of −½Δ − g cos θ on the sphere with ħ = 1, for one m: a matrix over spherical harmonics."""
+    l = np.arange(abs(m), abs(m) + size)
+    coupling = np.sqrt((l[1:] ** 2 - m**2) / (4 * l[1:] ** 2 - 1.0))
+    return np.linalg.eigvalsh(np.diag(l * (l + 1) / 2) - g * (np.diag(coupling, 1) + np.diag(coupling, -1)))
+
+
+@pytest.mark.nightly
+def test_spherical_pendulum_is_near_the_exact_levels():
+    """With ħ = ½ and g = 9.81: E/ħ² are the levels of g/ħ² = 39.24; EBK is good to about ħ²/8."""
+    found = hjsolve.levels("spherical-pendulum", hbar="0.5", up_to="-5")
+    assert len(found) > 4
+    for level in found:
+        exact = 0.25 * spectrum(level.numbers["phi"], 9.81 / 0.25)[level.numbers["theta"]]
+        assert abs(level.energy.value - exact) < 0.05
+    worst = max(abs(lv.energy.value - 0.25 * spectrum(lv.numbers["phi"], 39.24)[lv.numbers["theta"]]) for lv in found)
+    assert worst > 1e-4  # the method is semiclassical, not exact here
+
+
+def test_what_falls_into_a_centre_is_told():
+    found = hjsolve.levels("kepler-planar", up_to="-0.1")
+    assert [level.numbers["theta"] for level in found] == [-1, 1]
+    assert "r falls into an end" in found.skipped[0]
+
+
+def test_numbers_choose():
+    found = hjsolve.levels("kepler-spherical", numbers={"r": range(2), "theta": 1, "phi": -2})
+    np.testing.assert_allclose(energies(found), [-1 / 32, -1 / 50], rtol=1e-15, atol=0)
+
+
+def test_thirty_digits():
+    """J of a rotating pendulum is (4/π) √(g m) E(1/m), m = (1 + E/g)/2."""
+    found = hjsolve.levels("pendulum", up_to=15, numbers={"theta": (5, -5)}, digits=30)
+    assert [level.numbers["theta"] for level in found] == [5, -5, 5]
+    level = found[1]
+    with mp.workdps(50):
+        m = (1 + level.energy.value / mp.mpf("9.81")) / 2
+        assert abs(4 * mp.sqrt(mp.mpf("9.81") * m) * mp.ellipe(1 / m) / mp.pi - 5) < 1e-28
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"up_to": 1, "hbar": 0}, "hbar: a positive number"),
+        ({}, "no up_to and no numbers of theta"),
+        ({"numbers": {"r": 1}}, "'r' is not a coordinate"),
+        ({"numbers": {"theta": "1"}}, r"numbers\[theta\]"),
+    ],
+)
+def test_bad_input_names_what_is_wrong(arguments, words):
+    with pytest.raises(hjsolve.InvalidInputError, match=words):
+        hjsolve.levels("pendulum", **arguments)
+
+
+def test_a_line_has_no_tori():
+    with pytest.raises(hjsolve.InvalidInputError, match="does not come back"):
+        hjsolve.levels("projectile", up_to=1)
+
+
+def test_table_and_ladder():
+    found = hjsolve.levels("pendulum", up_to=12, numbers={"theta": (6, 7, 4, -4)})
+    lines = found.table().split("\n")
+    assert len(lines) == 1 + len(found) == 6
+    assert lines[3].endswith("near a separatrix (theta)")
+    mpl.use("Agg")
+    axes = found.plot()
+    assert len(axes.lines) == 5
+    assert sum(line.get_linestyle() == "--" for line in axes.lines) == 3
