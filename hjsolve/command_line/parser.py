@@ -220,6 +220,7 @@ def _add_report(kinds: _Commands) -> None:
         "--brief", action="store_true",
         help="without closed forms, map of all motions, surface of section, which take most of the time",
     )  # fmt: skip
+    report.add_argument("--paper", metavar="A4|Letter", help="paper of a .pdf (default A4) or of a printed .html")
     report.add_argument("--format", choices=["html", "md", "json", "txt", "tex"], help='of "-o -" (default: txt)')
     _motion_arguments(report)
     report.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the numbers (default 15)")

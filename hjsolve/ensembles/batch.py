@@ -32,8 +32,8 @@ class Batch(ByValue, OrbitColumns):
     are the batches of some of the orbits, ``for orbit in batch`` goes along the first axis.
 
     Attributes:
-        columns: flat name → array: ``actions.r``, ``turning_points.r.lower``, … of what was wanted, a bound on the error
-            of each, such as ``error.actions.r``, ``status`` (a ``Status`` as int8) and ``recomputed``.
+        columns: flat name → array: ``actions.r``, ``turning_points.r.lower``, … of what was wanted, a bound on the
+            error of each, such as ``error.actions.r``, ``status`` (a ``Status`` as int8) and ``recomputed``.
         layout: which quantities and names there are.
         shape: of every array, that of the initial conditions.
     """

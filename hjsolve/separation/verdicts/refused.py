@@ -57,7 +57,7 @@ class Obstruction(Shown):
     def __str__(self) -> str:
         """Return the verdict in one sentence."""
         names, pair = listed_names(c.name for c in self.system.coordinates), dict.fromkeys(self.pair)
-        who = f"couples {listed_names(pair)}" if len(pair) > 1 else f"is not of a separable form in {listed_names(pair)}"
+        who = f"{'couples' if len(pair) > 1 else 'is not of a separable form in'} {listed_names(pair)}"
         part = _PARTS.get(self.part, self.part)
         return f"Does not separate in {names}: the {part} {who}, since {_shown(self.residual)} is not zero everywhere."
 
