@@ -23,7 +23,8 @@ _STYLE = """
 .live sub{font-size:.72em;line-height:0}.live input[type=range]{accent-color:var(--blue);height:1.6rem}
 .live button,.live select{font:.92rem var(--sans);padding:.4rem .9rem;min-height:2.3rem;border:1px solid var(--rule);
 border-radius:5px;background:var(--wash);color:var(--ink);cursor:pointer}
-.live button:hover{border-color:var(--ink)}.live :is(button,input,select,canvas):focus-visible{outline:2px solid var(--blue);outline-offset:2px}
+.live button:hover{border-color:var(--ink)}.live :is(button,input,select,canvas):focus-visible{outline:2px solid var(--blue);
+outline-offset:2px}
 @media (max-width:40rem){.live{padding:.8rem .7rem}.live label{grid-template-columns:2.6rem 1fr 5rem}
 .live input[type=range]{height:2.75rem}.live button,.live select{min-height:2.75rem}}
 .live .buttons{display:flex;gap:.6rem;flex-wrap:wrap;align-items:center;margin:.5rem 0}
@@ -89,7 +90,8 @@ def _controls(tables: LiveTables, data: Mapping[str, Any]) -> str:
 <div class="boards">{boards}</div>
 <table aria-live="polite"><caption>Values of this motion</caption><tbody id="live-numbers"></tbody></table>
 <p class="note">The page interpolates tables that were computed beforehand. During the first {periods} it differs from
-<code>Solution.motion</code> in {worst} at most, which is twice the largest difference found at test points. Later the difference grows in proportion to the time. The sliders end where the kind of motion changes or the tables
+<code>Solution.motion</code> in {worst} at most, which is twice the largest difference found at test points.
+Later the difference grows in proportion to the time. The sliders end where the kind of motion changes or the tables
 are not accurate. {_narrowed(tables)} {turn} {_CHOOSE if data["map"] else ""}</p>
 </section>
 """  # noqa: S608 - a select of HTML
