@@ -125,7 +125,7 @@ class ModalMotion(Shown):
     def at(self, t: object) -> State:
         """Return the state in the coordinates as posed at a time or at an array of times; as ``Motion.at``.
 
-        q and p are N times those of the modes, and their errors |N| times theirs, N being good to far more digits.
+        q and p are N times those of the modes, and their errors abs(N) times theirs. N is known to far more digits.
 
         Args:
             t: a time or an array of times.

@@ -23,7 +23,8 @@ _STYLE = """
 .live sub{font-size:.72em;line-height:0}.live input[type=range]{accent-color:var(--blue);height:1.6rem}
 .live button,.live select{font:.92rem var(--sans);padding:.4rem .9rem;min-height:2.3rem;border:1px solid var(--rule);
 border-radius:5px;background:var(--wash);color:var(--ink);cursor:pointer}
-.live button:hover{border-color:var(--ink)}.live :is(button,input,select,canvas):focus-visible{outline:2px solid var(--blue);
+.live button:hover{border-color:var(--ink)}
+.live :is(button,input,select,canvas):focus-visible{outline:2px solid var(--blue);
 outline-offset:2px}
 @media (max-width:40rem){.live{padding:.8rem .7rem}.live label{grid-template-columns:2.6rem 1fr 5rem}
 .live input[type=range]{height:2.75rem}.live button,.live select{min-height:2.75rem}}
