@@ -56,7 +56,7 @@ def _block(self: HTML5Translator, node: nodes.math_block) -> None:
     anchor = f' id="equation-{node["label"]}"' if node.get("label") else ""
     parts = [part for part in node.astext().split("\n\n") if part.strip()]
     formulas = "".join(_mathml(part, "block") for part in parts)
-    self.body.append(f'<div class="math"{anchor}>{number}{formulas}</div>\n')
+    self.body.append(f'<div class="math"{anchor}><div class="formula">{formulas}</div>{number}</div>\n')
     raise nodes.SkipNode
 
 

@@ -10,7 +10,7 @@ from hjsolve.errors import InvalidInputError
 
 _ABOUT = """\
 Decide whether a mechanical system separates in its coordinates, solve it by quadratures
-(Hamilton-Jacobi), and give numbers that carry their error."""
+(Hamilton-Jacobi), and compute results with error bounds."""
 
 _SYSTEMS = """\
 SYSTEM is an entry of the catalog (see `hjsolve catalog`), or the path of a .toml file of the same
