@@ -86,6 +86,10 @@ def parameter(name: str, value: object = None, *, assume: str = "real", unit: st
     Raises:
         InvalidSystemError: the name cannot be used, the assumption is unknown, or the value does not satisfy it.
         ExpressionError: the value is not a number.
+
+    Example:
+        >>> parameter("k", "1/2", assume="positive").value
+        1/2
     """
     name = arguments.ascii_name(name)
     check_name(name, "parameter")

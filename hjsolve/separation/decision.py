@@ -54,6 +54,12 @@ def separate(system: System | str | Path, *, budget: float = DEFAULT_BUDGET) -> 
     Raises:
         InvalidInputError: not a system, or a negative budget; or T or V divides by what is zero everywhere. What
             cannot be decided is a verdict, no error.
+
+    Example:
+        >>> print(separate("kepler-planar"))
+        Separates in r and theta: it is of Liouville form, and theta is ignorable.
+        >>> separate("henon-heiles").residual
+        2*lambda_*x
     """
     system = system_of(system, "separate")
     budget = arguments.seconds(budget, "budget")

@@ -39,6 +39,11 @@ class Obstruction(Shown):
         conformal: whether the shell is proved to separate at one energy, ``conformal_energy``, though not at every
             energy; None when it was not decided.
         conformal_energy: that energy, a function of parameters and ignorable momenta.
+
+    Example:
+        >>> verdict = separate("henon-heiles")
+        >>> verdict.pair, verdict.residual, verdict.witness.point
+        (('x', 'y'), 2*lambda_*x, {'lambda_': 1, 'x': 2/3})
     """
 
     system: System
