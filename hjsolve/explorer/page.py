@@ -33,8 +33,10 @@ margin:0 auto;padding:1.2rem;align-items:start}
 .explorer .drag,.explorer .portraits svg{max-width:32rem}.explorer .portraits text{font-size:12.5px}
 @media (max-width:40rem){.explorer{padding:.8rem}.explorer .formula{flex-wrap:wrap;gap:.1rem}
 .explorer .formula .scroll{flex-basis:100%}.explorer .q-btn{min-height:2.75rem}
-.explorer .scroll,.explorer .q-expansion-item__content{overflow-x:auto;
-box-shadow:inset -.5rem 0 .5rem -.5rem var(--soft)}}
+.explorer{--page:#fff}.body--dark .explorer{--page:#121212}
+.explorer .scroll,.explorer .q-expansion-item__content{overflow-x:auto;background:
+linear-gradient(to left,var(--page) 40%,transparent) right/2.2rem 100% no-repeat local,
+linear-gradient(to left,rgba(128,128,128,.6),transparent) right/.8rem 100% no-repeat scroll}}
 .explorer .hint{color:var(--soft);font-size:.85rem}
 .explorer .drag svg{cursor:crosshair;touch-action:none}
 .explorer h1{font-size:1.3rem;line-height:1.3;font-weight:600;margin:0}
