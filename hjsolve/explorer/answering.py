@@ -205,7 +205,7 @@ def _refused(question: PageQuestion, verdict: Obstruction | Undecided, search: s
         moving = section_of_refused_motion(verdict.system, _start(question), returns=False)
     except HJSolveError as error:
         return replace(told, problem=_line(error))
-    words = "The motion is drawn where two coordinates are left once the ignorable ones are gone; here it is not."
+    words = "The motion is not drawn here: a drawing needs two coordinates that are not ignorable."
     return replace(told, drawings=_html(Paragraph((words,))) if moving is None else _sections([moving]))
 
 

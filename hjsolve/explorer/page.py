@@ -104,10 +104,10 @@ class ExplorerPage:
         ui.html("<h1>hjsolve: explore a system</h1>", sanitize=False)
         entries = ui.select(catalog.titles(), label="From the catalog", with_input=True, on_change=self._chosen)
         entries.props("dense clearable").mark("catalog")
-        self.coordinates = self._area("coordinates, one a line: x: line, r: 0 < r, theta: angle")
+        self.coordinates = self._area("Coordinates, one per line: x: line, r: 0 < r, theta: angle")
         self.kinetic = self._area("T, with dot(q) or q' for a velocity")
         self.potential = self._area("V")
-        self.parameters = self._area("parameters, one a line: k = 1 : positive")
+        self.parameters = self._area("Parameters, one per line: k = 1 : positive")
         self.start = ui.element("div").classes("start")
         self.inputs: dict[tuple[str, str], ui.input] = {}
         self.find = ui.checkbox("Search for coordinates that separate", on_change=self._typed)

@@ -291,7 +291,7 @@ def _sentence(error: Exception) -> str:
 
 
 def _fell_short(failures: list[str]) -> Section:
-    text = "Some numbers of this motion did not converge to the digits asked, and are left out. What fell short: "
+    text = "Some results of this motion did not reach the requested digits and are omitted. The reason: "
     return Section("unsettled", "What fell short", tuple(Note((text, failure, ".")) for failure in failures))
 
 

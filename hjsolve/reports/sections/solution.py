@@ -157,8 +157,8 @@ def solution_sections(solution: Solution) -> list[Section]:
     )
     if equations:
         timed = any(_holds_time(solution, e) for e in solution.orbit_equations.values())
-        text = "One equation for each further constant: together they are the " + (
-            "motion, for they hold the time." if timed else "orbit, without the time."
+        text = "There is one equation for each further constant. Together they give the " + (
+            "motion, because they contain the time." if timed else "orbit, without the time."
         )
         sections.append(Section("orbit", "Orbit equations", (Paragraph((text,)), *equations)))
     return sections
@@ -207,12 +207,12 @@ def _by_momenta(solution: Solution, expression: sp.Expr) -> sp.Expr:
 
 def _characteristic_function(solution: Solution) -> Section:
     function = constants_outside(solution.characteristic_function)
-    words = "Hamilton's characteristic function; its derivatives by the coordinates are the momenta:"
+    words = "The derivatives of W with respect to the coordinates are the momenta:"
     if _is_long(solution):
         function = _by_momenta(solution, solution.characteristic_function)
         words = (
-            "Its derivatives with respect to the coordinates are the momenta. The integrands here and below are the "
-            "roots of their squares, which are given next:"
+            "The derivatives of W with respect to the coordinates are the momenta. The integrands here and below are "
+            "the roots of their squares, which are given next:"
         )
     equality = sp.Eq(sp.Symbol("W"), function, evaluate=False)
     blocks: list[Block] = [
