@@ -56,7 +56,7 @@ def _block(self: HTML5Translator, node: nodes.math_block) -> None:
     anchor = f' id="equation-{node["label"]}"' if node.get("label") else ""
     parts = [part for part in node.astext().split("\n\n") if part.strip()]
     formulas = "".join(_mathml(part, "block") for part in parts)
-    self.body.append(f'<div class="math"{anchor}>{number}{formulas}</div>\n')
+    self.body.append(f'<div class="math"{anchor}><div class="formula">{formulas}</div>{number}</div>\n')
     raise nodes.SkipNode
 
 
@@ -72,6 +72,47 @@ INNER = {
     "Wavefronts": {"maker"},
 }
 """Fields of public classes that only hjsolve itself reads: they are not on the site."""
+SEE_ALSO = {
+    "System": "separate solve parameter change_coordinates",
+    "parameter": "System",
+    "from_hamiltonian": "solve gyroscopic_modes",
+    "separate": "solve find_coordinates is_integral",
+    "Separation": "separate Obstruction solve",
+    "Obstruction": "separate find_coordinates Undecided",
+    "Undecided": "separate Obstruction",
+    "find_coordinates": "separate solve normal_modes",
+    "normal_modes": "find_coordinates gyroscopic_modes",
+    "gyroscopic_modes": "normal_modes from_hamiltonian",
+    "solve": "separate closed_forms Solution.motion ensemble",
+    "Solution": "solve Motion closed_forms verify",
+    "closed_forms": "solve RegimeForms energy_momentum_map",
+    "RegimeForms": "closed_forms Regime",
+    "verify": "solve canonical is_integral",
+    "canonical": "verify poisson_bracket change_coordinates",
+    "change_coordinates": "System find_coordinates canonical",
+    "poisson_bracket": "is_integral canonical",
+    "is_integral": "poisson_bracket verify",
+    "Motion": "Solution.motion State ensemble report",
+    "State": "Motion.at Estimate",
+    "Estimate": "EstimateArray Measured",
+    "EstimateArray": "Estimate",
+    "Measured": "Estimate Motion.to_units",
+    "ensemble": "Batch sweep Solution.motion",
+    "Batch": "ensemble Status sweep",
+    "Status": "Batch",
+    "sweep": "ensemble Scene SweepResult",
+    "SweepResult": "sweep",
+    "Scene": "sweep report cost",
+    "report": "figures Motion.plot cost",
+    "figures": "report Motion.plot",
+    "cost": "Cost report",
+    "Cost": "cost",
+    "energy_momentum_map": "EnergyMomentumMap Motion wavefronts",
+    "EnergyMomentumMap": "energy_momentum_map",
+    "wavefronts": "Wavefronts Motion.characteristic_function",
+    "Wavefronts": "wavefronts FamilyCurve",
+}
+"""Public name → what a reader of its page may want next."""
 
 
 def _hidden(_app: Sphinx, what: str, name: str, _thing: object, skip: bool | None, _options: object) -> bool | None:
@@ -120,7 +161,14 @@ def _tidied(_app: Sphinx, what: str, name: str, _thing: object, _options: object
                 line, fresh = _dashed(line), False
             kept.append(line)
     flush()
+    if what in ("class", "function") and (others := SEE_ALSO.get(name.rpartition(".")[2])):
+        links = (f":{_role(other)}:`~hjsolve.{other}`" for other in others.split())
+        kept += ["", "See Also:", f"    {', '.join(links)}"]
     lines[:] = kept
+
+
+def _role(name: str) -> str:
+    return "class" if name[0].isupper() and "." not in name else "meth" if "." in name else "func"
 
 
 def _dashed(line: str) -> str:

@@ -45,7 +45,7 @@ class Estimate:
     Example:
         >>> period = Estimate(6.25, 0.5)
         >>> 2 * period, period**2, period - period
-        (Estimate(12.5, error=1.0), Estimate(39.0625, error=6.5), Estimate(0.0, error=1.0))
+        (Estimate(12.5, error=1.0e+0), Estimate(39.0625, error=6.5e+0), Estimate(0.0, error=1.0e+0))
         >>> f"{Estimate(7.41629871, 2.4e-7):S}"
         '7.4162987(3)'
     """

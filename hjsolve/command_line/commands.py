@@ -200,30 +200,38 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
     """Write the report; the exit status and the file."""
     from hjsolve.display.progress import ProgressBar
     from hjsolve.reports.content import gather
-    from hjsolve.reports.document.files import SUFFIXES, checked_path, checked_title
+    from hjsolve.reports.document.files import SUFFIXES, checked_path
     from hjsolve.reports.sections.outside import outside_document
-    from hjsolve.reports.write import outside_entry, refuse_live, save, save_hamiltonian, save_scene, write_document
+    from hjsolve.reports.write import (
+        checked_sheet,
+        outside_entry,
+        refuse_live,
+        save,
+        save_hamiltonian,
+        save_scene,
+        write_document,
+    )
 
     checked_path(target, (".html",) if options.live else SUFFIXES)
-    title = checked_title(options.title or "") if options.system is not None else ""
+    sheet = checked_sheet(options.title or "" if options.system is not None else "", options.paper, target)
     if (scene := arguments_read.scene(options)) is not None:
         refuse_live(options.live)
         with ProgressBar() as progress:
-            return ANSWER, save_scene(scene, target, options.cost, progress, title=title)
+            return ANSWER, save_scene(scene, target, options.cost, progress, sheet=sheet)
     if not options.coordinate and (outside := outside_entry(arguments_read.located(options.system))) is not None:
         refuse_live(options.live)
         given = {"--q": options.q, "--velocity": options.velocity, "--momentum": options.momentum}
         given |= {"--find": options.find, "--cost": options.cost, "--brief": options.brief, "--slider": options.slider}
         given |= {"--motion": options.motion != "default", "--digits": options.digits != 15}
         refuse_unused({name: bool(value) for name, value in given.items()}, "the entry is not given by T and V")
-        return REFUSED, write_document(outside_document(outside), target, title=title)
+        return REFUSED, write_document(outside_document(outside), target, sheet=sheet)
     initial = arguments_read.initial(options)
     if arguments_read.given_hamiltonian(options) is not None:
         refuse_live(options.live)
         given = {"--cost": options.cost, "--brief": options.brief, "--slider": bool(options.slider)}
         refuse_unused(given, "H(q, p) is linear in p, and all of it is closed forms")
         initial = initial or arguments_read.own_motion(options)
-        told: dict[str, Any] = {"initial": initial, "motion": options.motion, "digits": options.digits, "title": title}
+        told: dict[str, Any] = {"initial": initial, "motion": options.motion, "digits": options.digits, "sheet": sheet}
         return ANSWER, save_hamiltonian(arguments_read.located(options.system), target, **told)
     subject: Any = options.system
     with within(options.budget):
@@ -239,7 +247,7 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
     )  # fmt: skip
     with ProgressBar() as progress:
         sliders = arguments_read.sliders(options)
-        told = {"live": options.live, "sliders": sliders, "brief": options.brief, "title": title}
+        told = {"live": options.live, "sliders": sliders, "brief": options.brief, "sheet": sheet}
         return _status(material.verdict), save(material, target, options.cost, progress, **told)
 
 

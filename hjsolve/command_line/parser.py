@@ -10,7 +10,7 @@ from hjsolve.errors import InvalidInputError
 
 _ABOUT = """\
 Decide whether a mechanical system separates in its coordinates, solve it by quadratures
-(Hamilton-Jacobi), and give numbers that carry their error."""
+(Hamilton-Jacobi), and compute results with error bounds."""
 
 _SYSTEMS = """\
 SYSTEM is an entry of the catalog (see `hjsolve catalog`), or the path of a .toml file of the same
@@ -286,6 +286,7 @@ def _add_report(kinds: _Commands) -> None:
         "--brief", action="store_true",
         help="without closed forms, map of all motions, surface of section, which take most of the time",
     )  # fmt: skip
+    report.add_argument("--paper", metavar="A4|Letter", help="paper of a .pdf (default A4) or of a printed .html")
     report.add_argument("--format", choices=["html", "md", "json", "txt", "tex"], help='of "-o -" (default: txt)')
     _motion_arguments(report)
     report.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the numbers (default 15)")

@@ -32,10 +32,15 @@ class Batch(ByValue, OrbitColumns):
     are the batches of some of the orbits, ``for orbit in batch`` goes along the first axis.
 
     Attributes:
-        columns: flat name → array: ``actions.r``, ``turning_points.r.lower``, … of what was wanted, a bound on the error
-            of each, such as ``error.actions.r``, ``status`` (a ``Status`` as int8) and ``recomputed``.
+        columns: flat name → array: ``actions.r``, ``turning_points.r.lower``, … of what was wanted, a bound on the
+            error of each, such as ``error.actions.r``, ``status`` (a ``Status`` as int8) and ``recomputed``.
         layout: which quantities and names there are.
         shape: of every array, that of the initial conditions.
+
+    Example:
+        >>> batch = ensemble("kepler-planar", q={"r": [1.0, 2.0], "theta": 0}, p={"r": 0, "theta": 1.2}, want="actions")
+        >>> batch.summary(), batch[0].actions["theta"].tolist()
+        ({'ok': 2, 'recomputed': 0}, 1.2)
     """
 
     def compute(self, **options: Any) -> Batch:

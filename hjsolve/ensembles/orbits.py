@@ -84,7 +84,7 @@ def ensemble(
     Example:
         >>> batch = ensemble("kepler-planar", q={"r": [1.0, 2.0], "theta": 0}, p={"r": 0, "theta": 1.2}, want="actions")
         >>> batch.status.tolist(), [round(float(J), 6) for J in batch.actions["r"]]
-        (['ok', 'ok'], [0.136306, 0.049...])
+        (['ok', 'ok'], [0.136306, 0.05])
     """
     arguments.refuse_other(fallback, bool, "fallback", "True or False is needed")
     arguments.refuse_other(shown, (bool, type(None)), "shown", "True, False or None (on a terminal) is needed")

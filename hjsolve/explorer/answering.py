@@ -22,7 +22,7 @@ from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Figures, Paragraph, Section, Text
 from hjsolve.reports.drawings import orbit_paths, svg
 from hjsolve.reports.drawings.effective_potential import effective_potential_of
-from hjsolve.reports.drawings.motion_figures import phase_frame, phase_portrait
+from hjsolve.reports.drawings.motion_figures import effective_potential, phase_frame, phase_portrait
 from hjsolve.reports.formats.html import block_html
 from hjsolve.reports.sections import obstruction, system_and_verdict
 from hjsolve.reports.sections.chart import chart_section
@@ -205,7 +205,7 @@ def _refused(question: PageQuestion, verdict: Obstruction | Undecided, search: s
         moving = section_of_refused_motion(verdict.system, _start(question), returns=False)
     except HJSolveError as error:
         return replace(told, problem=_line(error))
-    words = "The motion is drawn where two coordinates are left once the ignorable ones are gone; here it is not."
+    words = "The motion is not drawn here: a drawing needs two coordinates that are not ignorable."
     return replace(told, drawings=_html(Paragraph((words,))) if moving is None else _sections([moving]))
 
 
@@ -219,7 +219,10 @@ def _moving(told: PageAnswer, motion: Motion, *, draggable: bool) -> PageAnswer:
     told = replace(told, numbers=_sections([numbers_section(motion)]), portraits=planes)
     try:
         trace = orbit_paths.trace(motion)
-        drawn = [orbit_paths.orbit(motion, trace, "orbit"), orbit_paths.history(motion, trace, "time")]
+        wells = [effective_potential_of(motion, name) for name in motion.solution.coordinates]
+        several = len(wells) > 1
+        drawn = [effective_potential(well, f"potential-{k}", several=several) for k, well in enumerate(wells)]
+        drawn += [orbit_paths.orbit(motion, trace, "orbit"), orbit_paths.history(motion, trace, "time")]
     except NotConvergedError as error:
         return replace(told, problem=_line(error))
     return replace(told, drawings=_html(Figures(tuple(figure for figure in drawn if figure is not None))))

@@ -22,13 +22,21 @@ margin:0 auto;padding:1.2rem;align-items:start}
 @media (max-width:54rem){.explorer{grid-template-columns:minmax(0,1fr)}}
 .explorer .fields{display:flex;flex-direction:column;gap:.35rem}
 .explorer .portraits{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,22rem),1fr));gap:1rem}
-.explorer .start{display:grid;grid-template-columns:auto 1fr 1fr;gap:.2rem .7rem;align-items:center}
+.explorer .start{display:grid;grid-template-columns:1fr 1fr;gap:.2rem .7rem;align-items:center}
 .explorer .problem{color:var(--red);white-space:pre-wrap;overflow-wrap:anywhere}
 .explorer .problem:empty{display:none}
 .explorer .lead.yes{border-left:3px solid var(--green);padding-left:.8rem}
 .explorer .lead.no{border-left:3px solid var(--red);padding-left:.8rem}
 .explorer .lead.open{border-left:3px solid var(--amber);padding-left:.8rem}
 .explorer .waiting{opacity:.45}
+.explorer section{min-width:0}.explorer .q-expansion-item__content{overflow-x:auto}
+.explorer .drag,.explorer .portraits svg{max-width:32rem}.explorer .portraits text{font-size:12.5px}
+@media (max-width:40rem){.explorer{padding:.8rem}.explorer .formula{flex-wrap:wrap;gap:.1rem}
+.explorer .formula .scroll{flex-basis:100%}.explorer .q-btn{min-height:2.75rem}
+.explorer{--page:#fff}.body--dark .explorer{--page:#121212}
+.explorer .scroll,.explorer .q-expansion-item__content{overflow-x:auto;background:
+linear-gradient(to left,var(--page) 40%,transparent) right/2.2rem 100% no-repeat local,
+linear-gradient(to left,rgba(128,128,128,.6),transparent) right/.8rem 100% no-repeat scroll}}
 .explorer .hint{color:var(--soft);font-size:.85rem}
 .explorer .drag svg{cursor:crosshair;touch-action:none}
 .explorer h1{font-size:1.3rem;line-height:1.3;font-weight:600;margin:0}
@@ -94,18 +102,18 @@ class ExplorerPage:
     # --------------------------------------------------------------------------------------- fields
     def _build_fields(self) -> None:
         ui.html("<h1>hjsolve: explore a system</h1>", sanitize=False)
-        entries = ui.select(catalog.titles(), label="from the catalog", with_input=True, on_change=self._chosen)
+        entries = ui.select(catalog.titles(), label="From the catalog", with_input=True, on_change=self._chosen)
         entries.props("dense clearable").mark("catalog")
-        self.coordinates = self._area("coordinates, one a line: x: line, r: 0 < r, theta: angle")
+        self.coordinates = self._area("Coordinates, one per line: x: line, r: 0 < r, theta: angle")
         self.kinetic = self._area("T, with dot(q) or q' for a velocity")
         self.potential = self._area("V")
-        self.parameters = self._area("parameters, one a line: k = 1 : positive")
+        self.parameters = self._area("Parameters, one per line: k = 1 : positive")
         self.start = ui.element("div").classes("start")
         self.inputs: dict[tuple[str, str], ui.input] = {}
-        self.find = ui.checkbox("look for coordinates that separate", on_change=self._typed)
+        self.find = ui.checkbox("Search for coordinates that separate", on_change=self._typed)
         with ui.row():
-            ui.button("report", on_click=lambda: self._download("report")).props("outline dense no-caps")
-            ui.button("scene", on_click=lambda: self._download("scene")).props("outline dense no-caps")
+            ui.button("Download report", on_click=lambda: self._download("report")).props("outline no-caps")
+            ui.button("Download scene", on_click=lambda: self._download("scene")).props("outline no-caps")
 
     def _area(self, label: str) -> ui.textarea:
         area = ui.textarea(label, on_change=self._typed)
@@ -123,7 +131,6 @@ class ExplorerPage:
         self.inputs = {}
         with self.start:
             for name in names:
-                ui.label(name)
                 for group, label in (("q", name), ("velocity", f"dot({name})")):
                     field = self._field(label)
                     field.set_value(kept.get((group, name), ""))
@@ -188,9 +195,9 @@ class ExplorerPage:
             self.hint = ui.label("The large red point is the start: drag it.").classes("hint")
             self.drawings = ui.html("", sanitize=False)
             self.numbers = ui.html("", sanitize=False).mark("numbers")
-            with ui.expansion("why", value=True).props("dense"):
+            with ui.expansion("Why it separates, or does not", value=True).props("dense"):
                 self.details = ui.html("", sanitize=False)
-            with ui.expansion("W, the time law, the orbit").props("dense"):
+            with ui.expansion("W, time law and orbit equations").props("dense"):
                 self.formulas = ui.html("", sanitize=False)
 
     def _show(self, question: PageQuestion, answer: PageAnswer) -> None:

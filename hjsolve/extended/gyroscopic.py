@@ -222,6 +222,10 @@ def gyroscopic_modes(
         NotConvergedError: exponents too close to tell apart.
         InvalidInputError: no system at all, or digits out of range.
 
+    Example:
+        >>> gyroscopic_modes("gyroscopic-pair").stable
+        True
+
     References:
         Greenwood (1977), (3-117), (3-129), Ex 3-4, P3-10; Arnold, Mathematical Methods, appendix 6.
     """

@@ -80,9 +80,16 @@ def parameter(name: str, value: object = None, *, assume: str = "real", unit: st
         unit: unit of the value, for display.
         meaning: a few words, for display.
 
+    Returns:
+        The parameter, for ``System(parameters=…)``.
+
     Raises:
         InvalidSystemError: the name cannot be used, the assumption is unknown, or the value does not satisfy it.
         ExpressionError: the value is not a number.
+
+    Example:
+        >>> parameter("k", "1/2", assume="positive").value
+        1/2
     """
     name = arguments.ascii_name(name)
     check_name(name, "parameter")

@@ -94,8 +94,8 @@ class System(Shown):
     Example:
         >>> kinetic = "m/2*(dot(r)**2 + r**2*dot(theta)**2)"
         >>> kepler = System({"r": "0 < r", "theta": "angle"}, kinetic, "-k/r", {"m": 1, "k": 1})
-        >>> hamiltonian(kepler)
-        -k/r + p_r**2/(2*m) + p_theta**2/(2*m*r**2)
+        >>> kepler.canonical_equations["p_r"].rhs
+        -k/r**2 + p_theta**2/(m*r**3)
     """
 
     coordinates: tuple[Coordinate, ...]

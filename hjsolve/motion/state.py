@@ -74,6 +74,12 @@ class State(ByValue, Shown):
             motion is too far out for the numbers); the numbers are NaN where it is not ``ok``.
         errors: the rule behind ``error``.
         placing: the rule behind ``place``; None where the system says nothing about it.
+
+    Example:
+        >>> motion = solve("kepler-planar").motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"})
+        >>> state = motion.at([0, "7.5"])
+        >>> state.q["r"].round(6).tolist(), bool(state.error.q["r"].max() < 1e-14)
+        ([1.0, 2.571428], True)
     """
 
     t: object

@@ -296,7 +296,7 @@ def _sentence(error: Exception) -> str:
 
 
 def _fell_short(failures: list[str]) -> Section:
-    text = "Some numbers of this motion did not converge to the digits asked, and are left out. What fell short: "
+    text = "Some results of this motion did not reach the requested digits and are omitted. The reason: "
     return Section("unsettled", "What fell short", tuple(Note((text, failure, ".")) for failure in failures))
 
 
@@ -311,7 +311,11 @@ def _lead(material: Material) -> Text:
     from hjsolve.reports.sections.prose import listed
     from hjsolve.reports.sections.rounded_numbers import quantity
 
+    periods = [motion.periods[name] for name in names]
     pieces: list[Inline] = [" The motion shown is periodic in ", *listed(names), ", with period "]
+    if len(names) > 1 and all(period.agrees(periods[0]) for period in periods):
+        pieces[-1] = ", with the same period "
+        names = names[:1]
     for i, name in enumerate(names):
         pieces += [" and " if i == len(names) - 1 else ", "] if i else []
         pieces.append(quantity(motion.periods[name]))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from hjsolve import catalog
-from hjsolve.arguments import refuse_unused
+from hjsolve.arguments import described, refuse_unused
 from hjsolve.display.progress import Progress
 from hjsolve.display.visible_text import visible
 from hjsolve.errors import InvalidInputError, NotConvergedError, required
@@ -58,6 +58,55 @@ _WRITERS: Mapping[str, Callable[[Document], str]] = {
 }
 
 
+PAPERS = ("A4", "Letter")
+_PRINTED = (".html", ".pdf")
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What a report is called, and the paper it is printed on.
+
+    Attributes:
+        title: in place of the subject's own; empty for that.
+        paper: one of ``PAPERS``, or None.
+    """
+
+    title: str = ""
+    paper: str | None = None
+
+    def on_paper(self, page: str, target: Path) -> str:
+        """Return a page with the size of its paper; a PDF has one always.
+
+        Args:
+            page: HTML with the style sheet of reports.
+            target: the file that is wanted.
+        """
+        paper = self.paper or (PAPERS[0] if target.suffix.lower() == ".pdf" else None)
+        return page if paper is None else page.replace("@page{", f"@page{{size:{paper};", 1)
+
+
+PLAIN = Sheet()
+"""The subject's own title, on the paper of its kind of file."""
+
+
+def checked_sheet(title: str, paper: str | None, target: Path) -> Sheet:
+    """Check title and paper of a report.
+
+    Args:
+        title, paper: as in ``report``.
+        target: the file that is wanted.
+
+    Raises:
+        InvalidInputError: not a title that can be printed, another paper, or paper for a file that is not printed.
+    """
+    known = {name.lower(): name for name in PAPERS}
+    if paper is not None and (not isinstance(paper, str) or paper.lower() not in known):
+        raise InvalidInputError(f'paper: write "{PAPERS[0]}" or "{PAPERS[1]}", not {described(paper)}')
+    if paper is not None and target.suffix.lower() not in _PRINTED:
+        raise InvalidInputError(f"paper: {target.suffix} files have no pages; write .pdf or .html, or leave paper out")
+    return Sheet(checked_title(title), None if paper is None else known[paper.lower()])
+
+
 @one_at_a_time
 def report(
     subject: Subject | Scene | LinearHamiltonian,
@@ -71,6 +120,7 @@ def report(
     sliders: Mapping[str, tuple[float, float] | None] | None = None,
     brief: bool = False,
     title: str = "",
+    paper: str | None = None,
 ) -> Path:
     """Write a report about a system, a verdict, a solution or a motion.
 
@@ -94,6 +144,7 @@ def report(
         brief: whether closed forms, the map of all motions and surfaces of section are left out, which take most of
             the time.
         title: in place of the system's own.
+        paper: ``A4`` or ``Letter`` for .pdf and .html; None is A4 in a PDF, and what the browser's menu says otherwise.
 
     Returns:
         The path written.
@@ -108,26 +159,27 @@ def report(
         >>> report("kepler-planar", "kepler.html")  # doctest: +SKIP
         PosixPath('kepler.html')
     """
-    target, title = checked_path(path, (".html",) if live else SUFFIXES), checked_title(title)
+    target = checked_path(path, (".html",) if live else SUFFIXES)
+    sheet = checked_sheet(title, paper, target)
     if sliders and not live:
         raise InvalidInputError("sliders: only a live report has them; write live=True")
     own = {"initial": initial is not None, "motion": motion != "default", "digits": digits != 15}
     if isinstance(subject, Scene):
         refuse_live(live)
         refuse_unused({**own, "brief": brief}, "a scene says everything itself")
-        return save_scene(subject, target, cost, title=title)
+        return save_scene(subject, target, cost, sheet=sheet)
     if (outside := outside_entry(subject)) is not None:
         refuse_live(live)
         refuse_unused({**own, "cost": bool(cost), "brief": brief}, "an entry not given by T and V has no motions")
-        return write_document(outside_document(outside), target, title=title)
+        return write_document(outside_document(outside), target, sheet=sheet)
     if isinstance(subject, LinearHamiltonian) or (
         isinstance(subject, str | Path) and catalog.hamiltonian(subject) is not None
     ):
         refuse_live(live)
         refuse_unused({"cost": bool(cost), "brief": brief}, "H(q, p) is linear in p, and all of it is closed forms")
-        return save_hamiltonian(subject, target, initial=initial, motion=motion, digits=digits, title=title)
+        return save_hamiltonian(subject, target, initial=initial, motion=motion, digits=digits, sheet=sheet)
     material = gather(subject, initial=initial, motion=motion, digits=digits)
-    return save(material, target, cost, live=live, sliders=sliders, brief=brief, title=title)
+    return save(material, target, cost, live=live, sliders=sliders, brief=brief, sheet=sheet)
 
 
 def refuse_live(live: bool) -> None:
@@ -144,15 +196,16 @@ def refuse_live(live: bool) -> None:
 
 
 def save_scene(
-    scene: Scene, target: Path, cost: bool | float = False, progress: Progress | None = None, *, title: str = ""
-) -> Path:
+    scene: Scene, target: Path, cost: bool | float = False, progress: Progress | None = None, *,
+    sheet: Sheet = PLAIN,
+) -> Path:  # fmt: skip
     """Run a scene and write its report.
 
     Args:
         scene: what is asked.
         target: a path that ``checked_path`` has passed.
         cost, progress: as in ``sections.cost.with_cost``.
-        title: in place of the scene's own.
+        sheet: its title, in place of the scene's own, and its paper.
 
     Returns:
         The path.
@@ -164,7 +217,7 @@ def save_scene(
     from hjsolve.reports.sections.cost import with_cost
     from hjsolve.reports.sections.scene import scene_document
 
-    return write_document(with_cost(scene_document(scene.run()), scene, cost, progress), target, title=title)
+    return write_document(with_cost(scene_document(scene.run()), scene, cost, progress), target, sheet=sheet)
 
 
 def save_hamiltonian(
@@ -174,7 +227,7 @@ def save_hamiltonian(
     initial: Mapping[str, Any] | None,
     motion: str,
     digits: int,
-    title: str = "",
+    sheet: Sheet = PLAIN,
 ) -> Path:
     """Solve H = a(q) p + b(q) and write its report.
 
@@ -184,7 +237,7 @@ def save_hamiltonian(
         initial: keyword arguments for ``problem.motion``, in place of the catalog's initial data.
         motion: which of the entry's motions.
         digits: of the numbers.
-        title: in place of the entry's own.
+        sheet: its title, in place of the entry's own, and its paper.
 
     Returns:
         The path.
@@ -199,13 +252,13 @@ def save_hamiltonian(
     data, about = initial_of(entry, initial, motion)
     started = problem.motion(**data, digits=digits) if data else None
     meanings, summary = (entry.meanings, entry.summary) if entry else ({}, "")
-    return write_document(hamiltonian_document(problem, meanings, summary, started, about, entry), target, title=title)
+    return write_document(hamiltonian_document(problem, meanings, summary, started, about, entry), target, sheet=sheet)
 
 
 def save(
     material: Material, target: Path, cost: bool | float = False, progress: Progress | None = None, *,
     live: bool = False, sliders: Mapping[str, tuple[float, float] | None] | None = None, brief: bool = False,
-    title: str = "",
+    sheet: Sheet = PLAIN,
 ) -> Path:  # fmt: skip
     """Write what was gathered.
 
@@ -213,7 +266,8 @@ def save(
         material: what there is to tell.
         target: a path that ``checked_path`` has passed.
         cost, progress: as in ``sections.cost.with_cost``.
-        live, sliders, brief, title: as in ``report``.
+        live, sliders, brief: as in ``report``.
+        sheet: its title, in place of the system's own, and its paper.
 
     Returns:
         The path.
@@ -231,7 +285,7 @@ def save(
     if live and material.motion is None and material.refused is None:
         refuse_live(live)
     moving = partial(with_live_part, motion=material.motion, sliders=sliders) if live and material.motion else None
-    path = write_document(content, target, moving, title=title)
+    path = write_document(content, target, moving, sheet=sheet)
     if material.refused is not None:
         raise material.refused
     if content.unsettled:
@@ -265,15 +319,16 @@ def with_live_part(text: str, motion: Motion, sliders: Mapping[str, tuple[float,
 
 
 def write_document(
-    content: Document, target: Path, completed: Callable[[str], str] | None = None, *, title: str = ""
-) -> Path:
+    content: Document, target: Path, completed: Callable[[str], str] | None = None, *,
+    sheet: Sheet = PLAIN,
+) -> Path:  # fmt: skip
     """Write a document in the format of its suffix.
 
     Args:
         content: the document.
         target: a path that ``checked_path`` has passed.
         completed: what becomes of the text; None for a page that stands still.
-        title: in place of the document's own.
+        sheet: its title, in place of the document's own, and its paper.
 
     Returns:
         The path.
@@ -281,8 +336,10 @@ def write_document(
     Raises:
         InvalidInputError: the file cannot be written, or no browser prints the PDF.
     """
-    text = _WRITERS[target.suffix.lower()](replace(content, title=title or content.title))
+    text = _WRITERS[target.suffix.lower()](replace(content, title=sheet.title or content.title))
     text = visible(text if completed is None else completed(text))
+    if target.suffix.lower() in _PRINTED:
+        text = sheet.on_paper(text, target)
     made = pdf.printed(text, target) if target.suffix.lower() == ".pdf" else text
     with readable_errors(target):
         files.replace(target, made)

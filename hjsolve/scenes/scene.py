@@ -53,6 +53,10 @@ class Scene(Question):
     Its attributes are those of ``Question``, where each is explained: source, title, summary, table, effects, system,
     forces, parameters, initial, want, times, digits, events, orbit, method, coordinates, velocity_frame,
     certified, seconds, sweep.
+
+    Example:
+        >>> Scene.load("precessing-ellipse.toml").run().trajectory.q["r"]  # doctest: +SKIP
+        array([1.        , 1.00...])
     """
 
     @staticmethod

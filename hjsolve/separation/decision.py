@@ -54,6 +54,12 @@ def separate(system: System | str | Path, *, budget: float = DEFAULT_BUDGET) -> 
     Raises:
         InvalidInputError: not a system, or a negative budget; or T or V divides by what is zero everywhere. What
             cannot be decided is a verdict, no error.
+
+    Example:
+        >>> print(separate("kepler-planar"))
+        Separates in r and theta: it is of Liouville form, and theta is ignorable.
+        >>> separate("henon-heiles").residual
+        2*lambda_*x
     """
     system = system_of(system, "separate")
     budget = arguments.seconds(budget, "budget")
@@ -214,17 +220,19 @@ def _full_forms(setting: Setting, reduced: Reduced) -> tuple[Liouville | None, S
 def _evidence_of(reduced: Reduced, shell: Shell) -> list[ReductionStep]:
     """Return the forms found, as steps."""
     steps = []
+    V = "V_eff" if shell.ignorable else "V"
     if reduced.stackel is not None:
         text = (
-            "Stäckel matrix, from the base-point construction; c^T Phi = (1, 0, ..., 0) and c^T psi = V were "
-            "verified by substitution, exactly. Row i contains coordinate i only."
+            "Read off from the shell on the lines through one base point. Row i contains coordinate i only, and "
+            f"c^T Phi = (1, 0, ..., 0) and c^T psi = {V} were verified by substitution, exactly."
         )
         steps.append(ReductionStep("Stäckel matrix", text, reduced.stackel.matrix))
         text = "The part of the separated equations without separation constants."
         steps.append(ReductionStep("Stäckel column", text, sp.Tuple(*reduced.stackel.column)))
     if reduced.liouville is not None:
         form = reduced.liouville
-        text = "The shell is of Liouville form: T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)."
+        text = "The shell is of Liouville form: T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)"
+        text += ", where V is the effective potential." if shell.ignorable else "."
         steps.append(
             ReductionStep("Liouville form", text, sp.Tuple(sp.Tuple(*form.f), sp.Tuple(*form.R), sp.Tuple(*form.v)))
         )

@@ -69,6 +69,10 @@ class Solution(ShownSolution):
         orbit_equations: name of a constant → −β = ∂W/∂(constant); for all constants but E.
         chart: how the coordinates were found and are related to the user's own, which motions are started and expressed
             in; None where they are the user's own.
+
+    Example:
+        >>> solve("kepler-planar").momenta["r"]
+        sqrt(2*E*m + 2*k*m/r - p_theta**2/r**2)
     """
 
     system: System

@@ -76,6 +76,10 @@ def sweep(
         NotSeparableError: the system does not separate.
         ClusterError: the scheduler was lost, or an orbit kills every worker; the parts written so far stay.
         MissingExtraError: pyarrow, or for a cluster distributed, is not installed.
+
+    Example:
+        >>> sweep("orbits.toml", "orbits.parquet").statuses  # doctest: +SKIP
+        {'ok': 100000}
     """
     try:
         from hjsolve.sweeps.folder import SweepPlan, opened, verified

@@ -73,8 +73,8 @@ def pixel_of(page, momentum: float, energy: float) -> tuple[float, float]:
     return page.execute_script(
         "const {map, sliders} = JSON.parse(document.getElementById('live-data').textContent);"
         "const c = document.getElementById('live-map'), box = c.getBoundingClientRect(), [x, y] = map.window;"
-        "return [34 + (box.width - 42) * (arguments[0] - x[0]) / (x[1] - x[0]) + box.left,"
-        "18 + (box.height - 44) * (y[1] - arguments[1]) / (y[1] - y[0]) + box.top];", momentum, energy,
+        "return [46 + (box.width - 54) * (arguments[0] - x[0]) / (x[1] - x[0]) + box.left,"
+        "22 + (box.height - 56) * (y[1] - arguments[1]) / (y[1] - y[0]) + box.top];", momentum, energy,
     )  # fmt: skip
 
 

@@ -33,6 +33,30 @@ def test_every_public_name_is_described_once():
     assert sorted(described) == sorted(set(hjsolve.__all__) - {"__version__"})
 
 
+def test_see_also_leads_to_public_names():
+    pytest.importorskip("latex2mathml")
+    pytest.importorskip("sphinx")
+    extensions = module("site_extensions")
+    verbs = {name for name in hjsolve.__all__ if type(getattr(hjsolve, name)).__name__ == "function"}
+    assert verbs - set(extensions.SEE_ALSO) == set()
+    for others in extensions.SEE_ALSO.values():
+        for other in others.split():
+            found = hjsolve
+            for part in other.split("."):
+                found = getattr(found, part)
+
+
+def test_outputs_stand_below_the_code():
+    pytest.importorskip("latex2mathml")
+    pytest.importorskip("sphinx")
+    page = "Text\n\n```python\nx = 1\nprint(x)  # 1\nprint(x + 1)  # 2\n```\n"
+    below = module("site_extensions").with_outputs_below(page)
+    assert below == (
+        "Text\n\n```python\nx = 1\nprint(x)\nprint(x + 1)\n```\n\n```{code-block} text\n:class: output\n\n1\n2\n```\n"
+    )
+    assert module("site_extensions").with_outputs_below("```python\nx = 1\n```\n") == "```python\nx = 1\n```\n"
+
+
 def test_every_page_is_in_the_menu():
     index = (DOCS / "index.md").read_text(encoding="utf-8")
     menu = set(re.findall(r"^([\w/-]+)$", index, flags=re.MULTILINE))

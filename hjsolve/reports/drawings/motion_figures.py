@@ -14,7 +14,7 @@ from hjsolve.reports.formulas.one_line_text import spoken
 
 _HALF = 181  # places on one branch of a loop
 _KINDS = {
-    "libration": "swings between its turning points",
+    "libration": "librates between its turning points",
     "rotation": "turns on and on",
     "escape": "runs off to infinity",
     "equilibrium": "rests at an equilibrium",

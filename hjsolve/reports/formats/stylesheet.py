@@ -74,13 +74,22 @@ table.stack td:empty{display:none}}
 .formula .scroll{flex-basis:100%}.tag{max-width:none;text-align:left}th,td{padding-right:.9rem}}
 @media print{:root{--paper:#fff;--ink:#000;--soft:#444;--rule:#bbb;--blue:#1d4e7e;--red:#a3301c;
 --wash:#f4f4f4;--green:#1f5a33;--amber:#6e4d00}
-body{max-width:none;padding:0;font-size:10.5pt}nav{display:none}a{color:inherit;text-decoration:none}
-h2{break-after:avoid;margin-top:1.6rem}figure,table,.formula,.steps li{break-inside:avoid}
-h2+p,h2+.formula,p:has(+.formula),p:has(+.scroll),caption{break-after:avoid}
-p{orphans:3;widows:3}table.long{break-inside:auto}tr{break-inside:avoid}thead{break-after:avoid}thead{display:table-header-group}
-.formula{flex-wrap:wrap}.formula .scroll{min-width:min-content}
-table{font-size:8.4pt}th,td{padding-right:.7rem}
-.figures{grid-template-columns:1fr 1fr}.scroll{overflow:visible}@page{margin:18mm 16mm}}
+body{max-width:none;padding:0;font-size:10.5pt;line-height:1.42}nav{display:none}a{color:inherit;text-decoration:none}
+h1{font-size:19pt}h2{break-after:avoid;margin-top:1.4rem;padding-top:.6rem}
+figure,table,.formula,.note,.answer,.steps li{break-inside:avoid}
+h2+p,h2+.formula,p:has(+.formula),p:has(+.scroll),p:has(+.figures),caption{break-after:avoid}
+h2+p+.formula,h2+p+.scroll{break-before:avoid}.note{break-before:avoid}
+p{orphans:3;widows:3;max-width:none;break-inside:avoid}table.long{break-inside:auto}tr{break-inside:avoid}
+thead{break-after:avoid;display:table-header-group}
+.formula{flex-wrap:wrap;margin:.4rem 0}.formula .scroll{min-width:min-content}
+.formula>.tag:not(:last-child){order:0}
+table{font-size:8.8pt;margin:.6rem 0 .9rem}th,td{padding-right:.7rem}
+p math,li math{font-size:1.04em}td math{font-size:9.2pt}mfrac>*{math-depth:inherit}
+.tag,caption,figcaption,thead th,.error{font-size:8pt}caption{white-space:nowrap}
+.figures{grid-template-columns:1fr 1fr}.figures:has(>figure:only-child){grid-template-columns:min(100%,11.5cm)}
+.scroll{overflow:visible}
+@page{margin:17mm 16mm 19mm;
+@bottom-center{content:counter(page) " / " counter(pages);font:8.5pt sans-serif;color:#444}}}
 """
 
 _LIGHT = (

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from itertools import zip_longest
-from textwrap import fill
+from textwrap import fill, wrap
 
 from hjsolve.arithmetic.printed_digits import raised
 from hjsolve.reports.document import ArgumentStep, Document, Figure, Formula, Section, Steps, Table, Text
@@ -12,6 +13,10 @@ from hjsolve.reports.formulas.layout import Box
 from hjsolve.reports.formulas.one_line_text import plain
 
 _WIDTH = 96
+_WIDEST = 100
+"""Columns of a line; a formula or a table that needs more is broken."""
+_BREAKS = re.compile(r",  ?| (?=[+−=])|(?<=[)]) (?=[(√])|; ")
+"""Where a line of a formula may end."""
 
 
 def text_page(document: Document) -> str:
@@ -21,7 +26,7 @@ def text_page(document: Document) -> str:
         document: the document.
 
     Returns:
-        The whole text, lines of at most 96 letters except where a formula is longer.
+        The whole text, lines of at most 100 letters except where a formula has no place to break it.
     """
     title = f"{document.title}  [{document.subtitle}]" if document.subtitle else document.title
     head = f"{title}\n{'=' * len(title)}\n\n{wrapped((document.sign, *document.answer))}"
@@ -55,7 +60,8 @@ class _TextWriter(PieceWriter, BlockWriter[str]):
 
     def table(self, table: Table) -> str:
         cells = [[line(cell).split("\n") for cell in row] for row in (table.header, *table.rows)]
-        widths = [max(len(part) for row in cells for part in row[i]) for i in range(len(table.header))]
+        cells = _narrowed(cells)
+        widths = _widths(cells)
         lines = [
             "  " + "  ".join(part.ljust(w) for part, w in zip(parts, widths)).rstrip()
             for row in cells
@@ -86,9 +92,47 @@ class _TextWriter(PieceWriter, BlockWriter[str]):
         return raised(text)
 
 
+def _widths(cells: list[list[list[str]]]) -> list[int]:
+    """Return the letters of each column of a table."""
+    return [max(len(part) for row in cells for part in row[i]) for i in range(len(cells[0]))]
+
+
+def _narrowed(cells: list[list[list[str]]]) -> list[list[list[str]]]:
+    """Break the cells of the widest column, as often as it takes, until the table fits a line."""
+    for _ in range(4 * len(cells[0])):
+        widths = _widths(cells)
+        over = 2 * len(widths) + sum(widths) - _WIDEST
+        if over <= 0:
+            break
+        i = max(range(len(widths)), key=widths.__getitem__)
+        room = max(widths[i] - over, widths[i] * 2 // 3, 16)
+        for row in cells:
+            broken = [wrap(part, room, break_long_words=False, break_on_hyphens=False) or [""] for part in row[i]]
+            row[i] = [part for parts in broken for part in parts]
+    return cells
+
+
+def _broken(text: str, indent: str) -> list[str]:
+    """Break a line of a formula where it is longer than a page is wide."""
+    lines = []
+    while len(text) > _WIDEST:
+        places = [match.end() for match in _BREAKS.finditer(text, len(indent) + 8, _WIDEST)]
+        if not places:
+            break
+        lines.append(text[: places[-1]].rstrip())
+        text = f"{indent}      {text[places[-1] :]}"
+    return [*lines, text]
+
+
 def _formula(formula: Formula, indent: str) -> str:
-    tag = f"    [{formula.tag}]" if formula.tag else ""
-    return "\n".join(indent + line for line in plain(formula.box).splitlines()) + tag
+    lines = [part for line in plain(formula.box).splitlines() for part in _broken(indent + line, indent)]
+    if formula.tag:
+        tag = f"    [{formula.tag}]"
+        if len(lines[-1]) + len(tag) <= _WIDEST:
+            lines[-1] += tag
+        else:
+            lines.append(tag.rjust(_WIDEST))
+    return "\n".join(lines)
 
 
 def _step(number: int, step: ArgumentStep) -> str:

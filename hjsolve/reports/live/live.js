@@ -50,7 +50,7 @@
     return equal ? [Math.min(low, -high) - room, Math.max(high, -low) + room] : [low - room, high + room];
   };
   const frame = (canvas, x, y, equal) => {
-    const b = board(canvas), left = 34, bottom = 26, top = 18;
+    const b = board(canvas), left = 46, bottom = 34, top = 22;
     let sx = (b.width - left - 8) / (x[1] - x[0]), sy = (b.height - bottom - top) / (y[1] - y[0]);
     if (equal) sx = sy = Math.min(sx, sy);
     const cx = left + (b.width - left - 8) / 2 - (sx * (x[0] + x[1])) / 2;
@@ -77,17 +77,46 @@
     f.pen.arc(f.px(x), f.py(y), size, 0, 2 * Math.PI);
     f.pen.fill();
   };
-  const labels = (f, across, up, ends) => {
-    f.pen.fillStyle = colour("soft");
-    f.pen.font = "12px system-ui, sans-serif";
-    f.pen.textAlign = "right";
-    f.pen.fillText(across, f.width - 8, f.height - 2);
+  // A name with its index set low: "p_φ" is p with a small φ below the line; the text begins or ends at x.
+  const write = (f, text, x, y, align = "left") => {
+    const parts = text.split(/(_[\p{L}\p{N}]+)/u).filter(Boolean).map((part) => part[0] === "_" && part.length > 1
+      ? { text: part.slice(1), low: 3.5, font: "9.5px system-ui, sans-serif" } : { text: part, low: 0, font: "12.5px system-ui, sans-serif" });
+    let wide = 0;
+    for (const part of parts) { f.pen.font = part.font; part.at = wide; wide += f.pen.measureText(part.text).width; }
+    const begin = align === "right" ? x - wide : align === "center" ? x - wide / 2 : x;
     f.pen.textAlign = "left";
-    f.pen.fillText(up, 4, 12);
-    if (ends) {
-      f.pen.textAlign = "center";
-      for (const v of ends) f.pen.fillText(v.toPrecision(4), f.px(v), f.height - 13);
-    }
+    for (const part of parts) { f.pen.font = part.font; f.pen.fillText(part.text, begin + part.at, y + part.low); }
+  };
+  const ticks = (low, high, most) => {
+    const rough = (high - low) / most, ten = 10 ** Math.floor(Math.log10(rough));
+    const step = ten * ([1, 2, 5, 10].find((m) => m * ten >= rough) || 10), first = Math.ceil(low / step);
+    const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+    return [...Array(Math.max(0, Math.floor(high / step + 1e-9) - first + 1)).keys()].map((k) => {
+      const value = (first + k) * step;
+      return [value, Math.abs(value) >= 1e5 || digits > 4 ? value.toPrecision(2) : value.toFixed(digits).replace("-", "−")];
+    });
+  };
+  const labels = (f, across, up, numbered = true) => {
+    f.pen.fillStyle = colour("soft");
+    write(f, across, f.width - 6, f.height - 6, "right");
+    write(f, up, 4, 13);
+    if (!numbered) return;
+    const value = (pixel, pixels) => (pixel - pixels(0)) / (pixels(1) - pixels(0));
+    const [x, y] = [[value(f.left, f.px), value(f.width - 8, f.px)], [value(f.height - f.bottom, f.py), value(f.top, f.py)]];
+    f.pen.strokeStyle = colour("rule");
+    f.pen.lineWidth = 1;
+    f.pen.beginPath();
+    f.pen.moveTo(f.left, f.top);
+    f.pen.lineTo(f.left, f.height - f.bottom);
+    f.pen.lineTo(f.width - 8, f.height - f.bottom);
+    for (const [v] of ticks(...x, 5)) { f.pen.moveTo(f.px(v), f.height - f.bottom); f.pen.lineTo(f.px(v), f.height - f.bottom + 4); }
+    for (const [v] of ticks(...y, 5)) { f.pen.moveTo(f.left - 4, f.py(v)); f.pen.lineTo(f.left, f.py(v)); }
+    f.pen.stroke();
+    f.pen.font = "10.5px system-ui, sans-serif";
+    f.pen.textAlign = "center";
+    for (const [v, text] of ticks(...x, 5)) f.pen.fillText(text, f.px(v), f.height - f.bottom + 15);
+    f.pen.textAlign = "right";
+    for (const [v, text] of ticks(...y, 5)) f.pen.fillText(text, f.left - 6, f.py(v) + 3.5);
   };
   const well = (k) => {
     const { tape, sign, level } = data.wells[k], part = motion.parts[k], own = data.coordinates[k];
@@ -100,10 +129,22 @@
     }
     const points = [...Array(221).keys()].map((m) => {
       const q = low + ((high - low) * (m + 0.5)) / 221, [F, A] = numbers.run(tape, [q, ...motion.inputs]);
-      return [q, level === null ? -F / 2 : height - F / Math.abs(A)];
+      return [q, level === null ? -F / 2 : height - F / Math.abs(A), F, Math.abs(A)];
     });
     const inside = points.filter(([q]) => own.direction || (q >= part.a && q <= part.b)).map((p) => p[1]).filter(Number.isFinite);
-    return { points, height, low, high, bottom: Math.min(height, ...inside) };
+    return { points, height, low, high, bottom: Math.min(height, ...inside), levels: level === null ? [] : neighbours(points, height, inside) };
+  };
+  // p(q) at other levels of the same potential, P² = F + |A| (level − height), and at the top of a barrier: the separatrix.
+  const neighbours = (points, height, inside) => {
+    const depth = height - Math.min(height, ...inside) || 1;
+    const at = (h, top) => ({ top, up: points.flatMap(([q, , F, A], m) => {
+      const square = F + A * (h - height), own = [q, Math.sqrt(square)], before = points[m - 1];
+      const last = before && before[2] + before[3] * (h - height);
+      const turning = before && square * last < 0 ? [[before[0] + ((q - before[0]) * last) / (last - square), 0]] : [];
+      return [...turning, own];
+    }) });
+    const tops = points.slice(1, -1).map((p, m) => [points[m][1], p[1], points[m + 2][1]]).filter(([l, v, r]) => v > l && v >= r && v < height + 3 * depth);
+    return [...[-0.75, -0.5, -0.25, 0.25, 0.5].map((part) => at(height + part * depth, false)), ...tops.map(([, v]) => at(v, true))];
   };
   const loop = (k) => {
     const own = data.coordinates[k], f = motion.parts[k].root;
@@ -147,7 +188,11 @@
       const row = at("numbers").insertRow();
       const head = document.createElement("th");
       head.scope = "row";
-      head.textContent = name;
+      name.split(/_([\p{L}\p{N}]+)/u).forEach((part, m) => {
+        const piece = m % 2 ? document.createElement("sub") : document.createTextNode(part);
+        if (m % 2) piece.textContent = part;
+        head.append(piece);
+      });
       row.append(head);
       row.insertCell().textContent = value.toPrecision(7);
     }
@@ -169,15 +214,22 @@
     line(f, own.direction ? [[low, height], [high, height]] : [[a, height], [b, height]], "red", 2);
     f.pen.restore();
     dot(f, q, height, "red", 5);
-    labels(f, own.label, data.wells[k].title, own.direction ? null : [a, b]);
+    labels(f, own.label, data.wells[k].title);
   };
   const drawPhase = (k, s) => {
-    const own = data.coordinates[k], points = curves.loops[k], { a, b } = motion.parts[k];
-    const heights = points.map((p) => p[1]);
-    const f = frame(at(`phase-${k}`), range(points.map((p) => p[0])), range(own.direction ? [0, ...heights] : heights));
+    const own = data.coordinates[k], points = curves.loops[k], { low, high, levels } = curves.wells[k];
+    const heights = points.map((p) => p[1]), reach = Math.max(...heights.map(Math.abs));
+    const f = frame(at(`phase-${k}`), [low, high], own.direction ? range([0, ...heights]) : [-1.35 * reach, 1.35 * reach]);
+    f.pen.save();
+    f.pen.beginPath();
+    f.pen.rect(f.left, f.top, f.width - f.left, f.height - f.top - f.bottom);
+    f.pen.clip();
+    for (const { up, top } of levels) for (const sign of [1, -1])
+      line(f, up.map(([q, p]) => [q, sign * p]), top ? "ink" : "blue", top ? 1.2 : 0.7, top ? [5, 3] : []);
+    f.pen.restore();
     line(f, points, "red", 1.6);
     dot(f, own.direction ? turn(s.q[own.name]) : s.q[own.name], s.p[own.name], "red", 5);
-    labels(f, own.label, own.momentum, own.direction ? null : [a, b]);
+    labels(f, own.label, own.momentum);
   };
   const drawOrbit = (s) => {
     const loops = data.where.tape ? time : time % curves.span, now = project(place(s, loops));
@@ -193,7 +245,7 @@
     }
     if (centred) dot(f, 0, 0, "ink", 3);
     dot(f, now[0], now[1], "red", 5);
-    labels(f, data.where.axes[0], data.where.axes[1]);
+    labels(f, data.where.axes[0], data.where.axes[1], !solid);
   };
   const draw = () => {
     const s = state(time);
@@ -215,7 +267,7 @@
     const path = [...Array(601).keys()].map((k) => project(ring(...phases(time + (k / 60 - 10) * T)), true));
     line(f, path, "red", 1.2);
     dot(f, ...project(ring(...phases(time)), true), "red", 5);
-    labels(f, "", `torus: ${data.torus.labels[0]} round the tube, ${data.torus.labels[1]} along`);
+    labels(f, "", `torus: ${data.torus.labels[0]} round the tube, ${data.torus.labels[1]} along`, false);
   };
   const map = () => {
     const [x, y] = data.map.window, [a, b] = data.map.sliders.map((i) => data.sliders[i]);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from html import escape
 from importlib import resources
@@ -19,6 +20,14 @@ _STYLE = """
 .live canvas{width:100%;aspect-ratio:6/5;display:block;touch-action:pan-y}
 .live h2{margin:0 0 .6rem;padding:0;border:0}
 .live figure{margin:0}.live label{display:grid;grid-template-columns:4rem 1fr 6rem;gap:.6rem;align-items:center}
+.live sub{font-size:.72em;line-height:0}.live input[type=range]{accent-color:var(--blue);height:1.6rem}
+.live button,.live select{font:.92rem var(--sans);padding:.4rem .9rem;min-height:2.3rem;border:1px solid var(--rule);
+border-radius:5px;background:var(--wash);color:var(--ink);cursor:pointer}
+.live button:hover{border-color:var(--ink)}
+.live :is(button,input,select,canvas):focus-visible{outline:2px solid var(--blue);
+outline-offset:2px}
+@media (max-width:40rem){.live{padding:.8rem .7rem}.live label{grid-template-columns:2.6rem 1fr 5rem}
+.live input[type=range]{height:2.75rem}.live button,.live select{min-height:2.75rem}}
 .live .buttons{display:flex;gap:.6rem;flex-wrap:wrap;align-items:center;margin:.5rem 0}
 .live table{margin-top:.6rem}.live td{text-align:right;font-variant-numeric:tabular-nums}
 @media print{.live{display:none}}
@@ -40,7 +49,7 @@ def live_page(static: str, motion: Motion, asked: Mapping[str, tuple[float, floa
         The page: one file that asks nothing of the net, and prints as the static report.
 
     Raises:
-        InvalidInputError: the motion is of a kind that has no live report, or a slider cannot be had.
+        InvalidInputError: the motion is of a kind that has no live report, or a slider is not possible.
         NotConvergedError: its tables stay too coarse.
     """
     tables = live_tables(motion, asked)
@@ -69,7 +78,7 @@ def _controls(tables: LiveTables, data: Mapping[str, Any]) -> str:
         )
     )
     speeds = "".join(f'<option value="{v}"{" selected" if v == 1 else ""}>{v} ×</option>' for v in (0.25, 0.5, 1, 2, 4))
-    worst = "; ".join(f"{escape(label(n))} by {v:.1e}" for n, v in tables.bounds.items())
+    worst = "; ".join(f"{_low(label(n))} by {v:.1e}" for n, v in tables.bounds.items())
     periods = "two periods" if len(named) == 1 else "two of the longest periods"
     turn = "Drag the orbit, or use the arrow keys on it, to turn it." if data["where"]["solid"] else ""
     return f"""<section id="live" class="live" aria-labelledby="live-h" hidden="hidden">
@@ -80,13 +89,18 @@ def _controls(tables: LiveTables, data: Mapping[str, Any]) -> str:
 <label style="display:inline"><span>Speed</span> <select id="live-speed">{speeds}</select></label>
 <span id="live-time"></span></div>
 <div class="boards">{boards}</div>
-<table aria-live="polite"><caption>Numbers of this motion</caption><tbody id="live-numbers"></tbody></table>
-<p class="note">Computed beforehand and interpolated between: during the first {periods} the page differs from
-<code>Solution.motion</code> in {worst} at most: twice the largest difference found at test points of the range.
-Later the difference grows as the time does. The sliders end where the motion would become one of another kind, or
-tables too coarse. {_narrowed(tables)} {turn} {_CHOOSE if data["map"] else ""}</p>
+<table aria-live="polite"><caption>Values of this motion</caption><tbody id="live-numbers"></tbody></table>
+<p class="note">The page interpolates tables that were computed beforehand. During the first {periods} it differs from
+<code>Solution.motion</code> in {worst} at most, which is twice the largest difference found at test points.
+Later the difference grows in proportion to the time. The sliders end where the kind of motion changes or the tables
+are not accurate. {_narrowed(tables)} {turn} {_CHOOSE if data["map"] else ""}</p>
 </section>
 """  # noqa: S608 - a select of HTML
+
+
+def _low(name: str) -> str:
+    """Return a name as HTML, its index set low."""
+    return re.sub(r"_(\w+)", r"<sub>\1</sub>", escape(name))
 
 
 def _of_coordinate(k: str, q: str) -> tuple[tuple[str, str], ...]:
@@ -97,7 +111,7 @@ def _of_coordinate(k: str, q: str) -> tuple[tuple[str, str], ...]:
 def _narrowed(tables: LiveTables) -> str:
     """Return, for each range that was narrowed, the one requested, the one covered, and why."""
     return " ".join(
-        f"The requested range of {escape(label(s.name))} is {s.asked[0]:.6g} to {s.asked[1]:.6g}; the tables cover "
+        f"The requested range of {_low(label(s.name))} is {s.asked[0]:.6g} to {s.asked[1]:.6g}; the tables cover "
         f"{s.low:.6g} to {s.high:.6g}, beyond which the kind of motion changes or the tables are not accurate."
         for s in tables.sliders
         if s.asked is not None and (s.low > s.asked[0] or s.high < s.asked[1])
@@ -107,6 +121,6 @@ def _narrowed(tables: LiveTables) -> str:
 def _slider(k: int, s: Mapping[str, Any]) -> str:
     begin = round(1000 * (s["value"] - s["low"]) / (s["high"] - s["low"]))
     return (
-        f'<label><span>{escape(s["label"])}</span><input id="live-slider-{k}" type="range" min="0" max="1000" '
+        f'<label><span>{_low(s["label"])}</span><input id="live-slider-{k}" type="range" min="0" max="1000" '
         f'step="1" value="{begin}"/><output id="live-value-{k}"></output></label>\n'
     )

@@ -61,7 +61,7 @@ def slider_ranges(
         kept = kept[1:] if kept[0] not in asked else kept[:-1]
     if reach is None:
         raise InvalidInputError(
-            "live: this motion is too near to one of another kind for sliders next to it; report it without live=True"
+            "live: this motion is too close to another kind of motion for sliders; write its report without live=True"
         )
     if lost := [name for name in asked if name not in kept]:
         raise InvalidInputError(f"live: {', '.join(lost)} cannot change together with {', '.join(kept)}; ask for fewer")

@@ -96,7 +96,7 @@ def live_tables(motion: Motion, asked: Asked | None = None) -> LiveTables:
             break
     page = replace(found, bounds=bounds_of(subject, found.sliders, found.motion, _MOTIONS))
     if found.table.size > _MOST_NUMBERS or _worst(page, sizes) > _COARSE:
-        raise NotConvergedError("live: the tables of this motion stay too coarse; report it without live=True")
+        raise NotConvergedError("live: its tables are not accurate enough; write this report without live=True")
     return page
 
 

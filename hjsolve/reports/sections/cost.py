@@ -44,8 +44,8 @@ def cost_section(table: Cost) -> Section:
     blocks += [cheapest] if cheapest is not None else []
     blocks.append(_table(table))
     note = (
-        "Claimed and true errors are the worst of all numbers, relative to the size of each. An integrator claims no "
-        "error: its digits are those of its tolerance. Times are processor time, medians, without the symbolic "
+        "Claimed and true errors are the largest of all results, relative to the size of each. An integrator claims no "
+        "error; its digits are those of its tolerance. Times are processor time, medians, without the symbolic "
         "solution and without compilation."
     )
     return Section("cost", "What accuracy costs", (*blocks, Note((note,))))

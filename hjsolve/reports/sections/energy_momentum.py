@@ -47,9 +47,9 @@ def _monodromy(found: EnergyMomentumMap) -> list[Block]:
             gained += [*([", "] if gained else []), Mathematics(name_box(name)), words]
     text: list[Inline] = [
         "At ", x, f" = {value.x:.6g}, ", y, f" = {value.y:.6g} lies an isolated critical value: the system can rest "
-        "there, and the same kind of motion is all round it. Followed once round it the tori come back with the "
-        f"monodromy matrix {matrix}: ", *(gained or ["no angle gains a turn"]), " per cycle. ",
+        "there, and motions of one kind surround it. Continued once round it, the tori return with the monodromy "
+        f"matrix {matrix} of the actions: ", *(gained or ["no angle gains a turn"]), " per cycle. ",
     ]  # fmt: skip
     if not turned.trivial:
-        text.append("So no choice of actions is smooth on all of that region (Duistermaat; Cushman).")
+        text.append("No choice of actions is therefore smooth on the whole region (Duistermaat; Cushman).")
     return [Paragraph(tuple(text))]

@@ -250,8 +250,8 @@ def _effort(motion: Motion) -> Paragraph:
     used = f", from {nodes} quadrature nodes at most per coordinate" if nodes else ""
     return Paragraph(
         (
-            f"Numbers were asked to {digits} digits ({arithmetic}){used}. Initial data and constants of the motion "
-            "were kept exact; turning points come from them at a precision raised until all digits asked are right. No "
+            f"Results were requested to {digits} digits ({arithmetic}){used}. Initial data and constants of the motion "
+            "are exact. The precision of the turning points was raised until all requested digits were right. No "
             "differential equation was integrated.",
         )
     )

@@ -34,7 +34,7 @@ def frame_section(frame: Frame, solution: Solution | None) -> Section:
         *(formula(name_box(name), place) for name, place in frame.place.items()),
     ]
     if frame.gauge != 0:
-        words = "The two Lagrangians differ by the derivative of a function by the time, which changes no motion:"
+        words = "The two Lagrangians differ by the total time derivative of a function, which changes no motion:"
         blocks += [Paragraph((words,)), formula(Glyph("Λ"), frame.gauge)]
     if solution is not None:
         blocks += [

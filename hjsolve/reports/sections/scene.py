@@ -64,7 +64,7 @@ def scene_document(run: Run) -> Document:
     else:
         verdict = ""
         lead = (
-            "This scene was handed to an integrator, as it asks: no Hamilton-Jacobi solution covers what acts here.",
+            "This scene asks for numerical integration: no Hamilton-Jacobi solution covers its forces.",
         )
     if run.trajectory is not None:
         sections.append(_path(run))
@@ -156,8 +156,8 @@ def _path(run: Run) -> Section:
 
 def _drift(run: Run) -> Section:
     text = (
-        "These quantities would be constant without what separation cannot take. They were followed along the way; the "
-        "figure shows their change since the start."
+        "These quantities would be constant without the forces that destroy separability. The figure shows their "
+        "change since the start."
     )
     t = np.array([float(x) for x in required(run.scene.times).exact()])
     changes = {name: np.asarray(values, float) for name, values in run.drift.items()}

@@ -78,8 +78,22 @@ def _stackel(form: Stackel, whose: _Whose) -> list[Block]:
     comma, zero = Glyph(",", "operator"), Glyph("0", "number")
     one = Fence(row(Glyph("1", "number"), comma, zero, comma, Glyph("…", "operator"), comma, zero))
     text: Text = (
-        f"Stäckel matrix Φ, column ψ and coefficients c of ½p² in {whose.energy}; row i contains coordinate ",
-        *_order(form.coordinates),
+        "Stäckel matrix ",
+        Mathematics(Φ),
+        ", column ",
+        Mathematics(ψ),
+        " and coefficients ",
+        Mathematics(c),
+        " of ",
+        Mathematics(row(Fraction(Glyph("1", "number"), Glyph("2", "number")), _squared("p"))),
+        " in ",
+        *([Mathematics(Glyph("H"))] if whose.energy == "H" else [whose.energy]),
+        ". Row ",
+        Mathematics(Glyph("i")),
+        " contains coordinate ",
+        Mathematics(Glyph("i")),
+        " of ",
+        *listed(form.coordinates),
         " only. Checked by substitution, exactly: ",
         Mathematics(row(transposed, Φ, EQUALS, one)),
         " and ",
@@ -90,8 +104,8 @@ def _stackel(form: Stackel, whose: _Whose) -> list[Block]:
     return [Paragraph(text), Formula(broken(whole), source, "Greenwood (5-139)")]
 
 
-def _order(names: tuple[str, ...]) -> Text:
-    return ("i of ", *listed(names))
+def _squared(letter: str) -> Box:
+    return Script(Glyph(letter), sup=Glyph("2", "number"))
 
 
 def _liouville(form: Liouville, whose: _Whose) -> list[Block]:
@@ -130,7 +144,8 @@ def solution_sections(solution: Solution) -> list[Section]:
         what = "time" if letter == "t" else "parameter of the motion"
         text = (
             f"The {what} as a function of the place. The root is positive while the coordinate increases and negative "
-            f"while it decreases; the lower limit fixes what the initial {what} means."
+            "while it decreases. The lower limit is a constant, or a simple zero of the radicand; it fixes the initial "
+            f"{what}."
         )
         if letter != "t":
             text += f" It is called {letter}, for t is a coordinate here."
@@ -142,8 +157,8 @@ def solution_sections(solution: Solution) -> list[Section]:
     )
     if equations:
         timed = any(_holds_time(solution, e) for e in solution.orbit_equations.values())
-        text = "One equation for each further constant: together they are the " + (
-            "motion, for they hold the time." if timed else "orbit, without the time."
+        text = "There is one equation for each further constant. Together they give the " + (
+            "motion, because they contain the time." if timed else "orbit, without the time."
         )
         sections.append(Section("orbit", "Orbit equations", (Paragraph((text,)), *equations)))
     return sections
@@ -192,12 +207,12 @@ def _by_momenta(solution: Solution, expression: sp.Expr) -> sp.Expr:
 
 def _characteristic_function(solution: Solution) -> Section:
     function = constants_outside(solution.characteristic_function)
-    words = "Hamilton's characteristic function; its derivatives by the coordinates are the momenta:"
+    words = "The derivatives of W with respect to the coordinates are the momenta:"
     if _is_long(solution):
         function = _by_momenta(solution, solution.characteristic_function)
         words = (
-            "Hamilton's characteristic function; its derivatives by the coordinates are the momenta, and under the "
-            "integrals here and below stand the roots of their squares as given next:"
+            "The derivatives of W with respect to the coordinates are the momenta. The integrands here and below are "
+            "the roots of their squares, which are given next:"
         )
     equality = sp.Eq(sp.Symbol("W"), function, evaluate=False)
     blocks: list[Block] = [
@@ -237,10 +252,10 @@ def _determinant(solution: Solution) -> list[Block]:
     below = row(d, Glyph("q"), d, Glyph("α"))
     left = Fence(Fraction(row(Script(d, None, two), Glyph("S")), below), "|", "|")
     words = (
-        "W is a complete integral: the Jacobian of the momenta by the constants does not vanish identically. It is the "
-        "product of its diagonal blocks:"
+        " is a complete integral: the Jacobian of the momenta with respect to the constants does not vanish "
+        "identically. It is the product of its diagonal blocks:"
     )
     return [
-        Paragraph((words,)),
+        Paragraph((Mathematics(Glyph("W")), words)),
         Formula(row(left, EQUALS, box(value)), f"|d2S/dq dalpha| = {value}", "Greenwood (5-48), (5-154)"),
     ]

@@ -343,7 +343,7 @@ def _form(verdict: Separation) -> str:
         return (
             ": a system of Stäckel form, not of Liouville form."
             if verdict.reduced.liouville is None
-            else (": a system of Stäckel form; of Liouville form only once the ignorable coordinates are gone.")
+            else (": a system of Stäckel form; of Liouville form only once the ignorable coordinates are eliminated.")
         )
     if verdict.reduced.stackel is None:
         return ": no coordinate is left after the ignorable ones; the motion is uniform."
@@ -352,7 +352,7 @@ def _form(verdict: Separation) -> str:
 
 def _by_its_shell(verdict: Separation) -> str:
     """Say what stands between the full system and its separable shell: relativity, linear terms, mixed products."""
-    whose = "Stäckel's" if verdict.reduced.liouville is None else "Liouville's"
+    whose = "Stäckel" if verdict.reduced.liouville is None else "Liouville"
     gone = " once the ignorable coordinates are eliminated" if verdict.ignorable else ""
     if verdict.system.relativity is not None:
         return f"{gone}: the energy relation, squared, is a shell of {whose} form for every energy."

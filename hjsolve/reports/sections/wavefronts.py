@@ -36,8 +36,8 @@ def wavefront_section(motion: Motion) -> Section | None:
         return None
     W = Mathematics(Glyph("W"))
     text: Text = (
-        "With the constants of this motion ", W, " is a function of the place, of several sheets. Its gradient is the "
-        "momentum, so the orbits of these constants cross the lines ", W,
+        "For the constants of this motion ", W, " is a function of position with several sheets. Its gradient is the "
+        "momentum, so orbits with these constants cross the lines ", W,
         " = const at right angles in the metric of the kinetic energy.",
     )  # fmt: skip
     return Section("wavefronts", "Wavefronts and orbits", (Paragraph(text), Figures((figure,))))

@@ -39,6 +39,11 @@ class Obstruction(Shown):
         conformal: whether the shell is proved to separate at one energy, ``conformal_energy``, though not at every
             energy; None when it was not decided.
         conformal_energy: that energy, a function of parameters and ignorable momenta.
+
+    Example:
+        >>> verdict = separate("henon-heiles")
+        >>> verdict.pair, verdict.residual, verdict.witness.point
+        (('x', 'y'), 2*lambda_*x, {'lambda_': 1, 'x': 2/3})
     """
 
     system: System
@@ -57,7 +62,7 @@ class Obstruction(Shown):
     def __str__(self) -> str:
         """Return the verdict in one sentence."""
         names, pair = listed_names(c.name for c in self.system.coordinates), dict.fromkeys(self.pair)
-        who = f"couples {listed_names(pair)}" if len(pair) > 1 else f"has no separable form in {listed_names(pair)}"
+        who = f"{'couples' if len(pair) > 1 else 'is not of a separable form in'} {listed_names(pair)}"
         part = _PARTS.get(self.part, self.part)
         return f"Does not separate in {names}: the {part} {who}, since {_shown(self.residual)} is not zero everywhere."
 

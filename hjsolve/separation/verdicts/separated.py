@@ -85,6 +85,10 @@ class Separation(Shown):
         reduced: the same for the shell over the essential coordinates.
         evidence: the argument, step by step.
         seconds: how long the decision took.
+
+    Example:
+        >>> separate("kepler-planar").stackel.matrix.tolist()
+        [[m, -1/r**2], [0, 1]]
     """
 
     system: System
