@@ -26,7 +26,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_configure(config: pytest.Config) -> None:
     """Settle the rotation once: the processes of pytest-xdist receive the options of the first one."""
-    gc.set_threshold(50_000, 20, 50)  # looking for circles among thousands of tests and formulas took a seventh of the time
+    # looking for circles among thousands of tests and formulas took a seventh of the time
+    gc.set_threshold(50_000, 20, 50)
     if config.option.rotation is None:
         config.option.rotation = rotation.of_the_commit()
 
