@@ -1,5 +1,6 @@
 """Hypothesis profiles, which tests are left for the night, and which share a process where there are several."""
 
+import gc
 import os
 import re
 from typing import Any
@@ -25,6 +26,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_configure(config: pytest.Config) -> None:
     """Settle the rotation once: the processes of pytest-xdist receive the options of the first one."""
+    # looking for circles among thousands of tests and formulas took a seventh of the time
+    gc.set_threshold(50_000, 20, 50)
     if config.option.rotation is None:
         config.option.rotation = rotation.of_the_commit()
 
@@ -33,6 +36,12 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave cases of long lists for the night, before ``-m "not nightly"`` deselects what is marked so."""
     rotation.leave_the_rest(items, config.option.rotation)
+
+
+def pytest_collection_finish() -> None:
+    """What was collected stays to the end: circles are not looked for in it."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:

@@ -24,22 +24,10 @@ class FieldReader(Protocol):
     seconds_for_relations: float
 
     def element(self, expression: sp.Expr) -> Element:
-        """Read an expression.
-
-        Args:
-            expression: in the symbols of the field.
-        """
+        """Read an expression."""
 
     def adjoined(self, g: Generator) -> Element:
-        """Add a generator, or find the one that is there.
-
-        Args:
-            g: a sympy expression.
-        """
+        """Add a generator, or find the one that is there."""
 
     def write(self, x: Element) -> sp.Expr:
-        """Write an element as an expression.
-
-        Args:
-            x: an element.
-        """
+        """Write an element as an expression."""

@@ -53,11 +53,7 @@ class Growths:
         return Multi(self.bits)
 
     def constant(self, value: Mpf) -> Growth:
-        """Return a number that does not depend on s.
-
-        Args:
-            value: the number.
-        """
+        """Return a number that does not depend on s."""
         return Growth(((CONSTANT, value),)) if value else Growth(())
 
     def variable(self, sign: int) -> Growth:

@@ -69,11 +69,7 @@ class DisksInLogarithms:
         return _logged(x, centre.real + 1j * centre.imag * rise)
 
     def constant(self, x: Disk) -> Logged:
-        """Take a number in doubt.
-
-        Args:
-            x: the number as a disk.
-        """
+        """Take a number in doubt."""
         return _logged(x, np.asarray(x.centre)[..., None])
 
     def rational(self, numerator: int, denominator: int) -> Logged:

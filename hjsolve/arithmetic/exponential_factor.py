@@ -48,11 +48,7 @@ class Rates:
     side: int
 
     def constant(self, value: Disk) -> Rated:
-        """Return a number that does not depend on q.
-
-        Args:
-            value: the disk it lies in.
-        """
+        """Return a number that does not depend on q."""
         return Rated(0.0, value, (_ZERO, value))
 
     def variable(self) -> Rated:

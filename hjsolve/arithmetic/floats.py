@@ -277,71 +277,35 @@ class Multi(ByOperators):
         return cast("Mpf", value)
 
     def where(self, condition: Truth, x: X, y: X) -> X:
-        """Return x where a condition holds, y elsewhere.
-
-        Args:
-            condition: one truth value.
-            x, y: what to choose from.
-        """
+        """Return x where a condition holds, y elsewhere."""
         return x if condition else y
 
     def rint(self, x: Numeric) -> Mpf:
-        """Return the nearest whole number.
-
-        Args:
-            x: a number of many digits.
-        """
+        """Return the nearest whole number."""
         return self.context.nint(x)
 
     def atan2(self, y: Numeric, x: Numeric) -> Mpf:
-        """Return the angle of the point (x, y) in radians, −π … π.
-
-        Args:
-            y, x: numbers of many digits.
-        """
+        """Return the angle of the point (x, y) in radians, −π … π."""
         return self.context.atan2(y, x)
 
     def copysign(self, size: X, sign: Numeric) -> X:
-        """Return a size with the sign of another number; a zero counts as positive.
-
-        Args:
-            size: a number that is not negative.
-            sign: the number whose sign is taken.
-        """
+        """Return a size with the sign of another number; a zero counts as positive."""
         return -size if sign < 0 else size
 
     def choose(self, doubles: Callable[[Float64], A], many: Callable[[Multi], A]) -> A:  # noqa: ARG002
-        """Return what a rule for many digits gives, where the algorithm for doubles is another one.
-
-        Args:
-            doubles: rule for arrays of doubles.
-            many: rule for numbers of many digits.
-        """
+        """Return what a rule for many digits gives, where the algorithm for doubles is another one."""
         return many(self)
 
     def held(self, x: float | Mpf) -> tuple[Elementwise, bool]:
-        """Return a number as arrays hold it, and whether nothing was rounded.
-
-        Args:
-            x: a number of this context.
-        """
+        """Return a number as arrays hold it, and whether nothing was rounded."""
         return np.array(x, dtype=object), True
 
     def widened(self, low: Elementwise, high: Elementwise) -> tuple[Elementwise, Elementwise]:
-        """Return ends moved outward by more than the rounding of an operation.
-
-        Args:
-            low, high: numbers, or arrays that hold them.
-        """
+        """Return ends moved outward by more than the rounding of an operation."""
         return low - abs(low) * self.few_units, high + abs(high) * self.few_units
 
     def over_array(self, name: str, x: Elementwise) -> Elementwise:
-        """Return a function elementwise, nan where it is not real or too large to be known.
-
-        Args:
-            name: of the function, such as ``sqrt``.
-            x: an array of numbers.
-        """
+        """Return a function elementwise, nan where it is not real or too large to be known."""
         return np.frompyfunc(lambda v: self._real_or_nan(name, v), 1, 1)(x)
 
     def _real_or_nan(self, name: str, v: Mpf) -> Mpf:

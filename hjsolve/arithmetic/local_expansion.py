@@ -83,11 +83,7 @@ class Locals:
     _count: int = field(default=0)
 
     def constant(self, value: Disk) -> LocalExpansion:
-        """Return a number that does not depend on q.
-
-        Args:
-            value: the number.
-        """
+        """Return a number that does not depend on q."""
         return LocalExpansion(0, (value,), constant=True)
 
     def variable(self, base: Disk, sign: float, q: Disk | None = None, *, centred: bool = False) -> LocalExpansion:

@@ -1,9 +1,10 @@
 """What a function can be over an interval, rounded outward: the arithmetic under ``Estimate``.
 
-An interval is a pair (low, high) of mpmath's numbers, each exactly what it is. The four operations and the root are
-rounded in the direction asked. Every other function is widened by 2⁶ units in the last place of the working precision,
-far more than mpmath's own rounding. Its value at the one place where it is exact (e⁰, ln 1, …) is left alone; at every
-other fraction it is irrational, so that a short result there would be a rounded one.
+Every function takes c, mpmath's context, in whose precision ends are rounded, and intervals x, y. An interval is a pair
+(low, high) of mpmath's numbers, each exactly what it is. The four operations and the root are rounded in the direction
+asked. Every other function is widened by 2⁶ units in the last place of the working precision, far more than mpmath's
+own rounding. Its value at the one place where it is exact (e⁰, ln 1, …) is left alone; at every other fraction it is
+irrational, so that a short result there would be a rounded one.
 """
 
 from __future__ import annotations
@@ -34,42 +35,23 @@ _POLES = {"log": (0,), "log2": (0,), "log10": (0,), "log1p": (-1,), "atanh": (-1
 
 
 def add(c: Context, x: Range, y: Range) -> Range:
-    """Return the range of x + y.
-
-    Args:
-        c: mpmath's context, in whose precision the ends are rounded.
-        x, y: intervals.
-    """
+    """Return the range of x + y."""
     return c.fadd(x[0], y[0], rounding="f"), c.fadd(x[1], y[1], rounding="c")
 
 
 def subtract(c: Context, x: Range, y: Range) -> Range:
-    """Return the range of x − y.
-
-    Args:
-        c: mpmath's context, in whose precision the ends are rounded.
-        x, y: intervals.
-    """
+    """Return the range of x − y."""
     return c.fsub(x[0], y[1], rounding="f"), c.fsub(x[1], y[0], rounding="c")
 
 
 def multiply(c: Context, x: Range, y: Range) -> Range:
-    """Return the range of x·y.
-
-    Args:
-        c: mpmath's context, in whose precision the ends are rounded.
-        x, y: intervals.
-    """
+    """Return the range of x·y."""
     pairs = [(a, b) for a in x for b in y]
     return min(c.fmul(a, b, rounding="f") for a, b in pairs), max(c.fmul(a, b, rounding="c") for a, b in pairs)
 
 
 def divide(c: Context, x: Range, y: Range) -> Range:
     """Return the range of x/y.
-
-    Args:
-        c: mpmath's context, in whose precision the ends are rounded.
-        x, y: intervals.
 
     Raises:
         InvalidInputError: y may be 0.
@@ -117,12 +99,7 @@ def _whole_power(c: Context, x: Range, n: int) -> Range:
 
 
 def absolute(c: Context, x: Range) -> Range:
-    """Return the range of |x|.
-
-    Args:
-        c: mpmath's context.
-        x: interval.
-    """
+    """Return the range of |x|."""
     size = sorted(abs_exact(c, end) for end in x)
     return (c.zero if x[0] < 0 < x[1] else size[0]), size[1]
 
@@ -139,10 +116,6 @@ def abs_exact(c: Context, x: Mpf) -> Mpf:
 
 def square_root(c: Context, x: Range) -> Range:
     """Return the range of √x, of what is not negative of x.
-
-    Args:
-        c: mpmath's context, in whose precision the ends are rounded.
-        x: interval.
 
     Raises:
         InvalidInputError: x is negative.
@@ -279,10 +252,6 @@ FUNCTIONS = frozenset({*_RISING, *_OTHERS})
 def angle_of(c: Context, y: Range, x: Range) -> Range:
     """Return the range of atan2(y, x), in radians.
 
-    Args:
-        c: mpmath's context, in whose precision the ends are rounded.
-        y, x: intervals.
-
     Raises:
         InvalidInputError: (x, y) may lie on the cut, x ≤ 0 with y = 0, where the angle jumps.
     """
@@ -299,21 +268,12 @@ def angle_of(c: Context, y: Range, x: Range) -> Range:
 
 
 def hypotenuse(c: Context, x: Range, y: Range) -> Range:
-    """Return the range of √(x² + y²).
-
-    Args:
-        c: mpmath's context, in whose precision the ends are rounded.
-        x, y: intervals.
-    """
+    """Return the range of √(x² + y²)."""
     return square_root(c, add(c, _whole_power(c, x, 2), _whole_power(c, y, 2)))
 
 
 def whole_quotient(c: Context, x: Range, y: Range) -> Range:
     """Return ⌊x/y⌋, as an interval of length zero.
-
-    Args:
-        c: mpmath's context.
-        x, y: intervals.
 
     Raises:
         InvalidInputError: y may be 0, or two whole numbers are possible.
@@ -329,10 +289,6 @@ def whole_quotient(c: Context, x: Range, y: Range) -> Range:
 def remainder(c: Context, x: Range, y: Range) -> Range:
     """Return the range of x − y⌊x/y⌋.
 
-    Args:
-        c: mpmath's context, in whose precision the ends are rounded.
-        x, y: intervals.
-
     Raises:
         InvalidInputError: y may be 0, or two whole numbers ⌊x/y⌋ are possible.
     """
@@ -340,22 +296,12 @@ def remainder(c: Context, x: Range, y: Range) -> Range:
 
 
 def greater(c: Context, x: Range, y: Range) -> Range:  # noqa: ARG001
-    """Return the range of the greater of two.
-
-    Args:
-        c: mpmath's context; not used, all operations are called alike.
-        x, y: intervals.
-    """
+    """Return the range of the greater of two."""
     return max(x[0], y[0]), max(x[1], y[1])
 
 
 def less(c: Context, x: Range, y: Range) -> Range:  # noqa: ARG001
-    """Return the range of the lesser of two.
-
-    Args:
-        c: mpmath's context; not used, all operations are called alike.
-        x, y: intervals.
-    """
+    """Return the range of the lesser of two."""
     return min(x[0], y[0]), min(x[1], y[1])
 
 

@@ -1,4 +1,7 @@
-"""From the arguments of a command to what they mean: a system, a scene, initial data; heavy imports wait."""
+"""From the arguments of a command to what they mean: a system, a scene, initial data; heavy imports wait.
+
+``options`` are the parsed arguments.
+"""
 
 from __future__ import annotations
 
@@ -24,9 +27,6 @@ if TYPE_CHECKING:
 
 def given_hamiltonian(options: Namespace) -> LinearHamiltonian | None:
     """Return the H(q, p) of the entry, where it gives one that is linear in p.
-
-    Args:
-        options: the parsed arguments.
 
     Raises:
         InvalidInputError: ``--effect`` next to an entry with H(q, p).
@@ -65,9 +65,6 @@ def frame(options: Namespace, solved: Solution | None = None) -> Section | None:
 
 def system(options: Namespace) -> System:
     """Return the system that is meant: an entry, a file, or one of the user's own.
-
-    Args:
-        options: the parsed arguments.
 
     Raises:
         InvalidInputError: no system, two of them, or ``--function`` without a system of the user's own.
@@ -131,9 +128,6 @@ def _own_system(options: Namespace) -> System:
 def scene(options: Namespace) -> Scene | None:
     """Return the scene that is meant, where the file given is one.
 
-    Args:
-        options: the parsed arguments.
-
     Raises:
         InvalidInputError: options of a system or of a motion next to a scene, which says them itself.
     """
@@ -159,9 +153,6 @@ def _is_scene(options: Namespace) -> bool:
 
 def initial(options: Namespace) -> dict[str, Any] | None:
     """Return initial data from the command line; None where there are none.
-
-    Args:
-        options: the parsed arguments.
 
     Returns:
         Keywords of ``Solution.motion``.
@@ -191,9 +182,6 @@ def initial(options: Namespace) -> dict[str, Any] | None:
 
 def own_motion(options: Namespace) -> dict[str, Any] | None:
     """Return the entry's own motion where its parameters or effects are changed; None where it is taken as it is.
-
-    Args:
-        options: the parsed arguments.
 
     Returns:
         Keywords of ``Solution.motion``.
@@ -309,9 +297,6 @@ def located(target: T) -> T | Path:
 
 def sliders(options: Namespace) -> dict[str, tuple[float, float] | None]:
     """Return the sliders asked of a live page: name → range, None for as far as possible.
-
-    Args:
-        options: the parsed arguments.
 
     Raises:
         InvalidInputError: a range that cannot be read, or a page that is not live.

@@ -1,4 +1,7 @@
-"""What each command does: build the system, ask the library, print or write. Heavy imports wait in the functions."""
+"""What each command does: build the system, ask the library, print or write. Heavy imports wait in the functions.
+
+Every command takes ``options``, the parsed arguments, and returns the exit status.
+"""
 
 from __future__ import annotations
 
@@ -27,9 +30,6 @@ ANSWER, REFUSED, BAD_INPUT, UNSETTLED, INTERRUPTED = 0, 1, 2, 3, 130
 
 def check_command(options: Namespace) -> int:
     """Decide and print the evidence.
-
-    Args:
-        options: the parsed arguments.
 
     Returns:
         The exit status.
@@ -78,9 +78,6 @@ def _linear_modes(system: System) -> list[Section | None]:
 
 def solve_command(options: Namespace) -> int:
     """Solve by quadratures and print the formulas.
-
-    Args:
-        options: the parsed arguments.
 
     Returns:
         The exit status.
@@ -135,9 +132,6 @@ def _closed(solved: Solution) -> list[Section]:
 def coordinates_command(options: Namespace) -> int:
     """Find the coordinates in which a system separates, and print them.
 
-    Args:
-        options: the parsed arguments.
-
     Returns:
         The exit status.
     """
@@ -172,9 +166,6 @@ def _modes(system: System) -> NormalModes | None:
 
 def report_command(options: Namespace) -> int:
     """Write a report to a file, or to the standard output where the file is "-".
-
-    Args:
-        options: the parsed arguments.
 
     Returns:
         The exit status.
@@ -265,9 +256,6 @@ def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:
 def cost_command(options: Namespace) -> int:
     """Measure accuracy against time, and print the table.
 
-    Args:
-        options: the parsed arguments.
-
     Returns:
         The exit status.
     """
@@ -287,9 +275,6 @@ def cost_command(options: Namespace) -> int:
 def motion_command(options: Namespace) -> int:
     """Compute a motion, and print its numbers or its states.
 
-    Args:
-        options: the parsed arguments.
-
     Returns:
         The exit status.
     """
@@ -304,9 +289,6 @@ def motion_command(options: Namespace) -> int:
 
 def explore_command(options: Namespace) -> int:
     """Serve the explorer until it is interrupted.
-
-    Args:
-        options: the parsed arguments.
 
     Returns:
         The exit status.
@@ -323,9 +305,6 @@ def explore_command(options: Namespace) -> int:
 def completion_command(options: Namespace) -> int:
     """Print the completion script of a shell.
 
-    Args:
-        options: the parsed arguments.
-
     Returns:
         The exit status.
     """
@@ -338,9 +317,6 @@ def completion_command(options: Namespace) -> int:
 def sweep_command(options: Namespace) -> int:
     """Compute the orbits that a scene declares into a folder.
 
-    Args:
-        options: the parsed arguments.
-
     Returns:
         The exit status.
     """
@@ -351,9 +327,6 @@ def sweep_command(options: Namespace) -> int:
 
 def catalog_command(options: Namespace) -> int:
     """List the catalog, show an entry or check a file.
-
-    Args:
-        options: the parsed arguments.
 
     Returns:
         The exit status.

@@ -86,9 +86,8 @@ def layout_of(solution: Solution, want: Iterable[str] | str | None) -> Layout:
     names = dict.fromkeys(QUANTITIES, cyclic)
     names["constants"] = tuple(solution.constants)
     names["turning_points"] = tuple(solution.coordinates)
-    system = solution.system if solution.chart is None else solution.chart.original
     return Layout(
         {quantity: names[quantity] for quantity in wanted(want)},
-        solution if system.declared_units else None,
+        solution if solution.system_as_given.declared_units else None,
         axial_roles(solution),
     )

@@ -91,7 +91,7 @@ def ensemble(
     arguments.refuse_other(compiled, (bool, type(None)), "compiled", "True, False or None is needed")
     solution = _solution(system, coordinates)
     refuse_null(solution)
-    users = _users(solution)
+    users = solution.system_as_given
     q, factors = in_units(users, q, "q"), factors_of(users, velocity_frame, velocity)
     if factors is None or velocity is None:
         velocity = in_units(users, velocity, "velocity")
@@ -136,12 +136,7 @@ def task_for(
     exact = parameter_values(solution.system, _numbers(parameters))
     values = tuple((symbol.name, exact[symbol]) for symbol in sorted(exact, key=lambda s: s.name))
     found = None if solution.chart is None else solution
-    return EnsembleTask(_users(solution), want, values, kind, fallback, found, frame)
-
-
-def _users(solution: Solution) -> System:
-    """Return the system whose coordinates the user speaks."""
-    return solution.system if solution.chart is None else solution.chart.original
+    return EnsembleTask(solution.system_as_given, want, values, kind, fallback, found, frame)
 
 
 def _solution(system: Any, coordinates: str) -> Solution:

@@ -38,14 +38,7 @@ class CarlsonRF(Printable):
         return cls(*arranged) if arranged != (x, y, z) else None
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """∂R_F/∂z = −R_D(x, y, z)/6, DLMF 19.18.1.
-
-        Args:
-            argindex: which argument, from 1.
-
-        Raises:
-            ArgumentIndexError: there is no such argument.
-        """
+        """∂R_F/∂z = −R_D(x, y, z)/6, DLMF 19.18.1."""
         z, others = _picked(self, argindex)
         return -CarlsonRD(*others, z) / 6
 
@@ -84,12 +77,6 @@ class CarlsonRC(Printable):
         """∂R_C/∂x = (R_C − 1/√x)/(2(y − x)), ∂R_C/∂y = (√x/y − R_C)/(2(y − x)).
 
         Both follow from 2x ∂ₓ + 2y ∂ᵧ = −1 (homogeneity) and from R_C's integral; right for y < 0 as well.
-
-        Args:
-            argindex: which argument, 1 or 2.
-
-        Raises:
-            ArgumentIndexError: there is no such argument.
         """
         x, y = self.args
         if argindex not in {1, 2}:
@@ -139,12 +126,6 @@ class CarlsonRD(Printable):
         """∂R_D/∂x = (R_D(x, y, z) − R_D(y, z, x))/(2(z − x)), partial fractions; ∂/∂z by homogeneity, DLMF 19.18.11.
 
         Where x and z are the same expression the integral is elementary: −¾ ∂²R_C(y, x)/∂x².
-
-        Args:
-            argindex: which argument, from 1.
-
-        Raises:
-            ArgumentIndexError: there is no such argument.
         """
         x, y, z = self.args
         if argindex == 3:
@@ -187,14 +168,7 @@ class CarlsonRJ(Printable):
         return cls(*arranged, p) if tuple(arranged) != (x, y, z) else None
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """∂R_J/∂x = (R_J − R_D(y, z, x))/(2(p − x)), from partial fractions; ∂/∂p by homogeneity, DLMF 19.18.11.
-
-        Args:
-            argindex: which argument, from 1.
-
-        Raises:
-            ArgumentIndexError: there is no such argument.
-        """
+        """∂R_J/∂x = (R_J − R_D(y, z, x))/(2(p − x)), from partial fractions; ∂/∂p by homogeneity, DLMF 19.18.11."""
         p = self.args[3]
         if argindex == 4:
             slopes = sp.Add(*(self.args[i] * self.fdiff(i + 1) for i in range(3)))

@@ -106,14 +106,7 @@ class _RC(ComplexPole):
     nargs = 3
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """∂R_C/∂x = (R_C − 1/√x)/(2(y − x)), ∂R_C/∂y = (√x/y − R_C)/(2(y − x)), y = a + ib.
-
-        Args:
-            argindex: which argument, from 1.
-
-        Raises:
-            ArgumentIndexError: there is no such argument.
-        """
+        """∂R_C/∂x = (R_C − 1/√x)/(2(y − x)), ∂R_C/∂y = (√x/y − R_C)/(2(y − x)), y = a + ib."""
         x, a, b = self.args
         re, im = self._parts()
         twice = (2 * (a - x), 2 * b)
@@ -153,14 +146,7 @@ class _RJ(ComplexPole):
         return cls(*arranged, a, b) if arranged != (x, y, z) else None
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """∂R_J/∂x = (R_J − R_D(y, z, x))/(2(p − x)); ∂/∂p by homogeneity, DLMF 19.18.11; p = a + ib.
-
-        Args:
-            argindex: which argument, from 1.
-
-        Raises:
-            ArgumentIndexError: there is no such argument.
-        """
+        """∂R_J/∂x = (R_J − R_D(y, z, x))/(2(p − x)); ∂/∂p by homogeneity, DLMF 19.18.11; p = a + ib."""
         if not 1 <= argindex <= 5:
             raise ArgumentIndexError(self, argindex)
         if argindex <= 3:

@@ -89,14 +89,7 @@ class JacobiAM(_Jacobi):
         return φ
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """∂/∂u = dn (DLMF 22.16.3); ∂/∂m from u = F(am|m), DLMF 19.4.
-
-        Args:
-            argindex: 1 for u, 2 for m.
-
-        Raises:
-            ArgumentIndexError: there is no such argument.
-        """
+        """∂/∂u = dn (DLMF 22.16.3); ∂/∂m from u = F(am|m), DLMF 19.4."""
         return self._slope(sp.S.One, argindex)
 
 
@@ -114,14 +107,7 @@ class JacobiSN(_Jacobi):
         return sp.sin(φ)
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """∂/∂u = cn dn, DLMF 22.13.1; ∂/∂m through the amplitude.
-
-        Args:
-            argindex: 1 for u, 2 for m.
-
-        Raises:
-            ArgumentIndexError: there is no such argument.
-        """
+        """∂/∂u = cn dn, DLMF 22.13.1; ∂/∂m through the amplitude."""
         return self._slope(JacobiCN(*self.args), argindex)
 
 
@@ -139,14 +125,7 @@ class JacobiCN(_Jacobi):
         return sp.cos(φ)
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """∂/∂u = −sn dn, DLMF 22.13.2; ∂/∂m through the amplitude.
-
-        Args:
-            argindex: 1 for u, 2 for m.
-
-        Raises:
-            ArgumentIndexError: there is no such argument.
-        """
+        """∂/∂u = −sn dn, DLMF 22.13.2; ∂/∂m through the amplitude."""
         return self._slope(-JacobiSN(*self.args), argindex)
 
 
@@ -164,14 +143,7 @@ class JacobiDN(_Jacobi):
         return sp.sqrt(1 - m * sp.sin(φ) ** 2)
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """∂/∂u = −m sn cn, DLMF 22.13.3; ∂/∂m from dn² = 1 − m sn².
-
-        Args:
-            argindex: 1 for u, 2 for m.
-
-        Raises:
-            ArgumentIndexError: there is no such argument.
-        """
+        """∂/∂u = −m sn cn, DLMF 22.13.3; ∂/∂m from dn² = 1 − m sn²."""
         u, m = self.args
         s, c = JacobiSN(u, m), JacobiCN(u, m)
         if argindex == 1:
@@ -195,14 +167,7 @@ class JacobiEpsilon(_Jacobi):
         return sp.elliptic_e(φ, m)
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """∂/∂u = dn², DLMF 22.16.15; ∂/∂m from ℰ = E(am|m), DLMF 19.4.6.
-
-        Args:
-            argindex: 1 for u, 2 for m.
-
-        Raises:
-            ArgumentIndexError: there is no such argument.
-        """
+        """∂/∂u = dn², DLMF 22.16.15; ∂/∂m from ℰ = E(am|m), DLMF 19.4.6."""
         u, m = self.args
         if argindex == 1:
             return JacobiDN(u, m) ** 2

@@ -58,7 +58,7 @@ def measures_of(solution: Solution, wanted: object) -> Measures:
         MissingExtraError: the library is not installed.
     """
     chart = solution.chart
-    system = solution.system if chart is None else chart.original
+    system = solution.system_as_given
     told = [(constant.symbol, constant.expression) for constant in solution.constants.values()]
     told += [(sp.Symbol(_PLACE + axis), formula) for axis, formula in system.place.items()]
     if chart is not None:

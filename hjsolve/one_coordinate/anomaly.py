@@ -121,13 +121,7 @@ class BarrierAnomaly(Unstretched):
         return Place(q, speed, from_lower * to_upper, stretch, 1, from_lower, to_upper)
 
     def phase(self, q: Mpf, forward: int, arithmetic: Multi) -> Mpf:
-        """Return χ in (−π, π] of a position; ``forward`` is the sign of p, 0 at a turning point.
-
-        Args:
-            q: position between the turning points.
-            forward: sign of p, 0 at a turning point.
-            arithmetic: in which χ is worked out.
-        """
+        """Return χ in (−π, π] of a position; ``forward`` is the sign of p, 0 at a turning point."""
         x = (q - self.lower) / self.width
         y = (self.upper - q) / self.width
         if forward == 0:
@@ -163,13 +157,7 @@ class Rotation(Unstretched):
         return Place(q, self.direction * stretch, 0 * q + 1, stretch)
 
     def phase(self, q: Mpf, forward: int, arithmetic: Multi) -> Mpf:  # noqa: ARG002  (asked like a libration's)
-        """Return χ in (−π, π] of a position.
-
-        Args:
-            q: position, an angle in radians.
-            forward: of no account here.
-            arithmetic: in which χ is worked out.
-        """
+        """Return χ in (−π, π] of a position."""
         context = arithmetic.context
         angle = self.direction * (q - self.slow) + arithmetic.pi()
         angle -= 2 * arithmetic.pi() * context.nint(angle / (2 * arithmetic.pi()))
@@ -215,13 +203,7 @@ class TwoBarrierAnomaly(Unstretched):
         return Place(q, self.direction * stretch, 0 * q + 1, stretch)
 
     def phase(self, q: Mpf, forward: int, arithmetic: Multi) -> Mpf:  # noqa: ARG002  (asked like a libration's)
-        """Return χ in (−π, π] of a position.
-
-        Args:
-            q: position, an angle in radians.
-            forward: of no account here.
-            arithmetic: in which χ is worked out.
-        """
+        """Return χ in (−π, π] of a position."""
         context, pi = arithmetic.context, arithmetic.pi()
         half = self.direction * (q - self.slow) / 2
         half -= pi * context.nint(half / pi)

@@ -58,11 +58,7 @@ class ChainMap:
         return total
 
     def last(self, context: Context) -> Mpf | None:
-        """Return the greatest y, None where there is none.
-
-        Args:
-            context: of mpmath.
-        """
+        """Return the greatest y, None where there is none."""
         last = self.maps[-1].last(context)
         return None if last is None else len(self.maps) - 1 + last
 
@@ -71,21 +67,11 @@ class ChainMap:
         return ChainMap(tuple(part.in_doubles() for part in self.maps), self.thrown_back)
 
     def rest(self, y: Numeric, arithmetic: Float64 | Multi) -> Numeric | int:
-        """Return what |p|/|dq/dy| is multiplied by to stay finite.
-
-        Args:
-            y: place on the chain, y ≥ 0.
-            arithmetic: that y belongs to.
-        """
+        """Return what |p|/|dq/dy| is multiplied by to stay finite."""
         return self._of_part(y, lambda part, z: (part.rest(z, arithmetic) + 0 * z,))[0]
 
     def distances(self, y: Numeric, arithmetic: Float64 | Multi) -> tuple[Numeric, Numeric | None, Numeric]:
-        """Return x, the distance left to the end (None for infinity) and dx/dy.
-
-        Args:
-            y: place on the chain, y ≥ 0.
-            arithmetic: that y belongs to.
-        """
+        """Return x, the distance left to the end (None for infinity) and dx/dy."""
         ahead: dict[EndMap, Any] = {}
         for k, part in enumerate(self.maps):
             ahead[part] = (sum(p.length for p in self.maps[:k]), sum(p.length for p in self.maps[k + 1 :]))
@@ -99,21 +85,12 @@ class ChainMap:
         return x, None if self.end == "infinity" else left, slope
 
     def position(self, y: Numeric, arithmetic: Float64 | Multi) -> tuple[Numeric, Numeric]:
-        """Return q and dq/dy at y ≥ 0.
-
-        Args:
-            y: place on the chain, y ≥ 0.
-            arithmetic: that y belongs to.
-        """
+        """Return q and dq/dy at y ≥ 0."""
         q, slope = self._of_part(y, lambda part, z: part.position(z, arithmetic))
         return q, slope
 
     def parameter(self, q: Mpf) -> Mpf | None:
-        """Return y of a place; None where the chain does not pass it.
-
-        Args:
-            q: the place.
-        """
+        """Return y of a place; None where the chain does not pass it."""
         for k, part in enumerate(self.maps):
             y = part.parameter(q)
             if y is not None and (k == len(self.maps) - 1 or y <= 1):
@@ -158,29 +135,15 @@ class Chain:
         return self.parts[0].digits
 
     def carries(self, j: int) -> bool:
-        """Return False where a kernel is zero all along.
-
-        Args:
-            j: position of the constant.
-        """
+        """Return False where a kernel is zero all along."""
         return self.parts[0].carries(j)
 
     def panels(self, weights: tuple[float, ...] | None, amount: float, *, partly: bool = False) -> Panels:
-        """Return the integrals over all parts, over the last one so far that |Σ wⱼ Gⱼ| reaches ``amount`` there.
-
-        Args:
-            weights: wⱼ, one a constant; None where y itself is meant.
-            amount: how far the integrals must reach.
-            partly: as of ``Branch.panels``.
-        """
+        """Return the integrals over all parts, over the last one so far that |Σ wⱼ Gⱼ| reaches ``amount`` there."""
         return _joined(self, weights, amount, partly, False)
 
     def swept(self, weights: tuple[float, ...] | None, amount: float) -> Panels:
-        """Return panels of |P dq/dy| that reach as far.
-
-        Args:
-            weights, amount: as of ``panels``.
-        """
+        """Return panels of |P dq/dy| that reach as far."""
         return _joined(self, weights, amount, False, True)
 
 

@@ -19,7 +19,7 @@ _GUARD = 32
 
 
 class Fixed:
-    """A series ready for many single phases.
+    """A series ready for many single phases; it answers what ``FourierSeries`` answers.
 
     Args:
         series: with coefficients of many digits.
@@ -62,11 +62,7 @@ class Fixed:
         return self.size * self.context.ldexp(self.context.mpf(value), -self.work)
 
     def value(self, χ: Mpf) -> Mpf:
-        """Return the function at a phase.
-
-        Args:
-            χ: the phase, a number of many digits.
-        """
+        """Return the function at a phase."""
         if not self.size:
             return self.context.convert(self.series.mean)
         c, s = self._wave(χ)
@@ -78,11 +74,7 @@ class Fixed:
         return self.series.mean + self._number(total)
 
     def oscillation(self, χ: Mpf) -> Mpf:
-        """Return the periodic part of its integral from 0, as in ``FourierSeries``.
-
-        Args:
-            χ: the phase, a number of many digits.
-        """
+        """Return the periodic part of its integral from 0, as in ``FourierSeries``."""
         if not self.size:
             return self.context.mpf(0)
         c, s = self._wave(χ)

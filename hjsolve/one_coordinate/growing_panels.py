@@ -29,30 +29,15 @@ class Integrated(Protocol):
     """Functions of y in many digits, with what is known of them about a place; see ``open_branch.Branch``."""
 
     def integrands(self, y: Mpf, extra: int = 0) -> list[Mpf]:
-        """Return the values of all functions at y (``mpf``), with so many bits more than usual.
-
-        Args:
-            y: place on the branch.
-            extra: bits above the working precision.
-        """
+        """Return the values of all functions at y (``mpf``), with so many bits more than usual."""
         ...
 
     def cancelled(self, y: Mpf, extra: int) -> int:
-        """Return the bits more than usual that the functions need at y, at least ``extra``.
-
-        Args:
-            y: place on the branch.
-            extra: bits above the working precision to begin with.
-        """
+        """Return the bits more than usual that the functions need at y, at least ``extra``."""
         ...
 
     def around(self, y: Mpf, rest: float) -> Surroundings:
-        """Return where the functions are analytic about y; ``rest`` is left from there to the greatest y.
-
-        Args:
-            y: place on the branch.
-            rest: what is left from there to the greatest y.
-        """
+        """Return where the functions are analytic about y; ``rest`` is left from there to the greatest y."""
         ...
 
 

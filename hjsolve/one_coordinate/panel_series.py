@@ -20,7 +20,7 @@ from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, Reals
 
 @dataclass(frozen=True, eq=False)
 class PanelSeries:
-    """An even function of period 2π on panels of [0, π].
+    """An even function of period 2π on panels of [0, π]; it answers what ``FourierSeries`` answers.
 
     Attributes:
         edges: of the panels from 0 to π, ``mpf``, shape (panels + 1,).
@@ -76,37 +76,21 @@ class PanelSeries:
         return 4 * self.tail * self.size
 
     def unresolved(self, χ: Mpf) -> float:
-        """Return what rounded coefficients leave open of ``oscillation`` at one phase: there are none.
-
-        Args:
-            χ: phase in many digits.
-        """
+        """Return what rounded coefficients leave open of ``oscillation`` at one phase: there are none."""
         return 0.0 * float(χ)
 
     def wave_size_at(self, χ: Mpf | int) -> float:
-        """Return what rounding of ``oscillation`` at one phase refers to; nothing at a turning point.
-
-        Args:
-            χ: phase in many digits.
-        """
+        """Return what rounding of ``oscillation`` at one phase refers to; nothing at a turning point."""
         return min(abs(float(χ)), np.pi) * self.size
 
     def value(self, χ: Elementwise) -> Elementwise:
-        """Return the function at χ.
-
-        Args:
-            χ: phases; doubles or ``mpf`` of shape (m,), or one ``mpf``.
-        """
+        """Return the function at χ."""
         if isinstance(χ, np.ndarray) and χ.dtype == object:
             return np.frompyfunc(self.value, 1, 1)(χ)
         return self._at(self.rows, 1, χ)
 
     def oscillation(self, χ: Elementwise) -> Elementwise:
-        """Return the periodic part of the integral from 0 to χ.
-
-        Args:
-            χ: phases; doubles or ``mpf`` of shape (m,), or one ``mpf``.
-        """
+        """Return the periodic part of the integral from 0 to χ."""
         if isinstance(χ, np.ndarray) and χ.dtype == object:
             return np.frompyfunc(self.oscillation, 1, 1)(χ)
         context = context_of(χ)
@@ -118,11 +102,7 @@ class PanelSeries:
         return np.copysign(self._at(self.sums, 2, np.abs(rest)), rest) - float(self.mean) * rest
 
     def combined(self, terms: list[tuple[Any, Any]]) -> PanelSeries:
-        """Return Σ wⱼ·seriesⱼ, all on the same panels.
-
-        Args:
-            terms: pairs (wⱼ, seriesⱼ) of this class.
-        """
+        """Return Σ wⱼ·seriesⱼ, all on the same panels."""
         rows, sums = (sum(w * getattr(s, part) for w, s in terms) for part in ("rows", "sums"))
         nodes, digits = max(s.nodes for _, s in terms), min(s.digits for _, s in terms)
         return PanelSeries(self.edges, rows, sums, nodes, digits)

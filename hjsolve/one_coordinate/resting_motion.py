@@ -52,11 +52,7 @@ class AtRest(KindOfMotion):
         return [zero() for _ in self.rates]
 
     def swing(self, j: int) -> Mpf:
-        """Return the size of the terms that the growth of Gⱼ is the sum of.
-
-        Args:
-            j: position of the constant.
-        """
+        """Return the size of the terms that the growth of Gⱼ is the sum of."""
         return self.sizes[j]
 
     def momentum_integral(self, χ: Numbers) -> tuple[Numbers, Numbers, Numbers]:
@@ -76,11 +72,7 @@ class AtRest(KindOfMotion):
         return 0.0 * χ
 
     def growth(self, j: int) -> float | Mpf:
-        """Return the growth of Gⱼ per unit phase.
-
-        Args:
-            j: position of the constant.
-        """
+        """Return the growth of Gⱼ per unit phase."""
         return self.rates[j]
 
     def integral(self, j: int, χ: Numbers) -> Numbers:

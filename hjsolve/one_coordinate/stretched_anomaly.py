@@ -96,12 +96,7 @@ class Stretched:
         return self.inner.place(χ, arithmetic)._replace(rate=rate)
 
     def places(self, nodes: int, arithmetic: Multi) -> Iterator[Place]:
-        """Yield the places at the midpoints of equal parts of half a turn (of a turn where it is not even).
-
-        Args:
-            nodes: how many parts.
-            arithmetic: in which q is worked out.
-        """
+        """Yield the places at the midpoints of equal parts of half a turn (of a turn where it is not even)."""
         bits, context = arithmetic.bits + 32, arithmetic.context
         waves = self._fixed(bits)[::-1]
         shift = sum(s if k % 2 == 0 else -s for k, (_, s) in enumerate(waves, 1))
@@ -140,13 +135,7 @@ class Stretched:
         return ψ + context.mpf(v + shift) / one, 1 + context.mpf(du) / one
 
     def phase(self, q: Mpf, forward: int, arithmetic: Multi) -> Mpf:
-        """Return ψ in (−π, π] of a position: Newton's method kept inside a bracket.
-
-        Args:
-            q: position.
-            forward: sign of p, 0 at a turning point.
-            arithmetic: in which ψ is worked out.
-        """
+        """Return ψ in (−π, π] of a position: Newton's method kept inside a bracket."""
         χ = self.inner.phase(q, forward, arithmetic)
         low, high, ψ = -arithmetic.pi(), arithmetic.pi(), χ
         close = arithmetic.context.mpf(2) ** (12 - arithmetic.bits)
@@ -182,11 +171,7 @@ class Stretched:
         return replace(self, inner=self.inner.in_doubles())
 
     def lowered(self, arithmetic: Multi) -> Stretched:
-        """Return the same with its constants rounded to fewer digits.
-
-        Args:
-            arithmetic: with fewer.
-        """
+        """Return the same with its constants rounded to fewer digits."""
         return replace(self, inner=self.inner.lowered(arithmetic))
 
 

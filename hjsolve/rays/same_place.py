@@ -77,22 +77,14 @@ class SamePlace(Shown):
     placing: Placing | None
 
     def levels(self, count: int) -> Reals:
-        """Choose values of W at equal steps along the motion.
-
-        Args:
-            count: how many.
-        """
+        """Choose values of W at equal steps along the motion."""
         own = required(self.rays[0])
         whole = float(np.asarray(own.characteristic_function([self.start + self.length]).value, float)[0])
         return whole * (np.arange(count) + 1) / count
 
     # -------------------------------------------------------------------------------------------- wavefronts
     def fronts(self, values: Reals) -> tuple[FamilyCurve, ...]:
-        """Return the lines on which W has some values.
-
-        Args:
-            values: of W, which is 0 at the place.
-        """
+        """Return the lines on which W has some values."""
         found = [self._times_of(ray, values) for ray in self.rays]
         times, doubts = (np.array(x) for x in zip(*found, strict=True))
         states, forces = self._states_and_forces(times, doubts)
@@ -189,11 +181,7 @@ class SamePlace(Shown):
         return _States(*groups)
 
     def orbits(self, count: int) -> tuple[FamilyCurve, ...]:  # noqa: ARG002  (they were counted before)
-        """Return the rays, followed for the time of the family; the first is the motion.
-
-        Args:
-            count: as many as there are.
-        """
+        """Return the rays, followed for the time of the family; the first is the motion."""
         t = np.linspace(0.0, self.length, _ORBIT_POINTS)
         states = self._states(np.broadcast_to(t, (len(self.rays), len(t))))
         curves = []

@@ -103,20 +103,12 @@ class SeparatedSweep(Shown):
         return 2 * np.pi * float(self.course.cycle.action or 0) if self.course.rotates and self.course.cycle else 0.0
 
     def gained(self, χ: Reals) -> tuple[Reals, Reals, Reals]:
-        """Return ∫ P dq from the start, its slope, and its rounding.
-
-        Args:
-            χ: phases, shape (m,).
-        """
+        """Return ∫ P dq from the start, its slope, and its rounding."""
         value, slope, size = (cast("Reals", x) for x in self.course.momentum_integral(χ))
         return value - self.begin, slope, 8 * EPS * (size + np.abs(value) + abs(self.begin))
 
     def place(self, χ: Reals) -> tuple[Reals, Reals, Reals, Reals]:
-        """Return q, P and their rounding.
-
-        Args:
-            χ: phases, shape (m,).
-        """
+        """Return q, P and their rounding."""
         q, p = (cast("Reals", x) for x in self.course.place(χ))
         noise = 16 + np.asarray(self.course.momentum_noise(χ))
         rounding = np.asarray(self.course.phase_rounding(χ)) + 4 * EPS * np.abs(χ)
@@ -124,11 +116,7 @@ class SeparatedSweep(Shown):
         return q, p, 8 * EPS * np.abs(q) + 2 * np.abs(beside - q), noise * EPS * np.abs(p) + 2 * np.abs(steeper - p)
 
     def phase_of(self, amount: Reals) -> Reals:
-        """Return the phase by Newton's steps between brackets from a table.
-
-        Args:
-            amount: shape (m,).
-        """
+        """Return the phase by Newton's steps between brackets from a table."""
         table, sums = self.table[0], self.table[1] - self.begin
         first = sums[0]
         turns = np.floor((amount - first) / self.turn) if self.turn else np.zeros_like(amount)

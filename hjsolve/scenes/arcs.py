@@ -19,7 +19,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import InvalidInputError, NotConvergedError, required
-from hjsolve.mechanics.system import System, velocities
+from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import number_is_zero, read_initial_data, to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.scenes.crossing import as_rational, bits_of, crossings
@@ -217,7 +217,7 @@ def _one_arc(solution: Solution, leg: Leg, pending: list[Pending], horizon: sp.E
     state = motion.at(to_bits(time)(bits_of(motion.digits)))
     if not all(x.context.isfinite(x) for x in (*state.q.values(), *state.p.values())):
         raise NotConvergedError(f"the motion ends, or is too far out for its numbers, before {events[0]}")
-    given, system = motion.initial.values, system_as_given(solution)
+    given, system = motion.initial.values, solution.system_as_given
     if solution.chart is not None:
         q, p = (_known(group, bound) for group, bound in ((state.q, state.error.q), (state.p, state.error.p)))
         return Stretch([FreeArc(leg, time, events)], _later(motion, pending, happening, time),
@@ -228,15 +228,6 @@ def _one_arc(solution: Solution, leg: Leg, pending: list[Pending], horizon: sp.E
          for c in system.coordinates}  # fmt: skip
     change = Change(motion, time, events, q, p, {name: int(n) for name, n in state.turns.items()})
     return Stretch([FreeArc(leg, time, events)], _later(motion, pending, happening, time), change)
-
-
-def system_as_given(solution: Solution) -> System:
-    """Return the system in whose coordinates a scene speaks: as it was given.
-
-    Args:
-        solution: of it, in its own coordinates or in others.
-    """
-    return solution.system if solution.chart is None else solution.chart.original
 
 
 def _known(values: Mapping[str, Any], bounds: Mapping[str, Any]) -> dict[str, Any]:
@@ -284,8 +275,8 @@ def _later(motion: Motion, pending: list[Pending], happening: list[Pending], tim
 
 # ----------------------------------------------------------------------------------------------- after an event
 def _after(change: Change, before: Turns) -> Leg:
-    """Return the state just after the events, exact where it can be."""
-    system, given = system_as_given(change.motion.solution), change.motion.initial.values
+    """The state just after the events, exact where it can be."""
+    system, given = change.motion.solution.system_as_given, change.motion.initial.values
     digits = change.motion.digits
     surfaces = {e.coordinate: e.value for e in change.events if e.coordinate is not None}
     q, values, turns = {}, dict(given), dict(before)

@@ -90,6 +90,11 @@ class Solution(ShownSolution):
     chart: Chart | None = None
 
     @property
+    def system_as_given(self) -> System:
+        """The system in the coordinates that motions are started in: the user's, where others were found."""
+        return self.system if self.chart is None else self.chart.original
+
+    @property
     def principal_function(self) -> sp.Expr:
         """S = W − E t, Hamilton's principal function (5-65); where every coordinate is ignorable E is H(c), (5-74)."""
         shell = self.separation.shell

@@ -14,6 +14,8 @@ from mpmath import mp, mpf
 import hjsolve
 from tests.support import hard_exact
 
+pytestmark = pytest.mark.rotating_file(9)
+
 DIGITS = 50
 
 

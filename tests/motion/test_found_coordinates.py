@@ -251,3 +251,15 @@ def test_momenta_of_a_heavy_body_have_the_errors_of_momenta() -> None:
     for name in "xy":
         assert other.error.p[name] == pytest.approx(1000 * other.error.velocity[name], rel=0.5)
         assert abs(other.p[name] - 1000 * one.p[name]) <= other.error.p[name] + 1000 * one.error.p[name]
+
+
+@pytest.mark.parametrize(
+    ("group", "given"), [("q", 5), ("velocity", [1, 2]), ("p", "1"), ("parameters", 5)], ids=lambda x: str(x)
+)
+def test_what_is_no_table_of_numbers_is_refused_by_its_name(group: str, given: object) -> None:
+    solution = hjsolve.solve(system_of("polar", 2), "find")
+    data = {"q": {"x": 1, "y": 0}, "velocity": {"x": 0, "y": 1}} | {group: given}
+    if group == "p":
+        del data["velocity"]
+    with pytest.raises(hjsolve.InvalidInputError, match=f"{group}: a table name → value is needed"):
+        solution.motion(**data)

@@ -10,6 +10,8 @@ from hjsolve import System, solve
 from hjsolve.errors import ForbiddenMotionError
 from hjsolve.motion.motion import Motion
 
+pytestmark = pytest.mark.rotating_file(5)
+
 PLANE = {"r": "0 < r", "phi": "angle"}
 
 

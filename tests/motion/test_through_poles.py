@@ -14,6 +14,8 @@ from hjsolve.motion.through_poles.continuation import continued_coordinates
 from tests.reference.taylor import Flow
 from tests.support import hard_exact
 
+pytestmark = pytest.mark.rotating_file(9)
+
 R2, R3 = "sqrt(x**2 + y**2)", "sqrt(x**2 + y**2 + z**2)"
 
 

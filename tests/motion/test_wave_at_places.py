@@ -12,6 +12,8 @@ import hjsolve
 from hjsolve.errors import InvalidInputError, OutsideMotionError
 from tests.support import entries
 
+pytestmark = pytest.mark.rotating_file(18)
+
 
 def started(name, digits):
     entry, *_ = name.split("+")

@@ -8,6 +8,8 @@ import hjsolve
 from hjsolve.arithmetic.work_counter import counted
 from hjsolve.errors import NotConvergedError
 
+pytestmark = pytest.mark.rotating_file(4)
+
 HARD = ["-exp(1/r)", "-exp(1/r**2)", "-exp(3/sqrt(r))/r", "-sinh(1/r)", "exp(1/r) - exp(2/r)", "-exp(exp(1/r))"]
 
 

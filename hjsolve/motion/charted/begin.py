@@ -94,7 +94,7 @@ def _kept(solution: Solution, given: StartGiven, motion: Motion) -> Motion:
 
 def _in_own_units(solution: Solution, given: StartGiven) -> StartGiven:
     """Take units off, and turn lengths along unit vectors into rates of coordinates."""
-    system = solution.system if solution.chart is None else solution.chart.original
+    system = solution.system_as_given
     q, factors = in_units(system, required(given.q), "q"), factors_of(system, given.velocity_frame, given.velocity)
     if factors is None or given.velocity is None:
         velocity = in_units(system, given.velocity, "velocity")
