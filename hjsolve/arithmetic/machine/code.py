@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,7 +12,7 @@ import numpy as np
 
 from hjsolve.arithmetic.machine.operations import APART, LENGTH
 from hjsolve.arithmetic.machine.run import MachineProgram, prepared, run
-from hjsolve.arithmetic.number_types import Integers
+from hjsolve.arithmetic.number_types import Integers, Reals
 
 LANES = 8
 """Widths are rounded up to a multiple of this."""
@@ -66,13 +67,25 @@ class MachineCode:
             width: lanes, rounded up to a multiple of eight.
             parameters: their values, as many as there are.
         """
-        registers = np.zeros((self.rows, -(-width // LANES) * LANES))
+        registers = aligned((self.rows, -(-width // LANES) * LANES))
         known = [*parameters, *self.constants]
         registers[self.inputs : self.inputs + self.parameters + len(self.constants)] = np.reshape(known, (-1, 1))
         entry, others = prepared(self._apart)
         if len(self._first):
             run(MachineProgram(entry, others, self._first, registers, self._results), registers.shape[1])
         return MachineProgram(entry, others, self.instructions, registers, self._results)
+
+
+def aligned(shape: tuple[int, ...]) -> Reals:
+    """Return an array of zeros that begins where a line of the cache does: else every second vector lies in two lines.
+
+    Args:
+        shape: of the array; where the last axis has whole vectors, all rows begin so.
+    """
+    size = math.prod(shape)
+    room = np.zeros(size + LANES)
+    first = -room.ctypes.data // room.itemsize % LANES
+    return room[first : first + size].reshape(shape)
 
 
 def _instructions(written: bytes) -> Any:

@@ -126,8 +126,9 @@ class Sums(NamedTuple):
             index: the places of the orbits, positions or a mask.
             other: their results, in the same order.
         """
+        everything = len(other.good) == len(self.good)  # as a rule: then nothing is picked
         for mine, theirs in zip(self, other, strict=True):
-            mine[..., index] = theirs
+            mine[..., slice(None) if everything else index] = theirs
 
     def take(self, index: Which) -> Sums:
         """Return the results of some of the orbits.
