@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from threading import local
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,9 @@ from hjsolve.arithmetic.number_types import Integers, Reals
 
 LANES = 8
 """Widths are rounded up to a multiple of this."""
+
+_KEPT = 128
+"""Programs of a thread that stay, each of some 0.1 MB: to make one takes as long as several orbits."""
 
 
 @dataclass(frozen=True)
@@ -60,13 +64,22 @@ class MachineCode:
     def _apart(self) -> frozenset[int]:
         return frozenset(int(op) for part in (self.instructions, self._first) for op in part[:, 0] if op >= APART)
 
-    def program(self, width: int, parameters: Sequence[float] = ()) -> MachineProgram:
-        """Return the code with registers of its own.
+    def program(self, width: int, parameters: Sequence[float] = (), place: int = 0) -> MachineProgram:
+        """Return the code with registers of this thread, the same ones at the next call.
 
         Args:
             width: lanes, rounded up to a multiple of eight.
             parameters: their values, as many as there are.
+            place: another number gives other registers, for programs that are at work together.
         """
+        made, key = _THREAD.made, (self, width, tuple(parameters), place)
+        program = made.pop(key, None) or self._program(width, parameters)
+        made[key] = program  # the last one is the one that was asked for last
+        if len(made) > _KEPT:
+            del made[next(iter(made))]
+        return program
+
+    def _program(self, width: int, parameters: Sequence[float]) -> MachineProgram:
         registers = aligned((self.rows, -(-width // LANES) * LANES))
         known = [*parameters, *self.constants]
         registers[self.inputs : self.inputs + self.parameters + len(self.constants)] = np.reshape(known, (-1, 1))
@@ -74,6 +87,16 @@ class MachineCode:
         if len(self._first):
             run(MachineProgram(entry, others, self._first, registers, self._results), registers.shape[1])
         return MachineProgram(entry, others, self.instructions, registers, self._results)
+
+
+class _Programs(local):
+    """The programs of a thread, in the order in which they were asked for."""
+
+    def __init__(self) -> None:
+        self.made: dict[tuple[MachineCode, int, tuple[float, ...], int], MachineProgram] = {}
+
+
+_THREAD = _Programs()
 
 
 def aligned(shape: tuple[int, ...]) -> Reals:
