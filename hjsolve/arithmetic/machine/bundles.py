@@ -75,9 +75,9 @@ def by_address(_context: Any, arguments: Any) -> Any:
     def generate(context: Any, builder: Any, _signature: Any, given: Any) -> Any:
         parts = []
         for k, kind in enumerate(arguments):
-            value = builder.extract_value(given[0], k)
-            by_address = isinstance(_passed(kind), BundleAddress)
-            parts.append(cgutils.alloca_once_value(builder, value) if by_address else value)
+            part = builder.extract_value(given[0], k)
+            held = isinstance(_passed(kind), BundleAddress)
+            parts.append(cgutils.alloca_once_value(builder, part) if held else part)
         return context.make_tuple(builder, made, parts)
 
     return made(arguments), generate

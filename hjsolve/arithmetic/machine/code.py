@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from threading import local
 from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic.machine.operations import APART, LENGTH
 from hjsolve.arithmetic.machine.run import MachineProgram, prepared, run
-from hjsolve.arithmetic.number_types import Integers
+from hjsolve.arithmetic.number_types import Integers, Reals
 
 LANES = 8
 """Widths are rounded up to a multiple of this."""
+
+_KEPT = 128
+"""Programs of a thread that stay, each of some 0.1 MB: to make one takes as long as several orbits."""
 
 
 @dataclass(frozen=True)
@@ -59,20 +64,51 @@ class MachineCode:
     def _apart(self) -> frozenset[int]:
         return frozenset(int(op) for part in (self.instructions, self._first) for op in part[:, 0] if op >= APART)
 
-    def program(self, width: int, parameters: Sequence[float] = ()) -> MachineProgram:
-        """Return the code with registers of its own.
+    def program(self, width: int, parameters: Sequence[float] = (), place: int = 0) -> MachineProgram:
+        """Return the code with registers of this thread, the same ones at the next call.
 
         Args:
             width: lanes, rounded up to a multiple of eight.
             parameters: their values, as many as there are.
+            place: another number gives other registers, for programs that are at work together.
         """
-        registers = np.zeros((self.rows, -(-width // LANES) * LANES))
+        made, key = _THREAD.made, (self, width, tuple(parameters), place)
+        program = made.pop(key, None) or self._program(width, parameters)
+        made[key] = program  # the last one is the one that was asked for last
+        if len(made) > _KEPT:
+            del made[next(iter(made))]
+        return program
+
+    def _program(self, width: int, parameters: Sequence[float]) -> MachineProgram:
+        registers = aligned((self.rows, -(-width // LANES) * LANES))
         known = [*parameters, *self.constants]
         registers[self.inputs : self.inputs + self.parameters + len(self.constants)] = np.reshape(known, (-1, 1))
         entry, others = prepared(self._apart)
         if len(self._first):
             run(MachineProgram(entry, others, self._first, registers, self._results), registers.shape[1])
         return MachineProgram(entry, others, self.instructions, registers, self._results)
+
+
+class _Programs(local):
+    """The programs of a thread, in the order in which they were asked for."""
+
+    def __init__(self) -> None:
+        self.made: dict[tuple[MachineCode, int, tuple[float, ...], int], MachineProgram] = {}
+
+
+_THREAD = _Programs()
+
+
+def aligned(shape: tuple[int, ...]) -> Reals:
+    """Return an array of zeros that begins where a line of the cache does: else every second vector lies in two lines.
+
+    Args:
+        shape: of the array; where the last axis has whole vectors, all rows begin so.
+    """
+    size = math.prod(shape)
+    room = np.zeros(size + LANES)
+    first = -room.ctypes.data // room.itemsize % LANES
+    return room[first : first + size].reshape(shape)
 
 
 def _instructions(written: bytes) -> Any:

@@ -83,7 +83,7 @@ def helper(function: F) -> F:
     Args:
         function: over numbers, arrays and bundles of arrays.
     """
-    return _compiled_within(function, fastmath={"contract"})
+    return _compiled_within(function, fastmath={"contract"}, forceinline=False)
 
 
 def reducing(function: F) -> F:
@@ -92,7 +92,7 @@ def reducing(function: F) -> F:
     Args:
         function: over numbers and arrays.
     """
-    return _compiled_within(function, fastmath={"contract", "reassoc"})
+    return _compiled_within(function, fastmath={"contract", "reassoc"}, forceinline=False)
 
 
 def exactly(function: F) -> F:

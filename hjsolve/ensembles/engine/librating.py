@@ -206,7 +206,9 @@ def _resolved(one: CoordinateOfOrbits, motions: Motions, placed: Motions, modes:
 def _integrated(one: CoordinateOfOrbits, motions: Motions, modes: Modes, programs: _Halves) -> Sums:
     tables, m = node_maps().tables, len(one.constants)
     sums = no_sums(m, len(motions.width))
-    below, above = (types.side(p.fill, p.errors, p.relative, tables, one.parameters) for p in programs)
+    below, above = (
+        types.side(p.fill, p.errors, p.relative, tables, one.parameters, half) for half, p in enumerate(programs)
+    )
     work = types.scratch(tables, m if modes.kernels else 0)
     integrals(below, above, motions, tables, modes, sums, work, np.zeros(m))
     return sums

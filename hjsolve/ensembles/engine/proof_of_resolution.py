@@ -86,7 +86,7 @@ class ResolutionProof:
         Args:
             left: which orbits.
             maps: how their nodes are placed.
-            span: the sizes to look at, first and end, shape (2, len(left)).
+            span: the sizes to look at, first and end, shape (2, len(left)); the first ones move on.
         """
         least = np.full(len(left), -1, dtype=np.int64)
         if self.below.table() is None or self.above.table() is None:
@@ -95,28 +95,17 @@ class ResolutionProof:
         known = room(self.below, lower + 0.5 * self.motions.signs[0] * W, W)
         todo, block = np.flatnonzero(W > 0), _FIRST
         while len(todo):
-            found, part = np.empty(len(todo), dtype=np.int64), np.ascontiguousarray(span[:, todo])
-            some = self._taken(left[todo], maps[todo])
             low, high = (Clearances(*side.table()) for side in (self.below, self.above))  # type: ignore[misc]
-            glances(some, known[todo], part, self.maps.strips, low, high, found)
-            least[todo], span[0, todo] = found, part[0]
-            bare = found == _NOT_COVERED
-            for map_, size in set(zip(some.first[bare].tolist(), part[0, bare].tolist(), strict=True)):
+            glances(self.motions, left, maps, todo, known, span, self.maps.strips, low, high, least)
+            found = least[todo]
+            bare = todo[found == _NOT_COVERED]
+            for map_, size in set(zip(maps[bare].tolist(), span[0, bare].tolist(), strict=True)):
                 self.maps.cover(map_, size)
             untold = todo[found == _UNTOLD][:block]
             self._fill(left[untold], maps[untold], span[0, untold])
             todo = todo[(found == _UNTOLD) | (found == _NOT_COVERED)]
             block *= 4
         return least
-
-    def _taken(self, index: Integers, maps: Integers) -> Motions:
-        all_ = self.motions
-        others = {"signs", "homes", "first", "known", "uncertainty"}
-        arrays = {name: getattr(all_, name)[index] for name in all_._fields if name not in others}
-        return Motions(
-            **arrays, signs=all_.signs, homes=all_.homes[:, :0], first=maps, known=all_.known[:0],
-            uncertainty=all_.uncertainty[:0],
-        )  # fmt: skip
 
     def _fill(self, some: Integers, maps: Integers, sizes: Integers) -> None:
         """Complete the tables for some orbits."""

@@ -64,35 +64,37 @@ def _failing(motions: Motions, i: int, place: tuple[int, int], first: int, strip
 
 
 @kernel
-def glances(motions: Motions, room: Reals, span: Integers, strips: Strips, low: Clearances, high: Clearances,
-            least: Integers) -> None:  # fmt: skip
-    """Write the first size that is proved to resolve an orbit: −1 for none, −2 where a table does not tell yet.
+def glances(motions: Motions, orbits: Integers, maps: Integers, todo: Integers, room: Reals, span: Integers,
+            strips: Strips, low: Clearances, high: Clearances, least: Integers) -> None:  # fmt: skip
+    """The first size that is proved to resolve an orbit: −1 for none, −2 where a table does not tell yet.
 
     Args:
-        motions: of n orbits.
+        motions: of all orbits.
+        orbits, maps: those that are asked for, and how their nodes are placed, shape (n,).
+        todo: which of these are looked at.
         room: see ``proof_of_resolution.room``, shape (n,).
         span: the sizes that are looked at, first and end, shape (2, n). The first moves on to where the tables failed.
         strips: the disks.
         low, high: tables for the views of the lower and of the upper half.
-        least: where the results go; −3 where a strip is not covered yet.
+        least: where the results go, shape (n,); −3 where a strip is not covered yet.
     """
-    for i in range(room.shape[0]):
-        m = motions.first[i]
-        least[i] = -1
+    for t in todo:
+        i, m = orbits[t], maps[t]
+        least[t] = -1
         if not motions.width[i] > 0.0:
             continue
         worst = 0.0  # how far along the strip disks are looked at first: where the last one failed
-        for size in range(span[0, i], span[1, i]):
-            if room[i] >= strips.enough[m, size]:
-                least[i] = size
+        for size in range(span[0, t], span[1, t]):
+            if room[t] >= strips.enough[m, size]:
+                least[t] = size
                 break
             count = strips.counts[0, m, size]
-            span[0, i] = size
+            span[0, t] = size
             if count < 0:
-                least[i] = _NOT_COVERED
+                least[t] = _NOT_COVERED
                 break
             seen = _failing(motions, i, (m, size), int(worst * count), strips, low, high)
             if seen < 0 or seen == count:
-                least[i] = size if seen == count else _UNTOLD
+                least[t] = size if seen == count else _UNTOLD
                 break
             worst = seen / count

@@ -46,27 +46,26 @@ def _shifts(work: Scratch, residue: tuple[float, float], E: Reals, place: tuple[
     n, split, symmetry = tables.counts[size], tables.split[m, size, share], int(tables.maps[m, 6])
     squares, slopes = tables.squares[symmetry - 1, size], tables.slopes[symmetry - 1, size]
     low = tables.low[m, tables.first[size] : tables.first[size + 1]]
-    constants = buffer.shape[0] - 3
+    shaken, flatter, moved = scratch[0], scratch[1], scratch[2]  # sin²χ/F, that over r, and k r δF sin²χ/F
+    r, F = buffer[1], buffer[2]
     for j in range(n):
-        scratch[0, j] = squares[j] / buffer[2, j]
-        scratch[1, j] = scratch[0, j] / buffer[1, j]
-    for k in range(constants):
+        shaken[j] = squares[j] / F[j]
+        flatter[j] = shaken[j] / r[j]
+    residues = residue[0] != 0.0 or residue[1] != 0.0
+    for k in range(buffer.shape[0] - 3):
         row = buffer[3 + k]
-        if residue[0] != 0.0 or residue[1] != 0.0:
+        if residues:
             for j in range(n):
-                scratch[2, j] = row[j] * scratch[0, j] * (residue[0] if j < split else residue[1])
-            total = _variation(scratch[2], slopes, n)
-            if tilted:
-                for j in range(n - 1):
-                    total += 2.0 * abs(scratch[2, j]) * abs(low[j + 1] - low[j]) * slopes[j]
+                moved[j] = row[j] * shaken[j] * (residue[0] if j < split else residue[1])
+            total = _variation(moved, slopes, n) + (2.0 * _tilt(moved, low, slopes, n) if tilted else 0.0)
             found[1, 1 + k] += total
             found[2, 1 + k] += 0.5 * total
         for l in range(k + 1):
             if E[l] != 0.0 or E[k] != 0.0:
                 other = buffer[3 + l]
                 for j in range(n):
-                    scratch[2, j] = row[j] * other[j] * scratch[1, j]
-                total = _variation(scratch[2], slopes, n)
+                    moved[j] = row[j] * other[j] * flatter[j]
+                total = _variation(moved, slopes, n)
                 found[1, 1 + k] += 2.0 * E[l] * total
                 found[2, 1 + k] += E[l] * total
                 if l < k:
@@ -77,9 +76,18 @@ def _shifts(work: Scratch, residue: tuple[float, float], E: Reals, place: tuple[
 @reducing
 def _variation(g: Reals, slopes: Reals, n: int) -> float:
     """Σ |Δg| cot χ/π, from node to node."""
-    total = 0.0
+    after, total = g[1:], 0.0
     for j in range(n - 1):
-        total += abs(g[j + 1] - g[j]) * slopes[j]
+        total += abs(after[j] - g[j]) * slopes[j]
+    return total
+
+
+@reducing
+def _tilt(g: Reals, low: Reals, slopes: Reals, n: int) -> float:
+    """Σ |g| Δ(q − a)/W cot χ/π."""
+    after, total = low[1:], 0.0
+    for j in range(n - 1):
+        total += abs(g[j]) * abs(after[j] - low[j]) * slopes[j]
     return total
 
 
@@ -92,21 +100,25 @@ def _placed(lanes: Reals, at: int, end: tuple[float, float, float], W: float, pl
     Places are counted from the turning point h, distances from b.
     """
     (start, count, farthest), (b, s, h) = span, end
-    tip = at + count + 1
-    after = tip + 1 + (count + 1 if kernels else 0)
-    for g in range(at, after):
-        lanes[0, g], lanes[1, g], lanes[2, g], lanes[3, g] = b, 0.0, b, 0.0
-        lanes[4, g], lanes[5, g], lanes[6, g] = 0.0, 0.0, _PLACE * abs(b)
-    for g in range(count + 1):
+    tip = count + 1
+    after = at + tip + 1 + (count + 1 if kernels else 0)
+    x, counted, ends, away = lanes[0, at:after], lanes[1, at:after], lanes[2, at:after], lanes[3, at:after]
+    roots, squares, blur = lanes[4, at:after], lanes[5, at:after], lanes[6, at:after]
+    for g in range(after - at):
+        x[g], counted[g], ends[g], away[g] = b, 0.0, b, 0.0
+        roots[g], squares[g], blur[g] = 0.0, 0.0, _PLACE * abs(b)
+    own, other = places[which], places[1 - which]
+    for g in range(tip):
         place = start + g if g < count else farthest
-        offset = s * W * places[which, place]
-        away = offset if h == b else -s * W * places[1 - which, place]
-        lanes[0, at + g], lanes[1, at + g], lanes[3, at + g] = h + away, 1.0, offset
-        lanes[6, at + g] = _PLACE * max(abs(h + away), abs(away))
-        lanes[4, at + g], lanes[5, at + g] = W * places[2, place], places[3, place]
-        if kernels:
-            for row in range(0, 7, 3):
-                lanes[row, tip + 1 + g] = lanes[row, at + g]
+        offset = s * W * own[place]
+        moved = offset if h == b else -s * W * other[place]
+        x[g], counted[g], away[g] = h + moved, 1.0, offset
+        blur[g] = _PLACE * max(abs(h + moved), abs(moved))
+        roots[g], squares[g] = W * places[2, place], places[3, place]
+    if kernels:
+        for g in range(tip):
+            again = tip + 1 + g
+            x[again], away[again], blur[again] = x[g], away[g], blur[g]
     return after
 
 
@@ -114,8 +126,8 @@ def _placed(lanes: Reals, at: int, end: tuple[float, float, float], W: float, pl
 def _known(program: MachineProgram, first: int, span: tuple[int, int], c: Reals) -> None:
     """Write the values of one orbit into some lanes, from one register on."""
     for k in range(c.shape[0]):
-        row, value = program.registers[first + k], c[k]
-        for g in range(span[0], span[1]):
+        row, value = program.registers[first + k, span[0] : span[1]], c[k]
+        for g in range(span[1] - span[0]):
             row[g] = value
 
 
@@ -173,6 +185,17 @@ def _noted(work: Scratch, t: int, which: int, at: int, span: tuple[int, int, int
 
 
 @inlined
+def _cleared(work: Scratch, t: int, samples: int) -> None:
+    drift = work.drift[t]
+    for g in range(samples):
+        drift[g] = 0.0
+    for k in range(work.noise.shape[1]):
+        row = work.noise[t, k]
+        for g in range(samples):
+            row[g] = 0.0
+
+
+@inlined
 def _spans(tables: Tables, m: int, share: int, which: int) -> tuple[int, int, int]:
     """Return the samples that a view looks at, and its farthest place."""
     inside, farthest = tables.spans[m, share, 0], tables.places.shape[2] - FARTHEST + 2 * share
@@ -207,8 +230,7 @@ def _samples(below: Side, above: Side, motions: Motions, count: int, tables: Tab
     for t in range(count):
         i = block[_ORBIT, t]
         m, share = motions.first[i], motions.share[i]
-        work.noise[t, :, : tables.samples[m]] = 0.0
-        work.drift[t, : tables.samples[m]] = 0.0
+        _cleared(work, t, tables.samples[m])
         both = (tables.spans[m, share, 1], tables.spans[m, share, 2])
         residue = _noted(work, t, 0, block[_LOW, t], _spans(tables, m, share, 0), both, modes)
         work.residues[t, 0], work.residues[t, 1] = residue, residue
@@ -222,26 +244,23 @@ def _nodes(fill: MachineProgram, which: int, at: int, motions: Motions, i: int, 
            tables: Tables) -> None:  # fmt: skip
     """Write nodes of one orbit that are seen from one end into the lanes of a program, from one lane on."""
     m, size, first, stop = place
-    begin, end, W = tables.first[size], tables.first[size + 1], motions.width[i]
-    low, high, root = tables.low[m, begin:end], tables.high[m, begin:end], tables.root[m, begin:end]
+    begin, n, W, after = tables.first[size] + first, stop - first, motions.width[i], at + stop - first
+    low, high, root = tables.low[m, begin : begin + n], tables.high[m, begin : begin + n], tables.root[m, begin:]
     near, far = (low, high) if which == 0 else (high, low)
     b, s, h = (motions.lower[i] if which == 0 else motions.upper[i]), motions.signs[which], motions.homes[which, i]
-    distances, places, roots = fill.registers[0], fill.registers[1], fill.registers[2]
-    at -= first
-    for j in range(first, stop):
-        distances[at + j] = s * W * near[j]
-        roots[at + j] = W * root[j]
+    distances, places = fill.registers[0, at:after], fill.registers[1, at:after]
+    roots, ends = fill.registers[2, at:after], fill.registers[3, at:after]
+    for j in range(n):
+        distances[j] = s * W * near[j]
+        roots[j] = W * root[j]
+        ends[j] = b
     if h == b:
-        for j in range(first, stop):
-            places[at + j] = b + s * W * near[j]
+        for j in range(n):
+            places[j] = b + s * W * near[j]
     else:
-        for j in range(first, stop):
-            places[at + j] = h - s * W * far[j]
-    span = (at + first, at + stop)
-    row = fill.registers[3]
-    for j in range(at + first, at + stop):
-        row[j] = b
-    _known(fill, 4, span, motions.known[i])
+        for j in range(n):
+            places[j] = h - s * W * far[j]
+    _known(fill, 4, (at, after), motions.known[i])
 
 
 @helper
@@ -269,16 +288,15 @@ def _packed(below: Side, above: Side, motions: Motions, span: tuple[int, int], t
 @inlined
 def _gathered(below: Side, above: Side, work: Scratch, t: int, n: int, split: int) -> None:
     """Bring the nodes of one orbit into the buffer."""
-    low, high = work.block[_LOW, t], work.block[_HIGH, t] - split
+    low, high, rest = work.block[_LOW, t], work.block[_HIGH, t], n - split
     for k in range(work.buffer.shape[0]):
-        row = work.buffer[k]
-        seen = below.fill.registers[below.fill.outputs[k]]
+        row, seen = work.buffer[k], below.fill.registers[below.fill.outputs[k], low : low + split]
         for j in range(split):
-            row[j] = seen[low + j]
-        if split < n:
-            seen = above.fill.registers[above.fill.outputs[k]]
-            for j in range(split, n):
-                row[j] = seen[high + j]
+            row[j] = seen[j]
+        if rest > 0:
+            row, seen = row[split:n], above.fill.registers[above.fill.outputs[k], high : high + rest]
+            for j in range(rest):
+                row[j] = seen[j]
 
 
 @helper

@@ -76,9 +76,18 @@ def _middle(rows: Reals, x: Reals, n: int) -> float:
 
 @reducing
 def _between(x: Reals, start: int, stop: int) -> float:
+    part, total = x[start:stop], 0.0
+    for j in range(stop - start):
+        total += part[j]
+    return total
+
+
+@reducing
+def _sizes(x: Reals, n: int) -> float:
+    """Σ |x|."""
     total = 0.0
-    for j in range(start, stop):
-        total += x[j]
+    for j in range(n):
+        total += abs(x[j])
     return total
 
 
@@ -128,29 +137,31 @@ def _roundings(work: Scratch, t: int, squares: Reals, samples: int, n: int, inte
 
     Where there are no kernels F's errors are known as they are, too, and each segment takes what bounds it best.
     """
-    buffer, shares, weights, found = work.buffer, work.shares, work.rows, work.found
-    noise, plain = work.noise[t], work.drift[t]
-    found[3, :integrands] = 0.0
+    shares, weights, found, noise, plain = work.shares, work.rows[0], work.found, work.noise[t], work.drift[t]
+    moments, r = work.buffer[0], work.buffer[1]
+    for k in range(integrands):
+        found[3, k] = 0.0
     for j in range(n):
-        weights[0, j] = buffer[0, j] / squares[j]
+        weights[j] = moments[j] / squares[j]
     for g in range(samples - 1):
         start, stop = g * n // (samples - 1), (g + 1) * n // (samples - 1)
-        own = max(noise[0, g], noise[0, g + 1])
-        shares[start:stop] = own
+        own, segment = max(noise[0, g], noise[0, g + 1]), shares[start:stop]
+        for j in range(stop - start):
+            segment[j] = own
         if not chords:
-            moved = own * _between(weights[0], start, stop)
+            moved = own * _between(weights, start, stop)
             if integrands == 1:
-                moved = min(moved, max(plain[g], plain[g + 1]) * _between(buffer[1], start, stop))
+                moved = min(moved, max(plain[g], plain[g + 1]) * _between(r, start, stop))
             found[3, 0] += 0.5 * moved
         for k in range(1, integrands):
             found[3, k] += max(noise[k, g], noise[k, g + 1]) * (stop - start)
     if chords:
-        found[3, 0] += 0.5 * _weighted(shares, buffer[0], n)
+        found[3, 0] += 0.5 * _weighted(shares, moments, n)
     elif integrands > 1:
         for j in range(n):
             shares[j] /= squares[j]
     for k in range(1, integrands):
-        found[3, k] += 0.5 * _weighted(shares, buffer[2 + k], n)
+        found[3, k] += 0.5 * _weighted(shares, work.buffer[2 + k], n)
 
 
 @helper
@@ -167,8 +178,7 @@ def shifted_action(work: Scratch, residue: tuple[float, float], uncertainty: Rea
     total = 0.5 * (residue[0] * _between(work.buffer[1], 0, split) + residue[1] * _between(work.buffer[1], split, n))
     for k in range(work.buffer.shape[0] - 3):
         if uncertainty[k] != 0.0:
-            for j in range(n):
-                total += uncertainty[k] * abs(work.buffer[3 + k, j])
+            total += uncertainty[k] * _sizes(work.buffer[3 + k], n)
     return _SHIFT_FACTOR * total / n
 
 

@@ -117,13 +117,13 @@ def running_weights(weights: Reals, scratch: Reals, χ: float, n: int, cosines: 
         n: number of nodes.
         cosines: of the nodes, rows of cos kχ, k = 1, 2, …
     """
-    half = n // 2
+    half, odds, evens = n // 2, scratch[0], scratch[1]
     s1, c1 = sincos(χ)
     s, c = s1, c1
     s2, c2 = 2.0 * s1 * c1, c1 * c1 - s1 * s1
     t, d = s2, c2
-    scratch[0, :half] = 0.0
-    scratch[1, :half] = 0.0
+    for j in range(half):
+        odds[j], evens[j] = 0.0, 0.0
     for k in range(1, n - 2, 4):
         s3, c3 = s * c2 + c * s2, c * c2 - s * s2
         t3, d3 = t * c2 + d * s2, d * c2 - t * s2
@@ -131,12 +131,14 @@ def running_weights(weights: Reals, scratch: Reals, χ: float, n: int, cosines: 
         first, second = cosines[(k - 1) * n :], cosines[k * n :]
         third, fourth = cosines[(k + 1) * n :], cosines[min(k + 2, n - 2) * n :]
         for j in range(half):
-            scratch[0, j] += odd * first[j] + odd3 * third[j]
-            scratch[1, j] += even * second[j] + even3 * fourth[j]
+            odds[j] += odd * first[j] + odd3 * third[j]
+            evens[j] += even * second[j] + even3 * fourth[j]
         s, c, t, d = s3 * c2 + c3 * s2, c3 * c2 - s3 * s2, t3 * c2 + d3 * s2, d3 * c2 - t3 * s2
+    back = weights[half:n]
     for j in range(half):
-        weights[j] = scratch[1, j] + scratch[0, j]
-        weights[n - 1 - j] = scratch[1, j] - scratch[0, j]
+        weights[j] = evens[j] + odds[j]
+    for j in range(half):
+        back[j] = evens[half - 1 - j] - odds[half - 1 - j]
 
 
 @helper

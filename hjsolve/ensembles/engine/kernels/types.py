@@ -123,11 +123,12 @@ class Sums(NamedTuple):
         """Write the results of some orbits into these.
 
         Args:
-            index: the places of the orbits, positions or a mask.
+            index: the places of the orbits, ascending positions or a mask.
             other: their results, in the same order.
         """
+        everything = len(other.good) == len(self.good)  # as a rule: then nothing is picked
         for mine, theirs in zip(self, other, strict=True):
-            mine[..., index] = theirs
+            mine[..., slice(None) if everything else index] = theirs
 
     def take(self, index: Which) -> Sums:
         """Return the results of some of the orbits.
@@ -145,9 +146,13 @@ def no_sums(constants: int, count: int) -> Sums:
         constants: how many constants of the motion there are.
         count: how many orbits.
     """
-    row, block = (lambda: np.full(count, np.nan)), (lambda: np.full((constants, count), np.nan))
-    good, chosen = np.zeros(count, dtype=bool), np.zeros((2, count), dtype=np.int64)
-    return Sums(row(), row(), block(), block(), block(), block(), row(), row(), block(), good, chosen)
+    block = np.full((4 + 5 * constants, count), np.nan)  # at once: a call for each array takes longer than few orbits
+    action, action_error, phase, phase_error = block[:4]
+    means, mean_errors, oscillations, oscillation_errors, speeds = block[4:].reshape(5, constants, count)
+    return Sums(
+        action, action_error, means, mean_errors, oscillations, oscillation_errors, phase, phase_error, speeds,
+        good=np.zeros(count, dtype=bool), chosen=np.zeros((2, count), dtype=np.int64),
+    )  # fmt: skip
 
 
 class Side(NamedTuple):
@@ -227,18 +232,20 @@ def looked_at(tables: Tables) -> int:
 
 
 def side(
-    fill: MachineCode, errors: MachineCode, relative: MachineCode | None, tables: Tables, parameters: tuple[float, ...]
-) -> Side:
+    fill: MachineCode, errors: MachineCode, relative: MachineCode | None, tables: Tables,
+    parameters: tuple[float, ...], half: int,
+) -> Side:  # fmt: skip
     """Return the programs of one half with registers for a block.
 
     Args:
         fill, errors, relative: codes.
         tables: of nodes.
         parameters: their values.
+        half: 0 for the lower and 1 for the upper one: they may have the same codes.
     """
     lanes, nodes = looked_at(tables), max(LANES, tables.last.shape[2])
-    last = errors if relative is None else relative
-    return Side(*(code.program(width, parameters) for code, width in ((fill, nodes), (errors, lanes), (last, lanes))))
+    codes = (fill, nodes), (errors, lanes), (errors if relative is None else relative, lanes)
+    return Side(*(code.program(width, parameters, half) for code, width in codes))
 
 
 class Modes(NamedTuple):
