@@ -246,8 +246,34 @@ def _horner(coefficients: Numbers, χ: Elementwise) -> tuple[Elementwise, Elemen
     return number.real, number.imag
 
 
-def _clenshaw_of_many(coefficients: Numbers, χ: Numbers) -> tuple[Numbers, Numbers]:
-    """Return the same at many phases of many digits, in fixed-point integers: arrays of these cost a tenth of ``mpf``.
+def oscillations(series: Sequence[FourierSeries], χ: Numbers) -> list[Numbers | int]:
+    """Return ``oscillation`` of several series at the same phases of many digits, whose sines are worked out once.
+
+    Args:
+        series: of one phase.
+        χ: ``mpf`` of shape (m,).
+    """
+    terms = max((len(one.cosines) for one in series), default=0)
+    if not terms or not χ.size or any(one.sines is not None for one in series):
+        return [0 if one.constant else cast("Numbers", one.oscillation(χ)) for one in series]
+    waves = _waves_of_many(χ, terms)
+    k = np.arange(1, terms + 1)
+    return [0 if one.constant else _clenshaw_of_many(one.cosines / k[: len(one.cosines)], χ, waves)[1] for one in series]
+
+
+def _waves_of_many(χ: Numbers, terms: int) -> tuple[int, Numbers, Numbers]:
+    """Bits after the point for a series of so many terms, and cos χ and sin χ in as many."""
+    work = cast("Mpf", χ.flat[0]).context.prec + 2 * terms.bit_length() + _GUARD
+    fine = multiprecision(work)
+    turns = [fine.cos_sin(fine.convert(x)) for x in χ.flat]
+    cosine, sine = (np.array([int(fine.ldexp(w[i], work)) for w in turns], dtype=object) for i in (0, 1))
+    return work, cosine, sine
+
+
+def _clenshaw_of_many(
+    coefficients: Numbers, χ: Numbers, waves: tuple[int, Numbers, Numbers] | None = None
+) -> tuple[Numbers, Numbers]:
+    """The same at many phases of many digits, in fixed-point integers: arrays of these cost a tenth of ``mpf``.
 
     Clenshaw's recurrence bₖ = cₖ + 2 cos χ bₖ₊₁ − bₖ₊₂ has one product a term, Horner's rule four, and ends in both
     sums, b₁ cos χ − b₂ and b₁ sin χ. It magnifies rounding by at most the square of the number of terms, relative to
@@ -260,12 +286,9 @@ def _clenshaw_of_many(coefficients: Numbers, χ: Numbers) -> tuple[Numbers, Numb
     largest = max(map(abs, numbers))
     if not largest:
         return 0 * χ, 0 * χ
-    work = context.prec + 2 * len(numbers).bit_length() + _GUARD
+    work, cosine, sine = waves or _waves_of_many(χ, len(numbers))
     shift = work - int(context.mag(largest))
     fixed = [int(context.nint(context.ldexp(c, shift))) for c in numbers]
-    fine = multiprecision(work)
-    turns = [fine.cos_sin(fine.convert(x)) for x in χ.flat]
-    cosine, sine = (np.array([int(fine.ldexp(w[i], work)) for w in turns], dtype=object) for i in (0, 1))
     twice, b, after = 2 * cosine, 0 * cosine, 0 * cosine
     for c in reversed(fixed):
         b, after = (twice * b >> work) - after + c, b

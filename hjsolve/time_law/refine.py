@@ -11,8 +11,13 @@ from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.number_types import Context, Counts, Elementwise, Mpf, MpfMatrix, Numbers, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
+from hjsolve.one_coordinate.fourier_series import oscillations
 from hjsolve.time_law.torus import TorusEquations
 
+_GUARD = 64
+"""Of the binary digits of the arithmetic, those that phases are not refined to: twenty digits are not told."""
+_SAFETY = 2.0**6
+"""By how much a step may contract less than the one before."""
 _MOST_BITS = 900
 """Above, steps underflow in doubles."""
 _MOST_UNEVEN = 1e8
@@ -71,17 +76,20 @@ def _together(
     open_, last = np.flatnonzero(good), np.full(m, np.inf)
     inverse = np.linalg.inv(slopes[:, :, open_].transpose(2, 0, 1))
     spread[open_] = np.abs(inverse) @ cut
-    least = 2.0 ** (12 - bits)
+    least = 2.0 ** (_GUARD - bits)
     for _ in range(4 + bits // 24):
         if not len(open_):
             break
         at = [c[open_] for c in x]
-        residual = [at[k] - goal[k][open_] + sum(_ripple(system, k, i, at[i]) for i in range(n)) for k in range(n)]
+        ripples = [oscillations([row[i] for row in system.oscillations], at[i]) for i in range(n)]
+        residual = [at[k] - goal[k][open_] + sum(ripples[i][k] for i in range(n)) for k in range(n)]
         step = (inverse @ np.stack([r.astype(float) for r in residual], axis=1)[:, :, None])[:, :, 0]
         size = np.max(np.abs(step), axis=1)
         for k in range(n):
             x[k][open_] = at[k] - as_digits(step[:, k])
-        done = (size < least) & (size <= last[open_] / 4)
+        rate = np.where(np.isinf(last[open_]), 1.0, np.minimum(1.0, _SAFETY * size / last[open_]))
+        left = size * rate  # what this step leaves, when it contracts nearly as well as the one before
+        done = (left < least) & (size <= last[open_] / 4)
         error[open_[done]] = context.mpf(4 * least)
         going = ~done & (size <= last[open_] / 4)  # those that do not contract are left to Newton's method
         last[open_] = size

@@ -50,6 +50,8 @@ def goes_on_at_umbilics(motion: Motion) -> UmbilicMotion | None:
         motion: started.
     """
     kinds = set(motion.kinds.values())
+    if motion.solution.system.kinks or motion.states is not None:
+        return None
     if len(motion.kinds) != 2 or len(motion.separated.located) != 2 or "asymptotic" not in kinds:
         return None
     if not kinds <= {"asymptotic", "equilibrium"} or list(motion.kinds.values()).count("equilibrium") > 1:
