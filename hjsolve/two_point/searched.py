@@ -133,7 +133,9 @@ def reach(question: Question, p: Reals, ends: Ends) -> _Reached:
     return _Reached(best[1], {c.name: x for c, x in zip(coordinates, best[2], strict=True)}, ends)
 
 
-def connection_of(question: Question, reached: _Reached, path: str = "") -> Connection:
+def connection_of(
+    question: Question, reached: _Reached, path: str = "", turns: int | None = None
+) -> Connection:
     """Return what a motion that ends at q1 is told as.
 
     S is that of the motion with −∂S/∂q1 · (what it misses) added; momenta err by the error of the end point through
@@ -143,6 +145,7 @@ def connection_of(question: Question, reached: _Reached, path: str = "") -> Conn
         question: what is asked.
         reached: the motion.
         path: in words.
+        turns: whole turns; None to count them.
     """
     coordinates, motion, ends = question.system.coordinates, reached.motion, reached.ends
     state = motion.at(question.time)
@@ -164,7 +167,7 @@ def connection_of(question: Question, reached: _Reached, path: str = "") -> Conn
     correction = -float(slopes @ miss)
     S_error = float(S.error) + abs(correction) + float(np.abs(slopes) @ off) + 4 * EPS * abs(float(S.value))
     sweep = _sweep(question, ends)
-    turns = turns_of(question, ends)
+    turns = turns_of(question, ends) if turns is None else turns
     return Connection(
         turns=turns,
         path=path or _words(sweep, turns),

@@ -30,7 +30,7 @@ _EXACT, _FINER = (2, 4, 6, 8), 1e-10
 _FOUND, _SOLVED, _RANK, _SAME = 1e-3, 1e-7, 1e-5, 1e-3
 """Misses at which a zero is taken to be found and solved, the singular value that counts as zero, and how near two
 zeros are one; in units of the speed looked for."""
-_REFINED = 5
+_REFINED, _PATIENT = 5, 20
 _FOLLOWED = 0.2
 
 
@@ -259,3 +259,44 @@ def _dimension(target: _Target, u: Reals, slope: Reals, null: int, scale: float)
                 break
             moved = moved - _solved(J, y)[:, 0]
     return count
+
+
+def solved_from(question: Question, flow: Flow, p: Reals, image: float | None = None) -> tuple[Reals, Ends]:
+    """Solve for the momenta of one motion from momenta near them.
+
+    Args:
+        question: what is asked.
+        flow: of the system.
+        p: shape (n,).
+        image: for one angle, which image of q1 is meant.
+
+    Returns:
+        The momenta; and where they lead, with conjugate points counted.
+
+    Raises:
+        NotConvergedError: Newton's method does not lead to q1.
+    """
+    target = _Target(question, flow)
+    if image is not None:
+        target.q1, target.angle = np.array([image]), np.array([False])
+    u = (target.L.T @ (p - target.centre))[:, None]
+    scale = max(target.scale, float(np.linalg.norm(u)))
+    y, slope, reached, _ = target.miss(u, exact=True)
+    size = float(np.linalg.norm(y))
+    for _ in range(_PATIENT):
+        if not reached[0] or size <= _SOLVED * 1e-2 * scale:
+            break
+        step, factor = _solved(slope, y), 1.0
+        while factor > _LEAST_FACTOR:
+            y_new, slope_new, reached_new, _ = target.miss(u - factor * step, exact=True)
+            if reached_new[0] and np.linalg.norm(y_new) < size:
+                break
+            factor /= 2
+        else:
+            break
+        u, y, slope, size = u - factor * step, y_new, slope_new, float(np.linalg.norm(y_new))
+    if not size <= _SOLVED * scale:
+        raise NotConvergedError("Newton's method on the initial momenta does not lead to q1")
+    p = target.momenta(u)
+    ends = followed(flow, target.q0[:, None], p, target.time)
+    return p[:, 0], ends

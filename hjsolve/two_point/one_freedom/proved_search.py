@@ -1,0 +1,232 @@
+"""All energies at which one coordinate goes from one place to another in a time, isolated by enclosures.
+
+Energies are E = V* + s², V* the greatest V on the way between the places. Intervals of s are discarded where the time
+cannot be the one asked, kept where it is monotone and passes it, and halved else; energies beyond the last interval are
+discarded by bounds that hold for all of them (``high_energies.py``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.root_finding import regula_falsi
+from hjsolve.two_point.one_freedom.branches import Branch
+from hjsolve.two_point.one_freedom.high_energies import HIGHEST, far_time
+from hjsolve.two_point.one_freedom.travel_time import Line, Segment, Span, across, outward
+
+_COARSE, _FINE, _FINEST = 96, 384, 1536
+_SMALLEST, _HALVINGS = 2.0**-34, 44
+_DOUBLINGS = 60
+_CELLS_AT_MOST = 4000
+
+
+@dataclass(frozen=True)
+class Energy:
+    """An energy at which a branch takes the time asked.
+
+    Attributes:
+        branch: the branch.
+        value: E in doubles, near the true one.
+        low, high: an interval that holds this one alone.
+    """
+
+    branch: Branch
+    value: float
+    low: float
+    high: float
+
+
+@dataclass
+class Proof:
+    """What was isolated, and what was not decided.
+
+    Attributes:
+        energies: the energies found.
+        undecided: intervals of E in which there may be more.
+        least: the least time of the branches asked, as far as sampled; inf where there is none.
+    """
+
+    energies: list[Energy] = field(default_factory=list)
+    undecided: list[tuple[float, float]] = field(default_factory=list)
+    least: float = np.inf
+
+
+class TravelTimes:
+    """Times of one pair of places as functions of s, enclosed.
+
+    Attributes:
+        line: V and μ.
+        low, high: the lower and the upper place.
+        base: V*, rounded up.
+    """
+
+    def __init__(self, line: Line, low: float, high: float):
+        self.line, self.low, self.high = line, low, high
+        nodes = np.unique(np.concatenate([np.linspace(low, high, 4000), [low, high]]))
+        V = line.over(nodes, nodes, 1)[0]
+        k = int(np.argmax(V.high))
+        # at the ends themselves E may not be less than V; inside, a barrier is approached from below
+        self.base = float(V.high[k]) if k in (0, len(nodes) - 1) else float(V.low[k])
+        self._known: dict[tuple[float, float, int], tuple[Segment, Segment, Segment]] = {}
+
+    def energy(self, s: float) -> float:
+        """Return E of s.
+
+        Args:
+            s: not negative.
+        """
+        return self.base + s * s
+
+    def segments(self, s: tuple[float, float], count: int) -> tuple[Segment, Segment, Segment]:
+        """Return D, U and L over an interval of s.
+
+        Args:
+            s: its ends.
+            count: of cells.
+        """
+        key = (*s, count)
+        if key not in self._known:
+            E = Span(self.energy(s[0]), self.energy(s[1]) * (1 + 2 * EPS) if s[1] > s[0] else self.energy(s[0]))
+            self._known[key] = (
+                across(self.line, self.low, self.high, E, count),
+                outward(self.line, self.high, 1, E, count),
+                outward(self.line, self.low, -1, E, count),
+            )
+        return self._known[key]
+
+    def far(self, s: float) -> tuple[Segment, Segment, Segment]:
+        """Return D, U and L over all energies from one on.
+
+        Args:
+            s: of the least energy.
+        """
+        E = self.energy(s)
+        return (
+            across(self.line, self.low, self.high, Span(E, HIGHEST), _FINE),
+            far_time(self.line, self.high, 1, E),
+            far_time(self.line, self.low, -1, E),
+        )
+
+
+def total(branch: Branch, parts: tuple[Segment, Segment, Segment]) -> tuple[Span, Span, bool | None]:
+    """Return time and slope of a branch; and whether it exists: for all of the energies, none of them, or undecided.
+
+    Args:
+        branch: the branch.
+        parts: D, U and L.
+    """
+    counts = (branch.direct, 2 * branch.upper, 2 * branch.lower)
+    low = high = slope_low = slope_high = 0.0
+    there: bool | None = True
+    for n, part, turned in zip(counts, parts, (False, True, True), strict=True):
+        if not n:
+            continue
+        if turned and part.turns is not True:
+            there = False if part.turns is False or there is False else None
+        low, high = low + n * part.time.low, high + n * part.time.high
+        slope_low, slope_high = slope_low + n * part.slope.low, slope_high + n * part.slope.high
+    return Span(low, high), Span(slope_low, slope_high), there
+
+
+def isolate(times: TravelTimes, branch: Branch, T: float, scale: float, proof: Proof) -> None:
+    """Find every energy at which a branch takes a time; what is found is added to a proof.
+
+    Args:
+        times: of the places.
+        branch: the branch.
+        T: the time.
+        scale: a speed in units of s that the search begins with.
+        proof: filled here.
+    """
+    top = _top(times, branch, T, scale)
+    if top is None:
+        top = scale * 2.0**_DOUBLINGS**0.5
+        proof.undecided.append((times.energy(top), np.inf))
+    edges = [0.0, *(scale * 2.0**k for k in range(-34, 200) if scale * 2.0**k < top), top]
+    stack = list(zip(edges[:-1], edges[1:], strict=True))
+    for _ in range(_CELLS_AT_MOST):
+        if not stack:
+            return
+        s = stack.pop()
+        verdict = _judged(times, branch, T, s, proof)
+        if verdict == "split":
+            if s[1] - s[0] <= _SMALLEST * max(s[1], scale):
+                proof.undecided.append((times.energy(s[0]), times.energy(s[1])))
+                continue
+            middle = (s[0] + s[1]) / 2
+            stack += [(s[0], middle), (middle, s[1])]
+    proof.undecided += [(times.energy(a), times.energy(b)) for a, b in stack]
+
+
+def _judged(times: TravelTimes, branch: Branch, T: float, s: tuple[float, float], proof: Proof) -> str:
+    """Discard an interval, keep its one energy, or ask to split it."""
+    for count in (_COARSE, _FINE):
+        time, slope, there = total(branch, times.segments(s, count))
+        if there is False or time.low > T:
+            if there is not False and np.isfinite(time.low):
+                proof.least = min(proof.least, time.low)
+            return "none"
+        if there and time.high < T:
+            return "none"
+        if there and (slope.low > 0 or slope.high < 0):
+            return _at_most_one(times, branch, T, s, proof)
+    return "split"
+
+
+def _at_most_one(times: TravelTimes, branch: Branch, T: float, s: tuple[float, float], proof: Proof) -> str:
+    """An interval in which the time is monotone: it is T once, or never."""
+    ends = [_side(times, branch, T, at) for at in s]
+    if ends[0] and ends[0] == ends[1]:
+        return "none"
+    if ends[0] and ends[1]:
+        sign = ends[0]
+
+        def miss(at: float) -> float:
+            time, _, there = total(branch, times.segments((at, at), _FINEST))
+            return -sign * ((time.low + time.high) / 2 - T) if there and np.isfinite(time.high) else -np.inf
+
+        at = regula_falsi(miss, s[0], s[1]) if miss(s[0]) <= 0 <= miss(s[1]) else (s[0] + s[1]) / 2
+        proof.energies.append(Energy(branch, times.energy(at), times.energy(s[0]), times.energy(s[1])))
+        return "one"
+    return "split"
+
+
+def _side(times: TravelTimes, branch: Branch, T: float, at: float) -> int:
+    """The sign of time − T at one energy; 0 where enclosures do not tell it."""
+    for count in (_FINE, _FINEST):
+        time, _, there = total(branch, times.segments((at, at), count))
+        if time.low > T:
+            return 1
+        if there and time.high < T:
+            return -1
+    return 0
+
+
+def _top(times: TravelTimes, branch: Branch, T: float, scale: float) -> float | None:
+    """An s beyond which the branch does not take the time, proved; None where there is no proof."""
+    s = scale
+    for _ in range(_DOUBLINGS // 2):
+        time, _, there = total(branch, times.far(s))
+        if there is False or time.low > T or (there and time.high < T):
+            return s
+        s *= 2
+    return None
+
+
+def all_energies(times: TravelTimes, asked: Iterable[Branch], T: float, scale: float) -> Proof:
+    """Find all energies at which any of some branches takes a time.
+
+    Args:
+        times: of the places.
+        asked: the branches.
+        T: the time.
+        scale: a speed in units of s.
+    """
+    proof = Proof()
+    for branch in asked:
+        isolate(times, branch, T, scale, proof)
+    return proof
