@@ -51,6 +51,8 @@ def _check(options: Namespace) -> int:
     except NotSeparableError as outside:  # a catalog entry that is not given by T and V: its reason is the answer
         print(wrapped((str(outside),)))
         return REFUSED
+    if system.time is not None:
+        return _in_time(system, options.budget, solved=False)
     verdict = separate(system, budget=options.budget)
     evidence = system_and_verdict.evidence_section(verdict, lead=False)
     sections: list[Section | None] = [
@@ -92,6 +94,8 @@ def solve_command(options: Namespace) -> int:
     with within(options.budget):
         problem = arguments_read.given_hamiltonian(options)
         system = arguments_read.system(options) if problem is None else None
+        if system is not None and system.time is not None:
+            return _in_time(system, options.budget, find=options.find)
         solved = solve(system, "find", budget=options.budget) if options.find and system is not None else None
         verdict = separate(system, budget=options.budget) if solved is None and system is not None else None
         if isinstance(verdict, Separation):
@@ -119,6 +123,29 @@ def solve_command(options: Namespace) -> int:
     modes = _linear_modes(required(system))  # a linear canonical map solves it, where no coordinates separate it
     _print(required(system), [*modes, *evidence], system_and_verdict.answer(verdict))
     return ANSWER if modes else _status(verdict)
+
+
+def _in_time(system: System, budget: float, *, find: bool = False, solved: bool = True) -> int:
+    """Print the solution of a system whose T or V holds the time, or what was tried."""
+    from hjsolve.extended.explicit_time import solve_in_time
+    from hjsolve.reports.formats.text import wrapped
+    from hjsolve.reports.sections import solution as quadratures
+    from hjsolve.reports.sections.moving_frame import frame_section, quadratic_section
+    from hjsolve.solution.quadratures import AS_GIVEN, FIND
+
+    try:
+        found = solve_in_time(system, budget, FIND if find else AS_GIVEN)
+    except NotSeparableError as error:
+        _print(system, [])
+        print(f"\n{wrapped((str(error) + '.',))}")
+        return REFUSED
+    if found.frame is None or found.solution is None:
+        _print(system, [quadratic_section(found.system)], ("H is of second degree in q and p, so S is in q.",))
+        return ANSWER
+    sections: list[Section | None] = [frame_section(found.frame, found.solution if solved else None)]
+    sections += quadratures.solution_sections(found.solution) if solved else []
+    _print(system, sections, ("It holds the time; in a frame that was found it does not, and there it separates.",))
+    return ANSWER
 
 
 def _closed(solved: Solution) -> list[Section]:

@@ -91,6 +91,19 @@ class ChangeOfFrame(Shown):
             for name, constant in solution.constants.items()
         }
 
+    def principal_function(self, solution: Solution) -> sp.Expr:
+        """S(q, t) = W(Q(q, t)) − E t + Λ(Q(q, t), t), which solves ∂S/∂t + H(q, ∂S/∂q, t) = 0.
+
+        With L = L′ + dΛ/dt the momenta are p = ∂(S′ + Λ)/∂q, S′ = W − E t of the autonomous system (5-65).
+
+        Args:
+            solution: of the autonomous system, with W(Q).
+        """
+        energy = solution.separation.shell.energy if solution.coordinates else solution.separation.shell.potential
+        S = solution.characteristic_function - energy * self.time + self.gauge
+        back = {symbol: sp.simplify(formula) for symbol, formula in self.inverse().items()}
+        return S.subs(back, simultaneous=True)
+
     def solve(self) -> Solution:
         """Solve the autonomous system by quadratures; NotSeparableError as ``hjsolve.solve``."""
         return solve(self.system)

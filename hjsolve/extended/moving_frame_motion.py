@@ -21,6 +21,7 @@ from hjsolve.motion.motion import Motion
 from hjsolve.motion.shapes import shaped
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
+from hjsolve.solution.quadratures import Solution
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -113,6 +114,7 @@ def _numbers(t: object, digits: int) -> Numbers:
 def start_framed_motion(
     frame: ChangeOfFrame, *, q: Mapping[str, object], velocity: Mapping[str, object] | None,
     p: Mapping[str, object] | None, parameters: Mapping[str, object], t0: object, digits: int,
+    solution: Solution | None = None,
 ) -> FramedMotion:  # fmt: skip
     """Start a motion; see ``Frame.motion``.
 
@@ -122,6 +124,7 @@ def start_framed_motion(
         parameters: numbers by name.
         t0: time of the initial data.
         digits: relative digits wanted.
+        solution: of the autonomous system; None for the one in its own coordinates.
 
     Raises:
         InvalidInputError: velocity and p both or neither.
@@ -130,4 +133,5 @@ def start_framed_motion(
     time = number(t0, source="t0")
     values = {**parameter_values(frame.system, parameters), frame.time: time}
     data = carried_initial_data(frame, values, q, velocity, p)
-    return FramedMotion(frame, frame.solve().motion(**data, parameters=parameters, t0=time, digits=digits))
+    solved = frame.solve() if solution is None else solution
+    return FramedMotion(frame, solved.motion(**data, parameters=parameters, t0=time, digits=digits))

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import keyword
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from hjsolve import arguments
 from hjsolve.display.shown import Shown
@@ -96,7 +97,9 @@ def parameter(name: str, value: object = None, *, assume: str = "real", unit: st
     for part, text in (("unit", unit), ("meaning", meaning)):
         refuse_hidden(text, f"parameter {name}: {part}")
     if name == "t":
-        raise InvalidSystemError("parameter t: t is the time; T and V must not depend on it. Rename the constant")
+        raise InvalidSystemError(
+            "parameter t: t is the time, which needs no declaration in T and V. Rename the constant"
+        )
     known = next((known for known in _ASSUMPTIONS if known == assume), None)
     if known is None:
         raise InvalidSystemError(
@@ -312,6 +315,28 @@ def free_name(name: str, taken: Iterable[str]) -> str:
     while _looks(name) in looks:
         name += "_"
     return name
+
+
+def clock_of(formulas: Iterable[object], declared: Collection[str]) -> tuple[Parameter, ...]:
+    """Return the time t as a parameter without a value where T or V holds it and t is not declared; else nothing.
+
+    Args:
+        formulas: T and V as they were given, texts or sympy expressions.
+        declared: names of coordinates and parameters.
+    """
+    if "t" in declared or not any(map(_holds_time, formulas)):
+        return ()
+    return (Parameter("t", sp.Symbol("t", real=True), None, "real", "", "time"),)
+
+
+def _holds_time(formula: object) -> bool:
+    if isinstance(formula, str):
+        return re.search(r"(?<![\w'])t(?![\w('])", formula) is not None
+    if not isinstance(formula, sp.Expr):
+        return False
+    moving = (AppliedUndef, sp.Derivative)  # x(t) and its derivative are how sympy writes q and dot(q)
+    plain = formula.replace(lambda e: isinstance(e, moving), lambda _: sp.Dummy())
+    return any(s.name == "t" for s in plain.free_symbols)
 
 
 def time_letter(names: Iterable[str]) -> str:

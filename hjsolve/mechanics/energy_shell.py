@@ -162,6 +162,8 @@ def time_name(system: System) -> str:
     Args:
         system: whose names are taken.
     """
+    if system.time is not None:
+        return system.time.name
     return time_letter([*system.symbols, *(c.momentum.name for c in system.coordinates)])
 
 

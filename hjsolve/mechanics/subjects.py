@@ -28,12 +28,26 @@ def system_of(subject: object, verb: str) -> System:
         NotSeparableError: an entry that is not given by T and V; the error carries its ``Refusal``.
     """
     if isinstance(subject, System):
-        return subject
+        return _timeless(subject, verb)
     if isinstance(subject, (str, Path)):
         import hjsolve
 
-        return hjsolve.catalog.load(Path(subject) if str(subject).endswith(".toml") else subject)
+        loaded = hjsolve.catalog.load(Path(subject) if str(subject).endswith(".toml") else subject)
+        return _timeless(loaded, verb)
     raise InvalidInputError(f"{verb}: {A_SYSTEM}, not {described(subject)}")
+
+
+_OF_THE_TIME = ("solve", "separate", "verify", "poisson_bracket", "is_integral")
+"""Verbs that take a system whose T or V holds the time."""
+
+
+def _timeless(system: System, verb: str) -> System:
+    if system.time is None or verb in _OF_THE_TIME:
+        return system
+    raise InvalidInputError(
+        f"{verb}: T or V holds the time; hjsolve.solve looks for a frame in which it does not, and gives the system "
+        "there as solution.frame.system"
+    )
 
 
 __all__ = ["A_SYSTEM", "system_of"]

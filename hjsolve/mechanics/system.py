@@ -24,6 +24,7 @@ from hjsolve.mechanics.closed_ends import check_closed_ends
 from hjsolve.mechanics.coordinates_and_parameters import (
     Coordinate,
     Parameter,
+    clock_of,
     parameter,
     read_coordinates,
     read_functions,
@@ -65,9 +66,9 @@ class System(Shown):
         kinetic: T, as text or as a sympy expression in which a velocity is ``Derivative(q(t), t)`` or
             ``Symbol("dot(q)")``. A polynomial of second degree in the velocities; terms linear in them (a charge in a
             magnetic field, a moving frame) belong here.
-        potential: V, of the coordinates only. ``abs(x)``, ``sign(x)``, sympy's ``Piecewise`` and roots of squares may
-            depend on one coordinate by a polynomial: V then has kinks or jumps (``kinks``), and a letter sign_x stands
-            for the sign in V and in all formulas of the solution.
+        potential: V, of the coordinates (and the time t). ``abs(x)``, ``sign(x)``, sympy's ``Piecewise`` and roots of
+            squares may depend on one coordinate by a polynomial: V then has kinks or jumps (``kinks``), and a letter
+            sign_x stands for the sign in V and in all formulas of the solution.
         parameters: name → default value, ``None`` for no default, or a ``parameter(...)`` with assumption and unit;
             with ``units`` a quantity as well.
         signature: ``definite``: T must be positive definite on the domain; ``indefinite``: not degenerate (relativity).
@@ -110,6 +111,7 @@ class System(Shown):
     declared_units: Units
     kinks: tuple[Kink, ...]
     eliminated: tuple[tuple[str, sp.Expr], ...] = field(compare=False)
+    time: sp.Symbol | None
 
     @one_at_a_time
     def __init__(
@@ -143,7 +145,10 @@ class System(Shown):
         numbers, quantities = without_quantities({} if parameters is None else parameters)
         constants = read_parameters(numbers)
         places = read_coordinates(coordinates, constants)
+        clock = clock_of((kinetic, potential), {p.name for p in constants} | {c.name for c in places})
+        constants = (*constants, *clock)
         _set(self, coordinates=places, parameters=constants, title=str(title), id=str(id), eliminated=())
+        _set(self, time=next((p.symbol for p in constants if p.name == "t"), None))
         _set(self, relativity=relativity_of(relativity, constants))
         _set(self, signature=read_signature(signature))
         unknowns = read_functions(functions, (c.name for c in places), self.symbols)
@@ -262,7 +267,7 @@ class System(Shown):
     def __repr__(self) -> str:
         """Return the call that makes the system, as far as it differs from the defaults."""
         places = {c.name: c.domain.written(c.name) for c in self.coordinates}
-        values = {p.name: None if p.value is None else str(p.value) for p in self.parameters}
+        values = {p.name: None if p.value is None else str(p.value) for p in self.parameters if p.symbol != self.time}
         parts: dict[str, object] = {"coordinates": places, "kinetic": str(self.kinetic)}
         parts |= {"potential": str(with_signs(self.potential, self.kinks)), "parameters": values}
         if self.relativity is not None:

@@ -21,6 +21,7 @@ from hjsolve.errors import (
     NotConvergedError,
     NotSeparableError,
 )
+from hjsolve.extended.explicit_time import SolutionInTime, solve_in_time
 from hjsolve.extended.gyroscopic import linear_modes_of
 from hjsolve.extended.moving_frame import Frame
 from hjsolve.mechanics.system import System
@@ -119,11 +120,15 @@ def gather(
             if entry.system is None:
                 raise NotSeparableError(str(entry.refusal), entry.refusal)
             subject = entry.system
-        verdict, solution = _decided(subject, clock, budget)
+        found = _in_a_frame(subject, budget)
+        verdict, solution = _decided(subject if found is None else found.solution, clock, budget)
         entry = entry or catalog.entry_of(verdict.system)
         if isinstance(verdict, Separation) and solution is None:
             solution = _timed(clock, "solution by quadratures", lambda: solve(verdict))
     frame = moving_frames.of(named if named is not None else entry.id) if entry is not None else None
+    if found is not None:
+        frame, initial = found.frame, None
+        entry = None
     if solution is None:
         return Material(verdict, entry=entry, frame=frame, initial=initial_of(entry, initial, motion)[0], clock=clock)
     data, summary = initial_of(entry, initial, motion)
@@ -148,6 +153,23 @@ def told(error: NotConvergedError) -> str:
     """
     reached = f" (reached: {error.estimate})" if error.estimate is not None else ""
     return f"{' '.join(str(error).split())}{reached}"
+
+
+def _in_a_frame(subject: object, budget: float) -> SolutionInTime | None:
+    """The solution of a system whose T or V holds the time, in the frame that was found; None of any other system.
+
+    Raises:
+        NotSeparableError: no frame was found, or only a principal function of second degree, which has no quadratures.
+    """
+    if not isinstance(subject, System) or subject.time is None:
+        return None
+    found = solve_in_time(subject, budget)
+    if found.frame is None:
+        raise NotSeparableError(
+            "report: T or V holds the time, and no frame without it was found; S is of second degree in the "
+            "coordinates, and hjsolve.solve gives its motions", None,
+        )  # fmt: skip
+    return found
 
 
 def _decided(

@@ -27,6 +27,7 @@ from hjsolve.separation.obstruction.obstruction import (
     Setting,
     of_shell,
     refuse_condition,
+    refuse_time,
     refuse_without_shell,
     region_of,
 )
@@ -63,6 +64,8 @@ def separate(system: System | str | Path, *, budget: float = DEFAULT_BUDGET) -> 
     """
     system = system_of(system, "separate")
     budget = arguments.seconds(budget, "budget")
+    if system.time is not None:
+        return refuse_time(system, budget)
     if system.relativity is not None:
         return relativistic.decided(system, lambda shell: separate(shell, budget=budget))
     start = time.monotonic()

@@ -17,7 +17,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import sympy as sp
 
@@ -273,7 +273,8 @@ def solve(
         budget: seconds for the decision in the given coordinates, and as many for the search for others.
 
     Returns:
-        The solution; every integral stays unevaluated.
+        The solution; every integral stays unevaluated. Of a system whose T or V holds the time it is a
+        ``SolutionInTime``: in a frame that is found, or with a quadratic principal function.
 
     Raises:
         NotSeparableError: the system does not separate in its coordinates, or that could not be decided; the error
@@ -297,7 +298,13 @@ def solve(
         )
     if isinstance(system, (Separation, Obstruction, Undecided)):
         return _solved(system)
-    return _remembered(system_of(system, "solve"), coordinates == FIND, arguments.seconds(budget, "budget"))
+    meant, seconds = system_of(system, "solve"), arguments.seconds(budget, "budget")
+    if meant.time is not None:
+        # a call upward: a frame is looked for, and solved in turn
+        from hjsolve.extended.explicit_time import solve_in_time
+
+        return cast("Solution", solve_in_time(meant, seconds, coordinates))
+    return _remembered(meant, coordinates == FIND, seconds)
 
 
 @lru_cache(maxsize=128)

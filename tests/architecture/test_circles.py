@@ -13,10 +13,12 @@ ROOT = Path(__file__).resolve().parents[2]
 UPWARD = {
     ("hjsolve.solution.quadratures", "hjsolve.motion.charted.begin"),
     ("hjsolve.solution.quadratures", "hjsolve.motion.motion"),
+    ("hjsolve.solution.quadratures", "hjsolve.extended.explicit_time"),
     ("hjsolve.mechanics.system", "hjsolve.coordinates.constraints"),
 }
 """``Solution.motion`` calls up, and names what it gives: solving loads no numerical library.
 
+``solve`` calls up where T or V holds the time: a frame is looked for, in which the system is solved again.
 ``System(constraints=…)`` calls up: whether a constraint is integrable is for the zero test to prove.
 """
 Graph = Mapping[str, set[str]]

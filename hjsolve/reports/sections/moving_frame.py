@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import sympy as sp
-
 from hjsolve.extended.moving_frame import Frame
-from hjsolve.mechanics.system import hamiltonian
+from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.reports.document import Block, Paragraph, Section
 from hjsolve.reports.formulas.layout import Glyph
 from hjsolve.reports.formulas.names import name_box
@@ -39,21 +37,23 @@ def frame_section(frame: Frame, solution: Solution | None) -> Section:
     if solution is not None:
         blocks += [
             Paragraph(("Hamilton's principal function of the system as posed, S = W − E t + Λ:",)),
-            formula(Glyph("S"), principal_function(frame, solution)),
+            formula(Glyph("S"), frame.principal_function(solution)),
         ]
     return Section("frame", "The system as posed, and its frame", tuple(blocks))
 
 
-def principal_function(frame: Frame, solution: Solution) -> sp.Expr:
-    """S(q, t) = W(Q(q, t)) − E t + Λ(Q(q, t), t), which solves ∂S/∂t + H(q, ∂S/∂q, t) = 0.
-
-    With L = L′ + dΛ/dt the momenta are p = ∂(S′ + Λ)/∂q, S′ = W − E t of the autonomous system (Greenwood (5-65)).
+def quadratic_section(system: System) -> Section:
+    """Tell that S is of second degree in q, and what its coefficients follow from.
 
     Args:
-        frame: with Q(q, t) and Λ.
-        solution: of the autonomous system, with W(Q).
+        system: whose H is of second degree in q and p, with coefficients that hold the time.
     """
-    energy = solution.separation.shell.energy if solution.coordinates else solution.separation.shell.potential
-    S = solution.characteristic_function - energy * frame.time + frame.gauge
-    back = {symbol: sp.simplify(formula) for symbol, formula in frame.inverse().items()}
-    return S.subs(back, simultaneous=True)
+    blocks: list[Block] = [
+        Paragraph(("H is of second degree in the coordinates and momenta, with coefficients that hold the time:",)),
+        formula(Glyph("H"), hamiltonian(system), "Greenwood (4-109)"),
+        Paragraph((
+            "The Hamilton-Jacobi equation is solved by S = ½ q·A q + B·q + C. A, B and C are functions of the time; "
+            "they follow from the linear equations of motion, and are integrated by Taylor series with a proved error.",
+        )),
+    ]  # fmt: skip
+    return Section("quadratic", "A principal function of second degree", tuple(blocks))

@@ -332,6 +332,7 @@ _PARTS = {
     "metric": "kinetic energy",
     "potential": "potential",
     "gyroscopic": "gyroscopic term",
+    "time": "explicit time",
     "reduction": "reduction",
 }
 

@@ -172,6 +172,14 @@ def about_energy(system: System, energy: sp.Expr) -> str:
     return words
 
 
+def for_explicit_time() -> str:
+    """Advice when H holds the time."""
+    return (
+        "hjsolve.solve (hjsolve solve, hjsolve motion) looks for a frame in which the system is autonomous, and for a "
+        "principal function of second degree in the coordinates."
+    )
+
+
 def for_undecided() -> str:
     """Return advice when nothing was proved."""
     return (

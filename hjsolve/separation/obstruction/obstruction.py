@@ -25,7 +25,7 @@ from hjsolve.separation.verdicts import Obstruction, Undecided
 from hjsolve.separation.zero_test.interval_elements import find_witness_of_products
 from hjsolve.separation.zero_test.interval_evaluation import UNKNOWNS, Region, Witness, search
 from hjsolve.separation.zero_test.interval_jets import enclose_condition, has_jets
-from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, not_zero
+from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, is_zero, not_zero
 
 EXPANSION_SECONDS, EXPANSION_TERMS = 0.2, 20_000
 LARGE = 120
@@ -202,6 +202,26 @@ def _failure_step(condition: Condition, pair: tuple[str, str], residual: sp.Expr
 
 
 # ------------------------------------------------------------------------------------------------ without a shell
+
+
+def refuse_time(system: System, seconds: float) -> Obstruction | Undecided:
+    """Refuse a system whose H holds the time: H = E is no equation then, W does not exist.
+
+    Args:
+        system: with the time in T or V.
+        seconds: for the proof that ∂H/∂t is not zero.
+    """
+    rate = sp.diff(hamiltonian(system), required(system.time))
+    held = [c.name for c in system.coordinates if rate.has(c.symbol)] or [system.coordinates[0].name]
+    pair = (held[0], held[0])
+    answer = is_zero(rate, region_of(system), budget=seconds)
+    text = "H holds the time, so that it is no constant of the motion (4-95): its derivative by t is shown."
+    steps = (ReductionStep("Explicit time", text, rate),)
+    words = advice.for_explicit_time()
+    if isinstance(answer, NonZero):
+        return Obstruction(system, None, pair, "time", rate, answer.witness, words, steps)
+    point, value = getattr(answer, "point", {}), getattr(answer, "value", None)
+    return Undecided(system, None, pair, "time", rate, point, value, words, steps)
 
 
 def refuse_without_shell(system: System, found: Irreducible, work: Budget) -> Obstruction | Undecided:

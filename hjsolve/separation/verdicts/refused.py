@@ -26,7 +26,7 @@ class Obstruction(Shown):
         system: the system.
         shell: its energy shell, or None where there is none.
         pair: names of the two coordinates that cannot be separated from each other.
-        part: ``metric``, ``potential`` or ``gyroscopic``.
+        part: ``metric``, ``potential``, ``gyroscopic``, or ``time`` where H holds the time.
         residual: the expression that would have to vanish identically.
         witness: a rational point where it is enclosed away from zero.
         advice: what to try.
@@ -99,7 +99,7 @@ class Undecided(Shown):
         return f"Not decided in {names}: {_shown(self.residual)} was proved neither to vanish everywhere nor not to."
 
 
-_PARTS = {"metric": "kinetic energy", "gyroscopic": "gyroscopic term"}
+_PARTS = {"metric": "kinetic energy", "gyroscopic": "gyroscopic term", "time": "explicit time"}
 
 
 def _shown(residual: sp.Expr) -> str:

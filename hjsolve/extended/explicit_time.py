@@ -1,0 +1,261 @@
+"""Systems whose T or V holds the time: solved in a frame that is found, or by a quadratic principal function.
+
+First a frame is looked for in which the system is autonomous (``found_frames``); there it has to separate. Where none
+serves and H is of second degree in q and p, S = ½ q·A q + B·q + C solves the Hamilton–Jacobi equation, with A, B and C
+from the linear equations of motion (``quadratic_flow``). Otherwise the refusal names what was tried.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve import arguments
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.floats import bits_for
+from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.display.shown import Shown
+from hjsolve.errors import NotSeparableError, required
+from hjsolve.extended.found_frames import find_frame
+from hjsolve.extended.moving_frame import Frame
+from hjsolve.extended.moving_frame_motion import FramedMotion, start_framed_motion
+from hjsolve.extended.quadratic_flow import QuadraticFlow
+from hjsolve.formulas.read import number
+from hjsolve.mechanics.system import System, hamiltonian, momenta
+from hjsolve.motion.initial_data import complete_numbers, one_of_velocity_and_p, parameter_values
+from hjsolve.motion.shapes import shaped
+from hjsolve.motion.state import Errors, State
+from hjsolve.motion.times import exact_numbers
+from hjsolve.solution.quadratures import AS_GIVEN, Solution, solve
+
+_EXAMPLE = 'motion(q={"x": 1}, velocity={"x": 0}, t0=0)'
+
+
+@dataclass(frozen=True, repr=False)
+class SolutionInTime(Shown):
+    """The solution of a system whose T or V holds the time.
+
+    Attributes:
+        system: as posed.
+        kind: ``frame`` or ``quadratic``.
+        frame: in which it is autonomous; None where S is quadratic.
+        solution: of the autonomous system, by quadratures; None where S is quadratic.
+        tried: the kinds of frames that were looked for, in words.
+    """
+
+    system: System
+    kind: str
+    frame: Frame | None
+    solution: Solution | None
+    tried: tuple[str, ...]
+
+    @property
+    def principal_function(self) -> sp.Expr | None:
+        """S(q, t) in the coordinates as posed, S = W(Q) − E t + Λ (5-65); None where its coefficients are numbers."""
+        return None if self.frame is None else self.frame.principal_function(required(self.solution))
+
+    @arguments.by_name(_EXAMPLE)
+    def motion(
+        self, *, q: Mapping[str, object], velocity: Mapping[str, object] | None = None,
+        p: Mapping[str, object] | None = None, parameters: Mapping[str, object] | None = None,
+        t0: object = 0, digits: int = 15,
+    ) -> FramedMotion | QuadraticMotion:  # fmt: skip
+        """Start a motion from initial data of the system as posed.
+
+        Args:
+            q: position of every coordinate at t0.
+            velocity: of every coordinate, or
+            p: its canonical momentum.
+            parameters: values that differ from the defaults.
+            t0: the initial time; it matters, since the system contains the time.
+            digits: relative digits wanted.
+
+        Raises:
+            InvalidInputError: velocity and p both or neither.
+            MissingValueError: a coordinate or a parameter without a value.
+        """
+        if self.frame is not None:
+            return start_framed_motion(
+                self.frame, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits,
+                solution=self.solution,
+            )  # fmt: skip
+        return _quadratic_motion(self.system, q, velocity, p, parameters or {}, t0, arguments.digits(digits))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class QuadraticMotion(Shown):
+    """A motion of a system whose H is of second degree in q and p, with coefficients that depend on the time.
+
+    Attributes:
+        system: as posed.
+        flow: its linear equations of motion.
+        start: q and p at t0, exact.
+        t0: the initial time, exact.
+        digits: of the numbers.
+    """
+
+    system: System
+    flow: QuadraticFlow
+    start: tuple[sp.Expr, ...]
+    t0: sp.Expr
+    digits: int
+
+    @property
+    def kinds(self) -> Mapping[str, str]:
+        """Empty: a motion that is driven has no kind for all times."""
+        return {}
+
+    @property
+    def constants(self) -> Mapping[str, Estimate]:
+        """The constants of the motion: the momenta α at t0, in which S is a complete integral."""
+        n, bits = len(self.system.coordinates), bits_for(self.digits, 64)
+        found = {}
+        for c, p in zip(self.system.coordinates, self.start[n:], strict=True):
+            value = sp.N(p, self.digits + 10)
+            found[f"alpha_{c.name}"] = Estimate(_mpf(value, bits), abs(_mpf(value, bits)) * 10.0**-self.digits)
+        return found
+
+    def at(self, t: object) -> State:
+        """Return the state at a time or at an array of times; as ``Motion.at``, angles not counted in turns.
+
+        Args:
+            t: a time or an array of times.
+        """
+        shape, times = exact_numbers(t, "t")
+        found, bounds = self.flow.integrate([list(self.start)], self.t0, times, max(self.digits, 15))
+        n = len(self.system.coordinates)
+        rates, sizes = self._speeds(times, [states[0] for states in found])
+        context = bounds[0].context if bounds else None
+        unit = 2.0**-53 if self.digits <= 15 else required(context).mpf(10) ** -self.digits
+        rows = np.array([[*states[0], *rate] for states, rate in zip(found, rates, strict=True)], dtype=object)
+        errors = np.array([[*[e] * (2 * n), *(e * s for s in row)] for e, row in zip(bounds, sizes, strict=True)],
+                          dtype=object)  # fmt: skip
+
+        def uncertain() -> Errors:
+            return Errors(*self._named(errors + unit * np.abs(rows), shape))
+
+        q, p, velocity = self._named(rows, shape)
+        return State(t, q, p, velocity, {}, np.full(shape, "ok") if shape else "ok", uncertain)
+
+    def coefficients(self, t: object) -> tuple[Any, Any]:
+        """Return A and B of S = ½ q·A q + B·q + C at a time, α = p(t0) constant: ∂S/∂q = A q + B.
+
+        Args:
+            t: one time, at which det ∂q/∂q(t0) is not 0 (else the time is conjugate to t0 and S does not exist).
+
+        Returns:
+            A, an ``mpmath`` matrix of shape (n, n), symmetric; B of shape (n, 1).
+        """
+        n = len(self.system.coordinates)
+        zero, one = [sp.S.Zero] * (2 * n), sp.eye(2 * n)
+        alpha = [*[sp.S.Zero] * n, *self.start[n:]]
+        columns = [list(one.row(k)) for k in range(n)]
+        found, _ = self.flow.integrate([alpha, zero, *columns], self.t0, [number(t, source="t")], max(self.digits, 15))
+        moved, rest, *bases = found[0]
+        context = moved[0].context
+        Q = context.matrix([[z[i] - rest[i] for z in bases] for i in range(n)])
+        P = context.matrix([[z[n + i] - rest[n + i] for z in bases] for i in range(n)])
+        A = P * Q**-1
+        return A, context.matrix(moved[n:]) - A * context.matrix(moved[:n])
+
+    def _speeds(self, times: list[sp.Expr], states: list[list[Mpf]]) -> tuple[list[list[Mpf]], list[list[Mpf]]]:
+        """q̇ = ∂H/∂p at the times, and by how much an error of the state is enlarged in it."""
+        n, context = len(self.system.coordinates), states[0][0].context if states else None
+        rates, sizes = [], []
+        for t, z in zip(times, states, strict=True):
+            rows = (
+                sp.Matrix(self.flow.matrix[:n, :]).row_join(sp.Matrix(self.flow.force[:n, :])).subs(self.flow.time, t)
+            )
+            numbers = [[_mpf(sp.N(x, int(required(context).prec / 3) + 5), required(context).prec) for x in rows.row(i)]
+                       for i in range(n)]  # fmt: skip
+            rates.append([required(context).fdot(row, [*z, 1]) for row in numbers])
+            sizes.append([required(context).fsum(map(abs, row)) for row in numbers])
+        return rates, sizes
+
+    def _named(self, values: Any, shape: tuple[int, ...]) -> Any:
+        names = [c.name for c in self.system.coordinates]
+        columns = values.astype(float) if self.digits <= 15 else values
+        found = [shaped(columns[:, k], shape) for k in range(columns.shape[1])]
+        return (dict(zip(names, found[k * len(names) :], strict=False)) for k in range(3))
+
+
+def _mpf(value: sp.Expr, bits: int) -> Mpf:
+    from hjsolve.arithmetic.floats import multiprecision
+
+    return multiprecision(bits).convert(value)
+
+
+@lru_cache(maxsize=64)
+def solve_in_time(system: System, budget: float, coordinates: str = AS_GIVEN) -> SolutionInTime:
+    """Solve a system whose T or V holds the time.
+
+    Args:
+        system: as posed.
+        budget: seconds for the decision in the frame that is found.
+        coordinates: of the frame, as for ``solve``.
+
+    Raises:
+        NotSeparableError: no frame was found in which it is autonomous and separates, and H is not of second degree
+            in q and p; the message names what was tried.
+    """
+    frame, tried = find_frame(system)
+    refused: NotSeparableError | None = None
+    if frame is not None:
+        try:
+            return SolutionInTime(system, "frame", frame, solve(frame.system, coordinates, budget=budget), tried)
+        except NotSeparableError as error:
+            refused = error
+    if _quadratic(system) is not None:
+        return SolutionInTime(system, "quadratic", None, None, tried)
+    raise NotSeparableError(_refusal(tried, refused), None if refused is None else refused.verdict)
+
+
+def _refusal(tried: tuple[str, ...], refused: NotSeparableError | None) -> str:
+    words = f"{', '.join(tried[:-1])} and {tried[-1]}" if len(tried) > 1 else "".join(tried)
+    if refused is not None:
+        return f"T or V holds the time. In a frame that was found it does not, but there {refused}"
+    return (
+        f"T or V holds the time. Tried were {words}: in none of them is the system autonomous; nor is H of second "
+        "degree in q and p. A frame of your own is declared by the table [frame] of an entry"
+    )
+
+
+def _quadratic(system: System) -> QuadraticFlow | None:
+    """The linear equations of motion, where H is of second degree in z = (q, p)."""
+    z = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
+    if system.relativity is not None or system.kinks or any(c.domain.kind == "angle" for c in system.coordinates):
+        return None
+    H, n = sp.expand(hamiltonian(system)), len(system.coordinates)
+    S = sp.hessian(H, z)
+    if S.free_symbols & set(z):
+        return None
+    J = sp.Matrix(sp.BlockMatrix([[sp.zeros(n), sp.eye(n)], [-sp.eye(n), sp.zeros(n)]]).as_explicit())
+    slope = sp.Matrix([sp.diff(H, x) for x in z]).subs(dict.fromkeys(z, 0))
+    return QuadraticFlow((J * S).as_immutable(), (J * slope).as_immutable(), required(system.time))
+
+
+def _quadratic_motion(
+    system: System, q: Mapping[str, object], velocity: Mapping[str, object] | None, p: Mapping[str, object] | None,
+    parameters: Mapping[str, object], t0: object, digits: int,
+) -> QuadraticMotion:  # fmt: skip
+    flow, start = required(_quadratic(system)), number(t0, source="t0")
+    values = parameter_values(system, {**parameters, required(system.time).name: start})
+    fixed = {s: v for s, v in values.items() if s != system.time}
+    what, given = one_of_velocity_and_p(velocity, p)
+    places = complete_numbers(system.coordinates, q, "q")
+    rates = complete_numbers(system.coordinates, given, what)
+    if what == "velocity":
+        at = dict(values) | {c.symbol: places[c.name] for c in system.coordinates}
+        at |= {c.velocity: rates[c.name] for c in system.coordinates}
+        rates = {name: formula.subs(at) for name, formula in momenta(system).items()}
+    z = (*places.values(), *(rates[c.name] for c in system.coordinates))
+    numbers = QuadraticFlow(flow.matrix.subs(fixed), flow.force.subs(fixed), flow.time)
+    return QuadraticMotion(system, numbers, tuple(map(sp.sympify, z)), start, digits)
+
+
+__all__ = ["QuadraticMotion", "SolutionInTime", "solve_in_time"]

@@ -1,0 +1,219 @@
+"""The motion of a system whose H is of second degree in q and p, with coefficients that depend on the time.
+
+ż = A(t) z + b(t) is integrated by Taylor series, each step with a proved remainder. Let |A(s)| ≤ M and |b(s)| ≤ β for
+complex |s − t_k| ≤ ρ (disk arithmetic on the formulas). Then |z(s)| ≤ (|z_k| + ρβ) e^{Mρ} =: Z there, so that the
+Taylor coefficients of z are at most Z ρ^{−j} (Cauchy), and a series cut after h^J leaves at most
+
+    Z (h/ρ)^{J+1}/(1 − h/ρ),   |h| < ρ.
+
+An error grows by at most e^{∫ν}, ν(t) = |½ (A + Aᵀ)|, in Euclid's norm (the logarithmic norm, Dahlquist 1958), after a
+constant scaling of p that makes q and p alike. More digits are carried until the bound at the end is small enough.
+So S = ½ q·A q + B·q + C
+need not be known in closed form to be exact (Greenwood P6-13 and Ex 2-5 are driven oscillators of this kind):
+
+    A = P_q Q_q⁻¹,   B = Q_q⁻ᵀ α + g_p − A g_q,   ∂S/∂q = A q + B
+
+with Q_q, P_q the derivatives of q(t) and p(t) by q(t₀), g the motion from z = 0, and α = p(t₀) constant.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.arithmetic.complex_disks import Disks, single
+from hjsolve.arithmetic.floats import Multi, multiprecision
+from hjsolve.arithmetic.number_types import Mpf, Reals
+from hjsolve.arithmetic.power_series import PowerSeriesArithmetic
+from hjsolve.errors import NotConvergedError
+from hjsolve.lowering import lower
+from hjsolve.motion.initial_data import to_bits
+
+_RATIO = 4
+"""ρ/h: each term of the series is at most a quarter of the one before in the bound."""
+_MOST_STEPS, _LEAST_RADIUS = 20_000, 2.0**-40
+
+
+@dataclass(frozen=True)
+class QuadraticFlow:
+    """ż = A(t) z + b(t), exact formulas in the time.
+
+    Attributes:
+        matrix: A, shape (m, m).
+        force: b, shape (m, 1).
+        time: the symbol of the time.
+    """
+
+    matrix: sp.ImmutableMatrix
+    force: sp.ImmutableMatrix
+    time: sp.Symbol
+
+    def integrate(
+        self, starts: list[list[sp.Expr]], t0: sp.Expr, times: list[sp.Expr], digits: int
+    ) -> tuple[list[list[list[Mpf]]], list[Mpf]]:
+        """Follow several initial states to several times.
+
+        Args:
+            starts: states at t0, exact.
+            t0: the initial time, exact.
+            times: exact, in any order.
+            digits: of the numbers, relative to the largest.
+
+        Returns:
+            For each time the states, and a bound on the error of each of their numbers.
+
+        Raises:
+            NotConvergedError: a coefficient is singular before a time is reached, or too many steps would be needed.
+        """
+        span = [float(to_bits(t - t0)(64)) for t in times]
+        for extra in (10, 20, 40, 80, 160, 320):
+            found, bounds = self._followed(starts, t0, times, span, digits + extra)
+            sizes = [max([abs(x) for z in states for x in z] + [1]) for states in found]
+            if all(e <= size * e.context.mpf(10) ** -(digits + 1) for e, size in zip(bounds, sizes, strict=True)):
+                return found, bounds
+        raise NotConvergedError("explicit time: the error grows too fast for the digits wanted; ask for earlier times")
+
+    def _followed(
+        self, starts: list[list[sp.Expr]], t0: sp.Expr, times: list[sp.Expr], span: list[float], digits: int
+    ) -> tuple[list[list[list[Mpf]]], list[Mpf]]:
+        found: list[Any] = [None] * len(times)
+        bounds: list[Any] = [None] * len(times)
+        for sign in (1, -1):
+            chosen = [k for k, x in enumerate(span) if x * sign >= 0 and found[k] is None]
+            walk = _Walk(self, starts, t0, digits)
+            for k in sorted(chosen, key=lambda k: abs(span[k])):
+                walk.to(times[k])
+                found[k], bounds[k] = walk.states(), walk.error
+        return found, bounds
+
+    def size_around(self, t: float, radius: float) -> tuple[float, float]:
+        """Return a bound on |A| over a disk about a time, and its radius: smaller where a formula is singular in it.
+
+        Args:
+            t: the centre.
+            radius: the greatest radius.
+
+        Raises:
+            NotConvergedError: A or b is singular at the time, or next to it.
+        """
+        while radius > _LEAST_RADIUS:
+            A, b = self._bounds(t, radius)
+            if np.isfinite(A) and np.isfinite(b) and A * radius <= 8:
+                return A, radius
+            radius /= 2
+        raise NotConvergedError(f"explicit time: a coefficient of H is singular at or next to t = {t:.6g}")
+
+    def _bounds(self, t: float, radius: float) -> tuple[float, float]:
+        """Norms of A and b over a disk."""
+        m = self.matrix.rows
+        sizes = self._sizes([*self.matrix, *self.force], t, radius)
+        return float(sizes[: m * m].reshape(m, m).sum(axis=1).max()), float(sizes[m * m :].max())
+
+    def growth(self, t: float, radius: float, scale: sp.Expr) -> float:
+        """Return a bound on ν = |½ (A + Aᵀ)| over the times within a radius, p measured in units of ``scale``.
+
+        Args:
+            t: the centre.
+            radius: of the interval.
+            scale: positive number.
+        """
+        m, n = self.matrix.rows, self.matrix.rows // 2
+        D = sp.diag(*([sp.S.One] * n), *([1 / scale] * n))
+        A = D * self.matrix * D.inv()
+        sizes = self._sizes(list((A + A.T) / 2), t, radius).reshape(m, m)
+        return float(min(np.sqrt((sizes**2).sum()), sizes.sum(axis=1).max()))
+
+    def _sizes(self, entries: list[sp.Expr], t: float, radius: float) -> Reals:
+        tape = lower(entries, [self.time])
+        with np.errstate(all="ignore"):
+            disks = tape.run(Disks(), [single(complex(t), radius)])
+        return np.array([float(np.max(d.largest)) if bool(np.all(d.known)) else np.inf for d in disks])
+
+    def scale(self, t: float) -> sp.Expr:
+        """Return a unit of momentum, √(k m) as a number: the root of |A_pq|/|A_qp| at a time.
+
+        Args:
+            t: the time.
+        """
+        n = self.matrix.rows // 2
+        A = np.array(self.matrix.subs(self.time, sp.Float(t)).evalf(8).tolist(), dtype=float)
+        stiff, light = np.abs(A[n:, :n]).sum(), np.abs(A[:n, n:]).sum()
+        known = np.isfinite([stiff, light]).all() and stiff > 0 and light > 0
+        return sp.Rational(str(float(f"{np.sqrt(stiff / light):.2g}"))) if known else sp.S.One
+
+
+class _Walk:
+    """The states at one time, carried from step to step with a bound on their error."""
+
+    def __init__(self, flow: QuadraticFlow, starts: list[list[sp.Expr]], t0: sp.Expr, digits: int):
+        self._flow, self._digits = flow, digits
+        self._bits = int(3.33 * digits) + 40
+        self._context = multiprecision(self._bits)
+        self._tape = lower([*flow.matrix, *flow.force], [flow.time])
+        m = flow.matrix.rows
+        self._rows = [[(c, m * r + c, flow.time in flow.matrix[r, c].free_symbols)
+                       for c in range(m) if flow.matrix[r, c] != 0] for r in range(m)]  # fmt: skip
+        self._t = self._context.convert(to_bits(t0)(self._bits))
+        self._z = [[self._context.convert(to_bits(x)(self._bits)) for x in z] for z in starts]
+        self._scale = flow.scale(float(self._t))
+        self.error = self._context.mpf(0)
+        self._steps = 0
+
+    def states(self) -> list[list[Mpf]]:
+        """Return a copy of the states."""
+        return [list(z) for z in self._z]
+
+    def to(self, time: sp.Expr) -> None:
+        """Go on to a time."""
+        end = self._context.convert(to_bits(time)(self._bits))
+        while self._t != end:
+            left = end - self._t
+            size, ρ = self._flow.size_around(float(self._t), max(min(2.0, float(abs(left)) * _RATIO), 2.0**-20))
+            h = left if abs(left) * _RATIO <= ρ else self._context.sign(left) * self._context.mpf(ρ) / _RATIO
+            self._step(h, size, ρ)
+            self._t = end if h is left else self._t + h
+            self._steps += 1
+            if self._steps > _MOST_STEPS:
+                raise NotConvergedError(f"explicit time: more than {_MOST_STEPS} steps to t = {float(end):.6g}")
+
+    def _step(self, h: Mpf, size: float, ρ: float) -> None:
+        context = self._context
+        _, force = self._flow._bounds(float(self._t), ρ)
+        largest = max(abs(x) for z in self._z for x in z) + self.error
+        top = (largest + ρ * context.mpf(force)) * context.exp(context.mpf(size) * ρ)
+        order = int(self._digits * 3.33 / np.log2(_RATIO)) + 8
+        left = top * context.mpf(_RATIO) ** -(order + 1) * _RATIO / (_RATIO - 1)
+        coefficients = self._coefficients(order)
+        m = self._flow.matrix.rows
+        powers = [h**j for j in range(order + 1)]
+        for k, z in enumerate(self._z):
+            series = [[x] for x in z]
+            for j in range(order):
+                row = []
+                for r, held in enumerate(self._rows):
+                    total = coefficients[m * m + r][j]
+                    for c, place, moving in held:
+                        entry = coefficients[place]
+                        total += (
+                            context.fdot(zip(entry[: j + 1], series[c][j::-1], strict=True))
+                            if moving else entry[0] * series[c][j]
+                        )  # fmt: skip
+                    row.append(total / (j + 1))
+                for c, x in enumerate(row):
+                    series[c].append(x)
+            self._z[k] = [context.fdot(zip(series[r], powers, strict=True)) for r in range(m)]
+        rounding = top * context.ldexp(1, 12 - self._bits)
+        ν = self._flow.growth(float(self._t), float(abs(h)), self._scale)
+        larger = max(float(self._scale), 1 / float(self._scale)) * m
+        self.error = self.error * context.exp(context.mpf(ν) * abs(h)) + larger * (left + rounding)
+
+    def _coefficients(self, order: int) -> list[list[Mpf]]:
+        """Taylor coefficients of the entries of A and b at the time."""
+        arithmetic = PowerSeriesArithmetic(Multi(self._bits), order)
+        return list(self._tape.run(arithmetic, [arithmetic.variable(self._t)]))
+
+
+__all__ = ["QuadraticFlow"]
