@@ -14,6 +14,7 @@ import functools
 import time
 from typing import Any
 
+import mpmath
 import numpy as np
 
 import hjsolve
@@ -61,7 +62,7 @@ def integrated(name: str, motion: Any, times: list[float]) -> list[Any]:
     result = []
     for t in times:
         stepper.propagate_until(quad_twin.quad(t))
-        result.append(np.array([float(x) for x in stepper.state[2 * n :]]).reshape(2 * n, 2 * n))
+        result.append(np.array([mpmath.mpf(str(x)) for x in stepper.state[2 * n :]], dtype=object).reshape(2 * n, 2 * n))
     return result
 
 
@@ -77,9 +78,11 @@ def against_integration(names: tuple[str, ...]) -> None:
         took = (time.perf_counter() - begin) / len(times)
         for k, truth in enumerate(integrated(name, motion, times)):
             M, claim = found.value[k], found.error[k]
-            size, error = np.abs(truth).max(), np.abs(M - truth)
-            resolved = np.maximum(claim, 2.0**-52 * np.abs(truth))  # truth is rounded to doubles too
-            ratio = float(np.max(np.where(error > 0, error / np.maximum(resolved, 1e-300), 0.0)))
+            with mpmath.workdps(40):
+                error = np.abs(truth - M.astype(object)).astype(float)
+            size = float(np.abs(truth).max())
+            resolved = np.maximum(claim, 1e-25 * size)  # what the integration leaves open
+            ratio = float(np.max(error / resolved))
             defect, bound = symplectic(M, claim)
             print(
                 f"{name:24s}{PERIODS[k]:6d}   {size:8.1e}  {error.max() / size:8.1e}   {ratio:8.2f}    {defect:8.1e}"

@@ -200,4 +200,8 @@ def _values(
             own = at.by[j] * growth[b] * weight
             second.append(terms[0] + terms[1] + terms[2] - own)
             sizes.append(float(sum(map(abs, terms)) + abs(own) + abs(at.by[j]) * weight * relative[b]))
-    return [*(by * weight for by in at.by), *second, *growth], [*[0.0] * len(moved), *sizes, *relative]
+    density = 2 * weight * at.value  # where turns change their length p_b dq is not periodic, (p dq)_b is
+    first = [
+        density * (growth[b] + scale[b]) if scale[b] else by * weight for b, by in enumerate(at.by)
+    ]
+    return [*first, *second, *growth], [*[0.0] * len(moved), *sizes, *relative]

@@ -107,7 +107,7 @@ class _Collected:
         else:
             context = multiprecision(bits_for(self.digits, 16))
             plain = np.frompyfunc(context.convert, 1, 1)(value)
-            bound = error + float(multiprecision(64).mpf(10) ** -self.digits) * np.abs(value).astype(float)
+            bound = error + float(multiprecision(64).mpf(10) ** -self.digits) * np.asarray(np.abs(value), dtype=object).astype(float)
         if shape:
             return np.reshape(plain, shape), np.reshape(bound, shape)
         one = np.ravel(np.asarray(plain, dtype=object))[0]
