@@ -1,0 +1,150 @@
+"""Constants of n tori from their actions: damped Newton's method on J(α) with the exact matrix ∂J/∂α.
+
+It is the method of ``motion.tori.polish`` over arrays. Constants are held in two doubles, since near a circle or the
+energy of escape J depends on digits that one double has not. A step is halved until the largest relative residual
+falls; orbits that do not converge are left to the search of single motions.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.ensembles.engine.lowered_solution import Model
+from hjsolve.ensembles.engine.programs import SystemPrograms
+from hjsolve.ensembles.inverse.tori import Actions, Tori, actions_of, no_actions
+
+_ROUNDS, _LEAST_STEP = 60, 2.0**-12
+"""Evaluations of J, and the share of a step below which an orbit is given up."""
+_CLOSE, _FALLS = 8 * EPS, 0.25
+"""Relative residual at which an orbit is done, and the part of a step by which it has to fall (Armijo's rule)."""
+_FAR = 0.1
+"""The part of the residual, or of the scale of all actions, by which small actions count far away."""
+_NEARLY = 1e-4
+"""Residual below which p² is taken to 32 digits."""
+_SETTLED = 1e-10
+"""Residual below which a step that makes nothing better ends the search."""
+_ACTION_OF_REST = 2.0**-80
+"""J that counts as 0 next to the scale of all actions, of coordinates whose J is to be zero."""
+
+
+class Goals(NamedTuple):
+    """What is wanted of n orbits.
+
+    Attributes:
+        actions: J of the shell momenta, not negative; shape (separated, n).
+        rotating: which coordinates go round, the same shape.
+        scale: the size of all actions together, shape (n,).
+        unknown: positions of the constants that are looked for.
+    """
+
+    actions: Reals
+    rotating: Mask
+    scale: Reals
+    unknown: Integers
+
+    def take(self, index: Integers) -> Goals:
+        """Return those of some orbits.
+
+        Args:
+            index: which.
+        """
+        return Goals(self.actions[:, index], self.rotating[:, index], self.scale[index], self.unknown)
+
+
+class Solved(NamedTuple):
+    """Tori that have the actions.
+
+    Attributes:
+        tori: of n orbits.
+        actions: as the engine gives them for these constants.
+        good: which have them.
+    """
+
+    tori: Tori
+    actions: Actions
+    good: Mask
+
+
+def constants_of_tori(model: Model, programs: SystemPrograms, begin: Tori, goals: Goals) -> Solved:
+    """Find the constants of tori.
+
+    Args:
+        model: the lowered solution.
+        programs: of the system.
+        begin: where Newton's method begins, of n orbits.
+        goals: what is wanted.
+    """
+    size, n = goals.actions.shape
+    zero = goals.actions == 0
+    weight = np.where(zero, _ACTION_OF_REST * goals.scale / _CLOSE, goals.actions)
+    base = Tori(*(x.copy() for x in begin))
+    trial, step = Tori(*(x.copy() for x in begin)), np.zeros((size, n))
+    share, merit, left = np.ones(n), np.full(n, np.inf), np.full((size, n), np.inf)
+    best = no_actions(size, len(model.constants), n)
+    active, done = np.arange(n), np.zeros(n, dtype=bool)
+    for _ in range(_ROUNDS):
+        if not len(active):
+            break
+        nearby = merit[active] < _NEARLY
+        found, seen = _both(model, programs, (trial, zero, goals.rotating), (active, nearby))
+        with np.errstate(all="ignore"):
+            residual = goals.actions[:, active] - found.values
+            own = np.max(np.abs(residual) / weight[:, active], axis=0)
+            # far away an action that is nearly zero counts by the size of all: else it would hold up the others
+            floor = _FAR * np.fmin(left[:, active].max(axis=0), goals.scale[active])
+            far, before = (np.max(np.abs(r) / (weight[:, active] + floor), axis=0) for r in (residual, left[:, active]))
+        # J of the harmonic libration is that of the motion only where it is to be zero
+        finished = found.good & (own <= _CLOSE) & ~(found.harmonic & ~zero[:, active]).any(axis=0)
+        falls = 1 - _FALLS * share[active]
+        better = found.good & ((own < falls * merit[active]) | (far < falls * before) | finished)
+        # rounding is reached where a full step from nearby makes nothing better
+        settled = ~better & (share[active] == 1.0) & (merit[active] < _SETTLED)
+        here = active[better]
+        for kept, new in zip(base, seen, strict=True):
+            kept[:, here] = new[:, better]
+        for kept, new in zip(best, found, strict=True):
+            kept[..., here] = new[..., better]
+        merit[here], left[:, here] = own[better], np.abs(residual[:, better])
+        step[:, here] = _step(found.slopes[:, goals.unknown][:, :, better], residual[:, better])
+        share[here] = 1.0
+        share[active[~better]] *= 0.5
+        done[active[finished | settled]] = True
+        active = active[~finished & ~settled & (share[active] >= _LEAST_STEP)]
+        moved = base.take(active).moved(goals.unknown, share[active] * step[:, active])
+        for kept, new in zip(trial, moved, strict=True):
+            kept[:, active] = new
+    finite = done & best.good & ~(best.harmonic & ~zero).any(axis=0)
+    return Solved(base, best, finite)
+
+
+def _both(
+    model: Model, programs: SystemPrograms, given: tuple[Tori, Mask, Mask], which: tuple[Integers, Mask]
+) -> tuple[Actions, Tori]:
+    """Actions of some tori, with p² to 32 digits of those that are nearly there; of all of them the places inside."""
+    (trial, zero, rotating), (active, nearby) = given, which
+    size, n, m = len(model.separated), len(active), len(model.constants)
+    found, seen = no_actions(size, m, n), trial.take(active)
+    for exact in (False, True):
+        some = np.flatnonzero(nearby == exact)
+        if len(some):
+            own = active[some]
+            part, places = actions_of(model, programs, trial.take(own), zero[:, own], rotating[:, own], exact=exact)
+            for kept, new in zip(found, part, strict=True):
+                kept[..., some] = new
+            seen.q[:, some] = places.q
+    return found, seen
+
+
+def _step(slopes: Reals, residual: Reals) -> Reals:
+    """M⁻¹ times residuals; slopes (separated, unknown, n), NaN where there is no inverse."""
+    matrix = slopes.transpose(2, 0, 1)
+    determinant = np.linalg.det(matrix)
+    fine = np.isfinite(determinant) & (determinant != 0)
+    found = np.full(residual.shape, np.nan)
+    if fine.any():
+        found[:, fine] = np.linalg.solve(matrix[fine], residual[:, fine].T[..., None])[..., 0].T
+    return found

@@ -1,0 +1,224 @@
+"""States of n orbits from actions and angles: seeds, constants, states; what is left over goes to single motions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.ensembles.engine import build
+from hjsolve.ensembles.engine.programs import system_programs
+from hjsolve.ensembles.engine.status import Status
+from hjsolve.ensembles.inverse.constants_of_tori import Goals, Solved, constants_of_tori
+from hjsolve.ensembles.inverse.seeds import Seeds, nearest, seeds_of
+from hjsolve.ensembles.inverse.states_on_tori import AngleTask, States, frames_of, states_at
+from hjsolve.ensembles.inverse.tori import Tori
+from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
+from hjsolve.motion.initial_data import parameter_values
+from hjsolve.motion.tori.radicand_curve import curves_of
+from hjsolve.solution.quadratures import Solution
+
+_CHUNK = 4096
+"""Orbits that are worked on together."""
+_AGAIN = 2
+"""How often orbits that are left over start again from the nearest that are solved."""
+_TOLERANCE = 1e-3
+"""Largest claimed error of q, over the width of its motion, with which a state is kept."""
+
+Rows = dict[str, Reals]
+
+
+@dataclass(frozen=True)
+class InverseTask:
+    """Actions and angles of n orbits.
+
+    Attributes:
+        solution: of the system.
+        names: coordinates that have an action.
+        actions, angles: shape (names, n).
+        kinds: separated coordinate → libration or rotation, where it is told.
+        parameters: name → number.
+        fallback: whether what is left over goes to single motions.
+    """
+
+    solution: Solution
+    names: tuple[str, ...]
+    actions: Reals
+    angles: Reals
+    kinds: Mapping[str, str]
+    parameters: Mapping[str, Any]
+    fallback: bool
+
+
+@dataclass(frozen=True)
+class Found:
+    """States: coordinate → array (n,), their errors, the status of every orbit, and which a single motion computed."""
+
+    q: Rows
+    p: Rows
+    q_errors: Rows
+    p_errors: Rows
+    status: Any
+    recomputed: Mask
+
+
+def states_of(task: InverseTask) -> Found:
+    """Return the states of n orbits.
+
+    Args:
+        task: what is wanted.
+
+    Raises:
+        InvalidInputError: a coordinate may librate or rotate with the same actions, and ``kinds`` does not say which.
+    """
+    n = task.actions.shape[1]
+    coordinates = [c.name for c in task.solution.system.coordinates]
+    q, p, dq, dp = ({name: np.full(n, np.nan) for name in coordinates} for _ in range(4))
+    found = Found(q, p, dq, dp, np.full(n, Status.NOT_CONVERGED, dtype=np.int8), np.zeros(n, dtype=bool))
+    finite = np.isfinite(task.actions).all(axis=0) & np.isfinite(task.angles).all(axis=0)
+    found.status[~finite] = Status.NOT_FINITE
+    left = np.flatnonzero(finite)
+    for begin in range(0, len(left), _CHUNK):
+        _chunk(task, found, left[begin : begin + _CHUNK])
+    if task.fallback:
+        for k in np.flatnonzero(finite & (found.status != Status.OK)):
+            _one(task, found, int(k))
+    return found
+
+
+def _chunk(task: InverseTask, found: Found, index: Integers) -> None:
+    """The states of some orbits by the engine, as far as it goes."""
+    engine = build(task.solution, frozenset({"actions", "constants", "turning_points"}), parameters=dict(task.parameters))
+    model, solution = engine.model, task.solution
+    if not model.separated or any(c.shifted for c in model.separated) or solution.system.kinks:
+        return
+    values = parameter_values(solution.system, task.parameters)
+    rows = {name: k for k, name in enumerate(task.names)}
+    own = [rows[c.name] for c in model.separated]
+    others = [rows[name] for name in model.angles]
+    J, momenta = task.actions[own][:, index], task.actions[others][:, index]
+    seeds = seeds_of(engine, curves_of(solution, values, {}), (J, momenta))
+    programs = system_programs(model, kernels=True)
+    patterns = [tuple(bool(x) for x in column) for column in np.unique(seeds.rotating.T, axis=0)]
+    done = np.zeros(len(index), dtype=bool)
+    for pattern in patterns:
+        if not all(task.kinds.get(c.name, "") in ("", _word(turns)) for c, turns in zip(model.separated, pattern, strict=True)):
+            continue
+        some = np.flatnonzero(_possible(J, pattern))
+        if not len(some):
+            continue
+        mine = seeds.take((seeds.rotating == np.array(pattern)[:, None]).all(axis=0))
+        solved = _solved(AngleTask(model, programs), mine, (J[:, some], momenta[:, some]), pattern)
+        twice = solved.good & done[some]
+        if twice.any():
+            raise InvalidInputError(
+                f"actions: {int(twice.sum())} orbits may librate or rotate with the same actions; say which by "
+                'kinds={"…": "libration"}'
+            )
+        done[some[solved.good]] = True
+        _written(task, found, AngleTask(model, programs), (index[some], pattern), solved)
+
+
+def _word(rotates: bool) -> str:
+    return "rotation" if rotates else "libration"
+
+
+def _possible(J: Reals, pattern: tuple[bool, ...]) -> Mask:
+    """Librations have no negative J, rotations none that is zero."""
+    fine = np.ones(J.shape[1], dtype=bool)
+    for row, rotates in zip(J, pattern, strict=True):
+        fine &= (row != 0) if rotates else (row >= 0)
+    return fine
+
+
+def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern: tuple[bool, ...]) -> Solved:
+    """Constants of tori, from the nearest seeds; what fails starts again from the nearest that were solved."""
+    (J, momenta), model = wanted, task.model
+    rotating = np.broadcast_to(np.array(pattern)[:, None], J.shape)
+    size, n = J.shape
+    places = [model.ignorable[name] for name in model.angles]
+    unknown = np.array([j for j in range(len(model.constants)) if j not in places])
+    goals = Goals(np.abs(J), rotating, np.abs(J).sum(axis=0) + np.abs(momenta).sum(axis=0), unknown)
+    everything = np.concatenate([np.abs(J), np.abs(momenta)])
+    near = nearest(seeds.actions, everything)
+    solved = constants_of_tori(model, task.programs, _begun(seeds.constants[:, near], seeds.places[:, near], momenta, places), goals)
+    for _ in range(_AGAIN):
+        lost, good = np.flatnonzero(~solved.good), np.flatnonzero(solved.good)
+        if not len(lost) or not len(good):
+            break
+        near = good[nearest(everything[:, good], everything[:, lost])]
+        begin = _begun(solved.tori.values[:, near], solved.tori.q[:, near], momenta[:, lost], places)
+        more = constants_of_tori(model, task.programs, begin, goals.take(lost))
+        for whole, part in zip((*solved.tori, *solved.actions, solved.good), (*more.tori, *more.actions, more.good), strict=True):
+            whole[..., lost] = part
+    return solved
+
+
+def _begun(constants: Reals, q: Reals, momenta: Reals, places: list[int]) -> Tori:
+    values = constants.copy()
+    values[places] = momenta
+    return Tori(values, np.zeros_like(values), q.copy())
+
+
+def _written(
+    task: InverseTask, found: Found, angle_task: AngleTask, which: tuple[Integers, tuple[bool, ...]], solved: Solved
+) -> None:
+    """Write the states on tori that were found."""
+    (index, pattern), model = which, angle_task.model
+    good = np.flatnonzero(solved.good)
+    if not len(good):
+        return
+    index, tori = index[good], solved.tori.take(good)
+    rows = {name: k for k, name in enumerate(task.names)}
+    own, others = [rows[c.name] for c in model.separated], [rows[name] for name in model.angles]
+    J = task.actions[own][:, index]
+    rotating = np.broadcast_to(np.array(pattern)[:, None], J.shape)
+    directions = np.where(rotating & (J < 0), -1.0, 1.0)
+    frames = frames_of(angle_task, tori, directions, rotating, J == 0)
+    spread = solved.actions.errors[:, good] + np.abs(solved.actions.values[:, good] - np.abs(J))
+    spread = np.where(J == 0, 0.0, spread)
+    angles = task.angles[own][:, index], task.angles[others][:, index]
+    states = states_at(angle_task, tori, frames, angles, spread)
+    fine = states.good & (states.q_errors <= _TOLERANCE * np.where(frames.widths > 0, frames.widths, 1.0)).all(axis=0)
+    _put(task, found, angle_task, (index[fine], fine), states)
+
+
+def _put(
+    task: InverseTask, found: Found, angle_task: AngleTask, which: tuple[Integers, Mask], states: States
+) -> None:
+    (index, fine), model = which, angle_task.model
+    for k, coordinate in enumerate(model.separated):
+        name = coordinate.name
+        found.q[name][index], found.p[name][index] = states.q[k, fine], states.P[k, fine]
+        found.q_errors[name][index], found.p_errors[name][index] = states.q_errors[k, fine], states.P_errors[k, fine]
+    for k, name in enumerate(model.angles):
+        found.q[name][index], found.q_errors[name][index] = states.angles[k, fine], states.angle_errors[k, fine]
+        found.p[name][index] = task.actions[task.names.index(name)][index]
+        found.p_errors[name][index] = 0.0
+    found.status[index] = Status.OK
+
+
+def _one(task: InverseTask, found: Found, k: int) -> None:
+    """One orbit by a single motion."""
+    actions, angles = (
+        {name: float(rows[j, k]) for j, name in enumerate(task.names)} for rows in (task.actions, task.angles)
+    )
+    found.recomputed[k] = True
+    try:
+        motion = task.solution.motion(
+            actions=actions, angles=angles, kinds=dict(task.kinds), parameters=dict(task.parameters)
+        )
+        state = motion.at(0)
+    except (ForbiddenMotionError, InvalidInputError):
+        found.status[k] = Status.FORBIDDEN
+        return
+    except NotConvergedError:
+        found.status[k] = Status.NOT_CONVERGED
+        return
+    for name in found.q:
+        found.q[name][k], found.p[name][k] = float(state.q[name]), float(state.p[name])
+        found.q_errors[name][k], found.p_errors[name][k] = float(state.error.q[name]), float(state.error.p[name])
+    found.status[k] = Status.OK

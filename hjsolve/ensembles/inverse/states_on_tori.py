@@ -1,0 +1,512 @@
+"""States of n tori at given angles, with bounds on their errors.
+
+Each coordinate is placed by an anomaly φ: q = a + W sin²(φ/2) between turning points a and b = a + W, the sign of p
+being that of sin φ; of a rotation φ is q itself. The engine gives θ at such places, and Newton's method with
+
+    ∂θₖ/∂φᵢ = Σⱼ (∂J/∂c)⁻¹ₖⱼ kᵢⱼ/pᵢ dqᵢ/dφᵢ
+
+moves them to the angles wanted. Errors of q and p are those of θ and J times ∂(q, p)/∂(θ, J). The first is known from
+the same matrix; the second, which is only needed to a few digits, is the difference quotient of two tori.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hjsolve.arithmetic.double_double import DoubleDouble
+from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.machine.over_rows import run_rows
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.ensembles.engine.actions_and_angles import combine_integrals
+from hjsolve.ensembles.engine.coordinate_of_orbits import offset, place
+from hjsolve.ensembles.engine.kernels.types import Modes, no_sums
+from hjsolve.ensembles.engine.lowered_solution import Model
+from hjsolve.ensembles.engine.passes import integrated
+from hjsolve.ensembles.engine.programs import SystemPrograms, sides
+from hjsolve.ensembles.inverse.tori import Tori, coordinate_at, kernels, squares
+
+_TIMED = Modes(chords=False, kernels=True, oscillations=True, shifts=False)
+_ROUNDS, _LEAST_STEP = 40, 2.0**-8
+"""Evaluations of θ, and the share of a step below which an orbit is given up."""
+_LONGEST = 1.0
+"""Radians that a phase moves in one step, at most."""
+_CLOSE = 4e-15
+"""Residual of angles, radians, at which an orbit is done."""
+_NEARLY = 1e-8
+"""The same, as long as p² is in doubles."""
+_SETTLED = 1e-9
+"""Residual below which a step that makes nothing better ends the search."""
+_PAIR_STEPS = 4
+"""Steps of Newton's method for turning points in two doubles."""
+_TURNING, _NEXT = 1e-60, 1e-17
+"""Sine or cosine of φ/2 that stands for 0, and the distance from a turning point, over W, below which F is linear."""
+_SHIFT = 2.0**-17
+"""Relative change of an action for the difference quotient."""
+_SAFETY = 2.0
+"""By which difference quotients are enlarged."""
+
+
+class Frames(NamedTuple):
+    """Between what the coordinates of n tori move.
+
+    Attributes:
+        bases: of each coordinate the turning points in two doubles, offsets in the views of the lower and the upper
+            half; shape (separated, 4, n).
+        widths: W, shape (separated, n).
+        directions: −1 for a rotation the other way, else 1, the same shape.
+        rotating, resting: which go round, and which stay; the same shape.
+        good: where turning points are known, shape (n,).
+    """
+
+    bases: Reals
+    widths: Reals
+    directions: Reals
+    rotating: Mask
+    resting: Mask
+    good: Mask
+
+    def take(self, index: Integers | Mask) -> Frames:
+        """Return those of some tori.
+
+        Args:
+            index: which.
+        """
+        return Frames(*(x[..., index] for x in self))
+
+
+class Placed(NamedTuple):
+    """Coordinates at their phases; arrays (separated, n), kernels (separated, constants, n).
+
+    Attributes:
+        q, P: places and shell momenta.
+        moves: dq/dφ.
+        forces: dP/dφ.
+        rates: kernels over P times dq/dφ.
+    """
+
+    q: Reals
+    P: Reals
+    moves: Reals
+    forces: Reals
+    rates: Reals
+
+
+class AnglesFound(NamedTuple):
+    """Angles of n states.
+
+    Attributes:
+        separated, errors: θ of the separated coordinates in the sense of their rotation, and bounds; (separated, n).
+        ignorable, ignorable_errors: of the ignorable ones that are angles, where these are at 0; (angles, n).
+        inverse: (∂J/∂c)⁻¹, shape (n, separated, separated).
+        means: ∂J/∂c, shape (separated, constants, n).
+        good: which are known.
+    """
+
+    separated: Reals
+    errors: Reals
+    ignorable: Reals
+    ignorable_errors: Reals
+    inverse: Reals
+    means: Reals
+    good: Mask
+
+
+class States(NamedTuple):
+    """States; arrays (separated, n), of ignorable angles (angles, n).
+
+    Attributes:
+        q, P: of the separated coordinates.
+        q_errors, P_errors: bounds on their errors.
+        angles, angle_errors: ignorable angles.
+        good: which are known.
+    """
+
+    q: Reals
+    P: Reals
+    q_errors: Reals
+    P_errors: Reals
+    angles: Reals
+    angle_errors: Reals
+    good: Mask
+
+
+class AngleTask(NamedTuple):
+    """A system with its programs."""
+
+    model: Model
+    programs: SystemPrograms
+
+
+def frames_of(task: AngleTask, tori: Tori, directions: Reals, rotating: Mask, resting: Mask) -> Frames:
+    """Find the turning points of tori in two doubles.
+
+    Args:
+        task: the system.
+        tori: of n orbits.
+        directions: sign of each rotation.
+        rotating, resting: which go round, and which stay at their place; shape (separated, n).
+    """
+    size, n = tori.q.shape
+    bases, widths, good = np.zeros((size, 4, n)), np.zeros((size, n)), np.ones(n, dtype=bool)
+    for k in range(size):
+        some = np.flatnonzero(~rotating[k] & ~resting[k])
+        if not len(some):
+            continue
+        own = tori.take(some)
+        F = squares(coordinate_at(*task, own, k))
+        one = coordinate_at(*task, own, k, np.sqrt(np.fmax(F, 0)))
+        _, found, _ = integrated(one, _TIMED._replace(kernels=False, oscillations=False), exact=True, places=True)
+        bases[k][:, some] = refined(task, own, k, found.places)
+        widths[k, some] = _width(task, k, bases[k][:, some])
+        good[some] &= (F > 0) & (widths[k, some] > 0) & np.isfinite(bases[k][:, some]).all(axis=0)
+    return Frames(bases, widths, directions, rotating, resting, good)
+
+
+def refined(task: AngleTask, tori: Tori, k: int, places: Reals) -> Reals:
+    """Return turning points in two doubles, offsets in the views of both halves, shape (4, n).
+
+    Args:
+        task: the system.
+        tori: of n orbits.
+        k: which coordinate.
+        places: lower and upper turning points in doubles, shape (2, n).
+    """
+    D, one, rows = DoubleDouble(), coordinate_at(*task, tori, k), []
+    for side, formula in enumerate(sides(one.coordinate)):
+        base = Pair(offset(formula, places[side]), 0.0 * places[side])
+        view, exact = one.programs.views[side], one.programs.exact[side]
+        with np.errstate(all="ignore"):
+            for _ in range(_PAIR_STEPS):
+                (F,) = run_rows(exact.squares, one.parameters, np.stack([*base, *one.constants, *one.low]))
+                slope = run_rows(view.slopes, one.parameters, np.stack([base.high, *one.constants]))[1]
+                step = F / slope
+                base = D.sub(base, Pair(step, 0.0 * step))
+        rows += [base.high, base.low]
+    return np.stack(rows)
+
+
+def _width(task: AngleTask, k: int, bases: Reals) -> Reals:
+    """b − a from turning points in two doubles, each in its own view."""
+    D = DoubleDouble()
+    ends = []
+    for side, formula in enumerate(sides(task.model.separated[k])):
+        x = Pair(*bases[2 * side : 2 * side + 2])
+        ends.append(D.add(formula.origin, Pair(formula.sign * x.high, formula.sign * x.low)))
+    return D.sub(ends[1], ends[0]).high
+
+
+def placed(task: AngleTask, tori: Tori, frames: Frames, φ: Reals) -> Placed:
+    """Return coordinates at phases.
+
+    Args:
+        task: the system.
+        tori: of n orbits.
+        frames: between what they move.
+        φ: phases, shape (separated, n).
+    """
+    size, n = φ.shape
+    m = len(task.model.constants)
+    found = Placed(*(np.zeros((size, n)) for _ in range(4)), np.zeros((size, m, n)))
+    for k in range(size):
+        for some, how in (
+            (frames.resting[k], _at_rest), (frames.rotating[k], _on_turn), (~frames.resting[k] & ~frames.rotating[k], _between),
+        ):  # fmt: skip
+            index = np.flatnonzero(some)
+            if len(index):
+                part = how(task, tori.take(index), frames.take(index), k, φ[k, index])
+                for whole, own in zip(found, part, strict=True):
+                    whole[k][..., index] = own
+    return found
+
+
+_Row = tuple[Reals, Reals, Reals, Reals, Reals]
+
+
+def _at_rest(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
+    """A coordinate that stays: χ is φ, and the kernels over its frequency √(−½F″) are its rates."""
+    one = coordinate_at(*task, tori, k)
+    formula = sides(one.coordinate)[0]
+    given = np.stack([offset(formula, one.q), *one.constants])
+    with np.errstate(all="ignore"):
+        _, _, bend = run_rows(one.programs.views[0].bend, one.parameters, given)
+        rates = kernels(one) / np.sqrt(-0.5 * bend)
+    return one.q, 0 * φ, 0 * φ, 0 * φ, rates
+
+
+def _on_turn(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
+    """A coordinate that goes round: φ is q in the sense of its rotation."""
+    direction = frames.directions[k]
+    q = direction * φ
+    one = coordinate_at(*task, tori._replace(q=_row(tori.q, k, q)), k)
+    given = np.stack([offset(sides(one.coordinate)[0], q), *one.constants])
+    with np.errstate(all="ignore"):
+        root = np.sqrt(squares(one))
+        _, slope, _ = run_rows(one.programs.views[0].bend, one.parameters, given)
+        slope = slope * sides(one.coordinate)[0].sign
+        return q, direction * root, direction, direction * slope / (2 * root) * direction, kernels(one) / root
+
+
+def _row(rows: Reals, k: int, values: Reals) -> Reals:
+    changed = rows.copy()
+    changed[k] = values
+    return changed
+
+
+def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
+    """A coordinate between turning points, seen from the nearer one."""
+    one, W, bases = coordinate_at(*task, tori, k), frames.widths[k], frames.bases[k]
+    D, s, c = DoubleDouble(), np.sin(0.5 * φ), np.cos(0.5 * φ)
+    lower = np.abs(s) <= np.abs(c)
+    s, c = (np.where(np.abs(x) < _TURNING, np.copysign(_TURNING, x), x) for x in (s, c))
+    q, square, slope = np.empty_like(φ), np.empty_like(φ), np.empty_like(φ)
+    weights = np.empty((len(one.constants), len(φ)))
+    for side, formula in enumerate(sides(one.coordinate)):
+        index = np.flatnonzero(lower if side == 0 else ~lower)
+        if not len(index):
+            continue
+        away = (1.0, -1.0)[side] * formula.sign
+        d = W[index] * (s if side == 0 else c)[index] ** 2
+        seen = np.fmax(d, _NEXT * W[index])
+        known = np.stack([*one.constants, *one.low, *bases])[:, index]
+        zero = 0.0 * d
+        given = np.stack([away * seen, zero, zero + 1.0, zero, *known])
+        x = bases[2 * side, index] + away * d
+        with np.errstate(all="ignore"):
+            _, r, F, *rates = run_rows(one.programs.exact[side].fill, one.parameters, given)
+            slopes = run_rows(one.programs.views[side].slopes, one.parameters, np.stack([x, *one.constants[:, index]]))
+            weights[:, index] = np.stack(rates) / r
+            square[index] = np.where(d < seen, F * (d / seen), F)  # linear next to the turning point
+        slope[index] = formula.sign * slopes[1]
+        base = D.add(Pair(*bases[2 * side : 2 * side + 2, index]), Pair(away * d, zero))
+        # in two doubles: next to q = 0 places far from the origin of the view keep their digits
+        q[index] = D.add(formula.origin, Pair(formula.sign * base.high, formula.sign * base.low)).high
+    with np.errstate(all="ignore"):
+        root = np.sqrt(square)
+        moves = W * s * c  # dq/dφ = ½ W sin φ
+        turns = np.abs(moves) / root  # finite at turning points
+        return q, np.where(s * c < 0, -1.0, 1.0) * root, moves, 0.5 * slope * turns, weights * turns
+
+
+def angles_at(task: AngleTask, tori: Tori, frames: Frames, at: Placed, *, exact: bool) -> AnglesFound:
+    """Return the angles of states on tori, by the engine.
+
+    Args:
+        task: the system.
+        tori: of n orbits.
+        frames: between what they move.
+        at: the states.
+        exact: whether p² is taken to 32 digits where doubles do not know it well.
+    """
+    model, (size, n) = task.model, at.q.shape
+    sums, good = [], np.ones(n, dtype=bool)
+    for k in range(size):
+        one = coordinate_at(*task, tori._replace(q=at.q), k, at.P[k])
+        total = no_sums(len(model.constants), n)
+        moving = np.flatnonzero(~frames.resting[k])
+        if len(moving):
+            part, _, _ = integrated(one.take(moving), _TIMED, exact=exact, places=False)
+            total.put(moving, part)
+        still = np.flatnonzero(frames.resting[k])
+        if len(still):
+            total.put(still, _resting_sums(one.take(still), at.rates[k][:, still]))
+        good &= total.good
+        sums.append(total)
+    q = np.zeros((len(model.names), n))
+    for k, coordinate in enumerate(model.separated):
+        q[coordinate.index] = at.q[k]
+    torus = combine_integrals(model, sums, frames.directions, q, angles=True)
+    means = np.stack([s.means for s in sums])
+    with np.errstate(all="ignore"):
+        inverse = np.full((n, size, size), np.nan)
+        matrix = means[:, :size].transpose(2, 1, 0)
+        fine = good & np.isfinite(matrix).all(axis=(1, 2)) & (np.linalg.det(np.where(np.isfinite(matrix), matrix, 0)) != 0)
+        inverse[fine] = np.linalg.inv(matrix[fine])
+    rows = [torus.angles[c.name] for c in model.separated]
+    others = [torus.angles[name] for name in model.angles]
+    empty = np.zeros((0, n))
+    separated = np.stack([row[0] for row in rows]) * frames.directions
+    good = fine & np.isfinite(separated).all(axis=0)
+    return AnglesFound(
+        separated, np.stack([row[1] for row in rows]), np.stack([x for x, _ in others]) if others else empty,
+        np.stack([e for _, e in others]) if others else empty, inverse, means, good,
+    )  # fmt: skip
+
+
+def _resting_sums(one, rates):  # type: ignore[no-untyped-def]
+    sums = no_sums(len(one.constants), len(one.q))
+    sums.means[:] = sums.speeds[:] = rates
+    sums.mean_errors[:] = 8 * EPS * np.abs(rates)
+    for zero in ("action", "action_error", "oscillations", "oscillation_errors", "phase", "phase_error"):
+        getattr(sums, zero)[...] = 0.0
+    sums.good[:] = np.isfinite(rates).all(axis=0)
+    return sums
+
+
+def wrapped(angle: Reals) -> Reals:
+    """Reduce angles to [−π, π].
+
+    Args:
+        angle: radians.
+    """
+    return angle - 2 * np.pi * np.rint(angle / (2 * np.pi))
+
+
+def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, Reals], spread: Reals) -> States:
+    """Return the states of tori at angles.
+
+    Args:
+        task: the system.
+        tori: of n orbits.
+        frames: between what they move.
+        angles: θ of the separated coordinates (separated, n) and of the ignorable angles (angles, n).
+        spread: bounds on what is not known of J, of the separated coordinates; shape (separated, n).
+    """
+    θ = wrapped(angles[0] * frames.directions)
+    # θ of a rotation is 0 opposite to the slow place, of a libration at the lower turning point
+    φ = np.where(frames.rotating, tori.q * frames.directions, θ)
+    for exact in (False, True):
+        φ, found, at = _phases(task, tori, frames, (θ, φ), exact=exact)
+    residual = np.abs(wrapped(θ - found.separated))
+    with np.errstate(all="ignore"):
+        back = _inverses(_matrix(found, at))
+        loose = residual + found.errors
+        phases = _times(np.abs(back), loose)
+        own = np.abs(at.moves) * phases, np.abs(at.forces) * phases
+        moved = _quotients(task, tori, frames, (φ, at, found, back), spread)
+        q_errors = own[0] + moved[0] + 2 * EPS * np.abs(at.q)
+        P_errors = own[1] + moved[1] + 8 * EPS * np.abs(at.P)
+        turned = wrapped(angles[1] - found.ignorable)
+        turned_errors = found.ignorable_errors + moved[2] + 8 * EPS * np.pi
+        # an error of the phases moves the ignorable angles as well
+        turned_errors = turned_errors + _ignorable_rates(task.model, found, at, back, phases)
+    good = frames.good & found.good & (residual.max(axis=0) < 1e-9)
+    for part in (q_errors, P_errors, turned_errors):
+        good = good & np.isfinite(part).all(axis=0)
+    return States(at.q, at.P, q_errors, P_errors, turned, turned_errors, good)
+
+
+def _matrix(found: AnglesFound, at: Placed) -> Reals:
+    """∂θ/∂φ, shape (n, separated, separated)."""
+    size = at.q.shape[0]
+    rates = at.rates[:, :size].transpose(2, 1, 0)  # (n, constant, coordinate)
+    return found.inverse @ rates
+
+
+def _inverses(matrices: Reals) -> Reals:
+    found = np.full(matrices.shape, np.nan)
+    fine = np.isfinite(matrices).all(axis=(1, 2))
+    fine[fine] = np.linalg.det(matrices[fine]) != 0
+    found[fine] = np.linalg.inv(matrices[fine])
+    return found
+
+
+def _times(matrices: Reals, vectors: Reals) -> Reals:
+    return (matrices @ vectors.T[..., None])[..., 0].T
+
+
+def _phases(
+    task: AngleTask, tori: Tori, frames: Frames, given: tuple[Reals, Reals], *, exact: bool
+) -> tuple[Reals, AnglesFound, Placed]:
+    """Phases at which the separated coordinates have given angles, by damped Newton's method from other phases."""
+    (θ, base), m, close = given, len(task.model.constants), _CLOSE if exact else _NEARLY
+    size, n = θ.shape
+    base = base.copy()
+    trial, step = base.copy(), np.zeros((size, n))
+    share, merit = np.ones(n), np.full(n, np.inf)
+    angles = len(task.model.angles)
+    best = AnglesFound(
+        *(np.full((size, n), np.nan) for _ in range(2)), *(np.full((angles, n), np.nan) for _ in range(2)),
+        np.full((n, size, size), np.nan), np.full((size, m, n), np.nan), np.zeros(n, dtype=bool),
+    )  # fmt: skip
+    kept = Placed(*(np.full((size, n), np.nan) for _ in range(4)), np.full((size, m, n), np.nan))
+    active = np.flatnonzero(frames.good)
+    for _ in range(_ROUNDS):
+        if not len(active):
+            break
+        own, among = tori.take(active), frames.take(active)
+        at = placed(task, own, among, trial[:, active])
+        found = angles_at(task, own, among, at, exact=exact)
+        residual = wrapped(θ[:, active] - found.separated)
+        size_ = np.max(np.abs(residual), axis=0)
+        finished = found.good & (size_ <= close)
+        better = found.good & ((size_ < (1 - 0.25 * share[active]) * merit[active]) | finished)
+        settled = ~better & (share[active] == 1.0) & (merit[active] < _SETTLED)
+        here = active[better]
+        base[:, here], merit[here] = trial[:, here], size_[better]
+        for whole, part in zip(kept, at, strict=True):
+            whole[..., here] = part[..., better]
+        for name, part in found._asdict().items():
+            whole = getattr(best, name)
+            if name == "inverse":
+                whole[here] = part[better]
+            else:
+                whole[..., here] = part[..., better]
+        matrices = _inverses(_matrix(found, at)[better])
+        newton = _times(matrices, residual[:, better])
+        with np.errstate(all="ignore"):
+            step[:, here] = newton * np.fmin(1.0, _LONGEST / np.max(np.abs(newton), axis=0))
+        share[here] = 1.0
+        share[active[~better]] *= 0.5
+        active = active[~finished & ~settled & (share[active] >= _LEAST_STEP)]
+        trial[:, active] = base[:, active] + share[active] * step[:, active]
+    return base, best, kept
+
+
+def _ignorable_rates(model: Model, found: AnglesFound, at: Placed, back: Reals, phases: Reals) -> Reals:
+    """What errors of the phases do to the ignorable angles."""
+    size, rows = at.q.shape[0], []
+    for name in model.angles:
+        j = model.ignorable[name]
+        # dθ_φ/dφᵢ at fixed q_φ: rates of its own kernel less the mean growth along θ
+        slope = at.rates[:, j] - np.einsum("kn,nki->in", found.means[:, j], _matrix(found, at))
+        rows.append(np.sum(np.abs(slope) * phases, axis=0))
+    return np.stack(rows) if rows else np.zeros((0, at.q.shape[1]))
+
+
+def _quotients(
+    task: AngleTask, tori: Tori, frames: Frames, here: tuple[Reals, Placed, AnglesFound, Reals], spread: Reals
+) -> tuple[Reals, Reals, Reals]:
+    """What is not known of J moves of q, P and the ignorable angles, by difference quotients at fixed θ."""
+    (φ, at, found, back), (size, n) = here, tori.q.shape
+    moved = [np.zeros((size, n)), np.zeros((size, n)), np.zeros((len(task.model.angles), n))]
+    unknown = np.arange(size)
+    inverse = found.inverse.transpose(0, 2, 1)  # ∂c/∂J
+    for k in range(size):
+        loose = np.flatnonzero((spread[k] > 0) & found.good & ~frames.resting[k])
+        if not len(loose):
+            continue
+        F = _action_sizes(task, tori.take(loose), k, frames.take(loose))
+        change = np.zeros((size, len(loose)))
+        change[k] = _SHIFT * F
+        own = tori.take(loose).moved(unknown, _times(inverse[loose], change))
+        among = frames.take(loose)
+        bases, widths = among.bases.copy(), among.widths.copy()
+        for i in range(size):
+            some = np.flatnonzero(~among.rotating[i] & ~among.resting[i])
+            if len(some):
+                ends = np.stack([_doubles(task, i, bases[i][:, some], side) for side in (0, 1)])
+                bases[i][:, some] = refined(task, own.take(some), i, ends)
+                widths[i, some] = _width(task, i, bases[i][:, some])
+        among = among._replace(bases=bases, widths=widths)
+        other = placed(task, own, among, φ[:, loose])
+        angles = angles_at(task, own, among, other, exact=False)
+        turn = _times(back[loose], wrapped(angles.separated - found.separated[:, loose]))
+        factor = _SAFETY * spread[k, loose] / change[k]
+        moved[0][:, loose] += factor * np.abs(other.q - at.q[:, loose] - at.moves[:, loose] * turn)
+        moved[1][:, loose] += factor * np.abs(other.P - at.P[:, loose] - at.forces[:, loose] * turn)
+        rows = wrapped(angles.ignorable - found.ignorable[:, loose])
+        moved[2][:, loose] += factor * np.abs(rows)
+    return moved[0], moved[1], moved[2]
+
+
+def _doubles(task: AngleTask, k: int, bases: Reals, side: int) -> Reals:
+    return place(sides(task.model.separated[k])[side], bases[2 * side])
+
+
+def _action_sizes(task: AngleTask, tori: Tori, k: int, frames: Frames) -> Reals:
+    """About J: the largest p times the width, over 4; of a rotation p."""
+    root = np.sqrt(np.fmax(squares(coordinate_at(*task, tori, k)), 0))
+    return np.where(frames.rotating[k], root, 0.25 * root * frames.widths[k])

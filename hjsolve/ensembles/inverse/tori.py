@@ -1,0 +1,220 @@
+"""n tori of one system: constants in two doubles, a place inside each coordinate's motion, and J with ∂J/∂c there.
+
+F = p² of coordinate i between turning points has one place top next to which it is seen. J = (1/2π) ∮ √F dq and
+∂J/∂c come from the engine (``engine.kernels.cycle_integrals``), started at that place. Where F < 0 there, or J is to be
+zero, the harmonic libration about the maximum of F takes its place, J = F/(2 √(−½F″)): this continues J analytically
+to negative values, so that Newton's method passes through J = 0.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hjsolve.arithmetic.error_free import two_sum
+from hjsolve.arithmetic.machine.over_rows import run_rows
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place
+from hjsolve.ensembles.engine.lowered_solution import Model
+from hjsolve.ensembles.engine.passes import integrated
+from hjsolve.ensembles.engine.programs import SystemPrograms, sides
+from hjsolve.ensembles.engine.kernels.types import Modes
+
+_TOP_STEPS, _STILL = 24, 1e-6
+"""Steps of Newton's method for the maximum of F, and the relative step that ends it: the place need not be the top."""
+_STRIDE = 0.5
+"""Step uphill where F is convex, over the distance from zero, or over that on which its slope changes."""
+_FINER = 2.0**-100
+"""What two doubles leave open of a constant, relatively."""
+_ALONE = Modes(chords=False, kernels=True, oscillations=False, shifts=False)
+
+
+class Tori(NamedTuple):
+    """n tori.
+
+    Attributes:
+        values, low: constants in two doubles, shape (constants, n).
+        q: of every separated coordinate a place inside its motion, shape (separated, n).
+    """
+
+    values: Reals
+    low: Reals
+    q: Reals
+
+    def take(self, index: Integers | Mask) -> Tori:
+        """Return some of them.
+
+        Args:
+            index: which.
+        """
+        return Tori(*(x[:, index] for x in self))
+
+    def moved(self, unknown: Integers, step: Reals) -> Tori:
+        """Return tori whose unknown constants are larger by a step.
+
+        Args:
+            unknown: positions of the constants.
+            step: shape (unknown, n).
+        """
+        values, low = self.values.copy(), self.low.copy()
+        high, rest = two_sum(values[unknown], step)
+        values[unknown], low[unknown] = two_sum(high, rest + low[unknown])
+        return Tori(values, low, self.q)
+
+
+class Actions(NamedTuple):
+    """Actions of n tori; arrays (separated, n).
+
+    Attributes:
+        values, errors: J without its sign, and bounds on the errors.
+        slopes: ∂J/∂c, shape (separated, constants, n).
+        harmonic: where J is that of the harmonic libration.
+        good: where everything is known; shape (n,).
+        rotations: which go round.
+    """
+
+    values: Reals
+    errors: Reals
+    slopes: Reals
+    harmonic: Mask
+    good: Mask
+    rotations: Mask
+
+
+def no_actions(size: int, constants: int, count: int) -> Actions:
+    """Return actions that hold nothing.
+
+    Args:
+        size: separated coordinates.
+        constants: constants of the motion.
+        count: tori.
+    """
+    rows = [np.full((size, count), np.nan) for _ in range(2)]
+    marks = [np.zeros((size, count), dtype=bool) for _ in range(2)]
+    return Actions(*rows, np.full((size, constants, count), np.nan), marks[0], np.zeros(count, dtype=bool), marks[1])
+
+
+def coordinate_at(
+    model: Model, programs: SystemPrograms, tori: Tori, k: int, P: Reals | None = None
+) -> CoordinateOfOrbits:
+    """Return one coordinate of tori, started at its place.
+
+    Args:
+        model: the lowered solution.
+        programs: of the system.
+        tori: of n orbits.
+        k: which coordinate.
+        P: its momenta there, shape (n,); None for 1.
+    """
+    uncertainty = np.abs(tori.low) + _FINER * np.abs(tori.values)
+    momenta = np.ones(tori.q.shape[1]) if P is None else P
+    return CoordinateOfOrbits(
+        model.separated[k], programs.coordinates[k], programs.parameters, np.ascontiguousarray(tori.q[k]), momenta,
+        np.ascontiguousarray(tori.values), np.ascontiguousarray(tori.low), uncertainty,
+    )  # fmt: skip
+
+
+def squares(one: CoordinateOfOrbits) -> Reals:
+    """Return F at the places of a coordinate, from 32 digits.
+
+    Args:
+        one: the coordinate of n orbits.
+    """
+    formula = sides(one.coordinate)[0]
+    s, e = two_sum(one.q, -formula.origin.high)
+    x = np.stack([formula.sign * s, formula.sign * (e - formula.origin.low)])
+    with np.errstate(all="ignore"):
+        return run_rows(one.programs.exact[0].squares, one.parameters, np.stack([*x, *one.constants, *one.low]))[0]
+
+
+def tops(one: CoordinateOfOrbits) -> tuple[Reals, Reals]:
+    """Return the maxima of F next to the places of a coordinate, and F″ there.
+
+    Args:
+        one: the coordinate of n orbits.
+
+    Returns:
+        Places and F″ there, shape (n,); F″ ≥ 0 where no maximum was found next to a place.
+    """
+    formula, code = sides(one.coordinate)[0], one.programs.views[0].bend
+    low, high = _ends(one)
+    x = offset(formula, one.q)
+    with np.errstate(all="ignore"):
+        F, slope, bend = run_rows(code, one.parameters, np.stack([x, *one.constants]))
+        share = np.ones(len(x))
+        for _ in range(_TOP_STEPS):
+            # where F is convex its maximum is farther uphill
+            step = np.where(bend < 0, -slope / bend, np.sign(slope) * _STRIDE * np.fmax(np.abs(x), np.abs(slope / bend)))
+            new = np.clip(x + share * step, x - 0.75 * (x - low), x + 0.75 * (high - x))
+            there = run_rows(code, one.parameters, np.stack([new, *one.constants]))
+            uphill, still = there[0] > F, np.abs(new - x) <= _STILL * np.abs(x)
+            x, F, slope, bend = (np.where(uphill, a, b) for a, b in zip((new, *there), (x, F, slope, bend), strict=True))
+            share = np.where(uphill, 1.0, 0.25 * share)
+            if still.all():
+                break
+    return place(formula, x), bend
+
+
+def _ends(one: CoordinateOfOrbits) -> tuple[float, float]:
+    """Offsets of the ends of the domain in the view from the lower one; infinite where there are none."""
+    coordinate = one.coordinate
+    if coordinate.lower is None:
+        return -np.inf, np.inf if coordinate.upper is None else coordinate.upper.origin.high
+    if coordinate.upper is None:
+        return 0.0, np.inf
+    return 0.0, coordinate.upper.origin.high - coordinate.lower.origin.high
+
+
+def actions_of(
+    model: Model, programs: SystemPrograms, tori: Tori, zero: Mask, rotating: Mask, *, exact: bool
+) -> tuple[Actions, Tori]:
+    """Work out the actions of tori, and places next to the maxima of F for them.
+
+    Args:
+        model: the lowered solution.
+        programs: of the system.
+        tori: of n orbits.
+        zero: where J is to be zero, shape (separated, n).
+        rotating: where a coordinate is to go round, shape (separated, n).
+        exact: whether p² is taken to 32 digits where doubles do not know it well.
+    """
+    size, n = tori.q.shape
+    m = len(model.constants)
+    values, errors = np.full((size, n), np.nan), np.zeros((size, n))
+    slopes, harmonic = np.full((size, m, n), np.nan), np.zeros((size, n), dtype=bool)
+    rotations, q = np.zeros((size, n), dtype=bool), tori.q.copy()
+    for k in range(size):
+        top, bend = tops(coordinate_at(model, programs, tori, k))
+        q[k] = np.where(rotating[k], q[k], top)
+        own = tori._replace(q=q)
+        F = squares(coordinate_at(model, programs, own, k))
+        harmonic[k] = ~rotating[k] & (zero[k] | ~(F > 0)) & (bend < 0)
+        some = np.flatnonzero(harmonic[k])
+        if len(some):
+            one = coordinate_at(model, programs, own.take(some), k)
+            root = np.sqrt(-0.5 * bend[some])
+            values[k, some] = F[some] / (2 * root)
+            slopes[k][:, some] = kernels(one) / root
+        others = np.flatnonzero(~harmonic[k] & (F > 0))
+        if len(others):
+            one = coordinate_at(model, programs, own.take(others), k, np.sqrt(F[others]))
+            sums, _, turned = integrated(one, _ALONE, exact=exact, places=False)
+            fine = sums.good & (turned == rotating[k, others])
+            values[k, others] = np.where(fine, sums.action, np.nan)
+            errors[k, others] = sums.action_error
+            slopes[k][:, others] = sums.means
+            rotations[k, others] = turned
+    good = np.isfinite(values).all(axis=0) & np.isfinite(slopes).all(axis=(0, 1))
+    return Actions(values, errors, slopes, harmonic, good, rotations), tori._replace(q=q)
+
+
+def kernels(one: CoordinateOfOrbits) -> Reals:
+    """Return ½ ∂F/∂c at the places of a coordinate, shape (constants, n).
+
+    Args:
+        one: the coordinate of n orbits.
+    """
+    given = np.stack([one.q, *one.constants, *one.uncertainty])
+    with np.errstate(all="ignore"):
+        return np.split(run_rows(one.programs.small.kernels, one.parameters, given), 2)[0]
