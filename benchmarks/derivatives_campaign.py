@@ -56,7 +56,7 @@ def values(motion: Any, t: str) -> dict[tuple[str, ...], Any]:
 
 
 def neighbours(solution: Any, motion: Any, direction: dict[tuple[str, str], sp.Expr], t: str) -> dict[Any, Any]:
-    """Derivatives along a direction, by differences of motions of many digits."""
+    """Return Derivatives along a direction, by differences of motions of many digits."""
     system, initial = solution.system, motion.initial.values
     base = {
         "q": {c.name: initial[c.symbol] for c in system.coordinates},

@@ -33,14 +33,14 @@ def sphere(m: int, g: float, size: int = 60) -> np.ndarray:
 
 
 def oscillator_square(m: int, size: int) -> np.ndarray:
-    """The matrix of r^2 over the states of a two-dimensional oscillator with frequency 1."""
+    """Return the matrix of r^2 over the states of a two-dimensional oscillator with frequency 1."""
     n = np.arange(size)
     side = -np.sqrt(n[1:] * (n[1:] + m))
     return np.diag(2.0 * n + m + 1) + np.diag(side, 1) + np.diag(side, -1)
 
 
 def share(E: float, field: float, n: int, m: int) -> float:
-    """The n-th eigenvalue Z of p^2/2 - E r^2 + field r^4/2 in the plane, for one m."""
+    """Return the n-th eigenvalue Z of p^2/2 - E r^2 + field r^4/2 in the plane, for one m."""
     frequency = np.sqrt(-2 * E)
     square = oscillator_square(m, SIZE + 4)
     kinetic = (np.diag(2.0 * np.arange(SIZE + 4) + m + 1) - square / 2)[:SIZE, :SIZE]

@@ -226,7 +226,7 @@ def _refusal(tried: tuple[str, ...], refused: NotSeparableError | None) -> str:
 
 
 def _quadratic(system: System) -> QuadraticFlow | None:
-    """The linear equations of motion, where H is of second degree in z = (q, p)."""
+    """Return the linear equations of motion, where H is of second degree in z = (q, p)."""
     z = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
     if system.relativity is not None or system.kinks or any(c.domain.kind == "angle" for c in system.coordinates):
         return None

@@ -66,7 +66,7 @@ def find_frame(system: System) -> tuple[Frame | None, tuple[str, ...]]:
 
 
 def _new_names(system: System) -> dict[str, str]:
-    """A name of the new coordinate for each old one: X for x."""
+    """Return a name of the new coordinate for each old one: X for x."""
     taken = [*system.symbols, *(c.momentum.name for c in system.coordinates)]
     names: dict[str, str] = {}
     for c in system.coordinates:
@@ -106,7 +106,7 @@ def _without_gauge(system: System, posed: _Posed, Q: list[sp.Symbol], speeds: li
 
 
 def _frame(system: System, new: Mapping[str, str], posed: _Posed) -> Frame | None:
-    """The frame of what is autonomous, proved; None where it is not, or the identity is not proved."""
+    """Return the frame of what is autonomous, proved; None where it is not, or the identity is not proved."""
     _, _, t = _symbols(system, new)
     if (posed.kinetic.free_symbols | posed.potential.free_symbols) & {t}:
         return None
@@ -196,7 +196,7 @@ def _solved(equations: list[sp.Expr], unknown: list[sp.Dummy]) -> Iterator[list[
 
 
 def _without_time(f: sp.Expr, t: sp.Symbol) -> sp.Expr | None:
-    """The same function without the time in it; None where its derivative by the time is not proved to vanish."""
+    """Return the same function without the time in it; None where its derivative by the time is not proved to vanish."""
     if t not in f.free_symbols:
         return f
     if not isinstance(is_zero(sp.diff(f, t), budget=5.0), Zero):
@@ -271,7 +271,7 @@ def _solutions_in_time(
 
 
 def _integral(f: sp.Expr, t: sp.Symbol) -> sp.Expr:
-    """An antiderivative: term by term where it is elementary and short, else left as an integral from 0."""
+    """Return an antiderivative: term by term where it is elementary and short, else left as an integral from 0."""
     parts = []
     for term in sp.Add.make_args(sp.expand(f)):
         kinds = _kinds_of(term, t)
@@ -286,7 +286,7 @@ def _integral(f: sp.Expr, t: sp.Symbol) -> sp.Expr:
 
 # ------------------------------------------------------------------------------------------------ a driven system
 def _driven(M: sp.Matrix, K: sp.Matrix, F: sp.Matrix, t: sp.Symbol) -> sp.Matrix | None:
-    """A solution of M d̈ + K d = F(t), F a sum of t^k e^{at} cos(bt + c) and the like, by undetermined coefficients."""
+    """Return a solution of M d̈ + K d = F(t), F a sum of t^k e^{at} cos(bt + c) and the like, by undetermined coefficients."""
     bases: dict[sp.Expr, int] = {}
     for term in (term for f in F for term in sp.Add.make_args(sp.expand(f))):
         kinds = _kinds_of(term, t)

@@ -273,7 +273,7 @@ def _waves_of_many(χ: Numbers, terms: int) -> tuple[int, Numbers, Numbers]:
 def _clenshaw_of_many(
     coefficients: Numbers, χ: Numbers, waves: tuple[int, Numbers, Numbers] | None = None
 ) -> tuple[Numbers, Numbers]:
-    """The same at many phases of many digits, in fixed-point integers: arrays of these cost a tenth of ``mpf``.
+    """Return the same at many phases of many digits, in fixed-point integers: arrays of these cost a tenth of ``mpf``.
 
     Clenshaw's recurrence bₖ = cₖ + 2 cos χ bₖ₊₁ − bₖ₊₂ has one product a term, Horner's rule four, and ends in both
     sums, b₁ cos χ − b₂ and b₁ sin χ. It magnifies rounding by at most the square of the number of terms, relative to

@@ -44,7 +44,7 @@ def plotted_levels(levels: Levels, ax: Axes | None) -> Axes:
 
 
 def _column(level: Level) -> tuple[str, ...]:
-    """The words under the ladder of a level: numbers of ignorable angles, and kinds that are not librations."""
+    """Return the words under the ladder of a level: numbers of ignorable angles, and kinds that are not librations."""
     words = []
     for name, kind in level.kinds.items():
         if kind == "ignorable":

@@ -275,7 +275,7 @@ def _later(motion: Motion, pending: list[Pending], happening: list[Pending], tim
 
 # ----------------------------------------------------------------------------------------------- after an event
 def _after(change: Change, before: Turns) -> Leg:
-    """The state just after the events, exact where it can be."""
+    """Return the state just after the events, exact where it can be."""
     system, given = change.motion.solution.system_as_given, change.motion.initial.values
     digits = change.motion.digits
     surfaces = {e.coordinate: e.value for e in change.events if e.coordinate is not None}

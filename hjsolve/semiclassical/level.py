@@ -68,7 +68,7 @@ class Levels(ByValue, Shown):
         return len(self.found)
 
     def __iter__(self) -> Iterator[Level]:
-        """The levels, lowest first."""
+        """Return the levels, lowest first."""
         return iter(self.found)
 
     def __getitem__(self, key: int) -> Level:

@@ -195,7 +195,7 @@ class _Search:
         )
 
     def _of(self, m: Mapping[str, int], skipped: list[str]) -> tuple[list[Level], bool]:
-        """The levels of some ignorable momenta, and whether there may be some beyond them."""
+        """Return the levels of some ignorable momenta, and whether there may be some beyond them."""
         momenta = {name: k * self.hbar for name, k in m.items()}
         frame = frame_of(self.solution, momenta, self.values, self.hbar, self.digits)
         if not frame.round:
@@ -214,7 +214,7 @@ class _Search:
     def _within(
         self, frame: Frame, m: Mapping[str, int], turns: Mapping[str, int], skipped: list[str]
     ) -> tuple[list[Level], bool]:
-        """The levels of some coordinates, and whether there may be some beyond them."""
+        """Return the levels of some coordinates, and whether there may be some beyond them."""
         if not frame.solution.coordinates:
             level = self._free(frame, m, turns)
             below = self.limit is None or to_bits(self.limit)(256) >= level.energy.value
@@ -238,7 +238,7 @@ class _Search:
         return None if self.limit is None else float(to_bits(self.limit)(64))
 
     def _free(self, frame: Frame, m: Mapping[str, int], turns: Mapping[str, int]) -> Level:
-        """The level of coordinates that are all ignorable: E = H(p)."""
+        """Return the level of coordinates that are all ignorable: E = H(p)."""
         system, bits = frame.solution.system, bits_for(self.digits, 128)
         known = {**frame.asked.values, **{system.coordinate(n).momentum: p for n, p in frame.asked.actions.items()}}
         E = to_bits(sp.sympify(frame.solution.separation.shell.potential).subs(known))(bits)
@@ -317,7 +317,7 @@ class _Counting:
         return found
 
     def _tried(self, k: int) -> Iterator[int]:
-        """The numbers to try along a coordinate, without signs."""
+        """Return the numbers to try along a coordinate, without signs."""
         name, way = self.frame.solution.coordinates[k], self.ways[k]
         chosen = self.search.chosen.get(name)
         if chosen is not None:
@@ -383,7 +383,7 @@ class _Counting:
         return replace(own, error=own.error + more)
 
     def _ends_nearby(self, n: tuple[int, ...], found: Candidate) -> tuple[str, ...]:
-        """The coordinates along which the family of a torus has none with J ± ħ, nor shrinks to a point before."""
+        """Return the coordinates along which the family of a torus has none with J ± ħ, nor shrinks to a point before."""
         hbar, names, near = self.search.hbar, self.frame.solution.coordinates, []
         J = [way.action(k, hbar) for way, k in zip(self.ways, n, strict=True)]
         for k, (name, way) in enumerate(zip(names, self.ways, strict=True)):

@@ -90,7 +90,7 @@ def states_of(task: InverseTask) -> Found:
 
 
 def _chunk(task: InverseTask, found: Found, index: Integers) -> None:
-    """The states of some orbits by the engine, as far as it goes."""
+    """Return the states of some orbits by the engine, as far as it goes."""
     engine = build(task.solution, frozenset({"actions", "constants", "turning_points"}), parameters=dict(task.parameters))
     model, solution = engine.model, task.solution
     if not model.separated or any(c.shifted for c in model.separated) or solution.system.kinks:

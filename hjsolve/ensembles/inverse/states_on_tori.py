@@ -226,7 +226,7 @@ _Row = tuple[Reals, Reals, Reals, Reals, Reals]
 
 
 def _at_rest(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
-    """A coordinate that stays: χ is φ, and the kernels over its frequency √(−½F″) are its rates."""
+    """Return a coordinate that stays: χ is φ, and the kernels over its frequency √(−½F″) are its rates."""
     one = coordinate_at(*task, tori, k)
     formula = sides(one.coordinate)[0]
     given = np.stack([offset(formula, one.q), *one.constants])
@@ -237,7 +237,7 @@ def _at_rest(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> 
 
 
 def _on_turn(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
-    """A coordinate that goes round: φ is q in the sense of its rotation."""
+    """Return a coordinate that goes round: φ is q in the sense of its rotation."""
     direction = frames.directions[k]
     q = direction * φ
     one = coordinate_at(*task, tori._replace(q=_row(tori.q, k, q)), k)
@@ -256,7 +256,7 @@ def _row(rows: Reals, k: int, values: Reals) -> Reals:
 
 
 def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
-    """A coordinate between turning points, seen from the nearer one."""
+    """Return a coordinate between turning points, seen from the nearer one."""
     one, W, bases = coordinate_at(*task, tori, k), frames.widths[k], frames.bases[k]
     D, s, c = DoubleDouble(), np.sin(0.5 * φ), np.cos(0.5 * φ)
     lower = np.abs(s) <= np.abs(c)
@@ -456,7 +456,7 @@ def _phases(
 
 
 def _ignorable_rates(model: Model, found: AnglesFound, at: Placed, back: Reals, phases: Reals) -> Reals:
-    """What errors of the phases do to the ignorable angles."""
+    """Return what errors of the phases do to the ignorable angles."""
     size, rows = at.q.shape[0], []
     for name in model.angles:
         j = model.ignorable[name]
@@ -469,7 +469,7 @@ def _ignorable_rates(model: Model, found: AnglesFound, at: Placed, back: Reals, 
 def _quotients(
     task: AngleTask, tori: Tori, frames: Frames, here: tuple[Reals, Placed, AnglesFound, Reals], spread: Reals
 ) -> tuple[Reals, Reals, Reals]:
-    """What is not known of J moves of q, P and the ignorable angles, by difference quotients at fixed θ."""
+    """Return what is not known of J moves of q, P and the ignorable angles, by difference quotients at fixed θ."""
     (φ, at, found, back), (size, n) = here, tori.q.shape
     moved = [np.zeros((size, n)), np.zeros((size, n)), np.zeros((len(task.model.angles), n))]
     unknown = np.arange(size)

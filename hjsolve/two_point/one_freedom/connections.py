@@ -111,7 +111,7 @@ def joined_on_a_line(question: Question, values: Mapping[sp.Symbol, sp.Expr], sh
 
 
 def _goals(question: Question, line: Line, start: float, first: float) -> Iterator[_Goal]:
-    """The images of q1 with the branches that lead to each."""
+    """Return the images of q1 with the branches that lead to each."""
     most, asked = max(question.turns), set(question.turns)
     images = [first]
     if line.turn:
@@ -134,7 +134,7 @@ def _goals(question: Question, line: Line, start: float, first: float) -> Iterat
 def _refined(
     question: Question, values: Mapping[sp.Symbol, sp.Expr], shell: Shell, found: list[tuple[_Goal, Energy]]
 ) -> tuple[list[Connection], list[tuple[float, float]]]:
-    """Connections from energies; and the intervals whose motion could not be run to q1."""
+    """Return Connections from energies; and the intervals whose motion could not be run to q1."""
     coordinate = question.system.coordinates[0]
     flow = Flow(question.system, values)
     at = {**values, coordinate.symbol: question.q0[coordinate.name]}

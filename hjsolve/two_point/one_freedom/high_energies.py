@@ -87,7 +87,7 @@ def _excess(line: Line, sign: int, c: float, Vc: float) -> sp.Expr:
 
 
 def _signs(line: Line, sign: int, start: float, formula: sp.Expr) -> int:
-    """The sign of a formula beyond a place; 0 where it is not proved."""
+    """Return the sign of a formula beyond a place; 0 where it is not proved."""
     return sign_beyond(lower([sp.expand(formula)], [line.q]), [], sign, sign * start)
 
 
@@ -103,7 +103,7 @@ def _rises_at_end(line: Line, sign: int, c: float) -> bool:
 
 
 def _across(line: Line, start: float, c: float, sign: int, E: float) -> float:
-    """An upper bound on the time from the start to c at energies from E on."""
+    """Return an upper bound on the time from the start to c at energies from E on."""
     grid = np.linspace(start * sign, c * sign, _CELLS)
     V, *_ = line.over(grid[:-1], grid[1:], sign)
     μ = line.over(grid[:1], grid[:1], sign)[3]
@@ -112,6 +112,6 @@ def _across(line: Line, start: float, c: float, sign: int, E: float) -> float:
 
 
 def _least(line: Line, start: float, b: float, sign: int) -> float:
-    """A lower bound on V between two places."""
+    """Return a lower bound on V between two places."""
     grid = np.linspace(start * sign, b * sign, _CELLS)
     return float(np.min(line.over(grid[:-1], grid[1:], sign)[0].low))

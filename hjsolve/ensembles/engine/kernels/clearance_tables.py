@@ -66,7 +66,7 @@ def _failing(motions: Motions, i: int, place: tuple[int, int], first: int, strip
 @kernel
 def glances(motions: Motions, orbits: Integers, maps: Integers, todo: Integers, room: Reals, span: Integers,
             strips: Strips, low: Clearances, high: Clearances, least: Integers) -> None:  # fmt: skip
-    """The first size that is proved to resolve an orbit: −1 for none, −2 where a table does not tell yet.
+    """Return the first size that is proved to resolve an orbit: −1 for none, −2 where a table does not tell yet.
 
     Args:
         motions: of all orbits.
