@@ -133,7 +133,7 @@ class Program:
         return out
 
     def power(self, x: Slot, n: int) -> Slot:
-        """A whole power, by products, so that a base that vanishes does no harm."""
+        """Return a whole power, by products, so that a base that vanishes does no harm."""
         if isinstance(x, ConstantSeries):
             return ConstantSeries(x.value**n)
         result: Slot = x
@@ -143,7 +143,7 @@ class Program:
         return result if n > 0 else self.div(self.rational(1, 1), result)
 
     def unary(self, name: str, x: Slot) -> Slot:
-        """An elementary function, from the differential equation it satisfies."""
+        """Return an elementary function, from the differential equation it satisfies."""
         if isinstance(x, ConstantSeries):
             return ConstantSeries(self.plain.unary(name, x.value))
         if name in ("sin", "cos", "tan", "sinh", "cosh", "tanh"):

@@ -180,7 +180,7 @@ def start_at(
 
 
 def _smooth_start(solution: Solution, initial: Initial, name: str, squared: sp.Expr) -> CoordinateStart:
-    """The start of a motion by one p², analytic in the coordinate."""
+    """Return the start of a motion by one p², analytic in the coordinate."""
     coordinate = solution.system.coordinate(name)
     q, place = coordinate.symbol, initial.values[coordinate.symbol]
     F = by_half_angles(with_plain_exponents(squared, initial.values), q)

@@ -64,7 +64,7 @@ class ChartedMotion(TransformedMotion):
             The state; float64 up to 15 digits, mpf above.
 
         Raises:
-            InvalidInputError: a time that is no finite real number.
+            InvalidInputError: a time that is not a finite real number.
         """
         inner, values = self.within, self.within.initial.values
         if isinstance(inner, ContinuedMotion):
@@ -85,7 +85,7 @@ class ChartedMotion(TransformedMotion):
             branch: separated coordinate → +1 or −1.
 
         Raises:
-            InvalidInputError: a time or place that is no finite real number, or a motion that ends in a collision.
+            InvalidInputError: a time or place that is not a finite real number, or a motion that ends in a collision.
         """
         self._refuse_collision()
         return self.within.characteristic_function(t, q=q, branch=branch)
@@ -97,7 +97,7 @@ class ChartedMotion(TransformedMotion):
             t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
 
         Raises:
-            InvalidInputError: a time that is no finite real number, or a motion that ends in a collision.
+            InvalidInputError: a time that is not a finite real number, or a motion that ends in a collision.
         """
         self._refuse_collision()
         return self.within.principal_function(t)

@@ -82,7 +82,7 @@ class _Formulas:
         self.grain = arithmetic.choose(_no_grain, lambda many: many.context.mpf(2) ** (-many.bits // _NOISE))
 
     def of(self, name: str, x: Elementwise) -> Elementwise:
-        """A function of one variable."""
+        """Return a function of one variable."""
         return self.arithmetic.unary(name, x)
 
     def sqrt(self, x: Elementwise) -> Elementwise:
@@ -93,7 +93,7 @@ class _Formulas:
         return self.sqrt(self.where(x <= size * self.grain, 0, x))
 
     def over(self, above: Elementwise, below: Elementwise, otherwise: Elementwise) -> Elementwise:
-        """The quotient, or something else where the divisor is 0."""
+        """Return the quotient, or something else where the divisor is 0."""
         return self.where(below != 0, above / self.where(below != 0, below, 1), otherwise)
 
     def at_least(self, least: Elementwise, x: Elementwise) -> Elementwise:
@@ -106,7 +106,7 @@ class _Formulas:
         return self.where(total >= 0, larger, smaller), self.where(total >= 0, smaller, larger)
 
     def three_roots(self, total: Elementwise, pairs: Elementwise, product: Elementwise) -> list[Elementwise]:
-        """The real roots of s³ − total·s² + pairs·s − product, rising, by the cosine of a third of an angle."""
+        """Return the real roots of s³ − total·s² + pairs·s − product, rising, by a third of an angle."""
         middle, width = total / 3, self.sqrt(self.at_least(0, total**2 - 3 * pairs))
         cosine = self.over(2 * total**3 - 9 * total * pairs + 27 * product, 2 * width**3, 1)
         angle, turn = self.of("acos", -self.at_least(-1, -self.at_least(-1, cosine))), 2 * self.arithmetic.pi()
@@ -160,7 +160,7 @@ def _conical(X: Point, lengths: Lengths, c: _Formulas) -> list[Elementwise]:
 
 
 def _ellipsoidal(X: Point, lengths: Lengths, c: _Formulas) -> list[Elementwise]:
-    """The roots u < v < w of Π(s − aᵢ) − Σ xᵢ² Π_{j≠i}(s − aⱼ), x = X/a."""
+    """Return the roots u < v < w of Π(s − aᵢ) − Σ xᵢ² Π_{j≠i}(s − aⱼ), x = X/a."""
     a, b = lengths["a"], [lengths[f"a{i}"] for i in (1, 2, 3)]
     x = [value / a for value in X]
     squares = [value**2 for value in x]
@@ -183,7 +183,7 @@ def _ellipsoidal(X: Point, lengths: Lengths, c: _Formulas) -> list[Elementwise]:
 
 
 def _paraboloidal(X: Point, lengths: Lengths, c: _Formulas) -> list[Elementwise]:
-    """The roots u < v < w of (s − 2x)(s − b)(s − c) − y²(s − c) − z²(s − b), (x, y, z) = X/a."""
+    """Return the roots u < v < w of (s − 2x)(s − b)(s − c) − y²(s − c) − z²(s − b), (x, y, z) = X/a."""
     a, b, e = (lengths[name] for name in ("a", "b", "c"))
     x, y, z = (value / a for value in X)
     u, v, w = c.three_roots(2 * x + b + e, 2 * x * (b + e) + b * e - y**2 - z**2, 2 * x * b * e - y**2 * e - z**2 * b)

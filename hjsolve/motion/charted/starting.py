@@ -56,7 +56,7 @@ def start_charted(
 
 
 def _told(chart: Chart, within: Motion, parts: frozenset[str]) -> ChartedMotion:
-    """A motion in the separated coordinates, told in the user's; it ends where it collides with a focus."""
+    """Return a motion in the separated coordinates, expressed in the user's; it ends where it collides with a focus."""
     motion = ChartedMotion.of(within)
     found = collision_times(chart, within) if "time" in parts else None
     if found is None:

@@ -65,7 +65,7 @@ class ContinuedMotion(TransformedMotion):
             The state; float64 up to 15 digits, mpf above.
 
         Raises:
-            InvalidInputError: a time that is no finite real number.
+            InvalidInputError: a time that is not a finite real number.
         """
         state = folded(self.continued, self.initial, self.within.at(t), self.solution)
         return with_place(self.solution.system, self.initial.values, state)
