@@ -110,7 +110,7 @@ def states(motion: Any, parts: int) -> Table:
 
 
 def many_states(motion: Any) -> Table:
-    """The same at many times at once, in doubles."""
+    """Return the same at many times at once, in doubles."""
     state, columns = motion.at(MANY_TIMES), dict[str, Column]()
     columns["statuses of many"] = " ".join(sorted(set(np.ravel(state.status).tolist())))
     for what in ("q", "p", "velocity"):
