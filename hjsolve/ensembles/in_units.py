@@ -18,7 +18,7 @@ from hjsolve.units.libraries import Number, library
 
 @dataclass(frozen=True, repr=False)
 class BatchInUnits(NumbersInUnits):
-    """The numbers of many orbits with their units, each a ``Measured`` of arrays.
+    """Results of many orbits with their units, each a ``Measured`` of arrays.
 
     Attributes:
         batch: whose numbers they are; computed.

@@ -68,7 +68,7 @@ def measures_of(solution: Solution, wanted: object) -> Measures:
 
 @dataclass(frozen=True, repr=False)
 class NumbersInUnits(Shown):
-    """Numbers by quantity and name, each a ``Measured``.
+    """Results by quantity and name, each a ``Measured``.
 
     Attributes:
         measures: their units.
@@ -128,7 +128,7 @@ class StateInUnits(ByValue, Shown):
 
 @dataclass(frozen=True, repr=False)
 class MotionInUnits(NumbersInUnits):
-    """The numbers of a motion with their units, each a ``Measured``: value and error are quantities.
+    """Results of a motion with their units, each a ``Measured``: value and error are quantities.
 
     Attributes:
         motion: whose numbers they are.

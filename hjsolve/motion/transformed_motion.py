@@ -12,7 +12,7 @@ from hjsolve.motion.motion import Motion
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TransformedMotion(Motion):
-    """A motion that has the numbers of another, and gives its states in other coordinates.
+    """A motion with the results of another, which gives its states in other coordinates.
 
     Attributes:
         within: the motion in the coordinates it is computed in.
@@ -22,7 +22,7 @@ class TransformedMotion(Motion):
 
     @classmethod
     def of(cls, within: Motion, **own: Any) -> Self:
-        """Return the motion that has the numbers of another.
+        """Return the motion with the results of another.
 
         Args:
             within: the other.
@@ -39,7 +39,7 @@ class TransformedMotion(Motion):
             passage: 0 for the first crossing at t ≥ t₀, 1 for the next, −1 for the last before t₀ …
 
         Raises:
-            InvalidInputError: an unknown coordinate, one that only states are given in, a value that is no number, or
+            InvalidInputError: an unknown coordinate, one that only states have, a value that is not a number, or
                 a passage that is not whole.
             OutsideMotionError: the motion never reaches that position, or not that often.
         """
@@ -58,7 +58,7 @@ class TransformedMotion(Motion):
             Array of shape (m,).
 
         Raises:
-            InvalidInputError: an unknown coordinate, one that only states are given in, or a value that is no number.
+            InvalidInputError: an unknown coordinate, one that only states have, or a value that is not a number.
             OutsideMotionError: the motion never reaches a value.
         """
         for coordinate in (name, along):
