@@ -36,8 +36,8 @@ def chart_section(chart: Chart, motion: Motion | None = None) -> Section:
     blocks.append(
         Paragraph(
             (
-                "Everything below is in the coordinates found. Motions are started and expressed in the given ones "
-                "all the same.",
+                "Everything below is in the coordinates found. Motions are still started and reported in the "
+                "given ones.",
             )
         )
     )
