@@ -20,7 +20,12 @@ def test_every_fragment_can_be_collected():
 
 def test_faults_of_fragments_are_named():
     texts = {"a.md": "x", "b.added.md": "1\n2\n3\n4", "c.moved.md": "no table", "d.fixed.md": "", "e.added.md": "fine"}
-    assert [fault.split(":")[0] for fault in collect.faults(texts)] == ["a.md", "b.added.md", "c.moved.md", "d.fixed.md"]
+    assert [fault.split(":")[0] for fault in collect.faults(texts)] == [
+        "a.md",
+        "b.added.md",
+        "c.moved.md",
+        "d.fixed.md",
+    ]
 
 
 def test_a_release_goes_above_the_others():
