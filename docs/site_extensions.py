@@ -142,19 +142,20 @@ def _tidied(_app: Sphinx, what: str, name: str, _thing: object, _options: object
             kept.append(f"    {own}: {field[0]}")
             kept.extend(field[1:])
         names.clear()
+        field.clear()
 
     for line in lines:
         if heading := _HEADING.match(line):
             flush()
             section, fresh = heading[1], True
-            kept.append(line)
+            kept += [line] if not kept or not kept[-1].strip() else ["", line]
         elif section in ("Attributes", "Args") and (found := _FIELD.match(line)):
             flush()
             every = found[1].split(", ")
             names[:] = [own for own in every if section == "Args" or own not in inner]
-            field = [found[2]]
-        elif names and (line.startswith("     ") or not line.strip()):
-            field.append(line)
+            field[:] = [found[2]]
+        elif field and (line.startswith("     ") or not line.strip()):
+            field.append(line)  # of a field that is left out as well
         else:
             flush()
             if section in ("Returns", "Yields") and line.strip() and fresh:

@@ -221,11 +221,11 @@ def _moving(told: PageAnswer, motion: Motion, *, draggable: bool) -> PageAnswer:
         trace = orbit_paths.trace(motion)
         wells = [effective_potential_of(motion, name) for name in motion.solution.coordinates]
         several = len(wells) > 1
-        drawn = [effective_potential(well, f"potential-{k}", several=several) for k, well in enumerate(wells)]
-        drawn += [orbit_paths.orbit(motion, trace, "orbit"), orbit_paths.history(motion, trace, "time")]
+        curves = [effective_potential(well, f"potential-{k}", several=several) for k, well in enumerate(wells)]
+        drawn = [orbit_paths.orbit(motion, trace, "orbit"), orbit_paths.history(motion, trace, "time")]
     except NotConvergedError as error:
         return replace(told, problem=_line(error))
-    return replace(told, drawings=_html(Figures(tuple(figure for figure in drawn if figure is not None))))
+    return replace(told, drawings=_html(Figures((*curves, *(figure for figure in drawn if figure is not None)))))
 
 
 def _portrait(motion: Motion, name: str, *, draggable: bool) -> Portrait:

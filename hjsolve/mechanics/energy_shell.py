@@ -348,7 +348,8 @@ def _reduction_steps(
         steps.append(ReductionStep("Velocity-free part of T", text, lagrangian.potential - lagrangian.rest))
     if not steps:
         names = ", ".join(c.name for c in system.coordinates)
-        text = f"T or V contains each of {names}, or the motion may reach an end of its domain: none is ignorable."
+        each = "" if len(system.coordinates) == 1 else "each of "
+        text = f"T or V contains {each}{names}, or the motion may reach an end of its domain. Nothing is ignorable."
         steps.append(ReductionStep("Ignorable coordinates", text, None))
     return tuple(steps)
 

@@ -89,7 +89,7 @@ PLAIN = Sheet()
 """The subject's own title, on the paper of its kind of file."""
 
 
-def checked_sheet(title: str, paper: str | None, target: Path) -> Sheet:
+def checked_sheet(title: str, paper: object, target: Path) -> Sheet:
     """Check title and paper of a report.
 
     Args:
@@ -104,7 +104,7 @@ def checked_sheet(title: str, paper: str | None, target: Path) -> Sheet:
         raise InvalidInputError(f'paper: write "{PAPERS[0]}" or "{PAPERS[1]}", not {described(paper)}')
     if paper is not None and target.suffix.lower() not in _PRINTED:
         raise InvalidInputError(f"paper: {target.suffix} files have no pages; write .pdf or .html, or leave paper out")
-    return Sheet(checked_title(title), None if paper is None else known[paper.lower()])
+    return Sheet(checked_title(title), None if paper is None else known[str(paper).lower()])
 
 
 @one_at_a_time

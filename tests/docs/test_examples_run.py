@@ -59,9 +59,9 @@ def test_python_of_a_page_prints_what_it_says(page: Path) -> None:
             exec(compile(ast.parse(code), str(page), "exec"), shared)
         printed = out.getvalue().splitlines()
         said = promised(code) if below is None else below
-        assert below is not None or len(said) == code.count("print(") - code.count("print(why") - code.count("print(open_question"), (
-            "each print has its value"
-        )
+        assert below is not None or len(said) == code.count("print(") - code.count("print(why") - code.count(
+            "print(open_question"
+        ), "each print has its value"
         assert len(printed) == len(said), printed
         for line, expected in zip(printed, said):
             assert same(line, expected), f"{page.name} says {expected!r}, got {line!r}"

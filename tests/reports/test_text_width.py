@@ -8,7 +8,9 @@ LONGEST = 100
 
 
 @pytest.mark.nightly_cases("kepler-spherical", "lagrange-top", "two-centres-space")
-@pytest.mark.parametrize("name", ["projectile", "henon-heiles", "kepler-spherical", "lagrange-top", "two-centres-space"])
+@pytest.mark.parametrize(
+    "name", ["projectile", "henon-heiles", "kepler-spherical", "lagrange-top", "two-centres-space"]
+)
 def test_a_text_report_fits_a_hundred_columns(name, tmp_path):
     text = hjsolve.report(name, tmp_path / "report.txt").read_text(encoding="utf-8")
     wide = [line for line in text.splitlines() if len(line) > LONGEST]

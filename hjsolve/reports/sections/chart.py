@@ -35,10 +35,7 @@ def chart_section(chart: Chart, motion: Motion | None = None) -> Section:
         blocks.append(Paragraph((f"Of this motion, to all digits known: {', '.join(relations)}.",)))
     blocks.append(
         Paragraph(
-            (
-                "Everything below is in the coordinates found. Motions are started and expressed in the given ones "
-                "all the same.",
-            )
+            ("Everything below is in the coordinates found. Motions are still started and reported in the given ones.",)
         )
     )
     return Section("chart", f"Coordinates found: {chart.kind}", tuple(blocks))

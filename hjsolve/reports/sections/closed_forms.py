@@ -73,8 +73,8 @@ def closed_form_report(subject: Motion | Solution) -> list[Section]:
     which = "the regime of this motion" if isinstance(subject, Motion) else "the first regimes found"
     name = solution.system.id
     told: Text = (
-        f"Shown is {which}; ", Code(f"hjsolve solve {name} --closed" if name else more), " derives every regime, "
-        f"without the {SECONDS:g} s of processor time that a report allows itself.",
+        f"This section shows {which}. The command ", Code(f"hjsolve solve {name} --closed" if name else more),
+        f" derives every regime and is not limited to the {SECONDS:g} s of processor time of a report.",
     )  # fmt: skip
     last = sections[-1]
     return [*sections[:-1], replace(last, blocks=(*last.blocks, Paragraph(told)))]
@@ -124,7 +124,7 @@ def _section(form: RegimeForms, number: int) -> Section:
     if narrow:
         blocks += told.meanings([e for *_, e in narrow])
         rows = tuple((typeset_prose(f"{_GROUPS[group]} of {q}", system), (math(e),)) for group, q, e in narrow)
-        blocks.append(Table((("Quantity",), ("Closed form",)), rows, "Numbers of the motion"))
+        blocks.append(Table((("Quantity",), ("Closed form",)), rows, "Quantities of the motion"))
     for group, q, e in numbers:
         if (group, q, e) not in narrow:
             left = row(Glyph(f"{_GROUPS[group]} of ", "text"), name_box(q))

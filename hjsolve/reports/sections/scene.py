@@ -63,9 +63,7 @@ def scene_document(run: Run) -> Document:
         verdict = "yes"
     else:
         verdict = ""
-        lead = (
-            "This scene asks for numerical integration: no Hamilton-Jacobi solution covers its forces.",
-        )
+        lead = ("This scene asks for numerical integration: no Hamilton-Jacobi solution covers its forces.",)
     if run.trajectory is not None:
         sections.append(_path(run))
     if run.drift:
