@@ -44,7 +44,7 @@ def _passed(kind: Any) -> Any:
 class _Attributes(AttributeTemplate):
     key = BundleAddress
 
-    def generic_resolve(self, address: BundleAddress, name: str) -> Any:
+    def generic_resolve(self, address: BundleAddress, name: str) -> Any:  # type: ignore[override]
         fields = address.bundle.fields
         return _passed(address.bundle.types[fields.index(name)]) if name in fields else None
 

@@ -17,9 +17,6 @@ F = TypeVar("F", bound=Callable[..., Any])
 PLAIN: dict[str, Any] = {"error_model": "numpy", "nogil": True, "_nrt": False}
 """Without numba's memory: views of arrays are not counted, which would take as long as the arithmetic."""
 
-KERNELS: list[Any] = []
-"""The kernels that Python calls, as far as their modules are imported."""
-
 
 @cache
 def available() -> bool:
@@ -42,23 +39,24 @@ def kernel(function: F) -> F:
     """
     if not available():
         return function
-    from hjsolve.arithmetic.machine.bundles import by_address
+    from hjsolve.arithmetic.machine import bundles
     from hjsolve.arithmetic.machine.kept_code import keep
 
     within = _compiled_within(function, fastmath={"contract"}, forceinline=True)
+    by_address: Any = bundles.by_address
 
     def entered(*arguments: Any) -> None:
         within(*by_address(arguments))
 
     entered.__name__, entered.__qualname__ = function.__name__, function.__qualname__
-    made = _compiled_alone(entered, fastmath={"contract"})
+    made: Any = _compiled_alone(entered, fastmath={"contract"})
     keep(made, function)
-    KERNELS.append(made)
-    return made
+    kept: F = made
+    return kept
 
 
 def inlined(function: F) -> F:
-    """Compile a helper into the kernels that call it; bundles of arrays are then not copied.
+    """Compile a helper into the kernels that call it.
 
     Args:
         function: over numbers, arrays and bundles of arrays.
@@ -78,7 +76,8 @@ def of_numbers(function: F) -> F:
 def helper(function: F) -> F:
     """Compile a function that kernels call and do not contain: what is large and called a few times an orbit.
 
-    What is inlined is optimised again at every place, and at every level above it: that took most of the time.
+    What is inlined is optimised again at every place, and at every level above it: that took most of the time. Bundles
+    of arrays come by address (``bundles.py``). Whatever is not said here numba takes from the function that calls.
 
     Args:
         function: over numbers, arrays and bundles of arrays.
