@@ -26,10 +26,10 @@ from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.separated import SeparatedMotion, checked, coordinate_start, turning_points
 from hjsolve.motion.starting import motion_of
-from hjsolve.motion.through_umbilics.arcs import Arc, Arcs, Corner, Corners, leaving
+from hjsolve.motion.through_umbilics.arcs import Arcs, Corner, Corners, UmbilicArc, leaving
 from hjsolve.motion.through_umbilics.branch_places import branches_only, metric_ratio
 from hjsolve.motion.through_umbilics.paths import Course, Path, path_of
-from hjsolve.motion.through_umbilics.umbilic_motion import SPARE, UmbilicMotion, umbilic_motion, work_bits
+from hjsolve.motion.through_umbilics.umbilic_motion import SPARE, UmbilicMotion, going_on, work_bits
 from hjsolve.one_coordinate.classify import Located, locate
 from hjsolve.one_coordinate.turning_points import End
 from hjsolve.solution.quadratures import Solution
@@ -85,11 +85,13 @@ class _Ways:
         x, d = zip(*(self._start(name, path) for name, path in zip(self.names, paths, strict=True)), strict=True)
         if resting:
             (k,) = resting
-            arc = Arc((d[0], d[1]), None, -d[1 - k] * paths[1 - k].time(x[1 - k]), k)
+            arc = UmbilicArc((d[0], d[1]), None, -d[1 - k] * paths[1 - k].time(x[1 - k]), k)
         else:
             z = [v.context.atanh(v) for v in x]
             level = sum(way * path.level(a, b) for way, path, a, b in zip(d, paths, z, x, strict=True))
-            arc = Arc((d[0], d[1]), level, -sum(w * path.time(b) for w, path, b in zip(d, paths, x, strict=True)))
+            arc = UmbilicArc(
+                (d[0], d[1]), level, -sum(w * path.time(b) for w, path, b in zip(d, paths, x, strict=True))
+            )
         return self._motion(motion, arc, paths, corners)
 
     def _start(self, name: str, path: Path) -> tuple[Mpf, int]:
@@ -166,11 +168,11 @@ class _Ways:
         return found[0] if all(abs(w - found[0]) <= tiny * (1 + abs(found[0])) for w in found) else None
 
     def _motion(
-        self, motion: Motion, arc: Arc, paths: tuple[Path, Path], corners: Corners
+        self, motion: Motion, arc: UmbilicArc, paths: tuple[Path, Path], corners: Corners
     ) -> UmbilicMotion | None:  # fmt: skip
         kinds = [self.solution.system.coordinate(name).domain.kind for name in self.names]
         free = [k for k, kind in enumerate(kinds) if kind in {"angle", "line"}]
-        return umbilic_motion(motion, Arcs(arc, paths, corners), free[0]) if free else None
+        return going_on(motion, Arcs(arc, paths, corners), free[0]) if free else None
 
     # ------------------------------------------------------------------------------------------------ at an umbilic
     def from_umbilic(
