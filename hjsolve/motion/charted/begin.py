@@ -18,13 +18,20 @@ from hjsolve.errors import ForbiddenPlaceError, InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.quantities_given import in_units
-from hjsolve.mechanics.system import mass_matrix
+from hjsolve.mechanics.system import kinetic_rest, mass_matrix
 from hjsolve.motion.charted.starting import start_charted
-from hjsolve.motion.initial_data import all_exact, number_is_zero, read_initial_data, read_places, with_numbers
+from hjsolve.motion.initial_data import (
+    all_exact,
+    clean,
+    number_is_zero,
+    read_initial_data,
+    read_places,
+    with_numbers,
+)
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.through_poles.continued_motion import motion_through_poles
-from hjsolve.motion.through_umbilics.starting import hint_at_umbilic, momenta_of, start_at_umbilic
+from hjsolve.motion.through_umbilics.starting import hint_at_umbilic, momenta_of, particle_mass, start_at_umbilic
 from hjsolve.motion.tori.from_actions import start_on_torus
 from hjsolve.motion.velocity_frame import COORDINATE, factors_of, lengths_in_units, rates_of
 from hjsolve.motion.wanted import parts_of
@@ -101,9 +108,12 @@ def start(
     if q is None:
         raise InvalidInputError(f"motion: no q={{…}}; write {EXAMPLE}")
     system = solution.system if solution.chart is None else solution.chart.original
-    if solution.chart is None and isinstance(velocity, Mapping) and velocity and set(velocity) == set(system.place) - {
-        c.name for c in system.coordinates
-    }:
+    if (
+        solution.chart is None
+        and isinstance(velocity, Mapping)
+        and velocity
+        and set(velocity) == set(system.place) - {c.name for c in system.coordinates}
+    ):
         return _with_velocity_in_space(solution, q, velocity, parameters, t0, digits, want)
     q, factors = in_units(system, q, "q"), factors_of(system, velocity_frame, velocity)
     if factors is None or velocity is None:
@@ -150,7 +160,13 @@ def _with_velocity_in_space(
         parts = parts_of(None if want is None else arguments.words(want, "want", '["actions", "periods"]'))
         exact = all_exact(q, velocity, parameters)
         exact_t0, wanted = number(t0, source="t0"), None if want is None else frozenset(want)
-        motion = start_at_umbilic(solution, values, given, exact_t0, arguments.digits(digits), parts, exact=exact)
+        speed2 = sp.Add(*(v**2 for v in given.values()))
+        V = with_numbers(system.potential - kinetic_rest(system), values)
+        energy = clean(particle_mass(system, values) * speed2 / 2 + V)
+        motion = start_at_umbilic(
+            solution, values, given, exact_t0, arguments.digits(digits), parts,
+            place=system.place, energy=energy, exact=exact,
+        )  # fmt: skip
         again = {"q": dict(q), "velocity": dict(velocity), "parameters": parameters}
         return replace(motion, given=again, again=partial(_again, solution, again, exact_t0, wanted))
     p = momenta_of(system, values, given)

@@ -19,7 +19,7 @@ import sympy as sp
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import HJSolveError, InvalidInputError
-from hjsolve.mechanics.system import System, kinetic_rest, mass_matrix
+from hjsolve.mechanics.system import System, mass_matrix
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.initial_data import Initial, clean, read_places, with_numbers
 from hjsolve.motion.motion import Motion
@@ -236,17 +236,19 @@ def _exact(x: Mpf) -> sp.Expr | None:
 
 def start_at_umbilic(
     solution: Solution, values: Mapping[sp.Symbol, sp.Expr], velocity: Mapping[str, sp.Expr], t0: sp.Expr, digits: int,
-    parts: frozenset[str], *, exact: bool,
+    parts: frozenset[str], *, place: Mapping[str, sp.Expr], energy: sp.Expr, exact: bool,
 ) -> UmbilicMotion:  # fmt: skip
     """Start at an umbilic with a velocity in space.
 
     Args:
-        solution: of a system of two coordinates that says where they are (``place``).
+        solution: of a system of two coordinates.
         values: parameters and coordinates, exact.
         velocity: axis of the place → component.
         t0: the initial time, exact.
         digits: relative digits wanted.
         parts: what is integrated.
+        place: axis → x(q), of which T = m/2 ẋ·ẋ.
+        energy: E, an exact number.
         exact: whether no number given is a float.
 
     Raises:
@@ -258,27 +260,20 @@ def start_at_umbilic(
     fixed = {p.symbol: values[p.symbol] for p in system.parameters}
     if len(q) != 2 or list(solution.coordinates) != [c.name for c in system.coordinates]:
         raise refused
-    place = values[q[0]], values[q[1]]
-    ratio = metric_ratio(system, tuple(fixed.items()), place)
+    here = values[q[0]], values[q[1]]
+    ratio = metric_ratio(system, tuple(fixed.items()), here)
     if ratio is None:
         raise refused
-    mass = particle_mass(system, values)
-    speed2 = sp.Add(*(v**2 for v in velocity.values()))
-    if speed2 == 0:
-        raise InvalidInputError("velocity: is zero; a body at rest at an umbilic is not started")
-    V = with_numbers(system.potential - kinetic_rest(system), values)
-    energy = clean(mass * speed2 / 2 + V)
+    if not any(velocity.values()):
+        raise InvalidInputError("velocity: is zero; a body at rest at an umbilic or focus is not started")
     initial = replace(_at_rest(solution, values, energy), exact=exact)
     bits = work_bits(digits)
     c = Multi(bits).context
     second = [
-        [
-            to_bits(sp.diff(x, *pair).subs(fixed).subs(dict(zip(q, place, strict=True))))(bits)
-            for x in system.place.values()
-        ]
+        [to_bits(sp.diff(x, *pair).subs(fixed).subs(dict(zip(q, here, strict=True))))(bits) for x in place.values()]
         for pair in ((q[0], q[0]), (q[0], q[1]))
     ]
-    v = [to_bits(velocity[axis])(bits) for axis in system.place]
+    v = [to_bits(velocity[axis])(bits) for axis in place]
     root = c.sqrt(to_bits(ratio)(bits))
     across = second[0], [root * y for y in second[1]]
     real, imaginary = (c.fsum(a * b for a, b in zip(row, v, strict=True)) for row in across)
@@ -286,7 +281,7 @@ def start_at_umbilic(
     angle = c.atan2(imaginary, real) / 2
     one, two = (c.zero if abs(y) < c.ldexp(1, -bits // 2) else y for y in (c.cos(angle), c.sin(angle)))
     direction = one, two
-    motion = _Ways(solution, initial, digits).from_umbilic(place, direction, t0, parts)
+    motion = _Ways(solution, initial, digits).from_umbilic(here, direction, t0, parts)
     if motion is None:
         raise refused
     return motion
