@@ -250,12 +250,12 @@ def oscillations(series: Sequence[FourierSeries], χ: Numbers) -> list[Numbers |
     """Return ``oscillation`` of several series at the same phases of many digits, whose sines are worked out once.
 
     Args:
-        series: of one phase.
+        series: of one phase; those that are no Fourier series, through kinks, are asked one by one.
         χ: ``mpf`` of shape (m,).
     """
-    terms = max((len(one.cosines) for one in series), default=0)
-    if not terms or not χ.size or any(one.sines is not None for one in series):
+    if not χ.size or any(not isinstance(one, FourierSeries) or one.sines is not None for one in series):
         return [0 if one.constant else cast("Numbers", one.oscillation(χ)) for one in series]
+    terms = max((len(one.cosines) for one in series), default=0)
     waves = _waves_of_many(χ, terms)
     k = np.arange(1, terms + 1)
     heights = [one.cosines / k[: len(one.cosines)] for one in series]
