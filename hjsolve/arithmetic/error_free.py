@@ -11,6 +11,8 @@ from typing import NamedTuple
 from hjsolve.arithmetic.number_types import Elementwise, Numeric
 
 _SPLITTER = 134217729.0
+TOO_MANY = 2**62
+"""The count that stands for all counts from it on: integers of 64 bits hold no more."""
 
 
 class Pair(NamedTuple):

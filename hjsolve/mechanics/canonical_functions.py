@@ -5,31 +5,34 @@ q̇ᵢ = ∂H/∂pᵢ,   ṗᵢ = −∂H/∂qᵢ    (Greenwood (4-16), (4-17))
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from hjsolve.errors import InvalidInputError
-
-if TYPE_CHECKING:
-    from hjsolve.mechanics.system import System
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 
 MODULES = ("numpy", "mpmath")
+Signs = Mapping[sp.Symbol, sp.Expr]
+"""Letters for signs, and what they stand for."""
 
 
-def right_hand_side(system: System, hamiltonian: sp.Expr, module: str) -> Callable[[Any, Any], Any]:
+def right_hand_side(
+    coordinates: Sequence[Coordinate], hamiltonian: sp.Expr, signs: Signs, module: str
+) -> Callable[[Any, Any], Any]:
     """Return f(t, y), the rate of change of y.
 
     Args:
-        system: its parameters have values.
-        hamiltonian: its H(q, p), those values put in.
+        coordinates: q₁ … qₙ.
+        hamiltonian: H(q, p), values of parameters put in.
+        signs: what the letters for signs stand for; they have no slope.
         module: one of ``MODULES``.
     """
-    places, momenta = [c.symbol for c in system.coordinates], [c.momentum for c in system.coordinates]
+    places, momenta = [c.symbol for c in coordinates], [c.momentum for c in coordinates]
     rates = [sp.diff(hamiltonian, p) for p in momenta] + [-sp.diff(hamiltonian, q) for q in places]
-    compute = _function([*places, *momenta], [rate.xreplace(_signs(system)) for rate in rates], module)
+    compute = _function([*places, *momenta], [rate.xreplace(dict(signs)) for rate in rates], module)
 
     def rate(t: Any, y: Any) -> Any:  # noqa: ARG001 - integrators give the time
         found = compute(*y)
@@ -43,20 +46,17 @@ def right_hand_side(system: System, hamiltonian: sp.Expr, module: str) -> Callab
     return rate
 
 
-def energy(system: System, hamiltonian: sp.Expr, module: str) -> Callable[[Any], Any]:
+def energy(
+    coordinates: Sequence[Coordinate], hamiltonian: sp.Expr, signs: Signs, module: str
+) -> Callable[[Any], Any]:  # fmt: skip
     """Return H(y).
 
     Args:
-        system, hamiltonian, module: as of ``right_hand_side``.
+        coordinates, hamiltonian, signs, module: as of ``right_hand_side``.
     """
-    symbols = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
-    compute = _function(symbols, [hamiltonian.xreplace(_signs(system))], module)
+    symbols = [c.symbol for c in coordinates] + [c.momentum for c in coordinates]
+    compute = _function(symbols, [hamiltonian.xreplace(dict(signs))], module)
     return lambda y: compute(*y)[0] + 0 * y[0]
-
-
-def _signs(system: System) -> dict[sp.Symbol, sp.Expr]:
-    """Return what the letters for signs stand for."""
-    return {kink.symbol: kink.sign.xreplace(system.defaults) for kink in system.kinks}
 
 
 def _function(symbols: Sequence[sp.Symbol], formulas: list[sp.Expr], module: str) -> Callable[..., Any]:

@@ -9,6 +9,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import sympy as sp
 
@@ -249,6 +250,7 @@ def short_reciprocal(expression: sp.Expr) -> sp.Expr:
     return _shortest([1 / expression, 1 / sp.together(expression)])
 
 
+@lru_cache(maxsize=1024)
 def tidy(expression: sp.Expr) -> sp.Expr:
     """Return the shortest of a few equal forms: as it is, factored, and with sin² + cos² = 1 used either way.
 

@@ -248,7 +248,7 @@ class System(Shown):
             [2.0, -3.0]
         """
         told = with_values(self, parameters or {})
-        return right_hand_side(told, _in_numbers(told), module)
+        return right_hand_side(told.coordinates, _in_numbers(told), _signs(told), module)
 
     def hamiltonian_function(
         self, parameters: Mapping[str, object] | None = None, *, module: str = "numpy"
@@ -262,7 +262,7 @@ class System(Shown):
             MissingValueError, InvalidSystemError, InvalidInputError: as of ``rhs``.
         """
         told = with_values(self, parameters or {})
-        return energy(told, _in_numbers(told), module)
+        return energy(told.coordinates, _in_numbers(told), _signs(told), module)
 
     def __repr__(self) -> str:
         """Return the call that makes the system, as far as it differs from the defaults."""
@@ -285,6 +285,11 @@ class System(Shown):
 
     def _label(self) -> str:
         return self.id or cut(f"T = {self.kinetic}, V = {with_signs(self.potential, self.kinks)}", 60)
+
+
+def _signs(system: System) -> dict[sp.Symbol, sp.Expr]:
+    """What the letters for signs stand for, in numbers."""
+    return {kink.symbol: kink.sign.xreplace(system.defaults) for kink in system.kinks}
 
 
 def _set(system: System, **fields: object) -> None:

@@ -54,7 +54,7 @@ def errors_of_state(
     Returns:
         Coordinate → absolute bounds of shape (m,), of q, of p and of the velocity.
     """
-    unit = EPS if phases.exact is None else float(multiprecision(64).mpf(10) ** (1 - motion.digits))
+    unit = EPS if phases.exact is None else float(multiprecision(64).mpf(10) ** -motion.digits)
     dq, dp = {}, {}
     χ = [x.astype(float) for x in phases.χ]
     courses = courses_of(motion, phases)

@@ -250,15 +250,16 @@ def oscillations(series: Sequence[FourierSeries], χ: Numbers) -> list[Numbers |
     """Return ``oscillation`` of several series at the same phases of many digits, whose sines are worked out once.
 
     Args:
-        series: of one phase.
+        series: of one phase; those that are no Fourier series, through kinks, are asked one by one.
         χ: ``mpf`` of shape (m,).
     """
-    terms = max((len(one.cosines) for one in series), default=0)
-    if not terms or not χ.size or any(one.sines is not None for one in series):
+    if not χ.size or any(not isinstance(one, FourierSeries) or one.sines is not None for one in series):
         return [0 if one.constant else cast("Numbers", one.oscillation(χ)) for one in series]
+    terms = max((len(one.cosines) for one in series), default=0)
     waves = _waves_of_many(χ, terms)
     k = np.arange(1, terms + 1)
-    return [0 if one.constant else _clenshaw_of_many(one.cosines / k[: len(one.cosines)], χ, waves)[1] for one in series]
+    heights = [one.cosines / k[: len(one.cosines)] for one in series]
+    return [_clenshaw_of_many(row, χ, waves)[1] if len(row) else 0 for row in heights]
 
 
 def _waves_of_many(χ: Numbers, terms: int) -> tuple[int, Numbers, Numbers]:
@@ -289,7 +290,8 @@ def _clenshaw_of_many(
     work, cosine, sine = waves or _waves_of_many(χ, len(numbers))
     shift = work - int(context.mag(largest))
     fixed = [int(context.nint(context.ldexp(c, shift))) for c in numbers]
-    twice, b, after = 2 * cosine, 0 * cosine, 0 * cosine
+    twice: Elementwise = 2 * cosine
+    b, after = 0 * twice, 0 * twice
     for c in reversed(fixed):
         b, after = (twice * b >> work) - after + c, b
     number = np.frompyfunc(lambda n: context.mpf((n, -shift)), 1, 1)

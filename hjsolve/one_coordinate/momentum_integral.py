@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
+from typing import Protocol
 
 import numpy as np
 
@@ -17,7 +18,6 @@ from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.arithmetic.fourier import smooth, waves
 from hjsolve.arithmetic.number_types import Mpf, Numbers
 from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels, chebyshev_points, integrated_row
-from hjsolve.one_coordinate.open_branch import Branch
 
 _FACTOR_DEGREE = 48
 """Degree that the elementary factor may need on a panel, for 15 digits; more digits more."""
@@ -26,8 +26,20 @@ _PANEL_HALVINGS = 200
 _GUARD_BITS = 32
 
 
+class OpenWay(Protocol):
+    """One way of an open motion, as far as it is used here; ``open_branch.Branch`` is one."""
+
+    @property
+    def way(self) -> EndMap: ...
+    @property
+    def bits(self) -> int: ...
+    @property
+    def digits(self) -> int: ...
+    def panels(self, weights: tuple[float, ...] | None, amount: float) -> Panels: ...
+
+
 @lru_cache(maxsize=32)
-def swept(branch: Branch, weights: tuple[float, ...] | None, amount: float) -> Panels:
+def swept(branch: OpenWay, weights: tuple[float, ...] | None, amount: float) -> Panels:
     """Return panels of |P dq/dy| that reach as far as ``branch.panels(weights, amount)``.
 
     Args:

@@ -12,6 +12,7 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels
 from hjsolve.one_coordinate.growing_panels import Growing
+from hjsolve.one_coordinate.momentum_integral import swept
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.panel_integrands import Sight, Surrounding
 from hjsolve.one_coordinate.time_on_the_way import TooSlowError
@@ -123,8 +124,6 @@ class Branch:
         Args:
             weights, amount: as of ``panels``.
         """
-        from hjsolve.one_coordinate.momentum_integral import swept
-
         return swept(self, weights, amount)
 
     def carries(self, j: int) -> bool:

@@ -13,8 +13,8 @@ from typing import Any, TypeVar
 import numba
 import numpy as np
 
+from hjsolve.arithmetic.error_free import TOO_MANY
 from hjsolve.arithmetic.number_types import Integers, Reals
-from hjsolve.time_law.phase_reduction import TOO_MANY
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -9,14 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from hjsolve.arithmetic.error_free import two_product, two_sum
+from hjsolve.arithmetic.error_free import TOO_MANY, two_product, two_sum
 from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.time_law.compiled import kernels
 
 CHUNK = 8192
 """How many numbers are worked on at once, so that what is in between stays in the cache."""
-TOO_MANY = 2**62
-"""The count that stands for all counts from it on: integers of 64 bits hold no more."""
 
 
 def turns_and_rest(

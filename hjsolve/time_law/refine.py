@@ -16,7 +16,7 @@ from hjsolve.time_law.torus import TorusEquations
 
 _GUARD = 64
 """Of the binary digits of the arithmetic, those that phases are not refined to: twenty digits are not told."""
-_SAFETY = 2.0**6
+_UNSTEADY = 2.0**6
 """By how much a step may contract less than the one before."""
 _MOST_BITS = 900
 """Above, steps underflow in doubles."""
@@ -87,7 +87,7 @@ def _together(
         size = np.max(np.abs(step), axis=1)
         for k in range(n):
             x[k][open_] = at[k] - as_digits(step[:, k])
-        rate = np.where(np.isinf(last[open_]), 1.0, np.minimum(1.0, _SAFETY * size / last[open_]))
+        rate = np.where(np.isinf(last[open_]), 1.0, np.minimum(1.0, _UNSTEADY * size / last[open_]))
         left = size * rate  # what this step leaves, when it contracts nearly as well as the one before
         done = (left < least) & (size <= last[open_] / 4)
         error[open_[done]] = context.mpf(4 * least)

@@ -44,7 +44,7 @@ def test_errors_of_a_thousand_states_hold(name: str) -> None:
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", entries.separable_with_effects())
 def test_errors_of_many_states_hold_over_the_catalog(name: str) -> None:
-    held(name, 300, widest=1e-26)  # velocities of steep momenta: 8e-27 (Garnier)
+    held(name, 300)
 
 
 @pytest.mark.nightly

@@ -73,9 +73,24 @@ def test_motions_pass_foci_where_v_is_regular(potential: str, place: str, speed:
                 assert speed_off <= state.error.velocity[c.name][k] <= 1e-11
 
 
-def test_an_axis_that_the_force_points_away_from_is_none() -> None:
-    with pytest.raises(hjsolve.InvalidInputError, match="singular point"):
-        solved(KDV).motion(**start("0 0", "0.1 0"))
+def test_a_motion_that_leaves_the_axis_from_a_focus_comes_back_to_the_focus() -> None:
+    """The force points away from the axis along which it starts; it was refused. Against Taylor series."""
+    solution = solved(KDV)
+    motion = solution.motion(**start("0 0", "0.1 0"))
+    assert not isinstance(motion, MotionInPlane)
+    system = solution.chart.original
+    places, momenta = [c.symbol for c in system.coordinates], [c.momentum for c in system.coordinates]
+    times = [0.5, 4.0, 9.0]
+    state = motion.at(times)
+    with mp.workdps(40):
+        begin = [mp.mpf(0), mp.mpf(0), mp.mpf("0.1"), mp.mpf(0)]
+        flow = Flow(sum(p**2 for p in momenta) / 2 + system.potential, places, momenta, {}, begin, digits=22)
+        for k, t in enumerate(times):
+            exact = flow.at(mp.mpf(t))
+            for i, c in enumerate(system.coordinates):
+                assert abs(mp.mpf(state.q[c.name][k]) - exact[i]) <= state.error.q[c.name][k] <= 1e-11
+                off = abs(mp.mpf(state.velocity[c.name][k]) - exact[2 + i])
+                assert off <= state.error.velocity[c.name][k] <= 1e-11
 
 
 def test_rest_at_a_focus_is_rest() -> None:

@@ -188,3 +188,24 @@ def test_claims_of_geodesics_that_start_next_to_an_umbilic(away):
         claim = found.error.place[axis]
         assert np.all(error <= claim)
         assert np.all(claim <= 1e3 * np.maximum(np.max(error), 1e-15))
+
+
+@pytest.mark.nightly
+def test_a_motion_in_x_and_y_starts_at_a_focus_of_the_coordinates_found():
+    """V = r⁴/4 + x²/2 + 3y²/2 separates in elliptic coordinates with foci at x = ±2: Newton's law to 25 digits."""
+    system = hjsolve.System(
+        {"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "(x**2 + y**2)**2/4 + x**2/2 + 3*y**2/2"
+    )
+    solution = hjsolve.solve(system, coordinates="find")
+    given = {"q": {"x": 2, "y": 0}, "velocity": {"x": "3/10", "y": "7/10"}}
+    few, many = solution.motion(**given), solution.motion(**given, digits=50)
+    state = many.at(["3 - 1/10**12", 3, "3 + 1/10**12"])
+    with mp.workdps(70):
+        x, y = ([mp.mpf(str(v)) for v in state.q[c]] for c in "xy")
+        for v, push in ((x, x[1] + (x[1] ** 2 + y[1] ** 2) * x[1]), (y, 3 * y[1] + (x[1] ** 2 + y[1] ** 2) * y[1])):
+            assert abs((v[2] - 2 * v[1] + v[0]) * mp.mpf(10) ** 24 + push) < 1e-20
+        start = many.at("1/10**9")
+        assert abs(mp.mpf(str(start.q["x"])) - 2 - mp.mpf(3) / 10**10) < 1e-16
+        assert abs(mp.mpf(str(start.q["y"])) - mp.mpf(7) / 10**10) < 1e-16
+    rough = few.at(3.0)
+    assert abs(rough.q["x"] - float(x[1])) <= rough.error.q["x"] <= 1e-12

@@ -11,18 +11,27 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+import sympy as sp
+
 from hjsolve import arguments
 from hjsolve.errors import ForbiddenPlaceError, InvalidInputError, required
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.quantities_given import in_units
-from hjsolve.mechanics.system import mass_matrix
+from hjsolve.mechanics.system import kinetic_rest, mass_matrix
 from hjsolve.motion.charted.starting import start_charted
-from hjsolve.motion.initial_data import all_exact, number_is_zero, read_initial_data, read_places, with_numbers
+from hjsolve.motion.initial_data import (
+    all_exact,
+    clean,
+    number_is_zero,
+    read_initial_data,
+    read_places,
+    with_numbers,
+)
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.through_poles.continued_motion import motion_through_poles
-from hjsolve.motion.through_umbilics.starting import hint_at_umbilic, momenta_of, start_at_umbilic
+from hjsolve.motion.through_umbilics.starting import hint_at_umbilic, momenta_of, particle_mass, start_at_umbilic
 from hjsolve.motion.tori.from_actions import start_on_torus
 from hjsolve.motion.velocity_frame import COORDINATE, factors_of, lengths_in_units, rates_of
 from hjsolve.motion.wanted import parts_of
@@ -150,7 +159,12 @@ def _with_velocity_in_space(solution: Solution, given: StartGiven) -> Motion:
     if not any(number_is_zero(with_numbers(e, values)) for e in mass_matrix(system).diagonal()):
         return start(solution, replace(given, velocity=None, p=momenta_of(system, values, along)))
     given, exact = _checked(solution, given), all_exact(q, velocity, parameters)
-    motion = start_at_umbilic(solution, values, along, given.t0, given.digits, parts_of(given.want), exact=exact)
+    potential = with_numbers(system.potential - kinetic_rest(system), values)
+    energy = clean(particle_mass(system, values) * sp.Add(*(v**2 for v in along.values())) / 2 + potential)
+    motion = start_at_umbilic(
+        solution, values, along, given.t0, given.digits, parts_of(given.want),
+        place=system.place, energy=energy, exact=exact,
+    )  # fmt: skip
     return _kept(solution, given, motion)
 
 

@@ -74,6 +74,38 @@ def carried(
     return Initial(values, constants, all_exact(q, velocity, p, parameters))
 
 
+def at_singular_place(
+    solution: Solution, chart: Chart, *, q: Values, velocity: Values | None, p: Values | None, parameters: Values | None
+) -> tuple[dict[sp.Symbol, sp.Expr], list[sp.Expr], sp.Expr]:
+    """Return u where momenta p_u say nothing, with the velocity in the frame of the web, and the energy.
+
+    Args:
+        solution, chart, q, velocity, p, parameters: as of ``carried``.
+
+    Returns:
+        Parameters and u, exact; Ẋ; E.
+
+    Raises:
+        InvalidInputError, MissingValueError: as of ``carried``.
+    """
+    given = read_phase_point(chart.original, q, velocity, p, parameters)
+    rows = []
+    for bits in (BITS, BITS // 2):
+        c = Multi(bits).context
+
+        def value(e: sp.Expr, bits: int = bits) -> Mpf:
+            return to_bits(e.xreplace(given))(bits)
+
+        X, P, lengths = point_in_frame(chart, value, c)
+        mass = value(chart.mass)
+        rows.append([*inverse_chart(chart.kind, X, P, lengths, c)[-len(chart.symbols) :], *(x / mass for x in P)])
+    n = len(chart.symbols)
+    values = {s.symbol: given[s.symbol] for s in solution.system.parameters}
+    values |= {s: place_of(a, b) for s, a, b in zip(chart.symbols, rows[0][:n], rows[1][:n], strict=True)}
+    speed = [rational_of(a, b) for a, b in zip(rows[0][n:], rows[1][n:], strict=True)]
+    return values, speed, clean(with_numbers(hamiltonian(chart.original), given))
+
+
 def _same_energy(chart: Chart, exact: sp.Expr, found: Mpf) -> None:
     """Refuse values of parameters for which V in the coordinates found is not the V given.
 

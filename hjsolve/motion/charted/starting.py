@@ -9,13 +9,16 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.coordinates.chart import Chart
-from hjsolve.errors import InvalidInputError, NotConvergedError, required
+from hjsolve.coordinates.charts.outer_map import SphereMap
+from hjsolve.errors import HJSolveError, InvalidInputError, NotConvergedError, required
 from hjsolve.motion.charted.charted_motion import ChartedMotion
 from hjsolve.motion.charted.collisions import collision_times
 from hjsolve.motion.charted.in_a_plane import motion_in_a_plane
-from hjsolve.motion.charted.initial_map import carried
+from hjsolve.motion.charted.initial_map import at_singular_place, carried
+from hjsolve.motion.initial_data import all_exact
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.through_poles.continued_motion import motion_through_poles
+from hjsolve.motion.through_umbilics.starting import start_at_umbilic
 from hjsolve.motion.wanted import parts_of
 from hjsolve.solution.quadratures import Solution
 
@@ -45,14 +48,32 @@ def start_charted(
         initial = carried(solution, chart, **given)
         within = motion_through_poles(solution, initial, t0, digits, parts, certified=certified)
     except (InvalidInputError, NotConvergedError):
-        in_plane = motion_in_a_plane(chart, given, **options)
-        if in_plane is None:
+        elsewhere = motion_in_a_plane(chart, given, **options) or _at_a_focus(solution, chart, given, t0, digits, parts)
+        if elsewhere is None:
             raise
-        return in_plane
+        return elsewhere
     motion = _told(chart, within, parts)
     if "asymptotic" in motion.kinds.values():
         return motion_in_a_plane(chart, given, **options) or motion
     return motion
+
+
+def _at_a_focus(
+    solution: Solution, chart: Chart, given: Mapping[str, Any], t0: sp.Expr, digits: int, parts: frozenset[str]
+) -> ChartedMotion | None:  # fmt: skip
+    """Return a motion that starts at a focus of a web of the plane where V is smooth; None elsewhere."""
+    if len(chart.symbols) != 2 or chart.linear or isinstance(chart.outer, SphereMap):
+        return None
+    try:
+        values, speed, energy = at_singular_place(solution, chart, **given)
+        place = {s.name: x for s, x in zip(chart.symbols, chart.place, strict=True)}
+        within = start_at_umbilic(
+            solution, values, dict(zip(place, speed, strict=True)), t0, digits, parts, place=place, energy=energy,
+            exact=all_exact(given["q"], given["velocity"], given["p"], given["parameters"]),
+        )  # fmt: skip
+    except HJSolveError:
+        return None
+    return ChartedMotion.of(within)
 
 
 def _told(chart: Chart, within: Motion, parts: frozenset[str]) -> ChartedMotion:

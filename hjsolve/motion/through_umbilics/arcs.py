@@ -27,7 +27,7 @@ _LONGEST = 3
 
 
 @dataclass(frozen=True)
-class Arc:
+class UmbilicArc:
     """From one umbilic to the next.
 
     Attributes:
@@ -89,7 +89,7 @@ Corners = Callable[[tuple[int, int]], Corner]
 """The umbilic at the ends of both ways, 1 or −1."""
 
 
-def following(arc: Arc, paths: tuple[Path, Path], corner: Corner) -> Arc:
+def following(arc: UmbilicArc, paths: tuple[Path, Path], corner: Corner) -> UmbilicArc:
     """Return the arc after an umbilic.
 
     Args:
@@ -100,26 +100,26 @@ def following(arc: Arc, paths: tuple[Path, Path], corner: Corner) -> Arc:
     d, rest = arc.directions, None if arc.rest is None else 1 - arc.rest
     turned = arc.turned(rest)
     _, end = arc.ends(paths)
-    begin = Arc(turned, None, 0 * end, rest).ends(paths)[0]
+    begin = UmbilicArc(turned, None, 0 * end, rest).ends(paths)[0]
     if arc.level is None:
-        return Arc(turned, None, end - begin, rest)
+        return UmbilicArc(turned, None, end - begin, rest)
     c = paths[0].residues[d[0] > 0]
     level = arc.level - 2 * sum(k * p.constant(k) for k, p in zip(d, paths, strict=True)) + 2 * c * corner.ratio
-    return Arc(turned, level, end - begin)
+    return UmbilicArc(turned, level, end - begin)
 
 
-def reversed_arc(arc: Arc) -> Arc:
+def reversed_arc(arc: UmbilicArc) -> UmbilicArc:
     """Return the same arc in the other direction of time.
 
     Args:
         arc: any.
     """
-    return Arc(arc.turned(arc.rest), None if arc.level is None else -arc.level, -arc.offset, arc.rest)
+    return UmbilicArc(arc.turned(arc.rest), None if arc.level is None else -arc.level, -arc.offset, arc.rest)
 
 
 def leaving(
     paths: tuple[Path, Path], directions: tuple[int, int], corner: Corner, slope: Mpf | None, rest: int | None, t: Mpf
-) -> Arc:
+) -> UmbilicArc:
     """Return the arc that leaves an umbilic in a given direction.
 
     Args:
@@ -134,11 +134,11 @@ def leaving(
     if slope is not None:
         c = paths[0].residues[directions[0] < 0]
         level = sum(d * p.constant(-d) for d, p in zip(directions, paths, strict=True)) - c * (slope - corner.ratio)
-    arc = Arc(directions, level, 0 * t, rest)
-    return Arc(directions, level, t - arc.ends(paths)[0], rest)
+    arc = UmbilicArc(directions, level, 0 * t, rest)
+    return UmbilicArc(directions, level, t - arc.ends(paths)[0], rest)
 
 
-def places_on(arc: Arc, paths: tuple[Path, Path], t: Mpf) -> tuple[Mpf | None, Mpf | None]:
+def places_on(arc: UmbilicArc, paths: tuple[Path, Path], t: Mpf) -> tuple[Mpf | None, Mpf | None]:
     """Return z₁, z₂ of xᵢ = tanh zᵢ at a time on an arc; None for a coordinate that rests.
 
     Both equations are nearly linear in z far from the middle, the second one in the logarithm of the time that is left,
@@ -161,7 +161,7 @@ def places_on(arc: Arc, paths: tuple[Path, Path], t: Mpf) -> tuple[Mpf | None, M
 
 @dataclass(frozen=True)
 class _Search:
-    arc: Arc
+    arc: UmbilicArc
     paths: tuple[Path, Path]
     side: int
     goal: Mpf
@@ -223,7 +223,7 @@ class Arcs:
         corners: the rule that gives the umbilics.
     """
 
-    def __init__(self, first: Arc, paths: tuple[Path, Path], corners: Corners):
+    def __init__(self, first: UmbilicArc, paths: tuple[Path, Path], corners: Corners):
         self.paths, self.corners = paths, corners
         self.met: dict[tuple[int, int], Corner] = {}
         self.known = {1: [first], -1: [reversed_arc(first)]}
@@ -241,7 +241,7 @@ class Arcs:
         """
         return t.context.ldexp(1 + abs(t), -self.paths[0].bits // 3)
 
-    def at(self, t: Mpf) -> tuple[int, Arc] | None:
+    def at(self, t: Mpf) -> tuple[int, UmbilicArc] | None:
         """Return the number of the arc that holds a time, counted from the first, and the arc; None where it has ended.
 
         Args:

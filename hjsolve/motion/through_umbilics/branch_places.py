@@ -81,7 +81,8 @@ def branches_only(
         return sp.N(f.subs({q[0]: one, q[1]: two}), _DIGITS, maxn=8 * _DIGITS)
 
     at = dict(zip(q, place, strict=True))
-    start = sp.sqrt(abs(sp.N((sp.diff(first, q[0], 2) / sp.diff(first, q[1], 2)).subs(at), 15)))
+    bends = sp.diff(first, q[0], 2) / sp.diff(first, q[1], 2)
+    start = sp.Rational(float(sp.sqrt(abs(sp.N(bends.subs(at), 15)))))  # a fraction: a Float would keep 15 digits
     for sample in _SAMPLES:
         one = place[0] + sp.I * sp.Rational(sample)
         two = place[1] + start * sp.Rational(sample)

@@ -19,17 +19,17 @@ import sympy as sp
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import HJSolveError, InvalidInputError
-from hjsolve.mechanics.system import System, kinetic_rest, mass_matrix
+from hjsolve.mechanics.system import System, mass_matrix
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.initial_data import Initial, clean, read_places, with_numbers
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.separated import SeparatedMotion, checked, coordinate_start, turning_points
 from hjsolve.motion.starting import motion_of
-from hjsolve.motion.through_umbilics.arcs import Arc, Arcs, Corner, Corners, leaving
+from hjsolve.motion.through_umbilics.arcs import Arcs, Corner, Corners, UmbilicArc, leaving
 from hjsolve.motion.through_umbilics.branch_places import branches_only, metric_ratio
 from hjsolve.motion.through_umbilics.paths import Course, Path, path_of
-from hjsolve.motion.through_umbilics.umbilic_motion import SPARE, UmbilicMotion, umbilic_motion, work_bits
+from hjsolve.motion.through_umbilics.umbilic_motion import SPARE, UmbilicMotion, going_on, work_bits
 from hjsolve.one_coordinate.classify import Located, locate
 from hjsolve.one_coordinate.turning_points import End
 from hjsolve.solution.quadratures import Solution
@@ -85,11 +85,13 @@ class _Ways:
         x, d = zip(*(self._start(name, path) for name, path in zip(self.names, paths, strict=True)), strict=True)
         if resting:
             (k,) = resting
-            arc = Arc((d[0], d[1]), None, -d[1 - k] * paths[1 - k].time(x[1 - k]), k)
+            arc = UmbilicArc((d[0], d[1]), None, -d[1 - k] * paths[1 - k].time(x[1 - k]), k)
         else:
             z = [v.context.atanh(v) for v in x]
             level = sum(way * path.level(a, b) for way, path, a, b in zip(d, paths, z, x, strict=True))
-            arc = Arc((d[0], d[1]), level, -sum(w * path.time(b) for w, path, b in zip(d, paths, x, strict=True)))
+            arc = UmbilicArc(
+                (d[0], d[1]), level, -sum(w * path.time(b) for w, path, b in zip(d, paths, x, strict=True))
+            )
         return self._motion(motion, arc, paths, corners)
 
     def _start(self, name: str, path: Path) -> tuple[Mpf, int]:
@@ -166,11 +168,11 @@ class _Ways:
         return found[0] if all(abs(w - found[0]) <= tiny * (1 + abs(found[0])) for w in found) else None
 
     def _motion(
-        self, motion: Motion, arc: Arc, paths: tuple[Path, Path], corners: Corners
+        self, motion: Motion, arc: UmbilicArc, paths: tuple[Path, Path], corners: Corners
     ) -> UmbilicMotion | None:  # fmt: skip
         kinds = [self.solution.system.coordinate(name).domain.kind for name in self.names]
         free = [k for k, kind in enumerate(kinds) if kind in {"angle", "line"}]
-        return umbilic_motion(motion, Arcs(arc, paths, corners), free[0]) if free else None
+        return going_on(motion, Arcs(arc, paths, corners), free[0]) if free else None
 
     # ------------------------------------------------------------------------------------------------ at an umbilic
     def from_umbilic(
@@ -234,17 +236,19 @@ def _exact(x: Mpf) -> sp.Expr | None:
 
 def start_at_umbilic(
     solution: Solution, values: Mapping[sp.Symbol, sp.Expr], velocity: Mapping[str, sp.Expr], t0: sp.Expr, digits: int,
-    parts: frozenset[str], *, exact: bool,
+    parts: frozenset[str], *, place: Mapping[str, sp.Expr], energy: sp.Expr, exact: bool,
 ) -> UmbilicMotion:  # fmt: skip
     """Start at an umbilic with a velocity in space.
 
     Args:
-        solution: of a system of two coordinates that says where they are (``place``).
+        solution: of a system of two coordinates.
         values: parameters and coordinates, exact.
         velocity: axis of the place → component.
         t0: the initial time, exact.
         digits: relative digits wanted.
         parts: what is integrated.
+        place: axis → x(q), of which T = m/2 ẋ·ẋ.
+        energy: E, an exact number.
         exact: whether no number given is a float.
 
     Raises:
@@ -256,27 +260,20 @@ def start_at_umbilic(
     fixed = {p.symbol: values[p.symbol] for p in system.parameters}
     if len(q) != 2 or list(solution.coordinates) != [c.name for c in system.coordinates]:
         raise refused
-    place = values[q[0]], values[q[1]]
-    ratio = metric_ratio(system, tuple(fixed.items()), place)
+    here = values[q[0]], values[q[1]]
+    ratio = metric_ratio(system, tuple(fixed.items()), here)
     if ratio is None:
         raise refused
-    mass = particle_mass(system, values)
-    speed2 = sp.Add(*(v**2 for v in velocity.values()))
-    if speed2 == 0:
-        raise InvalidInputError("velocity: is zero; a body at rest at an umbilic is not started")
-    V = with_numbers(system.potential - kinetic_rest(system), values)
-    energy = clean(mass * speed2 / 2 + V)
+    if not any(velocity.values()):
+        raise InvalidInputError("velocity: is zero; a body at rest at an umbilic or focus is not started")
     initial = replace(_at_rest(solution, values, energy), exact=exact)
     bits = work_bits(digits)
     c = Multi(bits).context
     second = [
-        [
-            to_bits(sp.diff(x, *pair).subs(fixed).subs(dict(zip(q, place, strict=True))))(bits)
-            for x in system.place.values()
-        ]
+        [to_bits(sp.diff(x, *pair).subs(fixed).subs(dict(zip(q, here, strict=True))))(bits) for x in place.values()]
         for pair in ((q[0], q[0]), (q[0], q[1]))
     ]
-    v = [to_bits(velocity[axis])(bits) for axis in system.place]
+    v = [to_bits(velocity[axis])(bits) for axis in place]
     root = c.sqrt(to_bits(ratio)(bits))
     across = second[0], [root * y for y in second[1]]
     real, imaginary = (c.fsum(a * b for a, b in zip(row, v, strict=True)) for row in across)
@@ -284,7 +281,7 @@ def start_at_umbilic(
     angle = c.atan2(imaginary, real) / 2
     one, two = (c.zero if abs(y) < c.ldexp(1, -bits // 2) else y for y in (c.cos(angle), c.sin(angle)))
     direction = one, two
-    motion = _Ways(solution, initial, digits).from_umbilic(place, direction, t0, parts)
+    motion = _Ways(solution, initial, digits).from_umbilic(here, direction, t0, parts)
     if motion is None:
         raise refused
     return motion

@@ -18,7 +18,7 @@ from hjsolve.motion.positions import coordinate_velocities
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.shapes import shaped
 from hjsolve.motion.state import Errors, State
-from hjsolve.motion.through_umbilics.arcs import Arc, Arcs, places_on
+from hjsolve.motion.through_umbilics.arcs import Arcs, UmbilicArc, places_on
 from hjsolve.motion.times import read_times
 
 SPARE = 25
@@ -113,7 +113,7 @@ class UmbilicMotion(Motion):
             z, sides = places_on(arc, arcs.paths, t), arc.directions
         return self._told(arc, number, z, sides)
 
-    def _told(self, arc: Arc, number: int, z: tuple[Mpf | None, Mpf | None], sides: tuple[int, int]) -> _Row:
+    def _told(self, arc: UmbilicArc, number: int, z: tuple[Mpf | None, Mpf | None], sides: tuple[int, int]) -> _Row:
         """Coordinates and momenta from both ways; of a coordinate at a double zero the end at which it is."""
         arcs = required(self.arcs)
         told = []
@@ -231,7 +231,7 @@ class _Row:
     away: tuple[Mpf, ...]
 
 
-def umbilic_motion(motion: Motion, arcs: Arcs, unfolding: int) -> UmbilicMotion:
+def going_on(motion: Motion, arcs: Arcs, unfolding: int) -> UmbilicMotion:
     """Return a motion that goes on through umbilics.
 
     Args:
