@@ -100,12 +100,12 @@ def joined_on_a_line(question: Question, values: Mapping[sp.Symbol, sp.Expr], sh
         part = all_energies(goal.times, goal.branches, T, straight)
         found += [(goal, energy) for energy in part.energies]
         proof.undecided += part.undecided
-        proof.least = min(proof.least, part.least)
+        proof.least, proof.faster = min(proof.least, part.least), proof.faster or part.faster
     connections, lost = _refined(question, values, shell, found)
     proof.undecided += lost
     connections.sort(key=lambda c: (c.turns, c.principal_function.value))
     least = None
-    if not connections and np.isfinite(proof.least):
+    if not connections and not proof.faster and np.isfinite(proof.least):
         least = Estimate(proof.least, 0.02 * proof.least)
     return Connections(tuple(connections), _completeness(proof), (), least)
 

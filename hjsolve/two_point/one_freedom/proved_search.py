@@ -48,11 +48,13 @@ class Proof:
         energies: the energies found.
         undecided: intervals of E in which there may be more.
         least: the least time of the branches asked, as far as sampled; inf where there is none.
+        faster: whether some branch takes less than the time asked.
     """
 
     energies: list[Energy] = field(default_factory=list)
     undecided: list[tuple[float, float]] = field(default_factory=list)
     least: float = np.inf
+    faster: bool = False
 
 
 class TravelTimes:
@@ -142,7 +144,7 @@ def isolate(times: TravelTimes, branch: Branch, T: float, scale: float, proof: P
         scale: a speed in units of s that the search begins with.
         proof: filled here.
     """
-    top = _top(times, branch, T, scale)
+    top = _top(times, branch, T, scale, proof)
     if top is None:
         top = scale * 2.0**_DOUBLINGS**0.5
         proof.undecided.append((times.energy(top), np.inf))
@@ -171,6 +173,7 @@ def _judged(times: TravelTimes, branch: Branch, T: float, s: tuple[float, float]
                 proof.least = min(proof.least, time.low)
             return "none"
         if there and time.high < T:
+            proof.faster = True
             return "none"
         if there and (slope.low > 0 or slope.high < 0):
             return _at_most_one(times, branch, T, s, proof)
@@ -206,12 +209,15 @@ def _side(times: TravelTimes, branch: Branch, T: float, at: float) -> int:
     return 0
 
 
-def _top(times: TravelTimes, branch: Branch, T: float, scale: float) -> float | None:
+def _top(times: TravelTimes, branch: Branch, T: float, scale: float, proof: Proof) -> float | None:
     """An s beyond which the branch does not take the time, proved; None where there is no proof."""
     s = scale
     for _ in range(_DOUBLINGS // 2):
         time, _, there = total(branch, times.far(s))
-        if there is False or time.low > T or (there and time.high < T):
+        if there is False or time.low > T:
+            return s
+        if there and time.high < T:
+            proof.faster = True
             return s
         s *= 2
     return None
