@@ -149,7 +149,9 @@ class Flow:
         with np.errstate(all="ignore"):
             change = matrix @ frame
             if counter is not None:
-                turning[0] = counter.rate(frame.reshape(m, 2, n, n).swapaxes(0, 1), change.reshape(m, 2, n, n).swapaxes(0, 1))
+                turning[0] = counter.rate(
+                    frame.reshape(m, 2, n, n).swapaxes(0, 1), change.reshape(m, 2, n, n).swapaxes(0, 1)
+                )
         return np.concatenate([rates, change.transpose(1, 2, 0).reshape(2 * n * n, m), turning])
 
     def velocity(self, q: Reals, p: Reals) -> Reals:
@@ -300,9 +302,7 @@ def followed(flow: Flow, q: Reals, p: Reals, time: float) -> Ends:
     return flow.run(q, p, time, tolerance=_FINE, count=True, parts=_PARTS)
 
 
-def _ends(
-    low: sp.Expr | None, high: sp.Expr | None, values: Mapping[sp.Symbol, sp.Expr]
-) -> tuple[float, float]:
+def _ends(low: sp.Expr | None, high: sp.Expr | None, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[float, float]:
     """The ends of a domain in doubles."""
     ends = [None if e is None else float(to_bits(e.subs(values))(64)) for e in (low, high)]
     return (-np.inf if ends[0] is None else ends[0], np.inf if ends[1] is None else ends[1])

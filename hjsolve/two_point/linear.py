@@ -85,11 +85,11 @@ def linear_forces(system: System) -> LinearForces | None:
         mass, stiffness = sp.diff(T, c.velocity, 2), sp.diff(V, c.symbol, 2)
         if (mass.free_symbols | stiffness.free_symbols) & set(symbols):
             return None
-        result[c.name] = Coefficients(mass, stiffness, sp.diff(V, c.symbol).subs({s: 0 for s in symbols}))
+        result[c.name] = Coefficients(mass, stiffness, sp.diff(V, c.symbol).subs(dict.fromkeys(symbols, 0)))
     plain = sp.Add(*(result[c.name].mass * c.velocity**2 / 2 for c in system.coordinates))
     square = sp.Add(*(result[c.name].stiffness * c.symbol**2 / 2 + result[c.name].pull * c.symbol
                       for c in system.coordinates))  # fmt: skip
-    constant = V.subs({s: 0 for s in symbols})
+    constant = V.subs(dict.fromkeys(symbols, 0))
     if sp.expand(T - plain) != 0 or sp.expand(V - square - constant) != 0:
         return None
     return LinearForces(result, constant)
@@ -166,9 +166,7 @@ def two_point_function(solution: Solution) -> TwoPointFunction:
 
 
 # ------------------------------------------------------------------------------------------------ numbers
-def joined_linearly(
-    forces: LinearForces, question: Question, values: Mapping[sp.Symbol, sp.Expr]
-) -> Connections:
+def joined_linearly(forces: LinearForces, question: Question, values: Mapping[sp.Symbol, sp.Expr]) -> Connections:
     """Return the motion that joins two places, which is one, a continuum or none.
 
     Args:

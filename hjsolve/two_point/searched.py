@@ -133,9 +133,7 @@ def reach(question: Question, p: Reals, ends: Ends) -> _Reached:
     return _Reached(best[1], {c.name: x for c, x in zip(coordinates, best[2], strict=True)}, ends)
 
 
-def connection_of(
-    question: Question, reached: _Reached, path: str = "", turns: int | None = None
-) -> Connection:
+def connection_of(question: Question, reached: _Reached, path: str = "", turns: int | None = None) -> Connection:
     """Return what a motion that ends at q1 is told as.
 
     S is that of the motion with −∂S/∂q1 · (what it misses) added; momenta err by the error of the end point through

@@ -108,9 +108,7 @@ class _Target:
         if exact:
             ends = self.flow.run(q0, self.momenta(u), self.time, tolerance=_FINER, parts=_EXACT)
         else:
-            ends = self.flow.run(
-                q0, self.momenta(u), self.time, tolerance=_COARSE, parts=_FAST, most=_LONG_ENOUGH
-            )
+            ends = self.flow.run(q0, self.momenta(u), self.time, tolerance=_COARSE, parts=_FAST, most=_LONG_ENOUGH)
         y = self.back @ self.wrapped(ends.q - self.q1[:, None]) / self.time
         slope = self.back @ ends.position_by_momentum @ self.back.T / self.time
         return y, slope, ends.reached, ends

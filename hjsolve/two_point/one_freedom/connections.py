@@ -85,9 +85,7 @@ def joined_on_a_line(question: Question, values: Mapping[sp.Symbol, sp.Expr], sh
     low, high = (None if e is None else float(to_bits(e)(64)) for e in ends)
     limits = (-np.inf if low is None else low, np.inf if high is None else high)
     try:
-        line = Line(
-            coordinate.symbol, shell.potential, shell.weight, values, limits, 2 * np.pi if turning else 0.0
-        )
+        line = Line(coordinate.symbol, shell.potential, shell.weight, values, limits, 2 * np.pi if turning else 0.0)
     except InvalidInputError:
         return None
     start = float(to_bits(question.q0[coordinate.name])(64))
@@ -145,13 +143,15 @@ def _refined(
         P = energy.branch.sign * 2 * μ * np.sqrt(max(energy.value - V, 0.0))
         try:
             p, ends = solved_from(question, flow, np.array([P - shift]), goal.target)
-            connection = connection_of(
-                question, reach(question, p, ends), energy.branch.path, energy.branch.turns
-            )
+            connection = connection_of(question, reach(question, p, ends), energy.branch.path, energy.branch.turns)
         except HJSolveError:
             lost.append((energy.low, energy.high))
             continue
-        inside = energy.low - 1e-9 * (1 + abs(energy.low)) <= connection.energy.value <= energy.high + 1e-9 * (1 + abs(energy.high))  # noqa: E501
+        inside = (
+            energy.low - 1e-9 * (1 + abs(energy.low))
+            <= connection.energy.value
+            <= energy.high + 1e-9 * (1 + abs(energy.high))
+        )  # noqa: E501
         if inside:
             connections.append(connection)
         else:

@@ -29,6 +29,7 @@ HIGHEST = 1e300
 _CELLS = 400
 _LESS = 2.0**20
 """The chord begins where V is so many times less."""
+_BELOW = 0.99
 UNKNOWN = Segment(Span(0.0, np.inf), Span(-np.inf, np.inf), turns=None, end=np.nan)
 
 
@@ -57,18 +58,20 @@ def far_time(line: Line, start: float, sign: int, E: float) -> Segment:
     low, high = 0.0, np.inf
     Vc = line.value(c)
     if infinite and _signs(line, sign, c, _curvature(line)) > 0 and _signs(line, sign, c, _slope(line, sign)) > 0:
-        if _signs(line, sign, b, _excess(line, c, Vc.low)) > 0 and E > Vc.high:
+        if _signs(line, sign, b, _excess(line, c, Vc.low)) > 0 and Vc.high < E:
             # √(E − V_c) at the turning point itself, which is within a part in 10⁵ of b
             high = _across(line, start, c, sign, E) + 2 * μ * abs(b - c) / np.sqrt(E - Vc.high)
     elif not infinite and _rises_at_end(line, sign, c):
         end = line.high if sign > 0 else line.low
-        if E > Vc.high:
+        if Vc.high < E:
             high = _across(line, start, c, sign, E) + 2 * μ * abs(end - c) / np.sqrt(E - Vc.high)
     if infinite and _signs(line, sign, b, _slope(line, sign)) > 0:
         V_min = _least(line, begin, b, sign)
-        if _signs(line, sign, c, -_excess(line, begin, V_min)) > 0:
-            # from the place before on the bound rises, so it holds at the turning point of E too
-            low = μ * abs(c - begin) / np.sqrt(max(Vc.high - V_min, EPS)) * (1 - 1e-9)
+        near = outward(line, start, sign, Span(E * _BELOW, E * _BELOW), _CELLS)
+        if near.turns and abs(near.end) < abs(b) and _signs(line, sign, near.end, -_excess(line, begin, V_min)) > 0:
+            # from a place a little before on the bound rises, so it holds at the turning point of E too
+            top = line.value(near.end).high
+            low = μ * abs(near.end - begin) / np.sqrt(max(top - V_min, EPS)) * (1 - 1e-9)
     return Segment(Span(low, high * (1 + 1e-9)), Span(-np.inf, np.inf), turns=True, end=b)
 
 

@@ -238,7 +238,11 @@ def outward(line: Line, start: float, sign: int, energies: Span, count: int) -> 
     first = int(inside[0]) if len(inside) else last
     decided = bool(np.all(c.rising[first : last + 1]))
     # so far inside that √y hardly varies over the energies
-    while first > 0 and c.rising[first - 1] and energies.low - c.nodes.high[first] < _DEEP * (energies.high - energies.low):
+    while (
+        first > 0
+        and c.rising[first - 1]
+        and energies.low - c.nodes.high[first] < _DEEP * (energies.high - energies.low)
+    ):
         first -= 1
     before = Span(float(np.sum(c.low[:first])) / _OUT, float(np.sum(c.high[:first])) * _OUT)
     if not decided:
