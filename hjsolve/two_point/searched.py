@@ -56,8 +56,10 @@ def joined_by_search(question: Question, values: Mapping[sp.Symbol, sp.Expr]) ->
     """
     refuse_kinks(question.system.kinks, "two_point")
     flow = Flow(question.system, values)
-    found = search(question, values, flow)
-    connections, continua, lost = [], [], 0
+    found = search(question, flow)
+    connections: list[Connection] = []
+    continua: list[Continuum] = []
+    lost = 0
     for zero in found.zeros:
         if turns_of(question, zero.ends) not in question.turns:
             continue

@@ -8,11 +8,9 @@ zero is no point: it is followed along the null directions, and if it goes on th
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import sympy as sp
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.errors import NotConvergedError
@@ -125,12 +123,11 @@ class _Target:
         return float(np.sum(np.abs(self.flow.force(q)) * length))
 
 
-def search(question: Question, values: Mapping[sp.Symbol, sp.Expr], flow: Flow) -> Found:
+def search(question: Question, flow: Flow) -> Found:
     """Search for initial momenta that lead to q1 in the time.
 
     Args:
         question: what is asked.
-        values: symbol → number, of the parameters.
         flow: of the system.
 
     Raises:
@@ -247,7 +244,7 @@ def _dimension(target: _Target, u: Reals, slope: Reals, null: int, scale: float)
     count = 0
     length = _FOLLOWED * (np.linalg.norm(u) + scale) / 2
     for direction in directions:
-        moved = u + length * direction
+        moved: Reals = np.asarray(u + length * direction, dtype=float)
         for _ in range(8):
             y, J, reached, _ = target.miss(moved[:, None], exact=True)
             if not reached[0]:
@@ -255,7 +252,7 @@ def _dimension(target: _Target, u: Reals, slope: Reals, null: int, scale: float)
             if np.linalg.norm(y) <= _SOLVED * scale:
                 count += bool(np.linalg.norm(moved - u) > length / 2)
                 break
-            moved = moved - _solved(J, y)[:, 0]
+            moved = np.asarray(moved - _solved(J, y)[:, 0], dtype=float)
     return count
 
 
@@ -277,7 +274,7 @@ def solved_from(question: Question, flow: Flow, p: Reals, image: float | None = 
     target = _Target(question, flow)
     if image is not None:
         target.q1, target.angle = np.array([image]), np.array([False])
-    u = (target.L.T @ (p - target.centre))[:, None]
+    u: Reals = np.asarray((target.L.T @ (p - target.centre))[:, None], dtype=float)
     scale = max(target.scale, float(np.linalg.norm(u)))
     y, slope, reached, _ = target.miss(u, exact=True)
     size = float(np.linalg.norm(y))
@@ -285,6 +282,7 @@ def solved_from(question: Question, flow: Flow, p: Reals, image: float | None = 
         if not reached[0] or size <= _SOLVED * 1e-2 * scale:
             break
         step, factor = _solved(slope, y), 1.0
+        y_new, slope_new = y, slope
         while factor > _LEAST_FACTOR:
             y_new, slope_new, reached_new, _ = target.miss(u - factor * step, exact=True)
             if reached_new[0] and np.linalg.norm(y_new) < size:
@@ -292,7 +290,7 @@ def solved_from(question: Question, flow: Flow, p: Reals, image: float | None = 
             factor /= 2
         else:
             break
-        u, y, slope, size = u - factor * step, y_new, slope_new, float(np.linalg.norm(y_new))
+        u, y, slope, size = np.asarray(u - factor * step, dtype=float), y_new, slope_new, float(np.linalg.norm(y_new))
     if not size <= _SOLVED * scale:
         raise NotConvergedError("Newton's method on the initial momenta does not lead to q1")
     p = target.momenta(u)

@@ -151,7 +151,7 @@ def _refined(
             energy.low - 1e-9 * (1 + abs(energy.low))
             <= connection.energy.value
             <= energy.high + 1e-9 * (1 + abs(energy.high))
-        )  # noqa: E501
+        )
         if inside:
             connections.append(connection)
         else:

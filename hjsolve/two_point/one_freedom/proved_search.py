@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -149,7 +150,7 @@ def isolate(times: TravelTimes, branch: Branch, T: float, scale: float, proof: P
         top = scale * 2.0**_DOUBLINGS**0.5
         proof.undecided.append((times.energy(top), np.inf))
     edges = [0.0, *(scale * 2.0**k for k in range(-34, 200) if scale * 2.0**k < top), top]
-    stack = list(zip(edges[:-1], edges[1:], strict=True))
+    stack = list(pairwise(edges))
     for _ in range(_CELLS_AT_MOST):
         if not stack:
             return

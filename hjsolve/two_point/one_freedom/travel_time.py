@@ -1,7 +1,7 @@
 """Enclosures of times of travel and of their slopes by E, over an interval of energies.
 
-With dt = μ dq/√(E − V), y = E − V. On a cell where V′ has one sign, ∫ μ dq/√y lies in [μ/|V′|] · 2|√y_l − √y_r|; else it
-lies in width · [μ/√y]. Beyond a place c from which V rises to the turning point b,
+With dt = μ dq/√(E − V), y = E − V. On a cell where V′ has one sign, ∫ μ dq/√y lies in [μ/|V′|] · 2|√y_l − √y_r|;
+else it lies in width · [μ/√y]. Beyond a place c from which V rises to the turning point b,
 
     d/dE ∫_c^b μ dq/√y = 1/(E − V_c) ∫_c^b [μ/2 + (V − V_c)(μ′V′ − μV″)/V′²] dq/√y
 
