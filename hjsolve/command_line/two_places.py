@@ -15,7 +15,7 @@ from hjsolve.command_line import arguments_read
 from hjsolve.errors import InvalidInputError, of_kind
 from hjsolve.mechanics.typed_texts import typed_values
 from hjsolve.solution.quadratures import solve
-from hjsolve.two_point.answers import Connection, Connections
+from hjsolve.two_point.asked.answers import Connection, Connections
 
 
 def print_connections(options: Namespace) -> None:

@@ -37,7 +37,7 @@ from hjsolve.separation.verdicts import Verdict
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion
-    from hjsolve.two_point.answers import Connections
+    from hjsolve.two_point.asked.answers import Connections
     from hjsolve.two_point.kepler.arrays import ConnectionTable
     from hjsolve.two_point.linear import TwoPointFunction
 

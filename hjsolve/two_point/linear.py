@@ -27,9 +27,9 @@ from hjsolve.motion.initial_data import number_is_zero, to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.solution.quadratures import Solution
 from hjsolve.theorem.complete_integral import CompleteIntegral, verify
-from hjsolve.two_point.answers import Completeness, Connection, Connections, Continuum
-from hjsolve.two_point.question import Question
-from hjsolve.two_point.verified import started
+from hjsolve.two_point.asked.answers import Completeness, Connection, Connections, Continuum
+from hjsolve.two_point.asked.question import TwoPlaceQuestion
+from hjsolve.two_point.asked.verified import started
 
 _BITS = 128
 
@@ -166,7 +166,9 @@ def two_point_function(solution: Solution) -> TwoPointFunction:
 
 
 # ------------------------------------------------------------------------------------------------ numbers
-def joined_linearly(forces: LinearForces, question: Question, values: Mapping[sp.Symbol, sp.Expr]) -> Connections:
+def joined_linearly(
+    forces: LinearForces, question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr]
+) -> Connections:
     """Return the motion that joins two places, which is one, a continuum or none.
 
     Args:
@@ -180,7 +182,7 @@ def joined_linearly(forces: LinearForces, question: Question, values: Mapping[sp
     for name, symbolic in forces.coordinates.items():
         part = Coefficients(*(sp.sympify(e).xreplace(values) for e in symbolic))
         q0, q1, kind = question.q0[name], question.q1[name], _kind(part)
-        momenta[name] = sp.S.Zero
+        momenta[name] = sp.S.MomentumZero
         if kind > 0:
             angle = sp.sqrt(part.stiffness / part.mass) * t
             half_turns = to_bits(angle / sp.pi)(_BITS)
@@ -220,7 +222,7 @@ def joined_linearly(forces: LinearForces, question: Question, values: Mapping[sp
 
 
 def _connection(
-    forces: LinearForces, question: Question, values: Mapping[sp.Symbol, sp.Expr], momenta: Mapping[str, sp.Expr],
+    forces: LinearForces, question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr], momenta: Mapping[str, sp.Expr],
     counts: tuple[int, int],
 ) -> Connection:  # fmt: skip
     t = question.time
@@ -230,7 +232,7 @@ def _connection(
         m, κ, g = part
         q0, q1, p0 = question.q0[name], question.q1[name], momenta[name]
         E += p0**2 / (2 * m) + κ * q0**2 / 2 + g * q0
-        c = -g / κ if κ != 0 else sp.S.Zero
+        c = -g / κ if κ != 0 else sp.S.MomentumZero
         p1[name] = _momentum_after(part, p0, q0 - c, t)
         # S = ½ (q p)|₀¹ + ∫ (½ q ∂V/∂q − V) dt, whatever the time: half of what x p gains, and V at the centre
         S += (q1 - c) * p1[name] / 2 - (q0 - c) * p0 / 2 + κ * c**2 * t / 2
@@ -269,7 +271,7 @@ def _rounded(x: sp.Expr) -> Estimate:
 class _Beginning:
     """How the motion starts."""
 
-    question: Question
+    question: TwoPlaceQuestion
     momenta: Mapping[str, sp.Expr]
 
     def __call__(self) -> Motion:

@@ -13,9 +13,13 @@ ROOT = Path(__file__).resolve().parents[2]
 UPWARD = {
     ("hjsolve.solution.quadratures", "hjsolve.motion.charted.begin"),
     ("hjsolve.solution.quadratures", "hjsolve.motion.motion"),
+    ("hjsolve.solution.quadratures", "hjsolve.two_point.ask"),
+    ("hjsolve.solution.quadratures", "hjsolve.two_point.asked.answers"),
+    ("hjsolve.solution.quadratures", "hjsolve.two_point.kepler.arrays"),
+    ("hjsolve.solution.quadratures", "hjsolve.two_point.linear"),
     ("hjsolve.mechanics.system", "hjsolve.coordinates.constraints"),
 }
-"""``Solution.motion`` calls up, and names what it gives: solving loads no numerical library.
+"""``Solution.motion`` and ``Solution.two_point`` call up, and name what they give: solving loads no numerical library.
 
 ``System(constraints=…)`` calls up: whether a constraint is integrable is for the zero test to prove.
 """

@@ -27,7 +27,8 @@ def test_json_holds_the_same_numbers_with_errors(capsys):
     spring = ["--coordinate", "x: line", "-T", "dot(x)**2/2", "-V", "x**2/2"]
     assert main(["two-point", *spring, "--from", "x=1", "--to", "x=0", "--time", "1", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
-    assert answer["complete"] and len(answer["motions"]) == 1
+    assert answer["complete"]
+    assert len(answer["motions"]) == 1
     S = answer["motions"][0]["S"]
     assert abs(S["value"] - 1 / math.tan(1) / 2) <= 1e-16
     assert 0 < S["error"] < 1e-15
@@ -44,4 +45,5 @@ def test_json_holds_the_same_numbers_with_errors(capsys):
 def test_bad_input_is_one_line(arguments, words, capsys):
     assert main(arguments) == 2
     err = capsys.readouterr().err
-    assert words in err and err.count("\n") == 1
+    assert words in err
+    assert err.count("\n") == 1

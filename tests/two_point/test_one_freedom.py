@@ -7,8 +7,8 @@ import pytest
 import sympy as sp
 
 import hjsolve
-from hjsolve.two_point.one_freedom.branches import branches
 from hjsolve.two_point.one_freedom.high_energies import far_time
+from hjsolve.two_point.one_freedom.line_branches import branches
 from hjsolve.two_point.one_freedom.proved_search import TravelTimes, all_energies
 from hjsolve.two_point.one_freedom.travel_time import Line, Span, across, outward
 
@@ -38,7 +38,8 @@ def test_branches_between_two_places_are_numbered_by_direction_and_turning_point
 def test_times_to_the_turning_point_and_their_slopes_are_enclosed(E):
     part = outward(pendulum(), 1.0, 1, Span(E, E), 384)
     slope = (quarter(E + 1e-6, 1.0) - quarter(E - 1e-6, 1.0)) / 2e-6
-    assert part.turns and part.time.low <= quarter(E, 1.0) <= part.time.high < part.time.low * 1.01
+    assert part.turns
+    assert part.time.low <= quarter(E, 1.0) <= part.time.high < part.time.low * 1.01
     assert part.slope.low <= slope <= part.slope.high
     wide = outward(pendulum(), 1.0, 1, Span(E, E + 0.01), 96)
     for at in (E, E + 0.005, E + 0.01):
@@ -50,7 +51,8 @@ def test_a_direct_way_is_faster_the_more_energy_there_is():
     x, w = np.polynomial.legendre.leggauss(60)
     q = 0.65 + 0.35 * x
     true = [float(np.sum(w / np.sqrt(2 * (E + np.cos(q)))) * 0.35) for E in (0.0, 0.05, 0.1)]
-    assert part.slope.high < 0 and all(part.time.low <= t <= part.time.high for t in true)
+    assert part.slope.high < 0
+    assert all(part.time.low <= t <= part.time.high for t in true)
 
 
 def test_above_the_barrier_a_pendulum_does_not_turn():
@@ -100,20 +102,24 @@ def test_a_pendulum_to_five_turns_is_complete_against_shooting(q0, q1, T):
 def test_a_double_well_is_complete_and_each_motion_ends_at_q1():
     system = hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**4/4 - x**2/2")
     found = hjsolve.solve(system).two_point(q0={"x": "-1/2"}, q1={"x": 1}, time=5, turns=range(2))
-    assert found.complete and len(found) == 8
+    assert found.complete
+    assert len(found) == 8
     for c in found:
         state = c.motion.at(5)
-        assert abs(state.q["x"] - 1) < 1e-13 and abs(state.p["x"] - c.p1["x"].value) <= c.p1["x"].error
+        assert abs(state.q["x"] - 1) < 1e-13
+        assert abs(state.p["x"] - c.p1["x"].value) <= c.p1["x"].error
 
 
 def test_all_energies_of_a_bounded_problem_are_isolated():
     times = TravelTimes(pendulum(), 0.3, 1.0)
     proof = all_energies(times, list(branches(1, 0)), 9.0, 1.0)
-    assert not proof.undecided and len(proof.energies) == 3
+    assert not proof.undecided
+    assert len(proof.energies) == 3
     for energy in proof.energies:
         E = energy.value
         D = across(times.line, 0.3, 1.0, Span(E, E), 1536).time
         U, L = (outward(times.line, at, s, Span(E, E), 1536).time for at, s in ((1.0, 1), (0.3, -1)))
         b = energy.branch
         total = [b.direct * d + 2 * b.upper * u + 2 * b.lower * low for d, u, low in zip(D, U, L, strict=True)]
-        assert total[0] < 9.0 * 1.001 and total[1] > 9.0 * 0.999
+        assert total[0] < 9.0 * 1.001
+        assert total[1] > 9.0 * 0.999

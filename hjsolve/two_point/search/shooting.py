@@ -15,8 +15,8 @@ import numpy as np
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.two_point.flow import Ends, Flow, followed
-from hjsolve.two_point.question import Question
+from hjsolve.two_point.asked.question import TwoPlaceQuestion
+from hjsolve.two_point.search.flow import Ends, VariedFlow, followed
 
 _STARTS = {1: 60, 2: 200}
 _MOST_STARTS = 320
@@ -33,7 +33,7 @@ _FOLLOWED = 0.2
 
 
 @dataclass(frozen=True)
-class Zero:
+class MomentumZero:
     """Initial momenta that lead to q1, in doubles.
 
     Attributes:
@@ -48,7 +48,7 @@ class Zero:
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """What a search found, and where it looked.
 
     Attributes:
@@ -57,7 +57,7 @@ class Found:
         energy: the largest kinetic energy of a start.
     """
 
-    zeros: tuple[Zero, ...]
+    zeros: tuple[MomentumZero, ...]
     starts: int
     energy: float
 
@@ -65,7 +65,7 @@ class Found:
 class _Target:
     """The miss at q1 as a function of u, in units of velocity."""
 
-    def __init__(self, question: Question, flow: Flow):
+    def __init__(self, question: TwoPlaceQuestion, flow: VariedFlow):
         self.flow, self.time = flow, float(to_bits(question.time)(64))
         coordinates = question.system.coordinates
         self.q0, self.q1 = (
@@ -123,7 +123,7 @@ class _Target:
         return float(np.sum(np.abs(self.flow.force(q)) * length))
 
 
-def search(question: Question, flow: Flow) -> Found:
+def search(question: TwoPlaceQuestion, flow: VariedFlow) -> SearchResult:
     """Search for initial momenta that lead to q1 in the time.
 
     Args:
@@ -141,7 +141,7 @@ def search(question: Question, flow: Flow) -> Found:
     count = _STARTS.get(flow.n, _MOST_STARTS)
     u = _ball(flow.n, count) * largest
     near = _newton(target, u, scale)
-    return Found(tuple(_refined(target, near, scale)), count, largest**2 / 2)
+    return SearchResult(tuple(_refined(target, near, scale)), count, largest**2 / 2)
 
 
 def _ball(n: int, count: int) -> Reals:
@@ -205,7 +205,7 @@ def _different(u: Reals, scale: float) -> Reals:
     return u[:, kept]
 
 
-def _refined(target: _Target, u: Reals, scale: float) -> list[Zero]:
+def _refined(target: _Target, u: Reals, scale: float) -> list[MomentumZero]:
     """Zeros solved exactly, all at once, each once, with the dimensions of their families."""
     if not u.shape[1]:
         return []
@@ -227,7 +227,7 @@ def _refined(target: _Target, u: Reals, scale: float) -> list[Zero]:
     chosen = [k for k, _ in kept]
     p = target.momenta(u[:, chosen])
     ends = followed(target.flow, np.repeat(target.q0[:, None], len(chosen), axis=1), p, target.time)
-    return [Zero(p[:, i], free, ends.column(i)) for i, (_, free) in enumerate(kept) if ends.reached[i]]
+    return [MomentumZero(p[:, i], free, ends.column(i)) for i, (_, free) in enumerate(kept) if ends.reached[i]]
 
 
 def _one(u: Reals, other: Reals, free: int, scale: float) -> bool:
@@ -256,7 +256,9 @@ def _dimension(target: _Target, u: Reals, slope: Reals, null: int, scale: float)
     return count
 
 
-def solved_from(question: Question, flow: Flow, p: Reals, image: float | None = None) -> tuple[Reals, Ends]:
+def solved_from(
+    question: TwoPlaceQuestion, flow: VariedFlow, p: Reals, image: float | None = None
+) -> tuple[Reals, Ends]:
     """Solve for the momenta of one motion from momenta near them.
 
     Args:
