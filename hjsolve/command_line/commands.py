@@ -314,6 +314,21 @@ def motion_command(options: Namespace) -> int:
     return ANSWER
 
 
+def two_point_command(options: Namespace) -> int:
+    """Find the motions that join two places in a time, and print them.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        The exit status.
+    """
+    from hjsolve.command_line.two_places import print_connections
+
+    print_connections(options)
+    return ANSWER
+
+
 def explore_command(options: Namespace) -> int:
     """Serve the explorer until it is interrupted.
 

@@ -107,7 +107,7 @@ def _joined(arguments: Sequence[str], top: argparse.ArgumentParser) -> list[str]
     return result
 
 
-_NAMED_VALUES = ("--q=", "--velocity=", "--momentum=", "--parameter=")
+_NAMED_VALUES = ("--q=", "--velocity=", "--momentum=", "--parameter=", "--from=", "--to=")
 _NAMED_VALUE = re.compile(r"\w+\s*=")
 _ENDLESS_WORD = re.compile(r"\S{300,}")
 
@@ -121,7 +121,7 @@ def _valued(top: argparse.ArgumentParser) -> dict[str, str]:
 
 
 def _run(options: argparse.Namespace) -> int:
-    return int(getattr(commands, f"{options.command}_command")(options))
+    return int(getattr(commands, f"{options.command.replace('-', '_')}_command")(options))
 
 
 def _complain(message: str, status: int) -> int:

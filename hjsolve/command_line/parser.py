@@ -32,6 +32,7 @@ examples:
   hjsolve solve lagrange-top                    W, momenta, time law, orbit equations
   hjsolve coordinates henon-heiles              in which coordinates would it separate
   hjsolve motion kepler-planar --times 0:15:31  its numbers, and where it is at these times
+  hjsolve two-point pendulum --from theta=0 --to theta=1 --time 2   the motions that join two places
   hjsolve report kepler-planar -o kepler.html   all of that, a motion with drawings, and numbers
   hjsolve explore kepler-planar                 a page on this machine: type, drag, read (extra explore)
   hjsolve cost kepler-planar                    what accuracy costs in time, measured
@@ -72,6 +73,11 @@ examples:
   hjsolve motion kepler-planar --times 0:15:31 > orbit.csv          31 times from 0 to 15
   hjsolve motion pendulum --q theta=3.1 --velocity theta=0 --times 0,1/2,1 --digits 30 --json
   hjsolve motion --coordinate "x: line" -T "dot(x)**2/2" -V "x**4/4" --q x=1 --velocity x=0 --times 0:10:101""",
+    "two-point": """\
+examples:
+  hjsolve two-point kepler-planar --from r=1 theta=0 --to r=2 theta=pi/2 --time 30 --turns 0:2
+  hjsolve two-point pendulum --from theta=0.3 --to theta=1 --time 2 --turns 0:1 --json
+  hjsolve two-point --coordinate "x: line" -T "dot(x)**2/2" -V "x**2/2" --from x=1 --to x=0 --time 1""",
     "report": """\
 examples:
   hjsolve report kepler-planar -o kepler.html
@@ -150,6 +156,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_verify(kinds)
     _add_canonical(kinds)
     _add_motion(kinds)
+    _add_two_point(kinds)
     _add_report(kinds)
     _add_explore(kinds)
     _add_cost(kinds)
@@ -329,6 +336,25 @@ def _add_motion(kinds: _Commands) -> None:
     motion.add_argument("--times", metavar="TIMES", help="start:stop:count, both ends included, or a list: 0,1/2,1e3")
     motion.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the numbers (default 15)")
     motion.add_argument("--json", action="store_true", help="numbers and states as one JSON object")
+
+
+def _add_two_point(kinds: _Commands) -> None:
+    about = (
+        "Find every motion that is at one place at time 0 and at another after a given time, with S, momenta at\n"
+        "both ends and conjugate points; say whether these are proved to be all.\n\n" + _SYSTEMS
+    )
+    command = _add(kinds, "two-point", "the motions that join two places in a time", about)
+    _system_arguments(command)
+    _find_argument(command)
+    places = command.add_argument_group("two places and a time")
+    for option, name, what in (("--from", "start", "place at time 0"), ("--to", "goal", "place after the time")):
+        places.add_argument(
+            option, dest=name, action="append", default=[], metavar="NAME=VALUE", help=f"{what}, e.g. r=1 theta=0"
+        )
+    places.add_argument("--time", metavar="T", help="from one place to the other, > 0")
+    places.add_argument("--turns", default="0", metavar="N:N", help="whole turns: 0:3 or 0,2 (default 0)")
+    command.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the motions (default 15)")
+    command.add_argument("--json", action="store_true", help="everything as one JSON object")
 
 
 def _add_explore(kinds: _Commands) -> None:

@@ -37,8 +37,9 @@ from hjsolve.separation.verdicts import Verdict
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion
-    from hjsolve.two_point.answers import Connections
+    from hjsolve.two_point.asked.answers import Connections
     from hjsolve.two_point.kepler.arrays import ConnectionTable
+    from hjsolve.two_point.linear import TwoPointFunction
 
 AS_GIVEN, FIND = "as given", "find"
 """What ``solve`` takes for ``coordinates``."""
@@ -238,6 +239,29 @@ class Solution(ShownSolution):
 
         refuse_null(self)
         return two_point(self, q0=q0, q1=q1, time=time, turns=turns, parameters=parameters, digits=digits)
+
+    def two_point_function(self) -> TwoPointFunction:
+        """Return Hamilton's principal function of the two end points, S(q_0, q, t), as a formula.
+
+        It exists where q(t) inverts: free particles, uniform fields, springs and inverted springs, and their sums over
+        coordinates (Greenwood (5-108)). The Hamilton–Jacobi equation is proved at both ends.
+
+        Returns:
+            ``TwoPointFunction``: ``principal_function`` with p = ∂S/∂q and p_0 = −∂S/∂q_0 (5-17), and both proofs.
+
+        Raises:
+            InvalidInputError: T and V are of another kind; use ``two_point`` for numbers.
+            NotConvergedError: a proof was not finished in its time.
+
+        Example:
+            >>> import hjsolve
+            >>> fall = hjsolve.System({"y": "line"}, "dot(y)**2/2", "g*y", {"g": 1})
+            >>> hjsolve.solve(fall).two_point_function().principal_function
+            -g**2*t**3/24 - g*t*(y + y_0)/2 + (y - y_0)**2/(2*t)
+        """
+        from hjsolve.two_point.linear import two_point_function
+
+        return two_point_function(self)
 
 
 def refuse_null(solution: Solution) -> None:

@@ -6,13 +6,14 @@ from hjsolve import arguments
 from hjsolve.errors import InvalidInputError
 from hjsolve.precision import one_at_a_time
 from hjsolve.solution.quadratures import Solution
-from hjsolve.two_point.answers import Connections
+from hjsolve.two_point.asked.answers import Connections
+from hjsolve.two_point.asked.question import read_question
 from hjsolve.two_point.kepler.arrays import ConnectionTable, has_arrays, table_of_conics
 from hjsolve.two_point.kepler.attraction import attraction_of
 from hjsolve.two_point.kepler.connections import is_attraction, joined_by_conics
+from hjsolve.two_point.linear import joined_linearly, linear_forces
 from hjsolve.two_point.one_freedom.connections import joined_on_a_line, shell_of
-from hjsolve.two_point.question import read_question
-from hjsolve.two_point.searched import joined_by_search
+from hjsolve.two_point.search.searched import joined_by_search
 
 
 @one_at_a_time
@@ -38,6 +39,9 @@ def two_point(
     question, values = read_question(solution, q0, q1, time, turns, parameters, arguments.digits(digits))
     if attraction is not None and is_attraction(attraction, values):
         return joined_by_conics(attraction, question, values)
+    forces = linear_forces(question.system)
+    if forces is not None:
+        return joined_linearly(forces, question, values)
     shell = shell_of(question)
     if shell is not None:
         found = joined_on_a_line(question, values, shell)

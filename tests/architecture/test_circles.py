@@ -14,9 +14,13 @@ UPWARD = {
     ("hjsolve.solution.quadratures", "hjsolve.motion.charted.begin"),
     ("hjsolve.solution.quadratures", "hjsolve.motion.motion"),
     ("hjsolve.solution.quadratures", "hjsolve.extended.explicit_time"),
+    ("hjsolve.solution.quadratures", "hjsolve.two_point.ask"),
+    ("hjsolve.solution.quadratures", "hjsolve.two_point.asked.answers"),
+    ("hjsolve.solution.quadratures", "hjsolve.two_point.kepler.arrays"),
+    ("hjsolve.solution.quadratures", "hjsolve.two_point.linear"),
     ("hjsolve.mechanics.system", "hjsolve.coordinates.constraints"),
 }
-"""``Solution.motion`` calls up, and names what it gives: solving loads no numerical library.
+"""``Solution.motion`` and ``Solution.two_point`` call up, and name what they give: solving loads no numerical library.
 
 ``solve`` calls up where T or V holds the time: a frame is looked for, in which the system is solved again.
 ``System(constraints=…)`` calls up: whether a constraint is integrable is for the zero test to prove.

@@ -14,13 +14,13 @@ from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, MissingValueError, of_kind
 from hjsolve.motion.initial_data import parameter_values, to_bits
 from hjsolve.solution.quadratures import Solution
-from hjsolve.two_point.answers import Completeness, Connections
+from hjsolve.two_point.asked.answers import Completeness, Connections
+from hjsolve.two_point.asked.question import read_turns
 from hjsolve.two_point.kepler.attraction import Attraction
+from hjsolve.two_point.kepler.central_places import CentralPlaces, geometry
 from hjsolve.two_point.kepler.connections import PROVED
-from hjsolve.two_point.kepler.geometry import Geometry, geometry
 from hjsolve.two_point.kepler.kernels.lambert import conics, transfer
 from hjsolve.two_point.kepler.momenta import ArrayFunctions, Column, Problems, numbers_of
-from hjsolve.two_point.question import read_turns
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -114,7 +114,7 @@ def table_of_conics(
     allowed = ~opposite[problem] & (~in_line[problem] | ((way == 1) & (N == 0) & (places.half_cosine[problem] > 0)))
     allowed |= in_line[problem] & (way == -1) & (N == 0) & (places.half_cosine[problem] < 0)
     problem, way, N = problem[allowed], way[allowed], N[allowed]
-    lane = Geometry(
+    lane = CentralPlaces(
         places.r0[problem], places.r1[problem], places.half_sine[problem], way * places.half_cosine[problem],
         *([x[problem] if np.ndim(x) else x for x in vector] for vector in places[4:]),
     )  # fmt: skip

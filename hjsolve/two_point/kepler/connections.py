@@ -18,9 +18,11 @@ from hjsolve.arithmetic.floats import EPS, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.two_point.answers import Completeness, Connection, Connections, Continuum
+from hjsolve.two_point.asked.answers import Completeness, Connection, Connections, Continuum
+from hjsolve.two_point.asked.question import TwoPlaceQuestion
+from hjsolve.two_point.asked.verified import started
 from hjsolve.two_point.kepler.attraction import Attraction
-from hjsolve.two_point.kepler.geometry import Geometry, geometry
+from hjsolve.two_point.kepler.central_places import CentralPlaces, geometry
 from hjsolve.two_point.kepler.kernels.lambert import Transfer, conics
 from hjsolve.two_point.kepler.many_digits import (
     ExactFunctions,
@@ -31,8 +33,6 @@ from hjsolve.two_point.kepler.many_digits import (
     refined,
 )
 from hjsolve.two_point.kepler.momenta import Column, ConicNumbers, Problems, numbers_of
-from hjsolve.two_point.question import Question
-from hjsolve.two_point.verified import started
 
 _BITS = 160
 _ZERO = 2.0**-100
@@ -59,7 +59,7 @@ class _Asked:
     """The question in numbers of 160 bits, and which of its special cases it is."""
 
     attraction: Attraction
-    question: Question
+    question: TwoPlaceQuestion
     values: Mapping[sp.Symbol, sp.Expr]
     exact: ExactTransfer
 
@@ -84,7 +84,9 @@ class _Asked:
         return len(self.attraction.names)
 
 
-def joined_by_conics(attraction: Attraction, question: Question, values: Mapping[sp.Symbol, sp.Expr]) -> Connections:
+def joined_by_conics(
+    attraction: Attraction, question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr]
+) -> Connections:
     """Return all conics that join two places in a time.
 
     Args:
@@ -115,7 +117,7 @@ def joined_by_conics(attraction: Attraction, question: Question, values: Mapping
 
 
 def _exactly(
-    attraction: Attraction, question: Question, values: Mapping[sp.Symbol, sp.Expr], bits: int
+    attraction: Attraction, question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr], bits: int
 ) -> ExactTransfer:
     """Return the transfer with so many bits."""
     context = multiprecision(bits)
@@ -141,7 +143,7 @@ def _problems(exact: ExactTransfer, ways: Sequence[int]) -> Problems:
     signs = np.array(ways, dtype=float)
     c, s = float(exact.chord), float(exact.s)
     path = Transfer(signs * float(exact.λ(1)), ones * float(exact.chord / exact.s), ones * c, ones * s)
-    flat = Geometry(
+    flat = CentralPlaces(
         ones * float(places.r0), ones * float(places.r1), ones * float(places.half_sine),
         signs * float(places.half_cosine),
         *([ones * float(a) for a in vector] for vector in places[4:]),
@@ -208,7 +210,7 @@ class _Beginning:
     """How the motion of one conic starts: x to many digits, and momenta from it."""
 
     attraction: Attraction
-    question: Question
+    question: TwoPlaceQuestion
     values: Mapping[sp.Symbol, sp.Expr]
     which: tuple[int, int, float]
 

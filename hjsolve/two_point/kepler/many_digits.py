@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError
-from hjsolve.two_point.kepler.geometry import Geometry
+from hjsolve.two_point.kepler.central_places import CentralPlaces
 
 _GUARD = 25
 _STEPS = 60
@@ -46,7 +46,7 @@ class ExactTransfer(NamedTuple):
     """
 
     context: Any
-    places: Geometry
+    places: CentralPlaces
     chord: Mpf
     s: Mpf
     attraction: Mpf
@@ -68,7 +68,7 @@ class ExactTransfer(NamedTuple):
         return self.context.sqrt(2 * self.attraction / self.s**3) * self.time
 
 
-def exact_transfer(context: Any, places: Geometry, attraction: Mpf, mass: Mpf, time: Mpf) -> ExactTransfer:
+def exact_transfer(context: Any, places: CentralPlaces, attraction: Mpf, mass: Mpf, time: Mpf) -> ExactTransfer:
     """Return a transfer to many digits.
 
     Args:

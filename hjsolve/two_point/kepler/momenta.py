@@ -17,7 +17,7 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Reals
-from hjsolve.two_point.kepler.geometry import Geometry
+from hjsolve.two_point.kepler.central_places import CentralPlaces
 from hjsolve.two_point.kepler.kernels.lambert import Conics, Transfer
 
 _UNITS = 16.0
@@ -68,7 +68,7 @@ class Problems:
         time: t.
     """
 
-    places: Geometry
+    places: CentralPlaces
     path: Transfer
     attraction: Reals
     mass: float

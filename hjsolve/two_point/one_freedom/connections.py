@@ -16,14 +16,14 @@ import sympy as sp
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.errors import HJSolveError, InvalidInputError
 from hjsolve.motion.initial_data import domain_ends, to_bits
-from hjsolve.two_point.answers import Completeness, Connection, Connections
-from hjsolve.two_point.flow import Flow
-from hjsolve.two_point.one_freedom.branches import Branch, branches
-from hjsolve.two_point.one_freedom.proved_search import Energy, Proof, TravelTimes, all_energies
+from hjsolve.two_point.asked.answers import Completeness, Connection, Connections
+from hjsolve.two_point.asked.question import TwoPlaceQuestion
+from hjsolve.two_point.one_freedom.line_branches import LineBranch, branches
+from hjsolve.two_point.one_freedom.proved_search import IsolatedEnergy, EnergyProof, TravelTimes, all_energies
 from hjsolve.two_point.one_freedom.travel_time import Line
-from hjsolve.two_point.question import Question
-from hjsolve.two_point.searched import connection_of, reach
-from hjsolve.two_point.shooting import solved_from
+from hjsolve.two_point.search.flow import VariedFlow
+from hjsolve.two_point.search.searched import connection_of, reach
+from hjsolve.two_point.search.shooting import solved_from
 
 PROVED = (
     "Complete: on every branch (direction at the start, turning points) the energies were isolated by enclosures of "
@@ -31,7 +31,7 @@ PROVED = (
 )
 
 
-class Shell(NamedTuple):
+class LineShell(NamedTuple):
     """One coordinate with dt = μ dq/√(E − V)."""
 
     potential: sp.Expr
@@ -44,12 +44,12 @@ class _Goal:
     """One image of q1 on the line."""
 
     times: TravelTimes
-    branches: tuple[Branch, ...]
+    branches: tuple[LineBranch, ...]
     target: float
     order: int
 
 
-def shell_of(question: Question) -> Shell | None:
+def shell_of(question: TwoPlaceQuestion) -> LineShell | None:
     """Return V, μ and the shift of a system of one coordinate whose P² is linear in E; None for another.
 
     Args:
@@ -67,10 +67,12 @@ def shell_of(question: Question) -> Shell | None:
     if sp.diff(A, E) != 0 or A.has(E):
         return None
     C = sp.expand(square.subs(E, 0)) if square.is_polynomial(E) else square.subs(E, 0)
-    return Shell(sp.simplify(-C / A), sp.sqrt(A) / 2, solution.shift[name])
+    return LineShell(sp.simplify(-C / A), sp.sqrt(A) / 2, solution.shift[name])
 
 
-def joined_on_a_line(question: Question, values: Mapping[sp.Symbol, sp.Expr], shell: Shell) -> Connections | None:
+def joined_on_a_line(
+    question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr], shell: LineShell
+) -> Connections | None:
     """Return all motions of one coordinate that join two places; None where the enclosures do not serve.
 
     Args:
@@ -85,33 +87,31 @@ def joined_on_a_line(question: Question, values: Mapping[sp.Symbol, sp.Expr], sh
     low, high = (None if e is None else float(to_bits(e)(64)) for e in ends)
     limits = (-np.inf if low is None else low, np.inf if high is None else high)
     try:
-        line = Line(
-            coordinate.symbol, shell.potential, shell.weight, values, limits, 2 * np.pi if turning else 0.0
-        )
+        line = Line(coordinate.symbol, shell.potential, shell.weight, values, limits, 2 * np.pi if turning else 0.0)
     except InvalidInputError:
         return None
     start = float(to_bits(question.q0[coordinate.name])(64))
     first = float(to_bits(question.q1[coordinate.name])(64))
-    found: list[tuple[_Goal, Energy]] = []
-    proof = Proof()
+    found: list[tuple[_Goal, IsolatedEnergy]] = []
+    proof = EnergyProof()
     for goal in _goals(question, line, start, first):
         μ = float(line.over(np.array([start]), np.array([start]), 1)[3].high[0])
         straight = μ * max(abs(goal.target - start), 1e-3 * (1 + abs(start))) / T
         part = all_energies(goal.times, goal.branches, T, straight)
         found += [(goal, energy) for energy in part.energies]
         proof.undecided += part.undecided
-        proof.least = min(proof.least, part.least)
+        proof.least, proof.faster = min(proof.least, part.least), proof.faster or part.faster
     connections, lost = _refined(question, values, shell, found)
     proof.undecided += lost
     connections.sort(key=lambda c: (c.turns, c.principal_function.value))
     least = None
-    if not connections and np.isfinite(proof.least):
+    if not connections and not proof.faster and np.isfinite(proof.least):
         least = Estimate(proof.least, 0.02 * proof.least)
     return Connections(tuple(connections), _completeness(proof), (), least)
 
 
-def _goals(question: Question, line: Line, start: float, first: float) -> Iterator[_Goal]:
-    """Return the images of q1 with the branches that lead to each."""
+def _goals(question: TwoPlaceQuestion, line: Line, start: float, first: float) -> Iterator[_Goal]:
+    """The images of q1 with the branches that lead to each."""
     most, asked = max(question.turns), set(question.turns)
     images = [first]
     if line.turn:
@@ -121,7 +121,9 @@ def _goals(question: Question, line: Line, start: float, first: float) -> Iterat
         apart = target - start
         order = int(np.sign(apart)) if abs(apart) > 1e-14 * (1 + abs(start)) else 0
         times = TravelTimes(line, min(start, target), max(start, target))
-        direct = [Branch(order, 1, 0, 0, int((abs(apart) + 1e-12) // line.turn) if line.turn else 0)] if order else []
+        direct = (
+            [LineBranch(order, 1, 0, 0, int((abs(apart) + 1e-12) // line.turn) if line.turn else 0)] if order else []
+        )
         if line.turn and abs(apart) >= line.turn * (1 - 1e-12):
             chosen = direct
         else:
@@ -132,11 +134,14 @@ def _goals(question: Question, line: Line, start: float, first: float) -> Iterat
 
 
 def _refined(
-    question: Question, values: Mapping[sp.Symbol, sp.Expr], shell: Shell, found: list[tuple[_Goal, Energy]]
+    question: TwoPlaceQuestion,
+    values: Mapping[sp.Symbol, sp.Expr],
+    shell: LineShell,
+    found: list[tuple[_Goal, IsolatedEnergy]],
 ) -> tuple[list[Connection], list[tuple[float, float]]]:
     """Return Connections from energies; and the intervals whose motion could not be run to q1."""
     coordinate = question.system.coordinates[0]
-    flow = Flow(question.system, values)
+    flow = VariedFlow(question.system, values)
     at = {**values, coordinate.symbol: question.q0[coordinate.name]}
     V, μ, shift = (float(sp.N(e.subs(at), 20)) for e in (shell.potential, shell.weight, shell.shift))
     connections: list[Connection] = []
@@ -145,13 +150,15 @@ def _refined(
         P = energy.branch.sign * 2 * μ * np.sqrt(max(energy.value - V, 0.0))
         try:
             p, ends = solved_from(question, flow, np.array([P - shift]), goal.target)
-            connection = connection_of(
-                question, reach(question, p, ends), energy.branch.path, energy.branch.turns
-            )
+            connection = connection_of(question, reach(question, p, ends), energy.branch.path, energy.branch.turns)
         except HJSolveError:
             lost.append((energy.low, energy.high))
             continue
-        inside = energy.low - 1e-9 * (1 + abs(energy.low)) <= connection.energy.value <= energy.high + 1e-9 * (1 + abs(energy.high))  # noqa: E501
+        inside = (
+            energy.low - 1e-9 * (1 + abs(energy.low))
+            <= connection.energy.value
+            <= energy.high + 1e-9 * (1 + abs(energy.high))
+        )
         if inside:
             connections.append(connection)
         else:
@@ -159,7 +166,7 @@ def _refined(
     return connections, lost
 
 
-def _completeness(proof: Proof) -> Completeness:
+def _completeness(proof: EnergyProof) -> Completeness:
     if not proof.undecided:
         return Completeness(proved=True, statement=PROVED)
     low, high = min(a for a, _ in proof.undecided), max(b for _, b in proof.undecided)

@@ -27,6 +27,9 @@ from hjsolve.two_point.one_freedom.travel_time import Line, Segment, Span, outwa
 HIGHEST = 1e300
 """Stands for infinity as an energy."""
 _CELLS = 400
+_LESS = 2.0**20
+"""The chord begins where V is so many times less."""
+_BELOW = 0.99
 UNKNOWN = Segment(Span(0.0, np.inf), Span(-np.inf, np.inf), turns=None, end=np.nan)
 
 
@@ -45,7 +48,7 @@ def far_time(line: Line, start: float, sign: int, E: float) -> Segment:
     if line.formulas[4] != 0:  # the mass depends on the place
         return UNKNOWN
     here = outward(line, start, sign, Span(E, E), _CELLS)
-    before = outward(line, start, sign, Span(E / 4, E / 4), _CELLS) if E > 0 else here
+    before = outward(line, start, sign, Span(E / _LESS, E / _LESS), _CELLS) if E > 0 else here
     if here.turns is not True or before.turns is not True:
         return UNKNOWN
     b, c, begin = here.end, before.end, start
@@ -53,21 +56,22 @@ def far_time(line: Line, start: float, sign: int, E: float) -> Segment:
     μ = float(line.over(np.array([start]), np.array([start]), 1)[3].high[0])
     infinite = not np.isfinite(line.high if sign > 0 else line.low)
     low, high = 0.0, np.inf
-    Vb, Vc = line.value(b), line.value(c)
+    Vc = line.value(c)
     if infinite and _signs(line, sign, c, _curvature(line)) > 0 and _signs(line, sign, c, _slope(line, sign)) > 0:
-        if _signs(line, sign, b, _excess(line, sign, c, Vc.low)) > 0 and E > Vc.high:
+        if _signs(line, sign, b, _excess(line, c, Vc.low)) > 0 and Vc.high < E:
             # √(E − V_c) at the turning point itself, which is within a part in 10⁵ of b
             high = _across(line, start, c, sign, E) + 2 * μ * abs(b - c) / np.sqrt(E - Vc.high)
     elif not infinite and _rises_at_end(line, sign, c):
         end = line.high if sign > 0 else line.low
-        if E > Vc.high:
+        if Vc.high < E:
             high = _across(line, start, c, sign, E) + 2 * μ * abs(end - c) / np.sqrt(E - Vc.high)
     if infinite and _signs(line, sign, b, _slope(line, sign)) > 0:
         V_min = _least(line, begin, b, sign)
-        if _signs(line, sign, c, -_excess(line, sign, begin, V_min)) > 0:
-            # from the place before on the bound rises, so it holds at the turning point of E too
-            low = μ * abs(c - begin) / np.sqrt(max(Vc.high - V_min, EPS)) * (1 - 1e-9)
-    del Vb
+        near = outward(line, start, sign, Span(E * _BELOW, E * _BELOW), _CELLS)
+        if near.turns and abs(near.end) < abs(b) and _signs(line, sign, near.end, -_excess(line, begin, V_min)) > 0:
+            # from a place a little before on the bound rises, so it holds at the turning point of E too
+            top = line.value(near.end).high
+            low = μ * abs(near.end - begin) / np.sqrt(max(top - V_min, EPS)) * (1 - 1e-9)
     return Segment(Span(low, high * (1 + 1e-9)), Span(-np.inf, np.inf), turns=True, end=b)
 
 
@@ -79,9 +83,8 @@ def _slope(line: Line, sign: int) -> sp.Expr:
     return sign * line.formulas[1]
 
 
-def _excess(line: Line, sign: int, c: float, Vc: float) -> sp.Expr:
+def _excess(line: Line, c: float, Vc: float) -> sp.Expr:
     """(q − c) V′ − 2(V − V_c), which does not depend on the direction."""
-    del sign
     V, slope = line.formulas[:2]
     return (line.q - sp.Rational(c)) * slope - 2 * (V - sp.Rational(Vc))
 

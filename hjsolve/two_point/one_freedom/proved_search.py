@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.root_finding import regula_falsi
-from hjsolve.two_point.one_freedom.branches import Branch
 from hjsolve.two_point.one_freedom.high_energies import HIGHEST, far_time
+from hjsolve.two_point.one_freedom.line_branches import LineBranch
 from hjsolve.two_point.one_freedom.travel_time import Line, Segment, Span, across, outward
 
 _COARSE, _FINE, _FINEST = 96, 384, 1536
@@ -25,7 +26,7 @@ _CELLS_AT_MOST = 4000
 
 
 @dataclass(frozen=True)
-class Energy:
+class IsolatedEnergy:
     """An energy at which a branch takes the time asked.
 
     Attributes:
@@ -34,25 +35,27 @@ class Energy:
         low, high: an interval that holds this one alone.
     """
 
-    branch: Branch
+    branch: LineBranch
     value: float
     low: float
     high: float
 
 
 @dataclass
-class Proof:
+class EnergyProof:
     """What was isolated, and what was not decided.
 
     Attributes:
         energies: the energies found.
         undecided: intervals of E in which there may be more.
         least: the least time of the branches asked, as far as sampled; inf where there is none.
+        faster: whether some branch takes less than the time asked.
     """
 
-    energies: list[Energy] = field(default_factory=list)
+    energies: list[IsolatedEnergy] = field(default_factory=list)
     undecided: list[tuple[float, float]] = field(default_factory=list)
     least: float = np.inf
+    faster: bool = False
 
 
 class TravelTimes:
@@ -112,7 +115,7 @@ class TravelTimes:
         )
 
 
-def total(branch: Branch, parts: tuple[Segment, Segment, Segment]) -> tuple[Span, Span, bool | None]:
+def total(branch: LineBranch, parts: tuple[Segment, Segment, Segment]) -> tuple[Span, Span, bool | None]:
     """Return time and slope of a branch; and whether it exists: for all of the energies, none of them, or undecided.
 
     Args:
@@ -132,7 +135,7 @@ def total(branch: Branch, parts: tuple[Segment, Segment, Segment]) -> tuple[Span
     return Span(low, high), Span(slope_low, slope_high), there
 
 
-def isolate(times: TravelTimes, branch: Branch, T: float, scale: float, proof: Proof) -> None:
+def isolate(times: TravelTimes, branch: LineBranch, T: float, scale: float, proof: EnergyProof) -> None:
     """Find every energy at which a branch takes a time; what is found is added to a proof.
 
     Args:
@@ -142,12 +145,12 @@ def isolate(times: TravelTimes, branch: Branch, T: float, scale: float, proof: P
         scale: a speed in units of s that the search begins with.
         proof: filled here.
     """
-    top = _top(times, branch, T, scale)
+    top = _top(times, branch, T, scale, proof)
     if top is None:
         top = scale * 2.0**_DOUBLINGS**0.5
         proof.undecided.append((times.energy(top), np.inf))
     edges = [0.0, *(scale * 2.0**k for k in range(-34, 200) if scale * 2.0**k < top), top]
-    stack = list(zip(edges[:-1], edges[1:], strict=True))
+    stack = list(pairwise(edges))
     for _ in range(_CELLS_AT_MOST):
         if not stack:
             return
@@ -162,7 +165,7 @@ def isolate(times: TravelTimes, branch: Branch, T: float, scale: float, proof: P
     proof.undecided += [(times.energy(a), times.energy(b)) for a, b in stack]
 
 
-def _judged(times: TravelTimes, branch: Branch, T: float, s: tuple[float, float], proof: Proof) -> str:
+def _judged(times: TravelTimes, branch: LineBranch, T: float, s: tuple[float, float], proof: EnergyProof) -> str:
     """Discard an interval, keep its one energy, or ask to split it."""
     for count in (_COARSE, _FINE):
         time, slope, there = total(branch, times.segments(s, count))
@@ -171,14 +174,15 @@ def _judged(times: TravelTimes, branch: Branch, T: float, s: tuple[float, float]
                 proof.least = min(proof.least, time.low)
             return "none"
         if there and time.high < T:
+            proof.faster = True
             return "none"
         if there and (slope.low > 0 or slope.high < 0):
             return _at_most_one(times, branch, T, s, proof)
     return "split"
 
 
-def _at_most_one(times: TravelTimes, branch: Branch, T: float, s: tuple[float, float], proof: Proof) -> str:
-    """Return an interval in which the time is monotone: it is T once, or never."""
+def _at_most_one(times: TravelTimes, branch: LineBranch, T: float, s: tuple[float, float], proof: EnergyProof) -> str:
+    """An interval in which the time is monotone: it is T once, or never."""
     ends = [_side(times, branch, T, at) for at in s]
     if ends[0] and ends[0] == ends[1]:
         return "none"
@@ -190,13 +194,13 @@ def _at_most_one(times: TravelTimes, branch: Branch, T: float, s: tuple[float, f
             return -sign * ((time.low + time.high) / 2 - T) if there and np.isfinite(time.high) else -np.inf
 
         at = regula_falsi(miss, s[0], s[1]) if miss(s[0]) <= 0 <= miss(s[1]) else (s[0] + s[1]) / 2
-        proof.energies.append(Energy(branch, times.energy(at), times.energy(s[0]), times.energy(s[1])))
+        proof.energies.append(IsolatedEnergy(branch, times.energy(at), times.energy(s[0]), times.energy(s[1])))
         return "one"
     return "split"
 
 
-def _side(times: TravelTimes, branch: Branch, T: float, at: float) -> int:
-    """Return the sign of time − T at one energy; 0 where enclosures do not tell it."""
+def _side(times: TravelTimes, branch: LineBranch, T: float, at: float) -> int:
+    """The sign of time − T at one energy; 0 where enclosures do not tell it."""
     for count in (_FINE, _FINEST):
         time, _, there = total(branch, times.segments((at, at), count))
         if time.low > T:
@@ -206,18 +210,21 @@ def _side(times: TravelTimes, branch: Branch, T: float, at: float) -> int:
     return 0
 
 
-def _top(times: TravelTimes, branch: Branch, T: float, scale: float) -> float | None:
-    """Return an s beyond which the branch does not take the time, proved; None where there is no proof."""
+def _top(times: TravelTimes, branch: LineBranch, T: float, scale: float, proof: EnergyProof) -> float | None:
+    """An s beyond which the branch does not take the time, proved; None where there is no proof."""
     s = scale
     for _ in range(_DOUBLINGS // 2):
         time, _, there = total(branch, times.far(s))
-        if there is False or time.low > T or (there and time.high < T):
+        if there is False or time.low > T:
+            return s
+        if there and time.high < T:
+            proof.faster = True
             return s
         s *= 2
     return None
 
 
-def all_energies(times: TravelTimes, asked: Iterable[Branch], T: float, scale: float) -> Proof:
+def all_energies(times: TravelTimes, asked: Iterable[LineBranch], T: float, scale: float) -> EnergyProof:
     """Find all energies at which any of some branches takes a time.
 
     Args:
@@ -226,7 +233,7 @@ def all_energies(times: TravelTimes, asked: Iterable[Branch], T: float, scale: f
         T: the time.
         scale: a speed in units of s.
     """
-    proof = Proof()
+    proof = EnergyProof()
     for branch in asked:
         isolate(times, branch, T, scale, proof)
     return proof

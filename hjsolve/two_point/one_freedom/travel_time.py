@@ -1,7 +1,7 @@
 """Enclosures of times of travel and of their slopes by E, over an interval of energies.
 
-With dt = μ dq/√(E − V), y = E − V. On a cell where V′ has one sign, ∫ μ dq/√y lies in [μ/|V′|] · 2|√y_l − √y_r|; else it
-lies in width · [μ/√y]. Beyond a place c from which V rises to the turning point b,
+With dt = μ dq/√(E − V), y = E − V. On a cell where V′ has one sign, ∫ μ dq/√y lies in [μ/|V′|] · 2|√y_l − √y_r|;
+else it lies in width · [μ/√y]. Beyond a place c from which V rises to the turning point b,
 
     d/dE ∫_c^b μ dq/√y = 1/(E − V_c) ∫_c^b [μ/2 + (V − V_c)(μ′V′ − μV″)/V′²] dq/√y
 
@@ -13,14 +13,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
 
-from hjsolve.arithmetic.floats import EPS, Float64
+from hjsolve.arithmetic.asymptotic_expansion import BITS
+from hjsolve.arithmetic.floats import EPS, Float64, multiprecision
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.number_types import Mask, Reals
+from hjsolve.arithmetic.sign_at_infinity import sign_before
 from hjsolve.lowering import lower
 
 _OUT = 1 + 64 * EPS
@@ -86,6 +88,19 @@ class Line:
             grid = _outgoing(begin, far, 4000)[1 : -1 if ended else None]
             self._samples[key] = grid, self.over(grid, grid, sign)[0].low
         return self._samples[key]
+
+    def inside_to_end(self, sign: int, start: float, E: float) -> bool:
+        """Whether E > V from a place to the end of the domain, proved.
+
+        Args:
+            sign: 1 for the upper end, −1 for the lower one.
+            start: the place.
+            E: the energy.
+        """
+        context: Any = multiprecision(BITS)
+        end = context.mpf(self.high if sign > 0 else self.low)
+        tape = lower([sp.Rational(E) - self.formulas[0]], [self.q])
+        return sign_before(tape, [], end, sign, abs(end - context.mpf(start))) > 0
 
     def over(self, low: Reals, high: Reals, sign: int) -> list[Interval]:
         """Return V, V′, V″, μ, μ′ and V‴ over cells.
@@ -223,7 +238,11 @@ def outward(line: Line, start: float, sign: int, energies: Span, count: int) -> 
     first = int(inside[0]) if len(inside) else last
     decided = bool(np.all(c.rising[first : last + 1]))
     # so far inside that √y hardly varies over the energies
-    while first > 0 and c.rising[first - 1] and energies.low - c.nodes.high[first] < _DEEP * (energies.high - energies.low):
+    while (
+        first > 0
+        and c.rising[first - 1]
+        and energies.low - c.nodes.high[first] < _DEEP * (energies.high - energies.low)
+    ):
         first -= 1
     before = Span(float(np.sum(c.low[:first])) / _OUT, float(np.sum(c.high[:first])) * _OUT)
     if not decided:
@@ -294,6 +313,9 @@ def _unturned(line: Line, begin: float, sign: int, energies: Span, limit: float,
         V = line.over(np.array([far]), np.array([np.inf]), sign)[0]
         tail = bool(V.high[0] < energies.low)
     free = bool(np.all(c.surely)) and tail
+    if not free and tail and np.isfinite(limit) and not line.turn:
+        k = int(np.flatnonzero(~c.surely)[0])
+        free = line.inside_to_end(sign, grid[k] * sign, energies.low)
     missing = np.flatnonzero(~c.surely)
     reach = int(missing[0]) if len(missing) else len(c.surely)
     time = Span(float(np.sum(c.low[:reach])) / _OUT, np.inf)

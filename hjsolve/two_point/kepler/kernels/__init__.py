@@ -1,1 +1,5 @@
-"""Lambert's problem as a loop over numbers, compiled where numba is installed."""
+"""Lambert's problem as loops over numbers, compiled where numba is installed, else run as they stand.
+
+In: λ, the time and the turns. Out: the x of all conics with errors.
+Read ``lambert.py`` first.
+"""

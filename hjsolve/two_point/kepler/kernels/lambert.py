@@ -239,7 +239,7 @@ def _fill(λs: Reals, ks: Reals, Ws: Reals, turns: Integers, counts: Integers, t
 
 
 class Transfer(NamedTuple):
-    """Geometry of transfers, arrays of one shape: λ and 1 − λ² to full relative accuracy, the chord c, and s."""
+    """CentralPlaces of transfers, arrays of one shape: λ and 1 − λ² to full relative accuracy, the chord c, and s."""
 
     λ: Reals
     complement: Reals

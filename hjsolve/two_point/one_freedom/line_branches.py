@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 
-class Branch(NamedTuple):
+class LineBranch(NamedTuple):
     """A way from q0 to q1.
 
     Attributes:
@@ -33,7 +33,7 @@ class Branch(NamedTuple):
         return f"{begin}, {turned} turning point{'s' if turned != 1 else ''}" if turned else f"{begin}, directly"
 
 
-def branches(order: int, most: int) -> Iterator[Branch]:
+def branches(order: int, most: int) -> Iterator[LineBranch]:
     """Yield the ways with so many whole periods.
 
     Args:
@@ -44,7 +44,7 @@ def branches(order: int, most: int) -> Iterator[Branch]:
         yield from (_returning(sign, most) if order == 0 else _between(sign, order, most))
 
 
-def _returning(sign: int, most: int) -> Iterator[Branch]:
+def _returning(sign: int, most: int) -> Iterator[LineBranch]:
     """From a place to itself: up and back, down and back in turn."""
     upper = lower = 0
     direction = sign
@@ -55,10 +55,10 @@ def _returning(sign: int, most: int) -> Iterator[Branch]:
         if turns > most:
             return
         # after whole periods the direction is that of the start, else the other one
-        yield Branch(sign, 0, upper, lower, turns)
+        yield LineBranch(sign, 0, upper, lower, turns)
 
 
-def _between(sign: int, order: int, most: int) -> Iterator[Branch]:
+def _between(sign: int, order: int, most: int) -> Iterator[LineBranch]:
     direct = upper = lower = 0
     at_upper, direction = order < 0, sign  # where the walk is, and which way it goes
     while True:
@@ -72,4 +72,4 @@ def _between(sign: int, order: int, most: int) -> Iterator[Branch]:
         if turns > most:
             return
         if at_upper == (order > 0):
-            yield Branch(sign, direct, upper, lower, turns)
+            yield LineBranch(sign, direct, upper, lower, turns)

@@ -17,11 +17,11 @@ from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.two_point.answers import Completeness, Connection, Connections, Continuum
-from hjsolve.two_point.flow import Ends, Flow
-from hjsolve.two_point.question import Question
-from hjsolve.two_point.shooting import Found, Zero, search
-from hjsolve.two_point.verified import difference, end_point
+from hjsolve.two_point.asked.answers import Completeness, Connection, Connections, Continuum
+from hjsolve.two_point.asked.question import TwoPlaceQuestion
+from hjsolve.two_point.asked.verified import difference, end_point
+from hjsolve.two_point.search.flow import Ends, VariedFlow
+from hjsolve.two_point.search.shooting import SearchResult, MomentumZero, search
 
 _PASSES = 6
 _EXTRA = 12
@@ -43,7 +43,7 @@ class _Reached:
     ends: Ends
 
 
-def joined_by_search(question: Question, values: Mapping[sp.Symbol, sp.Expr]) -> Connections:
+def joined_by_search(question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr]) -> Connections:
     """Return the motions that a search finds.
 
     Args:
@@ -55,9 +55,11 @@ def joined_by_search(question: Question, values: Mapping[sp.Symbol, sp.Expr]) ->
         NotConvergedError: no motion could be followed for the time asked.
     """
     refuse_kinks(question.system.kinks, "two_point")
-    flow = Flow(question.system, values)
-    found = search(question, values, flow)
-    connections, continua, lost = [], [], 0
+    flow = VariedFlow(question.system, values)
+    found = search(question, flow)
+    connections: list[Connection] = []
+    continua: list[Continuum] = []
+    lost = 0
     for zero in found.zeros:
         if turns_of(question, zero.ends) not in question.turns:
             continue
@@ -75,7 +77,7 @@ def joined_by_search(question: Question, values: Mapping[sp.Symbol, sp.Expr]) ->
     return Connections(tuple(connections), _stated(question, found, lost), tuple(continua))
 
 
-def _stated(question: Question, found: Found, lost: int) -> Completeness:
+def _stated(question: TwoPlaceQuestion, found: SearchResult, lost: int) -> Completeness:
     more = f"; {lost} more could not be run to the end by quadratures" if lost else ""
     return Completeness(
         proved=False,
@@ -90,7 +92,7 @@ def _stated(question: Question, found: Found, lost: int) -> Completeness:
     )
 
 
-def reach(question: Question, p: Reals, ends: Ends) -> _Reached:
+def reach(question: TwoPlaceQuestion, p: Reals, ends: Ends) -> _Reached:
     """Refine momenta with motions by quadratures until they end at q1.
 
     Args:
@@ -134,7 +136,7 @@ def reach(question: Question, p: Reals, ends: Ends) -> _Reached:
 
 
 def connection_of(
-    question: Question, reached: _Reached, path: str = "", turns: int | None = None
+    question: TwoPlaceQuestion, reached: _Reached, path: str = "", turns: int | None = None
 ) -> Connection:
     """Return what a motion that ends at q1 is told as.
 
@@ -197,7 +199,7 @@ def _value(x: Mpf, digits: int, error: float) -> Estimate:
     return Estimate(value, 2 * error + EPS * abs(float(x)))
 
 
-def _energy(question: Question, p0: Mapping[str, Estimate]) -> Estimate:
+def _energy(question: TwoPlaceQuestion, p0: Mapping[str, Estimate]) -> Estimate:
     """H at q0, with the error that the momenta give it."""
     system = question.system
     H = hamiltonian(system)
@@ -214,7 +216,7 @@ def _energy(question: Question, p0: Mapping[str, Estimate]) -> Estimate:
     return Estimate(E, 2 * spread + 16 * EPS * abs(E))
 
 
-def _sweep(question: Question, ends: Ends) -> dict[str, float]:
+def _sweep(question: TwoPlaceQuestion, ends: Ends) -> dict[str, float]:
     """How far each angle runs."""
     result = {}
     for i, c in enumerate(question.system.coordinates):
@@ -223,7 +225,7 @@ def _sweep(question: Question, ends: Ends) -> dict[str, float]:
     return result
 
 
-def turns_of(question: Question, ends: Ends) -> int:
+def turns_of(question: TwoPlaceQuestion, ends: Ends) -> int:
     """Return whole turns: of the angle that turns most, else half the reversals of the velocity that has most.
 
     Args:
@@ -242,7 +244,7 @@ def _words(sweep: Mapping[str, float], turns: int) -> str:
     return ", ".join(parts) or (f"{turns} there-and-back{'' if turns == 1 else 's'}" if turns else "directly")
 
 
-def _family(zero: Zero, member: Connection) -> Continuum:
+def _family(zero: MomentumZero, member: Connection) -> Continuum:
     count = zero.free
     return Continuum(
         statement="q1 is conjugate to q0: motions with other initial momenta are there at the same time.",

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
 
-class Field(Protocol):
+class PlaceFunctions(Protocol):
     """The functions that the geometry needs."""
 
     def sin(self, x: Any) -> Any:
@@ -42,7 +42,7 @@ class Field(Protocol):
         """
 
 
-class Geometry(NamedTuple):
+class CentralPlaces(NamedTuple):
     """Two places in the plane of an orbit that runs counterclockwise, or about the normal q0 × q1 in space.
 
     Attributes:
@@ -62,7 +62,7 @@ class Geometry(NamedTuple):
     tangent1: list[Any]
 
 
-def geometry(kind: str, q0: Sequence[Any], q1: Sequence[Any], field: Field) -> Geometry:
+def geometry(kind: str, q0: Sequence[Any], q1: Sequence[Any], field: PlaceFunctions) -> CentralPlaces:
     """Return the geometry of two places.
 
     Args:
@@ -77,7 +77,7 @@ def geometry(kind: str, q0: Sequence[Any], q1: Sequence[Any], field: Field) -> G
         flip = field.where(sine < 0, -1, 1)
         zero, one = 0 * sine, 1 + 0 * sine
         radial, turned = [one, zero], ([zero, r0 * one], [zero, r1 * one])
-        return Geometry(r0, r1, flip * sine, flip * cosine, radial, radial, *turned)
+        return CentralPlaces(r0, r1, flip * sine, flip * cosine, radial, radial, *turned)
     if kind == "spherical":
         return _spherical(q0, q1, field)
     radii = [field.sqrt(sum(x * x for x in q)) for q in (q0, q1)]
@@ -85,19 +85,19 @@ def geometry(kind: str, q0: Sequence[Any], q1: Sequence[Any], field: Field) -> G
     return _between(radii, u0, u1, field)
 
 
-def _between(radii: Sequence[Any], u0: list[Any], u1: list[Any], field: Field) -> Geometry:
+def _between(radii: Sequence[Any], u0: list[Any], u1: list[Any], field: PlaceFunctions) -> CentralPlaces:
     """From unit vectors: sin(θ/2) = |u₁ − u₀|/2 and cos(θ/2) = |u₁ + u₀|/2 up to 180°."""
     sine = field.sqrt(sum((b - a) ** 2 for a, b in zip(u0, u1, strict=True))) / 2
     cosine = field.sqrt(sum((b + a) ** 2 for a, b in zip(u0, u1, strict=True))) / 2
     if len(u0) == 2:
         cross = u0[0] * u1[1] - u0[1] * u1[0]
         cosine = field.where(cross < 0, -cosine, cosine)
-        return Geometry(radii[0], radii[1], sine, cosine, u0, u1, [-u0[1], u0[0]], [-u1[1], u1[0]])
+        return CentralPlaces(radii[0], radii[1], sine, cosine, u0, u1, [-u0[1], u0[0]], [-u1[1], u1[0]])
     normal = _unit(_cross(u0, u1), field)
-    return Geometry(radii[0], radii[1], sine, cosine, u0, u1, _cross(normal, u0), _cross(normal, u1))
+    return CentralPlaces(radii[0], radii[1], sine, cosine, u0, u1, _cross(normal, u0), _cross(normal, u1))
 
 
-def _spherical(q0: Sequence[Any], q1: Sequence[Any], field: Field) -> Geometry:
+def _spherical(q0: Sequence[Any], q1: Sequence[Any], field: PlaceFunctions) -> CentralPlaces:
     """p_r = m ṙ, p_θ = m r v·e_θ, p_φ = m r sin θ v·e_φ."""
     frames = []
     for r, theta, phi in (q0, q1):
@@ -121,7 +121,7 @@ def _dot(a: list[Any], b: list[Any]) -> Any:
     return sum(x * y for x, y in zip(a, b, strict=True))
 
 
-def _unit(a: list[Any], field: Field) -> list[Any]:
-    """Return a vector over its length; itself where that is zero."""
+def _unit(a: list[Any], field: PlaceFunctions) -> list[Any]:
+    """A vector over its length; itself where that is zero."""
     size = field.sqrt(_dot(a, a))
     return [x / field.where(size == 0, 1, size) for x in a]

@@ -19,7 +19,7 @@ EXAMPLE = 'two_point(q0={"r": 1, "theta": 0}, q1={"r": 2, "theta": "pi/2"}, time
 
 
 @dataclass(frozen=True, eq=False)
-class Question:
+class TwoPlaceQuestion:
     """A question of two places and a time.
 
     Attributes:
@@ -65,7 +65,7 @@ def read_turns(turns: object) -> tuple[int, ...]:
 
 def read_question(
     solution: Solution, q0: object, q1: object, time: object, turns: object, parameters: object, digits: int
-) -> tuple[Question, dict[sp.Symbol, sp.Expr]]:
+) -> tuple[TwoPlaceQuestion, dict[sp.Symbol, sp.Expr]]:
     """Read a question, and the values of the parameters.
 
     Args:
@@ -96,4 +96,4 @@ def read_question(
         )
     letters = {c.symbol for c in system.coordinates}
     known = {symbol: value for symbol, value in values.items() if symbol not in letters}
-    return Question(solution, system, places[0], places[1], span, read_turns(turns), given, digits), known
+    return TwoPlaceQuestion(solution, system, places[0], places[1], span, read_turns(turns), given, digits), known

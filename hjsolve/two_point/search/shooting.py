@@ -8,17 +8,15 @@ zero is no point: it is followed along the null directions, and if it goes on th
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import sympy as sp
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.two_point.flow import Ends, Flow, followed
-from hjsolve.two_point.question import Question
+from hjsolve.two_point.asked.question import TwoPlaceQuestion
+from hjsolve.two_point.search.flow import Ends, VariedFlow, followed
 
 _STARTS = {1: 60, 2: 200}
 _MOST_STARTS = 320
@@ -35,7 +33,7 @@ _FOLLOWED = 0.2
 
 
 @dataclass(frozen=True)
-class Zero:
+class MomentumZero:
     """Initial momenta that lead to q1, in doubles.
 
     Attributes:
@@ -50,7 +48,7 @@ class Zero:
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """What a search found, and where it looked.
 
     Attributes:
@@ -59,7 +57,7 @@ class Found:
         energy: the largest kinetic energy of a start.
     """
 
-    zeros: tuple[Zero, ...]
+    zeros: tuple[MomentumZero, ...]
     starts: int
     energy: float
 
@@ -67,7 +65,7 @@ class Found:
 class _Target:
     """The miss at q1 as a function of u, in units of velocity."""
 
-    def __init__(self, question: Question, flow: Flow):
+    def __init__(self, question: TwoPlaceQuestion, flow: VariedFlow):
         self.flow, self.time = flow, float(to_bits(question.time)(64))
         coordinates = question.system.coordinates
         self.q0, self.q1 = (
@@ -108,9 +106,7 @@ class _Target:
         if exact:
             ends = self.flow.run(q0, self.momenta(u), self.time, tolerance=_FINER, parts=_EXACT)
         else:
-            ends = self.flow.run(
-                q0, self.momenta(u), self.time, tolerance=_COARSE, parts=_FAST, most=_LONG_ENOUGH
-            )
+            ends = self.flow.run(q0, self.momenta(u), self.time, tolerance=_COARSE, parts=_FAST, most=_LONG_ENOUGH)
         y = self.back @ self.wrapped(ends.q - self.q1[:, None]) / self.time
         slope = self.back @ ends.position_by_momentum @ self.back.T / self.time
         return y, slope, ends.reached, ends
@@ -127,12 +123,11 @@ class _Target:
         return float(np.sum(np.abs(self.flow.force(q)) * length))
 
 
-def search(question: Question, values: Mapping[sp.Symbol, sp.Expr], flow: Flow) -> Found:
+def search(question: TwoPlaceQuestion, flow: VariedFlow) -> SearchResult:
     """Search for initial momenta that lead to q1 in the time.
 
     Args:
         question: what is asked.
-        values: symbol → number, of the parameters.
         flow: of the system.
 
     Raises:
@@ -146,7 +141,7 @@ def search(question: Question, values: Mapping[sp.Symbol, sp.Expr], flow: Flow) 
     count = _STARTS.get(flow.n, _MOST_STARTS)
     u = _ball(flow.n, count) * largest
     near = _newton(target, u, scale)
-    return Found(tuple(_refined(target, near, scale)), count, largest**2 / 2)
+    return SearchResult(tuple(_refined(target, near, scale)), count, largest**2 / 2)
 
 
 def _ball(n: int, count: int) -> Reals:
@@ -210,7 +205,7 @@ def _different(u: Reals, scale: float) -> Reals:
     return u[:, kept]
 
 
-def _refined(target: _Target, u: Reals, scale: float) -> list[Zero]:
+def _refined(target: _Target, u: Reals, scale: float) -> list[MomentumZero]:
     """Zeros solved exactly, all at once, each once, with the dimensions of their families."""
     if not u.shape[1]:
         return []
@@ -232,7 +227,7 @@ def _refined(target: _Target, u: Reals, scale: float) -> list[Zero]:
     chosen = [k for k, _ in kept]
     p = target.momenta(u[:, chosen])
     ends = followed(target.flow, np.repeat(target.q0[:, None], len(chosen), axis=1), p, target.time)
-    return [Zero(p[:, i], free, ends.column(i)) for i, (_, free) in enumerate(kept) if ends.reached[i]]
+    return [MomentumZero(p[:, i], free, ends.column(i)) for i, (_, free) in enumerate(kept) if ends.reached[i]]
 
 
 def _one(u: Reals, other: Reals, free: int, scale: float) -> bool:
@@ -249,7 +244,7 @@ def _dimension(target: _Target, u: Reals, slope: Reals, null: int, scale: float)
     count = 0
     length = _FOLLOWED * (np.linalg.norm(u) + scale) / 2
     for direction in directions:
-        moved = u + length * direction
+        moved: Reals = np.asarray(u + length * direction, dtype=float)
         for _ in range(8):
             y, J, reached, _ = target.miss(moved[:, None], exact=True)
             if not reached[0]:
@@ -257,11 +252,13 @@ def _dimension(target: _Target, u: Reals, slope: Reals, null: int, scale: float)
             if np.linalg.norm(y) <= _SOLVED * scale:
                 count += bool(np.linalg.norm(moved - u) > length / 2)
                 break
-            moved = moved - _solved(J, y)[:, 0]
+            moved = np.asarray(moved - _solved(J, y)[:, 0], dtype=float)
     return count
 
 
-def solved_from(question: Question, flow: Flow, p: Reals, image: float | None = None) -> tuple[Reals, Ends]:
+def solved_from(
+    question: TwoPlaceQuestion, flow: VariedFlow, p: Reals, image: float | None = None
+) -> tuple[Reals, Ends]:
     """Solve for the momenta of one motion from momenta near them.
 
     Args:
@@ -279,7 +276,7 @@ def solved_from(question: Question, flow: Flow, p: Reals, image: float | None = 
     target = _Target(question, flow)
     if image is not None:
         target.q1, target.angle = np.array([image]), np.array([False])
-    u = (target.L.T @ (p - target.centre))[:, None]
+    u: Reals = np.asarray((target.L.T @ (p - target.centre))[:, None], dtype=float)
     scale = max(target.scale, float(np.linalg.norm(u)))
     y, slope, reached, _ = target.miss(u, exact=True)
     size = float(np.linalg.norm(y))
@@ -287,6 +284,7 @@ def solved_from(question: Question, flow: Flow, p: Reals, image: float | None = 
         if not reached[0] or size <= _SOLVED * 1e-2 * scale:
             break
         step, factor = _solved(slope, y), 1.0
+        y_new, slope_new = y, slope
         while factor > _LEAST_FACTOR:
             y_new, slope_new, reached_new, _ = target.miss(u - factor * step, exact=True)
             if reached_new[0] and np.linalg.norm(y_new) < size:
@@ -294,7 +292,7 @@ def solved_from(question: Question, flow: Flow, p: Reals, image: float | None = 
             factor /= 2
         else:
             break
-        u, y, slope, size = u - factor * step, y_new, slope_new, float(np.linalg.norm(y_new))
+        u, y, slope, size = np.asarray(u - factor * step, dtype=float), y_new, slope_new, float(np.linalg.norm(y_new))
     if not size <= _SOLVED * scale:
         raise NotConvergedError("Newton's method on the initial momenta does not lead to q1")
     p = target.momenta(u)

@@ -3,7 +3,7 @@
     q̇ = ∂H/∂p,  ṗ = −∂H/∂q,  Ḃ = H_pq B + H_pp D,  Ḋ = −H_qq B − H_qp D,  B = ∂q/∂p0,  D = ∂p/∂p0
 
 (Greenwood (4-16), (4-17)). Steps are extrapolated to order 12, each start with its own. What leaves two_point is not
-taken from here: it is started as a motion by quadratures and run to its end (``verified.py``).
+taken from here: it is started as a motion by quadratures and run to its end (``asked/verified.py``).
 
 The frame (B, D) is Lagrangian, so U = (D + iB)(D − iB)⁻¹ is unitary; its eigenvalues pass 1 where q is conjugate to q0,
 all in one direction where T is positive definite. With φ_j their arguments in [0, 2π) and Φ that of det U, followed
@@ -102,7 +102,7 @@ class Ends:
         )  # fmt: skip
 
 
-class Flow:
+class VariedFlow:
     """The flow of one system with numbers for its parameters.
 
     Attributes:
@@ -149,7 +149,9 @@ class Flow:
         with np.errstate(all="ignore"):
             change = matrix @ frame
             if counter is not None:
-                turning[0] = counter.rate(frame.reshape(m, 2, n, n).swapaxes(0, 1), change.reshape(m, 2, n, n).swapaxes(0, 1))
+                turning[0] = counter.rate(
+                    frame.reshape(m, 2, n, n).swapaxes(0, 1), change.reshape(m, 2, n, n).swapaxes(0, 1)
+                )
         return np.concatenate([rates, change.transpose(1, 2, 0).reshape(2 * n * n, m), turning])
 
     def velocity(self, q: Reals, p: Reals) -> Reals:
@@ -286,7 +288,7 @@ class _Conjugates:
         return np.where(np.abs(turns - np.rint(turns)) < _WHOLE, np.rint(turns), -1).astype(int)
 
 
-def followed(flow: Flow, q: Reals, p: Reals, time: float) -> Ends:
+def followed(flow: VariedFlow, q: Reals, p: Reals, time: float) -> Ends:
     """Run motions exactly enough to count the places conjugate to the first along them, their ends not among them.
 
     Args:
@@ -300,9 +302,7 @@ def followed(flow: Flow, q: Reals, p: Reals, time: float) -> Ends:
     return flow.run(q, p, time, tolerance=_FINE, count=True, parts=_PARTS)
 
 
-def _ends(
-    low: sp.Expr | None, high: sp.Expr | None, values: Mapping[sp.Symbol, sp.Expr]
-) -> tuple[float, float]:
-    """Return the ends of a domain in doubles."""
+def _ends(low: sp.Expr | None, high: sp.Expr | None, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[float, float]:
+    """The ends of a domain in doubles."""
     ends = [None if e is None else float(to_bits(e.subs(values))(64)) for e in (low, high)]
     return (-np.inf if ends[0] is None else ends[0], np.inf if ends[1] is None else ends[1])

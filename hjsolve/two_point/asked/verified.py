@@ -12,13 +12,13 @@ from hjsolve.errors import NotConvergedError
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import State
-from hjsolve.two_point.question import Question
+from hjsolve.two_point.asked.question import TwoPlaceQuestion
 
 _CLAIMS, _ROUNDING = 4.0, 1e-13
 """How many claimed errors of the state, and which part of its size, the end point may be off in doubles."""
 
 
-def started(question: Question, p: Mapping[str, Mpf]) -> Motion:
+def started(question: TwoPlaceQuestion, p: Mapping[str, Mpf]) -> Motion:
     """Start a motion at q0 and make sure that it is at q1 after the time asked.
 
     Args:
@@ -40,7 +40,7 @@ def started(question: Question, p: Mapping[str, Mpf]) -> Motion:
     return motion
 
 
-def end_point(question: Question, motion: Motion) -> tuple[dict[str, float], dict[str, float]]:
+def end_point(question: TwoPlaceQuestion, motion: Motion) -> tuple[dict[str, float], dict[str, float]]:
     """Return how far a motion is from q1 at its end, and how far its errors and roundings allow, by coordinate.
 
     Args:
