@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from hjsolve.errors import NotSeparableError as NotSeparableError
     from hjsolve.errors import OutsideMotionError as OutsideMotionError
     from hjsolve.extended.gyroscopic import gyroscopic_modes as gyroscopic_modes
+    from hjsolve.extended.impacts import impact as impact
     from hjsolve.extended.linear_hamiltonian import from_hamiltonian as from_hamiltonian
     from hjsolve.mechanics.system import Coordinate as Coordinate
     from hjsolve.mechanics.system import Domain as Domain
@@ -111,6 +112,7 @@ _PUBLIC = {
     "theorem.integrals": "is_integral poisson_bracket",
     "scenes": "Scene",
     "extended.gyroscopic": "gyroscopic_modes",
+    "extended.impacts": "impact",
     "extended.linear_hamiltonian": "from_hamiltonian",
     "errors": "CatalogError ClusterError ExpressionError ForbiddenMotionError ForbiddenPlaceError HJSolveError "
     "InternalError InvalidInputError InvalidSystemError MissingExtraError MissingValueError NotConvergedError "

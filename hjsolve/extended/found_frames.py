@@ -318,7 +318,8 @@ def _driven(M: sp.Matrix, K: sp.Matrix, F: sp.Matrix, t: sp.Symbol) -> sp.Matrix
 
 def _kinds_of(term: sp.Expr, t: sp.Symbol) -> tuple[int, sp.Expr, tuple[sp.Expr, ...]] | None:
     """k, e^{at} and the waves of a term c t^k e^{at} cos(bt + c); None of any other."""
-    power, growth, waves = 0, sp.S.One, (sp.S.One,)
+    power, growth = 0, sp.S.One
+    waves: tuple[sp.Expr, ...] = (sp.S.One,)
     for factor in sp.Mul.make_args(term):
         if t not in factor.free_symbols:
             continue
