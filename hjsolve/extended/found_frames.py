@@ -91,11 +91,11 @@ def _start(system: System, new: Mapping[str, str]) -> _Posed:
 
 
 def _without_gauge(system: System, posed: _Posed, Q: list[sp.Symbol], speeds: list[sp.Symbol]) -> _Posed:
-    """Linear terms a_i(q_i, t) q̇_i that hold the time are d/dt of Λ = Σ ∫ a_i dq_i but for −∂Λ/∂t, which joins V."""
+    """Linear terms a_i(q_i, t) q̇_i are d/dt of Λ = Σ ∫ a_i dq_i but for −∂Λ/∂t, which joins V."""
     rest = dict.fromkeys(speeds, sp.S.Zero)
     a = [sp.diff(posed.kinetic, v).subs(rest) for v in speeds]
     alone = all(not x.free_symbols & (set(Q) - {q}) for x, q in zip(a, Q, strict=True))
-    if required(system.time) not in sp.Add(*a).free_symbols or not alone:
+    if not any(a) or not alone:
         return posed
     Λ = sp.Add(*(sp.integrate(x, q) for x, q in zip(a, Q, strict=True)))
     if Λ.has(sp.Integral):

@@ -21,6 +21,7 @@ def proved(**given: object) -> hjsolve.CanonicalMap:
     return found
 
 
+@pytest.mark.nightly
 def test_p6_7_a_vanishing_f4_means_that_sum_q_dP_dq_vanishes() -> None:
     """F4 = ψ + Σ QP − Σ qp in the old variables: 0 for P6-6 and for every P = f(p), where Σ q ∂P/∂q = 0; not Ex 6-2."""
     maps = [
@@ -95,6 +96,7 @@ def test_p6_15_the_flow_of_hamiltons_equations_has_no_divergence(entry: str) -> 
     assert sp.simplify(divergence) == 0
 
 
+@pytest.mark.nightly
 def test_p6_16_the_symmetry_relations_of_a_canonical_map() -> None:
     """(6-224), (6-225): ∂q/∂Q = ∂P/∂p, ∂q/∂P = −∂Q/∂p, ∂p/∂Q = −∂P/∂q, ∂p/∂P = ∂Q/∂q; a map of valence 2 breaks them."""
     found = proved(map={"Q": "sqrt(2*q)*cos(p)", "P": "sqrt(2*q)*sin(p)"}, domains={"q": "0 < q", "p": QUARTER})
