@@ -45,7 +45,7 @@ def jacobi_metric(system: System | str | Path, *, energy: str = "h") -> System:
     rest = kinetic_rest(given)
     name = free_name(energy, given.symbols)
     h = parameter(name, meaning="energy of the orbits")
-    T = sp.factor(2 * (h.symbol - given.potential + rest) * sp.expand(given.kinetic - rest))
+    T = (h.symbol - given.potential + rest) * sp.factor(2 * sp.expand(given.kinetic - rest))
     domains = {c.name: c.domain.written(c.name) for c in given.coordinates}
     return System(
         domains, T, 0, {p.name: p for p in given.parameters} | {name: h}, signature="indefinite",
