@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from hjsolve.errors import NotSeparableError as NotSeparableError
     from hjsolve.errors import OutsideMotionError as OutsideMotionError
     from hjsolve.extended.gyroscopic import gyroscopic_modes as gyroscopic_modes
+    from hjsolve.extended.impacts import Impact as Impact
     from hjsolve.extended.impacts import impact as impact
     from hjsolve.extended.linear_hamiltonian import from_hamiltonian as from_hamiltonian
     from hjsolve.mechanics.system import Coordinate as Coordinate
@@ -115,7 +116,7 @@ _PUBLIC = {
     "theorem.integrals": "involution is_integral poisson_bracket",
     "scenes": "Scene",
     "extended.gyroscopic": "gyroscopic_modes",
-    "extended.impacts": "impact",
+    "extended.impacts": "impact Impact",
     "extended.linear_hamiltonian": "from_hamiltonian",
     "errors": "CatalogError ClusterError ExpressionError ForbiddenMotionError ForbiddenPlaceError HJSolveError "
     "InternalError InvalidInputError InvalidSystemError MissingExtraError MissingValueError NotConvergedError "

@@ -64,8 +64,8 @@ def _state(motion: AnyMotion, times: Sequence[str | float]) -> State:
         posed, moving = state.error, inner.error
         return Errors({**moving.q, **posed.q}, {**moving.p, **posed.p}, {**moving.velocity, **posed.velocity})
 
-    joined = ({**getattr(inner, group), **getattr(state, group)} for group in _GROUPS)
-    return State(state.t, *joined, dict(inner.turns), state.status, errors)
+    q, p, velocity = ({**getattr(inner, group), **getattr(state, group)} for group in _GROUPS)
+    return State(state.t, q, p, velocity, dict(inner.turns), state.status, errors)
 
 
 def print_run(run: Run, options: Namespace) -> None:
