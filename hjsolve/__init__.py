@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from hjsolve.coordinates import Web as Web
     from hjsolve.coordinates import find_coordinates as find_coordinates
     from hjsolve.coordinates import normal_modes as normal_modes
+    from hjsolve.coordinates.least_action import jacobi_metric as jacobi_metric
     from hjsolve.coordinates.typed_change import change_coordinates as change_coordinates
     from hjsolve.costs import Cost as Cost
     from hjsolve.costs import cost as cost
@@ -52,6 +53,8 @@ if TYPE_CHECKING:
     from hjsolve.errors import NotSeparableError as NotSeparableError
     from hjsolve.errors import OutsideMotionError as OutsideMotionError
     from hjsolve.extended.gyroscopic import gyroscopic_modes as gyroscopic_modes
+    from hjsolve.extended.impacts import Impact as Impact
+    from hjsolve.extended.impacts import impact as impact
     from hjsolve.extended.linear_hamiltonian import from_hamiltonian as from_hamiltonian
     from hjsolve.mechanics.system import Coordinate as Coordinate
     from hjsolve.mechanics.system import Domain as Domain
@@ -84,12 +87,14 @@ if TYPE_CHECKING:
     from hjsolve.theorem.canonical_maps import canonical as canonical
     from hjsolve.theorem.complete_integral import CompleteIntegral as CompleteIntegral
     from hjsolve.theorem.complete_integral import verify as verify
+    from hjsolve.theorem.integrals import involution as involution
     from hjsolve.theorem.integrals import is_integral as is_integral
     from hjsolve.theorem.integrals import poisson_bracket as poisson_bracket
 
 _PUBLIC = {
     "mechanics.system": "Coordinate Domain Parameter System parameter",
     "coordinates": "SeparableCoordinates NormalModes Web find_coordinates normal_modes",
+    "coordinates.least_action": "jacobi_metric",
     "coordinates.typed_change": "change_coordinates",
     "closed_form.closed_forms": "closed_forms",
     "closed_form.forms": "RegimeForms",
@@ -114,9 +119,10 @@ _PUBLIC = {
     "theorem.answers": "Flaw Proof",
     "theorem.canonical_maps": "canonical CanonicalMap",
     "theorem.complete_integral": "verify CompleteIntegral",
-    "theorem.integrals": "is_integral poisson_bracket",
+    "theorem.integrals": "involution is_integral poisson_bracket",
     "scenes": "Scene",
     "extended.gyroscopic": "gyroscopic_modes",
+    "extended.impacts": "impact Impact",
     "extended.linear_hamiltonian": "from_hamiltonian",
     "errors": "CatalogError ClusterError ExpressionError ForbiddenMotionError ForbiddenPlaceError HJSolveError "
     "InternalError InvalidInputError InvalidSystemError MissingExtraError MissingValueError NotConvergedError "

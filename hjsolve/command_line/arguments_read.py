@@ -17,6 +17,7 @@ from hjsolve.errors import InvalidInputError, NotSeparableError
 if TYPE_CHECKING:
     from hjsolve.catalog import Entry
     from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
+    from hjsolve.extended.moving_frame import Frame
     from hjsolve.mechanics.system import System
     from hjsolve.motion.motion import Motion
     from hjsolve.motion.state import AnyMotion
@@ -219,6 +220,8 @@ def motion_meant(options: Namespace, digits: int, *, find: bool = False) -> Moti
 def any_motion_meant(options: Namespace) -> AnyMotion:
     """Return the motion that is meant, as ``motion_meant``; of a linear system with gyroscopic terms by its modes.
 
+    Of an entry with a frame it is the motion as posed, which knows the one in the frame too.
+
     Args:
         options: the parsed arguments.
 
@@ -226,10 +229,13 @@ def any_motion_meant(options: Namespace) -> AnyMotion:
         InvalidInputError, NotSeparableError: as ``motion_meant``.
     """
     from hjsolve.extended.gyroscopic import gyroscopic_modes, linear_modes_of
+    from hjsolve.extended.moving_frame_motion import FramedMotion
     from hjsolve.separation import Undecided
 
     try:
-        return motion_meant(options, options.digits, find=options.find)
+        found = motion_meant(options, options.digits, find=options.find)
+        frame = _declared_frame(options)
+        return found if frame is None or found.solution.chart is not None else FramedMotion(frame, found)
     except NotSeparableError as error:
         meant, data = _meant(options)
         if isinstance(error.verdict, Undecided) or linear_modes_of(meant) is None or "t0" in data:
@@ -237,6 +243,15 @@ def any_motion_meant(options: Namespace) -> AnyMotion:
         given = {key: data[key] for key in ("q", "velocity", "p") if key in data}
         modes = gyroscopic_modes(meant, parameters=data.get("parameters", {}), digits=options.digits)
         return modes.motion(**given)
+
+
+def _declared_frame(options: Namespace) -> Frame | None:
+    """The frame that an entry declares, where no effect changes its system."""
+    from hjsolve.catalog import moving_frames
+
+    if options.system is None or options.effect or _is_scene(options):
+        return None
+    return moving_frames.of(located(options.system))
 
 
 def _meant(options: Namespace) -> tuple[System, dict[str, Any]]:

@@ -16,8 +16,10 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.propagation import short_bound
 from hjsolve.errors import InvalidInputError
+from hjsolve.extended.moving_frame_motion import FramedMotion
 from hjsolve.formulas.read import number
-from hjsolve.motion.state import AnyMotion, State
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.state import AnyMotion, Errors, State
 from hjsolve.scenes import Run
 from hjsolve.scenes.results import Trajectory
 
@@ -40,13 +42,30 @@ def print_motion(motion: AnyMotion, options: Namespace) -> None:
         InvalidInputError: times that cannot be read.
     """
     times = None if options.times is None else times_from_text(options.times, options.digits)
+    own = motion.motion if isinstance(motion, FramedMotion) and isinstance(motion.motion, Motion) else motion
+    state = None if times is None else _state(motion, times)
     if options.json:
-        states = {} if times is None else _plain_states(times, motion.at(times))
-        _print_json({"kinds": dict(motion.kinds), **_plain_numbers(motion), **states})
-    elif times is None:
-        _print_csv(("quantity", "name", "value", "error"), _number_rows(motion))
+        states = {} if times is None or state is None else _plain_states(times, state)
+        _print_json({"kinds": dict(own.kinds), **_plain_numbers(own), **states})
+    elif times is None or state is None:
+        _print_csv(("quantity", "name", "value", "error"), _number_rows(own))
     else:
-        _print_csv(*_state_table(times, motion.at(times)))
+        _print_csv(*_state_table(times, state))
+
+
+def _state(motion: AnyMotion, times: Sequence[str | float]) -> State:
+    """The state; in a moving frame in its coordinates Q and in those of the system as posed, q."""
+    state = motion.at(times)
+    if not isinstance(motion, FramedMotion):
+        return state
+    inner = motion.motion.at(times)
+
+    def errors() -> Errors:
+        posed, moving = state.error, inner.error
+        return Errors({**moving.q, **posed.q}, {**moving.p, **posed.p}, {**moving.velocity, **posed.velocity})
+
+    q, p, velocity = ({**getattr(inner, group), **getattr(state, group)} for group in _GROUPS)
+    return State(state.t, q, p, velocity, dict(inner.turns), state.status, errors)
 
 
 def print_run(run: Run, options: Namespace) -> None:

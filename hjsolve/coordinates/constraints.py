@@ -4,8 +4,8 @@ Forms Σ aᵢ(q) q̇ᵢ = 0, solved for some velocities as q̇_d = Σ B_dk q̇_k
 
     X_k(B_dl) − X_l(B_dk) = 0,   X_k = ∂/∂q_k + Σ B_dk ∂/∂q_d      (Frobenius; Greenwood (1-20), (1-23))
 
-for all d, k, l. Otherwise Hamilton's principle does not hold in its standard form, and there is no Hamilton–Jacobi
-equation (Greenwood (5-22)–(5-25)).
+for all d, k, l; the time is one more coordinate where a constraint moves. Otherwise Hamilton's principle does not hold
+in its standard form, and there is no Hamilton–Jacobi equation (Greenwood (5-22)–(5-25)).
 """
 
 from __future__ import annotations
@@ -67,7 +67,8 @@ def without_constraints(system: System, constraints: Iterable[str]) -> System:
     first, formulas = _reduced(system, [(s, g) for s, g in given if degree(g, speeds) == 0], [])
     put = dict(zip([c.symbol for c in system.coordinates], formulas, strict=True))
     rates = {
-        c.velocity: sp.Add(*(sp.diff(put[c.symbol], Q.symbol) * Q.velocity for Q in first.coordinates))
+        c.velocity: sp.diff(put[c.symbol], _TIME)
+        + sp.Add(*(sp.diff(put[c.symbol], Q.symbol) * Q.velocity for Q in first.coordinates))
         for c in system.coordinates
     }
     moving = [(s, sp.expand(g.xreplace({**put, **rates}))) for s, g in given if degree(g, speeds) > 0]
@@ -109,25 +110,14 @@ def _read(system: System, text: object, source: str) -> sp.Expr:
         raise InvalidSystemError(f'{source}: one equation as text is needed, such as "x**2 + y**2 = l**2"')
     speeds = {c.name: c.velocity for c in system.coordinates}
     sides = [parse(side, {**system.symbols, "t": _TIME}, velocities=speeds, source=source) for side in text.split("=")]
-    given = sides[0] - (sides[1] if len(sides) == 2 else 0)
-    if _TIME in given.free_symbols and "t" not in system.symbols:
-        raise InvalidSystemError(
-            f"{source}: it holds the time, so that the constraint moves; write its motion into T, in coordinates of a "
-            "moving frame"
-        )
-    return given
+    return sides[0] - (sides[1] if len(sides) == 2 else 0)
 
 
 def _coefficients(given: sp.Expr, speeds: Sequence[sp.Symbol], source: str) -> list[sp.Expr]:
     if degree(given, frozenset(speeds)) != 1:
         raise InvalidSystemError(f"{source}: a constraint on velocities must be linear in them; {_CURE}")
     found = velocity_coefficients(given, list(speeds))
-    if found.get((), 0) != 0:
-        raise InvalidSystemError(
-            f"{source}: it has a part without velocities, so that its integral moves with the time; write its motion "
-            "into T, in coordinates of a moving frame"
-        )
-    return [found.get((i,), sp.S.Zero) for i in range(len(speeds))]
+    return [*(found.get((i,), sp.S.Zero) for i in range(len(speeds))), found.get((), sp.S.Zero)]
 
 
 # ------------------------------------------------------------------------------------------------ velocities
@@ -135,9 +125,17 @@ def _integrals(system: System, forms: list[tuple[str, list[sp.Expr]]]) -> list[t
     """Return a function for each form that is constant where all of them hold."""
     if not forms:
         return []
-    symbols = [c.symbol for c in system.coordinates]
+    symbols = [c.symbol for c in system.coordinates] + [_TIME]
+    moves = any(form[-1] != 0 or any(_TIME in a.free_symbols for a in form) for _, form in forms)
+    if not moves:
+        symbols, forms = symbols[:-1], [(source, form[:-1]) for source, form in forms]
     region = Region(domain_bounds(system), system.defaults)
     found = [(source, _exact(symbols, form, region)) for source, form in forms]
+    if any(f is None for _, f in found) and moves:
+        raise InvalidSystemError(
+            f"{', '.join(source for source, _ in forms)}: the constraint moves, and no integral of it was found; write "
+            'the integral, "f(q, t) = constant"'
+        )
     if any(f is None for _, f in found):
         solved = _solved(symbols, forms, region)
         found = [(source, _exact(symbols, form, region)) for source, form in solved]

@@ -26,6 +26,7 @@ from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 
 _EXAMPLE = '{"x": "r*cos(phi)", "y": "r*sin(phi)"}'
 SECONDS = 5.0
+_TIME = sp.Symbol("t", real=True)
 
 
 @one_at_a_time
@@ -145,7 +146,7 @@ def transformed(
     Args:
         system: in the coordinates q.
         new: the coordinates Q.
-        formulas: f, one for each q.
+        formulas: f, one for each q; where they hold the time, so do T and V.
         bounds: open interval of each Q.
         domains: of Q, as ``System`` takes them.
         constants: parameters that f holds and the system does not.
@@ -153,7 +154,7 @@ def transformed(
     speeds = [c.velocity for c in new]
     old = dict(zip([c.symbol for c in system.coordinates], formulas, strict=True))
     rates = {
-        c.velocity: sp.Add(*(sp.diff(f, Q.symbol) * Q.velocity for Q in new))
+        c.velocity: sp.diff(f, _TIME) + sp.Add(*(sp.diff(f, Q.symbol) * Q.velocity for Q in new))
         for c, f in zip(system.coordinates, formulas, strict=True)
     }
     T = sp.expand(system.kinetic.xreplace({**old, **rates}))
@@ -162,6 +163,8 @@ def transformed(
         kinetic += short_form(coefficient, bounds) * sp.Mul(*(speeds[k] for k in key))
     place = {axis: formula.xreplace(old) for axis, formula in system.place.items()}
     potential = short_form(system.potential.xreplace(old), bounds)
+    if _TIME not in kinetic.free_symbols | potential.free_symbols and any(f.has(_TIME) for f in place.values()):
+        place = {}  # where a system without the time is in space may not hold it
     kept = {*domains, *(p.name for p in system.parameters), "t"}
     units = {name: unit for name, unit in system.declared_units if name in kept}
     return System(

@@ -91,18 +91,20 @@ def _start(system: System, new: Mapping[str, str]) -> _Posed:
 
 
 def _without_gauge(system: System, posed: _Posed, Q: list[sp.Symbol], speeds: list[sp.Symbol]) -> _Posed:
-    """Linear terms a_i(q_i, t) q̇_i that hold the time are d/dt of Λ = Σ ∫ a_i dq_i but for −∂Λ/∂t, which joins V."""
+    """Linear terms a_i(q_i, t) q̇_i are d/dt of Λ = Σ ∫ a_i dq_i but for −∂Λ/∂t, which joins V."""
     rest = dict.fromkeys(speeds, sp.S.Zero)
     a = [sp.diff(posed.kinetic, v).subs(rest) for v in speeds]
     alone = all(not x.free_symbols & (set(Q) - {q}) for x, q in zip(a, Q, strict=True))
-    if required(system.time) not in sp.Add(*a).free_symbols or not alone:
+    if not any(a) or not alone:
         return posed
     Λ = sp.Add(*(sp.integrate(x, q) for x, q in zip(a, Q, strict=True)))
     if Λ.has(sp.Integral):
         return posed
-    T0 = posed.kinetic.subs(rest)
+    T0, t = posed.kinetic.subs(rest), required(system.time)
+    Λ += T0 * t if not T0.free_symbols & {*Q, t} else 0  # a constant joins the gauge, not V
     T2 = sp.expand(posed.kinetic - T0 - sp.Add(*(x * v for x, v in zip(a, speeds, strict=True))))
-    return _Posed(T2, sp.expand(posed.potential - T0 + sp.diff(Λ, required(system.time))), posed.place, Λ)
+    V = posed.potential - T0 + sp.diff(Λ, t)
+    return _Posed(T2, sp.expand(V), posed.place, posed.gauge + Λ)
 
 
 def _frame(system: System, new: Mapping[str, str], posed: _Posed) -> Frame | None:
@@ -149,7 +151,8 @@ def _uniform(system: System, new: Mapping[str, str], posed: _Posed) -> Iterator[
         V = _without_time(posed.potential.subs(shift, simultaneous=True), t)
         if V is not None:
             place = {name: f.subs(shift, simultaneous=True) for name, f in posed.place.items()}
-            yield _Posed(sp.expand(posed.kinetic.subs(faster, simultaneous=True)), V, place, posed.gauge)
+            T, Λ = sp.expand(posed.kinetic.subs(faster, simultaneous=True)), posed.gauge.subs(shift, simultaneous=True)
+            yield _without_gauge(system, _Posed(T, V, place, Λ), Q, speeds)
 
 
 def _solutions(condition: sp.Expr, unknown: list[sp.Dummy], at: list[sp.Symbol]) -> Iterator[list[sp.Expr]]:
@@ -318,7 +321,8 @@ def _driven(M: sp.Matrix, K: sp.Matrix, F: sp.Matrix, t: sp.Symbol) -> sp.Matrix
 
 def _kinds_of(term: sp.Expr, t: sp.Symbol) -> tuple[int, sp.Expr, tuple[sp.Expr, ...]] | None:
     """k, e^{at} and the waves of a term c t^k e^{at} cos(bt + c); None of any other."""
-    power, growth, waves = 0, sp.S.One, (sp.S.One,)
+    power, growth = 0, sp.S.One
+    waves: tuple[sp.Expr, ...] = (sp.S.One,)
     for factor in sp.Mul.make_args(term):
         if t not in factor.free_symbols:
             continue

@@ -3,7 +3,8 @@
 The coordinates do not change. An impulse adds Δpᵢ = Q̂ᵢ, or Δp = m(q) Δq̇ (Greenwood (3-24)–(3-29)); a wall at a
 coordinate surface exerts an impulse along its own coordinate alone, such that q̇ᵢ becomes −e q̇ᵢ, e the restitution:
 Δpᵢ = −(1 + e) q̇ᵢ/(m⁻¹)ᵢᵢ. An elastic one, e = 1, keeps the energy: ΔH = q̇ᵢ Δpᵢ + ½ (m⁻¹)ᵢᵢ Δpᵢ² = 0; with an
-orthogonal T without linear terms it is pᵢ → −pᵢ.
+orthogonal T without linear terms it is pᵢ → −pᵢ. An impact is a constraint that appears at an instant: see
+``hjsolve.extended.impacts``.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from hjsolve.catalog.schema import nearest
 from hjsolve.catalog.toml_file import Toml
 from hjsolve.display.shown import Shown
 from hjsolve.errors import CatalogError, InvalidInputError, required
+from hjsolve.extended.impacts import ImpactForms, impulses, read_forms
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System, inverse_mass_matrix, linear_terms, mass_matrix, momenta, velocities
 
@@ -28,13 +30,14 @@ class Event(Shown):
     """Something that happens at an instant.
 
     Attributes:
-        kind: ``impulse`` or ``wall``.
+        kind: ``impulse``, ``wall`` or ``impact``.
         name: for display.
         time: when, exact; None where it happens at a place.
         coordinate, value: where; None for a given time.
         passage: of an impulse at a place, which crossing after the start: 0 is the first.
         momentum, velocity: the jumps of an impulse, by coordinate, exact.
-        restitution: of a wall, the part of the speed against it that is left, exact, from 0 to 1.
+        restitution: of a wall or an impact, the part of the speed against it that is left, exact, from 0 to 1.
+        forms: of an impact, the constraints that appear.
     """
 
     kind: str
@@ -46,6 +49,7 @@ class Event(Shown):
     momentum: Mapping[str, sp.Expr] | None = None
     velocity: Mapping[str, sp.Expr] | None = None
     restitution: sp.Expr = sp.S.One
+    forms: ImpactForms | None = None
 
     @property
     def elastic(self) -> bool:
@@ -91,6 +95,9 @@ def read_event(table: Toml, system: System, where: str) -> Event:
         value=number(at["value"], source=f"{where}.at.value") if "value" in at else None,
         momentum=_jumps(table, "momentum", where), velocity=_jumps(table, "velocity", where),
         restitution=_restitution(table, where),
+        forms=None if table["kind"] != "impact" else read_forms(
+            system, table["constraints"], table.get("restitution", 0), f"{where}.constraints"
+        ),
     )  # fmt: skip
     if event.coordinate is not None and event.value is not None:
         domain = system.coordinate(event.coordinate).domain
@@ -146,6 +153,9 @@ def changed(event: Event, system: System, values: Mapping[sp.Symbol, sp.Expr]) -
         against = sp.cancel(-(inverse.row(i) * moving)[0] / inverse[i, i])
         jump = (1 + event.restitution) * against.xreplace(dict(values))
         return before | {coordinate: sp.expand(before[coordinate] + jump)}
+    if event.forms is not None:
+        _, pushed = impulses(system, event.forms, values)
+        return {name: sp.expand(p + pushed[i]) for i, (name, p) in enumerate(before.items())}
     if event.momentum is not None:
         return {name: sp.expand(p + event.momentum.get(name, 0)) for name, p in before.items()}
     jumps = sp.Matrix([(event.velocity or {}).get(name, 0) for name in names])

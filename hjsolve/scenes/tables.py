@@ -23,9 +23,10 @@ WANTED = (
 )  # fmt: skip
 _TEXT, _NUMBERS = Key("text"), Key("numbers")
 _EVENT = {
-    "kind": Key("text", True, choices=("impulse", "wall")), "at": Key("table", True, keys={
+    "kind": Key("text", True, choices=("impulse", "wall", "impact")), "at": Key("table", True, keys={
         "t": Key("number"), "coordinate": _TEXT, "value": Key("number"), "passage": Key("number")}),
     "momentum": _NUMBERS, "velocity": _NUMBERS, "restitution": Key("number"), "surface": _TEXT, "name": _TEXT,
+    "constraints": Key("texts"),
 }  # fmt: skip
 _TIMES = {"start": Key("number", True), "stop": Key("number", True), "count": Key("number", True)}
 SCENE = {
@@ -150,6 +151,13 @@ def _event_faults(event: Toml, where: str) -> Iterator[str]:
         yield from (f"{where}.{key}: belongs to a wall" for key in ("restitution", "surface") if key in event)
     elif event.get("kind") == "wall":
         yield from _wall_faults(event, where)
+    elif event.get("kind") == "impact":
+        others = ("momentum", "velocity", "surface")
+        yield from (f"{where}.{key}: an impact says its constraints, not the jump" for key in others if key in event)
+        if not event.get("constraints"):
+            yield f'{where}.constraints: missing; write what holds just after, such as ["dot(y) = 0"]'
+    if event.get("kind") in ("impulse", "wall") and "constraints" in event:
+        yield f'{where}.constraints: belongs to kind = "impact"'
 
 
 def _wall_faults(event: Toml, where: str) -> Iterator[str]:

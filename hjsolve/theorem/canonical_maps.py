@@ -48,6 +48,7 @@ class CanonicalMap(Shown):
         why_not: ``F1`` … ``F4`` → why there is none here.
         where: ``F1`` … ``F4`` → the part of phase space on which it was verified, in words; empty: everywhere.
         hamiltonian: K in (q, p, t) where H was given, else None.
+        variables: names of the old variables, coordinates first: the columns of ``jacobian``.
     """
 
     map: Mapping[str, sp.Expr]
@@ -59,6 +60,25 @@ class CanonicalMap(Shown):
     why_not: Mapping[str, str]
     where: Mapping[str, str]
     hamiltonian: sp.Expr | None = None
+    variables: tuple[str, ...] = ()
+
+    def lagrange_bracket(self, u: str, v: str) -> sp.Expr:
+        """Return the Lagrange bracket [u, v] = Σ ∂Q/∂u ∂P/∂v − ∂P/∂u ∂Q/∂v (6-206) of two old variables.
+
+        It is μ for a coordinate and its momentum, −μ the other way round, and 0 for any other two (6-207).
+
+        Args:
+            u, v: names of old variables.
+
+        Raises:
+            InvalidInputError: not the name of an old variable.
+        """
+        for name in (u, v):
+            if name not in self.variables:
+                raise InvalidInputError(f"lagrange_bracket: {name} is not one of {', '.join(self.variables)}")
+        M, n = self.jacobian, len(self.variables) // 2
+        i, j = self.variables.index(u), self.variables.index(v)
+        return sp.simplify(sp.Add(*(M[k, i] * M[n + k, j] - M[n + k, i] * M[k, j] for k in range(n))))
 
     def __str__(self) -> str:
         """Return the statement in one sentence."""
@@ -164,6 +184,7 @@ def _decide(
     return CanonicalMap(
         dict(formulas), μ, sp.ImmutableMatrix([*Q, *P]).jacobian(variables).as_immutable(), ψ, added,
         found.functions, found.why_not, found.where, None if H is None else short(μ * H + added, space),
+        tuple(x.name for x in variables),
     )  # fmt: skip
 
 

@@ -19,9 +19,11 @@ from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 from hjsolve.theorem.integrals import short
 from hjsolve.theorem.phase_space import PhaseSpace
 from hjsolve.theorem.reading import new_names, read_formula
+from hjsolve.theorem.time_limit import within_seconds
 
 KINDS = ("F1", "F2", "F3", "F4")
 MOST_OPERATIONS = 120
+SECONDS_TO_SOLVE, SECONDS_TO_SIMPLIFY = 10.0, 3.0
 """Equations that are longer are not solved."""
 
 
@@ -125,8 +127,10 @@ def _search(name: str, kind: _Kind, given: Generating, found: Found, seconds: fl
 
 def _shorter(F: sp.Expr) -> sp.Expr:
     """Of the function and sympy's simplification the shorter one; which it is is verified afterwards."""
-    simple = sp.simplify(F) if sp.count_ops(F) <= MOST_OPERATIONS else F
-    return min(F, simple, key=sp.count_ops)
+    if sp.count_ops(F) > MOST_OPERATIONS:
+        return F
+    simple = within_seconds(SECONDS_TO_SIMPLIFY, lambda: sp.simplify(F))
+    return F if simple is None else min(F, simple, key=sp.count_ops)
 
 
 def _holds(
@@ -153,7 +157,7 @@ def _holds(
 
 
 def solutions(equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -> list[dict[sp.Symbol, sp.Expr]]:
-    """Return the solutions that sympy finds, none where the equations are long or of no known kind.
+    """Return the solutions that sympy finds, none where the equations are long, of no known kind, or take too long.
 
     Args:
         equations: what has to vanish.
@@ -162,8 +166,10 @@ def solutions(equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -> li
     if sum(int(sp.count_ops(e)) for e in equations) > MOST_OPERATIONS:
         return []
     try:
-        found = sp.solve(list(equations), list(unknowns), dict=True)
+        found = within_seconds(SECONDS_TO_SOLVE, lambda: sp.solve(list(equations), list(unknowns), dict=True))
     except NotImplementedError:
+        return []
+    if found is None:
         return []
     whole = [s for s in found if set(s) == set(unknowns)]
     signed = [{x: v.replace(sp.Abs, lambda a: a) for x, v in s.items()} for s in whole]  # which sign is verified later

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import sympy as sp
@@ -10,6 +11,7 @@ from hjsolve import arguments
 from hjsolve.algebra.poly import Budget, WorkLimitError
 from hjsolve.algebra.readable import shortest_form
 from hjsolve.algebra.reader import Reader
+from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.brackets import bracket
 from hjsolve.precision import one_at_a_time
 from hjsolve.separation import Undecided
@@ -97,6 +99,45 @@ def _function(given: object, space: PhaseSpace, name: str) -> sp.Expr:
     return found.xreplace({symbol: space.velocities[q] for q, symbol in speeds.items()})
 
 
+@one_at_a_time
+def involution(
+    functions: Sequence[object], system: Subject | str | Path, *, budget: float = BUDGET
+) -> Proof | Flaw | Undecided:
+    """Decide whether functions are in involution: every two of them have the Poisson bracket 0.
+
+    n integrals of the motion of n coordinates in involution are what a complete integral gives (Greenwood (6-236)).
+
+    Args:
+        functions: of coordinates, momenta ``p_q``, parameters and t, as text or sympy expressions; ``"H"`` is H.
+        system: the system, or the id or file of a catalog entry.
+        budget: seconds for each bracket.
+
+    Returns:
+        ``Proof``; ``Flaw`` with the first bracket that does not vanish and a witness; ``Undecided``.
+
+    Raises:
+        ExpressionError: a function cannot be read.
+        InvalidInputError: fewer than two functions, or not a system.
+
+    Example:
+        >>> import hjsolve
+        >>> bool(hjsolve.involution(["H", "p_theta"], "kepler-planar"))
+        True
+    """
+    given = list(functions) if isinstance(functions, (list, tuple)) else []
+    if len(given) < 2:
+        raise InvalidInputError('involution: two functions or more are needed, such as ["H", "p_theta"]')
+    space, seconds = phase_space_of(system, "is_integral"), arguments.seconds(budget, "budget")
+    read = [_function(f, space, f"functions[{k}]") for k, f in enumerate(given, start=1)]
+    for i, f in enumerate(read):
+        for j in range(i):
+            what = f"the bracket of functions {j + 1} and {i + 1} does not vanish"
+            wrong = space.proved_zero(bracket(read[j], f, space.pairs), "brackets", what, seconds)
+            if wrong is not None:
+                return wrong
+    return Proof("every two of the functions have the Poisson bracket 0", sp.Tuple(*read))
+
+
 def short(value: sp.Expr, space: PhaseSpace) -> sp.Expr:
     """Return an expression in the shortest of a few exact forms; as it stands where that takes long.
 
@@ -113,4 +154,4 @@ def short(value: sp.Expr, space: PhaseSpace) -> sp.Expr:
         return value
 
 
-__all__ = ["is_integral", "poisson_bracket", "short"]
+__all__ = ["involution", "is_integral", "poisson_bracket", "short"]

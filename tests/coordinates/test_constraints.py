@@ -93,8 +93,6 @@ def test_a_nonholonomic_constraint_is_refused_with_a_witness(
 
 
 @pytest.mark.parametrize(("constraint", "message"), [
-    ("x = y + t", "holds the time"),
-    ("2*dot(x) + 3*dot(y) + 5 = 0", "moves with the time"),
     ("dot(x)**2 = 1", "linear"),
     ("x*y = 1", "not solved"),
     ("x = y = 0", "one equation"),

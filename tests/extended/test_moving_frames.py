@@ -107,3 +107,14 @@ def test_initial_data_are_checked() -> None:
         frame.motion(q={"x": 0, "y": 0})
     with pytest.raises(MissingValueError, match="q: no value for y; every coordinate needs one"):
         frame.motion(q={"x": 0}, velocity={"x": 0, "y": 0})
+
+
+def test_the_command_line_speaks_both_coordinates_of_a_frame(capsys: pytest.CaptureFixture[str]) -> None:
+    """The entry's own motion, at rest at first: q = Q + t for the anchor that moves with the speed 1."""
+    from hjsolve.command_line.main import main
+
+    assert main(["motion", "spring-moving-anchor", "--times", "0,1.5"]) == 0
+    header, _, row = capsys.readouterr().out.splitlines()
+    at = dict(zip(header.split(","), row.split(","), strict=True))
+    assert {"q.Q", "q.q", "p.Q", "p.q", "error.q.q"} <= set(at)
+    assert abs(float(at["q.q"]) - float(at["q.Q"]) - 1.5) <= float(at["error.q.q"]) + float(at["error.q.Q"])

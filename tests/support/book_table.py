@@ -16,7 +16,7 @@ from tests.support.entries import described
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "book.md"
 MODULES = tuple(
     f"tests.catalog.test_book_{name}"
-    for name in (*(f"chapter_{n}" for n in range(1, 7)), "problems_2", "canonical", "extended", "relativity")
+    for name in (*(f"chapter_{n}" for n in range(1, 7)), "problems_2", "canonical", "extended", "relativity", "machine")
 )
 _SPLIT = {"C23", "C25", "C26", "C38", "C43", "C84"}
 ROWS = tuple(
