@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from hjsolve.ensembles import Batch as Batch
     from hjsolve.ensembles import Status as Status
     from hjsolve.ensembles import ensemble as ensemble
+    from hjsolve.ensembles.orbit_derivatives import BatchDerivatives as BatchDerivatives
+    from hjsolve.ensembles.orbit_derivatives import ensemble_derivatives as ensemble_derivatives
     from hjsolve.errors import CatalogError as CatalogError
     from hjsolve.errors import ClusterError as ClusterError
     from hjsolve.errors import ExpressionError as ExpressionError
@@ -57,6 +59,7 @@ if TYPE_CHECKING:
     from hjsolve.mechanics.system import Domain as Domain
     from hjsolve.mechanics.system import Parameter as Parameter
     from hjsolve.mechanics.system import System as System
+    from hjsolve.motion.derivatives.results import Derivatives as Derivatives
     from hjsolve.motion.motion import Motion as Motion
     from hjsolve.motion.state import AnyMotion as AnyMotion
     from hjsolve.motion.state import State as State
@@ -96,6 +99,8 @@ _PUBLIC = {
     "rays.families": "wavefronts Wavefronts",
     "rays.family_curve": "FamilyCurve",
     "ensembles": "ensemble Batch Status",
+    "ensembles.orbit_derivatives": "ensemble_derivatives BatchDerivatives",
+    "motion.derivatives.results": "Derivatives",
     "sweeps": "sweep SweepResult",
     "motion.motion": "Motion",
     "motion.state": "AnyMotion State",
