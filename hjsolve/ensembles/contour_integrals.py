@@ -23,7 +23,7 @@ from hjsolve.arithmetic.tape import Tape
 from hjsolve.one_coordinate.regular_factor import ComplexPoints
 
 _LONG, _NEAR = 48.0, 8.0
-"""n η of a path e^η away: what is left is e^−48 where the next singularity is as far again; and more of it for small η."""
+"""n η of a path e^η away: e^−48 is left where the next singularity is as far again; and what is added for small η."""
 _POWER = 1.5
 """c^1.5 is claimed where c² is expected."""
 _PLACES = 16.0

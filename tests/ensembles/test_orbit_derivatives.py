@@ -86,12 +86,14 @@ def test_claims_against_single_motions(name):
 
 
 def test_statuses_of_orbits_without_derivatives():
-    found = hjsolve.ensemble_derivatives("kepler-planar", q={"r": [1.0, 1.0], "theta": 0}, p={"r": 0, "theta": [1.2, 1.9]})
+    found = hjsolve.ensemble_derivatives(
+        "kepler-planar", q={"r": [1.0, 1.0], "theta": 0}, p={"r": 0, "theta": [1.2, 1.9]}
+    )
     assert found.status.tolist() == ["ok", "unbounded"]
     assert np.isnan(found.value["frequencies"]["r"]["E"][1])
     assert np.isnan(found.error["frequencies"]["r"]["E"][1])
 
 
 def test_refusals_say_what_to_write():
-    with pytest.raises(InvalidInputError, match="write motion.derivatives"):
+    with pytest.raises(InvalidInputError, match=r"write motion\.derivatives"):
         hjsolve.ensemble_derivatives("free-particle", q={}, p={})

@@ -78,7 +78,9 @@ def test_a_circle_by_differences_of_orbits_that_are_none(kepler):
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("velocity", [{"r": "0.5", "theta": "1.5"}, {"r": "-0.5", "theta": "1.5"}, {"r": 0, "theta": "1.5"}])
+@pytest.mark.parametrize(
+    "velocity", [{"r": "0.5", "theta": "1.5"}, {"r": "-0.5", "theta": "1.5"}, {"r": 0, "theta": "1.5"}]
+)
 def test_hyperbolas_by_differences(kepler, velocity):
     motion = kepler.motion(q={"r": 1, "theta": 0}, velocity=velocity)
     assert_claims(motion.transition_matrix("37.5"), by_differences(kepler, motion, "37.5"))
@@ -189,7 +191,9 @@ def test_two_centres_told_in_the_plane():
         for sign in (1, -1):
             moved = [x + sign * h * (i == k) for i, x in enumerate(begin)]
             pair.append(end(dict(zip("xy", moved[:2], strict=True)), dict(zip("xy", moved[2:], strict=True))))
-        columns.append([(many.convert(a) - many.convert(b)) * many.mpf(10) ** 14 / 2 for a, b in zip(*pair, strict=True)])
+        columns.append(
+            [(many.convert(a) - many.convert(b)) * many.mpf(10) ** 14 / 2 for a, b in zip(*pair, strict=True)]
+        )
     motion = solution.motion(q={"x": "0.3", "y": 1}, p={"x": 0, "y": "0.2"})
     assert_claims(motion.transition_matrix("7.5"), np.array(columns, dtype=object).T)
 

@@ -1,7 +1,7 @@
 r"""How the integrals of a motion that does not come back change with constants and parameters.
 
-A branch is q(y) = a ± x(y) from its start to its end (``one_coordinate.chebyshev_panels``). A turning point a moves with
-the variables, a_b = −F_b/F_q; the start of a motion that does not turn, and an end at a finite distance ℓ, are kept. So
+A branch is q(y) = a ± x(y) from its start to its end (``one_coordinate.chebyshev_panels``). A turning point a moves
+with the variables, a_b = −F_b/F_q; the start of a motion that does not turn, and an end at a finite distance ℓ, are kept. So
 
     q_b = a_b (1 − x/ℓ),  ω_b = (ln dq/dy)_b = ∓a_b/ℓ      (ℓ = ∞ on the way to infinity),
 
@@ -141,7 +141,7 @@ class _Piece:
 
 
 @lru_cache(maxsize=1024)
-def _rule(formulas: Formulas, bits: int):  # type: ignore[no-untyped-def]  # noqa: ANN202
+def _rule(formulas: Formulas, bits: int):  # type: ignore[no-untyped-def]
     return formulas.bound(bits)
 
 
@@ -259,6 +259,3 @@ def _branch_variations(branch: Branch, formulas: Formulas, digits: int) -> Branc
         at = formulas.bound(bits).at(branch.way.start)
         start = [-by / at.slope for by in at.by]
     return BranchVariations(branch, formulas, start, digits)
-
-
-

@@ -144,7 +144,7 @@ def cycle_variations(course: Periodic, formulas: Formulas, scale: list[Mpf], dig
     ends = None
     if not course.rotates:
         ends = tuple(_end_by(rule.at(context.convert(end))) for end in course.turning_points)
-    nodes, n, count = max(course.momentum.nodes, course.nodes, 8), rule.constants, formulas.variables.count
+    nodes = max(course.momentum.nodes, course.nodes, 8)
     for _ in range(_ATTEMPTS):
         rows, sizes = zip(
             *(_values(course, rule, scale, ends, place) for place in course.anomaly.places(nodes, Multi(bits))),
@@ -201,7 +201,5 @@ def _values(
             second.append(terms[0] + terms[1] + terms[2] - own)
             sizes.append(float(sum(map(abs, terms)) + abs(own) + abs(at.by[j]) * weight * relative[b]))
     density = 2 * weight * at.value  # where turns change their length p_b dq is not periodic, (p dq)_b is
-    first = [
-        density * (growth[b] + scale[b]) if scale[b] else by * weight for b, by in enumerate(at.by)
-    ]
+    first = [density * (growth[b] + scale[b]) if scale[b] else by * weight for b, by in enumerate(at.by)]
     return [*first, *second, *growth], [*[0.0] * len(moved), *sizes, *relative]

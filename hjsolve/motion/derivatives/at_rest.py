@@ -1,8 +1,8 @@
 r"""How the action of a coordinate at rest changes, and how a motion next to it moves.
 
 At a double zero of F = p², F = −x²G(x) about the place of rest, the action is the limit of a vanishing libration. Its
-integral (1/2π) ∮ √F dq round both turning points does not change when its path is drawn away from them, and there it can
-be differentiated; what is left is the residue at x = 0,
+integral (1/2π) ∮ √F dq round both turning points does not change when its path is drawn away from them, and there it
+can be differentiated; what is left is the residue at x = 0,
 
     J_b = [x⁰] ½ F_b G^(−1/2),      J_jb = [x⁰] ½ F_jb G^(−1/2) + [x²] ¼ F_j F_b G^(−3/2).
 

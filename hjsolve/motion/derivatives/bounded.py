@@ -1,8 +1,8 @@
 """Matrices of numbers in many digits, each with a bound on its error in doubles.
 
-Products carry the errors of their factors to first order, |δ(AB)| ≤ |δA||B| + |A||δB|, and a solution x of G x = r those
-of its equations, |δx| ≤ |G⁻¹|(|δr| + |δG||x|) (Higham, Accuracy and Stability of Numerical Algorithms, 2002, §7.1). What
-is of second order is covered by the factor that a result is given (``SAFETY``).
+Products carry the errors of their factors to first order, abs(δ(AB)) ≤ abs(δA) abs(B) + abs(A) abs(δB), and a solution
+x of G x = r those of its equations, abs(δx) ≤ abs(G⁻¹) (abs(δr) + abs(δG) abs(x)) (Higham, Accuracy and Stability of
+Numerical Algorithms, 2002, §7.1). What is of second order is covered by the factor ``SAFETY`` of a result.
 """
 
 from __future__ import annotations

@@ -9,8 +9,8 @@ and the phases are those for which Jacobi's equations hold,
 
     Σ_i (∂G_j/∂χ_i dχ_i + (G_j)_k dα_k) + dq_j = dβ_j          (dq_j of an ignorable coordinate only).
 
-A coordinate at rest, F_i(q⁰(α); α) = 0 with F_i′ = 0, holds the others to α on which dF_i = 0: α = α(a) with fewer a, and
-β_a = β·∂α/∂a. In place of the missing pair stand x = q_i − q⁰(α) and y = p_i, which turn with √(−F″/2) (``at_rest``);
+A coordinate at rest, F_i(q⁰(α); α) = 0 with F_i′ = 0, holds the others to α on which dF_i = 0: α = α(a) with fewer a,
+and β_a = β·∂α/∂a. In place of the missing pair stand x = q_i − q⁰(α) and y = p_i, which turn with √(−F″/2) (``at_rest``);
 they are canonical, and the motion of a adds ½ τ_i (max F_i)_jk to the second derivatives of W and −y q⁰_a to β_a.
 """
 
@@ -131,7 +131,7 @@ class CanonicalMap:
             law = law - Bounded(T.value @ self._tops(part) @ Z.value, np.zeros(law.error.shape)) * _scaled(τ, law)
             law = law + _outer(T @ moved[: T.value.shape[1]], y)
         rates = []
-        for i, own in enumerate(slopes):
+        for own in slopes:
             if own is not None:
                 law = law - T @ own.integrals[:, :, m] @ Z
                 rates.append(T @ own.rates[:, m])
@@ -150,7 +150,7 @@ class CanonicalMap:
     def _beside_rest(
         self, part: CoordinateVariations, phase: tuple[Mpf, int, float], own: tuple[int, int]
     ) -> tuple[Bounded, Bounded, Bounded]:
-        """x and y of a coordinate at rest as rows over all columns, and τ."""
+        """X and y of a coordinate at rest as rows over all columns, and τ."""
         c, (χ, turns, error) = self.context, phase
         gone = c.convert(χ) + 2 * c.pi * turns - c.convert(part.course.start)
         τ, now = part.flow(gone)  # type: ignore[union-attr]
@@ -229,9 +229,7 @@ def symplectic_inverse(D: Bounded) -> Bounded:
     return Bounded(np.concatenate([upper, lower]), np.concatenate([upper_error, lower_error]))
 
 
-def canonical_map(
-    source: SeparatedMotion, variables: Variables, parts: Sequence[CoordinateVariations]
-) -> CanonicalMap:
+def canonical_map(source: SeparatedMotion, variables: Variables, parts: Sequence[CoordinateVariations]) -> CanonicalMap:
     """Make ready what D needs: which constants are independent of each other next to coordinates at rest.
 
     Args:

@@ -1,4 +1,4 @@
-"""What ``Motion.derivatives`` does: derivatives of the numbers of a motion and of its states, brought to what is varied."""
+"""What ``Motion.derivatives`` does: derivatives of results and states, brought to what is varied."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class _Collected:
                 found[0] if len(rows) == 1 else tuple(zip(*(f or (None, None) for f in found), strict=True))  # type: ignore[assignment]
             )
 
-    def refuse(self, quantity: str, name: str, group: Inputs, status: str, pair: bool = False) -> None:  # noqa: FBT001, FBT002
+    def refuse(self, quantity: str, name: str, group: Inputs, status: str, pair: bool = False) -> None:
         """Keep nan for the derivatives of a number, and why.
 
         Args:
@@ -107,7 +107,9 @@ class _Collected:
         else:
             context = multiprecision(bits_for(self.digits, 16))
             plain = np.frompyfunc(context.convert, 1, 1)(value)
-            bound = error + float(multiprecision(64).mpf(10) ** -self.digits) * np.asarray(np.abs(value), dtype=object).astype(float)
+            bound = error + float(multiprecision(64).mpf(10) ** -self.digits) * np.asarray(
+                np.abs(value), dtype=object
+            ).astype(float)
         if shape:
             return np.reshape(plain, shape), np.reshape(bound, shape)
         one = np.ravel(np.asarray(plain, dtype=object))[0]
@@ -137,10 +139,8 @@ def derivatives_of(motion: Motion, of: Iterable[str], by: Iterable[str], t: obje
     map_ = prepared(motion.as_solved, "parameters" in varied)
     found = _Collected(motion.digits)
     if map_ is None:
-        raise InvalidInputError(
-            "derivatives: every coordinate is ignorable, so that q grows evenly; write motion.transition_matrix(t) or "
-            "differentiate solution.separation.shell.potential"
-        )
+        _even_state(motion, wanted, varied, t, found)
+        return Derivatives(found.value, found.error, found.status)
     means = mean_matrix(map_)
     for group in _groups(map_, told, means, varied):
         _numbers(motion, map_, means, group, wanted, found)
@@ -151,6 +151,34 @@ def derivatives_of(motion: Motion, of: Iterable[str], by: Iterable[str], t: obje
     return Derivatives(found.value, found.error, found.status, tuple(found.remarks))
 
 
+def _even_state(motion: Motion, wanted: frozenset[str], varied: frozenset[str], t: object, found: _Collected) -> None:
+    """The state of a motion all of whose coordinates are ignorable: q grows evenly.
+
+    Raises:
+        InvalidInputError: anything else is asked, or by something else.
+    """
+    if wanted != {"state"} or not varied <= {"initial", "parameters"}:
+        raise InvalidInputError(
+            "derivatives: every coordinate is ignorable, so that q grows evenly and J is p; of such a motion there is "
+            'of={"state"} by={"initial", "parameters"}; frequencies are derivatives of '
+            "solution.separation.shell.potential"
+        )
+    shape, floats, exact = _times(motion, t)
+    main, by, _ = matrices(motion, floats, exact, parameters="parameters" in varied)
+    system = motion.solution.system
+    names = [q.name for q in system.coordinates]
+    empty = Bounded.exact(np.zeros((0, 0), dtype=object))
+    groups = []
+    if "initial" in varied:
+        own = tuple([f"q.{name}" for name in names] + [f"p.{name}" for name in names])
+        groups.append((Inputs(own, None, empty), main))
+    if "parameters" in varied:
+        groups.append((Inputs(tuple(p.name for p in system.parameters), None, empty), by))
+    for group, rows in groups:
+        for k in range(2 * len(names)):
+            found.put("qp"[k >= len(names)], names[k % len(names)], group, [rows[:, k]], shape)
+
+
 def _words(given: Iterable[str], what: str, known: Sequence[str]) -> frozenset[str]:
     names = arguments.words(given, what, '{"frequencies"}')
     for name in sorted(names - set(known)):
@@ -158,9 +186,7 @@ def _words(given: Iterable[str], what: str, known: Sequence[str]) -> frozenset[s
     return names
 
 
-def _groups(
-    map_: CanonicalMap, told: Told | None, means: MeanMatrix | None, varied: frozenset[str]
-) -> list[Inputs]:
+def _groups(map_: CanonicalMap, told: Told | None, means: MeanMatrix | None, varied: frozenset[str]) -> list[Inputs]:
     """What is varied, in terms of the constants of the motion."""
     solution, n = map_.source.solution, map_.freedoms
     system, c, m = solution.system, map_.context, len(map_.variables.parameters)
@@ -331,7 +357,7 @@ def _exactly(x: float) -> Callable[[int], Mpf]:
 def _state(
     motion: Motion, map_: CanonicalMap, told: Told | None, varied: frozenset[str], t: object, found: _Collected
 ) -> None:
-    """q and p at times."""
+    """Q and p at times."""
     shape, floats, exact = _times(motion, t)
     main, by, frames = matrices(motion, floats, exact, parameters="parameters" in varied)
     names = told.names if told is not None else [q.name for q in map_.source.solution.system.coordinates]
@@ -356,5 +382,3 @@ def _state(
                 found.refuse("qp"[k >= n], names[k % n], group, DEPENDENT)
             else:
                 found.put("qp"[k >= n], names[k % n], group, [rows[:, k]], shape)
-
-

@@ -41,7 +41,7 @@ def finer(motion: Motion, more: int = MORE) -> SeparatedMotion:
 
 
 @lru_cache(maxsize=16)
-def prepared(motion: Motion, parameters: bool, more: int = MORE) -> CanonicalMap | None:  # noqa: FBT001
+def prepared(motion: Motion, parameters: bool, more: int = MORE) -> CanonicalMap | None:
     """Return the derivatives of all integrals of a motion; None where every coordinate is ignorable.
 
     Args:

@@ -151,7 +151,7 @@ def _nothing(shape: tuple[int, ...], map_: CanonicalMap) -> Bounded:
 def _all_ignorable(
     motion: Motion, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]], *, parameters: bool
 ) -> tuple[Bounded, Bounded]:
-    """q grows evenly: q(t) = q₀ + (t − t₀) ∂H/∂p."""
+    """Evenly growing q: q(t) = q₀ + (t − t₀) ∂H/∂p."""
     system, source = motion.solution.system, motion.separated
     H = motion.solution.separation.shell.potential
     bits = bits_for(motion.digits + MORE, 128)
@@ -211,5 +211,3 @@ def rounded(found: Bounded, digits: int, shape: tuple[int, ...] | None) -> Estim
     value = np.frompyfunc(context.convert, 1, 1)(found.value)
     unit = float(multiprecision(64).mpf(10) ** -digits)
     return EstimateArray(value.reshape(full), (SAFETY * found.error + unit * found.size).reshape(full))
-
-
