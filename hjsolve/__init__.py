@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     from hjsolve.mechanics.system import Domain as Domain
     from hjsolve.mechanics.system import Parameter as Parameter
     from hjsolve.mechanics.system import System as System
-    from hjsolve.motion.derivatives.results import Derivatives as Derivatives
+    from hjsolve.motion.derivative_values import MotionDerivatives as MotionDerivatives
     from hjsolve.motion.motion import Motion as Motion
     from hjsolve.motion.state import AnyMotion as AnyMotion
     from hjsolve.motion.state import State as State
@@ -100,7 +100,7 @@ _PUBLIC = {
     "rays.family_curve": "FamilyCurve",
     "ensembles": "ensemble Batch Status",
     "ensembles.orbit_derivatives": "ensemble_derivatives BatchDerivatives",
-    "motion.derivatives.results": "Derivatives",
+    "motion.derivative_values": "MotionDerivatives",
     "sweeps": "sweep SweepResult",
     "motion.motion": "Motion",
     "motion.state": "AnyMotion State",
@@ -135,6 +135,7 @@ def _room(name: str) -> Any:
 
 _renderers.register("plots", lambda: _room("plots"))
 _renderers.register("notebook", lambda: _room("reports.notebook"))
+_renderers.register("derivatives", lambda: _room("motion.derivatives.derivatives"))
 
 
 def __getattr__(name: str) -> Any:

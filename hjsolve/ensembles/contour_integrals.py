@@ -13,7 +13,7 @@ are n, every other one shows what n/2 leave open, c, and n leave about c².
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -99,8 +99,8 @@ def _differentiated(
     for j in range(n):
         bent = first[j] * inverse / 2
         for k in range(j, n):
-            f, terms = -bent * first[k], 0.0
-            terms = _size(f)
+            f = -bent * first[k]
+            terms: Any = _size(f)
             if np.ndim(others[position]) or others[position] != 0:
                 own = others[position] * half
                 f, terms = f + own, terms + _size(own)

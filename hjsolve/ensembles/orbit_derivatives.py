@@ -148,9 +148,8 @@ def _coordinate(
     ends = [None if end is None else float(to_bits(end)(64)) for end in domain_ends(solution.system, name, exact)]
     least = 1.0 if solution.system.coordinate(name).domain.kind == "angle" else 0.0
     n, m = len(κ), len(open_)
-    result = Seconds(
-        np.full(m, np.nan), np.full((n, m), np.nan), *(np.zeros((n, n, m)) for _ in range(3)), np.zeros(m, bool)
-    )
+    second, error, scale = (np.zeros((n, n, m)) for _ in range(3))
+    result = Seconds(np.full(m, np.nan), np.full((n, m), np.nan), second, error, scale, np.zeros(m, dtype=bool))
     fine, turning = np.zeros(m, dtype=bool), np.isfinite(low) & np.isfinite(high)
     for attempt, (part, more) in enumerate(_PATHS):
         left = np.flatnonzero(~fine & turning)

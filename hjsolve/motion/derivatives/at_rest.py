@@ -18,7 +18,7 @@ import numpy as np
 from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Context, Mpf
 from hjsolve.motion.derivatives.bounded import Bounded
-from hjsolve.motion.derivatives.formulas import AtPlace, Formulas
+from hjsolve.motion.derivatives.formulas import AtPlace, SquareDerivatives
 from hjsolve.one_coordinate.coordinate_motion import AtRest
 
 
@@ -34,7 +34,7 @@ class RestVariations:
     """
 
     course: AtRest
-    formulas: Formulas
+    formulas: SquareDerivatives
     at: AtPlace
     context: Context
 
@@ -103,7 +103,7 @@ class RestVariations:
         return Bounded.exact(value)
 
 
-def rest_variations(course: AtRest, formulas: Formulas, digits: int) -> RestVariations:
+def rest_variations(course: AtRest, formulas: SquareDerivatives, digits: int) -> RestVariations:
     """Differentiate what a motion next to a place of rest does.
 
     Args:

@@ -25,7 +25,7 @@ REMARKS = {
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Derivatives(ByValue, Shown):
+class MotionDerivatives(ByValue, Shown):
     """Derivatives of a motion.
 
     Attributes:
