@@ -64,9 +64,9 @@ def integrated(name: str, motion: Any, times: list[float]) -> list[Any]:
     result = []
     for t in times:
         stepper.propagate_until(quad_twin.quad(t))
-        result.append(
-            np.array([mpmath.mpf(str(x)) for x in stepper.state[2 * n :]], dtype=object).reshape(2 * n, 2 * n)
-        )
+        with mpmath.workdps(40):
+            numbers = [mpmath.mpf(str(x)) for x in stepper.state[2 * n :]]
+        result.append(np.array(numbers, dtype=object).reshape(2 * n, 2 * n))
     return result
 
 

