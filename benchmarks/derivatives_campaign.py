@@ -2,10 +2,11 @@
 
     python -m benchmarks.derivatives_campaign --motions 10000 --seed 1
 
-Random motions over the whole catalog (``tests/support/random_motions``): hard starts on purpose, at turning points, next
-to ends of domains, nearly at rest. Each is differentiated by all initial data and all parameters, and compared along one
-random direction of them all with differences of motions of ``DIGITS`` digits, (f(h) − f(−h))/2h with h = 10^−15: right to
-25 digits where the third derivatives are no larger than 10^5. Status 1 where an error is larger than was claimed.
+Random motions over the whole catalog (``tests/support/random_motions``): hard starts on purpose, at turning points,
+next to ends of domains, nearly at rest. Each is differentiated by all initial data and all parameters, and compared
+along one random direction of them all with differences of motions of ``DIGITS`` digits, (f(h) − f(−h))/2h with
+h = 10^−15: right to 25 digits where the third derivatives are no larger than 10^5. Status 1 where an error is larger
+than was claimed.
 """
 
 from __future__ import annotations

@@ -58,11 +58,15 @@ def integrated(name: str, motion: Any, times: list[float]) -> list[Any]:
     symbols = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
     start = [quad_twin.quad(sp.N(motion.initial.values[s], 45)) for s in symbols]
     equations = hy.var_ode_sys(sys, hy.var_args.vars)
-    stepper = hy.taylor_adaptive(equations, start, fp_type=quad_twin.Quad, tol=quad_twin.Quad("1e-30"), compact_mode=True)
+    stepper = hy.taylor_adaptive(
+        equations, start, fp_type=quad_twin.Quad, tol=quad_twin.Quad("1e-30"), compact_mode=True
+    )
     result = []
     for t in times:
         stepper.propagate_until(quad_twin.quad(t))
-        result.append(np.array([mpmath.mpf(str(x)) for x in stepper.state[2 * n :]], dtype=object).reshape(2 * n, 2 * n))
+        with mpmath.workdps(40):
+            numbers = [mpmath.mpf(str(x)) for x in stepper.state[2 * n :]]
+        result.append(np.array(numbers, dtype=object).reshape(2 * n, 2 * n))
     return result
 
 
@@ -116,7 +120,8 @@ def far(names: tuple[str, ...]) -> None:
         defect, bound = symplectic(M, found.error)
         condition = np.abs(M).max() ** 2
         print(
-            f"{name:24s}{np.abs(M).max():8.1e}  {condition:8.1e}   {defect:8.1e}  {bound:8.1e}  {defect / condition:8.1e}"
+            f"{name:24s}{np.abs(M).max():8.1e}  {condition:8.1e}   {defect:8.1e}  {bound:8.1e}"
+            f"  {defect / condition:8.1e}"
             f"          {took[1]:.0f}   {took[0]:.0f}",
             flush=True,
         )

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from hjsolve.ensembles import Batch as Batch
     from hjsolve.ensembles import Status as Status
     from hjsolve.ensembles import ensemble as ensemble
+    from hjsolve.ensembles.orbit_derivatives import BatchDerivatives as BatchDerivatives
+    from hjsolve.ensembles.orbit_derivatives import ensemble_derivatives as ensemble_derivatives
     from hjsolve.errors import CatalogError as CatalogError
     from hjsolve.errors import ClusterError as ClusterError
     from hjsolve.errors import ExpressionError as ExpressionError
@@ -61,6 +63,7 @@ if TYPE_CHECKING:
     from hjsolve.mechanics.system import Parameter as Parameter
     from hjsolve.mechanics.system import System as System
     from hjsolve.mechanics.system import parameter as parameter
+    from hjsolve.motion.derivative_values import MotionDerivatives as MotionDerivatives
     from hjsolve.motion.motion import Motion as Motion
     from hjsolve.motion.state import AnyMotion as AnyMotion
     from hjsolve.motion.state import State as State
@@ -107,6 +110,8 @@ _PUBLIC = {
     "rays.families": "wavefronts Wavefronts",
     "rays.family_curve": "FamilyCurve",
     "ensembles": "ensemble Batch Status",
+    "ensembles.orbit_derivatives": "ensemble_derivatives BatchDerivatives",
+    "motion.derivative_values": "MotionDerivatives",
     "sweeps": "sweep SweepResult",
     "motion.motion": "Motion",
     "motion.state": "AnyMotion State",
@@ -140,6 +145,7 @@ def _room(name: str) -> Any:
 
 _renderers.register("plots", lambda: _room("plots"))
 _renderers.register("notebook", lambda: _room("reports.notebook"))
+_renderers.register("derivatives", lambda: _room("motion.derivatives.derivatives"))
 
 
 def __getattr__(name: str) -> Any:

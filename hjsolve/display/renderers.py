@@ -1,6 +1,7 @@
-"""What draws public values: rooms above all values, which the package makes known here when it is imported.
+"""What draws or differentiates public values: rooms above them, which the package makes known when it is imported.
 
-A value asks for a renderer when it is drawn, so that nothing that draws is loaded before.
+A value asks for a renderer when it is drawn, so that nothing that draws is loaded before; and a motion for its
+derivatives, which are worked out by a room above that of motions.
 """
 
 from __future__ import annotations
@@ -25,6 +26,6 @@ def renderer(name: str) -> Any:
     """Return a renderer: the module whose functions draw.
 
     Args:
-        name: ``plots`` or ``notebook``.
+        name: ``plots``, ``notebook`` or ``derivatives``.
     """
     return _LOADERS[name]()

@@ -17,6 +17,7 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.arithmetic.number_types import Numbers
 from hjsolve.display.by_value import same
+from hjsolve.display.renderers import renderer
 from hjsolve.display.shown import ShownMotion
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.mechanics.kinks import refuse_kinks
@@ -30,7 +31,7 @@ from hjsolve.solution.quadratures import Solution
 
 if TYPE_CHECKING:
     from hjsolve.motion.angles_along import AngleVariables
-    from hjsolve.motion.derivatives.results import Derivatives
+    from hjsolve.motion.derivative_values import MotionDerivatives
     from hjsolve.motion.in_units import MotionInUnits
 
 
@@ -260,7 +261,7 @@ class Motion(ShownMotion):
         of: Iterable[str] = ("actions", "frequencies"),
         by: Iterable[str] = ("constants",),
         t: object = None,
-    ) -> Derivatives:
+    ) -> MotionDerivatives:
         """Return exact derivatives of the motion: the integrals of the motion, differentiated; no finite differences.
 
         By ``initial``, all q and p at t₀ ("q.r", "p.r") are varied one by one; by ``constants``, those of
@@ -282,9 +283,8 @@ class Motion(ShownMotion):
                 one through kinks of V or through poles, or at rest where the motion next to it is not linear.
             NotConvergedError: an integral did not converge to the digits asked.
         """
-        from hjsolve.motion.derivatives.derivatives import derivatives_of
-
-        return derivatives_of(self, of, by, t)
+        found: MotionDerivatives = renderer("derivatives").derivatives_of(self, of, by, t)
+        return found
 
     def transition_matrix(self, t: object) -> EstimateArray:
         """Return the transition matrix ∂(q, p)(t)/∂(q, p)(t₀), at a price that does not grow with t.
@@ -302,9 +302,8 @@ class Motion(ShownMotion):
         Raises:
             InvalidInputError, NotConvergedError: as of ``derivatives``.
         """
-        from hjsolve.motion.derivatives.transition import transition_matrix
-
-        return transition_matrix(self, t)
+        found: EstimateArray = renderer("derivatives").transition_matrix(self, t)
+        return found
 
     def __eq__(self, other: object) -> bool:
         """Return whether both are the same motion of the same system, with the same digits and the same proofs."""

@@ -1,7 +1,8 @@
 r"""How the integrals of a motion that does not come back change with constants and parameters.
 
-A branch is q(y) = a ± x(y) from its start to its end (``one_coordinate.chebyshev_panels``). A turning point a moves with
-the variables, a_b = −F_b/F_q; the start of a motion that does not turn, and an end at a finite distance ℓ, are kept. So
+A branch is q(y) = a ± x(y) from its start to its end (``one_coordinate.chebyshev_panels``). A turning point a moves
+with the variables, a_b = −F_b/F_q; the start of a motion that does not turn, and an end at a finite distance ℓ, are
+kept. So
 
     q_b = a_b (1 − x/ℓ),  ω_b = (ln dq/dy)_b = ∓a_b/ℓ      (ℓ = ∞ on the way to infinity),
 
@@ -24,7 +25,7 @@ from hjsolve.arithmetic.fourier import smooth, waves
 from hjsolve.arithmetic.number_types import Context, Counts, Mpf, Numbers
 from hjsolve.errors import NotConvergedError, of_kind
 from hjsolve.motion.derivatives.bounded import Bounded, converted
-from hjsolve.motion.derivatives.formulas import AtPlace, Formulas
+from hjsolve.motion.derivatives.formulas import AtPlace, SquareDerivatives
 from hjsolve.motion.derivatives.slopes import Slopes
 from hjsolve.one_coordinate.chebyshev_panels import chebyshev_points, integrated_row
 from hjsolve.one_coordinate.coordinate_motion import Unbounded
@@ -49,7 +50,7 @@ class BranchVariations:
     """
 
     branch: Branch
-    formulas: Formulas
+    formulas: SquareDerivatives
     start: list[Mpf]
     digits: int
 
@@ -141,7 +142,7 @@ class _Piece:
 
 
 @lru_cache(maxsize=1024)
-def _rule(formulas: Formulas, bits: int):  # type: ignore[no-untyped-def]  # noqa: ANN202
+def _rule(formulas: SquareDerivatives, bits: int):  # type: ignore[no-untyped-def]
     return formulas.bound(bits)
 
 
@@ -235,10 +236,11 @@ class OpenVariations:
             np.array([by / ratio / 2 for by in at.by[:n]], dtype=object), np.array(moved, dtype=object),
             np.array([P * g for g in growth], dtype=object),
         ]  # fmt: skip
-        return Slopes(*(Bounded.exact(v) for v in exact), Bounded(G, np.array(lacks).reshape(n, count)))
+        found = [*(Bounded.exact(v) for v in exact), Bounded(G, np.array(lacks).reshape(n, count))]
+        return Slopes(*found)
 
 
-def open_variations(course: Unbounded, formulas: Formulas, digits: int) -> OpenVariations:
+def open_variations(course: Unbounded, formulas: SquareDerivatives, digits: int) -> OpenVariations:
     """Differentiate the integrals of a motion that does not come back.
 
     Args:
@@ -252,13 +254,10 @@ def open_variations(course: Unbounded, formulas: Formulas, digits: int) -> OpenV
     return OpenVariations(course, ahead, behind)
 
 
-def _branch_variations(branch: Branch, formulas: Formulas, digits: int) -> BranchVariations:
+def _branch_variations(branch: Branch, formulas: SquareDerivatives, digits: int) -> BranchVariations:
     bits = branch.bits + 512 + branch.radicand.guard
     start = [multiprecision(bits).mpf(0)] * formulas.variables.count
     if branch.way.turning:
         at = formulas.bound(bits).at(branch.way.start)
         start = [-by / at.slope for by in at.by]
     return BranchVariations(branch, formulas, start, digits)
-
-
-

@@ -14,8 +14,9 @@ has a fixed map, q_b = 0; along a line on which p² repeats itself after L(z) it
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -24,7 +25,7 @@ from hjsolve.arithmetic.fourier import smooth
 from hjsolve.arithmetic.number_types import Context, Counts, Mpf, Numbers
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.derivatives.bounded import Bounded, converted, stacked
-from hjsolve.motion.derivatives.formulas import AtPlace, Evaluation, Formulas
+from hjsolve.motion.derivatives.formulas import AtPlace, Evaluation, SquareDerivatives
 from hjsolve.motion.derivatives.slopes import Slopes
 from hjsolve.motion.derivatives.waves import Waves
 from hjsolve.one_coordinate.coordinate_motion import Periodic
@@ -54,7 +55,7 @@ class CycleVariations:
 
     course: Periodic
     rule: Evaluation
-    scale: list[Mpf]
+    scale: Sequence[Mpf | int]
     ends: tuple[list[Mpf], list[Mpf]] | None
     waves: Waves
     context: Context
@@ -90,19 +91,20 @@ class CycleVariations:
         here, beside = (Slopes(*(part[..., k : k + m] for part in both)) for k in (0, m))
         return here.with_phase_errors(beside, errors.astype(float), _STEP)
 
-    def _functions(self, χ: Numbers, whole: Counts) -> Slopes:
+    def _functions(self, χ: Any, whole: Counts) -> Slopes:
         context, course, π = self.context, self.course, self.context.pi
         q, p = course.place(χ)
+        full: Any = χ + 2 * π * whole.astype(object)
         if course.rotates:
             q = q + course.length_of_turns(whole, q)
-        ratio = course.ratio(χ) / course.radian**2  # without the rate of a phase ψ
+        ratio: Any = course.ratio(χ) / course.radian**2  # without the rate of a phase ψ
         lack = float(course.momentum.tail) * max(1.0, course.momentum.size)
         rate = np.array([self._rate(x) for x in χ], dtype=object)
         at = [self.rule.at(x) for x in q]
         turn = np.array([place.slope for place in at], dtype=object) * rate / ratio / 2
         momentum = Bounded(p, lack * np.abs(p).astype(float))
         n, count = self._shape
-        values, integrals = self.waves.at(χ, χ + 2 * π * whole.astype(object))
+        values, integrals = self.waves.at(χ, full)
         second = integrals[count : count + n * count]
         return Slopes(
             Bounded.exact(converted(p / ratio * rate, context)),
@@ -119,7 +121,7 @@ class CycleVariations:
         place = self.course.anomaly.place(χ - turn * self.context.nint(χ / turn), arithmetic)
         return cast("Mpf | int", place.rate)
 
-    def _place_by(self, b: int, q: Numbers) -> Bounded:
+    def _place_by(self, b: int, q: Any) -> Bounded:
         if self.ends is None:
             return Bounded.exact(q * self.scale[b])
         a, c = self.course.turning_points
@@ -127,7 +129,9 @@ class CycleVariations:
         return Bounded.exact(converted((low * (c - q) + high * (q - a)) / (c - a), self.context))
 
 
-def cycle_variations(course: Periodic, formulas: Formulas, scale: list[Mpf], digits: int) -> CycleVariations:
+def cycle_variations(
+    course: Periodic, formulas: SquareDerivatives, scale: Sequence[Mpf | int], digits: int
+) -> CycleVariations:
     """Differentiate the integrals of a libration or rotation.
 
     Args:
@@ -144,7 +148,7 @@ def cycle_variations(course: Periodic, formulas: Formulas, scale: list[Mpf], dig
     ends = None
     if not course.rotates:
         ends = tuple(_end_by(rule.at(context.convert(end))) for end in course.turning_points)
-    nodes, n, count = max(course.momentum.nodes, course.nodes, 8), rule.constants, formulas.variables.count
+    nodes = max(course.momentum.nodes, course.nodes, 8)
     for _ in range(_ATTEMPTS):
         rows, sizes = zip(
             *(_values(course, rule, scale, ends, place) for place in course.anomaly.places(nodes, Multi(bits))),
@@ -164,7 +168,7 @@ def cycle_variations(course: Periodic, formulas: Formulas, scale: list[Mpf], dig
 
 def _bits(course: Periodic) -> int:
     anomaly = course.anomaly
-    inner = getattr(anomaly, "inner", anomaly)
+    inner: Any = getattr(anomaly, "inner", anomaly)
     number = inner.lower if not course.rotates else inner.slow
     return int(number.context.prec)
 
@@ -175,7 +179,7 @@ def _end_by(at: AtPlace) -> list[Mpf]:
 
 
 def _values(
-    course: Periodic, rule: Evaluation, scale: list[Mpf], ends: tuple[list[Mpf], ...] | None, place: Place
+    course: Periodic, rule: Evaluation, scale: Sequence[Mpf | int], ends: tuple[list[Mpf], ...] | None, place: Place
 ) -> tuple[list[Mpf | None], list[float]]:
     """k_b, then (k_j)_b, then ρ_b at one node, per unit of the phase ψ; and the sizes of what they are sums of."""
     radian, n = course.radian, rule.constants
@@ -201,7 +205,5 @@ def _values(
             second.append(terms[0] + terms[1] + terms[2] - own)
             sizes.append(float(sum(map(abs, terms)) + abs(own) + abs(at.by[j]) * weight * relative[b]))
     density = 2 * weight * at.value  # where turns change their length p_b dq is not periodic, (p dq)_b is
-    first = [
-        density * (growth[b] + scale[b]) if scale[b] else by * weight for b, by in enumerate(at.by)
-    ]
+    first = [density * (growth[b] + scale[b]) if scale[b] else by * weight for b, by in enumerate(at.by)]
     return [*first, *second, *growth], [*[0.0] * len(moved), *sizes, *relative]

@@ -1,8 +1,8 @@
 r"""How the action of a coordinate at rest changes, and how a motion next to it moves.
 
 At a double zero of F = p², F = −x²G(x) about the place of rest, the action is the limit of a vanishing libration. Its
-integral (1/2π) ∮ √F dq round both turning points does not change when its path is drawn away from them, and there it can
-be differentiated; what is left is the residue at x = 0,
+integral (1/2π) ∮ √F dq round both turning points does not change when its path is drawn away from them, and there it
+can be differentiated; what is left is the residue at x = 0,
 
     J_b = [x⁰] ½ F_b G^(−1/2),      J_jb = [x⁰] ½ F_jb G^(−1/2) + [x²] ¼ F_j F_b G^(−3/2).
 
@@ -18,7 +18,7 @@ import numpy as np
 from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Context, Mpf
 from hjsolve.motion.derivatives.bounded import Bounded
-from hjsolve.motion.derivatives.formulas import AtPlace, Formulas
+from hjsolve.motion.derivatives.formulas import AtPlace, SquareDerivatives
 from hjsolve.one_coordinate.coordinate_motion import AtRest
 
 
@@ -34,7 +34,7 @@ class RestVariations:
     """
 
     course: AtRest
-    formulas: Formulas
+    formulas: SquareDerivatives
     at: AtPlace
     context: Context
 
@@ -103,7 +103,7 @@ class RestVariations:
         return Bounded.exact(value)
 
 
-def rest_variations(course: AtRest, formulas: Formulas, digits: int) -> RestVariations:
+def rest_variations(course: AtRest, formulas: SquareDerivatives, digits: int) -> RestVariations:
     """Differentiate what a motion next to a place of rest does.
 
     Args:

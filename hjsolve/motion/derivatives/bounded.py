@@ -1,17 +1,19 @@
 """Matrices of numbers in many digits, each with a bound on its error in doubles.
 
-Products carry the errors of their factors to first order, |δ(AB)| ≤ |δA||B| + |A||δB|, and a solution x of G x = r those
-of its equations, |δx| ≤ |G⁻¹|(|δr| + |δG||x|) (Higham, Accuracy and Stability of Numerical Algorithms, 2002, §7.1). What
-is of second order is covered by the factor that a result is given (``SAFETY``).
+Products carry the errors of their factors to first order, abs(δ(AB)) ≤ abs(δA) abs(B) + abs(A) abs(δB), and a solution
+x of G x = r those of its equations, abs(δx) ≤ abs(G⁻¹) (abs(δr) + abs(δG) abs(x)) (Higham, Accuracy and Stability of
+Numerical Algorithms, 2002, §7.1). What is of second order is covered by the factor ``SAFETY`` of a result.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from hjsolve.arithmetic.number_types import Context, Mpf, Numbers, Reals
+from hjsolve.arithmetic.number_types import Context, Mpf, Reals
 from hjsolve.errors import NotConvergedError
 
 SAFETY = 2.0
@@ -27,11 +29,11 @@ class Bounded:
         error: doubles, of the same shape.
     """
 
-    value: Numbers
-    error: Reals
+    value: NDArray[Any]
+    error: NDArray[Any]
 
     @classmethod
-    def exact(cls, value: Numbers) -> Bounded:
+    def exact(cls, value: Any) -> Bounded:
         """Return numbers without an error.
 
         Args:
@@ -49,7 +51,7 @@ class Bounded:
         """The last two axes changed."""
         return Bounded(np.swapaxes(self.value, -1, -2), np.swapaxes(self.error, -1, -2))
 
-    def __getitem__(self, key: object) -> Bounded:
+    def __getitem__(self, key: Any) -> Bounded:
         value, error = self.value[key], self.error[key]
         if isinstance(value, np.ndarray):
             return Bounded(value, error)
@@ -114,14 +116,14 @@ def inverse(matrix: Bounded, context: Context) -> Bounded:
     return Bounded(value, size @ matrix.error @ size)
 
 
-def converted(values: Numbers, context: Context) -> Numbers:
+def converted(values: Any, context: Context) -> Any:
     """Return numbers in one precision.
 
     Args:
         values: numbers of any kind.
         context: of the result.
     """
-    found: Numbers = np.frompyfunc(context.convert, 1, 1)(np.asarray(values, dtype=object))
+    found: Any = np.frompyfunc(context.convert, 1, 1)(np.asarray(values, dtype=object))
     return found if isinstance(found, np.ndarray) else np.array(found, dtype=object)
 
 

@@ -9,15 +9,17 @@ and the phases are those for which Jacobi's equations hold,
 
     Σ_i (∂G_j/∂χ_i dχ_i + (G_j)_k dα_k) + dq_j = dβ_j          (dq_j of an ignorable coordinate only).
 
-A coordinate at rest, F_i(q⁰(α); α) = 0 with F_i′ = 0, holds the others to α on which dF_i = 0: α = α(a) with fewer a, and
-β_a = β·∂α/∂a. In place of the missing pair stand x = q_i − q⁰(α) and y = p_i, which turn with √(−F″/2) (``at_rest``);
-they are canonical, and the motion of a adds ½ τ_i (max F_i)_jk to the second derivatives of W and −y q⁰_a to β_a.
+A coordinate at rest, F_i(q⁰(α); α) = 0 with F_i′ = 0, holds the others to α on which dF_i = 0: α = α(a) with fewer a,
+and β_a = β·∂α/∂a. In place of the missing pair stand x = q_i − q⁰(α) and y = p_i, which turn with √(−F″/2)
+(``at_rest``); they are canonical, and the motion of a adds ½ τ_i (max F_i)_jk to the second derivatives of W and
+−y q⁰_a to β_a.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -29,7 +31,7 @@ from hjsolve.motion.derivatives.along_branch import OpenVariations
 from hjsolve.motion.derivatives.along_cycle import CycleVariations
 from hjsolve.motion.derivatives.at_rest import RestVariations
 from hjsolve.motion.derivatives.bounded import Bounded, converted, inverse, stacked, zeros
-from hjsolve.motion.derivatives.formulas import Variables
+from hjsolve.motion.derivatives.formulas import VariedSymbols
 from hjsolve.motion.derivatives.shift import shift_slopes, shift_tape
 from hjsolve.motion.derivatives.slopes import Slopes
 from hjsolve.motion.separated import SeparatedMotion
@@ -38,7 +40,7 @@ CoordinateVariations = CycleVariations | OpenVariations | RestVariations
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class StateByConstants:
     """D at one time.
 
     Attributes:
@@ -51,7 +53,7 @@ class Frame:
 
 
 @dataclass(frozen=True, eq=False)
-class CanonicalMap:
+class ConstantsToState:
     """What is needed to write D down at any time.
 
     Attributes:
@@ -65,7 +67,7 @@ class CanonicalMap:
     """
 
     source: SeparatedMotion
-    variables: Variables
+    variables: VariedSymbols
     parts: tuple[CoordinateVariations, ...]
     free: tuple[int, ...]
     tangent: Bounded
@@ -82,7 +84,7 @@ class CanonicalMap:
         """Half the size of the matrix."""
         return len(self.source.solution.system.coordinates)
 
-    def frames(self, χ: Sequence[Numbers], whole: Sequence[Counts], errors: Sequence[Numbers]) -> list[Frame]:
+    def frames(self, χ: Sequence[Any], whole: Sequence[Any], errors: Sequence[Any]) -> list[StateByConstants]:
         """Return D at m times.
 
         Args:
@@ -99,7 +101,7 @@ class CanonicalMap:
         ]
         return [self._frame(slopes, χ, whole, errors, m) for m in range(count)]
 
-    def first_frame(self) -> Frame:
+    def first_frame(self) -> StateByConstants:
         """Return D at t₀."""
         start = [np.array([self.context.convert(p.course.start)], dtype=object) for p in self.parts]
         none = [np.zeros(1, dtype=int) for _ in self.parts]
@@ -109,7 +111,7 @@ class CanonicalMap:
     def _frame(
         self, slopes: Sequence[Slopes | None], χ: Sequence[Numbers], whole: Sequence[Counts],
         errors: Sequence[Numbers], m: int,
-    ) -> Frame:  # fmt: skip
+    ) -> StateByConstants:  # fmt: skip
         solution, c = self.source.solution, self.context
         names, n = list(solution.coordinates), self.freedoms
         nf, rest = len(self.free), self.resting
@@ -131,7 +133,7 @@ class CanonicalMap:
             law = law - Bounded(T.value @ self._tops(part) @ Z.value, np.zeros(law.error.shape)) * _scaled(τ, law)
             law = law + _outer(T @ moved[: T.value.shape[1]], y)
         rates = []
-        for i, own in enumerate(slopes):
+        for own in slopes:
             if own is not None:
                 law = law - T @ own.integrals[:, :, m] @ Z
                 rates.append(T @ own.rates[:, m])
@@ -150,7 +152,7 @@ class CanonicalMap:
     def _beside_rest(
         self, part: CoordinateVariations, phase: tuple[Mpf, int, float], own: tuple[int, int]
     ) -> tuple[Bounded, Bounded, Bounded]:
-        """x and y of a coordinate at rest as rows over all columns, and τ."""
+        """X and y of a coordinate at rest as rows over all columns, and τ."""
         c, (χ, turns, error) = self.context, phase
         gone = c.convert(χ) + 2 * c.pi * turns - c.convert(part.course.start)
         τ, now = part.flow(gone)  # type: ignore[union-attr]
@@ -165,10 +167,10 @@ class CanonicalMap:
             rows.append(row)
         return rows[0], rows[1], Bounded(np.array(τ, dtype=object), np.array(2 * error * (abs(float(τ)) + 1)))
 
-    def _tops(self, part: CoordinateVariations) -> Numbers:
+    def _tops(self, part: Any) -> Any:
         """½ (max F)_jb."""
         n, count = len(self.variables.constants), self.variables.count
-        return np.array([[part.top(j, b) / 2 for b in range(count)] for j in range(n)], dtype=object)  # type: ignore[union-attr]
+        return np.array([[part.top(j, b) / 2 for b in range(count)] for j in range(n)], dtype=object)
 
     def _laws(self) -> tuple[list[int], dict[str, int]]:
         """Rows of Jacobi's equations that belong to separation constants; ignorable coordinate → its row."""
@@ -188,7 +190,7 @@ class CanonicalMap:
     def _in_order(
         self, dq: list[Bounded | None], dP: list[Bounded | None], law: Bounded, ignored: dict[str, int], Z: Bounded,
         places: list[Mpf],
-    ) -> Frame:  # fmt: skip
+    ) -> StateByConstants:  # fmt: skip
         """Rows of the state, with what a shift of momenta adds."""
         solution, n = self.source.solution, self.freedoms
         names = list(solution.coordinates)
@@ -211,7 +213,7 @@ class CanonicalMap:
                 p[name] = p[name] - shift.by_place[i] @ moved - shift.by[i] @ Z
         order = [c.name for c in solution.system.coordinates]
         whole = stacked([*(q[name] for name in order), *(p[name] for name in order)])
-        return Frame(whole[:, : 2 * n], whole[:, 2 * n :])
+        return StateByConstants(whole[:, : 2 * n], whole[:, 2 * n :])
 
 
 def symplectic_inverse(D: Bounded) -> Bounded:
@@ -230,8 +232,8 @@ def symplectic_inverse(D: Bounded) -> Bounded:
 
 
 def canonical_map(
-    source: SeparatedMotion, variables: Variables, parts: Sequence[CoordinateVariations]
-) -> CanonicalMap:
+    source: SeparatedMotion, variables: VariedSymbols, parts: Sequence[CoordinateVariations]
+) -> ConstantsToState:
     """Make ready what D needs: which constants are independent of each other next to coordinates at rest.
 
     Args:
@@ -266,7 +268,7 @@ def canonical_map(
         others = np.array([[context.convert(part.at.by[b]) for b in range(n + m)] for part in rest], dtype=object)
         T[bound, :] = -(inverse(own, context).value @ others @ T)
     shift = shift_tape(source.solution, variables)
-    return CanonicalMap(source, variables, tuple(parts), free, Bounded.exact(T), shift, context)
+    return ConstantsToState(source, variables, tuple(parts), free, Bounded.exact(T), shift, context)
 
 
 def _pivots(rows: list[list[Mpf]]) -> list[int]:

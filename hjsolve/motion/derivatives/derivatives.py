@@ -1,4 +1,4 @@
-"""What ``Motion.derivatives`` does: derivatives of the numbers of a motion and of its states, brought to what is varied."""
+"""What ``Motion.derivatives`` does: derivatives of results and states, brought to what is varied."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from hjsolve import arguments
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Numbers, Reals
 from hjsolve.errors import InvalidInputError, required
+from hjsolve.motion.derivative_values import DEPENDENT, NOT_ALONE, OK, REMARKS, SQUARE_ROOT, MotionDerivatives
 from hjsolve.motion.derivatives.along_branch import OpenVariations
 from hjsolve.motion.derivatives.along_cycle import CycleVariations
-from hjsolve.motion.derivatives.angles_by import angles_by, differentiable_angles, variations
+from hjsolve.motion.derivatives.angle_slopes import angles_by, differentiable_angles, variations
 from hjsolve.motion.derivatives.at_rest import RestVariations
 from hjsolve.motion.derivatives.bounded import SAFETY, Bounded, stacked, zeros
-from hjsolve.motion.derivatives.canonical import CanonicalMap
+from hjsolve.motion.derivatives.canonical import ConstantsToState
 from hjsolve.motion.derivatives.integrals import MeanMatrix, action_by, has_means, mean_matrix
-from hjsolve.motion.derivatives.prepared import prepared
-from hjsolve.motion.derivatives.results import DEPENDENT, NOT_ALONE, OK, REMARKS, SQUARE_ROOT, Derivatives
+from hjsolve.motion.derivatives.preparation import prepared
 from hjsolve.motion.derivatives.told import Told, told_in
-from hjsolve.motion.derivatives.transition import matrices, start_told
+from hjsolve.motion.derivatives.transition import matrices, start_told, transition_matrix
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
@@ -70,12 +70,11 @@ class _Collected:
         errors = self.error.setdefault(quantity, {}).setdefault(name, {})
         self.status.setdefault(quantity, {}).setdefault(name, OK)
         for k, variable in enumerate(group.names):
-            found = [None if row is None else self.rounded(row[..., k], shape) for row in rows]
-            values[variable], errors[variable] = (
-                found[0] if len(rows) == 1 else tuple(zip(*(f or (None, None) for f in found), strict=True))  # type: ignore[assignment]
-            )
+            found = [(None, None) if row is None else self.rounded(row[..., k], shape) for row in rows]
+            pair: tuple[Any, ...] = found[0] if len(rows) == 1 else tuple(zip(*found, strict=True))
+            values[variable], errors[variable] = pair
 
-    def refuse(self, quantity: str, name: str, group: Inputs, status: str, pair: bool = False) -> None:  # noqa: FBT001, FBT002
+    def refuse(self, quantity: str, name: str, group: Inputs, status: str, pair: bool = False) -> None:
         """Keep nan for the derivatives of a number, and why.
 
         Args:
@@ -107,14 +106,16 @@ class _Collected:
         else:
             context = multiprecision(bits_for(self.digits, 16))
             plain = np.frompyfunc(context.convert, 1, 1)(value)
-            bound = error + float(multiprecision(64).mpf(10) ** -self.digits) * np.asarray(np.abs(value), dtype=object).astype(float)
+            bound = error + float(multiprecision(64).mpf(10) ** -self.digits) * np.asarray(
+                np.abs(value), dtype=object
+            ).astype(float)
         if shape:
             return np.reshape(plain, shape), np.reshape(bound, shape)
         one = np.ravel(np.asarray(plain, dtype=object))[0]
         return one, float(np.ravel(bound)[0])
 
 
-def derivatives_of(motion: Motion, of: Iterable[str], by: Iterable[str], t: object) -> Derivatives:
+def derivatives_of(motion: Motion, of: Iterable[str], by: Iterable[str], t: object) -> MotionDerivatives:
     """Differentiate a motion; see ``Motion.derivatives``.
 
     Args:
@@ -137,10 +138,8 @@ def derivatives_of(motion: Motion, of: Iterable[str], by: Iterable[str], t: obje
     map_ = prepared(motion.as_solved, "parameters" in varied)
     found = _Collected(motion.digits)
     if map_ is None:
-        raise InvalidInputError(
-            "derivatives: every coordinate is ignorable, so that q grows evenly; write motion.transition_matrix(t) or "
-            "differentiate solution.separation.shell.potential"
-        )
+        _even_state(motion, wanted, varied, t, found)
+        return MotionDerivatives(found.value, found.error, found.status)
     means = mean_matrix(map_)
     for group in _groups(map_, told, means, varied):
         _numbers(motion, map_, means, group, wanted, found)
@@ -148,7 +147,35 @@ def derivatives_of(motion: Motion, of: Iterable[str], by: Iterable[str], t: obje
             _angles(motion, map_, means, group, t, found)
     if "state" in wanted:
         _state(motion, map_, told, varied, t, found)
-    return Derivatives(found.value, found.error, found.status, tuple(found.remarks))
+    return MotionDerivatives(found.value, found.error, found.status, tuple(found.remarks))
+
+
+def _even_state(motion: Motion, wanted: frozenset[str], varied: frozenset[str], t: object, found: _Collected) -> None:
+    """The state of a motion all of whose coordinates are ignorable: q grows evenly.
+
+    Raises:
+        InvalidInputError: anything else is asked, or by something else.
+    """
+    if wanted != {"state"} or not varied <= {"initial", "parameters"}:
+        raise InvalidInputError(
+            "derivatives: every coordinate is ignorable, so that q grows evenly and J is p; of such a motion there is "
+            'of={"state"} by={"initial", "parameters"}; frequencies are derivatives of '
+            "solution.separation.shell.potential"
+        )
+    shape, floats, exact = _times(motion, t)
+    main, by, _ = matrices(motion, floats, exact, parameters="parameters" in varied)
+    system = motion.solution.system
+    names = [q.name for q in system.coordinates]
+    empty = Bounded.exact(np.zeros((0, 0), dtype=object))
+    groups = []
+    if "initial" in varied:
+        own = tuple([f"q.{name}" for name in names] + [f"p.{name}" for name in names])
+        groups.append((Inputs(own, None, empty), main))
+    if "parameters" in varied:
+        groups.append((Inputs(tuple(p.name for p in system.parameters), None, empty), by))
+    for group, rows in groups:
+        for k in range(2 * len(names)):
+            found.put("qp"[k >= len(names)], names[k % len(names)], group, [rows[:, k]], shape)
 
 
 def _words(given: Iterable[str], what: str, known: Sequence[str]) -> frozenset[str]:
@@ -159,7 +186,7 @@ def _words(given: Iterable[str], what: str, known: Sequence[str]) -> frozenset[s
 
 
 def _groups(
-    map_: CanonicalMap, told: Told | None, means: MeanMatrix | None, varied: frozenset[str]
+    map_: ConstantsToState, told: Told | None, means: MeanMatrix | None, varied: frozenset[str]
 ) -> list[Inputs]:
     """Return what is varied, in terms of the constants of the motion."""
     solution, n = map_.source.solution, map_.freedoms
@@ -193,8 +220,8 @@ def _groups(
     return groups
 
 
-def _constants(map_: CanonicalMap) -> Inputs:
-    """Return the constants themselves, at constant β."""
+def _constants(map_: ConstantsToState) -> Inputs:
+    """The constants themselves, at constant β."""
     c, n, m = map_.context, map_.freedoms, len(map_.variables.parameters)
     constants = map_.variables.constants
     by = zeros((map_.variables.count, len(constants)), c)
@@ -209,7 +236,7 @@ def _constants(map_: CanonicalMap) -> Inputs:
 
 
 def _numbers(
-    motion: Motion, map_: CanonicalMap, means: MeanMatrix | None, group: Inputs, wanted: frozenset[str],
+    motion: Motion, map_: ConstantsToState, means: MeanMatrix | None, group: Inputs, wanted: frozenset[str],
     found: _Collected,
 ) -> None:  # fmt: skip
     """Actions, frequencies, periods, turning points and constants."""
@@ -243,7 +270,7 @@ def _numbers(
                 _turning(map_, i, name, group, found)
 
 
-def _frequency_by(map_: CanonicalMap, means: MeanMatrix | None, name: str) -> Bounded | None:
+def _frequency_by(map_: ConstantsToState, means: MeanMatrix | None, name: str) -> Bounded | None:
     if means is None:
         return None
     k, direction = _position(map_, name)
@@ -251,7 +278,7 @@ def _frequency_by(map_: CanonicalMap, means: MeanMatrix | None, name: str) -> Bo
     return row if direction > 0 else -row
 
 
-def _period_by(map_: CanonicalMap, means: MeanMatrix | None, name: str, row: Bounded) -> Bounded:
+def _period_by(map_: ConstantsToState, means: MeanMatrix | None, name: str, row: Bounded) -> Bounded:
     """d(2π/|Ω|) = −2π dΩ/(Ω |Ω|)."""
     k, direction = _position(map_, name)
     if means is None:
@@ -263,7 +290,7 @@ def _period_by(map_: CanonicalMap, means: MeanMatrix | None, name: str, row: Bou
     return Bounded(row.value * factor, abs(float(factor)) * row.error + uncertainty * row.size)
 
 
-def _position(map_: CanonicalMap, name: str) -> tuple[int, int]:
+def _position(map_: ConstantsToState, name: str) -> tuple[int, int]:
     """Row of a coordinate in K, and the sign of its action."""
     solution = map_.source.solution
     if name in solution.coordinates:
@@ -274,13 +301,13 @@ def _position(map_: CanonicalMap, name: str) -> tuple[int, int]:
     return len(map_.parts) + others.index(name), 1
 
 
-def _turning(map_: CanonicalMap, i: int, name: str, group: Inputs, found: _Collected) -> None:
+def _turning(map_: ConstantsToState, i: int, name: str, group: Inputs, found: _Collected) -> None:
     part = map_.parts[i]
     if isinstance(part, RestVariations):
         found.refuse("turning_points", name, group, SQUARE_ROOT, pair=True)
         return
     if isinstance(part, CycleVariations):
-        ends = part.ends or (None, None)
+        ends: Any = part.ends or (None, None)
     else:
         ends = _open_ends(part)
     rows = [None if end is None else Bounded.exact(np.array(end, dtype=object)) @ group.by for end in ends]
@@ -300,7 +327,7 @@ def _times(motion: Motion, t: object) -> tuple[tuple[int, ...] | None, Reals | N
 
 
 def _angles(
-    motion: Motion, map_: CanonicalMap, means: MeanMatrix | None, group: Inputs, t: object, found: _Collected
+    motion: Motion, map_: ConstantsToState, means: MeanMatrix | None, group: Inputs, t: object, found: _Collected
 ) -> None:
     """θ(t) = θ(t₀) + Ω (t − t₀)."""
     if means is None:
@@ -329,9 +356,9 @@ def _exactly(x: float) -> Callable[[int], Mpf]:
 
 
 def _state(
-    motion: Motion, map_: CanonicalMap, told: Told | None, varied: frozenset[str], t: object, found: _Collected
+    motion: Motion, map_: ConstantsToState, told: Told | None, varied: frozenset[str], t: object, found: _Collected
 ) -> None:
-    """q and p at times."""
+    """Q and p at times."""
     shape, floats, exact = _times(motion, t)
     main, by, frames = matrices(motion, floats, exact, parameters="parameters" in varied)
     names = told.names if told is not None else [q.name for q in map_.source.solution.system.coordinates]
@@ -358,3 +385,4 @@ def _state(
                 found.put("qp"[k >= n], names[k % n], group, [rows[:, k]], shape)
 
 
+__all__ = ["derivatives_of", "transition_matrix"]

@@ -24,7 +24,7 @@ HIGHEST = 4
 
 
 @dataclass(frozen=True)
-class Variables:
+class VariedSymbols:
     """What is varied.
 
     Attributes:
@@ -62,7 +62,7 @@ class AtPlace(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Formulas:
+class SquareDerivatives:
     """The derivatives of p² of one coordinate, ready to be evaluated.
 
     Attributes:
@@ -75,7 +75,7 @@ class Formulas:
 
     squared: sp.Expr
     q: sp.Symbol
-    variables: Variables
+    variables: VariedSymbols
     arguments: tuple[tuple[sp.Symbol, sp.Expr], ...]
     exponents: tuple[tuple[sp.Symbol, sp.Expr], ...] = ()
 
@@ -143,7 +143,7 @@ class Evaluation:
         return AtPlace(values[0], values[1], values[2], rows[0], rows[1], rows[2:])
 
 
-def variables_of(solution: Solution, *, parameters: bool) -> Variables:
+def variables_of(solution: Solution, *, parameters: bool) -> VariedSymbols:
     """Return what is varied: the constants of the motion, and the parameters where they are asked for.
 
     Args:
@@ -154,10 +154,10 @@ def variables_of(solution: Solution, *, parameters: bool) -> Variables:
     names = tuple(p.name for p in solution.system.parameters) if parameters else ()
     symbols = [solution.constants[name].symbol for name in constants]
     symbols += [p.symbol for p in solution.system.parameters] if parameters else []
-    return Variables(constants, names, tuple(symbols))
+    return VariedSymbols(constants, names, tuple(symbols))
 
 
-def formulas_of(solution: Solution, initial: Initial, name: str, variables: Variables) -> Formulas:
+def formulas_of(solution: Solution, initial: Initial, name: str, variables: VariedSymbols) -> SquareDerivatives:
     """Return the derivatives of p² of one separated coordinate.
 
     Args:
@@ -171,7 +171,7 @@ def formulas_of(solution: Solution, initial: Initial, name: str, variables: Vari
     F, symbol = solution.momentum_squared[name], solution.system.coordinate(name).symbol
     powers: set[sp.Symbol] = set().union(*(power.exp.free_symbols for power in F.atoms(sp.Pow)))
     exponents = tuple((s, value) for s, value in arguments if s in powers)
-    return Formulas(F, symbol, variables, tuple(arguments), exponents)
+    return SquareDerivatives(F, symbol, variables, tuple(arguments), exponents)
 
 
 Known = tuple[tuple[sp.Symbol, sp.Expr], ...]
@@ -179,7 +179,7 @@ Known = tuple[tuple[sp.Symbol, sp.Expr], ...]
 
 @lru_cache(maxsize=256)
 def _second_order(
-    F: sp.Expr, q: sp.Symbol, variables: Variables, symbols: tuple[sp.Symbol, ...], exponents: Known
+    F: sp.Expr, q: sp.Symbol, variables: VariedSymbols, symbols: tuple[sp.Symbol, ...], exponents: Known
 ) -> Tape:
     z, n = variables.symbols, len(variables.constants)
     by = [sp.diff(F, b) for b in z]
@@ -190,7 +190,7 @@ def _second_order(
 
 @lru_cache(maxsize=64)
 def _high_order(
-    F: sp.Expr, q: sp.Symbol, variables: Variables, symbols: tuple[sp.Symbol, ...], exponents: Known
+    F: sp.Expr, q: sp.Symbol, variables: VariedSymbols, symbols: tuple[sp.Symbol, ...], exponents: Known
 ) -> Tape:
     z, n = variables.symbols, len(variables.constants)
     by = [sp.diff(F, b) for b in z]

@@ -17,7 +17,7 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.motion.derivatives.along_cycle import CycleVariations
 from hjsolve.motion.derivatives.at_rest import RestVariations
 from hjsolve.motion.derivatives.bounded import Bounded, inverse, stacked, zeros
-from hjsolve.motion.derivatives.canonical import CanonicalMap
+from hjsolve.motion.derivatives.canonical import ConstantsToState
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.positions import tape_of
 
@@ -67,7 +67,7 @@ def has_means(part: object) -> bool:
     return isinstance(part, CycleVariations) or (isinstance(part, RestVariations) and part.course.stable)
 
 
-def mean_matrix(map_: CanonicalMap) -> MeanMatrix | None:
+def mean_matrix(map_: ConstantsToState) -> MeanMatrix | None:
     """Return K; None where some coordinate has no action.
 
     Args:
@@ -88,7 +88,7 @@ def mean_matrix(map_: CanonicalMap) -> MeanMatrix | None:
     return MeanMatrix(inverse(K, c), second, energy)
 
 
-def action_by(map_: CanonicalMap, i: int) -> Bounded:
+def action_by(map_: ConstantsToState, i: int) -> Bounded:
     """Return ∂J/∂z_b of the action of a separated coordinate, signed like p for a rotation, shape (variables,).
 
     Args:
@@ -103,8 +103,8 @@ def action_by(map_: CanonicalMap, i: int) -> Bounded:
     return means
 
 
-def _shift_by(map_: CanonicalMap, i: int, part: CycleVariations) -> Bounded:
-    """Return the derivatives of (1/2π) ∫ A dq over a turn, by which a shift of p lessens the action of a rotation."""
+def _shift_by(map_: ConstantsToState, i: int, part: CycleVariations) -> Bounded:
+    """The derivatives of (1/2π) ∫ A dq over a turn, by which a shift of p lessens the action of a rotation."""
     solution, values, c = map_.source.solution, map_.source.initial.values, map_.context
     name = solution.coordinates[i]
     A, q = solution.shift[name], solution.system.coordinate(name).symbol

@@ -11,7 +11,7 @@ from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.number_types import Context, Mpf
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.motion.derivatives.bounded import Bounded
-from hjsolve.motion.derivatives.formulas import Variables
+from hjsolve.motion.derivatives.formulas import VariedSymbols
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.initial_data import Initial
 from hjsolve.motion.positions import tape_of
@@ -61,7 +61,7 @@ def shift_slopes(
     return ShiftSlopes(*parts)
 
 
-def shift_tape(solution: Solution, variables: Variables) -> Tape | None:
+def shift_tape(solution: Solution, variables: VariedSymbols) -> Tape | None:
     """Return the formulas of all derivatives of the shift; None where no momentum is shifted.
 
     Args:

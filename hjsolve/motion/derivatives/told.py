@@ -46,7 +46,7 @@ class Told:
     chart: Chart
     parameters: bool
 
-    def changes(self, source: SeparatedMotion, q: dict[str, Numbers], p: dict[str, Numbers], context: Context):  # type: ignore[no-untyped-def]  # noqa: ANN201
+    def changes(self, source: SeparatedMotion, q: dict[str, Numbers], p: dict[str, Numbers], context: Context):  # type: ignore[no-untyped-def]
         """Return C and ∂f/∂λ at m states, a list of pairs.
 
         Args:
@@ -104,7 +104,7 @@ def _slopes_of(
     return tape_of(tuple(e for row in rows for e in row), (*inputs, *fixed))
 
 
-def _slopes(chart: Chart, parameters: bool) -> tuple[Tape, tuple[sp.Symbol, ...]]:  # noqa: FBT001
+def _slopes(chart: Chart, parameters: bool) -> tuple[Tape, tuple[sp.Symbol, ...]]:
     n = len(chart.original.coordinates)
     formulas = formulas_of(chart)
     points, momenta = formulas[:n], formulas[2 * n : 3 * n]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -13,9 +14,9 @@ from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Numbers, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.charted.charted_motion import ChartedMotion
-from hjsolve.motion.derivatives.bounded import SAFETY, Bounded, stacked
-from hjsolve.motion.derivatives.canonical import CanonicalMap, Frame, symplectic_inverse
-from hjsolve.motion.derivatives.prepared import MORE, prepared
+from hjsolve.motion.derivatives.bounded import SAFETY, Bounded, converted, stacked
+from hjsolve.motion.derivatives.canonical import ConstantsToState, StateByConstants, symplectic_inverse
+from hjsolve.motion.derivatives.preparation import MORE, prepared
 from hjsolve.motion.derivatives.told import Told, told_in
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.motion import Motion
@@ -46,7 +47,7 @@ def transition_matrix(motion: Motion, t: object) -> EstimateArray:
 
 def matrices(
     motion: Motion, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]], *, parameters: bool
-) -> tuple[Bounded, Bounded, list[Frame | None]]:
+) -> tuple[Bounded, Bounded, list[StateByConstants | None]]:
     """Return ∂(q, p)(t)/∂(q, p)(t₀), the same by the parameters at fixed (q, p)(t₀), and D(t), at m times.
 
     Args:
@@ -86,7 +87,7 @@ def _lacking(found: Bounded, digits: int) -> int:
 
 
 @lru_cache(maxsize=16)
-def first_frame(map_: CanonicalMap) -> Frame:
+def first_frame(map_: ConstantsToState) -> StateByConstants:
     """Return D(t₀).
 
     Args:
@@ -95,7 +96,7 @@ def first_frame(map_: CanonicalMap) -> Frame:
     return map_.first_frame()
 
 
-def start_told(map_: CanonicalMap, told: Told | None) -> tuple[Bounded, Bounded]:
+def start_told(map_: ConstantsToState, told: Told | None) -> tuple[Bounded, Bounded]:
     """Return ∂(B, x, a, y)/∂(q, p)(t₀), and the same by the parameters at fixed (q, p)(t₀).
 
     Args:
@@ -107,29 +108,30 @@ def start_told(map_: CanonicalMap, told: Told | None) -> tuple[Bounded, Bounded]
     if told is not None:
         source = map_.source
         system = source.solution.system
-        values = [{}, {}]
+        values: Any = [{}, {}]
         for c in system.coordinates:
             for group, symbol in zip(values, (c.symbol, c.momentum), strict=True):
                 group[c.name] = np.array([to_bits(source.initial.values[symbol])(map_.context.prec)], dtype=object)
-        ((C, shift),) = told.changes(source, *values, map_.context)
+        ((C, shift),) = told.changes(source, values[0], values[1], map_.context)
         outer = symplectic_inverse(C)
         return inverse @ outer, -(inverse @ (moved + outer @ shift))
     return inverse, -(inverse @ moved)
 
 
 def _matrices(
-    map_: CanonicalMap, told: Told | None, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]]
-) -> tuple[Bounded, Bounded, list[Frame | None]]:
+    map_: ConstantsToState, told: Told | None, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]]
+) -> tuple[Bounded, Bounded, list[StateByConstants | None]]:
     phases = phases_at(map_.source, floats, exact)
     start, by_start = start_told(map_, told)
     going = np.flatnonzero(~phases.ended)
-    found = map_.frames(*([part[going] for part in group] for group in (phases.χ, phases.whole, phases.errors)))
+    χ, whole, errors = ([part[going] for part in group] for group in (phases.χ, phases.whole, phases.errors))
+    found = map_.frames(χ, whole, errors)
     if told is not None and found:
         q, p, _ = positions_at(map_.source, phases)
-        states = ({name: values[going] for name, values in group.items()} for group in (q, p))
-        changes = told.changes(map_.source, *states, map_.context)
+        places, momenta = ({name: values[going] for name, values in group.items()} for group in (q, p))
+        changes = told.changes(map_.source, places, momenta, map_.context)
         found = [
-            Frame(C @ frame.state, C @ frame.by_parameters + shift)
+            StateByConstants(C @ frame.state, C @ frame.by_parameters + shift)
             for frame, (C, shift) in zip(found, changes, strict=True)
         ]
     kept = iter(found)
@@ -144,14 +146,14 @@ def _matrices(
     return stacked(main), stacked(by), frames
 
 
-def _nothing(shape: tuple[int, ...], map_: CanonicalMap) -> Bounded:
+def _nothing(shape: tuple[int, ...], map_: ConstantsToState) -> Bounded:
     return Bounded(np.full(shape, map_.context.nan, dtype=object), np.full(shape, np.nan))
 
 
 def _all_ignorable(
     motion: Motion, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]], *, parameters: bool
 ) -> tuple[Bounded, Bounded]:
-    """q grows evenly: q(t) = q₀ + (t − t₀) ∂H/∂p."""
+    """Evenly growing q: q(t) = q₀ + (t − t₀) ∂H/∂p."""
     system, source = motion.solution.system, motion.separated
     H = motion.solution.separation.shell.potential
     bits = bits_for(motion.digits + MORE, 128)
@@ -208,8 +210,6 @@ def rounded(found: Bounded, digits: int, shape: tuple[int, ...] | None) -> Estim
         error = SAFETY * found.error + EPS * np.abs(value) / 2
         return EstimateArray(value.reshape(full), error.reshape(full))
     context = multiprecision(bits_for(digits, 16))
-    value = np.frompyfunc(context.convert, 1, 1)(found.value)
+    value = converted(found.value, context)
     unit = float(multiprecision(64).mpf(10) ** -digits)
     return EstimateArray(value.reshape(full), (SAFETY * found.error + unit * found.size).reshape(full))
-
-

@@ -14,18 +14,18 @@ SQUARE_ROOT = "square_root"
 DEPENDENT = "dependent_constants"
 NOT_ALONE = "not_differentiated"
 REMARKS = {
-    SQUARE_ROOT: "{name} is at rest, J = 0: this number grows like √J next to it and has no derivative; q and p of {name} "
-    "are regular variables there, and so is J",
-    DEPENDENT: "a coordinate is at rest ({name}): the constants of the motion are not independent there, so the state has "
-    "no derivative by one of them alone; the initial data are independent",
-    NOT_ALONE: "{name}: this number exists, but its derivatives are not worked out here, because another coordinate does "
-    "not come back",
+    SQUARE_ROOT: "{name} is at rest, J = 0: this number grows like √J next to it and has no derivative; q and p of "
+    "{name} are regular variables there, and so is J",
+    DEPENDENT: "a coordinate is at rest ({name}): the constants of the motion are not independent there, so the state "
+    "has no derivative by one of them alone; the initial data are independent",
+    NOT_ALONE: "{name}: this number exists, but its derivatives are not worked out here: another coordinate does not "
+    "come back, or an angle is counted from between two barriers",
 }
 """Word of a status → what it means."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Derivatives(ByValue, Shown):
+class MotionDerivatives(ByValue, Shown):
     """Derivatives of a motion.
 
     Attributes:

@@ -14,8 +14,8 @@ from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.motion.derivatives.along_branch import open_variations
 from hjsolve.motion.derivatives.along_cycle import cycle_variations
 from hjsolve.motion.derivatives.at_rest import rest_variations
-from hjsolve.motion.derivatives.canonical import CanonicalMap, CoordinateVariations, canonical_map
-from hjsolve.motion.derivatives.formulas import Variables, formulas_of, variables_of
+from hjsolve.motion.derivatives.canonical import ConstantsToState, CoordinateVariations, canonical_map
+from hjsolve.motion.derivatives.formulas import VariedSymbols, formulas_of, variables_of
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.separated import SeparatedMotion, separated_motion
@@ -41,7 +41,7 @@ def finer(motion: Motion, more: int = MORE) -> SeparatedMotion:
 
 
 @lru_cache(maxsize=16)
-def prepared(motion: Motion, parameters: bool, more: int = MORE) -> CanonicalMap | None:  # noqa: FBT001
+def prepared(motion: Motion, parameters: bool, more: int = MORE) -> ConstantsToState | None:
     """Return the derivatives of all integrals of a motion; None where every coordinate is ignorable.
 
     Args:
@@ -62,7 +62,7 @@ def prepared(motion: Motion, parameters: bool, more: int = MORE) -> CanonicalMap
     return canonical_map(source, variables, parts)
 
 
-def _varied(source: SeparatedMotion, name: str, variables: Variables) -> CoordinateVariations:
+def _varied(source: SeparatedMotion, name: str, variables: VariedSymbols) -> CoordinateVariations:
     formulas = formulas_of(source.solution, source.initial, name, variables)
     match source.located[name].course:
         case Periodic() as course:
@@ -75,7 +75,7 @@ def _varied(source: SeparatedMotion, name: str, variables: Variables) -> Coordin
             raise InvalidInputError(f"derivatives: not for {name}, along which p² has kinks")
 
 
-def _stretched(source: SeparatedMotion, name: str, variables: Variables, course: Periodic) -> list[Mpf | int]:
+def _stretched(source: SeparatedMotion, name: str, variables: VariedSymbols, course: Periodic) -> list[Mpf | int]:
     """How the length of a turn changes along a line, (ln L)_b = −(ln a)_b for waves of a·q.
 
     Raises:

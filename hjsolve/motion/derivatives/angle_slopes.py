@@ -7,6 +7,8 @@ the variables like the barrier, q_b = −F_qb/F_qq there. So dθ_k = Σ_j (dB_j 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from hjsolve.arithmetic.number_types import Mpf
@@ -14,13 +16,13 @@ from hjsolve.motion.angles_along import phase_of_zero
 from hjsolve.motion.derivatives.along_cycle import CycleVariations
 from hjsolve.motion.derivatives.at_rest import RestVariations
 from hjsolve.motion.derivatives.bounded import Bounded, converted, stacked, zeros
-from hjsolve.motion.derivatives.canonical import CanonicalMap
+from hjsolve.motion.derivatives.canonical import ConstantsToState
 from hjsolve.motion.derivatives.integrals import MeanMatrix
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.one_coordinate.anomaly import TwoBarrierAnomaly
 
 
-def angles_by(map_: CanonicalMap, means: MeanMatrix) -> dict[str, Bounded]:
+def angles_by(map_: ConstantsToState, means: MeanMatrix) -> dict[str, Bounded]:
     """Return the derivatives of the angles at t₀ by (B, x, a, y) and the parameters, coordinate → one row.
 
     Args:
@@ -49,7 +51,7 @@ def angles_by(map_: CanonicalMap, means: MeanMatrix) -> dict[str, Bounded]:
     return result
 
 
-def differentiable_angles(map_: CanonicalMap) -> bool:
+def differentiable_angles(map_: ConstantsToState) -> bool:
     """Whether the places from which angles are counted have derivatives: not those of two barriers.
 
     Args:
@@ -62,7 +64,7 @@ def differentiable_angles(map_: CanonicalMap) -> bool:
     )
 
 
-def variations(map_: CanonicalMap, columns: int) -> Bounded:
+def variations(map_: ConstantsToState, columns: int) -> Bounded:
     """Return how constants and parameters change with (B, x, a, y) and the parameters.
 
     Args:
@@ -76,15 +78,16 @@ def variations(map_: CanonicalMap, columns: int) -> Bounded:
     return Z
 
 
-def _laws(map_: CanonicalMap, Z: Bounded) -> tuple[Bounded, Bounded]:
+def _laws(map_: ConstantsToState, Z: Bounded) -> tuple[Bounded, Bounded]:
     """B_j, and what the places of angle zero add to its differential, by all columns."""
     c, solution, n = map_.context, map_.source.solution, len(map_.variables.constants)
     B, dB = zeros((n,), c), zeros((n, Z.value.shape[1]), c)
     for part in map_.parts:
         if isinstance(part, RestVariations):
             continue
-        start = np.array([c.convert(part.course.start)], dtype=object)
-        begin = np.array([c.convert(phase_of_zero(part.course, c, c.prec))], dtype=object)  # type: ignore[arg-type]
+        course: Any = part.course
+        start: Any = np.array([c.convert(course.start)], dtype=object)
+        begin: Any = np.array([c.convert(phase_of_zero(course, c, c.prec))], dtype=object)
         none = np.zeros(1, dtype=int)
         waves, offset = part.waves, np.array([0.0])  # type: ignore[union-attr]
         _, here = waves.at(start, start)
@@ -92,7 +95,7 @@ def _laws(map_: CanonicalMap, Z: Bounded) -> tuple[Bounded, Bounded]:
         B = B + here[:n, 0] - there[:n, 0]
         if part.course.rotates:
             slopes = part.slopes(begin, none, offset)
-            moved = _zero_by(part, begin) @ Z - slopes.q_by[:, 0] @ Z  # type: ignore[arg-type]
+            moved = _zero_by(part, begin) @ Z - slopes.q_by[:, 0] @ Z
             phase = Bounded(
                 np.array([x / slopes.q.value[0] for x in moved.value], dtype=object),
                 moved.error / abs(float(slopes.q.value[0])),
@@ -110,7 +113,7 @@ def _laws(map_: CanonicalMap, Z: Bounded) -> tuple[Bounded, Bounded]:
     return B, dB
 
 
-def _zero_by(part: CycleVariations, begin: np.ndarray) -> Bounded:
+def _zero_by(part: Any, begin: Any) -> Bounded:
     """How the place of angle zero moves: with the barrier opposite to it, or not at all."""
     c = part.context
     place = c.convert(part.course.place(converted(begin, c))[0][0])

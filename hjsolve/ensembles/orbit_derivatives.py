@@ -1,0 +1,251 @@
+"""Derivatives of actions and frequencies by the constants of the motion, for many orbits at once.
+
+The second derivatives of the actions come from ``contour_integrals``; ∂Ω/∂α = −Ω dK K⁻¹ with K = ∂J/∂α
+(``motion.derivatives.integrals``). What is integrated on a path is held against what the ensemble found between the
+turning points, J and Ω, which nothing but F has in common with it: where they disagree the path holds something else
+too, and another one, nearer to the motion, is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.arithmetic.tape import Tape
+from hjsolve.display.by_value import ByValue
+from hjsolve.display.shown import Shown
+from hjsolve.ensembles.batch import Batch
+from hjsolve.ensembles.contour_integrals import Seconds, along, round_the_circle, steps
+from hjsolve.ensembles.orbits import ensemble
+from hjsolve.errors import InvalidInputError
+from hjsolve.mechanics.kinks import refuse_kinks
+from hjsolve.mechanics.system import System
+from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.motion.initial_data import domain_ends, parameter_values
+from hjsolve.motion.positions import tape_of
+from hjsolve.solution.quadratures import Solution, solve
+
+_BLOCK = 256
+"""Orbits that are integrated together: their steps stay in the caches."""
+_PATHS = ((1.0, 1.0), (1.0, 1.6), (0.5, 1.3), (0.25, 1.6), (0.1, 1.6))
+_ROUNDS = (24, 96, 384)
+"""Paths tried one after the other: fractions of the first, and how many steps more; half the steps round a circle."""
+_FROM_END, _SMALL, _SAME = 0.9, 30.0, 1e-10
+"""How near in η a path comes to the end of the domain; ln of the room of a small motion over its size; and how well J
+and Ω must agree."""
+TOLERANCE = 1e-10
+"""Largest claimed error of an orbit that is ``ok``, relative to the terms that it is the sum of."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class BatchDerivatives(ByValue, Shown):
+    """Derivatives of the actions and frequencies of many orbits by the constants of the motion.
+
+    Attributes:
+        value: ``actions`` or ``frequencies`` → coordinate → constant → array of the shape of the initial conditions;
+            nan where the status is not ``ok``.
+        error: bounds on their errors, of the same shape.
+        status: ``ok``; ``not_converged`` where no path was found on which the integrals agree with the ensemble's, as
+            next to a separatrix (``Motion.derivatives`` has more digits); else what the ensemble says of the orbit.
+        batch: constants, actions, frequencies and turning points of the orbits.
+    """
+
+    value: Mapping[str, Mapping[str, Mapping[str, Any]]]
+    error: Mapping[str, Mapping[str, Mapping[str, Any]]]
+    status: Any
+    batch: Batch
+
+
+def ensemble_derivatives(
+    system: System | Solution | str | Path,
+    q: Mapping[str, Any],
+    p: Mapping[str, Any] | None = None,
+    velocity: Mapping[str, Any] | None = None,
+    *,
+    parameters: Mapping[str, Any] | None = None,
+    threads: int | None = None,
+) -> BatchDerivatives:
+    """Differentiate the actions and frequencies of many orbits by the constants of the motion.
+
+    Args:
+        system: a system, its solution, or a catalog id or path of a .toml entry.
+        q, p, velocity, parameters, threads: as of ``ensemble``.
+
+    Returns:
+        ``value["frequencies"]["r"]["E"]`` and so on, with errors and statuses.
+
+    Raises:
+        InvalidInputError: as of ``ensemble``; V with kinks, momenta that are shifted, or dask arrays.
+
+    Example:
+        >>> found = ensemble_derivatives("kepler-planar", q={"r": [1.0], "theta": 0}, p={"r": 0, "theta": [1.2]})
+        >>> round(float(found.value["frequencies"]["r"]["E"][0]), 12)  # −3 √(−2E)
+        -2.244994432064
+    """
+    solution = system if isinstance(system, Solution) else solve(system)
+    refuse_kinks(solution.system.kinks, "ensemble_derivatives")
+    if any(A != 0 for A in solution.shift.values()) or not solution.coordinates:
+        raise InvalidInputError(
+            "ensemble_derivatives: not where momenta are shifted or every coordinate is ignorable; write "
+            "motion.derivatives(…) for each"
+        )
+    want = ("constants", "actions", "frequencies", "turning_points")
+    batch = ensemble(solution, q, p, velocity, want=want, parameters=parameters, threads=threads)
+    if batch.lazy:
+        raise InvalidInputError("ensemble_derivatives: not of dask arrays; call it for each block")
+    return _derivatives(solution, batch, parameters or {})
+
+
+def _derivatives(solution: Solution, batch: Batch, given: Mapping[str, Any]) -> BatchDerivatives:
+    names, constants = list(solution.coordinates), list(solution.constants)
+    n, count = len(constants), int(np.prod(batch.shape, dtype=int))
+    κ = np.array([np.ravel(batch.constants[name]) for name in constants], dtype=float).reshape(n, count)
+    status = np.ravel(np.asarray(batch.status)).astype(object)
+    open_ = np.flatnonzero(status == "ok")
+    K, (dK, error, sizes) = np.full((n, n, count), np.nan), (np.zeros((n, n, n, count)) for _ in range(3))
+    good = np.zeros(count, dtype=bool)
+    good[open_] = True
+    exact = parameter_values(solution.system, given)
+    for i, name in enumerate(names):
+        found, fine = _coordinate(solution, exact, name, batch, κ, open_)
+        direction = np.sign(np.ravel(batch.actions[name])[open_])
+        direction = np.where(direction == 0, 1.0, direction)
+        K[i][:, open_] = direction * found.first
+        dK[i][:, :, open_], error[i][:, :, open_] = direction * found.second, found.error
+        sizes[i][:, :, open_] = found.scale
+        good[open_[~fine]] = False
+    others = [c for c in solution.system.coordinates if c.name not in names]
+    for row, c in enumerate(others, len(names)):
+        K[row] = 0.0
+        K[row, constants.index(c.momentum.name)] = 1.0
+    return _collected(solution, batch, (K, dK, error, sizes), good, status)
+
+
+def _tape(solution: Solution, name: str) -> Tape:
+    F, q = solution.momentum_squared[name], solution.system.coordinate(name).symbol
+    κ = [c.symbol for c in solution.constants.values()]
+    first = [sp.diff(F, c) for c in κ]
+    second = [sp.diff(first[j], κ[k]) for j in range(len(κ)) for k in range(j, len(κ))]
+    return tape_of((F, *first, *second), (q, *κ, *(p.symbol for p in solution.system.parameters)))
+
+
+def _coordinate(
+    solution: Solution, exact: Mapping[sp.Symbol, sp.Expr], name: str, batch: Batch, κ: Reals, open_: Integers
+) -> tuple[Seconds, Mask]:
+    """The second derivatives of one action, and for which of the orbits they agree with it."""
+    tape = _tape(solution, name)
+    numbers = [float(to_bits(exact[p.symbol])(64)) for p in solution.system.parameters]
+    low, high = (np.ravel(np.asarray(end, dtype=float))[open_] for end in batch.turning_points[name])
+    J = np.abs(np.ravel(batch.actions[name])[open_])
+    J_error = np.ravel(batch.error["actions"][name])[open_]
+    ends = [None if end is None else float(to_bits(end)(64)) for end in domain_ends(solution.system, name, exact)]
+    least = 1.0 if solution.system.coordinate(name).domain.kind == "angle" else 0.0
+    n, m = len(κ), len(open_)
+    second, error, scale = (np.zeros((n, n, m)) for _ in range(3))
+    result = Seconds(np.full(m, np.nan), np.full((n, m), np.nan), second, error, scale, np.zeros(m, dtype=bool))
+    fine, turning = np.zeros(m, dtype=bool), np.isfinite(low) & np.isfinite(high)
+    for attempt, (part, more) in enumerate(_PATHS):
+        left = np.flatnonzero(~fine & turning)
+        middle, h = (low[left] + high[left]) / 2, (high[left] - low[left]) / 2
+        ρ, η = _path(middle, h, (ends, least), part)
+        for step in np.unique(η):
+            own = np.flatnonzero(η == step)
+            for block in np.array_split(own, -(-len(own) // _BLOCK)):
+                some = left[block]
+                path = middle[block], h[block], ρ[block]
+                found = along(tape, κ[:, open_[some]], numbers, path, steps(step, more))
+                _keep(result, fine, some, found, J, J_error)
+        if attempt < len(_ROUNDS):
+            left = np.flatnonzero(~fine & ~turning)
+            for block in np.array_split(left, max(1, -(-len(left) // _BLOCK))) if len(left) else ():
+                found = round_the_circle(tape, κ[:, open_[block]], numbers, _ROUNDS[attempt])
+                _keep(result, fine, block, found, J, J_error)
+    return result, fine
+
+
+def _keep(result: Seconds, fine: Mask, some: Integers, found: Seconds, J: Reals, J_error: Reals) -> None:
+    """Keep what agrees with the action of the ensemble and is known well enough."""
+    with np.errstate(all="ignore"):
+        size = np.max(np.abs(found.first), axis=0)
+        known = (found.error <= TOLERANCE * found.scale).all(axis=(0, 1))
+        agrees = np.abs(found.action - J[some]) <= J_error[some] + _SAME * np.abs(J[some]) + 64 * EPS * size
+    right = found.good & agrees & known
+    fine[some[right]] = True
+    for own, new in zip(result[:5], found[:5], strict=True):
+        own[..., some[right]] = new[..., right]
+
+
+def _path(middle: Reals, h: Reals, room: tuple[list[float | None], float], part: float) -> tuple[Reals, Reals]:
+    """ρ, and η rounded down to some few values: halfway to the end of the domain, or to what is far."""
+    gaps = [np.abs(middle - end) for end in room[0] if end is not None]
+    farthest_out = np.minimum.reduce(gaps) if gaps else np.maximum.reduce([4 * h, np.abs(middle) / 2, room[1] + 0 * h])
+    with np.errstate(all="ignore"):
+        farthest = np.arccosh(np.maximum(farthest_out / h, 1 + 1e-12))
+        away = part * np.maximum(farthest / 2, farthest - _FROM_END)
+        away = np.where(np.isfinite(away), away, part * _SMALL)
+        near = np.where(np.isfinite(farthest), np.minimum(away, farthest - away), _FROM_END)
+        η = np.clip(2.0 ** (np.floor(3 * np.log2(near)) / 3), 2.0**-6, 1.0)
+        ρ = np.where(h > farthest_out * np.exp(-_SMALL), h * np.exp(away) / 2, farthest_out * part * np.exp(-_FROM_END))
+    return ρ, η
+
+
+def _collected(
+    solution: Solution, batch: Batch, found: tuple[Reals, Reals, Reals, Reals], good: Mask, status: Any
+) -> BatchDerivatives:
+    """∂J/∂α and ∂Ω/∂α with their errors, the frequencies checked."""
+    K, dK, error, sizes = found
+    constants, names = list(solution.constants), list(solution.coordinates)
+    order = names + [c.name for c in solution.system.coordinates if c.name not in names]
+    E, n = constants.index(solution.separation.shell.energy.name), len(constants)
+    matrices = np.where(good, K, np.eye(n)[:, :, None]).transpose(2, 0, 1)
+    with np.errstate(all="ignore"):
+        inverse = np.linalg.inv(matrices)
+        Ω = inverse[:, E, :]
+        size = np.abs(inverse)
+        row, rows = Ω[:, None, :], np.abs(Ω)[:, None, :]
+        slopes, unsure, wide = (x.transpose(3, 2, 0, 1) for x in (dK, error + 8 * EPS * np.abs(dK), sizes))  # k, l, j
+        dΩ = -np.concatenate([row @ slopes[:, k] @ inverse for k in range(n)], axis=1).transpose(0, 2, 1)
+        spread = size @ np.abs(matrices) @ size  # of K⁻¹, by units of rounding of K
+        bound, terms = [], []
+        for k in range(n):
+            steep = np.abs(slopes[:, k])
+            rounded = rows @ steep @ spread + spread[:, E : E + 1, :] @ steep @ size
+            terms.append(rows @ wide[:, k] @ size)
+            bound.append(rows @ unsure[:, k] @ size + 64 * EPS * rounded)
+        bound = np.concatenate(bound, axis=1).transpose(0, 2, 1) + 64 * EPS * np.abs(dΩ)
+        scale = np.concatenate(terms, axis=1).transpose(0, 2, 1)
+    _check(batch, order, Ω, spread[:, E, :], good)
+    with np.errstate(all="ignore"):
+        good &= (bound <= TOLERANCE * scale).all(axis=(1, 2))
+    status = np.where(~good & (status == "ok"), "not_converged", status)
+
+    def shaped(x: Reals) -> Reals:
+        return np.where(good, x, np.nan).reshape(batch.shape)
+
+    value: dict[str, Any] = {"actions": {}, "frequencies": {}}
+    errors: dict[str, Any] = {"actions": {}, "frequencies": {}}
+    for i, name in enumerate(order):
+        if name in batch.actions:
+            value["actions"][name] = {c: shaped(K[i, j]) for j, c in enumerate(constants)}
+            errors["actions"][name] = {c: shaped(64 * EPS * np.abs(K[i]).max(axis=0)) for c in constants}
+        if name in batch.frequencies:
+            value["frequencies"][name] = {c: shaped(dΩ[:, i, j]) for j, c in enumerate(constants)}
+            errors["frequencies"][name] = {c: shaped(bound[:, i, j]) for j, c in enumerate(constants)}
+    return BatchDerivatives(value, errors, status.reshape(batch.shape), batch)
+
+
+def _check(batch: Batch, order: Iterable[str], Ω: Reals, spread: Reals, good: Mask) -> None:
+    """Drop the orbits whose frequencies on the path are not those of the ensemble."""
+    for i, name in enumerate(order):
+        if name in batch.frequencies:
+            there = np.ravel(batch.frequencies[name])
+            with np.errstate(all="ignore"):
+                near = np.abs(Ω[:, i] - there) <= _SAME * np.abs(there) + 64 * EPS * spread[:, i]
+            good &= near

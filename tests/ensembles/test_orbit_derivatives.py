@@ -1,0 +1,99 @@
+"""Derivatives of many orbits against closed forms and against single motions."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+
+import hjsolve
+from hjsolve import System
+from hjsolve.errors import InvalidInputError
+
+many = mpmath.mp.clone()
+many.dps = 40
+
+
+def kepler_orbits(n, seed):
+    rng = np.random.default_rng(seed)
+    e, L = 10 ** rng.uniform(-6, -0.05, n), rng.uniform(0.3, 2, n)
+    ψ = rng.uniform(0, 2 * np.pi, n)
+    return {"r": L**2 / (1 + e * np.cos(ψ)), "theta": 0 * e}, {"r": e * np.sin(ψ) / L, "theta": L}
+
+
+def test_kepler_in_closed_form_from_circles_to_needles():
+    """∂Ω/∂E = −3 √(−2E), the same for both coordinates, and nothing by p_θ; E from the doubles that were given."""
+    q, p = kepler_orbits(60, 1)
+    found = hjsolve.ensemble_derivatives("kepler-planar", q=q, p=p)
+    fine = found.status == "ok"
+    assert fine.mean() > 0.95
+    for k in np.flatnonzero(fine):
+        r, pr, L = (many.mpf(float(x[k])) for x in (q["r"], p["r"], p["theta"]))
+        E = (pr**2 + (L / r) ** 2) / 2 - 1 / r
+        for name in ("r", "theta"):
+            for constant, truth in (("E", -3 * many.sqrt(-2 * E)), ("p_theta", many.mpf(0))):
+                value, error = (table["frequencies"][name][constant][k] for table in (found.value, found.error))
+                assert abs(many.mpf(float(value)) - truth) <= error
+                assert error <= 1e-9 * (abs(truth) or 1 / float(L))
+        value, error = (table["actions"]["r"]["E"][k] for table in (found.value, found.error))
+        assert abs(many.mpf(float(value)) - (-2 * E) ** many.mpf("-1.5")) <= error
+
+
+def test_pendulum_to_and_fro_and_over_the_top():
+    """Ω = π/(2K(m)), m = (E + 1)/2, in a libration; π/(√(1/m) K(1/m)) over the top, by elliptic integrals."""
+    system = System({"x": "angle"}, "dot(x)**2/2", "-cos(x)")
+    v = np.array([1e-4, 0.3, 1.2, 1.9, 2.2, 3.0, -3.0, 7.0])
+    found = hjsolve.ensemble_derivatives(system, q={"x": 0.0 * v}, p={"x": v})
+    assert (found.status == "ok").all()
+    for k, speed in enumerate(v):
+        E, sign = many.mpf(float(speed)) ** 2 / 2 - 1, 1 if speed > -2 else -1
+
+        def Ω(energy, sign=sign):
+            m = (energy + 1) / 2
+            if m < 1:
+                return many.pi / (2 * many.ellipk(m))
+            return sign * many.pi * many.sqrt(m) / many.ellipk(1 / m)
+
+        truth = many.diff(Ω, E, h=many.mpf(10) ** -12)
+        value, error = (table["frequencies"]["x"]["E"][k] for table in (found.value, found.error))
+        assert abs(many.mpf(float(value)) - truth) <= error + 1e-18
+        assert error <= 1e-10 * abs(truth) + 1e-13
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", ["kuzmin-kutuzov", "spherical-pendulum", "isochrone"])
+def test_claims_against_single_motions(name):
+    rng = np.random.default_rng(3)
+    solution = hjsolve.solve(hjsolve.catalog.load(name))
+    begin = hjsolve.catalog.describe(name).initial
+    motion = solution.motion(**begin.arguments)
+    values = motion.initial.values
+    q, p = {}, {}
+    for c in solution.system.coordinates:
+        q[c.name] = float(values[c.symbol]) * rng.uniform(0.9, 1.1, 40)
+        p[c.name] = float(values[c.momentum]) * rng.uniform(0.8, 1.2, 40)
+    found = hjsolve.ensemble_derivatives(solution, q=q, p=p)
+    assert (found.status == "ok").mean() > 0.9
+    for k in np.flatnonzero(found.status == "ok")[:12]:
+        one = solution.motion(
+            q={n: float(x[k]) for n, x in q.items()}, p={n: float(x[k]) for n, x in p.items()}, digits=25
+        ).derivatives({"actions", "frequencies"}, {"constants"})
+        for quantity, names in found.value.items():
+            for own, constants in names.items():
+                for constant, column in constants.items():
+                    true = abs(many.mpf(float(column[k])) - many.convert(one.value[quantity][own][constant]))
+                    assert true <= found.error[quantity][own][constant][k]
+
+
+def test_statuses_of_orbits_without_derivatives():
+    found = hjsolve.ensemble_derivatives(
+        "kepler-planar", q={"r": [1.0, 1.0], "theta": 0}, p={"r": 0, "theta": [1.2, 1.9]}
+    )
+    assert found.status.tolist() == ["ok", "unbounded"]
+    assert np.isnan(found.value["frequencies"]["r"]["E"][1])
+    assert np.isnan(found.error["frequencies"]["r"]["E"][1])
+
+
+def test_refusals_say_what_to_write():
+    with pytest.raises(InvalidInputError, match=r"write motion\.derivatives"):
+        hjsolve.ensemble_derivatives("free-particle", q={}, p={})
