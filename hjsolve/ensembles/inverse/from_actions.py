@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine import build
 from hjsolve.ensembles.engine.programs import system_programs
@@ -25,7 +26,7 @@ _CHUNK = 4096
 """Orbits that are worked on together."""
 _AGAIN = 2
 """How often orbits that are left over start again from the nearest that are solved."""
-_TOLERANCE = 1e-3
+_TOLERANCE = 1e-6
 """Largest claimed error of q, over the width of its motion, with which a state is kept."""
 
 Rows = dict[str, Reals]
@@ -182,7 +183,9 @@ def _written(
     spread = np.where(J == 0, 0.0, spread)
     angles = task.angles[own][:, index], task.angles[others][:, index]
     states = states_at(angle_task, tori, frames, angles, spread)
-    fine = states.good & (states.q_errors <= _TOLERANCE * np.where(frames.widths > 0, frames.widths, 1.0)).all(axis=0)
+    rounding = 8 * EPS * np.abs(states.q)  # of q itself; a narrow motion may be hardly wider
+    wide = np.where(frames.widths > 0, frames.widths, 1.0)
+    fine = states.good & (states.q_errors - rounding <= _TOLERANCE * wide).all(axis=0)
     _put(task, found, angle_task, (index[fine], fine), states)
 
 

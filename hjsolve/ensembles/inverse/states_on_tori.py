@@ -29,7 +29,7 @@ from hjsolve.ensembles.engine.programs import SystemPrograms, sides
 from hjsolve.ensembles.inverse.tori import Tori, coordinate_at, kernels, squares
 
 _TIMED = Modes(chords=False, kernels=True, oscillations=True, shifts=False)
-_ROUNDS, _LEAST_STEP = 40, 2.0**-8
+_ROUNDS, _LEAST_STEP = 60, 2.0**-30
 """Evaluations of θ, and the share of a step below which an orbit is given up."""
 _LONGEST = 1.0
 """Radians that a phase moves in one step, at most."""
@@ -39,10 +39,14 @@ _NEARLY = 1e-8
 """The same, as long as p² is in doubles."""
 _SETTLED = 1e-9
 """Residual below which a step that makes nothing better ends the search."""
+_STARTS = 8
+"""Phases next to either turning point from which Newton's method begins again."""
 _PAIR_STEPS = 4
 """Steps of Newton's method for turning points in two doubles."""
 _TURNING, _NEXT = 1e-60, 1e-17
 """Sine or cosine of φ/2 that stands for 0, and the distance from a turning point, over W, below which F is linear."""
+_BLUR = 5.0
+"""Rounding of q, over W: from where the engine reads the phase off q, sin φ > 0.43."""
 _SHIFT = 2.0**-17
 """Relative change of an action for the difference quotient."""
 _SAFETY = 2.0
@@ -226,14 +230,19 @@ _Row = tuple[Reals, Reals, Reals, Reals, Reals]
 
 
 def _at_rest(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
-    """A coordinate that stays: χ is φ, and the kernels over its frequency √(−½F″) are its rates."""
-    one = coordinate_at(*task, tori, k)
-    formula = sides(one.coordinate)[0]
-    given = np.stack([offset(formula, one.q), *one.constants])
+    """A coordinate that stays where F′ = 0: χ is φ, and the kernels over its frequency √(−½F″) are its rates."""
+    q = tori.q[k]
+    for _ in range(_PAIR_STEPS):
+        one = coordinate_at(*task, tori._replace(q=_row(tori.q, k, q)), k)
+        formula = sides(one.coordinate)[0]
+        given = np.stack([offset(formula, q), *one.constants])
+        with np.errstate(all="ignore"):
+            _, _, bend = run_rows(one.programs.views[0].bend, one.parameters, given)
+            (slope,) = run_rows(one.programs.small.slope, one.parameters, np.stack([q, *one.constants, *one.low]))
+            q = q - slope / bend
     with np.errstate(all="ignore"):
-        _, _, bend = run_rows(one.programs.views[0].bend, one.parameters, given)
         rates = kernels(one) / np.sqrt(-0.5 * bend)
-    return one.q, 0 * φ, 0 * φ, 0 * φ, rates
+    return q, 0 * φ, 0 * φ, 0 * φ, rates
 
 
 def _on_turn(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
@@ -367,13 +376,21 @@ def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, 
     θ = wrapped(angles[0] * frames.directions)
     # θ of a rotation is 0 opposite to the slow place, of a libration at the lower turning point
     φ = np.where(frames.rotating, tori.q * frames.directions, θ)
-    for exact in (False, True):
-        φ, found, at = _phases(task, tori, frames, (θ, φ), exact=exact)
+    φ, found, at = _phases(task, tori, frames, (θ, φ), exact=False)
+    far = np.flatnonzero(frames.good & ~(np.abs(wrapped(θ - found.separated)).max(axis=0) < _NEARLY))
+    if len(far):
+        among = frames.take(far)
+        start = _nearest_start(task, tori.take(far), among, θ[:, far])
+        φ[:, far], *_ = _phases(task, tori.take(far), among, (θ[:, far], start), exact=False)
+    φ, found, at = _phases(task, tori, frames, (θ, φ), exact=True)
     residual = np.abs(wrapped(θ - found.separated))
     with np.errstate(all="ignore"):
         back = _inverses(_matrix(found, at))
         loose = residual + found.errors
-        phases = _times(np.abs(back), loose)
+        # the engine takes q rounded to a double, which narrow motions see as a shift of the phase
+        between = ~frames.rotating & ~frames.resting
+        blur = np.where(between, _BLUR * EPS * np.abs(at.q) / frames.widths, 0.0)
+        phases = _times(np.abs(back), loose) + blur
         own = np.abs(at.moves) * phases, np.abs(at.forces) * phases
         moved = _quotients(task, tori, frames, (φ, at, found, back), spread)
         q_errors = own[0] + moved[0] + 2 * EPS * np.abs(at.q)
@@ -447,12 +464,29 @@ def _phases(
         matrices = _inverses(_matrix(found, at)[better])
         newton = _times(matrices, residual[:, better])
         with np.errstate(all="ignore"):
-            step[:, here] = newton * np.fmin(1.0, _LONGEST / np.max(np.abs(newton), axis=0))
-        share[here] = 1.0
-        share[active[~better]] *= 0.5
+            step[:, here], share[here] = newton, np.fmin(1.0, _LONGEST / np.max(np.abs(newton), axis=0))
+        share[active[~better]] *= 0.25
         active = active[~finished & ~settled & (share[active] >= _LEAST_STEP)]
         trial[:, active] = base[:, active] + share[active] * step[:, active]
     return base, best, kept
+
+
+def _nearest_start(task: AngleTask, tori: Tori, frames: Frames, θ: Reals) -> Reals:
+    """The phases among some next to turning points whose angles are nearest: for motions that hardly leave an end."""
+    best, merit = θ.copy(), np.full(θ.shape[1], np.inf)
+    for k in range(θ.shape[0]):
+        for upper in (False, True):
+            for power in range(1, _STARTS + 1):
+                φ = θ.copy()
+                near = np.pi * 2.0 ** -(1.5 * power)
+                φ[k] = np.copysign(np.pi - near if upper else near, θ[k])
+                at = placed(task, tori, frames, φ)
+                found = angles_at(task, tori, frames, at, exact=False)
+                with np.errstate(invalid="ignore"):
+                    away = np.abs(wrapped(θ - found.separated)).max(axis=0)
+                better = found.good & (away < merit) & ~frames.rotating[k]
+                best[:, better], merit[better] = φ[:, better], away[better]
+    return best
 
 
 def _ignorable_rates(model: Model, found: AnglesFound, at: Placed, back: Reals, phases: Reals) -> Reals:
