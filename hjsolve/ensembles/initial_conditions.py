@@ -83,7 +83,9 @@ def arrays_of(
     arrays = {}
     for k, (what, given) in enumerate(groups.items()):
         if not isinstance(given, Mapping):
-            raise InvalidInputError(f"{what}: must map coordinates to arrays, e.g. {{{names[0]!r}: …}}, not {_kind(given)}")
+            raise InvalidInputError(
+                f"{what}: must map coordinates to arrays, e.g. {{{names[0]!r}: …}}, not {_kind(given)}"
+            )
         for name, value in given.items():
             if name not in names:
                 raise InvalidInputError(f"{what}: {name!r} has none in this solution; known are {', '.join(names)}")

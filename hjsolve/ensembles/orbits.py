@@ -67,7 +67,8 @@ def ensemble(
             with these actions, ``batch.q["r"]`` and ``batch.p["r"]``, at
         angles: the same names → angle variables in radians; 0 where left out.
         kinds: with actions, separated coordinate → libration or rotation, where both have the same actions.
-        want: ``state`` with actions, else of ``actions``, ``frequencies``, ``periods``, ``angles``, ``constants``, ``turning_points``; nothing else
+        want: ``state`` with actions, else of
+            ``actions``, ``frequencies``, ``periods``, ``angles``, ``constants``, ``turning_points``; nothing else
             is computed. None for all.
         parameters: name → number, where it differs from the default; the same for all orbits.
         threads: how many; None for all cores that this process may use. Dask has its own, this is not for it.

@@ -17,7 +17,7 @@ from hjsolve.motion.tori.from_actions import AskedTorus, asked_torus, candidates
 from hjsolve.motion.tori.polish import Torus
 from hjsolve.motion.tori.radicand_curve import Cycle
 from hjsolve.motion.tori.search import Candidate, SampledActions, sampled_actions
-from hjsolve.semiclassical.ways import ROTATION, Poles, Way, poles_in_doubles, walls_of, ways_of
+from hjsolve.semiclassical.ways import ROTATION, Way, poles_in_doubles, walls_of, ways_of
 from hjsolve.solution.quadratures import Solution, solve
 
 _DOUBLINGS = 40
@@ -179,9 +179,7 @@ def frame_of(
     own = {p.symbol: values[p.symbol] for p in other.system.parameters}
     actions = {c.name: momenta.get(c.name, sp.S.Zero) for c in other.system.coordinates}
     known = own | {c.momentum: actions[c.name] for c in other.system.coordinates if c.name not in other.coordinates}
-    walls = {
-        name: (False, False) if name in poles else walls_of(other, name, known) for name in other.coordinates
-    }
+    walls = {name: (False, False) if name in poles else walls_of(other, name, known) for name in other.coordinates}
     asked = asked_torus(other, own, actions, digits, frozenset(), exact=True, walls=walls)
     ways = tuple(ways_of(other, name, asked.values, poles.get(name)) for name in other.coordinates)
     gone_round = tuple(name for name in solution.coordinates if name not in other.coordinates)

@@ -186,7 +186,7 @@ class _Search:
                     waiting += [tuple(-x for x in (*m[:k], step, *m[k + 1 :])) for step in steps]
 
     def _mirrored(self, level: Level, signs: Mapping[str, int]) -> Level:
-        actions = {n: -level.actions[n] if n in signs and signs[n] else J for n, J in level.actions.items()}
+        actions = {n: -level.actions[n] if signs.get(n) else J for n, J in level.actions.items()}
         return replace(level, numbers={**level.numbers, **signs}, actions=actions)
 
     def _too_many(self) -> InvalidInputError:
@@ -204,7 +204,9 @@ class _Search:
         name, more = frame.round[0], False
         for n in self.chosen.get(name) or itertools.count():
             # a coordinate that runs through both of its poles, with nothing that depends on it, is a free rotation
-            own = frame_of(self.solution, {**momenta, name: (n + sp.S.Half) * self.hbar}, self.values, self.hbar, self.digits)
+            own = frame_of(
+                self.solution, {**momenta, name: (n + sp.S.Half) * self.hbar}, self.values, self.hbar, self.digits
+            )
             levels, below = self._within(own, m, {name: n}, skipped)
             found, more = found + levels, more or below
             if name not in self.chosen and not below:
@@ -271,7 +273,8 @@ class _Search:
         J = {n: (numbers[n] + sp.Rational(maslov[n], 4)) * self.hbar for n in order}
         return Level(
             energy, {n: numbers[n] for n in order}, {n: kinds[n] for n in order}, {n: maslov[n] for n in order},
-            {n: rounded(to_bits(J[n])(bits), self.digits) for n in order}, {n: wells[n] for n in order if n in wells}, near,
+            {n: rounded(to_bits(J[n])(bits), self.digits) for n in order},
+            {n: wells[n] for n in order if n in wells}, near,
         )  # fmt: skip
 
 
@@ -287,9 +290,7 @@ class _Round:
 
 def _is_even(solution: Solution) -> bool:
     """Whether the opposite of all ignorable momenta leaves p² as it is."""
-    flipped = {
-        c.momentum: -c.momentum for c in solution.system.coordinates if c.name not in solution.coordinates
-    }
+    flipped = {c.momentum: -c.momentum for c in solution.system.coordinates if c.name not in solution.coordinates}
     if not solution.coordinates:
         H = solution.separation.shell.potential
         return bool(sp.expand(H - H.xreplace(flipped)) == 0)

@@ -108,9 +108,7 @@ def _within(pole: float, low: float, high: float, turn: float) -> bool:
     return any(low < pole + shift < high for shift in shifts)
 
 
-def ways_of(
-    solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr], poles: Poles | None
-) -> tuple[Way, ...]:
+def ways_of(solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr], poles: Poles | None) -> tuple[Way, ...]:
     """Return the ways in which a separated coordinate may go round.
 
     Args:
@@ -127,7 +125,9 @@ def ways_of(
         found += [Way(LIBRATION, LIBRATION, 2, multiple=2, across=(False, True), poles=poles)] if high else []
         return (*found, *([Way(ROTATION, LIBRATION, 2, poles=poles)] if low and high else []))
     hard = walls_of(solution, name, values)
-    patterns = [(a, b) for a in ((False, True) if hard[0] else (False,)) for b in ((False, True) if hard[1] else (False,))]
+    patterns = [
+        (a, b) for a in ((False, True) if hard[0] else (False,)) for b in ((False, True) if hard[1] else (False,))
+    ]
     found = [Way(LIBRATION, LIBRATION, 2 + sum(pattern), walls=pattern) for pattern in patterns]
     return (*found, *((Way(ROTATION, ROTATION, 0, sign) for sign in (1, -1)) if angle else ()))
 

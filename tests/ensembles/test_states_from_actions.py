@@ -66,7 +66,9 @@ def test_circles_rest_at_their_radius():
         ("pendulum", {"theta": [9.0, -9.0, 30.0]}, {}),
         ("spherical-pendulum", {"theta": [0.2, 2.0, 6.0], "phi": [0.5, -2.0, 0.05]}, {}),
         pytest.param(
-            "two-centres-space", {"xi": [0.3, 0.2, 1.0], "eta": [0.4, 1.5, 0.1], "phi": [1.0, -0.5, 2.0]}, {},
+            "two-centres-space",
+            {"xi": [0.3, 0.2, 1.0], "eta": [0.4, 1.5, 0.1], "phi": [1.0, -0.5, 2.0]},
+            {},
             marks=pytest.mark.nightly,
         ),
     ],

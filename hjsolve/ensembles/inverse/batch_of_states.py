@@ -44,7 +44,9 @@ def batch_of_states(
         MissingValueError: an action or a parameter without a value.
     """
     if solution.chart is not None:
-        raise InvalidInputError("actions: not with coordinates that were found; give the system in them, solution.system")
+        raise InvalidInputError(
+            "actions: not with coordinates that were found; give the system in them, solution.system"
+        )
     refuse_kinks(solution.system.kinks, "actions=")
     words = {"state"} if want is None else set(arguments.words(want, "want", '["state"]'))
     if words != {"state"}:

@@ -14,8 +14,9 @@ from hjsolve.ensembles.engine import build
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.inverse.constants_of_tori import Goals, Solved, constants_of_tori
+from hjsolve.ensembles.inverse.places_on_tori import AngleTask, frames_of
 from hjsolve.ensembles.inverse.seeds import Seeds, nearest, seeds_of
-from hjsolve.ensembles.inverse.states_on_tori import AngleTask, States, frames_of, states_at
+from hjsolve.ensembles.inverse.states_on_tori import States, states_at
 from hjsolve.ensembles.inverse.tori import Tori
 from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
 from hjsolve.motion.initial_data import parameter_values
@@ -92,7 +93,9 @@ def states_of(task: InverseTask) -> Found:
 
 def _chunk(task: InverseTask, found: Found, index: Integers) -> None:
     """The states of some orbits by the engine, as far as it goes."""
-    engine = build(task.solution, frozenset({"actions", "constants", "turning_points"}), parameters=dict(task.parameters))
+    engine = build(
+        task.solution, frozenset({"actions", "constants", "turning_points"}), parameters=dict(task.parameters)
+    )
     model, solution = engine.model, task.solution
     if not model.separated or any(c.shifted for c in model.separated) or solution.system.kinks:
         return
@@ -106,7 +109,9 @@ def _chunk(task: InverseTask, found: Found, index: Integers) -> None:
     patterns = [tuple(bool(x) for x in column) for column in np.unique(seeds.rotating.T, axis=0)]
     done = np.zeros(len(index), dtype=bool)
     for pattern in patterns:
-        if not all(task.kinds.get(c.name, "") in ("", _word(turns)) for c, turns in zip(model.separated, pattern, strict=True)):
+        if not all(
+            task.kinds.get(c.name, "") in ("", _word(turns)) for c, turns in zip(model.separated, pattern, strict=True)
+        ):
             continue
         some = np.flatnonzero(_possible(J, pattern))
         if not len(some):
@@ -139,13 +144,14 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern:
     """Constants of tori, from the nearest seeds; what fails starts again from the nearest that were solved."""
     (J, momenta), model = wanted, task.model
     rotating = np.broadcast_to(np.array(pattern)[:, None], J.shape)
-    size, n = J.shape
     places = [model.ignorable[name] for name in model.angles]
     unknown = np.array([j for j in range(len(model.constants)) if j not in places])
     goals = Goals(np.abs(J), rotating, np.abs(J).sum(axis=0) + np.abs(momenta).sum(axis=0), unknown)
     everything = np.concatenate([np.abs(J), np.abs(momenta)])
     near = nearest(seeds.actions, everything)
-    solved = constants_of_tori(model, task.programs, _begun(seeds.constants[:, near], seeds.places[:, near], momenta, places), goals)
+    solved = constants_of_tori(
+        model, task.programs, _begun(seeds.constants[:, near], seeds.places[:, near], momenta, places), goals
+    )
     for _ in range(_AGAIN):
         lost, good = np.flatnonzero(~solved.good), np.flatnonzero(solved.good)
         if not len(lost) or not len(good):
@@ -153,7 +159,9 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern:
         near = good[nearest(everything[:, good], everything[:, lost])]
         begin = _begun(solved.tori.values[:, near], solved.tori.q[:, near], momenta[:, lost], places)
         more = constants_of_tori(model, task.programs, begin, goals.take(lost))
-        for whole, part in zip((*solved.tori, *solved.actions, solved.good), (*more.tori, *more.actions, more.good), strict=True):
+        for whole, part in zip(
+            (*solved.tori, *solved.actions, solved.good), (*more.tori, *more.actions, more.good), strict=True
+        ):
             whole[..., lost] = part
     return solved
 
@@ -189,9 +197,7 @@ def _written(
     _put(task, found, angle_task, (index[fine], fine), states)
 
 
-def _put(
-    task: InverseTask, found: Found, angle_task: AngleTask, which: tuple[Integers, Mask], states: States
-) -> None:
+def _put(task: InverseTask, found: Found, angle_task: AngleTask, which: tuple[Integers, Mask], states: States) -> None:
     (index, fine), model = which, angle_task.model
     for k, coordinate in enumerate(model.separated):
         name = coordinate.name
