@@ -17,8 +17,8 @@ from hjsolve.ensembles.axial_symmetry import about_axis
 from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.compute import Columns, compute_columns
 from hjsolve.ensembles.initial_conditions import InitialConditions, conditions
-from hjsolve.ensembles.inverse.batch_of_states import batch_of_states
 from hjsolve.ensembles.layout import layout_of
+from hjsolve.ensembles.states_wanted import batch_of_states
 from hjsolve.ensembles.task import EnsembleTask
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.quantities_given import in_units

@@ -11,8 +11,8 @@ import numpy as np
 from hjsolve import arguments
 from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.initial_conditions import arrays_of
-from hjsolve.ensembles.inverse.from_actions import InverseTask, states_of
 from hjsolve.ensembles.layout import ERROR, RECOMPUTED, STATUS, Layout
+from hjsolve.ensembles.to_states.from_actions import InverseTask, states_of
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.motion.initial_data import parameter_values

@@ -22,8 +22,8 @@ from hjsolve.ensembles.engine.kernels.types import Modes, Sums, no_sums
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import sides
-from hjsolve.ensembles.inverse.places_on_tori import AngleTask, Frames, Placed, placed, refined, width_of
-from hjsolve.ensembles.inverse.tori import Tori, coordinate_at, squares
+from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, placed, refined, width_of
+from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, squares
 
 _TIMED = Modes(chords=False, kernels=True, oscillations=True, shifts=False)
 _ROUNDS, _LEAST_STEP = 60, 2.0**-30
@@ -66,7 +66,7 @@ class AnglesFound(NamedTuple):
     good: Mask
 
 
-class States(NamedTuple):
+class StatesOnTori(NamedTuple):
     """States; arrays (separated, n), of ignorable angles (angles, n).
 
     Attributes:
@@ -151,7 +151,7 @@ def wrapped(angle: Reals) -> Reals:
     return angle - 2 * np.pi * np.rint(angle / (2 * np.pi))
 
 
-def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, Reals], spread: Reals) -> States:
+def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, Reals], spread: Reals) -> StatesOnTori:
     """Return the states of tori at angles.
 
     Args:
@@ -190,7 +190,7 @@ def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, 
     good = frames.good & found.good & (residual.max(axis=0) < 1e-9)
     for part in (q_errors, P_errors, turned_errors):
         good = good & np.isfinite(part).all(axis=0)
-    return States(at.q, at.P, q_errors, P_errors, turned, turned_errors, good)
+    return StatesOnTori(at.q, at.P, q_errors, P_errors, turned, turned_errors, good)
 
 
 def _matrix(found: AnglesFound, at: Placed) -> Reals:
@@ -202,8 +202,8 @@ def _matrix(found: AnglesFound, at: Placed) -> Reals:
 
 def _inverses(matrices: Reals) -> Reals:
     found = np.full(matrices.shape, np.nan)
-    fine = np.isfinite(matrices).all(axis=(1, 2))
-    fine[fine] = np.linalg.det(matrices[fine]) != 0
+    finite = np.flatnonzero(np.isfinite(matrices).all(axis=(1, 2)))
+    fine = finite[np.linalg.det(matrices[finite]) != 0]
     found[fine] = np.linalg.inv(matrices[fine])
     return found
 
@@ -222,11 +222,9 @@ def _phases(
     trial, step = base.copy(), np.zeros((size, n))
     share, merit = np.ones(n), np.full(n, np.inf)
     angles = len(task.model.angles)
-    best = AnglesFound(
-        *(np.full((size, n), np.nan) for _ in range(2)), *(np.full((angles, n), np.nan) for _ in range(2)),
-        np.full((n, size, size), np.nan), np.full((size, m, n), np.nan), np.zeros(n, dtype=bool),
-    )  # fmt: skip
-    kept = Placed(*(np.full((size, n), np.nan) for _ in range(4)), np.full((size, m, n), np.nan))
+    shapes = (size, n), (size, n), (angles, n), (angles, n), (n, size, size), (size, m, n)
+    best = AnglesFound._make((*(np.full(shape, np.nan) for shape in shapes), np.zeros(n, dtype=bool)))
+    kept = Placed._make((*(np.full((size, n), np.nan) for _ in range(4)), np.full((size, m, n), np.nan)))
     active = np.flatnonzero(frames.good)
     for _ in range(_ROUNDS):
         if not len(active):

@@ -90,9 +90,10 @@ def no_actions(size: int, constants: int, count: int) -> Actions:
         constants: constants of the motion.
         count: tori.
     """
-    rows = [np.full((size, count), np.nan) for _ in range(2)]
-    marks = [np.zeros((size, count), dtype=bool) for _ in range(2)]
-    return Actions(*rows, np.full((size, constants, count), np.nan), marks[0], np.zeros(count, dtype=bool), marks[1])
+    values, errors = (np.full((size, count), np.nan) for _ in range(2))
+    harmonic, rotations = (np.zeros((size, count), dtype=bool) for _ in range(2))
+    slopes = np.full((size, constants, count), np.nan)
+    return Actions(values, errors, slopes, harmonic, np.zeros(count, dtype=bool), rotations)
 
 
 def coordinate_at(

@@ -50,7 +50,7 @@ class Seeds(NamedTuple):
         Args:
             index: which.
         """
-        return Seeds(*(x[:, index] for x in self))
+        return Seeds._make(x[:, index] for x in self)
 
 
 def seeds_of(engine: Engine, curves: Sequence[RadicandCurve], wanted: tuple[Reals, Reals]) -> Seeds:

@@ -13,11 +13,11 @@ from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine import build
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
-from hjsolve.ensembles.inverse.constants_of_tori import Goals, Solved, constants_of_tori
-from hjsolve.ensembles.inverse.places_on_tori import AngleTask, frames_of
-from hjsolve.ensembles.inverse.seeds import Seeds, nearest, seeds_of
-from hjsolve.ensembles.inverse.states_on_tori import States, states_at
-from hjsolve.ensembles.inverse.tori import Tori
+from hjsolve.ensembles.to_states.newton_on_actions import Goals, Solved, constants_of_tori
+from hjsolve.ensembles.to_states.places_on_tori import AngleTask, frames_of
+from hjsolve.ensembles.to_states.seeds import Seeds, nearest, seeds_of
+from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
+from hjsolve.ensembles.to_states.tori import Tori
 from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.motion.tori.radicand_curve import curves_of
@@ -56,7 +56,7 @@ class InverseTask:
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundStates:
     """States: coordinate → array (n,), their errors, the status of every orbit, and which a single motion computed."""
 
     q: Rows
@@ -67,7 +67,7 @@ class Found:
     recomputed: Mask
 
 
-def states_of(task: InverseTask) -> Found:
+def states_of(task: InverseTask) -> FoundStates:
     """Return the states of n orbits.
 
     Args:
@@ -79,7 +79,7 @@ def states_of(task: InverseTask) -> Found:
     n = task.actions.shape[1]
     coordinates = [c.name for c in task.solution.system.coordinates]
     q, p, dq, dp = ({name: np.full(n, np.nan) for name in coordinates} for _ in range(4))
-    found = Found(q, p, dq, dp, np.full(n, Status.NOT_CONVERGED, dtype=np.int8), np.zeros(n, dtype=bool))
+    found = FoundStates(q, p, dq, dp, np.full(n, Status.NOT_CONVERGED, dtype=np.int8), np.zeros(n, dtype=bool))
     finite = np.isfinite(task.actions).all(axis=0) & np.isfinite(task.angles).all(axis=0)
     found.status[~finite] = Status.NOT_FINITE
     left = np.flatnonzero(finite)
@@ -91,7 +91,7 @@ def states_of(task: InverseTask) -> Found:
     return found
 
 
-def _chunk(task: InverseTask, found: Found, index: Integers) -> None:
+def _chunk(task: InverseTask, found: FoundStates, index: Integers) -> None:
     """The states of some orbits by the engine, as far as it goes."""
     engine = build(
         task.solution, frozenset({"actions", "constants", "turning_points"}), parameters=dict(task.parameters)
@@ -173,7 +173,11 @@ def _begun(constants: Reals, q: Reals, momenta: Reals, places: list[int]) -> Tor
 
 
 def _written(
-    task: InverseTask, found: Found, angle_task: AngleTask, which: tuple[Integers, tuple[bool, ...]], solved: Solved
+    task: InverseTask,
+    found: FoundStates,
+    angle_task: AngleTask,
+    which: tuple[Integers, tuple[bool, ...]],
+    solved: Solved,
 ) -> None:
     """Write the states on tori that were found."""
     (index, pattern), model = which, angle_task.model
@@ -197,7 +201,9 @@ def _written(
     _put(task, found, angle_task, (index[fine], fine), states)
 
 
-def _put(task: InverseTask, found: Found, angle_task: AngleTask, which: tuple[Integers, Mask], states: States) -> None:
+def _put(
+    task: InverseTask, found: FoundStates, angle_task: AngleTask, which: tuple[Integers, Mask], states: StatesOnTori
+) -> None:
     (index, fine), model = which, angle_task.model
     for k, coordinate in enumerate(model.separated):
         name = coordinate.name
@@ -210,7 +216,7 @@ def _put(task: InverseTask, found: Found, angle_task: AngleTask, which: tuple[In
     found.status[index] = Status.OK
 
 
-def _one(task: InverseTask, found: Found, k: int) -> None:
+def _one(task: InverseTask, found: FoundStates, k: int) -> None:
     """One orbit by a single motion."""
     actions, angles = (
         {name: float(rows[j, k]) for j, name in enumerate(task.names)} for rows in (task.actions, task.angles)

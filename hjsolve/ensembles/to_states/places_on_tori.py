@@ -19,7 +19,7 @@ from hjsolve.ensembles.engine.kernels.types import Modes
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import SystemPrograms, sides
-from hjsolve.ensembles.inverse.tori import Tori, coordinate_at, kernels, squares
+from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, kernels, squares
 
 _PLACES = Modes(chords=False, kernels=False, oscillations=False, shifts=False)
 _PAIR_STEPS = 4
@@ -60,7 +60,7 @@ class Frames(NamedTuple):
         Args:
             index: which.
         """
-        return Frames(*(x[..., index] for x in self))
+        return Frames._make(x[..., index] for x in self)
 
 
 class Placed(NamedTuple):
@@ -149,7 +149,7 @@ def placed(task: AngleTask, tori: Tori, frames: Frames, φ: Reals) -> Placed:
     """
     size, n = φ.shape
     m = len(task.model.constants)
-    found = Placed(*(np.zeros((size, n)) for _ in range(4)), np.zeros((size, m, n)))
+    found = Placed._make((*(np.zeros((size, n)) for _ in range(4)), np.zeros((size, m, n))))
     for k in range(size):
         stays, turns = frames.resting[k], frames.rotating[k]
         for some, how in ((stays, _at_rest), (turns, _on_turn), (~stays & ~turns, _between)):
