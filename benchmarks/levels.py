@@ -74,14 +74,21 @@ def rows() -> Iterator[Row]:
                 yield title, numbers, float(level.energy.value), value, mark
 
     levels = hjsolve.levels
-    yield from compared("hydrogen", levels("kepler-spherical", up_to="-0.1"), lambda lv: -0.5 / (1 + sum(lv.numbers.values())) ** 2)
+    yield from compared(
+        "hydrogen", levels("kepler-spherical", up_to="-0.1"), lambda lv: -0.5 / (1 + sum(lv.numbers.values())) ** 2
+    )
     yield from compared("oscillator", levels("harmonic-oscillator", up_to=2), lambda lv: lv.numbers["x"] + 0.5)
     quantum = 0.1 * np.sqrt(2)
-    yield from compared("Morse, hbar = 0.1", levels("morse", hbar="0.1", numbers={"x": (0, 6, 12)}),
-                        lambda lv: quantum * (lv.numbers["x"] + 0.5) - (quantum * (lv.numbers["x"] + 0.5)) ** 2 / 4)  # fmt: skip
+
+    def morse(level: hjsolve.Level) -> float:
+        harmonic = quantum * (level.numbers["x"] + 0.5)
+        return harmonic - harmonic**2 / 4
+
+    yield from compared("Morse, hbar = 0.1", levels("morse", hbar="0.1", numbers={"x": (0, 6, 12)}), morse)
     yield from compared("spherical pendulum, hbar = 1/2", levels("spherical-pendulum", hbar="0.5", up_to=-4),
                         lambda lv: 0.25 * sphere(lv.numbers["phi"], 4 * GRAVITY)[lv.numbers["theta"]])  # fmt: skip
-    yield from compared(f"hydrogen in a field, F = {FIELD}", levels("stark", up_to="-0.053", parameters={"F": str(FIELD)}),
+    ionised = levels("stark", up_to="-0.053", parameters={"F": str(FIELD)})
+    yield from compared(f"hydrogen in a field, F = {FIELD}", ionised,
                         lambda lv: stark(lv.numbers["u"], lv.numbers["v"], lv.numbers["phi"], FIELD))  # fmt: skip
     yield from compared("H2+, R = 2", levels("two-centres-space", up_to="-0.21", parameters={"k2": 1}),
                         lambda lv: MADSEN_PEEK.get(tuple(lv.numbers.values()), ("", None))[1])  # fmt: skip

@@ -246,7 +246,7 @@ def any_motion_meant(options: Namespace) -> AnyMotion:
 
 
 def _declared_frame(options: Namespace) -> Frame | None:
-    """The frame that an entry declares, where no effect changes its system."""
+    """Return the frame that an entry declares, where no effect changes its system."""
     from hjsolve.catalog import moving_frames
 
     if options.system is None or options.effect or _is_scene(options):

@@ -54,7 +54,7 @@ def print_motion(motion: AnyMotion, options: Namespace) -> None:
 
 
 def _state(motion: AnyMotion, times: Sequence[str | float]) -> State:
-    """The state; in a moving frame in its coordinates Q and in those of the system as posed, q."""
+    """Return the state; in a moving frame in its coordinates Q and in those of the system as posed, q."""
     state = motion.at(times)
     if not isinstance(motion, FramedMotion):
         return state

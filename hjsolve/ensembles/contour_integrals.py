@@ -114,7 +114,7 @@ def _differentiated(
 
 
 def _alternating(f: Complexes) -> Reals:
-    """What half of the steps leave open: a Fourier coefficient and its mirror image, which may cancel each other.
+    """Return what half of the steps leave open: a Fourier coefficient and its mirror image, which may cancel each other.
 
     They do not both in f and in f e^{iχ}.
     """
@@ -128,7 +128,7 @@ def _size(x: Complexes) -> Reals:
 
 
 def _continued(root: Complexes) -> Complexes:
-    """The branch that begins positive and changes sign nowhere."""
+    """Return the branch that begins positive and changes sign nowhere."""
     turned = np.ones(root.shape)
     turned[0] = np.where(root[0].real < 0, -1.0, 1.0)
     turned[1:] = np.where((root[1:] * np.conj(root[:-1])).real < 0, -1.0, 1.0)

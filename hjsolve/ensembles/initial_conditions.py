@@ -64,6 +64,41 @@ def conditions(
     return InitialConditions(kind, places, speeds, shape, any(_is_dask(array) for array in arrays.values()))
 
 
+def arrays_of(
+    groups: Mapping[str, Mapping[str, Any]], names: list[str]
+) -> tuple[dict[str, dict[str, Any]], tuple[int, ...]]:
+    """Check groups of arrays that belong to the same orbits; the first group is complete.
+
+    Args:
+        groups: what they are called → name → array, list or number.
+        names: that are known.
+
+    Returns:
+        The same as float64 arrays, and the shape that they broadcast to.
+
+    Raises:
+        InvalidInputError: another name, no real numbers, dask arrays, shapes that do not match.
+        MissingValueError: a name without values in the first group.
+    """
+    arrays = {}
+    for k, (what, given) in enumerate(groups.items()):
+        if not isinstance(given, Mapping):
+            raise InvalidInputError(
+                f"{what}: must map coordinates to arrays, e.g. {{{names[0]!r}: …}}, not {_kind(given)}"
+            )
+        for name, value in given.items():
+            if name not in names:
+                raise InvalidInputError(f"{what}: {name!r} has none in this solution; known are {', '.join(names)}")
+            if _is_dask(value):
+                raise InvalidInputError(f"{what}[{name}]: is a dask array; call compute() on it, or map its blocks")
+            arrays[what, name] = _doubles(value, f"{what}[{name}]")
+        if k == 0 and (missing := [name for name in names if name not in given]):
+            raise MissingValueError(f"{what}: no values for {', '.join(missing)}; all of {', '.join(names)} are needed")
+    shape = _common_shape(arrays)
+    found = {what: {name: arrays[what, name] for name in given} for what, given in groups.items()}
+    return found, shape
+
+
 def _has_columns(system: System, q: object) -> bool:
     return isinstance(q, Mapping) and "R" in q and "R" not in {c.name for c in system.coordinates}
 
@@ -163,4 +198,4 @@ def _kind(value: Any) -> str:
     return f"a {type(value).__name__}"
 
 
-__all__ = ["InitialConditions", "conditions"]
+__all__ = ["InitialConditions", "arrays_of", "conditions"]

@@ -61,6 +61,16 @@ class OrbitColumns:
         return self._quantity("turning_points")
 
     @property
+    def q(self) -> dict[str, Any]:
+        """The positions of states wanted, by coordinate."""
+        return self._quantity("q")
+
+    @property
+    def p(self) -> dict[str, Any]:
+        """The canonical momenta of states wanted, by coordinate."""
+        return self._quantity("p")
+
+    @property
     def error(self) -> dict[str, dict[str, Any]]:
         """Bounds on the absolute errors: quantity → name → array (or pair)."""
         return {quantity: self._quantity(quantity, ERROR) for quantity in self.layout.want}

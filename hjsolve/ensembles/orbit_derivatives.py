@@ -139,7 +139,7 @@ def _tape(solution: Solution, name: str) -> Tape:
 def _coordinate(
     solution: Solution, exact: Mapping[sp.Symbol, sp.Expr], name: str, batch: Batch, κ: Reals, open_: Integers
 ) -> tuple[Seconds, Mask]:
-    """The second derivatives of one action, and for which of the orbits they agree with it."""
+    """Return the second derivatives of one action, and for which of the orbits they agree with it."""
     tape = _tape(solution, name)
     numbers = [float(to_bits(exact[p.symbol])(64)) for p in solution.system.parameters]
     low, high = (np.ravel(np.asarray(end, dtype=float))[open_] for end in batch.turning_points[name])

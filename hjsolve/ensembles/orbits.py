@@ -18,6 +18,7 @@ from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.compute import Columns, compute_columns
 from hjsolve.ensembles.initial_conditions import InitialConditions, conditions
 from hjsolve.ensembles.layout import layout_of
+from hjsolve.ensembles.states_wanted import batch_of_states
 from hjsolve.ensembles.task import EnsembleTask
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.quantities_given import in_units
@@ -33,10 +34,13 @@ _QUIET = 2.0
 
 def ensemble(
     system: System | Solution | str | Path,
-    q: Mapping[str, Any],
+    q: Mapping[str, Any] | None = None,
     p: Mapping[str, Any] | None = None,
     velocity: Mapping[str, Any] | None = None,
     *,
+    actions: Mapping[str, Any] | None = None,
+    angles: Mapping[str, Any] | None = None,
+    kinds: Mapping[str, str] | None = None,
     want: Iterable[str] | str | None = None,
     parameters: Mapping[str, Any] | None = None,
     threads: int | None = None,
@@ -59,7 +63,12 @@ def ensemble(
         p: every coordinate → canonical momentum, or
         velocity: every coordinate → velocity. A system in x, y, z that is symmetric about z takes columns of stars
             as well: q with R and z, velocity with vR, vT and vz; the azimuth is 0.
-        want: of ``actions``, ``frequencies``, ``periods``, ``angles``, ``constants``, ``turning_points``; nothing else
+        actions: instead of q, p and velocity: every coordinate that has an action → array of J; the result is the state
+            with these actions, ``batch.q["r"]`` and ``batch.p["r"]``, at
+        angles: the same names → angle variables in radians; 0 where left out.
+        kinds: with actions, separated coordinate → libration or rotation, where both have the same actions.
+        want: ``state`` with actions, else of
+            ``actions``, ``frequencies``, ``periods``, ``angles``, ``constants``, ``turning_points``; nothing else
             is computed. None for all.
         parameters: name → number, where it differs from the default; the same for all orbits.
         threads: how many; None for all cores that this process may use. Dask has its own, this is not for it.
@@ -91,6 +100,17 @@ def ensemble(
     arguments.refuse_other(compiled, (bool, type(None)), "compiled", "True, False or None is needed")
     solution = _solution(system, coordinates)
     refuse_null(solution)
+    if actions is not None:
+        arguments.refuse_unused(
+            {"q": q is not None, "p": p is not None, "velocity": velocity is not None},
+            "actions={…} and angles={…} give the orbits",
+        )
+        return batch_of_states(
+            solution, actions=actions, angles=angles, kinds=kinds, want=want, parameters=parameters, fallback=fallback
+        )
+    arguments.refuse_unused({"angles": angles is not None, "kinds": kinds is not None}, "there are no actions={…}")
+    if q is None:
+        raise InvalidInputError('ensemble: no q={…}; write ensemble(system, q={"r": [1, 2]}, p={"r": 0})')
     users = solution.system_as_given
     q, factors = in_units(users, q, "q"), factors_of(users, velocity_frame, velocity)
     if factors is None or velocity is None:

@@ -127,7 +127,7 @@ class Impact(Shown):
 def _rate(
     left: System, speed: sp.Symbol, told: Mapping[sp.Symbol, sp.Expr], velocity: Mapping[str, sp.Expr]
 ) -> sp.Expr:
-    """The velocity of a new coordinate from those of the old ones, which are functions of the new ones."""
+    """Return the velocity of a new coordinate from those of the old ones, which are functions of the new ones."""
     for name, f in left.eliminated:
         terms = [(c, sp.diff(f, c.symbol).subs(told)) for c in left.coordinates]
         own = next(slope for c, slope in terms if c.velocity == speed)

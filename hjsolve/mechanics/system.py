@@ -288,7 +288,7 @@ class System(Shown):
 
 
 def _signs(system: System) -> dict[sp.Symbol, sp.Expr]:
-    """What the letters for signs stand for, in numbers."""
+    """Return what the letters for signs stand for, in numbers."""
     return {kink.symbol: kink.sign.xreplace(system.defaults) for kink in system.kinks}
 
 

@@ -19,10 +19,19 @@ if TYPE_CHECKING:
     from hjsolve.plots.wavefronts import plotted_wavefronts as plotted_wavefronts
 
 _HOMES = {
-    "animated": "animation", "plotted": "draw", "plotted_batch": "batch", "plotted_levels": "ladder", "plotted_map": "energy_momentum",
+    "animated": "animation", "plotted": "draw", "plotted_batch": "batch", "plotted_levels": "ladder",
+    "plotted_map": "energy_momentum",
     "plotted_solution": "draw", "plotted_wavefronts": "wavefronts",
 }  # fmt: skip
-__all__ = ["animated", "plotted", "plotted_batch", "plotted_levels", "plotted_map", "plotted_solution", "plotted_wavefronts"]
+__all__ = [
+    "animated",
+    "plotted",
+    "plotted_batch",
+    "plotted_levels",
+    "plotted_map",
+    "plotted_solution",
+    "plotted_wavefronts",
+]
 
 
 def __getattr__(name: str) -> Any:

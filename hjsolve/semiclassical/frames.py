@@ -17,7 +17,7 @@ from hjsolve.motion.tori.from_actions import AskedTorus, asked_torus, candidates
 from hjsolve.motion.tori.polish import Torus
 from hjsolve.motion.tori.radicand_curve import Cycle
 from hjsolve.motion.tori.search import Candidate, SampledActions, sampled_actions
-from hjsolve.semiclassical.ways import ROTATION, Poles, Way, poles_in_doubles, walls_of, ways_of
+from hjsolve.semiclassical.ways import ROTATION, Poles, WayRound, poles_in_doubles, walls_of, ways_of
 from hjsolve.solution.quadratures import Solution, solve
 
 _DOUBLINGS = 40
@@ -27,11 +27,11 @@ _SHAPE = 512
 _FLAT = 1e-9
 """Change of p² along a turn, over p², below which nothing stands in the turn."""
 
-Found = tuple[Candidate, Torus]
+FoundTorus = tuple[Candidate, Torus]
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class ContinuedFrame:
     """Coordinates for some ignorable momenta, continued through the poles of those that are zero.
 
     Attributes:
@@ -46,16 +46,16 @@ class Frame:
     solution: Solution
     asked: AskedTorus
     hbar: sp.Expr
-    ways: tuple[tuple[Way, ...], ...]
+    ways: tuple[tuple[WayRound, ...], ...]
     round: tuple[str, ...]
-    known: dict[tuple[tuple[Way, ...], tuple[sp.Expr, ...]], list[Candidate]] = field(repr=False)
+    known: dict[tuple[tuple[WayRound, ...], tuple[sp.Expr, ...]], list[Candidate]] = field(repr=False)
 
-    def candidates(self, ways: tuple[Way, ...], actions: tuple[sp.Expr, ...]) -> list[Candidate]:
+    def candidates(self, ways: tuple[WayRound, ...], actions: tuple[sp.Expr, ...]) -> list[Candidate]:
         """Return the tori in doubles with given actions that go round in given ways.
 
         Args:
             ways: of each separated coordinate.
-            actions: of each, in the limit that ``Way`` speaks of.
+            actions: of each, in the limit that ``WayRound`` speaks of.
         """
         if (ways, actions) not in self.known:
             kinds = {name: way.kind for name, way in zip(self.solution.coordinates, ways, strict=True)}
@@ -63,25 +63,25 @@ class Frame:
             self.known[ways, actions] = [c for c in found if self._fit(ways, c)]
         return self.known[ways, actions]
 
-    def tori(self, ways: tuple[Way, ...], actions: tuple[sp.Expr, ...]) -> list[Found]:
+    def tori(self, ways: tuple[WayRound, ...], actions: tuple[sp.Expr, ...]) -> list[FoundTorus]:
         """Return the tori with given actions that go round in given ways, to the digits asked.
 
         Args:
             ways: of each separated coordinate.
-            actions: of each, in the limit that ``Way`` speaks of.
+            actions: of each, in the limit that ``WayRound`` speaks of.
         """
         return tori_of(self._with(ways, actions), self.candidates(ways, actions))
 
-    def _with(self, ways: tuple[Way, ...], actions: tuple[sp.Expr, ...]) -> AskedTorus:
+    def _with(self, ways: tuple[WayRound, ...], actions: tuple[sp.Expr, ...]) -> AskedTorus:
         rows = zip(self.solution.coordinates, ways, actions, strict=True)
         own = {name: way.multiple * J for name, way, J in rows}
         return replace(self.asked, actions={**self.asked.actions, **own})
 
-    def _meant(self, ways: tuple[Way, ...], rows: Sequence[tuple[float, float, bool]]) -> bool:
+    def _meant(self, ways: tuple[WayRound, ...], rows: Sequence[tuple[float, float, bool]]) -> bool:
         own = zip(ways, self.asked.curves, rows, strict=True)
         return all(way.fits(curve, *row, crude=True) for way, curve, row in own)
 
-    def _fit(self, ways: tuple[Way, ...], candidate: Candidate) -> bool:
+    def _fit(self, ways: tuple[WayRound, ...], candidate: Candidate) -> bool:
         rows = zip(ways, self.asked.curves, candidate.cycles, strict=True)
         return all(way.fits(curve, c.low, c.high, c.kind == ROTATION) for way, curve, c in rows)
 
@@ -137,7 +137,7 @@ class Frame:
                 break
         return found
 
-    def reach(self, ways: tuple[Way, ...], samples: Sequence[SampledActions]) -> Reals | None:
+    def reach(self, ways: tuple[WayRound, ...], samples: Sequence[SampledActions]) -> Reals | None:
         """Return the greatest actions of some ways on samples, shape (n,); None where no sample goes round like that.
 
         Args:
@@ -156,17 +156,18 @@ class Frame:
 
 def frame_of(
     solution: Solution, momenta: Mapping[str, sp.Expr], values: Mapping[sp.Symbol, sp.Expr], hbar: sp.Expr, digits: int
-) -> Frame:
+) -> ContinuedFrame:
     """Choose the coordinates for some ignorable momenta.
 
     Args:
         solution: of the system.
-        momenta: ignorable coordinate → its momentum; also of those in ``Frame.round``, 0 where left out.
+        momenta: ignorable coordinate → its momentum; also of those in ``ContinuedFrame.round``, 0 where left out.
         values: parameter → exact number.
         hbar: ħ.
         digits: asked of energies.
     """
-    other, poles = solution, {}
+    other = solution
+    poles: dict[str, Poles] = {}
     for name, p in momenta.items():
         beyond = continued_coordinates(other.system, name) if p == 0 and name not in solution.coordinates else None
         if beyond is None:
@@ -179,16 +180,14 @@ def frame_of(
     own = {p.symbol: values[p.symbol] for p in other.system.parameters}
     actions = {c.name: momenta.get(c.name, sp.S.Zero) for c in other.system.coordinates}
     known = own | {c.momentum: actions[c.name] for c in other.system.coordinates if c.name not in other.coordinates}
-    walls = {
-        name: (False, False) if name in poles else walls_of(other, name, known) for name in other.coordinates
-    }
+    walls = {name: (False, False) if name in poles else walls_of(other, name, known) for name in other.coordinates}
     asked = asked_torus(other, own, actions, digits, frozenset(), exact=True, walls=walls)
     ways = tuple(ways_of(other, name, asked.values, poles.get(name)) for name in other.coordinates)
     gone_round = tuple(name for name in solution.coordinates if name not in other.coordinates)
-    return Frame(other, asked, hbar, ways, gone_round, {})
+    return ContinuedFrame(other, asked, hbar, ways, gone_round, {})
 
 
-def interval(way: Way, low: float, high: float) -> tuple[float, float]:
+def interval(way: WayRound, low: float, high: float) -> tuple[float, float]:
     """Return where a coordinate librates, in the coordinates given: from a pole on, where it passes one.
 
     Args:

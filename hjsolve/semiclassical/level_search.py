@@ -27,9 +27,9 @@ from hjsolve.motion.quantities import FLOAT_DIGITS, rounded
 from hjsolve.motion.tori.from_actions import names_of_actions
 from hjsolve.motion.tori.search import Candidate
 from hjsolve.precision import one_at_a_time
-from hjsolve.semiclassical.frames import Found, Frame, frame_of, interval, overlapping
+from hjsolve.semiclassical.frames import ContinuedFrame, FoundTorus, frame_of, interval, overlapping
 from hjsolve.semiclassical.level import Level, Levels
-from hjsolve.semiclassical.ways import LIBRATION, ROTATION, Way
+from hjsolve.semiclassical.ways import LIBRATION, ROTATION, WayRound
 from hjsolve.solution.quadratures import Solution, solve
 
 _MOST = 20000
@@ -88,7 +88,7 @@ def levels(
     if not h > 0:
         raise InvalidInputError(f"hbar: a positive number is needed, not {hbar!r}")
     names = [c.name for c in solution.system.coordinates]
-    chosen = {name: _whole(numbers[name], name) for name in _known(numbers, names)}
+    chosen = {name: _whole(given, name) for name, given in _known(numbers, names)}
     if up_to is None and (missing := [name for name in names if name not in chosen]):
         raise InvalidInputError(f"levels: no up_to and no numbers of {', '.join(missing)}; write {EXAMPLE}")
     told = tuple((constant.symbol, constant.expression) for constant in solution.constants.values())
@@ -110,11 +110,11 @@ def _refuse(solution: Solution) -> None:
     names_of_actions(solution)
 
 
-def _known(numbers: Mapping[str, object] | None, names: Sequence[str]) -> Iterator[str]:
-    for name in arguments.table(numbers or {}, "numbers", '{"phi": 0}'):
+def _known(numbers: Mapping[str, object] | None, names: Sequence[str]) -> Iterator[tuple[str, object]]:
+    for name, given in arguments.table(numbers or {}, "numbers", '{"phi": 0}').items():
         if name not in names:
             raise InvalidInputError(f"numbers: {name!r} is not a coordinate; known are {', '.join(names)}")
-        yield name
+        yield name, given
 
 
 def _whole(given: Any, name: str) -> tuple[int, ...]:
@@ -186,7 +186,7 @@ class _Search:
                     waiting += [tuple(-x for x in (*m[:k], step, *m[k + 1 :])) for step in steps]
 
     def _mirrored(self, level: Level, signs: Mapping[str, int]) -> Level:
-        actions = {n: -level.actions[n] if n in signs and signs[n] else J for n, J in level.actions.items()}
+        actions = {n: -level.actions[n] if signs.get(n) else J for n, J in level.actions.items()}
         return replace(level, numbers={**level.numbers, **signs}, actions=actions)
 
     def _too_many(self) -> InvalidInputError:
@@ -204,7 +204,9 @@ class _Search:
         name, more = frame.round[0], False
         for n in self.chosen.get(name) or itertools.count():
             # a coordinate that runs through both of its poles, with nothing that depends on it, is a free rotation
-            own = frame_of(self.solution, {**momenta, name: (n + sp.S.Half) * self.hbar}, self.values, self.hbar, self.digits)
+            own = frame_of(
+                self.solution, {**momenta, name: (n + sp.S.Half) * self.hbar}, self.values, self.hbar, self.digits
+            )
             levels, below = self._within(own, m, {name: n}, skipped)
             found, more = found + levels, more or below
             if name not in self.chosen and not below:
@@ -212,7 +214,7 @@ class _Search:
         return found, more
 
     def _within(
-        self, frame: Frame, m: Mapping[str, int], turns: Mapping[str, int], skipped: list[str]
+        self, frame: ContinuedFrame, m: Mapping[str, int], turns: Mapping[str, int], skipped: list[str]
     ) -> tuple[list[Level], bool]:
         """Return the levels of some coordinates, and whether there may be some beyond them."""
         if not frame.solution.coordinates:
@@ -237,7 +239,7 @@ class _Search:
         """The greatest energy in doubles; None for none."""
         return None if self.limit is None else float(to_bits(self.limit)(64))
 
-    def _free(self, frame: Frame, m: Mapping[str, int], turns: Mapping[str, int]) -> Level:
+    def _free(self, frame: ContinuedFrame, m: Mapping[str, int], turns: Mapping[str, int]) -> Level:
         """Return the level of coordinates that are all ignorable: E = H(p)."""
         system, bits = frame.solution.system, bits_for(self.digits, 128)
         known = {**frame.asked.values, **{system.coordinate(n).momentum: p for n, p in frame.asked.actions.items()}}
@@ -245,8 +247,8 @@ class _Search:
         return self.level(frame, rounded(E, self.digits), m, turns, _Round({}, {}, {}, {}), ())
 
     def level(
-        self, frame: Frame, energy: Estimate, m: Mapping[str, int], turns: Mapping[str, int], separated: _Round,
-        near: tuple[str, ...],
+        self, frame: ContinuedFrame, energy: Estimate, m: Mapping[str, int], turns: Mapping[str, int],
+        separated: _Round, near: tuple[str, ...],
     ) -> Level:  # fmt: skip
         """Return a level, its coordinates in the order of the system.
 
@@ -271,7 +273,8 @@ class _Search:
         J = {n: (numbers[n] + sp.Rational(maslov[n], 4)) * self.hbar for n in order}
         return Level(
             energy, {n: numbers[n] for n in order}, {n: kinds[n] for n in order}, {n: maslov[n] for n in order},
-            {n: rounded(to_bits(J[n])(bits), self.digits) for n in order}, {n: wells[n] for n in order if n in wells}, near,
+            {n: rounded(to_bits(J[n])(bits), self.digits) for n in order},
+            {n: wells[n] for n in order if n in wells}, near,
         )  # fmt: skip
 
 
@@ -287,9 +290,7 @@ class _Round:
 
 def _is_even(solution: Solution) -> bool:
     """Whether the opposite of all ignorable momenta leaves p² as it is."""
-    flipped = {
-        c.momentum: -c.momentum for c in solution.system.coordinates if c.name not in solution.coordinates
-    }
+    flipped = {c.momentum: -c.momentum for c in solution.system.coordinates if c.name not in solution.coordinates}
     if not solution.coordinates:
         H = solution.separation.shell.potential
         return bool(sp.expand(H - H.xreplace(flipped)) == 0)
@@ -304,8 +305,8 @@ class _Counting:
     """The levels of one way round the cycles, for some ignorable momenta."""
 
     search: _Search
-    frame: Frame
-    ways: tuple[Way, ...]
+    frame: ContinuedFrame
+    ways: tuple[WayRound, ...]
     m: Mapping[str, int]
     turns: Mapping[str, int]
     reach: Reals | None
@@ -355,11 +356,11 @@ class _Counting:
                 found.append(self._level(n, torus))
         return min(energies, default=None)
 
-    def _tori(self, n: Sequence[int]) -> list[Found]:
+    def _tori(self, n: Sequence[int]) -> list[FoundTorus]:
         hbar = self.search.hbar
         return self.frame.tori(self.ways, tuple(way.action(k, hbar) for way, k in zip(self.ways, n, strict=True)))
 
-    def _level(self, n: tuple[int, ...], found: Found) -> Level:
+    def _level(self, n: tuple[int, ...], found: FoundTorus) -> Level:
         candidate, torus = found
         rows = list(zip(self.frame.solution.coordinates, self.ways, n, candidate.cycles, strict=True))
         separated = _Round(

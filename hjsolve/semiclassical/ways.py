@@ -33,7 +33,7 @@ class Poles:
 
 
 @dataclass(frozen=True)
-class Way:
+class WayRound:
     """One way round the cycle of a coordinate.
 
     Attributes:
@@ -110,7 +110,7 @@ def _within(pole: float, low: float, high: float, turn: float) -> bool:
 
 def ways_of(
     solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr], poles: Poles | None
-) -> tuple[Way, ...]:
+) -> tuple[WayRound, ...]:
     """Return the ways in which a separated coordinate may go round.
 
     Args:
@@ -122,14 +122,16 @@ def ways_of(
     angle = solution.system.coordinate(name).domain.kind == "angle"
     if poles is not None:
         low, high = poles.lower is not None, poles.upper is not None
-        found = [Way(LIBRATION, LIBRATION, 2, poles=poles)]
-        found += [Way(LIBRATION, LIBRATION, 2, multiple=2, across=(True, False), poles=poles)] if low else []
-        found += [Way(LIBRATION, LIBRATION, 2, multiple=2, across=(False, True), poles=poles)] if high else []
-        return (*found, *([Way(ROTATION, LIBRATION, 2, poles=poles)] if low and high else []))
+        found = [WayRound(LIBRATION, LIBRATION, 2, poles=poles)]
+        found += [WayRound(LIBRATION, LIBRATION, 2, multiple=2, across=(True, False), poles=poles)] if low else []
+        found += [WayRound(LIBRATION, LIBRATION, 2, multiple=2, across=(False, True), poles=poles)] if high else []
+        return (*found, *([WayRound(ROTATION, LIBRATION, 2, poles=poles)] if low and high else []))
     hard = walls_of(solution, name, values)
-    patterns = [(a, b) for a in ((False, True) if hard[0] else (False,)) for b in ((False, True) if hard[1] else (False,))]
-    found = [Way(LIBRATION, LIBRATION, 2 + sum(pattern), walls=pattern) for pattern in patterns]
-    return (*found, *((Way(ROTATION, ROTATION, 0, sign) for sign in (1, -1)) if angle else ()))
+    patterns = [
+        (a, b) for a in ((False, True) if hard[0] else (False,)) for b in ((False, True) if hard[1] else (False,))
+    ]
+    found = [WayRound(LIBRATION, LIBRATION, 2 + sum(pattern), walls=pattern) for pattern in patterns]
+    return (*found, *((WayRound(ROTATION, ROTATION, 0, sign) for sign in (1, -1)) if angle else ()))
 
 
 def walls_of(solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[bool, bool]:

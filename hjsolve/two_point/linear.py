@@ -96,7 +96,7 @@ def linear_forces(system: System) -> LinearForces | None:
 
 
 def _kind(part: Coefficients) -> int:
-    """The sign of κ/m; 2 where it is not known."""
+    """Return the sign of κ/m; 2 where it is not known."""
     ratio = part.stiffness / part.mass
     if ratio == 0:
         return 0

@@ -151,7 +151,7 @@ def derivatives_of(motion: Motion, of: Iterable[str], by: Iterable[str], t: obje
 
 
 def _even_state(motion: Motion, wanted: frozenset[str], varied: frozenset[str], t: object, found: _Collected) -> None:
-    """The state of a motion all of whose coordinates are ignorable: q grows evenly.
+    """Return the state of a motion all of whose coordinates are ignorable: q grows evenly.
 
     Raises:
         InvalidInputError: anything else is asked, or by something else.
@@ -221,7 +221,7 @@ def _groups(
 
 
 def _constants(map_: ConstantsToState) -> Inputs:
-    """The constants themselves, at constant β."""
+    """Return the constants themselves, at constant β."""
     c, n, m = map_.context, map_.freedoms, len(map_.variables.parameters)
     constants = map_.variables.constants
     by = zeros((map_.variables.count, len(constants)), c)

@@ -104,7 +104,7 @@ def action_by(map_: ConstantsToState, i: int) -> Bounded:
 
 
 def _shift_by(map_: ConstantsToState, i: int, part: CycleVariations) -> Bounded:
-    """The derivatives of (1/2π) ∫ A dq over a turn, by which a shift of p lessens the action of a rotation."""
+    """Return the derivatives of (1/2π) ∫ A dq over a turn, by which a shift of p lessens the action of a rotation."""
     solution, values, c = map_.source.solution, map_.source.initial.values, map_.context
     name = solution.coordinates[i]
     A, q = solution.shift[name], solution.system.coordinate(name).symbol

@@ -369,11 +369,11 @@ def sampled_actions(
     E = samples.constants[0]
     tables = [_runs(curve, samples.constants, at) for curve, at in zip(curves, samples.positions, strict=True)]
     with np.errstate(invalid="ignore"):
-        low = np.isfinite(E) & (E <= energy)
+        low = np.isfinite(E) & (energy >= E)
     met = np.array([_meets_an_end(curve, samples.constants[:, low]) for curve in curves])
     some = np.flatnonzero(low & np.logical_and.reduce([table.bounded for table in tables]))
-    parts = (np.stack([part[some] for part in row]) for row in zip(*((t.low, t.high, t.action, t.round) for t in tables), strict=True))
-    return SampledActions(E[some], *parts, met)
+    low_, high, action = (np.stack([getattr(t, part)[some] for t in tables]) for part in ("low", "high", "action"))
+    return SampledActions(E[some], low_, high, action, np.stack([t.round[some] for t in tables]), met)
 
 
 def _meets_an_end(curve: RadicandCurve, constants: Reals) -> bool:

@@ -122,6 +122,6 @@ def _dot(a: list[Any], b: list[Any]) -> Any:
 
 
 def _unit(a: list[Any], field: PlaceFunctions) -> list[Any]:
-    """A vector over its length; itself where that is zero."""
+    """Return a vector over its length; itself where that is zero."""
     size = field.sqrt(_dot(a, a))
     return [x / field.where(size == 0, 1, size) for x in a]

@@ -111,7 +111,7 @@ def joined_on_a_line(
 
 
 def _goals(question: TwoPlaceQuestion, line: Line, start: float, first: float) -> Iterator[_Goal]:
-    """The images of q1 with the branches that lead to each."""
+    """Return the images of q1 with the branches that lead to each."""
     most, asked = max(question.turns), set(question.turns)
     images = [first]
     if line.turn:

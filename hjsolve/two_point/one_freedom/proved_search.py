@@ -182,7 +182,7 @@ def _judged(times: TravelTimes, branch: LineBranch, T: float, s: tuple[float, fl
 
 
 def _at_most_one(times: TravelTimes, branch: LineBranch, T: float, s: tuple[float, float], proof: EnergyProof) -> str:
-    """An interval in which the time is monotone: it is T once, or never."""
+    """Return an interval in which the time is monotone: it is T once, or never."""
     ends = [_side(times, branch, T, at) for at in s]
     if ends[0] and ends[0] == ends[1]:
         return "none"
@@ -200,7 +200,7 @@ def _at_most_one(times: TravelTimes, branch: LineBranch, T: float, s: tuple[floa
 
 
 def _side(times: TravelTimes, branch: LineBranch, T: float, at: float) -> int:
-    """The sign of time − T at one energy; 0 where enclosures do not tell it."""
+    """Return the sign of time − T at one energy; 0 where enclosures do not tell it."""
     for count in (_FINE, _FINEST):
         time, _, there = total(branch, times.segments((at, at), count))
         if time.low > T:
@@ -211,7 +211,7 @@ def _side(times: TravelTimes, branch: LineBranch, T: float, at: float) -> int:
 
 
 def _top(times: TravelTimes, branch: LineBranch, T: float, scale: float, proof: EnergyProof) -> float | None:
-    """An s beyond which the branch does not take the time, proved; None where there is no proof."""
+    """Return an s beyond which the branch does not take the time, proved; None where there is no proof."""
     s = scale
     for _ in range(_DOUBLINGS // 2):
         time, _, there = total(branch, times.far(s))

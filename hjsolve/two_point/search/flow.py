@@ -303,6 +303,6 @@ def followed(flow: VariedFlow, q: Reals, p: Reals, time: float) -> Ends:
 
 
 def _ends(low: sp.Expr | None, high: sp.Expr | None, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[float, float]:
-    """The ends of a domain in doubles."""
+    """Return the ends of a domain in doubles."""
     ends = [None if e is None else float(to_bits(e.subs(values))(64)) for e in (low, high)]
     return (-np.inf if ends[0] is None else ends[0], np.inf if ends[1] is None else ends[1])

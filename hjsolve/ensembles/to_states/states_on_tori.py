@@ -1,7 +1,6 @@
 """States of n tori at given angles, with bounds on their errors.
 
-Each coordinate is placed by an anomaly φ: q = a + W sin²(φ/2) between turning points a and b = a + W, the sign of p
-being that of sin φ; of a rotation φ is q itself. The engine gives θ at such places, and Newton's method with
+Each coordinate is placed by an anomaly φ (``places_on_tori``). The engine gives θ there, and Newton's method with
 
     ∂θₖ/∂φᵢ = Σⱼ (∂J/∂c)⁻¹ₖⱼ kᵢⱼ/pᵢ dqᵢ/dφᵢ
 
@@ -15,21 +14,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.double_double import DoubleDouble
-from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.machine.over_rows import run_rows
-from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.ensembles.engine.actions_and_angles import combine_integrals
-from hjsolve.ensembles.engine.coordinate_of_orbits import offset, place
-from hjsolve.ensembles.engine.kernels.types import Modes, no_sums
+from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, place
+from hjsolve.ensembles.engine.kernels.types import Modes, Sums, no_sums
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
-from hjsolve.ensembles.engine.programs import SystemPrograms, sides
-from hjsolve.ensembles.inverse.tori import Tori, coordinate_at, kernels, squares
+from hjsolve.ensembles.engine.programs import sides
+from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, placed, refined, width_of
+from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, squares
 
 _TIMED = Modes(chords=False, kernels=True, oscillations=True, shifts=False)
-_ROUNDS, _LEAST_STEP = 40, 2.0**-8
+_ROUNDS, _LEAST_STEP = 60, 2.0**-30
 """Evaluations of θ, and the share of a step below which an orbit is given up."""
 _LONGEST = 1.0
 """Radians that a phase moves in one step, at most."""
@@ -39,59 +36,14 @@ _NEARLY = 1e-8
 """The same, as long as p² is in doubles."""
 _SETTLED = 1e-9
 """Residual below which a step that makes nothing better ends the search."""
-_PAIR_STEPS = 4
-"""Steps of Newton's method for turning points in two doubles."""
-_TURNING, _NEXT = 1e-60, 1e-17
-"""Sine or cosine of φ/2 that stands for 0, and the distance from a turning point, over W, below which F is linear."""
+_STARTS = 8
+"""Phases next to either turning point from which Newton's method begins again."""
+_BLUR = 5.0
+"""Rounding of q, over W: from where the engine reads the phase off q, sin φ > 0.43."""
 _SHIFT = 2.0**-17
 """Relative change of an action for the difference quotient."""
 _SAFETY = 2.0
 """By which difference quotients are enlarged."""
-
-
-class Frames(NamedTuple):
-    """Between what the coordinates of n tori move.
-
-    Attributes:
-        bases: of each coordinate the turning points in two doubles, offsets in the views of the lower and the upper
-            half; shape (separated, 4, n).
-        widths: W, shape (separated, n).
-        directions: −1 for a rotation the other way, else 1, the same shape.
-        rotating, resting: which go round, and which stay; the same shape.
-        good: where turning points are known, shape (n,).
-    """
-
-    bases: Reals
-    widths: Reals
-    directions: Reals
-    rotating: Mask
-    resting: Mask
-    good: Mask
-
-    def take(self, index: Integers | Mask) -> Frames:
-        """Return those of some tori.
-
-        Args:
-            index: which.
-        """
-        return Frames(*(x[..., index] for x in self))
-
-
-class Placed(NamedTuple):
-    """Coordinates at their phases; arrays (separated, n), kernels (separated, constants, n).
-
-    Attributes:
-        q, P: places and shell momenta.
-        moves: dq/dφ.
-        forces: dP/dφ.
-        rates: kernels over P times dq/dφ.
-    """
-
-    q: Reals
-    P: Reals
-    moves: Reals
-    forces: Reals
-    rates: Reals
 
 
 class AnglesFound(NamedTuple):
@@ -114,7 +66,7 @@ class AnglesFound(NamedTuple):
     good: Mask
 
 
-class States(NamedTuple):
+class StatesOnTori(NamedTuple):
     """States; arrays (separated, n), of ignorable angles (angles, n).
 
     Attributes:
@@ -131,163 +83,6 @@ class States(NamedTuple):
     angles: Reals
     angle_errors: Reals
     good: Mask
-
-
-class AngleTask(NamedTuple):
-    """A system with its programs."""
-
-    model: Model
-    programs: SystemPrograms
-
-
-def frames_of(task: AngleTask, tori: Tori, directions: Reals, rotating: Mask, resting: Mask) -> Frames:
-    """Find the turning points of tori in two doubles.
-
-    Args:
-        task: the system.
-        tori: of n orbits.
-        directions: sign of each rotation.
-        rotating, resting: which go round, and which stay at their place; shape (separated, n).
-    """
-    size, n = tori.q.shape
-    bases, widths, good = np.zeros((size, 4, n)), np.zeros((size, n)), np.ones(n, dtype=bool)
-    for k in range(size):
-        some = np.flatnonzero(~rotating[k] & ~resting[k])
-        if not len(some):
-            continue
-        own = tori.take(some)
-        F = squares(coordinate_at(*task, own, k))
-        one = coordinate_at(*task, own, k, np.sqrt(np.fmax(F, 0)))
-        _, found, _ = integrated(one, _TIMED._replace(kernels=False, oscillations=False), exact=True, places=True)
-        bases[k][:, some] = refined(task, own, k, found.places)
-        widths[k, some] = _width(task, k, bases[k][:, some])
-        good[some] &= (F > 0) & (widths[k, some] > 0) & np.isfinite(bases[k][:, some]).all(axis=0)
-    return Frames(bases, widths, directions, rotating, resting, good)
-
-
-def refined(task: AngleTask, tori: Tori, k: int, places: Reals) -> Reals:
-    """Return turning points in two doubles, offsets in the views of both halves, shape (4, n).
-
-    Args:
-        task: the system.
-        tori: of n orbits.
-        k: which coordinate.
-        places: lower and upper turning points in doubles, shape (2, n).
-    """
-    D, one, rows = DoubleDouble(), coordinate_at(*task, tori, k), []
-    for side, formula in enumerate(sides(one.coordinate)):
-        base = Pair(offset(formula, places[side]), 0.0 * places[side])
-        view, exact = one.programs.views[side], one.programs.exact[side]
-        with np.errstate(all="ignore"):
-            for _ in range(_PAIR_STEPS):
-                (F,) = run_rows(exact.squares, one.parameters, np.stack([*base, *one.constants, *one.low]))
-                slope = run_rows(view.slopes, one.parameters, np.stack([base.high, *one.constants]))[1]
-                step = F / slope
-                base = D.sub(base, Pair(step, 0.0 * step))
-        rows += [base.high, base.low]
-    return np.stack(rows)
-
-
-def _width(task: AngleTask, k: int, bases: Reals) -> Reals:
-    """b − a from turning points in two doubles, each in its own view."""
-    D = DoubleDouble()
-    ends = []
-    for side, formula in enumerate(sides(task.model.separated[k])):
-        x = Pair(*bases[2 * side : 2 * side + 2])
-        ends.append(D.add(formula.origin, Pair(formula.sign * x.high, formula.sign * x.low)))
-    return D.sub(ends[1], ends[0]).high
-
-
-def placed(task: AngleTask, tori: Tori, frames: Frames, φ: Reals) -> Placed:
-    """Return coordinates at phases.
-
-    Args:
-        task: the system.
-        tori: of n orbits.
-        frames: between what they move.
-        φ: phases, shape (separated, n).
-    """
-    size, n = φ.shape
-    m = len(task.model.constants)
-    found = Placed(*(np.zeros((size, n)) for _ in range(4)), np.zeros((size, m, n)))
-    for k in range(size):
-        for some, how in (
-            (frames.resting[k], _at_rest), (frames.rotating[k], _on_turn), (~frames.resting[k] & ~frames.rotating[k], _between),
-        ):  # fmt: skip
-            index = np.flatnonzero(some)
-            if len(index):
-                part = how(task, tori.take(index), frames.take(index), k, φ[k, index])
-                for whole, own in zip(found, part, strict=True):
-                    whole[k][..., index] = own
-    return found
-
-
-_Row = tuple[Reals, Reals, Reals, Reals, Reals]
-
-
-def _at_rest(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
-    """Return a coordinate that stays: χ is φ, and the kernels over its frequency √(−½F″) are its rates."""
-    one = coordinate_at(*task, tori, k)
-    formula = sides(one.coordinate)[0]
-    given = np.stack([offset(formula, one.q), *one.constants])
-    with np.errstate(all="ignore"):
-        _, _, bend = run_rows(one.programs.views[0].bend, one.parameters, given)
-        rates = kernels(one) / np.sqrt(-0.5 * bend)
-    return one.q, 0 * φ, 0 * φ, 0 * φ, rates
-
-
-def _on_turn(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
-    """Return a coordinate that goes round: φ is q in the sense of its rotation."""
-    direction = frames.directions[k]
-    q = direction * φ
-    one = coordinate_at(*task, tori._replace(q=_row(tori.q, k, q)), k)
-    given = np.stack([offset(sides(one.coordinate)[0], q), *one.constants])
-    with np.errstate(all="ignore"):
-        root = np.sqrt(squares(one))
-        _, slope, _ = run_rows(one.programs.views[0].bend, one.parameters, given)
-        slope = slope * sides(one.coordinate)[0].sign
-        return q, direction * root, direction, direction * slope / (2 * root) * direction, kernels(one) / root
-
-
-def _row(rows: Reals, k: int, values: Reals) -> Reals:
-    changed = rows.copy()
-    changed[k] = values
-    return changed
-
-
-def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
-    """Return a coordinate between turning points, seen from the nearer one."""
-    one, W, bases = coordinate_at(*task, tori, k), frames.widths[k], frames.bases[k]
-    D, s, c = DoubleDouble(), np.sin(0.5 * φ), np.cos(0.5 * φ)
-    lower = np.abs(s) <= np.abs(c)
-    s, c = (np.where(np.abs(x) < _TURNING, np.copysign(_TURNING, x), x) for x in (s, c))
-    q, square, slope = np.empty_like(φ), np.empty_like(φ), np.empty_like(φ)
-    weights = np.empty((len(one.constants), len(φ)))
-    for side, formula in enumerate(sides(one.coordinate)):
-        index = np.flatnonzero(lower if side == 0 else ~lower)
-        if not len(index):
-            continue
-        away = (1.0, -1.0)[side] * formula.sign
-        d = W[index] * (s if side == 0 else c)[index] ** 2
-        seen = np.fmax(d, _NEXT * W[index])
-        known = np.stack([*one.constants, *one.low, *bases])[:, index]
-        zero = 0.0 * d
-        given = np.stack([away * seen, zero, zero + 1.0, zero, *known])
-        x = bases[2 * side, index] + away * d
-        with np.errstate(all="ignore"):
-            _, r, F, *rates = run_rows(one.programs.exact[side].fill, one.parameters, given)
-            slopes = run_rows(one.programs.views[side].slopes, one.parameters, np.stack([x, *one.constants[:, index]]))
-            weights[:, index] = np.stack(rates) / r
-            square[index] = np.where(d < seen, F * (d / seen), F)  # linear next to the turning point
-        slope[index] = formula.sign * slopes[1]
-        base = D.add(Pair(*bases[2 * side : 2 * side + 2, index]), Pair(away * d, zero))
-        # in two doubles: next to q = 0 places far from the origin of the view keep their digits
-        q[index] = D.add(formula.origin, Pair(formula.sign * base.high, formula.sign * base.low)).high
-    with np.errstate(all="ignore"):
-        root = np.sqrt(square)
-        moves = W * s * c  # dq/dφ = ½ W sin φ
-        turns = np.abs(moves) / root  # finite at turning points
-        return q, np.where(s * c < 0, -1.0, 1.0) * root, moves, 0.5 * slope * turns, weights * turns
 
 
 def angles_at(task: AngleTask, tori: Tori, frames: Frames, at: Placed, *, exact: bool) -> AnglesFound:
@@ -322,7 +117,9 @@ def angles_at(task: AngleTask, tori: Tori, frames: Frames, at: Placed, *, exact:
     with np.errstate(all="ignore"):
         inverse = np.full((n, size, size), np.nan)
         matrix = means[:, :size].transpose(2, 1, 0)
-        fine = good & np.isfinite(matrix).all(axis=(1, 2)) & (np.linalg.det(np.where(np.isfinite(matrix), matrix, 0)) != 0)
+        fine = (
+            good & np.isfinite(matrix).all(axis=(1, 2)) & (np.linalg.det(np.where(np.isfinite(matrix), matrix, 0)) != 0)
+        )
         inverse[fine] = np.linalg.inv(matrix[fine])
     rows = [torus.angles[c.name] for c in model.separated]
     others = [torus.angles[name] for name in model.angles]
@@ -335,7 +132,7 @@ def angles_at(task: AngleTask, tori: Tori, frames: Frames, at: Placed, *, exact:
     )  # fmt: skip
 
 
-def _resting_sums(one, rates):  # type: ignore[no-untyped-def]
+def _resting_sums(one: CoordinateOfOrbits, rates: Reals) -> Sums:
     sums = no_sums(len(one.constants), len(one.q))
     sums.means[:] = sums.speeds[:] = rates
     sums.mean_errors[:] = 8 * EPS * np.abs(rates)
@@ -354,7 +151,7 @@ def wrapped(angle: Reals) -> Reals:
     return angle - 2 * np.pi * np.rint(angle / (2 * np.pi))
 
 
-def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, Reals], spread: Reals) -> States:
+def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, Reals], spread: Reals) -> StatesOnTori:
     """Return the states of tori at angles.
 
     Args:
@@ -367,13 +164,21 @@ def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, 
     θ = wrapped(angles[0] * frames.directions)
     # θ of a rotation is 0 opposite to the slow place, of a libration at the lower turning point
     φ = np.where(frames.rotating, tori.q * frames.directions, θ)
-    for exact in (False, True):
-        φ, found, at = _phases(task, tori, frames, (θ, φ), exact=exact)
+    φ, found, at = _phases(task, tori, frames, (θ, φ), exact=False)
+    far = np.flatnonzero(frames.good & ~(np.abs(wrapped(θ - found.separated)).max(axis=0) < _NEARLY))
+    if len(far):
+        among = frames.take(far)
+        start = _nearest_start(task, tori.take(far), among, θ[:, far])
+        φ[:, far], *_ = _phases(task, tori.take(far), among, (θ[:, far], start), exact=False)
+    φ, found, at = _phases(task, tori, frames, (θ, φ), exact=True)
     residual = np.abs(wrapped(θ - found.separated))
     with np.errstate(all="ignore"):
         back = _inverses(_matrix(found, at))
         loose = residual + found.errors
-        phases = _times(np.abs(back), loose)
+        # the engine takes q rounded to a double, which narrow motions see as a shift of the phase
+        between = ~frames.rotating & ~frames.resting
+        blur = np.where(between, _BLUR * EPS * np.abs(at.q) / frames.widths, 0.0)
+        phases = _times(np.abs(back), loose) + blur
         own = np.abs(at.moves) * phases, np.abs(at.forces) * phases
         moved = _quotients(task, tori, frames, (φ, at, found, back), spread)
         q_errors = own[0] + moved[0] + 2 * EPS * np.abs(at.q)
@@ -381,11 +186,11 @@ def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, 
         turned = wrapped(angles[1] - found.ignorable)
         turned_errors = found.ignorable_errors + moved[2] + 8 * EPS * np.pi
         # an error of the phases moves the ignorable angles as well
-        turned_errors = turned_errors + _ignorable_rates(task.model, found, at, back, phases)
+        turned_errors = turned_errors + _ignorable_rates(task.model, found, at, phases)
     good = frames.good & found.good & (residual.max(axis=0) < 1e-9)
     for part in (q_errors, P_errors, turned_errors):
         good = good & np.isfinite(part).all(axis=0)
-    return States(at.q, at.P, q_errors, P_errors, turned, turned_errors, good)
+    return StatesOnTori(at.q, at.P, q_errors, P_errors, turned, turned_errors, good)
 
 
 def _matrix(found: AnglesFound, at: Placed) -> Reals:
@@ -397,8 +202,8 @@ def _matrix(found: AnglesFound, at: Placed) -> Reals:
 
 def _inverses(matrices: Reals) -> Reals:
     found = np.full(matrices.shape, np.nan)
-    fine = np.isfinite(matrices).all(axis=(1, 2))
-    fine[fine] = np.linalg.det(matrices[fine]) != 0
+    finite = np.flatnonzero(np.isfinite(matrices).all(axis=(1, 2)))
+    fine = finite[np.linalg.det(matrices[finite]) != 0]
     found[fine] = np.linalg.inv(matrices[fine])
     return found
 
@@ -417,11 +222,9 @@ def _phases(
     trial, step = base.copy(), np.zeros((size, n))
     share, merit = np.ones(n), np.full(n, np.inf)
     angles = len(task.model.angles)
-    best = AnglesFound(
-        *(np.full((size, n), np.nan) for _ in range(2)), *(np.full((angles, n), np.nan) for _ in range(2)),
-        np.full((n, size, size), np.nan), np.full((size, m, n), np.nan), np.zeros(n, dtype=bool),
-    )  # fmt: skip
-    kept = Placed(*(np.full((size, n), np.nan) for _ in range(4)), np.full((size, m, n), np.nan))
+    shapes = (size, n), (size, n), (angles, n), (angles, n), (n, size, size), (size, m, n)
+    best = AnglesFound._make((*(np.full(shape, np.nan) for shape in shapes), np.zeros(n, dtype=bool)))
+    kept = Placed._make((*(np.full((size, n), np.nan) for _ in range(4)), np.full((size, m, n), np.nan)))
     active = np.flatnonzero(frames.good)
     for _ in range(_ROUNDS):
         if not len(active):
@@ -447,17 +250,34 @@ def _phases(
         matrices = _inverses(_matrix(found, at)[better])
         newton = _times(matrices, residual[:, better])
         with np.errstate(all="ignore"):
-            step[:, here] = newton * np.fmin(1.0, _LONGEST / np.max(np.abs(newton), axis=0))
-        share[here] = 1.0
-        share[active[~better]] *= 0.5
+            step[:, here], share[here] = newton, np.fmin(1.0, _LONGEST / np.max(np.abs(newton), axis=0))
+        share[active[~better]] *= 0.25
         active = active[~finished & ~settled & (share[active] >= _LEAST_STEP)]
         trial[:, active] = base[:, active] + share[active] * step[:, active]
     return base, best, kept
 
 
-def _ignorable_rates(model: Model, found: AnglesFound, at: Placed, back: Reals, phases: Reals) -> Reals:
+def _nearest_start(task: AngleTask, tori: Tori, frames: Frames, θ: Reals) -> Reals:
+    """Return the phases among some next to turning points whose angles are nearest: for motions that hardly leave an end."""
+    best, merit = θ.copy(), np.full(θ.shape[1], np.inf)
+    for k in range(θ.shape[0]):
+        for upper in (False, True):
+            for power in range(1, _STARTS + 1):
+                φ = θ.copy()
+                near = np.pi * 2.0 ** -(1.5 * power)
+                φ[k] = np.copysign(np.pi - near if upper else near, θ[k])
+                at = placed(task, tori, frames, φ)
+                found = angles_at(task, tori, frames, at, exact=False)
+                with np.errstate(invalid="ignore"):
+                    away = np.abs(wrapped(θ - found.separated)).max(axis=0)
+                better = found.good & (away < merit) & ~frames.rotating[k]
+                best[:, better], merit[better] = φ[:, better], away[better]
+    return best
+
+
+def _ignorable_rates(model: Model, found: AnglesFound, at: Placed, phases: Reals) -> Reals:
     """Return what errors of the phases do to the ignorable angles."""
-    size, rows = at.q.shape[0], []
+    rows: list[Reals] = []
     for name in model.angles:
         j = model.ignorable[name]
         # dθ_φ/dφᵢ at fixed q_φ: rates of its own kernel less the mean growth along θ
@@ -489,7 +309,7 @@ def _quotients(
             if len(some):
                 ends = np.stack([_doubles(task, i, bases[i][:, some], side) for side in (0, 1)])
                 bases[i][:, some] = refined(task, own.take(some), i, ends)
-                widths[i, some] = _width(task, i, bases[i][:, some])
+                widths[i, some] = width_of(task, i, bases[i][:, some])
         among = among._replace(bases=bases, widths=widths)
         other = placed(task, own, among, φ[:, loose])
         angles = angles_at(task, own, among, other, exact=False)

@@ -8,14 +8,16 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine import build
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
-from hjsolve.ensembles.inverse.constants_of_tori import Goals, Solved, constants_of_tori
-from hjsolve.ensembles.inverse.seeds import Seeds, nearest, seeds_of
-from hjsolve.ensembles.inverse.states_on_tori import AngleTask, States, frames_of, states_at
-from hjsolve.ensembles.inverse.tori import Tori
+from hjsolve.ensembles.to_states.newton_on_actions import Goals, Solved, constants_of_tori
+from hjsolve.ensembles.to_states.places_on_tori import AngleTask, frames_of
+from hjsolve.ensembles.to_states.seeds import Seeds, nearest, seeds_of
+from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
+from hjsolve.ensembles.to_states.tori import Tori
 from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.motion.tori.radicand_curve import curves_of
@@ -25,7 +27,7 @@ _CHUNK = 4096
 """Orbits that are worked on together."""
 _AGAIN = 2
 """How often orbits that are left over start again from the nearest that are solved."""
-_TOLERANCE = 1e-3
+_TOLERANCE = 1e-6
 """Largest claimed error of q, over the width of its motion, with which a state is kept."""
 
 Rows = dict[str, Reals]
@@ -54,7 +56,7 @@ class InverseTask:
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundStates:
     """States: coordinate → array (n,), their errors, the status of every orbit, and which a single motion computed."""
 
     q: Rows
@@ -65,7 +67,7 @@ class Found:
     recomputed: Mask
 
 
-def states_of(task: InverseTask) -> Found:
+def states_of(task: InverseTask) -> FoundStates:
     """Return the states of n orbits.
 
     Args:
@@ -77,7 +79,7 @@ def states_of(task: InverseTask) -> Found:
     n = task.actions.shape[1]
     coordinates = [c.name for c in task.solution.system.coordinates]
     q, p, dq, dp = ({name: np.full(n, np.nan) for name in coordinates} for _ in range(4))
-    found = Found(q, p, dq, dp, np.full(n, Status.NOT_CONVERGED, dtype=np.int8), np.zeros(n, dtype=bool))
+    found = FoundStates(q, p, dq, dp, np.full(n, Status.NOT_CONVERGED, dtype=np.int8), np.zeros(n, dtype=bool))
     finite = np.isfinite(task.actions).all(axis=0) & np.isfinite(task.angles).all(axis=0)
     found.status[~finite] = Status.NOT_FINITE
     left = np.flatnonzero(finite)
@@ -89,9 +91,11 @@ def states_of(task: InverseTask) -> Found:
     return found
 
 
-def _chunk(task: InverseTask, found: Found, index: Integers) -> None:
+def _chunk(task: InverseTask, found: FoundStates, index: Integers) -> None:
     """Return the states of some orbits by the engine, as far as it goes."""
-    engine = build(task.solution, frozenset({"actions", "constants", "turning_points"}), parameters=dict(task.parameters))
+    engine = build(
+        task.solution, frozenset({"actions", "constants", "turning_points"}), parameters=dict(task.parameters)
+    )
     model, solution = engine.model, task.solution
     if not model.separated or any(c.shifted for c in model.separated) or solution.system.kinks:
         return
@@ -105,7 +109,9 @@ def _chunk(task: InverseTask, found: Found, index: Integers) -> None:
     patterns = [tuple(bool(x) for x in column) for column in np.unique(seeds.rotating.T, axis=0)]
     done = np.zeros(len(index), dtype=bool)
     for pattern in patterns:
-        if not all(task.kinds.get(c.name, "") in ("", _word(turns)) for c, turns in zip(model.separated, pattern, strict=True)):
+        if not all(
+            task.kinds.get(c.name, "") in ("", _word(turns)) for c, turns in zip(model.separated, pattern, strict=True)
+        ):
             continue
         some = np.flatnonzero(_possible(J, pattern))
         if not len(some):
@@ -138,13 +144,14 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern:
     """Constants of tori, from the nearest seeds; what fails starts again from the nearest that were solved."""
     (J, momenta), model = wanted, task.model
     rotating = np.broadcast_to(np.array(pattern)[:, None], J.shape)
-    size, n = J.shape
     places = [model.ignorable[name] for name in model.angles]
     unknown = np.array([j for j in range(len(model.constants)) if j not in places])
     goals = Goals(np.abs(J), rotating, np.abs(J).sum(axis=0) + np.abs(momenta).sum(axis=0), unknown)
     everything = np.concatenate([np.abs(J), np.abs(momenta)])
     near = nearest(seeds.actions, everything)
-    solved = constants_of_tori(model, task.programs, _begun(seeds.constants[:, near], seeds.places[:, near], momenta, places), goals)
+    solved = constants_of_tori(
+        model, task.programs, _begun(seeds.constants[:, near], seeds.places[:, near], momenta, places), goals
+    )
     for _ in range(_AGAIN):
         lost, good = np.flatnonzero(~solved.good), np.flatnonzero(solved.good)
         if not len(lost) or not len(good):
@@ -152,7 +159,9 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern:
         near = good[nearest(everything[:, good], everything[:, lost])]
         begin = _begun(solved.tori.values[:, near], solved.tori.q[:, near], momenta[:, lost], places)
         more = constants_of_tori(model, task.programs, begin, goals.take(lost))
-        for whole, part in zip((*solved.tori, *solved.actions, solved.good), (*more.tori, *more.actions, more.good), strict=True):
+        for whole, part in zip(
+            (*solved.tori, *solved.actions, solved.good), (*more.tori, *more.actions, more.good), strict=True
+        ):
             whole[..., lost] = part
     return solved
 
@@ -164,7 +173,11 @@ def _begun(constants: Reals, q: Reals, momenta: Reals, places: list[int]) -> Tor
 
 
 def _written(
-    task: InverseTask, found: Found, angle_task: AngleTask, which: tuple[Integers, tuple[bool, ...]], solved: Solved
+    task: InverseTask,
+    found: FoundStates,
+    angle_task: AngleTask,
+    which: tuple[Integers, tuple[bool, ...]],
+    solved: Solved,
 ) -> None:
     """Write the states on tori that were found."""
     (index, pattern), model = which, angle_task.model
@@ -182,12 +195,14 @@ def _written(
     spread = np.where(J == 0, 0.0, spread)
     angles = task.angles[own][:, index], task.angles[others][:, index]
     states = states_at(angle_task, tori, frames, angles, spread)
-    fine = states.good & (states.q_errors <= _TOLERANCE * np.where(frames.widths > 0, frames.widths, 1.0)).all(axis=0)
+    rounding = 8 * EPS * np.abs(states.q)  # of q itself; a narrow motion may be hardly wider
+    wide = np.where(frames.widths > 0, frames.widths, 1.0)
+    fine = states.good & (states.q_errors - rounding <= _TOLERANCE * wide).all(axis=0)
     _put(task, found, angle_task, (index[fine], fine), states)
 
 
 def _put(
-    task: InverseTask, found: Found, angle_task: AngleTask, which: tuple[Integers, Mask], states: States
+    task: InverseTask, found: FoundStates, angle_task: AngleTask, which: tuple[Integers, Mask], states: StatesOnTori
 ) -> None:
     (index, fine), model = which, angle_task.model
     for k, coordinate in enumerate(model.separated):
@@ -201,7 +216,7 @@ def _put(
     found.status[index] = Status.OK
 
 
-def _one(task: InverseTask, found: Found, k: int) -> None:
+def _one(task: InverseTask, found: FoundStates, k: int) -> None:
     """One orbit by a single motion."""
     actions, angles = (
         {name: float(rows[j, k]) for j, name in enumerate(task.names)} for rows in (task.actions, task.angles)

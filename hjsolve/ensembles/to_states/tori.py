@@ -16,10 +16,10 @@ from hjsolve.arithmetic.error_free import two_sum
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place
+from hjsolve.ensembles.engine.kernels.types import Modes
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import SystemPrograms, sides
-from hjsolve.ensembles.engine.kernels.types import Modes
 
 _TOP_STEPS, _STILL = 24, 1e-6
 """Steps of Newton's method for the maximum of F, and the relative step that ends it: the place need not be the top."""
@@ -90,9 +90,10 @@ def no_actions(size: int, constants: int, count: int) -> Actions:
         constants: constants of the motion.
         count: tori.
     """
-    rows = [np.full((size, count), np.nan) for _ in range(2)]
-    marks = [np.zeros((size, count), dtype=bool) for _ in range(2)]
-    return Actions(*rows, np.full((size, constants, count), np.nan), marks[0], np.zeros(count, dtype=bool), marks[1])
+    values, errors = (np.full((size, count), np.nan) for _ in range(2))
+    harmonic, rotations = (np.zeros((size, count), dtype=bool) for _ in range(2))
+    slopes = np.full((size, constants, count), np.nan)
+    return Actions(values, errors, slopes, harmonic, np.zeros(count, dtype=bool), rotations)
 
 
 def coordinate_at(
@@ -145,11 +146,15 @@ def tops(one: CoordinateOfOrbits) -> tuple[Reals, Reals]:
         share = np.ones(len(x))
         for _ in range(_TOP_STEPS):
             # where F is convex its maximum is farther uphill
-            step = np.where(bend < 0, -slope / bend, np.sign(slope) * _STRIDE * np.fmax(np.abs(x), np.abs(slope / bend)))
+            step = np.where(
+                bend < 0, -slope / bend, np.sign(slope) * _STRIDE * np.fmax(np.abs(x), np.abs(slope / bend))
+            )
             new = np.clip(x + share * step, x - 0.75 * (x - low), x + 0.75 * (high - x))
             there = run_rows(code, one.parameters, np.stack([new, *one.constants]))
             uphill, still = there[0] > F, np.abs(new - x) <= _STILL * np.abs(x)
-            x, F, slope, bend = (np.where(uphill, a, b) for a, b in zip((new, *there), (x, F, slope, bend), strict=True))
+            x, F, slope, bend = (
+                np.where(uphill, a, b) for a, b in zip((new, *there), (x, F, slope, bend), strict=True)
+            )
             share = np.where(uphill, 1.0, 0.25 * share)
             if still.all():
                 break

@@ -50,7 +50,7 @@ class Seeds(NamedTuple):
         Args:
             index: which.
         """
-        return Seeds(*(x[:, index] for x in self))
+        return Seeds._make(x[:, index] for x in self)
 
 
 def seeds_of(engine: Engine, curves: Sequence[RadicandCurve], wanted: tuple[Reals, Reals]) -> Seeds:
@@ -68,7 +68,9 @@ def seeds_of(engine: Engine, curves: Sequence[RadicandCurve], wanted: tuple[Real
         grid = curve.samples()
         third = len(grid) // 3
         central = random.random(_SEEDS) < _CENTRAL
-        index = np.where(central, random.integers(third, len(grid) - third, _SEEDS), random.integers(len(grid), size=_SEEDS))
+        index = np.where(
+            central, random.integers(third, len(grid) - third, _SEEDS), random.integers(len(grid), size=_SEEDS)
+        )
         q[coordinate.index] = grid[index]
         if curve.turn:
             moving = random.random(_SEEDS) < 0.5

@@ -15,7 +15,7 @@ from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import SystemPrograms
-from hjsolve.ensembles.inverse.tori import Actions, Tori, actions_of, no_actions
+from hjsolve.ensembles.to_states.tori import Actions, Tori, actions_of, no_actions
 
 _ROUNDS, _LEAST_STEP = 60, 2.0**-12
 """Evaluations of J, and the share of a step below which an orbit is given up."""
@@ -106,8 +106,8 @@ def constants_of_tori(model: Model, programs: SystemPrograms, begin: Tori, goals
         here = active[better]
         for kept, new in zip(base, seen, strict=True):
             kept[:, here] = new[:, better]
-        for kept, new in zip(best, found, strict=True):
-            kept[..., here] = new[..., better]
+        for whole, part in zip(best, found, strict=True):
+            whole[..., here] = part[..., better]
         merit[here], left[:, here] = own[better], np.abs(residual[:, better])
         step[:, here] = _step(found.slopes[:, goals.unknown][:, :, better], residual[:, better])
         share[here] = 1.0

@@ -1,0 +1,234 @@
+"""Where the coordinates of n tori are at given phases, and how fast places and momenta change along them.
+
+q = a + W sin²(φ/2) between turning points a and b = a + W, the sign of p being that of sin φ; of a rotation φ is q
+itself. F = p² comes from 32 digits, seen from the nearer turning point, so that p keeps its digits next to it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hjsolve.arithmetic.double_double import DoubleDouble
+from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.machine.over_rows import run_rows
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.ensembles.engine.coordinate_of_orbits import offset
+from hjsolve.ensembles.engine.kernels.types import Modes
+from hjsolve.ensembles.engine.lowered_solution import Model
+from hjsolve.ensembles.engine.passes import integrated
+from hjsolve.ensembles.engine.programs import SystemPrograms, sides
+from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, kernels, squares
+
+_PLACES = Modes(chords=False, kernels=False, oscillations=False, shifts=False)
+_PAIR_STEPS = 4
+"""Steps of Newton's method for turning points in two doubles."""
+_TURNING, _NEXT = 1e-60, 1e-17
+"""Sine or cosine of φ/2 that stands for 0, and the distance from a turning point, over W, below which F is linear."""
+
+
+class AngleTask(NamedTuple):
+    """A system with its programs."""
+
+    model: Model
+    programs: SystemPrograms
+
+
+class Frames(NamedTuple):
+    """Between what the coordinates of n tori move.
+
+    Attributes:
+        bases: of each coordinate the turning points in two doubles, offsets in the views of the lower and the upper
+            half; shape (separated, 4, n).
+        widths: W, shape (separated, n).
+        directions: −1 for a rotation the other way, else 1, the same shape.
+        rotating, resting: which go round, and which stay; the same shape.
+        good: where turning points are known, shape (n,).
+    """
+
+    bases: Reals
+    widths: Reals
+    directions: Reals
+    rotating: Mask
+    resting: Mask
+    good: Mask
+
+    def take(self, index: Integers | Mask) -> Frames:
+        """Return those of some tori.
+
+        Args:
+            index: which.
+        """
+        return Frames._make(x[..., index] for x in self)
+
+
+class Placed(NamedTuple):
+    """Coordinates at their phases; arrays (separated, n), kernels (separated, constants, n).
+
+    Attributes:
+        q, P: places and shell momenta.
+        moves: dq/dφ.
+        forces: dP/dφ.
+        rates: kernels over P times dq/dφ.
+    """
+
+    q: Reals
+    P: Reals
+    moves: Reals
+    forces: Reals
+    rates: Reals
+
+
+def frames_of(task: AngleTask, tori: Tori, directions: Reals, rotating: Mask, resting: Mask) -> Frames:
+    """Find the turning points of tori in two doubles.
+
+    Args:
+        task: the system.
+        tori: of n orbits.
+        directions: sign of each rotation.
+        rotating, resting: which go round, and which stay at their place; shape (separated, n).
+    """
+    size, n = tori.q.shape
+    bases, widths, good = np.zeros((size, 4, n)), np.zeros((size, n)), np.ones(n, dtype=bool)
+    for k in range(size):
+        some = np.flatnonzero(~rotating[k] & ~resting[k])
+        if not len(some):
+            continue
+        own = tori.take(some)
+        F = squares(coordinate_at(*task, own, k))
+        one = coordinate_at(*task, own, k, np.sqrt(np.fmax(F, 0)))
+        _, found, _ = integrated(one, _PLACES, exact=True, places=True)
+        bases[k][:, some] = refined(task, own, k, found.places)
+        widths[k, some] = width_of(task, k, bases[k][:, some])
+        good[some] &= (F > 0) & (widths[k, some] > 0) & np.isfinite(bases[k][:, some]).all(axis=0)
+    return Frames(bases, widths, directions, rotating, resting, good)
+
+
+def refined(task: AngleTask, tori: Tori, k: int, places: Reals) -> Reals:
+    """Return turning points in two doubles, offsets in the views of both halves, shape (4, n).
+
+    Args:
+        task: the system.
+        tori: of n orbits.
+        k: which coordinate.
+        places: lower and upper turning points in doubles, shape (2, n).
+    """
+    D, one, rows = DoubleDouble(), coordinate_at(*task, tori, k), []
+    for side, formula in enumerate(sides(one.coordinate)):
+        base = Pair(offset(formula, places[side]), 0.0 * places[side])
+        view, exact = one.programs.views[side], one.programs.exact[side]
+        with np.errstate(all="ignore"):
+            for _ in range(_PAIR_STEPS):
+                (F,) = run_rows(exact.squares, one.parameters, np.stack([*base, *one.constants, *one.low]))
+                slope = run_rows(view.slopes, one.parameters, np.stack([base.high, *one.constants]))[1]
+                step = F / slope
+                base = D.sub(base, Pair(step, 0.0 * step))
+        rows += [base.high, base.low]
+    return np.stack(rows)
+
+
+def width_of(task: AngleTask, k: int, bases: Reals) -> Reals:
+    """B − a from turning points in two doubles, each in its own view."""
+    D = DoubleDouble()
+    ends = []
+    for side, formula in enumerate(sides(task.model.separated[k])):
+        x = Pair(*bases[2 * side : 2 * side + 2])
+        ends.append(D.add(formula.origin, Pair(formula.sign * x.high, formula.sign * x.low)))
+    return D.sub(ends[1], ends[0]).high
+
+
+def placed(task: AngleTask, tori: Tori, frames: Frames, φ: Reals) -> Placed:
+    """Return coordinates at phases.
+
+    Args:
+        task: the system.
+        tori: of n orbits.
+        frames: between what they move.
+        φ: phases, shape (separated, n).
+    """
+    size, n = φ.shape
+    m = len(task.model.constants)
+    found = Placed._make((*(np.zeros((size, n)) for _ in range(4)), np.zeros((size, m, n))))
+    for k in range(size):
+        stays, turns = frames.resting[k], frames.rotating[k]
+        for some, how in ((stays, _at_rest), (turns, _on_turn), (~stays & ~turns, _between)):
+            index = np.flatnonzero(some)
+            if len(index):
+                part = how(task, tori.take(index), frames.take(index), k, φ[k, index])
+                for whole, own in zip(found, part, strict=True):
+                    whole[k][..., index] = own
+    return found
+
+
+_Row = tuple[Reals, Reals, Reals, Reals, Reals]
+
+
+def _at_rest(task: AngleTask, tori: Tori, _: Frames, k: int, φ: Reals) -> _Row:
+    """Return a coordinate that stays where F′ = 0: χ is φ, and the kernels over its frequency √(−½F″) are its rates."""
+    q = tori.q[k]
+    for _step in range(_PAIR_STEPS):
+        one = coordinate_at(*task, tori._replace(q=_row(tori.q, k, q)), k)
+        formula = sides(one.coordinate)[0]
+        given = np.stack([offset(formula, q), *one.constants])
+        with np.errstate(all="ignore"):
+            _, _, bend = run_rows(one.programs.views[0].bend, one.parameters, given)
+            (slope,) = run_rows(one.programs.small.slope, one.parameters, np.stack([q, *one.constants, *one.low]))
+            q = q - slope / bend
+    with np.errstate(all="ignore"):
+        rates = kernels(one) / np.sqrt(-0.5 * bend)
+    return q, 0 * φ, 0 * φ, 0 * φ, rates
+
+
+def _on_turn(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
+    """Return a coordinate that goes round: φ is q in the sense of its rotation."""
+    direction = frames.directions[k]
+    q = direction * φ
+    one = coordinate_at(*task, tori._replace(q=_row(tori.q, k, q)), k)
+    given = np.stack([offset(sides(one.coordinate)[0], q), *one.constants])
+    with np.errstate(all="ignore"):
+        root = np.sqrt(squares(one))
+        _, slope, _ = run_rows(one.programs.views[0].bend, one.parameters, given)
+        slope = slope * sides(one.coordinate)[0].sign
+        return q, direction * root, direction, direction * slope / (2 * root) * direction, kernels(one) / root
+
+
+def _row(rows: Reals, k: int, values: Reals) -> Reals:
+    changed = rows.copy()
+    changed[k] = values
+    return changed
+
+
+def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
+    """Return a coordinate between turning points, seen from the nearer one."""
+    one, W, bases = coordinate_at(*task, tori, k), frames.widths[k], frames.bases[k]
+    D, s, c = DoubleDouble(), np.sin(0.5 * φ), np.cos(0.5 * φ)
+    lower = np.abs(s) <= np.abs(c)
+    s, c = (np.where(np.abs(x) < _TURNING, np.copysign(_TURNING, x), x) for x in (s, c))
+    q, square, slope = np.empty_like(φ), np.empty_like(φ), np.empty_like(φ)
+    weights = np.empty((len(one.constants), len(φ)))
+    for side, formula in enumerate(sides(one.coordinate)):
+        index = np.flatnonzero(lower if side == 0 else ~lower)
+        if not len(index):
+            continue
+        away = (1.0, -1.0)[side] * formula.sign
+        d = W[index] * (s if side == 0 else c)[index] ** 2
+        seen = np.fmax(d, _NEXT * W[index])
+        known = np.stack([*one.constants, *one.low, *bases])[:, index]
+        zero = 0.0 * d
+        given = np.stack([away * seen, zero, zero + 1.0, zero, *known])
+        x = bases[2 * side, index] + away * d
+        with np.errstate(all="ignore"):
+            _, r, F, *rates = run_rows(one.programs.exact[side].fill, one.parameters, given)
+            slopes = run_rows(one.programs.views[side].slopes, one.parameters, np.stack([x, *one.constants[:, index]]))
+            weights[:, index] = np.stack(rates) / r
+            square[index] = np.where(d < seen, F * (d / seen), F)  # linear next to the turning point
+        slope[index] = formula.sign * slopes[1]
+        base = D.add(Pair(*bases[2 * side : 2 * side + 2, index]), Pair(away * d, zero))
+        # in two doubles: next to q = 0 places far from the origin of the view keep their digits
+        q[index] = D.add(formula.origin, Pair(formula.sign * base.high, formula.sign * base.low)).high
+    with np.errstate(all="ignore"):
+        root = np.sqrt(square)
+        moves = W * s * c  # dq/dφ = ½ W sin φ
+        turns = np.abs(moves) / root  # finite at turning points
+        return q, np.where(s * c < 0, -1.0, 1.0) * root, moves, 0.5 * slope * turns, weights * turns

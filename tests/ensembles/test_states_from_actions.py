@@ -1,0 +1,150 @@
+"""States of many orbits from actions and angles: against closed forms, single motions, and the way forth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from mpmath import mp
+
+import hjsolve
+from tests.support import entries, kuzmin_kutuzov
+
+RANDOM = np.random.default_rng(5)
+
+
+def kepler(J_r, L, M, θ):
+    """r, p_r and the azimuth of a Kepler orbit with mean anomaly M, by Kepler's equation in 40 digits."""
+    with mp.workdps(40):
+        J_r, L, M, θ = (mp.mpf(float(x)) for x in (J_r, L, M, θ))
+        n = J_r + abs(L)
+        e = mp.sqrt(1 - (L / n) ** 2)
+        E = mp.findroot(lambda x: x - e * mp.sin(x) - M, M + e * mp.sin(M) / (1 - e * mp.cos(M) / 2))
+        r = n**2 * (1 - e * mp.cos(E))
+        true = 2 * mp.atan2(mp.sqrt(1 + e) * mp.sin(E / 2), mp.sqrt(1 - e) * mp.cos(E / 2))
+        return r, n * e * mp.sin(E) / r, θ + mp.sign(L) * (true - M)
+
+
+def apart(one, other):
+    """Distance of angles modulo 2π."""
+    with mp.workdps(40):
+        difference = mp.mpf(float(one)) - other
+        return float(abs(difference - 2 * mp.pi * mp.nint(difference / (2 * mp.pi))))
+
+
+def test_kepler_orbits_are_where_keplers_equation_says_within_their_claims():
+    n = 30
+    J_r = np.concatenate([10.0 ** RANDOM.uniform(-2, 0.5, n - 10), 10.0 ** RANDOM.uniform(-18, -6, 10)])
+    L = RANDOM.choice([-1.0, 1.0], n) * 10.0 ** RANDOM.uniform(-1, 0.5, n)
+    M, θ = RANDOM.uniform(-3, 3, (2, n))
+    batch = hjsolve.ensemble(
+        "kepler-planar", actions={"r": J_r, "theta": L}, angles={"r": M, "theta": θ}, want={"state"}
+    )
+    assert batch.status.tolist() == ["ok"] * n
+    assert batch.recomputed.sum() <= 3
+    for k in range(n):
+        r, p, azimuth = kepler(J_r[k], L[k], M[k], θ[k])
+        assert abs(batch.q["r"][k] - r) <= batch.error["q"]["r"][k] <= 1e-11 * r, k
+        assert abs(batch.p["r"][k] - p) <= batch.error["p"]["r"][k], k
+        assert apart(batch.q["theta"][k], azimuth) <= batch.error["q"]["theta"][k] <= 1e-9, k
+        assert batch.p["theta"][k] == L[k]
+
+
+def test_circles_rest_at_their_radius():
+    batch = hjsolve.ensemble(
+        "kepler-planar", actions={"r": 0, "theta": [1.0, -0.5, 3.0]}, angles={"theta": 0.25}, fallback=False
+    )
+    assert (batch.error["q"]["r"] < 1e-14 * batch.q["r"]).all()
+    np.testing.assert_allclose(batch.q["r"], [1.0, 0.25, 9.0], rtol=4e-16, atol=0)
+    assert batch.p["r"].tolist() == [0.0, 0.0, 0.0]
+    np.testing.assert_allclose(batch.q["theta"], 0.25, rtol=1e-14, atol=0)
+
+
+@pytest.mark.parametrize(
+    ("name", "actions", "kinds"),
+    [
+        ("pendulum", {"theta": [0.3, 4.0, 7.9]}, {"theta": "libration"}),
+        ("pendulum", {"theta": [9.0, -9.0, 30.0]}, {}),
+        ("spherical-pendulum", {"theta": [0.2, 2.0, 6.0], "phi": [0.5, -2.0, 0.05]}, {}),
+        pytest.param(
+            "two-centres-space",
+            {"xi": [0.3, 0.2, 1.0], "eta": [0.4, 1.5, 0.1], "phi": [1.0, -0.5, 2.0]},
+            {},
+            marks=pytest.mark.nightly,
+        ),
+    ],
+)
+def test_states_are_those_of_single_motions(name, actions, kinds):
+    angles = {key: [0.4, -2.0, 3.1] for key in actions}
+    solution = entries.solved(name)
+    batch = hjsolve.ensemble(solution, actions=actions, angles=angles, kinds=kinds, fallback=False)
+    assert batch.status.tolist() == ["ok"] * 3
+    for k in range(3):
+        state = solution.motion(
+            actions={n: x[k] for n, x in actions.items()}, angles={n: x[k] for n, x in angles.items()}, kinds=kinds
+        ).at(0)
+        for c in solution.system.coordinates:
+            gap = abs(batch.q[c.name][k] - state.q[c.name])
+            gap = min(gap, abs(gap - 2 * np.pi)) if c.domain.kind == "angle" else gap
+            assert gap <= batch.error["q"][c.name][k] + state.error.q[c.name], (c.name, k)
+            assert abs(batch.p[c.name][k] - state.p[c.name]) <= batch.error["p"][c.name][k] + state.error.p[c.name]
+
+
+def there_and_back(count, fallback):
+    """Relative residuals of J over what the reference allows, of orbits of the galaxy: J, θ to states, and again."""
+    data = kuzmin_kutuzov.load()
+    picked = np.concatenate([np.flatnonzero(data["family"] == f)[:count] for f in range(5)])
+    q, p = kuzmin_kutuzov.start(data["prolate"][picked])
+    forth = hjsolve.ensemble(kuzmin_kutuzov.solution(), q=q, p=p, want={"actions", "angles"})
+    back = hjsolve.ensemble(
+        kuzmin_kutuzov.solution(), actions=forth.actions, angles=forth.angles, want="state", fallback=fallback
+    )
+    again = hjsolve.ensemble(kuzmin_kutuzov.solution(), q=back.q, p=back.p, want={"actions"})
+    worst = np.zeros(len(picked))
+    for j, name in enumerate(("u", "w")):
+        off = np.abs(again.actions[name] - forth.actions[name]) / forth.actions[name]
+        worst = np.fmax(worst, off / np.fmax(1e-12, 20 * data["floor_prolate"][picked, j]))
+    return back, again, worst
+
+
+@pytest.mark.nightly
+def test_the_families_of_a_galaxy_return():
+    """The engine alone keeps nearly all; J comes back within 20 times the conditioning, with few at 1e-11."""
+    back, _, worst = there_and_back(8, fallback=False)
+    kept = back.codes == 0
+    assert kept.mean() > 0.8
+    assert np.median(worst[kept]) < 0.05
+    assert worst[kept].max() < 20
+
+
+@pytest.mark.nightly
+def test_no_orbit_of_the_galaxy_is_lost():
+    back, again, _ = there_and_back(20, fallback=True)
+    assert set(back.status) == {"ok"}
+    assert set(again.status) == {"ok"}
+
+
+def test_bad_orbits_stop_nobody():
+    batch = hjsolve.ensemble("kepler-planar", actions={"r": [0.1, -1.0, np.nan], "theta": 1.0}, angles={"r": 1.0})
+    assert batch.status.tolist() == ["ok", "forbidden", "not_finite"]
+    assert np.isnan(batch.q["r"][1:]).all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"actions": {"r": [1.0]}}, "no values for theta"),
+        ({"actions": {"r": 1, "theta": 1, "x": 1}}, "'x' has none"),
+        ({"actions": {"r": 1, "theta": 1}, "q": {"r": 1}}, "q: is not used"),
+        ({"actions": {"r": 1, "theta": 1}, "want": "actions"}, 'from actions "state" is computed'),
+        ({"q": {"r": 1, "theta": 0}, "p": {"r": 0, "theta": 1}, "angles": {"r": 1}}, "angles: is not used"),
+        ({}, "no q="),
+    ],
+)
+def test_bad_input_names_what_is_wrong(arguments, words):
+    with pytest.raises(hjsolve.InvalidInputError, match=words):
+        hjsolve.ensemble("kepler-planar", **arguments)
+
+
+def test_either_kind_needs_a_word():
+    with pytest.raises(hjsolve.InvalidInputError, match="librate or rotate"):
+        hjsolve.ensemble("pendulum", actions={"theta": [5.0, 6.0]})
