@@ -19,9 +19,7 @@ PARTS = (2, 4, 6, 8, 10, 12)
 ORDER = 2 * len(PARTS)
 
 
-def extrapolated(
-    slopes: Slopes, state: Reals, step: Reals, parts: tuple[int, ...] = PARTS
-) -> tuple[Reals, Reals]:
+def extrapolated(slopes: Slopes, state: Reals, step: Reals, parts: tuple[int, ...] = PARTS) -> tuple[Reals, Reals]:
     """Take a step.
 
     Args:

@@ -21,8 +21,8 @@ from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.starting import started
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.through_poles.continuation import Continuation, Fold, continued_coordinates
-from hjsolve.motion.transformed_motion import TransformedMotion
 from hjsolve.motion.through_umbilics.starting import goes_on_at_umbilics
+from hjsolve.motion.transformed_motion import TransformedMotion
 from hjsolve.solution.quadratures import Solution, solve
 
 _NOISE_BITS = 2000
