@@ -55,7 +55,7 @@ autodoc_preserve_defaults = True
 nitpicky = True  # every reference leads somewhere; types of other packages are words, since a build fetches nothing
 nitpick_ignore_regex = [
     ("py:.*", r"(sympy|sp|mpmath|numpy|np|pathlib|collections|matplotlib|importlib|os|flint|astropy|dask)\..*"),
-    ("py:.*", r"Axes|NDArray|Path|Array|Reals|Numbers|Vector|Window|Quantity|Toml|Times|Numeric|Mpf"),
+    ("py:.*", r"Axes|FuncAnimation|NDArray|Path|Array|Reals|Numbers|Vector|Window|Quantity|Toml|Times|Numeric|Mpf"),
     ("py:exc", "ArgumentIndexError"),  # of sympy's own docstrings
     ("py:class", r"hjsolve\..*\.[A-Z]"),  # type variables
     # protocols of numbers, texts of captions, and what only hjsolve itself reads of a result
