@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -68,3 +70,22 @@ def test_lanes_do_not_depend_on_each_other() -> None:
     all_of_them = run_rows(code, made.parameters, given)
     for some in (slice(0, 1), slice(7, 20), slice(150, 301), slice(None, None, -1)):
         np.testing.assert_array_equal(run_rows(code, made.parameters, given[:, some]), all_of_them[:, some])
+
+
+def test_a_thread_gets_its_program_again_and_no_other_one_at_work_with_it() -> None:
+    writer = InstructionWriter()
+    x, y = writer.inputs(2)
+    (a,) = writer.parameters(1)
+    code = writer.code([writer.add(writer.mul(x, y), a)])
+    kept = code.program(16, (2.0,))
+    assert code.program(16, (2.0,)) is kept
+    others = [code.program(16, (2.0,), 1), code.program(16, (3.0,)), code.program(24, (2.0,))]
+    with ThreadPoolExecutor(1) as pool:
+        others.append(pool.submit(code.program, 16, (2.0,)).result())
+    for other in others:
+        assert not np.shares_memory(other.registers, kept.registers)
+    for program in (kept, *others):
+        assert program.registers.ctypes.data % 64 == 0
+    given = np.array([[1.5, -2.0], [4.0, 0.25]])
+    for factor, expected in ((1.0, [8.0, 1.5]), (2.0, [26.0, 0.0])):  # what is left in the registers is not seen
+        assert run_rows(code, (2.0,), factor * given)[0].tolist() == expected
