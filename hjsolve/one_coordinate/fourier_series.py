@@ -253,7 +253,8 @@ def oscillations(series: Sequence[FourierSeries], χ: Numbers) -> list[Numbers |
         series: of one phase; those that are no Fourier series, through kinks, are asked one by one.
         χ: ``mpf`` of shape (m,).
     """
-    if not χ.size or any(not isinstance(one, FourierSeries) or one.sines is not None for one in series):
+    plain = {type(one) for one in series} == {FourierSeries}
+    if not (χ.size and plain and all(one.sines is None for one in series)):
         return [0 if one.constant else cast("Numbers", one.oscillation(χ)) for one in series]
     terms = max((len(one.cosines) for one in series), default=0)
     waves = _waves_of_many(χ, terms)
