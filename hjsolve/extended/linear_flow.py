@@ -11,7 +11,7 @@ squarefree factors f_i, and f_i^k is put into Â until it annihilates. So k_λ =
 **Error.** Let w(t) = Σ e^{λt} t^j/j! v_{λj} be the computed sum, v_{λj} for V_{λj} ẑ(0), rounding leaves r_{λj} =
 Â v_{λj} − λ v_{λj} − v_{λ,j+1}. Then ẇ = Â w − Σ e^{λt} t^j/j! r_{λj}, and by variation of constants
 
-    |w(t) − ẑ(t)| ≤ G(t) (|w(0) − ẑ(0)| + t Σ_{λj} e^{|Re λ| t} t^j/j! |r_{λj}|),   |e^{Âs}| ≤ G(t) for 0 ≤ s ≤ t,
+    |w(t) − ẑ(t)| ≤ G(t) (|w(0) − ẑ(0)| + t Σ_{λj} e^{max(Re λ t, 0)} |t|^j/j! |r_{λj}|),   |e^{Âs}| ≤ G(t), 0 ≤ s ≤ t,
 
 with G from the sum above and |q_λ(Â)| ≤ Π (|Â| + |μ|)^{k_μ}. More bits are taken until the bound is below the digits
 that are asked.
@@ -221,9 +221,9 @@ class LinearPath:
         Args:
             t: the time after the start.
         """
-        t, growth, residual = abs(t), self.context.mpf(0), self.context.mpf(0)
+        signed, t, growth, residual = t, abs(t), self.context.mpf(0), self.context.mpf(0)
         for (λ, _), (V, r) in zip(self.terms, self.sizes, strict=True):
-            power = self.context.exp(abs(self.context.re(λ)) * t)
+            power = self.context.exp(max(self.context.re(λ) * signed, 0))
             for j, (size, rest) in enumerate(zip(V, r, strict=True)):
                 growth += power * t**j / self.context.factorial(j) * size
                 residual += power * t**j / self.context.factorial(j) * rest

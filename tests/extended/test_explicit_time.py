@@ -15,6 +15,7 @@ import hjsolve
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.power_series import PowerSeriesArithmetic
 from hjsolve.command_line.main import main
+from hjsolve.extended.quadratic_flow import QuadraticFlow, _Walk
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import hamiltonian, momenta
 from tests.reference.taylor import Flow
@@ -201,3 +202,17 @@ def test_a_kepler_centre_that_moves_is_solved_in_polar_coordinates_of_its_frame(
     with mp.workdps(40):
         assert abs(mpf(state.q["x"]) - expected[0]) <= mpf(state.error.q["x"]) <= 1e-12
         assert abs(mpf(state.q["y"]) - expected[1]) <= mpf(state.error.q["y"]) <= 1e-12
+
+
+def test_the_bound_of_the_taylor_series_holds_where_few_digits_are_carried() -> None:
+    """With few digits the remainders are large enough to be seen; the truth has 30."""
+    t = sp.Symbol("t", real=True)
+    flow = QuadraticFlow(sp.ImmutableMatrix([[0, 1], [-(2 + sp.cos(t)), 0]]), sp.ImmutableMatrix([0, sp.exp(-t)]), t)
+    start = [sp.Rational(6, 5), sp.Rational(1, 2)]
+    rough = _Walk(flow, [start], sp.S.Zero, 1)
+    for moment in (sp.Rational(3, 2), sp.Integer(5)):
+        rough.to(moment)
+        ((exact,),), _ = flow.integrate([start], sp.S.Zero, [moment], 30)
+        with mp.workdps(40):
+            error = max(abs(mpf(a) - mpf(e)) for a, e in zip(rough.states()[0], exact, strict=True))
+            assert 0 < error <= mpf(rough.error)

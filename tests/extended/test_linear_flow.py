@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 from mpmath import mp, mpf
 
-from hjsolve.extended.linear_flow import affine, flow_of, path_of
+from hjsolve.extended.linear_flow import _prepared, affine, flow_of, path_of
 
 OSCILLATOR = sp.Matrix([[0, 1], [-1, 0]])
 CASES = {
@@ -47,3 +47,19 @@ def test_multiplicities_are_exact_where_roots_differ_by_a_trillionth() -> None:
     assert sorted(f.multiplicity for f in flow_of(A).factors) == [1]
     assert sorted(f.multiplicity for f in flow_of(A.subs(sp.Rational(-1, 10**12) - 1, -1)).factors) == [2]
     assert len(b) == 4
+
+
+@pytest.mark.parametrize("name", ["two alike", "a block of two", "growth and spirals"])
+def test_the_bound_holds_where_only_few_bits_are_carried(name: str) -> None:
+    """With 70 bits the rounding is large enough to be seen: the bound is above it, by less than ten digits."""
+    A, b, _ = CASES[name]
+    Â = affine(A, sp.Matrix(b))
+    start = [sp.Rational(k + 2, 7) for k in range(A.rows)] + [sp.S.One]
+    flow = flow_of(Â)
+    rough, exact = _prepared(flow, start, 70), path_of(flow, start, sp.Integer(9), 60)
+    for t in ("-2.5", "4", "9"):
+        pairs = zip(rough.at(rough.context.mpf(t)), exact.at(exact.context.mpf(t)), strict=True)
+        with mp.workdps(60):
+            error = max(abs(mpf(a) - mpf(e)) for a, e in pairs)
+            assert error <= mpf(rough.bound(rough.context.mpf(t))) <= max(error, mpf(2) ** -70) * mpf(10) ** 16
+            assert error > 0

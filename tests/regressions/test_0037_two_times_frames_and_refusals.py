@@ -20,7 +20,6 @@ from hjsolve.mechanics.system import hamiltonian
 from hjsolve.reports.content import document, gather
 from hjsolve.reports.formats.json_format import json_text
 from hjsolve.reports.formats.text import text_page
-from hjsolve.reports.sections.moving_frame import principal_function
 from hjsolve.reports.write import write_document
 from tests.support import entries
 from tests.support.reports import report_of
@@ -81,7 +80,7 @@ def test_the_principal_function_in_the_original_coordinates_solves_the_equation(
     """∂S/∂t + H(q, ∂S/∂q, t) = 0, the derivatives of S by hand from W's integrands; 30 digits at a place."""
     frame = frames.load(name)
     solution = frame.solve()
-    S = principal_function(frame, solution)
+    S = frame.principal_function(solution)
     H = hamiltonian(frame.original)
     slopes = {c.momentum: sp.diff(S, c.symbol) for c in frame.original.coordinates}
     residual = sp.diff(S, frame.time) + H.xreplace(slopes)
