@@ -19,7 +19,7 @@ from hjsolve.motion.initial_data import domain_ends, to_bits
 from hjsolve.two_point.asked.answers import Completeness, Connection, Connections
 from hjsolve.two_point.asked.question import TwoPlaceQuestion
 from hjsolve.two_point.one_freedom.line_branches import LineBranch, branches
-from hjsolve.two_point.one_freedom.proved_search import IsolatedEnergy, EnergyProof, TravelTimes, all_energies
+from hjsolve.two_point.one_freedom.proved_search import EnergyProof, IsolatedEnergy, TravelTimes, all_energies
 from hjsolve.two_point.one_freedom.travel_time import Line
 from hjsolve.two_point.search.flow import VariedFlow
 from hjsolve.two_point.search.searched import connection_of, reach

@@ -21,7 +21,7 @@ from hjsolve.two_point.asked.answers import Completeness, Connection, Connection
 from hjsolve.two_point.asked.question import TwoPlaceQuestion
 from hjsolve.two_point.asked.verified import difference, end_point
 from hjsolve.two_point.search.flow import Ends, VariedFlow
-from hjsolve.two_point.search.shooting import SearchResult, MomentumZero, search
+from hjsolve.two_point.search.shooting import MomentumZero, SearchResult, search
 
 _PASSES = 6
 _EXTRA = 12
