@@ -79,7 +79,7 @@ def main() -> None:
     row |= _singly(solution, q, min(200, chosen.problems))
     row |= _known(q, table)
     row |= _counted(q, table, chosen.checked)
-    row |= _ends(solution, q, table)
+    row |= _ends(solution, q)
     if chosen.rivals:
         sys.path.append(chosen.rivals)
     row |= _rivals(q, row)
@@ -120,7 +120,7 @@ def _counted(q, table, count) -> dict[str, int]:
     return {"wrong numbers of answers": wrong}
 
 
-def _ends(solution, q, table) -> dict[str, float]:
+def _ends(solution, q) -> dict[str, float]:
     """End points by hjsolve's own motions of a sample, which start from momenta to more digits than doubles have."""
     rng = np.random.default_rng(2)
     worst = 0.0
@@ -153,7 +153,7 @@ def _rivals(q, row) -> dict[str, float]:
         count += 1
         try:
             v0, _ = izzo2015(1.0, places[0][j], places[1][j], q["T"][j], M=0, prograde=bool(q["way"][j] > 0))
-        except Exception:
+        except (ValueError, RuntimeError):
             continue
         h = places[0][j][0] * v0[1] - places[0][j][1] * v0[0]
         good += abs(h - q["h"][j]) <= 1e-9 * abs(q["h"][j])

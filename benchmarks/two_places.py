@@ -34,7 +34,8 @@ def systems() -> dict[str, tuple[hjsolve.Solution, dict[str, tuple[float, float]
         "two centres": (hjsolve.solve(centres, coordinates="find"), {"x": (-2, 2), "y": (0.5, 2)}, 1.0, (1, 6)),
         "vinti": (hjsolve.solve(vinti), _around(vinti), 1.0, (0.5, 3)),
         "spherical pendulum": (
-            hjsolve.solve(hjsolve.catalog.load("spherical-pendulum")), {"theta": (0.4, 2), "phi": (-3, 3)}, 3.0, (0.3, 1.5),
+            hjsolve.solve(hjsolve.catalog.load("spherical-pendulum")),
+            {"theta": (0.4, 2), "phi": (-3, 3)}, 3.0, (0.3, 1.5),
         ),
         "ellipsoid": (
             hjsolve.solve(hjsolve.catalog.load("triaxial-geodesics")),

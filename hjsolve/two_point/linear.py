@@ -182,7 +182,7 @@ def joined_linearly(
     for name, symbolic in forces.coordinates.items():
         part = Coefficients(*(sp.sympify(e).xreplace(values) for e in symbolic))
         q0, q1, kind = question.q0[name], question.q1[name], _kind(part)
-        momenta[name] = sp.S.MomentumZero
+        momenta[name] = sp.S.Zero
         if kind > 0:
             angle = sp.sqrt(part.stiffness / part.mass) * t
             half_turns = to_bits(angle / sp.pi)(_BITS)
@@ -222,7 +222,8 @@ def joined_linearly(
 
 
 def _connection(
-    forces: LinearForces, question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr], momenta: Mapping[str, sp.Expr],
+    forces: LinearForces, question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr],
+    momenta: Mapping[str, sp.Expr],
     counts: tuple[int, int],
 ) -> Connection:  # fmt: skip
     t = question.time
@@ -232,7 +233,7 @@ def _connection(
         m, κ, g = part
         q0, q1, p0 = question.q0[name], question.q1[name], momenta[name]
         E += p0**2 / (2 * m) + κ * q0**2 / 2 + g * q0
-        c = -g / κ if κ != 0 else sp.S.MomentumZero
+        c = -g / κ if κ != 0 else sp.S.Zero
         p1[name] = _momentum_after(part, p0, q0 - c, t)
         # S = ½ (q p)|₀¹ + ∫ (½ q ∂V/∂q − V) dt, whatever the time: half of what x p gains, and V at the centre
         S += (q1 - c) * p1[name] / 2 - (q0 - c) * p0 / 2 + κ * c**2 * t / 2
