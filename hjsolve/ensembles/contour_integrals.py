@@ -142,7 +142,8 @@ def round_the_circle(tape: Tape, κ: Reals, parameters: list[float], half: int) 
         tape, κ, parameters: as of ``along``.
         half: half the number of steps.
     """
-    q = np.pi * (np.arange(2 * half) + 0.5)[:, None] / half
+    # a quarter of a step off 0: from there alternating sums see even functions and odd ones
+    q = np.pi * (np.arange(2 * half) + 0.25)[:, None] / half
     with np.errstate(all="ignore"):
         F, *others = tape.run(Float64(), [q + 0 * κ[0], *κ, *parameters])
         root = np.sqrt(F)
