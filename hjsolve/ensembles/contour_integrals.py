@@ -114,7 +114,7 @@ def _differentiated(
 
 
 def _alternating(f: Complexes) -> Reals:
-    """Return what half of the steps leave open: a Fourier coefficient and its mirror image, which may cancel each other.
+    """Return what half of the steps leave open: a Fourier coefficient and its mirror image, which may cancel.
 
     They do not both in f and in f e^{iχ}.
     """

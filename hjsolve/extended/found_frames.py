@@ -199,7 +199,7 @@ def _solved(equations: list[sp.Expr], unknown: list[sp.Dummy]) -> Iterator[list[
 
 
 def _without_time(f: sp.Expr, t: sp.Symbol) -> sp.Expr | None:
-    """Return the same function without the time in it; None where its derivative by the time is not proved to vanish."""
+    """Return the same function without the time in it; None where ∂/∂t is not proved to vanish."""
     if t not in f.free_symbols:
         return f
     if not isinstance(is_zero(sp.diff(f, t), budget=5.0), Zero):
@@ -289,7 +289,7 @@ def _integral(f: sp.Expr, t: sp.Symbol) -> sp.Expr:
 
 # ------------------------------------------------------------------------------------------------ a driven system
 def _driven(M: sp.Matrix, K: sp.Matrix, F: sp.Matrix, t: sp.Symbol) -> sp.Matrix | None:
-    """Return a solution of M d̈ + K d = F(t), F a sum of t^k e^{at} cos(bt + c) and the like, by undetermined coefficients."""
+    """Return a solution of M d̈ + K d = F(t), F a sum of t^k e^{at} cos(bt + c) and the like, by coefficients."""
     bases: dict[sp.Expr, int] = {}
     for term in (term for f in F for term in sp.Add.make_args(sp.expand(f))):
         kinds = _kinds_of(term, t)

@@ -156,7 +156,7 @@ def told(error: NotConvergedError) -> str:
 
 
 def _in_a_frame(subject: object, budget: float) -> SolutionInTime | None:
-    """Return the solution of a system whose T or V holds the time, in the frame that was found; None of any other system.
+    """Return the solution of a system whose T or V holds the time, in the frame found; None of any other system.
 
     Raises:
         NotSeparableError: no frame was found, or only a principal function of second degree, which has no quadratures.

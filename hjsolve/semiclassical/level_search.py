@@ -384,7 +384,7 @@ class _Counting:
         return replace(own, error=own.error + more)
 
     def _ends_nearby(self, n: tuple[int, ...], found: Candidate) -> tuple[str, ...]:
-        """Return the coordinates along which the family of a torus has none with J ± ħ, nor shrinks to a point before."""
+        """Return the coordinates along which the family of a torus has none with J ± ħ, nor shrinks to a point."""
         hbar, names, near = self.search.hbar, self.frame.solution.coordinates, []
         J = [way.action(k, hbar) for way, k in zip(self.ways, n, strict=True)]
         for k, (name, way) in enumerate(zip(names, self.ways, strict=True)):

@@ -258,7 +258,7 @@ def _phases(
 
 
 def _nearest_start(task: AngleTask, tori: Tori, frames: Frames, θ: Reals) -> Reals:
-    """Return the phases among some next to turning points whose angles are nearest: for motions that hardly leave an end."""
+    """Return the phases next to turning points whose angles are nearest: for motions that hardly leave an end."""
     best, merit = θ.copy(), np.full(θ.shape[1], np.inf)
     for k in range(θ.shape[0]):
         for upper in (False, True):

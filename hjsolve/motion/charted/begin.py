@@ -139,7 +139,7 @@ def _as_given(solution: Solution, given: StartGiven) -> Motion:
     try:
         initial = read_initial_data(solution, **given.groups)
     except ForbiddenPlaceError as error:
-        raise ForbiddenPlaceError(f"{error}{hint_at_umbilic(solution, given.q, given.parameters)}") from None
+        raise ForbiddenPlaceError(f"{error}{hint_at_umbilic(solution, required(given.q), given.parameters)}") from None
     parts = parts_of(given.want)
     return motion_through_poles(solution, initial, given.t0, given.digits, parts, certified=given.certified)
 

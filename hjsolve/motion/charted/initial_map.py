@@ -91,14 +91,15 @@ def at_singular_place(
     given = read_phase_point(chart.original, q, velocity, p, parameters)
     rows = []
     for bits in (BITS, BITS // 2):
-        c = Multi(bits).context
+        field = Multi(bits)
 
         def value(e: sp.Expr, bits: int = bits) -> Mpf:
             return to_bits(e.xreplace(given))(bits)
 
-        X, P, lengths = point_in_frame(chart, value, c)
+        X, P, lengths = point_in_frame(chart, value, field.context)
         mass = value(chart.mass)
-        rows.append([*inverse_chart(chart.kind, X, P, lengths, c)[-len(chart.symbols) :], *(x / mass for x in P)])
+        u = inverse_chart(chart.kind, X, P, lengths, field)[-len(chart.symbols) :]
+        rows.append([*u, *(x / mass for x in P)])
     n = len(chart.symbols)
     values = {s.symbol: given[s.symbol] for s in solution.system.parameters}
     values |= {s: place_of(a, b) for s, a, b in zip(chart.symbols, rows[0][:n], rows[1][:n], strict=True)}

@@ -182,7 +182,7 @@ def _newton(target: _Target, u: Reals, scale: float) -> Reals:
 
 
 def _solved(slope: Reals, y: Reals) -> Reals:
-    """Return the least solution of slope · x = y for each start, shape (n, m); singular values below a millionth are zero."""
+    """Return the least solution of slope · x = y for each start, shape (n, m); singular values below 1e-6 are zero."""
     left, s, right = np.linalg.svd(slope)
     with np.errstate(all="ignore"):
         inverse = np.where(s > 1e-6 * s[:, :1], 1 / s, 0.0)
