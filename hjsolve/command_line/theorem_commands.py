@@ -53,7 +53,7 @@ def canonical_command(options: Namespace) -> int:
         The exit status: 0 it is, 1 it is not, 3 neither was proved.
 
     Raises:
-        InvalidInputError: a text that is no equation or no pair.
+        InvalidInputError: a text that is not an equation or a pair.
     """
     from hjsolve.theorem.canonical_maps import canonical
 

@@ -203,7 +203,7 @@ class LinearPath:
     context: Context
 
     def at(self, t: Mpf) -> list[Mpf]:
-        """Return the numbers of z at a time after the start.
+        """Return z at a time after the start.
 
         Args:
             t: the time, of either sign.

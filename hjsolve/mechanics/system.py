@@ -486,11 +486,7 @@ def _slope(kinetic: sp.Expr, velocity: sp.Symbol) -> sp.Expr:
 
 
 def velocities(system: System) -> dict[str, sp.Expr]:
-    """q̇ = M⁻¹ (p − a) by name of the coordinate, in coordinates and momenta; relativistic c m₀ M⁻¹ (p − a)/√(…).
-
-    Args:
-        system: T and V as declared.
-    """
+    """q̇ = M⁻¹ (p − a) by name of the coordinate, in coordinates and momenta; relativistic c m₀ M⁻¹ (p − a)/√(…)."""
     return dict(zip([c.name for c in system.coordinates], _rates(system)))
 
 

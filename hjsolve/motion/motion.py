@@ -279,7 +279,7 @@ class Motion(ShownMotion):
             ``error`` alike; ``status`` says where a derivative does not exist.
 
         Raises:
-            InvalidInputError: another name, a time that is no finite real number, or a motion that has no derivatives:
+            InvalidInputError: another name, a time that is not a finite real number, a motion without derivatives:
                 one through kinks of V or through poles, or at rest where the motion next to it is not linear.
             NotConvergedError: an integral did not converge to the digits asked.
         """

@@ -338,7 +338,7 @@ def test_an_entry_with_a_hamiltonian_is_checked_solved_and_reported(tmp_path: Pa
     assert "H is linear in its momentum" in capsys.readouterr().out
     assert main(["solve", name]) == 0
     out = capsys.readouterr().out
-    assert "S = E q − E t − ½ q²" in out
+    assert "S = E q − ½ q² − E t" in out
     assert "t − β_E = q" in out
     for suffix in ("html", "md", "json", "txt", "tex"):
         target = tmp_path / f"h.{suffix}"

@@ -34,10 +34,6 @@ def constraint(form: str, integral: str, names: str = '["x", "y"]') -> str:
 @pytest.mark.parametrize(
     ("more", "message"),
     [
-        (
-            constraint("2*dot(x) + 3*dot(y) + 5", "2*x + 3*y + 5*t"),
-            "the constraint moves",
-        ),
         (constraint("2*dot(x) + 3*dot(y)", "x"), "its differential is not proportional to the form"),
         (constraint("2*dot(X)", "2*X", '["X"]'), "T and V know no X; choose coordinates in which it holds"),
         (constraint("dot(x) - dot(y)", ""), "constraint.1..integral: the text is empty"),

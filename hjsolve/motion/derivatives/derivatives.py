@@ -125,7 +125,7 @@ def derivatives_of(motion: Motion, of: Iterable[str], by: Iterable[str], t: obje
         t: times of the state and the angles; None for t₀.
 
     Raises:
-        InvalidInputError: another name, a time that is no finite real number, or a motion that has no derivatives.
+        InvalidInputError: another name, a time that is not a finite real number, or a motion that has no derivatives.
         NotConvergedError: an integral did not converge to the digits asked.
     """
     wanted, varied = _words(of, "of", OF), _words(by, "by", BY)

@@ -37,7 +37,7 @@ def transition_matrix(motion: Motion, t: object) -> EstimateArray:
         t: a time or an array of times.
 
     Raises:
-        InvalidInputError: a time that is no finite real number, or a motion that has no derivatives.
+        InvalidInputError: a time that is not a finite real number, or a motion that has no derivatives.
         NotConvergedError: the matrix did not converge to the digits asked.
     """
     shape, floats, exact = read_times(t)

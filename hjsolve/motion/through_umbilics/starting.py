@@ -252,10 +252,10 @@ def start_at_umbilic(
         exact: whether no number given is a float.
 
     Raises:
-        InvalidInputError: the place is no umbilic that a motion passes, or the velocity is zero.
+        InvalidInputError: the place is not an umbilic that a motion passes, or the velocity is zero.
     """
     system = solution.system
-    refused = InvalidInputError("q: T vanishes there, and it is no umbilic through which a motion goes on")
+    refused = InvalidInputError("q: T vanishes there, and it is not an umbilic through which a motion goes on")
     q = [c.symbol for c in system.coordinates]
     fixed = {p.symbol: values[p.symbol] for p in system.parameters}
     if len(q) != 2 or list(solution.coordinates) != [c.name for c in system.coordinates]:
@@ -310,7 +310,7 @@ def _at_rest(solution: Solution, values: Mapping[sp.Symbol, sp.Expr], energy: sp
     squares = [sp.sympify(f).subs(at) for f in solution.momentum_squared.values()]
     found = [sp.solve(f, names[other]) for f in squares]
     if any(len(one) != 1 for one in found):
-        raise InvalidInputError("q: p**2 does not vanish there whatever the separation constant is: it is no umbilic")
+        raise InvalidInputError("q: p**2 does not vanish there for any separation constant: it is not an umbilic")
     constant = clean(found[0][0])
     momenta = {c.momentum: sp.S.Zero for c in system.coordinates}
     return Initial({**values, **momenta}, {n: energy if n == "E" else constant for n in names}, True)

@@ -64,7 +64,7 @@ class UmbilicMotion(Motion):
             t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
 
         Raises:
-            InvalidInputError: a time that is no finite real number.
+            InvalidInputError: a time that is not a finite real number.
             NotConvergedError: there are too many umbilics before that time.
         """
         self._require("trajectory")

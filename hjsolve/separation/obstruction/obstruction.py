@@ -205,7 +205,7 @@ def _failure_step(condition: Condition, pair: tuple[str, str], residual: sp.Expr
 
 
 def refuse_time(system: System, seconds: float) -> Obstruction | Undecided:
-    """Refuse a system whose H holds the time: H = E is no equation then, W does not exist.
+    """Refuse a system whose H holds the time: H = E does not hold then, W does not exist.
 
     Args:
         system: with the time in T or V.
@@ -215,7 +215,7 @@ def refuse_time(system: System, seconds: float) -> Obstruction | Undecided:
     held = [c.name for c in system.coordinates if rate.has(c.symbol)] or [system.coordinates[0].name]
     pair = (held[0], held[0])
     answer = is_zero(rate, region_of(system), budget=seconds)
-    text = "H holds the time, so that it is no constant of the motion (4-95): its derivative by t is shown."
+    text = "H holds the time, so that it is not a constant of the motion (4-95): its derivative by t is shown."
     steps = (ReductionStep("Explicit time", text, rate),)
     words = advice.for_explicit_time()
     if isinstance(answer, NonZero):

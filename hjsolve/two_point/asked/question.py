@@ -27,7 +27,7 @@ class TwoPlaceQuestion:
         system: the user's, in whose coordinates q0 and q1 are.
         q0, q1: coordinate → exact number.
         time: T, exact, > 0.
-        turns: numbers of whole turns, in increasing order.
+        turns: counts of whole turns, in increasing order.
         given: the parameters as they came.
         digits: of the motions.
     """
@@ -43,7 +43,7 @@ class TwoPlaceQuestion:
 
 
 def read_turns(turns: object) -> tuple[int, ...]:
-    """Read the numbers of whole turns.
+    """Read how many whole turns are asked.
 
     Args:
         turns: a number, or several.

@@ -275,7 +275,7 @@ class _Conjugates:
             return np.full(B.shape[0], np.nan)
 
     def index(self, frame: Reals, argument: Reals) -> Integers:
-        """Return the numbers of conjugate points passed; −1 where doubles do not decide them.
+        """Return how many conjugate points are passed; −1 where doubles do not decide them.
 
         Args:
             frame: B and D at the end, shape (2, m, n, n).

@@ -3,7 +3,7 @@
 With L Lᵀ = M⁻¹(q0) and u = Lᵀ (p − a), |u|² is twice the kinetic energy; misses are divided by L and the time. In these
 units the derivative of the miss, L⁻¹ (∂q/∂p0) L⁻ᵀ/T, is the identity for free motion, whatever the coordinates. Steps
 are as long as the miss allows: one that does not lessen it is halved. Where the derivative loses rank at a zero, the
-zero is no point: it is followed along the null directions, and if it goes on the places are joined by a continuum.
+zero is not a point: it is followed along the null directions, and if it goes on the places are joined by a continuum.
 """
 
 from __future__ import annotations

@@ -287,7 +287,7 @@ def transfer(r0: Reals, r1: Reals, half_sine: Reals, half_cosine: Reals) -> Tran
 
 
 def conics(path: Transfer, wanted: Reals, turns: Integers) -> tuple[Conics, Reals]:
-    """Return every conic with the numbers of turns asked, and the least T of each problem.
+    """Return every conic with the counts of turns asked, and the least T of each problem.
 
     Args:
         path: the geometry, arrays of shape (n,).
