@@ -1,16 +1,22 @@
 """How long a computation may take: a deadline that its loops look at.
 
 ``SEARCH`` limits searches for coordinates by the clock on the wall. Closed forms have a limit of their own, in
-processor time, that ends one form at a time (``closed_form.time_limit``).
+processor time, that ends one form at a time (``closed_form.time_limit``). ``interrupted`` ends code that looks at no
+deadline, such as sympy's own algorithms and the reader of TOML, by a signal.
 """
 
 from __future__ import annotations
 
+import signal
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from typing import TypeVar
 
+T = TypeVar("T")
+"""What a piece of work gives."""
 _Deadline = tuple[float, float]
 """The value of the clock at which the work ends, and the seconds that were allowed."""
 
@@ -65,6 +71,65 @@ class TimeLimit:
         """
         deadline = self._deadline.get()
         return most if deadline is None else max(0.0, min(most, deadline[0] - self._clock()))
+
+
+class TimeIsUp(BaseException):
+    """Ends the work inside ``interrupted``."""
+
+
+_AGAIN, _LEAST = 0.5, 0.01
+"""Seconds between signals, where one was lost in a destructor, and the least that an outer timer has left."""
+
+
+@contextmanager
+def interrupted(seconds: float) -> Iterator[TimeIsUp]:
+    """End what is done inside after so many seconds of the clock on the wall, in whatever code it runs.
+
+    Without an interval timer (not POSIX, or not the main thread) the work runs to its end. A timer that runs already is
+    put back with what it has left; where it ends sooner it is left alone.
+
+    Args:
+        seconds: from now on; infinity for no limit.
+
+    Yields:
+        The exception that ends the work: that of an outer timer is another one.
+    """
+    up = TimeIsUp()
+    timed = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
+    left, interval = signal.getitimer(signal.ITIMER_REAL) if timed else (0.0, 0.0)
+    if not timed or seconds == float("inf") or 0 < left <= seconds:
+        yield up
+        return
+
+    def stop(*_: object) -> None:
+        raise up
+
+    before, start = signal.signal(signal.SIGALRM, stop), time.monotonic()
+    try:
+        signal.setitimer(signal.ITIMER_REAL, seconds, _AGAIN)
+        yield up
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+        if left > 0:
+            signal.setitimer(signal.ITIMER_REAL, max(left - (time.monotonic() - start), _LEAST), interval)
+
+
+def in_time(seconds: float, work: Callable[[], T]) -> T | None:
+    """Return what the work gives, or None where it takes longer.
+
+    Args:
+        seconds: allowed.
+        work: without arguments.
+    """
+    up = None
+    try:
+        with interrupted(seconds) as up:
+            return work()
+    except TimeIsUp as end:
+        if end is not up:
+            raise
+        return None
 
 
 SEARCH = TimeLimit(time.monotonic, lambda seconds: SearchTimeError(f"not decided in {seconds:g} s"))

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import sympy as sp
 
+from hjsolve.algebra.time_limit import in_time
 from hjsolve.arguments import described
 from hjsolve.display.shown import listed_names
 from hjsolve.errors import InvalidInputError
@@ -19,7 +20,6 @@ from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 from hjsolve.theorem.integrals import short
 from hjsolve.theorem.phase_space import PhaseSpace
 from hjsolve.theorem.reading import new_names, read_formula
-from hjsolve.theorem.time_limit import within_seconds
 
 KINDS = ("F1", "F2", "F3", "F4")
 MOST_OPERATIONS = 120
@@ -129,7 +129,7 @@ def _shorter(F: sp.Expr) -> sp.Expr:
     """Of the function and sympy's simplification the shorter one; which it is is verified afterwards."""
     if sp.count_ops(F) > MOST_OPERATIONS:
         return F
-    simple = within_seconds(SECONDS_TO_SIMPLIFY, lambda: sp.simplify(F))
+    simple = in_time(SECONDS_TO_SIMPLIFY, lambda: sp.simplify(F))
     return F if simple is None else min(F, simple, key=sp.count_ops)
 
 
@@ -166,7 +166,7 @@ def solutions(equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -> li
     if sum(int(sp.count_ops(e)) for e in equations) > MOST_OPERATIONS:
         return []
     try:
-        found = within_seconds(SECONDS_TO_SOLVE, lambda: sp.solve(list(equations), list(unknowns), dict=True))
+        found = in_time(SECONDS_TO_SOLVE, lambda: sp.solve(list(equations), list(unknowns), dict=True))
     except NotImplementedError:
         return []
     if found is None:

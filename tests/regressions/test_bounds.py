@@ -35,10 +35,10 @@ def endless():
 
 
 def test_a_budget_ends_work_that_looks_at_no_clock_and_leaves_the_timer_as_it_was():
-    before = signal.getsignal(signal.SIGALRM)
+    before, (left, _) = signal.getsignal(signal.SIGALRM), signal.getitimer(signal.ITIMER_REAL)
     with pytest.raises(NotConvergedError, match=r"not decided in 0 s; give more time with --budget"), within(0):
         endless()
-    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+    assert 0 <= left - signal.getitimer(signal.ITIMER_REAL)[0] < 60  # that of the tests, or none
     assert signal.getsignal(signal.SIGALRM) is before
     with within(float("inf")):
         pass

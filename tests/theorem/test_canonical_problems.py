@@ -7,8 +7,8 @@ import pytest
 import sympy as sp
 
 import hjsolve
+from hjsolve.algebra.time_limit import in_time
 from hjsolve.mechanics.brackets import bracket
-from hjsolve.theorem.time_limit import within_seconds
 
 QUARTER = "0 < p < pi/2"
 
@@ -133,7 +133,7 @@ def test_sympy_is_ended_in_time_and_a_timer_that_runs_is_put_back() -> None:
         while True:
             total += 1
 
-    assert within_seconds(0.2, forever) is None
-    assert within_seconds(5.0, lambda: 3) == 3
-    assert within_seconds(1.0, lambda: within_seconds(0.1, forever)) is None
-    assert within_seconds(0.2, lambda: within_seconds(60.0, forever)) is None
+    assert in_time(0.2, forever) is None
+    assert in_time(5.0, lambda: 3) == 3
+    assert in_time(1.0, lambda: in_time(0.1, forever)) is None
+    assert in_time(0.2, lambda: in_time(60.0, forever)) is None
