@@ -9,6 +9,7 @@ import numpy as np
 
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate_array import EstimateArray
+from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, MissingValueError, of_kind
@@ -20,7 +21,7 @@ from hjsolve.two_point.kepler.attraction import Attraction
 from hjsolve.two_point.kepler.central_places import CentralPlaces, geometry
 from hjsolve.two_point.kepler.connections import PROVED
 from hjsolve.two_point.kepler.kernels.lambert import conics, transfer
-from hjsolve.two_point.kepler.momenta import ArrayFunctions, Column, Problems, numbers_of
+from hjsolve.two_point.kepler.momenta import Column, Problems, numbers_of
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -103,7 +104,7 @@ def table_of_conics(
     m, k = (float(to_bits(e.xreplace(values))(64)) for e in (attraction.mass, attraction.strength))
     if attraction.kind != "cartesian" and not (np.all(q0[0] > 0) and np.all(q1[0] > 0)):
         raise InvalidInputError(f"{attraction.names[0]}: it is positive at every place")
-    places = geometry(attraction.kind, q0, q1, ArrayFunctions())
+    places = geometry(attraction.kind, q0, q1, Float64())
     count, ways = len(time), np.array([1, -1])
     lanes = [(N, way) for N in turns for way in ways]
     problem = np.repeat(np.arange(count), len(lanes))

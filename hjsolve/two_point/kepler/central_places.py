@@ -1,45 +1,14 @@
 """Two places about a centre of attraction: distances, half the sweep angle, and what momenta are made of.
 
-One text for doubles over arrays and for numbers of many digits: ``field`` holds sin, cos, sqrt and where.
+One text for doubles over arrays and for numbers of many digits: ``field`` is their arithmetic.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
-
-class PlaceFunctions(Protocol):
-    """The functions that the geometry needs."""
-
-    def sin(self, x: Any) -> Any:
-        """Return the sine.
-
-        Args:
-            x: radians.
-        """
-
-    def cos(self, x: Any) -> Any:
-        """Return the cosine.
-
-        Args:
-            x: radians.
-        """
-
-    def sqrt(self, x: Any) -> Any:
-        """Return the root.
-
-        Args:
-            x: not negative.
-        """
-
-    def where(self, condition: Any, x: Any, y: Any) -> Any:
-        """Return x where the condition holds, else y.
-
-        Args:
-            condition: a truth value or an array of them.
-            x, y: numbers or arrays.
-        """
+from hjsolve.arithmetic.floats import Float64, Multi
 
 
 class CentralPlaces(NamedTuple):
@@ -62,7 +31,7 @@ class CentralPlaces(NamedTuple):
     tangent1: list[Any]
 
 
-def geometry(kind: str, q0: Sequence[Any], q1: Sequence[Any], field: PlaceFunctions) -> CentralPlaces:
+def geometry(kind: str, q0: Sequence[Any], q1: Sequence[Any], field: Float64 | Multi) -> CentralPlaces:
     """Return the geometry of two places.
 
     Args:
@@ -73,22 +42,22 @@ def geometry(kind: str, q0: Sequence[Any], q1: Sequence[Any], field: PlaceFuncti
     if kind == "polar":
         (r0, angle0), (r1, angle1) = q0, q1
         half = (angle1 - angle0) / 2
-        sine, cosine = field.sin(half), field.cos(half)
+        sine, cosine = field.unary("sin", half), field.unary("cos", half)
         flip = field.where(sine < 0, -1, 1)
         zero, one = 0 * sine, 1 + 0 * sine
         radial, turned = [one, zero], ([zero, r0 * one], [zero, r1 * one])
         return CentralPlaces(r0, r1, flip * sine, flip * cosine, radial, radial, *turned)
     if kind == "spherical":
         return _spherical(q0, q1, field)
-    radii = [field.sqrt(sum(x * x for x in q)) for q in (q0, q1)]
+    radii = [field.unary("sqrt", sum(x * x for x in q)) for q in (q0, q1)]
     u0, u1 = ([x / r for x in q] for q, r in zip((q0, q1), radii, strict=True))
     return _between(radii, u0, u1, field)
 
 
-def _between(radii: Sequence[Any], u0: list[Any], u1: list[Any], field: PlaceFunctions) -> CentralPlaces:
+def _between(radii: Sequence[Any], u0: list[Any], u1: list[Any], field: Float64 | Multi) -> CentralPlaces:
     """From unit vectors: sin(θ/2) = |u₁ − u₀|/2 and cos(θ/2) = |u₁ + u₀|/2 up to 180°."""
-    sine = field.sqrt(sum((b - a) ** 2 for a, b in zip(u0, u1, strict=True))) / 2
-    cosine = field.sqrt(sum((b + a) ** 2 for a, b in zip(u0, u1, strict=True))) / 2
+    sine = field.unary("sqrt", sum((b - a) ** 2 for a, b in zip(u0, u1, strict=True))) / 2
+    cosine = field.unary("sqrt", sum((b + a) ** 2 for a, b in zip(u0, u1, strict=True))) / 2
     if len(u0) == 2:
         cross = u0[0] * u1[1] - u0[1] * u1[0]
         cosine = field.where(cross < 0, -cosine, cosine)
@@ -97,11 +66,11 @@ def _between(radii: Sequence[Any], u0: list[Any], u1: list[Any], field: PlaceFun
     return CentralPlaces(radii[0], radii[1], sine, cosine, u0, u1, _cross(normal, u0), _cross(normal, u1))
 
 
-def _spherical(q0: Sequence[Any], q1: Sequence[Any], field: PlaceFunctions) -> CentralPlaces:
+def _spherical(q0: Sequence[Any], q1: Sequence[Any], field: Float64 | Multi) -> CentralPlaces:
     """p_r = m ṙ, p_θ = m r v·e_θ, p_φ = m r sin θ v·e_φ."""
     frames = []
     for r, theta, phi in (q0, q1):
-        s, c, sp, cp = field.sin(theta), field.cos(theta), field.sin(phi), field.cos(phi)
+        s, c, sp, cp = (field.unary(name, angle) for angle in (theta, phi) for name in ("sin", "cos"))
         frames.append((r, s, [s * cp, s * sp, c], [c * cp, c * sp, -s], [-sp, cp, 0 * sp]))
     flat = _between([q0[0], q1[0]], frames[0][2], frames[1][2], field)
     tangents = []
@@ -121,7 +90,7 @@ def _dot(a: list[Any], b: list[Any]) -> Any:
     return sum(x * y for x, y in zip(a, b, strict=True))
 
 
-def _unit(a: list[Any], field: PlaceFunctions) -> list[Any]:
+def _unit(a: list[Any], field: Float64 | Multi) -> list[Any]:
     """Return a vector over its length; itself where that is zero."""
-    size = field.sqrt(_dot(a, a))
+    size = field.unary("sqrt", _dot(a, a))
     return [x / field.where(size == 0, 1, size) for x in a]

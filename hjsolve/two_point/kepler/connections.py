@@ -14,7 +14,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import EPS, multiprecision
+from hjsolve.arithmetic.floats import EPS, Multi, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
@@ -25,7 +25,6 @@ from hjsolve.two_point.kepler.attraction import Attraction
 from hjsolve.two_point.kepler.central_places import CentralPlaces, geometry
 from hjsolve.two_point.kepler.kernels.lambert import Transfer, conics
 from hjsolve.two_point.kepler.many_digits import (
-    ExactFunctions,
     ExactTransfer,
     exact_transfer,
     momenta_exactly,
@@ -122,7 +121,7 @@ def _exactly(
     """Return the transfer with so many bits."""
     context = multiprecision(bits)
     q0, q1 = ([to_bits(q[name])(bits) for name in attraction.names] for q in (question.q0, question.q1))
-    places = geometry(attraction.kind, q0, q1, ExactFunctions(context))
+    places = geometry(attraction.kind, q0, q1, Multi(bits))
     m, k = (to_bits(e.xreplace(values))(bits) for e in (attraction.mass, attraction.strength))
     return exact_transfer(context, places, k / m, m, to_bits(question.time)(bits))
 

@@ -17,22 +17,6 @@ _GUARD = 25
 _STEPS = 60
 
 
-class ExactFunctions:
-    """The functions that ``geometry`` needs, over numbers of many digits."""
-
-    def __init__(self, context: Any):
-        self.sin, self.cos, self.sqrt = context.sin, context.cos, context.sqrt
-
-    def where(self, condition: Any, x: Any, y: Any) -> Any:
-        """Return one of two numbers.
-
-        Args:
-            condition: a truth value.
-            x, y: the numbers.
-        """
-        return x if condition else y
-
-
 class ExactTransfer(NamedTuple):
     """Two places and a time in many digits.
 

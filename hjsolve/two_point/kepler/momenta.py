@@ -24,12 +24,6 @@ _UNITS = 16.0
 """Roundings in one momentum."""
 
 
-class ArrayFunctions:
-    """The functions that ``geometry`` needs, over arrays of doubles."""
-
-    sin, cos, sqrt, where = staticmethod(np.sin), staticmethod(np.cos), staticmethod(np.sqrt), staticmethod(np.where)
-
-
 @dataclass(frozen=True)
 class Column:
     """Values with errors, shape (n,)."""
