@@ -17,8 +17,8 @@ from hjsolve.ensembles.axial_symmetry import about_axis
 from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.compute import Columns, compute_columns
 from hjsolve.ensembles.initial_conditions import InitialConditions, conditions
-from hjsolve.ensembles.layout import layout_of
-from hjsolve.ensembles.states_wanted import batch_of_states
+from hjsolve.ensembles.layout import Layout, layout_of
+from hjsolve.ensembles.states_from_actions import batch_of_states
 from hjsolve.ensembles.task import EnsembleTask
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.quantities_given import in_units
@@ -100,27 +100,38 @@ def ensemble(
     arguments.refuse_other(compiled, (bool, type(None)), "compiled", "True, False or None is needed")
     solution = _solution(system, coordinates)
     refuse_null(solution)
+    places = {"q": q is not None, "p": p is not None, "velocity": velocity is not None}
     if actions is not None:
-        arguments.refuse_unused(
-            {"q": q is not None, "p": p is not None, "velocity": velocity is not None},
-            "actions={…} and angles={…} give the orbits",
-        )
+        arguments.refuse_unused(places, "actions={…} and angles={…} give the orbits")
         return batch_of_states(
             solution, actions=actions, angles=angles, kinds=kinds, want=want, parameters=parameters, fallback=fallback
         )
     arguments.refuse_unused({"angles": angles is not None, "kinds": kinds is not None}, "there are no actions={…}")
+    given, layout = _starts(solution.system_as_given, q, p, velocity, velocity_frame), layout_of(solution, want)
+    parameters = in_units(solution.system_as_given, parameters, "parameters")
+    task = task_for(solution, layout.want, parameters, given.kind, fallback=fallback, frame=velocity_frame)
+    return _batch(task, layout, given, threads, shown)
+
+
+def _starts(
+    users: System, q: Mapping[str, Any] | None, p: Mapping[str, Any] | None, velocity: Mapping[str, Any] | None,
+    frame: str,
+) -> InitialConditions:  # fmt: skip
+    """Read the initial conditions: units off, lengths along unit vectors as they are."""
     if q is None:
         raise InvalidInputError('ensemble: no q={…}; write ensemble(system, q={"r": [1, 2]}, p={"r": 0})')
-    users = solution.system_as_given
-    q, factors = in_units(users, q, "q"), factors_of(users, velocity_frame, velocity)
+    q, factors = in_units(users, q, "q"), factors_of(users, frame, velocity)
     if factors is None or velocity is None:
         velocity = in_units(users, velocity, "velocity")
     else:
         velocity = lengths_in_units(users, velocity, factors)
-    p, parameters = in_units(users, p, "p"), in_units(users, parameters, "parameters")
-    given = conditions(users, q, p, velocity)
-    layout = layout_of(solution, want)
-    task = task_for(solution, layout.want, parameters, given.kind, fallback=fallback, frame=velocity_frame)
+    return conditions(users, q, in_units(users, p, "p"), velocity)
+
+
+def _batch(
+    task: EnsembleTask, layout: Layout, given: InitialConditions, threads: int | None, shown: bool | None
+) -> Batch:  # fmt: skip
+    """Compute the columns at once, or a lazy batch from arrays of dask."""
     if given.lazy:
         from hjsolve.ensembles.dask_blocks import lazily
 
