@@ -2,7 +2,7 @@
 
 The exact ones: closed forms; a matrix over spherical harmonics (spherical pendulum); matrices over the two-dimensional
 oscillator in u and in v (hydrogen in a field, energies of resonances whose width is far below the last digit); for the
-hydrogen molecular ion at R = 2 the published energies of Madsen and Peek, Atomic Data 2 (1971) 171.
+hydrogen molecular ion at R = 2 the separation constants of Jaffé's series in xi and of Legendre's in eta, made equal.
 """
 
 from __future__ import annotations
@@ -15,11 +15,6 @@ import numpy as np
 
 import hjsolve
 
-MADSEN_PEEK = {
-    (0, 1, 0): ("2p sigma_u", -0.6675343922), (0, 0, 1): ("2p pi_u", -0.4287718199),
-    (1, 1, 0): ("3p sigma_u", -0.2554131651), (0, 2, 0): ("3d sigma_g", -0.2357776288),
-    (0, 1, 1): ("3d pi_g", -0.2266996266), (0, 0, 2): ("3d delta_g", -0.2127326818),
-}  # fmt: skip
 FIELD, GRAVITY, SIZE = 0.0003, 9.81, 20
 
 Row = tuple[str, str, float, float, str]
@@ -62,6 +57,37 @@ def stark(n1: int, n2: int, m: int, field: float) -> float:
     return (low + high) / 2
 
 
+def around(p: float, n: int, m: int, size: int = 60) -> float:
+    """Return A of ((1 - y^2) S')' + (A - ... + p^2 y^2 - m^2/(1 - y^2)) S = 0 in normalised Legendre functions."""
+    l = np.arange(m, m + size)
+    side = np.sqrt(((l[:-1] + 1.0) ** 2 - m * m) / (4 * (l[:-1] + 1.0) ** 2 - 1))
+    y = np.diag(side, 1) + np.diag(side, -1)
+    return float(np.sort(np.linalg.eigvalsh(np.diag(l * (l + 1.0)) - p * p * (y @ y)))[n])
+
+
+def outwards(p: float, n: int, m: int, distance: float, size: int = 120) -> float:
+    """Return A of the radial equation by Jaffé's series, Z. Physik 87 (1934) 535: a tridiagonal matrix."""
+    s, k = 2 * distance / (2 * p) - m - 1, np.arange(size)
+    middle = 2 * k * k + (4 * p - 2 * s) * k + p * p - 2 * p * s - (m + 1) * (m + s)
+    after, before = (k + 1.0) * (k + m + 1), (k - 1 - s) * (k - 1 - m - s)
+    matrix = np.diag(middle) - np.diag(after[:-1], 1) - np.diag(before[1:], -1)
+    return float(np.sort(np.linalg.eigvals(matrix).real)[n])
+
+
+def hydrogen_ion(n: int, nodes: int, m: int, distance: float = 2.0) -> float:
+    """Energy of the electron of H2+ with n nodes in xi and others in eta, by bisection of E in -2 ... -0.1."""
+
+    def excess(E: float) -> float:
+        p = distance * np.sqrt(-E / 2)
+        return outwards(p, n, m, distance) + around(p, nodes, m)
+
+    low, high = -2.0, -0.1
+    for _ in range(60):
+        centre = (low + high) / 2
+        low, high = (centre, high) if excess(centre) * excess(low) > 0 else (low, centre)
+    return (low + high) / 2
+
+
 def rows() -> Iterator[Row]:
     """Yield system, quantum numbers, semiclassical and exact energy, and a mark."""
 
@@ -91,7 +117,7 @@ def rows() -> Iterator[Row]:
     yield from compared(f"hydrogen in a field, F = {FIELD}", ionised,
                         lambda lv: stark(lv.numbers["u"], lv.numbers["v"], lv.numbers["phi"], FIELD))  # fmt: skip
     yield from compared("H2+, R = 2", levels("two-centres-space", up_to="-0.21", parameters={"k2": 1}),
-                        lambda lv: MADSEN_PEEK.get(tuple(lv.numbers.values()), ("", None))[1])  # fmt: skip
+                        lambda lv: hydrogen_ion(*(abs(n) for n in lv.numbers.values())))  # fmt: skip
 
 
 def main() -> int:
