@@ -49,9 +49,15 @@ def test_multiplicities_are_exact_where_roots_differ_by_a_trillionth() -> None:
     assert len(b) == 4
 
 
-@pytest.mark.parametrize("name", ["two alike", "a block of two", "growth and spirals"])
-def test_the_bound_holds_where_only_few_bits_are_carried(name: str) -> None:
-    """With 70 bits the rounding is large enough to be seen: the bound is above it, by less than ten digits."""
+@pytest.mark.parametrize(
+    ("name", "wider"),
+    [("two alike", 1e4), ("a block of two", 1e5), ("growth and spirals", 1e6), ("nearly alike", 1e16)],
+)
+def test_the_bound_holds_where_only_few_bits_are_carried(name: str, wider: float) -> None:
+    """With 70 bits the rounding is large enough to be seen: the bound is above it, by so much at most.
+
+    Roots that differ by a trillionth are told apart with 40 bits of the 70, and the bound grows with their nearness.
+    """
     A, b, _ = CASES[name]
     Â = affine(A, sp.Matrix(b))
     start = [sp.Rational(k + 2, 7) for k in range(A.rows)] + [sp.S.One]
@@ -61,5 +67,5 @@ def test_the_bound_holds_where_only_few_bits_are_carried(name: str) -> None:
         pairs = zip(rough.at(rough.context.mpf(t)), exact.at(exact.context.mpf(t)), strict=True)
         with mp.workdps(60):
             error = max(abs(mpf(a) - mpf(e)) for a, e in pairs)
-            assert error <= mpf(rough.bound(rough.context.mpf(t))) <= max(error, mpf(2) ** -70) * mpf(10) ** 16
+            assert error <= mpf(rough.bound(rough.context.mpf(t))) <= max(error, mpf(2) ** -70) * mpf(wider)
             assert error > 0
