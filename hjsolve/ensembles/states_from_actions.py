@@ -1,4 +1,4 @@
-"""The front of the way back: what ``ensemble(actions=…, angles=…, want={"state"})`` does."""
+"""What ``ensemble(actions=…, angles=…, want={"state"})`` does: read the arrays, run the tori, give a batch."""
 
 from __future__ import annotations
 

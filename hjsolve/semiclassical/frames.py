@@ -17,7 +17,7 @@ from hjsolve.motion.tori.from_actions import AskedTorus, asked_torus, candidates
 from hjsolve.motion.tori.polish import Torus
 from hjsolve.motion.tori.radicand_curve import Cycle
 from hjsolve.motion.tori.search import Candidate, SampledActions, sampled_actions
-from hjsolve.semiclassical.ways import ROTATION, Poles, WayRound, poles_in_doubles, walls_of, ways_of
+from hjsolve.semiclassical.maslov_indices import ROTATION, Poles, WayRound, poles_in_doubles, walls_of, ways_of
 from hjsolve.solution.quadratures import Solution, solve
 
 _DOUBLINGS = 40

@@ -29,7 +29,7 @@ from hjsolve.motion.tori.search import Candidate
 from hjsolve.precision import one_at_a_time
 from hjsolve.semiclassical.frames import ContinuedFrame, FoundTorus, frame_of, interval, overlapping
 from hjsolve.semiclassical.level import Level, Levels
-from hjsolve.semiclassical.ways import LIBRATION, ROTATION, WayRound
+from hjsolve.semiclassical.maslov_indices import LIBRATION, ROTATION, WayRound
 from hjsolve.solution.quadratures import Solution, solve
 
 _MOST = 20000
@@ -54,7 +54,7 @@ def levels(
     Maslov indices μ are those of the kinds of motion: 2 for a libration, 3 or 4 with one or two hard walls (ends of a
     domain at which p² is finite), 0 for a rotation and for an ignorable angle, whose J = m ħ. Poles of coordinates are
     turning points for p_φ ≠ 0, and levels with p_φ = 0 are those of the limit p_φ → 0, so that Langer's correction
-    needs no further term (``semiclassical.ways``). Pendulums that rotate have two levels, one for each direction.
+    needs no further term (``semiclassical.maslov_indices``). A pendulum that rotates has two levels, one a direction.
 
     Args:
         solution: of the system, or what ``solve`` takes.

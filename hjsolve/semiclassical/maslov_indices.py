@@ -1,4 +1,4 @@
-"""The ways in which a coordinate goes round its cycle, and the Maslov index of each.
+"""How a coordinate goes round its cycle, and the Maslov index of each kind.
 
 J = (n + μ/4) ħ (Keller, Ann. Phys. 4 (1958) 180, eq. (22)): a turning point adds 1 to μ, a hard wall, at which the wave
 vanishes, adds 2, and a rotation has none. At a pole of the coordinates (the centre, the polar axis) the wave is regular

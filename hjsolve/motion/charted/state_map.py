@@ -22,7 +22,7 @@ from hjsolve.arithmetic.number_types import AtTimes, Mpf, Numbers, Reals
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.coordinates.chart import Chart
-from hjsolve.motion.charted.told_places import bounds_told, told
+from hjsolve.motion.charted.curvilinear_states import bounds_told, told
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.positions import tape_of
 from hjsolve.motion.shapes import shaped

@@ -19,9 +19,9 @@ from hjsolve.motion.derivatives.angle_slopes import angles_by, differentiable_an
 from hjsolve.motion.derivatives.at_rest import RestVariations
 from hjsolve.motion.derivatives.bounded import SAFETY, Bounded, stacked, zeros
 from hjsolve.motion.derivatives.canonical import ConstantsToState
+from hjsolve.motion.derivatives.in_users_coordinates import Told, told_in
 from hjsolve.motion.derivatives.integrals import MeanMatrix, action_by, has_means, mean_matrix
 from hjsolve.motion.derivatives.preparation import prepared
-from hjsolve.motion.derivatives.told import Told, told_in
 from hjsolve.motion.derivatives.transition import matrices, start_told, transition_matrix
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.motion import Motion

@@ -1,4 +1,4 @@
-r"""Matrices told in the user's coordinates where those separated are others: a change of coordinates is canonical too.
+r"""Matrices in the user's coordinates where those separated are others: a change of coordinates is canonical too.
 
 With (x, p) = f(u, p_u; λ) and C = ∂f/∂(u, p_u), a matrix M of (u, p_u) is C(t) M C(t₀)⁻¹ in (x, p), and with fixed
 (x, p)(t₀) a parameter moves (u, p_u)(t₀) by −C⁻¹ ∂f/∂λ.

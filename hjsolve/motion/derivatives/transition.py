@@ -16,8 +16,8 @@ from hjsolve.errors import NotConvergedError
 from hjsolve.motion.charted.charted_motion import ChartedMotion
 from hjsolve.motion.derivatives.bounded import SAFETY, Bounded, converted, stacked
 from hjsolve.motion.derivatives.canonical import ConstantsToState, StateByConstants, symplectic_inverse
+from hjsolve.motion.derivatives.in_users_coordinates import Told, told_in
 from hjsolve.motion.derivatives.preparation import MORE, prepared
-from hjsolve.motion.derivatives.told import Told, told_in
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.phases import phases_at

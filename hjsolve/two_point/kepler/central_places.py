@@ -43,8 +43,8 @@ def geometry(kind: str, q0: Sequence[Any], q1: Sequence[Any], field: Float64 | M
         (r0, angle0), (r1, angle1) = q0, q1
         half = (angle1 - angle0) / 2
         sine, cosine = field.unary("sin", half), field.unary("cos", half)
-        flip = field.where(sine < 0, -1, 1)
         zero, one = 0 * sine, 1 + 0 * sine
+        flip = field.where(sine < 0, -one, one)
         radial, turned = [one, zero], ([zero, r0 * one], [zero, r1 * one])
         return CentralPlaces(r0, r1, flip * sine, flip * cosine, radial, radial, *turned)
     if kind == "spherical":
@@ -93,4 +93,4 @@ def _dot(a: list[Any], b: list[Any]) -> Any:
 def _unit(a: list[Any], field: Float64 | Multi) -> list[Any]:
     """Return a vector over its length; itself where that is zero."""
     size = field.unary("sqrt", _dot(a, a))
-    return [x / field.where(size == 0, 1, size) for x in a]
+    return [x / field.where(size == 0, 1 + 0 * size, size) for x in a]
