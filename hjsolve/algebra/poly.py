@@ -31,12 +31,17 @@ class WorkLimitError(HJSolveError, ArithmeticError):
 class Budget:
     """What an exact computation may cost: seconds until a deadline and terms in one product.
 
+    A user's seconds are those of the clock on the wall. Limits of our own are processor time of the thread, so that
+    other threads and other programs do not change what is decided.
+
     Attributes:
         deadline: value of ``time.monotonic()`` at which work stops, or None.
+        processor: value of ``time.thread_time()`` at which work stops, or None; of the thread that made the budget.
         terms: largest number of term-by-term products in one polynomial product.
     """
 
     deadline: float | None = None
+    processor: float | None = None
     terms: int = 4_000_000
     _spent: int = field(default=0, repr=False)
 
@@ -48,21 +53,33 @@ class Budget:
             seconds: from now on.
             terms: largest number of term-by-term products in one polynomial product.
         """
-        return cls(time.monotonic() + seconds, terms)
+        return cls(time.monotonic() + seconds, terms=terms)
 
-    def part(self, seconds: float, terms: int) -> Budget:
-        """Return a smaller budget that ends with this one at the latest.
+    @classmethod
+    def processor_seconds(cls, seconds: float, terms: int = 4_000_000) -> Budget:
+        """Make a budget of so many seconds of the processor, in the present thread.
 
         Args:
             seconds: from now on.
             terms: largest number of term-by-term products in one polynomial product.
         """
-        return Budget.seconds(min(seconds, self.left), min(terms, self.terms))
+        return cls(processor=time.thread_time() + seconds, terms=terms)
+
+    def part(self, seconds: float, terms: int) -> Budget:
+        """Return a smaller budget that ends with this one at the latest.
+
+        Args:
+            seconds: of the processor, from now on.
+            terms: largest number of term-by-term products in one polynomial product.
+        """
+        ends = (self.processor, time.thread_time() + seconds)
+        return Budget(self.deadline, min(end for end in ends if end is not None), min(terms, self.terms))
 
     @property
     def left(self) -> float:
         """Seconds left; infinite without a deadline."""
-        return float("inf") if self.deadline is None else self.deadline - time.monotonic()
+        pairs = ((self.deadline, time.monotonic), (self.processor, time.thread_time))
+        return min((end - clock() for end, clock in pairs if end is not None), default=float("inf"))
 
     def charge(self, work: int) -> None:
         """Count ``work`` term products.
@@ -86,7 +103,7 @@ class Budget:
         Raises:
             WorkLimitError: the deadline is past.
         """
-        if self.deadline is not None and time.monotonic() > self.deadline:
+        if self.left < 0:
             raise WorkLimitError("the time budget of the exact computation is used up")
 
 

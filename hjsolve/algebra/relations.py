@@ -51,9 +51,9 @@ def dependent(reader: FieldReader, g: Generator) -> Element | None:
         reader: reads into the field.
         g: a sympy expression.
     """
-    start = time.process_time()
+    start = time.thread_time()
     found = _dependent(reader, g)
-    reader.seconds_for_relations -= time.process_time() - start
+    reader.seconds_for_relations -= time.thread_time() - start
     return found
 
 
@@ -69,10 +69,10 @@ def _dependent(reader: FieldReader, g: Generator) -> Element | None:
     symbols = sorted(g.atom.free_symbols.union(*held), key=str)
     if len(symbols) > MAX_VARIABLES or not all(s.is_real for s in symbols):
         return None
-    start = time.process_time()
+    start = time.thread_time()
     for factor, basis in _bases(reader, g, neighbours, inverse=inverse):
         reader.field.budget.check()
-        if time.process_time() - start > reader.seconds_for_relations:
+        if time.thread_time() - start > reader.seconds_for_relations:
             return None
         places = [dict(zip(symbols, place, strict=True)) for place in _places(reader, symbols, len(basis) + CHECKS)]
         found = _combination(g.atom * factor.expression, basis, symbols, places)

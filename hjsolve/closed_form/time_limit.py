@@ -1,4 +1,4 @@
-"""How long a derivation may take, in processor time, and the reason that is given where it took longer."""
+"""How long a derivation may take, in processor time of its thread, and the reason that is given where it took longer."""
 
 from __future__ import annotations
 
@@ -13,6 +13,6 @@ class OutOfTimeError(NoFormError):
 
 
 DERIVATION = TimeLimit(
-    time.process_time, lambda seconds: OutOfTimeError(f"the derivation took longer than {seconds:g} s")
+    time.thread_time, lambda seconds: OutOfTimeError(f"the derivation took longer than {seconds:g} s")
 )
 within_seconds, check_time, out_of_time = DERIVATION.within_seconds, DERIVATION.check_time, DERIVATION.out_of_time

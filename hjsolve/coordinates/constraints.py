@@ -159,7 +159,7 @@ def _exact(symbols: list[sp.Symbol], form: list[sp.Expr], region: Region) -> sp.
         if not all(isinstance(is_zero(c, region, budget=SECONDS), Zero) for c in curls):
             continue
         try:
-            reader = Reader(scaled, dict(region.bounds), Budget.seconds(SECONDS))
+            reader = Reader(scaled, dict(region.bounds), Budget.processor_seconds(SECONDS))
             f = closed_form_potential(reader, symbols, [reader.element(a) for a in scaled])
         except (WorkLimitError, ZeroDivisionError):
             continue

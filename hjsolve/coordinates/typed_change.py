@@ -181,7 +181,7 @@ def short_form(x: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> sp.Expr:
         bounds: open interval of each coordinate.
     """
     try:
-        reader = Reader([x], dict(bounds), Budget.seconds(SECONDS))
+        reader = Reader([x], dict(bounds), Budget.processor_seconds(SECONDS))
         return shortest_form(reader, reader.element(x))
     except (WorkLimitError, ZeroDivisionError):
         return x

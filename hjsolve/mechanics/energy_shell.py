@@ -181,7 +181,7 @@ def reduce(system: System, budget: Budget | None = None) -> Shell | Irreducible:
         WorkLimitError: exact arithmetic needs more than the budget, or T or V is outside its reach.
         InvalidSystemError: T or V divides by an expression that is identically zero.
     """
-    budget = budget or Budget.seconds(20.0)
+    budget = budget or Budget.processor_seconds(20.0)
     lagrangian = _Lagrangian(_mass(system), tuple(linear_terms(system)), kinetic_rest(system), system.potential)
     reader = Reader(lagrangian.parts(), domain_bounds(system), budget)
     _refuse_divisions_by_zero(lagrangian, reader)

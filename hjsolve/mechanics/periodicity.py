@@ -68,7 +68,7 @@ def is_periodic(f: sp.Expr, angle: sp.Symbol) -> bool:
     if turned == f:
         return True
     try:
-        reader = Reader([f, turned], budget=Budget.seconds(_SECONDS))
+        reader = Reader([f, turned], budget=Budget.processor_seconds(_SECONDS))
         return (reader.element(turned) - reader.element(f)).is_zero
     except (WorkLimitError, ZeroDivisionError):
         return False

@@ -199,7 +199,7 @@ def _potential(space: PhaseSpace, by_q: list[sp.Expr], by_p: list[sp.Expr]) -> s
     found = list[sp.Expr]()
     for symbols, form in orders:
         try:
-            reader = Reader(form, dict(space.bounds), Budget.seconds(BUDGET))
+            reader = Reader(form, dict(space.bounds), Budget.processor_seconds(BUDGET))
             found.append(closed_form_potential(reader, symbols, [reader.element(x) for x in form]))
         except (WorkLimitError, ZeroDivisionError):
             continue

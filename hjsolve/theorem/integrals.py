@@ -148,7 +148,7 @@ def short(value: sp.Expr, space: PhaseSpace) -> sp.Expr:
     if value.has(sp.Integral):
         return value
     try:
-        reader = Reader([value], dict(space.bounds), Budget.seconds(SECONDS_FOR_A_SHORT_FORM))
+        reader = Reader([value], dict(space.bounds), Budget.processor_seconds(SECONDS_FOR_A_SHORT_FORM))
         return shortest_form(reader, reader.element(value))
     except (WorkLimitError, ZeroDivisionError):
         return value

@@ -6,7 +6,6 @@ is not is given back wrongly, and the relative error says by how much. It measur
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import islice
@@ -21,7 +20,8 @@ from hjsolve.separation.zero_test.interval_evaluation import UNKNOWNS, NoEnclosu
 SAMPLES = 6
 ATTEMPTS = 60
 PRECISION = 160
-SECONDS = 0.4
+OPERATIONS = 60_000
+"""Operations of balls that the samples may take, some 0.4 s: counted, since what a clock allows differs between calls."""
 Point = dict[sp.Expr, sp.Rational]
 
 
@@ -72,8 +72,8 @@ def _points(symbols: Sequence[sp.Symbol], whole: sp.Tuple, region: Region) -> It
 def _errors(
     symbols: Sequence[sp.Symbol], functions: Sequence[sp.Expr], part: str, base: Point, points: Sequence[Point]
 ) -> list[mpmath.mpf]:
-    """Return errors at up to ``SAMPLES`` points, fewer where evaluation is slow, with the base point given."""
-    deadline = time.monotonic() + SECONDS
+    """Return errors at up to ``SAMPLES`` points, fewer where the functions are long, with the base point given."""
+    samples = min(SAMPLES, max(1, OPERATIONS // ((len(symbols) + 1) * _operations(functions))))
     with mp.workprec(PRECISION):
         g0 = _values(functions, base)
         found = []
@@ -82,7 +82,7 @@ def _errors(
                 found.append(_rebuilt(symbols, functions, base, g0, point))
             except (NoEnclosureError, ZeroDivisionError):
                 continue
-            if len(found) == SAMPLES or time.monotonic() > deadline:
+            if len(found) == samples:
                 break
         if part == "metric":
             return [max(abs(a / b - 1) for a, b in zip(new[:-1], old[:-1])) for new, old in found]
@@ -103,6 +103,10 @@ def _rebuilt(
             s[j, i] = 1 / on_line[i] if i == j else (1 - on_line[j] / g0[j]) / on_line[i]
     g = mp.lu_solve(s, mp.ones(n, 1))
     return [*g, g0[-1] + mp.fdot(g, u)], _values(functions, point)
+
+
+def _operations(functions: Sequence[sp.Expr]) -> int:
+    return len({e for f in functions for e in sp.preorder_traversal(f)})
 
 
 def _values(functions: Sequence[sp.Expr], point: Point) -> list[mpmath.mpf]:

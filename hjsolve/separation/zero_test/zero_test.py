@@ -79,7 +79,7 @@ def is_zero(expression: sp.Expr, region: Region | None = None, *, budget: Budget
         ``Zero``, ``NonZero`` with a witness, or ``Unproved``.
     """
     if not isinstance(budget, Budget):
-        budget = Budget.seconds(DEFAULT_SECONDS if budget is None else budget)
+        budget = Budget.processor_seconds(DEFAULT_SECONDS) if budget is None else Budget.seconds(budget)
     region = region or free_region(expression)
     reason = "no witness was found"
     if not expression.free_symbols and (witness := find_witness(expression, region, budget)) is not None:
