@@ -31,9 +31,10 @@ def independent_integrals(found: SeparableCoordinates, cartesian: Cartesian) -> 
         cartesian: the same system as a particle of one mass.
     """
     p = [sp.Symbol(f"_p{i}", real=True) for i in range(len(cartesian.X))]
-    leading = sp.Matrix([_leading(K, p) for K in found.killing_tensors])
+    at_values = dict(cartesian.values)
+    leading = sp.Matrix([_leading(K.xreplace(at_values), p) for K in found.killing_tensors])
     variables, dice = [*cartesian.X, *p], Random(7)  # noqa: S311 - a sample point
-    at = dict(cartesian.values) | {s: sp.Rational(dice.randint(-99, 99), 37) for s in variables}
+    at = {s: sp.Rational(dice.randint(-99, 99), 37) for s in variables}
     values = leading.jacobian(variables).subs(at).evalf(_DIGITS)
     return int(values.rank(iszerofunc=lambda entry: abs(entry) < sp.Float(10) ** -_NOUGHT))
 
@@ -80,8 +81,12 @@ def _begin(found: SeparableCoordinates, cartesian: Cartesian) -> str:
     if list(cartesian.X) != own:
         return ""
     p = [c.momentum for c in cartesian.system.coordinates]
-    parts = ", ".join(str(sp.factor(_leading(K, p))) for K in found.killing_tensors[: _MOST_TOLD + 1])
-    return f" (they begin with {parts})" if len(parts) <= _LONGEST else ""
+    parts = list[str]()
+    for K in found.killing_tensors[: _MOST_TOLD + 1]:
+        parts.append(str(sp.factor(_leading(K, p))))
+        if len(", ".join(parts)) > _LONGEST:
+            return ""
+    return f" (they begin with {', '.join(parts)})"
 
 
 def told_of_modes(modes: NormalModes) -> str:
