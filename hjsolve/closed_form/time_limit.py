@@ -1,4 +1,4 @@
-"""How long a derivation may take, in processor time of its thread, and the reason that is given where it took longer."""
+"""How long a derivation may take, in processor time of its thread, and the reason given where it took longer."""
 
 from __future__ import annotations
 

@@ -31,7 +31,8 @@ from hjsolve.coordinates.charts.outer_map import (
 from hjsolve.errors import InvalidInputError, InvalidSystemError
 from hjsolve.solution.quadratures import Solution
 
-GALPY = "galpy"
+PROGRAMS = ("galpy", "agama")
+"""They count alike."""
 _ROUNDING = 2.0**-49
 _CHARTS = ("spherical", "prolate spheroidal", "oblate spheroidal")
 
@@ -89,7 +90,7 @@ def in_conventions_of(program: object, columns: dict[str, Any], roles: AxialRole
     """Return the columns of a batch as another program counts its actions and angles.
 
     Args:
-        program: ``galpy``.
+        program: ``galpy`` or ``agama``.
         columns: of the batch; arrays of numpy.
         roles: of the coordinates.
 
@@ -97,8 +98,8 @@ def in_conventions_of(program: object, columns: dict[str, Any], roles: AxialRole
         InvalidInputError: another program, coordinates whose roles are not known, or orbits with L_z = 0 of which it
             is not known how their coordinates go through the axis.
     """
-    if program != GALPY:
-        raise InvalidInputError(f'in_conventions: "{GALPY}" is known, not {program!r}')
+    if program not in PROGRAMS:
+        raise InvalidInputError(f'in_conventions: "galpy" and "agama" are known, not {program!r}')
     if roles is None:
         raise InvalidInputError(
             "in_conventions: it is not known which coordinates are the radial and the vertical one; solve the system "

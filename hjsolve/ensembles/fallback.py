@@ -19,6 +19,7 @@ from hjsolve.solution.quadratures import Solution
 
 _TIMELESS = ("constants", "turning_points", "actions")
 _KINDS = {"escape": Status.UNBOUNDED, "asymptotic": Status.ASYMPTOTIC, "boundary": Status.REACHES_BOUNDARY}
+_ONE_WAY = (Status.UNBOUNDED, Status.REACHES_BOUNDARY)
 Row = dict[str, float]
 
 
@@ -33,8 +34,8 @@ def single_orbit(
         layout: what is wanted.
         start: ``q`` and ``p`` or ``velocity``: coordinate → finite number.
         parameters: name → exact value.
-        endless: whether it seems to run away. It then has no frequency, period or angle, and the integrals of the time
-            are not worked out unless it turns out that it does not.
+        endless: whether it seems to run away, or into an end of its domain. It then has no frequency, period or angle,
+            and the integrals of the time are not worked out unless it turns out that it comes back.
 
     Returns:
         The status, and the columns that exist.
@@ -43,7 +44,7 @@ def single_orbit(
         try:
             want = layout.want
             motion = solution.motion(**start, parameters=parameters, want=_TIMELESS if endless else want)
-            if endless and _status(motion) is not Status.UNBOUNDED:
+            if endless and _status(motion) not in _ONE_WAY:
                 motion = solution.motion(**start, parameters=parameters, want=want)
         except ForbiddenMotionError:
             return Status.FORBIDDEN, {}

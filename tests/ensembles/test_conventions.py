@@ -1,4 +1,4 @@
-"""Actions and angles as galpy counts them: its numbers, and the limit L_z → 0."""
+"""Actions and angles as galpy and Agama count them: their numbers, and the limit L_z → 0."""
 
 from __future__ import annotations
 
@@ -18,6 +18,30 @@ GALPY = {
     "mu": (0.01510009, 0.05652388, 0.5860044, 0.4664508, 1.46093425, 0.28595167, 0.71404833, 0.45151997),
     "r": (0.03409247, 0.05652942, 0.40612521, 0.25749949, 0.67355516, 0.27247359, 0.72752641, 0.30938433),
 }
+
+# Agama 1.0: ActionFinder(Potential(type="Isochrone", mass=1, scaleRadius=1)) at R = 1.2, phi = 0.5, z = 0.3, v_R = 0.1,
+# and v_phi, v_z: actions, angles and frequencies of r, z and phi
+AGAMA = {
+    (0.5 / 1.2, 0.2): (
+        (0.0340924743611, 0.0565294241997, 0.5), (0.673555162398, 0.309384328607, 0.272473585867),
+        (0.406125206897, 0.257499492869, 0.257499492869),
+    ),
+    (0.5 / 1.2, -0.2): (
+        (0.0179802263889, 0.0818290126833, 0.5), (0.29041718718, 2.55603009235, 0.348018922713),
+        (0.406125206897, 0.25978496074, 0.25978496074),
+    ),
+    (-0.5 / 1.2, 0.2): (
+        (0.0340924743611, 0.0565294241997, -0.5), (0.673555162398, 0.309384328607, 0.727526414133),
+        (0.406125206897, 0.257499492869, -0.257499492869),
+    ),
+    (-0.5 / 1.2, -0.2): (
+        (0.0179802263889, 0.0818290126833, -0.5), (0.29041718718, 2.55603009235, 0.651981077287),
+        (0.406125206897, 0.25978496074, -0.25978496074),
+    ),
+    (0.0, 0.2): (
+        (0.0663619862075, 0.21, None), (2.18830892402, 6.19157022399, None), (0.613516553945, 0.338791795332, None),
+    ),
+}  # fmt: skip
 
 
 def kuzmin(R, z, v_R, v_T, v_z):
@@ -73,11 +97,30 @@ def test_orbits_without_angular_momentum_have_the_values_of_the_limit(stars, nam
     assert all(((angle >= 0) & (angle < 2 * np.pi)).all() for name, angle in other.angles.items())
 
 
+def isochrone(v_phi, v_z):
+    R, z, v_R = 1.2, 0.3, 0.1
+    r = np.hypot(R, z)
+    system = System({"r": "0 < r", "theta": "0 < theta < pi", "phi": "angle"}, SPHERE, "-1/(1 + sqrt(1 + r**2))")
+    return ensemble(
+        system, q={"r": np.full(1, r), "theta": np.arctan2(R, z), "phi": 0.5}, velocity_frame="orthonormal", want=WANT,
+        velocity={"r": (R * v_R + z * v_z) / r, "theta": (z * v_R - R * v_z) / r, "phi": v_phi},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("velocity", AGAMA)
+def test_agama_s_actions_angles_and_frequencies(velocity):
+    found = isochrone(*velocity).in_conventions("agama")
+    for group, values in zip(("actions", "angles", "frequencies"), AGAMA[velocity], strict=True):
+        for name, value in zip(("r", "theta", "phi"), values, strict=True):
+            if value is not None:
+                np.testing.assert_allclose(getattr(found, group)[name], value, rtol=1e-8, atol=0)
+
+
 def test_what_is_not_known_is_asked_for():
     R = np.ones(1)
     batch = kuzmin(R, 0.1 * R, 0 * R, 0.5 * R, 0 * R)
-    with pytest.raises(InvalidInputError, match='"galpy" is known'):
-        batch.in_conventions("agama")
+    with pytest.raises(InvalidInputError, match='"galpy" and "agama" are known'):
+        batch.in_conventions("gala")
     plane = ensemble("kepler-planar", q={"r": R, "theta": 0}, velocity={"r": 0, "theta": 1}, want="actions")
     with pytest.raises(InvalidInputError, match="which coordinates are the radial and the vertical one"):
         plane.in_conventions("galpy")

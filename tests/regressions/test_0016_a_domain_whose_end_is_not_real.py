@@ -12,7 +12,9 @@ from hjsolve.errors import InvalidInputError
 def test_a_naked_singularity_is_refused_with_its_parameters(certified):
     entry = hjsolve.catalog.describe("kerr")
     solution = hjsolve.solve(entry.system)
-    with pytest.raises(InvalidInputError, match=r"domain of r begins at .* not a real number for M = 1, a = 3/2; choose"):
+    with pytest.raises(
+        InvalidInputError, match=r"domain of r begins at .* not a real number for M = 1, a = 3/2; choose"
+    ):
         solution.motion(**entry.initial.arguments, parameters={"a": "1.5"}, certified=certified)
 
 

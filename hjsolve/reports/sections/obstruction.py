@@ -37,8 +37,10 @@ def refusal_section(verdict: Obstruction | Undecided) -> Section:
     Returns:
         The section.
     """
-    residual = Formula(display(verdict.residual), str(verdict.residual))
-    blocks: list[Block] = [Paragraph(("The expression that would have to vanish identically:",)), residual]
+    blocks: list[Block] = []
+    if verdict.residual is not sp.nan:  # where the budget ended before there was one
+        residual = Formula(display(verdict.residual), str(verdict.residual))
+        blocks += [Paragraph(("The expression that would have to vanish identically:",)), residual]
     if isinstance(verdict, Obstruction):
         point = verdict.witness.point
         blocks.append(

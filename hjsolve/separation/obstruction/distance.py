@@ -21,7 +21,7 @@ SAMPLES = 6
 ATTEMPTS = 60
 PRECISION = 160
 OPERATIONS = 60_000
-"""Operations of balls that the samples may take, some 0.4 s: counted, since what a clock allows differs between calls."""
+"""Operations of balls that the samples may take, some 0.4 s: counted, since what a clock allows differs each time."""
 Point = dict[sp.Expr, sp.Rational]
 
 
