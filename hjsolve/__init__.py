@@ -72,6 +72,7 @@ if TYPE_CHECKING:
     from hjsolve.rays.family_curve import FamilyCurve as FamilyCurve
     from hjsolve.reports import report as report
     from hjsolve.reports.single_figures import figures as figures
+    from hjsolve.resonances.kerr_elements import separatrix as separatrix
     from hjsolve.scenes import Scene as Scene
     from hjsolve.semiclassical.level import Level as Level
     from hjsolve.semiclassical.level import Levels as Levels
@@ -107,6 +108,7 @@ _PUBLIC = {
     "energy_momentum.energy_momentum_map": "energy_momentum_map EnergyMomentumMap",
     "semiclassical.level": "Level Levels",
     "semiclassical.level_search": "levels",
+    "resonances.kerr_elements": "separatrix",
     "rays.families": "wavefronts Wavefronts",
     "rays.family_curve": "FamilyCurve",
     "ensembles": "ensemble Batch Status",

@@ -1,8 +1,9 @@
 """A zero of a function of one real variable, kept in a bracket; the power that its values follow.
 
-With a derivative in many digits ``bracketed_root``, for many equations at once in doubles ``bracketed_roots``; from
-values ``regula_falsi``; from the side alone ``bisected``. Searches that stop by another rule say so where they are
-(``coupled_pair``, ``coupled_crossing``, ``stretched_anomaly``, ``proved_turning_points``).
+With a derivative in many digits ``bracketed_root``, without one ``interpolated_root``; for many equations at once in
+doubles ``bracketed_roots``; from values ``regula_falsi``; from the side alone ``bisected``. Searches that stop by
+another rule say so where they are (``coupled_pair``, ``coupled_crossing``, ``stretched_anomaly``,
+``proved_turning_points``).
 """
 
 from __future__ import annotations
@@ -13,6 +14,9 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import EPS, multiprecision
 from hjsolve.arithmetic.number_types import Context, Mpf, Reals, X
+
+_MOST_VALUES = 400
+"""Of a function whose zero is interpolated; three a binary digit at worst."""
 
 
 def bracketed_root(function: Callable[[Mpf], Sequence[Mpf]], x0: float | Mpf, x1: float | Mpf, bits: int) -> Mpf:
@@ -52,6 +56,45 @@ def _polished(function: Callable[[Mpf], Sequence[Mpf]], x: Mpf, step: Mpf) -> Mp
         f, slope = function(x)
         step = f / slope if slope else 0 * x
     return x - step
+
+
+def interpolated_root(
+    function: Callable[[Mpf], Mpf], ends: tuple[Mpf, Mpf], values: tuple[Mpf, Mpf], within: Callable[[Mpf, Mpf], bool]
+) -> Mpf:
+    """Return a zero from values alone: inverse quadratic interpolation where it is safe, else bisection.
+
+    The rule by which interpolation is safe is that of Chandrupatla, Advances in Engineering Software 28 (1997) 145.
+
+    Args:
+        function: x ↦ f, costly.
+        ends: of the bracket.
+        values: f there, of opposite signs.
+        within: (x, f) ↦ whether x is good enough.
+    """
+    (b, a), (fb, fa) = ends, values
+    c, fc, share = a, fa, a * 0 + 0.5
+    best = min(((abs(fa), a, fa), (abs(fb), b, fb)), key=lambda one: one[0])
+    for _ in range(_MOST_VALUES):
+        if within(best[1], best[2]):
+            break
+        x = a + share * (b - a)
+        if x in (a, b):
+            break
+        f = function(x)
+        if f * fa > 0:
+            c, fc = a, fa
+        else:
+            c, b, fc, fb = b, a, fb, fa
+        a, fa = x, f
+        best = min(best, (abs(f), x, f), key=lambda one: one[0])
+        if not f:
+            break
+        ξ, φ = (a - b) / (c - b), (fa - fb) / (fc - fb)
+        if φ**2 < ξ and (1 - φ) ** 2 < 1 - ξ:
+            share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+        else:
+            share = a * 0 + 0.5
+    return best[1]
 
 
 def bracketed_roots(

@@ -80,8 +80,9 @@ class Batch(ByValue, OrbitColumns):
         """Return the batch with actions, frequencies and angles counted as another program counts them.
 
         Args:
-            program: ``"galpy"`` or ``"agama"``, which count alike: angles in [0, 2π), the vertical one from where the orbit crosses the plane z = 0
-                upward; of orbits with L_z = 0 the values of the limit L_z → 0 (J_r is half of what it is here).
+            program: ``"galpy"`` or ``"agama"``, which count alike: angles in [0, 2π), the vertical one from where the
+                orbit crosses the plane z = 0 upward; of orbits with L_z = 0 the values of the limit L_z → 0 (J_r is
+                half of what it is here).
 
         Raises:
             InvalidInputError: another program, a system that is not known to be symmetric about the z axis, or orbits

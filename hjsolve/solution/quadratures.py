@@ -37,6 +37,7 @@ from hjsolve.separation.verdicts import Verdict
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion
+    from hjsolve.resonances.separatrices import Separatrix
     from hjsolve.two_point.asked.answers import Connections
     from hjsolve.two_point.kepler.arrays import ConnectionTable
     from hjsolve.two_point.linear import TwoPointFunction
@@ -188,6 +189,98 @@ class Solution(ShownSolution):
             parameters=parameters, t0=t0, digits=digits, certified=certified, want=want, velocity_frame=velocity_frame,
         )  # fmt: skip
         return start(self, given)
+
+    @arguments.by_name('torus(ratio={"r": 2, "theta": 3}, fixed={"E": "-3/10"})')
+    def torus(
+        self,
+        *,
+        frequencies: Mapping[str, object] | None = None,
+        ratio: Mapping[str, object] | None = None,
+        fixed: Mapping[str, object] | None = None,
+        between: Mapping[str, tuple[object, object]] | None = None,
+        kinds: Mapping[str, str] | None = None,
+        parameters: Mapping[str, object] | None = None,
+        digits: int = 15,
+        certified: bool = False,
+    ) -> Motion | tuple[Motion, ...]:
+        """Find the motions that have given frequencies, or frequencies in a given ratio.
+
+        With one unknown constant the whole family is looked through and every change of sign of the equation is
+        followed; with several, Newton's method begins at motions all over phase space.
+
+        Args:
+            frequencies: coordinate → abs(Ω) in radians per unit time, > 0; or
+            ratio: coordinates → positive numbers in the ratio of their abs(Ω): {"r": 2, "theta": 3} is
+                3 abs(Ω_r) = 2 abs(Ω_theta).
+            fixed: constant or parameter → value; leaves as many constants unknown as there are equations: one for
+                each frequency, one less than the numbers of a ratio.
+            between: constant → the least and the greatest value that are looked at; the whole family where left out.
+            kinds: separated coordinate → libration or rotation, where only such motions are meant.
+            parameters: name → value, where it differs from the default.
+            digits: of the motions, at least 15.
+            certified: the motions are certified, and the equation is proved to have a root within a part in
+                10^(digits − 2) of the unknown: certified motions on both sides have opposite signs.
+
+        Returns:
+            The motion, or a tuple of them where several were found, by growing unknown.
+
+        Raises:
+            InvalidInputError: none was found (the error says what was looked at, and which ratios there are), all
+                motions of the family have the ratio, or the numbers of equations and unknowns differ.
+            NotConvergedError: a root could not be proved.
+
+        Example:
+            >>> isochrone = hjsolve.solve(hjsolve.System({"r": "0 < r", "theta": "angle"},
+            ...     "(dot(r)**2 + r**2*dot(theta)**2)/2", "-1/(1 + sqrt(1 + r**2))"))
+            >>> motion = isochrone.torus(ratio={"r": 3, "theta": 2}, fixed={"E": "-1/5"})
+            >>> round(motion.frequencies["r"].value / motion.frequencies["theta"].value, 13)
+            1.5
+        """
+        # a call upward: the family is looked through by the engine of ensembles
+        from hjsolve.resonances.question import asked
+        from hjsolve.resonances.tori import tori
+
+        return tori(
+            asked(
+                self, frequencies=frequencies, ratio=ratio, fixed=fixed, between=between, kinds=kinds,
+                parameters=parameters, digits=digits, certified=certified,
+            )
+        )  # fmt: skip
+
+    @arguments.by_name('separatrices(fixed={"p_theta": "0.4"})')
+    def separatrices(
+        self,
+        *,
+        fixed: Mapping[str, object] | None = None,
+        parameters: Mapping[str, object] | None = None,
+        digits: int = 15,
+    ) -> tuple[Separatrix, ...]:
+        """Find the values of one constant at which a coordinate has a separatrix, the others held.
+
+        There p² has a double zero that is a minimum: motions on either side are of different kinds, and the motion
+        itself takes for ever to the unstable equilibrium, ``place``.
+
+        Args:
+            fixed: constant → value, every one but the one that is looked for.
+            parameters: name → value, where it differs from the default.
+            digits: of the results.
+
+        Returns:
+            Each with ``value`` and ``place``, by growing value. A search on samples of each coordinate, every result
+            solved to the digits asked.
+
+        Raises:
+            InvalidInputError: names that are not known, or not one constant that is left.
+
+        Example:
+            >>> pendulum = hjsolve.solve("pendulum")
+            >>> [found.value.value for found in pendulum.separatrices(parameters={"g": 2})]
+            [2.0]
+        """
+        # a call upward: the same search as of tori
+        from hjsolve.resonances.separatrices import separatrices
+
+        return separatrices(self, fixed or {}, parameters or {}, arguments.digits(digits))
 
     @arguments.by_name('two_point(q0={"r": 1, "theta": 0}, q1={"r": 2, "theta": "pi/2"}, time=3, turns=range(0, 3))')
     def two_point(

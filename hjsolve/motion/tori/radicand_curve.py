@@ -188,7 +188,7 @@ def cycle_near(curve: RadicandCurve, κ: Reals, low: float, high: float, *, harm
         low, high: where the cycle was for other constants.
         harmonic: whether J is to be zero.
     """
-    top = _top(curve, κ, low, high)
+    top = place_of_maximum(curve, κ, low, high)
     value = float(curve.value(np.array([top]), κ)[0])
     if harmonic or not value > 0 or _is_small(curve, κ, top):
         return _harmonic(curve, κ, top)
@@ -231,7 +231,7 @@ def _harmonic(curve: RadicandCurve, κ: Reals, top: float) -> Cycle | None:
     )
 
 
-def _top(curve: RadicandCurve, κ: Reals, low: float, high: float) -> float:
+def place_of_maximum(curve: RadicandCurve, κ: Reals, low: float, high: float) -> float:
     """Return the maximum of p² in an interval and next to it; any place inside where p² has none."""
     margin = (high - low) / 2 or 1e-3 * max(abs(low), 1e-3)
     first, last = max(low - margin, (low + curve.lower) / 2), min(high + margin, (high + curve.upper) / 2)

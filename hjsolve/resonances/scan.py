@@ -1,0 +1,292 @@
+"""A family of motions looked through in doubles: frequencies on its grid, and between which values an equation is met.
+
+Towards the ends of a chain of motions (a separatrix, a circle, an escape) the grid is continued by halves of what is
+left, since frequencies go to 0 there like 1/ln.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hjsolve.arithmetic.floats import Float64, multiprecision
+from hjsolve.arithmetic.number_types import Reals
+from hjsolve.ensembles.orbits import ensemble
+from hjsolve.errors import HJSolveError
+from hjsolve.lowering import lower
+from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.motion.tori.radicand_curve import RadicandCurve
+from hjsolve.resonances.equations import Equation
+from hjsolve.resonances.families import AnyFamily, Well, Wells, place_in, wells_of
+from hjsolve.resonances.members import member_of
+
+_HALVINGS, _TOWARDS = 60, 44
+"""Bisections that find where a chain of motions ends, and steps towards there, each half of what is left."""
+_DEGENERATE = 1e-11
+"""Largest relative residual, all along a chain, at which the equation is taken to hold for all of its motions."""
+
+
+@dataclass(frozen=True)
+class Bracket:
+    """Two values of the unknown between which an equation is met, and where the coordinates move there.
+
+    Attributes:
+        low, high: the unknown.
+        wells: at ``low``.
+    """
+
+    low: float
+    high: float
+    wells: Wells
+
+
+@dataclass(frozen=True)
+class Scan:
+    """What was seen of a family.
+
+    Attributes:
+        brackets: where the equation is met.
+        first, last: the least and the greatest unknown of a motion that was seen; NaN for none.
+        rates: coordinate → frequencies of the motions seen, shape (m,).
+        degenerate: whether all motions of a chain meet the equation.
+    """
+
+    brackets: tuple[Bracket, ...]
+    first: float
+    last: float
+    rates: Mapping[str, Reals]
+    degenerate: bool
+
+
+def scanned(
+    family: AnyFamily, curves: Sequence[RadicandCurve], equation: Equation, grid: Reals, kinds: Mapping[str, str]
+) -> Scan:  # fmt: skip
+    """Look through a family.
+
+    Args:
+        family: of motions.
+        curves: p² of the separated coordinates.
+        equation: that is to be met.
+        grid: values of the unknown, ascending.
+        kinds: separated coordinate → libration or rotation; other motions are left out.
+    """
+    chains = _chains(family, curves, grid, kinds)
+    chains = [_to_the_ends(family, curves, chain, grid, kinds) for chain in chains]
+    points = [point for chain in chains for point in chain]
+    rates, good = _rates(family, curves, points)
+    brackets, tails, degenerate, begin = list[Bracket](), list[_Tail](), False, 0
+    for chain in chains:
+        part = slice(begin, begin + len(chain))
+        begin += len(chain)
+        value, size = equation.of({name: rate[part] for name, rate in rates.items()})
+        seen = np.flatnonzero(good[part])
+        if len(seen) > 2 and np.all(np.abs(value[seen]) <= _DEGENERATE * size[seen]):
+            degenerate = True
+            continue
+        for k, m in zip(seen, seen[1:], strict=False):
+            if value[k] == 0 or value[k] * value[m] < 0:
+                brackets.append(Bracket(chain[k][0], chain[m][0], chain[k][1]))
+        if len(seen) < 3:
+            continue
+        tails += [
+            _Tail(chain[k], _past(grid, chain[k][0], side), float(value[k]))
+            for k, m, side in ((seen[0], seen[1], -1), (seen[-1], seen[-2], 1))
+            if value[k] * (value[k] - value[m]) < 0
+        ]
+    if not brackets:
+        brackets = [found for tail in tails if (found := _beyond(family, curves, equation, tail)) is not None]
+    known = np.array([u for u, _ in points])[good]
+    first, last = (float(np.min(known)), float(np.max(known))) if len(known) else (np.nan, np.nan)
+    return Scan(tuple(brackets), first, last, {name: rate[good] for name, rate in rates.items()}, degenerate)
+
+
+_Point = tuple[float, Wells]
+"""A value of the unknown, and where the coordinates move there."""
+
+
+@dataclass(frozen=True)
+class _Tail:
+    """The end of what is known of a chain, towards which the equation comes nearer to being met.
+
+    Attributes:
+        last: the last motion known.
+        beyond: values of the grid past it, the next first.
+        value: of the equation at ``last``.
+    """
+
+    last: _Point
+    beyond: Reals
+    value: float
+
+
+def _past(grid: Reals, u: float, side: int) -> Reals:
+    return grid[grid > u] if side > 0 else grid[grid < u][::-1]
+
+
+def _beyond(
+    family: AnyFamily, curves: Sequence[RadicandCurve], equation: Equation, tail: _Tail
+) -> Bracket | None:  # fmt: skip
+    """Look, by single motions, between the last motion that doubles know and the end of the chain.
+
+    First at the values of the grid until one has no motion; then the end is halved in on.
+    """
+    inside, wells = tail.last
+    grid, outside = list(tail.beyond), np.nan
+    for _ in range(2 * _TOWARDS):
+        u = float(grid.pop(0)) if np.isnan(outside) and grid else (inside + outside) / 2
+        if u in (inside, outside) or np.isnan(u):
+            return None
+        value = _by_a_single_motion(family, curves, equation, (u, wells))
+        if value is None:
+            outside = u
+        elif value * tail.value <= 0:
+            return Bracket(min(inside, u), max(inside, u), wells)
+        else:
+            inside = u
+    return None
+
+
+def _by_a_single_motion(
+    family: AnyFamily, curves: Sequence[RadicandCurve], equation: Equation, point: _Point
+) -> float | None:  # fmt: skip
+    u, wells = point
+    try:
+        motion = member_of(family, curves, wells, multiprecision(128).mpf(u)).motion(15, ("frequencies",))
+    except HJSolveError:
+        return None
+    known = equation.weights.keys() <= motion.frequencies.keys()
+    return float(equation.exactly(motion.frequencies, 128)[0]) if known else None
+
+
+def _allowed(curves: Sequence[RadicandCurve], wells: Wells, kinds: Mapping[str, str]) -> bool:
+    return all(
+        well.round == (kinds[c.name] == "rotation") for c, well in zip(curves, wells, strict=True) if c.name in kinds
+    )
+
+
+def _same(curves: Sequence[RadicandCurve], one: Wells, other: Wells) -> bool:
+    return all(a.meets(b, c.turn) for c, a, b in zip(curves, one, other, strict=True))
+
+
+def _chains(
+    family: AnyFamily, curves: Sequence[RadicandCurve], grid: Reals, kinds: Mapping[str, str]
+) -> list[list[_Point]]:  # fmt: skip
+    """Return motions of neighbouring unknowns whose wells overlap, as chains."""
+    live: list[list[_Point]] = []
+    done: list[list[_Point]] = []
+    for u in grid:
+        here = [w for w in wells_of(curves, family.in_doubles(u)) if _allowed(curves, w, kinds)]
+        after = []
+        for wells in here:
+            before = [chain for chain in live if _same(curves, chain[-1][1], wells)]
+            after.append([*(before[0] if len(before) == 1 else []), (float(u), wells)])
+        kept = {id(chain) for chain in live if any(_same(curves, chain[-1][1], w) for w in here)}
+        done += [
+            chain for chain in live if id(chain) not in kept or sum(_same(curves, chain[-1][1], w) for w in here) > 1
+        ]
+        live = after
+    return done + live
+
+
+def _to_the_ends(
+    family: AnyFamily, curves: Sequence[RadicandCurve], chain: list[_Point], grid: Reals, kinds: Mapping[str, str]
+) -> list[_Point]:  # fmt: skip
+    """Return a chain with motions nearer and nearer to the unknowns at which it begins and ends."""
+    result = list(chain)
+    for end, side in ((chain[0], -1), (chain[-1], 1)):
+        u, wells = end
+        beyond = int(np.searchsorted(grid, u)) + side
+        if not 0 <= beyond < len(grid):
+            continue
+        inside, outside = u, float(grid[beyond])
+        for _ in range(_HALVINGS):
+            middle = (inside + outside) / 2
+            there = _continued(family, curves, middle, wells, kinds)
+            inside, outside = (inside, middle) if there is None else (middle, outside)
+            if inside == outside:
+                break
+        more = []
+        for k in range(1, _TOWARDS):
+            v = outside + (u - outside) * 2.0**-k
+            there = _continued(family, curves, v, wells, kinds)
+            if there is None:
+                break
+            more.append((float(v), there))
+            wells = there
+        result = more[::-1] + result if side < 0 else result + more
+    return result
+
+
+def _continued(
+    family: AnyFamily, curves: Sequence[RadicandCurve], u: float, wells: Wells, kinds: Mapping[str, str]
+) -> Wells | None:  # fmt: skip
+    """Return the wells of a neighbouring unknown that overlap given ones; None where there are none, or several."""
+    κ = family.in_doubles(u)
+    found = []
+    for curve, well in zip(curves, wells, strict=True):
+        top = place_in(curve, κ, well)
+        if not float(curve.value(np.array([top]), κ)[0]) > 0:
+            return None
+        if well.round and not np.all(curve.value(curve.samples(), κ) > 0):
+            return None
+        found.append(Well(well.low, well.high, top, well.round))
+    combinations = [w for w in wells_of(curves, κ) if _same(curves, w, wells) and _allowed(curves, w, kinds)]
+    if len(combinations) > 1 or (not combinations and not _narrow(curves, κ, wells)):
+        return None
+    return combinations[0] if combinations and all(
+        float(c.value(np.array([w.top]), κ)[0]) > 0 for c, w in zip(curves, combinations[0], strict=True)
+    ) else tuple(found)  # fmt: skip
+
+
+def _narrow(curves: Sequence[RadicandCurve], κ: Reals, wells: Wells) -> bool:
+    """Whether p² < 0 at the ends of the wells, so that what moves inside does come back."""
+    ends = [
+        curve.value(np.array([well.low, well.high]), κ)
+        for curve, well in zip(curves, wells, strict=True)
+        if not well.round
+    ]
+    return all(bool(np.all(~(values > 0))) for values in ends)
+
+
+def _rates(
+    family: AnyFamily, curves: Sequence[RadicandCurve], points: Sequence[_Point]
+) -> tuple[dict[str, Reals], Reals]:  # fmt: skip
+    """Return the frequencies of motions by the engine of ensembles, and which of them it knows."""
+    solution = family.solution
+    if not points:
+        return {}, np.zeros(0, dtype=bool)
+    κ = np.stack([family.in_doubles(u) for u, _ in points], axis=1)
+    names = list(solution.constants)
+    q: dict[str, Reals] = {c.name: np.zeros(len(points)) for c in solution.system.coordinates}
+    p: dict[str, Reals] = {}
+    for k, curve in enumerate(curves):
+        place = np.array([wells[k].top for _, wells in points])
+        squared = curve.value(place[:, None], κ[:, :, None])[:, 0]
+        q[curve.name], p[curve.name] = place, np.sqrt(np.maximum(squared, 0.0))
+    for c in solution.system.coordinates:
+        if c.name not in p:
+            p[c.name] = κ[names.index(c.momentum.name)]
+    for curve in curves:
+        p[curve.name] = p[curve.name] - _shifts(family, curve.name, q, p)
+    batch = ensemble(
+        solution, q=q, p=p, want="frequencies", parameters=dict(family.parameters), fallback=False, shown=False
+    )
+    return dict(batch.frequencies), np.asarray(batch.status == "ok")
+
+
+def _shifts(family: AnyFamily, name: str, q: Mapping[str, Reals], p: Mapping[str, Reals]) -> Reals:
+    """Return A(q), by which the shell momentum P = p + A of a coordinate is more than p."""
+    solution = family.solution
+    A = solution.shift[name]
+    if A == 0:
+        return np.zeros_like(q[name])
+    coordinates = solution.system.coordinates
+    values = {solution.system.symbols[n]: v for n, v in family.parameters.items()}
+    values = {x.symbol: values.get(x.symbol, x.value) for x in solution.system.parameters}
+    others = [c for c in coordinates if c.name not in solution.coordinates]
+    symbols = [*(c.symbol for c in coordinates), *(c.momentum for c in others), *values]
+    inputs = [*(q[c.name] for c in coordinates), *(p[c.name] for c in others)]
+    inputs += [np.float64(float(to_bits(v)(64))) for v in values.values()]
+    return np.broadcast_to(lower([A], symbols).run(Float64(), inputs)[0], q[name].shape)
