@@ -101,6 +101,7 @@ SEE_ALSO = {
     "Batch": "ensemble Status sweep",
     "ensemble_derivatives": "ensemble Motion.derivatives",
     "levels": "Solution.motion energy_momentum_map",
+    "separatrix": "Solution.torus Solution.separatrices",
     "impact": "change_coordinates Scene",
     "involution": "is_integral poisson_bracket",
     "jacobi_metric": "solve verify",

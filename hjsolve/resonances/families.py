@@ -22,16 +22,16 @@ from hjsolve.solution.quadratures import Solution
 
 _GRID = 240
 """Values of the unknown that a family is looked at for, about."""
-_ROOM = 1e-3
-"""Of the distance between the greatest and the least value of the grid, on either side."""
+_BEYOND = 2.0 ** np.arange(-10, 31)
+"""How far the grid goes on beyond its least and greatest value, over the distance of the two: rotations never end."""
 _ASCENT = 40
 """Newton steps from the top of a neighbour's well to the maximum of p²."""
 Number = Callable[[int], Mpf]
 """A number to as many bits as are asked."""
 
 
-class AnyFamily(Protocol):
-    """Motions with one unknown, as ``Family``."""
+class OneParameterFamily(Protocol):
+    """Motions with one unknown, as ``MotionFamily``."""
 
     @property
     def solution(self) -> Solution:
@@ -75,7 +75,7 @@ class AnyFamily(Protocol):
 
 
 @dataclass(frozen=True)
-class Family:
+class MotionFamily:
     """Motions that differ in one constant.
 
     Attributes:
@@ -122,9 +122,9 @@ class Family:
         if not len(found):
             return found
         few = found[np.unique(np.linspace(0, len(found) - 1, _GRID).astype(int))]
-        room = _ROOM * (few[-1] - few[0]) or abs(float(few[0])) or 1.0
-        first = 0.0 if self._even(curves) else few[0] - room
-        ends = np.concatenate([[first], few, [few[-1] + room]])
+        room = (few[-1] - few[0] or abs(float(few[0])) or 1.0) * _BEYOND
+        low = few[:1] * 0 if self._even(curves) else few[0] - room[::-1]
+        ends = np.concatenate([low, few, few[-1] + room])
         return np.unique(np.concatenate([ends, (ends[1:] + ends[:-1]) / 2]))
 
     def _even(self, curves: Sequence[RadicandCurve]) -> bool:
@@ -168,7 +168,7 @@ Wells = tuple[Well, ...]
 """One for each separated coordinate."""
 
 
-def critical_values(curve: RadicandCurve, family: Family) -> list[Reals]:
+def critical_values(curve: RadicandCurve, family: MotionFamily) -> list[Reals]:
     """Return the values of the unknown at which p² is zero at samples: F(u) = F₀ + F₁ u + F₂ u² at each of them.
 
     Args:

@@ -186,7 +186,7 @@ def separatrix(a: object, e: object, x: object, *, digits: int = 15) -> Estimate
 
 @dataclass(frozen=True)
 class KerrFamily:
-    """Geodesics of Kerr's black hole that differ in one of p, e and x; see ``Family``.
+    """Geodesics of Kerr's black hole that differ in one of p, e and x; see ``MotionFamily``.
 
     Attributes:
         solution: of the entry ``kerr``.

@@ -11,7 +11,7 @@ import sympy as sp
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.tori.radicand_curve import RadicandCurve
-from hjsolve.resonances.families import AnyFamily, Wells, place_in
+from hjsolve.resonances.families import OneParameterFamily, Wells, place_in
 from hjsolve.solution.quadratures import Solution
 
 _SPARE = 192
@@ -58,7 +58,7 @@ class Member:
         )  # fmt: skip
 
 
-def member_of(family: AnyFamily, curves: Sequence[RadicandCurve], wells: Wells, u: Mpf) -> Member:
+def member_of(family: OneParameterFamily, curves: Sequence[RadicandCurve], wells: Wells, u: Mpf) -> Member:
     """Return the motion of a family for a value of the unknown.
 
     Args:

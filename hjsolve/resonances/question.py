@@ -15,7 +15,7 @@ from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.motion.tori.radicand_curve import RadicandCurve, curves_of
 from hjsolve.resonances.equations import Equation
-from hjsolve.resonances.families import Family
+from hjsolve.resonances.families import MotionFamily
 from hjsolve.resonances.kerr_elements import ELEMENTS, KerrFamily
 from hjsolve.solution.quadratures import Solution
 
@@ -23,7 +23,7 @@ _KINDS = ("libration", "rotation")
 
 
 @dataclass(frozen=True)
-class AskedTorus:
+class TorusQuestion:
     """What is asked of a torus.
 
     Attributes:
@@ -56,11 +56,11 @@ class AskedTorus:
         return tuple(name for name in self.unknowns if name not in self.held)
 
     @property
-    def family(self) -> Family | KerrFamily:
+    def family(self) -> MotionFamily | KerrFamily:
         """The motions that differ in the one unknown."""
         (unknown,), held = self.unknown, {name: to_bits(value) for name, value in self.held.items()}
         if self.unknowns != ELEMENTS:
-            return Family(self.solution, held, unknown, self.parameters)
+            return MotionFamily(self.solution, held, unknown, self.parameters)
         values = {
             p.name: value for p, value in zip(self.solution.system.parameters, self._values.values(), strict=True)
         }
@@ -79,7 +79,7 @@ class AskedTorus:
 def asked(
     solution: Solution, *, frequencies: object, ratio: object, fixed: object, between: object, kinds: object,
     parameters: object, digits: object, certified: object,
-) -> AskedTorus:  # fmt: skip
+) -> TorusQuestion:  # fmt: skip
     """Read the arguments of ``Solution.torus``, as they are given there.
 
     Raises:
@@ -100,12 +100,16 @@ def asked(
     unknowns = elements or tuple(solution.constants)
     letters |= {n: v for n, v in given.items() if n not in unknowns}
     held = {n: v for n, v in given.items() if n in unknowns}
+    if "x" in elements and abs(held.get("x", sp.S.Zero)) == 1:
+        raise InvalidInputError(
+            "fixed[x]: theta rests on the equator for x = 1 and -1; write a number next to it, 0.999"
+        )
     known = {x.name for x in solution.system.parameters}
     if stray := [n for n in letters if n not in known]:
         raise InvalidInputError(f"fixed: {stray[0]!r} is neither a constant ({', '.join(unknowns)}) nor a parameter")
     names = [c.name for c in solution.system.coordinates if c.name in solution.coordinates or c.domain.kind == "angle"]
     equations, words = _equations(frequencies, ratio, names)
-    result = AskedTorus(
+    result = TorusQuestion(
         solution, unknowns, equations, held, letters, _kinds(solution, kinds), _bounds(unknowns, between),
         max(15, arguments.digits(digits)), bool(certified), words,
     )  # fmt: skip
@@ -135,6 +139,11 @@ def _equations(frequencies: object, ratio: object, names: list[str]) -> tuple[tu
 
 
 def in_words(value: sp.Expr) -> str:
+    """Return a number as errors write it: exactly where that is short.
+
+    Args:
+        value: exact.
+    """
     return str(value) if len(str(value)) < 12 else f"{float(value):.9g}"
 
 
@@ -161,7 +170,7 @@ def _bounds(unknowns: tuple[str, ...], between: object) -> dict[str, tuple[float
     return found
 
 
-def _wrong_number(torus: AskedTorus) -> str:
+def _wrong_number(torus: TorusQuestion) -> str:
     n, free = len(torus.equations), torus.unknown
     return (
         f"torus: {torus.words} {'are' if n > 1 else 'is'} {n} equation{'s' if n > 1 else ''} for {len(free)} unknown "

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from hjsolve.lowering import lower
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.tori.radicand_curve import RadicandCurve
 from hjsolve.resonances.equations import Equation
-from hjsolve.resonances.families import AnyFamily, Well, Wells, place_in, wells_of
+from hjsolve.resonances.families import OneParameterFamily, Well, Wells, place_in, wells_of
 from hjsolve.resonances.members import member_of
 
 _HALVINGS, _TOWARDS = 60, 44
@@ -61,7 +62,8 @@ class Scan:
 
 
 def scanned(
-    family: AnyFamily, curves: Sequence[RadicandCurve], equation: Equation, grid: Reals, kinds: Mapping[str, str]
+    family: OneParameterFamily, curves: Sequence[RadicandCurve], equation: Equation, grid: Reals,
+    kinds: Mapping[str, str],
 ) -> Scan:  # fmt: skip
     """Look through a family.
 
@@ -85,7 +87,7 @@ def scanned(
         if len(seen) > 2 and np.all(np.abs(value[seen]) <= _DEGENERATE * size[seen]):
             degenerate = True
             continue
-        for k, m in zip(seen, seen[1:], strict=False):
+        for k, m in pairwise(seen):
             if value[k] == 0 or value[k] * value[m] < 0:
                 brackets.append(Bracket(chain[k][0], chain[m][0], chain[k][1]))
         if len(seen) < 3:
@@ -126,7 +128,7 @@ def _past(grid: Reals, u: float, side: int) -> Reals:
 
 
 def _beyond(
-    family: AnyFamily, curves: Sequence[RadicandCurve], equation: Equation, tail: _Tail
+    family: OneParameterFamily, curves: Sequence[RadicandCurve], equation: Equation, tail: _Tail
 ) -> Bracket | None:  # fmt: skip
     """Look, by single motions, between the last motion that doubles know and the end of the chain.
 
@@ -149,7 +151,7 @@ def _beyond(
 
 
 def _by_a_single_motion(
-    family: AnyFamily, curves: Sequence[RadicandCurve], equation: Equation, point: _Point
+    family: OneParameterFamily, curves: Sequence[RadicandCurve], equation: Equation, point: _Point
 ) -> float | None:  # fmt: skip
     u, wells = point
     try:
@@ -171,7 +173,7 @@ def _same(curves: Sequence[RadicandCurve], one: Wells, other: Wells) -> bool:
 
 
 def _chains(
-    family: AnyFamily, curves: Sequence[RadicandCurve], grid: Reals, kinds: Mapping[str, str]
+    family: OneParameterFamily, curves: Sequence[RadicandCurve], grid: Reals, kinds: Mapping[str, str]
 ) -> list[list[_Point]]:  # fmt: skip
     """Return motions of neighbouring unknowns whose wells overlap, as chains."""
     live: list[list[_Point]] = []
@@ -191,7 +193,8 @@ def _chains(
 
 
 def _to_the_ends(
-    family: AnyFamily, curves: Sequence[RadicandCurve], chain: list[_Point], grid: Reals, kinds: Mapping[str, str]
+    family: OneParameterFamily, curves: Sequence[RadicandCurve], chain: list[_Point], grid: Reals,
+    kinds: Mapping[str, str],
 ) -> list[_Point]:  # fmt: skip
     """Return a chain with motions nearer and nearer to the unknowns at which it begins and ends."""
     result = list(chain)
@@ -220,7 +223,7 @@ def _to_the_ends(
 
 
 def _continued(
-    family: AnyFamily, curves: Sequence[RadicandCurve], u: float, wells: Wells, kinds: Mapping[str, str]
+    family: OneParameterFamily, curves: Sequence[RadicandCurve], u: float, wells: Wells, kinds: Mapping[str, str]
 ) -> Wells | None:  # fmt: skip
     """Return the wells of a neighbouring unknown that overlap given ones; None where there are none, or several."""
     κ = family.in_doubles(u)
@@ -251,7 +254,7 @@ def _narrow(curves: Sequence[RadicandCurve], κ: Reals, wells: Wells) -> bool:
 
 
 def _rates(
-    family: AnyFamily, curves: Sequence[RadicandCurve], points: Sequence[_Point]
+    family: OneParameterFamily, curves: Sequence[RadicandCurve], points: Sequence[_Point]
 ) -> tuple[dict[str, Reals], Reals]:  # fmt: skip
     """Return the frequencies of motions by the engine of ensembles, and which of them it knows."""
     solution = family.solution
@@ -276,7 +279,7 @@ def _rates(
     return dict(batch.frequencies), np.asarray(batch.status == "ok")
 
 
-def _shifts(family: AnyFamily, name: str, q: Mapping[str, Reals], p: Mapping[str, Reals]) -> Reals:
+def _shifts(family: OneParameterFamily, name: str, q: Mapping[str, Reals], p: Mapping[str, Reals]) -> Reals:
     """Return A(q), by which the shell momentum P = p + A of a coordinate is more than p."""
     solution = family.solution
     A = solution.shift[name]
@@ -288,5 +291,5 @@ def _shifts(family: AnyFamily, name: str, q: Mapping[str, Reals], p: Mapping[str
     others = [c for c in coordinates if c.name not in solution.coordinates]
     symbols = [*(c.symbol for c in coordinates), *(c.momentum for c in others), *values]
     inputs = [*(q[c.name] for c in coordinates), *(p[c.name] for c in others)]
-    inputs += [np.float64(float(to_bits(v)(64))) for v in values.values()]
+    inputs += [np.asarray(float(to_bits(v)(64))) for v in values.values()]
     return np.broadcast_to(lower([A], symbols).run(Float64(), inputs)[0], q[name].shape)

@@ -24,7 +24,7 @@ from hjsolve.motion.motion import Motion
 from hjsolve.motion.tori.radicand_curve import RadicandCurve
 from hjsolve.resonances.families import Well
 from hjsolve.resonances.members import Member
-from hjsolve.resonances.question import AskedTorus, in_words
+from hjsolve.resonances.question import TorusQuestion, in_words
 
 _SAMPLES, _STARTS, _APART = 6000, 10, 0.2
 """Motions that are looked at, how many of them Newton's method begins from, and by how much ln Ω of two differ."""
@@ -35,7 +35,7 @@ _SINGULAR = 1e-9
 _SAME = 1e-9
 
 
-def tori_by_newton(asked: AskedTorus) -> list[Motion]:
+def tori_by_newton(asked: TorusQuestion) -> list[Motion]:
     """Return the tori that were found, in the order of their first constant.
 
     Args:
@@ -47,7 +47,8 @@ def tori_by_newton(asked: AskedTorus) -> list[Motion]:
     shell = [c.momentum.name for c in asked.solution.system.coordinates if c.name not in asked.solution.coordinates]
     if odd := [name for name in asked.held if name not in shell]:
         raise InvalidInputError(
-            f"torus: with several unknowns fixed={{…}} takes momenta of ignorable coordinates and parameters, not {odd[0]}"
+            "torus: with several unknowns fixed={…} takes momenta of ignorable coordinates and parameters, "
+            f"not {odd[0]}"
         )
     batch = _motions(asked)
     order = _nearest(asked, batch)
@@ -65,7 +66,7 @@ def tori_by_newton(asked: AskedTorus) -> list[Motion]:
     return [member.motion(asked.digits, certified=asked.certified) for member in found]
 
 
-def _motions(asked: AskedTorus) -> Batch:
+def _motions(asked: TorusQuestion) -> Batch:
     """Return motions all over phase space, with their frequencies, constants and turning points."""
     solution, rng = asked.solution, np.random.default_rng(20261126)
     coordinates = solution.system.coordinates
@@ -106,7 +107,7 @@ def _places(curve: RadicandCurve) -> Reals:
     return np.concatenate([q[np.abs(q - end) < 2.0**20], np.repeat(near, 4)])
 
 
-def _nearest(asked: AskedTorus, batch: Batch) -> list[int]:
+def _nearest(asked: TorusQuestion, batch: Batch) -> list[int]:
     """Return which motions are nearest to what is asked, and apart from each other."""
     good = np.flatnonzero(np.asarray(batch.status == "ok"))
     if not len(good):
@@ -129,7 +130,7 @@ def _nearest(asked: AskedTorus, batch: Batch) -> list[int]:
     return [int(good[k]) for k in chosen]
 
 
-def _member(asked: AskedTorus, batch: Batch, k: int) -> Member:
+def _member(asked: TorusQuestion, batch: Batch, k: int) -> Member:
     context = multiprecision(bits_for(asked.digits + _SPARE, 256))
     constants = {name: context.mpf(float(np.asarray(batch.constants[name])[k])) for name in asked.solution.constants}
     constants |= {name: to_bits(value)(context.prec) for name, value in asked.held.items()}
@@ -142,7 +143,7 @@ def _member(asked: AskedTorus, batch: Batch, k: int) -> Member:
     return Member(asked.solution, asked.parameters, asked.curves, tuple(wells), constants)
 
 
-def _newton(asked: AskedTorus, member: Member) -> tuple[Member | None, bool]:
+def _newton(asked: TorusQuestion, member: Member) -> tuple[Member | None, bool]:
     """Return the torus that Newton's method leads to, None where to none; and whether ∂Ω/∂κ is singular."""
     digits, singular = 15, False
     seen = _seen(asked, member, digits)
@@ -170,7 +171,7 @@ _Seen = tuple[Reals, Reals, Reals, Member]
 
 
 def _damped(
-    asked: AskedTorus, member: Member, step: Reals, before: tuple[Reals, Reals], digits: int
+    asked: TorusQuestion, member: Member, step: Reals, before: tuple[Reals, Reals], digits: int
 ) -> _Seen | None:  # fmt: skip
     old = float(np.max(np.abs(before[0].astype(float)) / before[1]))
     for halving in range(_HALVINGS):
@@ -183,7 +184,7 @@ def _damped(
     return None
 
 
-def _seen(asked: AskedTorus, member: Member, digits: int) -> _Seen | None:
+def _seen(asked: TorusQuestion, member: Member, digits: int) -> _Seen | None:
     """Evaluate the equations and their derivatives; None where there is no such motion."""
     try:
         motion = member.motion(digits)
@@ -236,7 +237,7 @@ def _same(one: Member, other: Member) -> bool:
     return alike and all(a.meets(b, c.turn) for a, b, c in zip(one.wells, other.wells, one.curves, strict=True))
 
 
-def _none(asked: AskedTorus, batch: Batch, degenerate: bool) -> str:
+def _none(asked: TorusQuestion, batch: Batch, degenerate: bool) -> str:
     if degenerate:
         return (
             f"torus: {asked.words} does not belong to isolated tori: next to such a motion the frequencies do not "
@@ -251,4 +252,5 @@ def _none(asked: AskedTorus, batch: Batch, degenerate: bool) -> str:
         rate = np.abs(np.asarray(batch.frequencies[name])[good])
         told.append(f"Ω_{name} from {np.min(rate):.6g} to {np.max(rate):.6g}")
     held = ", ".join(f"{n} = {in_words(v)}" for n, v in asked.held.items())
-    return f"torus: no motion with {asked.words} was found{' with ' + held if held else ''}; motions seen have {', '.join(told)}"
+    where = f" with {held}" if held else ""
+    return f"torus: no motion with {asked.words} was found{where}; motions seen have {', '.join(told)}"

@@ -26,7 +26,6 @@ from hjsolve.algebra.addition_theorems import rejoined
 from hjsolve.coordinates.chart import Chart, find_chart
 from hjsolve.display.shown import ShownSolution
 from hjsolve.errors import InvalidInputError, NotSeparableError
-from hjsolve.mechanics.coordinates_and_parameters import free_name
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
@@ -34,19 +33,25 @@ from hjsolve.precision import one_at_a_time
 from hjsolve.separation import DEFAULT_BUDGET, Constant, Obstruction, Separation, Undecided, separate
 from hjsolve.separation.relativistic import shell_energy
 from hjsolve.separation.verdicts import Verdict
+from hjsolve.solution.jacobi_equations import (
+    fresh_symbol,
+    named_constants,
+    names_taken,
+    orbit_equations_of,
+    quadrature,
+    separation_constants,
+    time_law_of,
+)
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion
-    from hjsolve.resonances.separatrices import Separatrix
+    from hjsolve.resonances.double_zeros import Separatrix
     from hjsolve.two_point.asked.answers import Connections
     from hjsolve.two_point.kepler.arrays import ConnectionTable
     from hjsolve.two_point.linear import TwoPointFunction
 
 AS_GIVEN, FIND = "as given", "find"
 """What ``solve`` takes for ``coordinates``."""
-
-Separated = list[tuple[sp.Symbol, sp.Expr, sp.Symbol]]
-"""Of every separated coordinate: q, the root √Pᵢ² (the momentum itself where null), the lower limit."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -213,7 +218,7 @@ class Solution(ShownSolution):
             ratio: coordinates → positive numbers in the ratio of their abs(Ω): {"r": 2, "theta": 3} is
                 3 abs(Ω_r) = 2 abs(Ω_theta).
             fixed: constant or parameter → value; leaves as many constants unknown as there are equations: one for
-                each frequency, one less than the numbers of a ratio.
+                each frequency, one less than a ratio has coordinates.
             between: constant → the least and the greatest value that are looked at; the whole family where left out.
             kinds: separated coordinate → libration or rotation, where only such motions are meant.
             parameters: name → value, where it differs from the default.
@@ -226,7 +231,7 @@ class Solution(ShownSolution):
 
         Raises:
             InvalidInputError: none was found (the error says what was looked at, and which ratios there are), all
-                motions of the family have the ratio, or the numbers of equations and unknowns differ.
+                motions of the family have the ratio, or there are not as many unknowns as equations.
             NotConvergedError: a root could not be proved.
 
         Example:
@@ -237,8 +242,8 @@ class Solution(ShownSolution):
             1.5
         """
         # a call upward: the family is looked through by the engine of ensembles
+        from hjsolve.resonances.found_tori import tori
         from hjsolve.resonances.question import asked
-        from hjsolve.resonances.tori import tori
 
         return tori(
             asked(
@@ -278,7 +283,7 @@ class Solution(ShownSolution):
             [2.0]
         """
         # a call upward: the same search as of tori
-        from hjsolve.resonances.separatrices import separatrices
+        from hjsolve.resonances.double_zeros import separatrices
 
         return separatrices(self, fixed or {}, parameters or {}, arguments.digits(digits))
 
@@ -443,21 +448,21 @@ def _solved(verdict: Verdict) -> Solution:
     squares = {n: rejoined(sp.expand_mul(2 * half), symbols[n]) for n, half in halves.items() if n not in shell.null}
     shift = dict(zip(names, shell.shift, strict=True))
     roots = {name: sp.sqrt(squares[name]) if name in squares else half for name, half in halves.items()}
-    taken = _names_taken(verdict)
-    limits = {name: _fresh(f"{name}_0", taken, real=True) for name in names}
+    taken = names_taken(verdict)
+    limits = {name: fresh_symbol(f"{name}_0", taken, real=True) for name in names}
     separated = [(c.symbol, roots[c.name], limits[c.name]) for c in shell.coordinates]
     W = sp.Add(
         *(c.momentum * c.symbol for c in shell.ignorable),
-        *(_quadrature(root, q, start) for q, root, start in separated),
+        *(quadrature(root, q, start) for q, root, start in separated),
         -shell.shift_potential,
     )
     momenta = {c.name: c.momentum for c in shell.ignorable} | {n: roots[n] - shift[n] for n in names}
     return Solution(
-        system=verdict.system, separation=verdict, coordinates=names, constants=_named(verdict),
+        system=verdict.system, separation=verdict, coordinates=names, constants=named_constants(verdict),
         momentum_squared=squares, shift=shift, shift_potential=shell.shift_potential,
         momenta={c.name: momenta[c.name] for c in verdict.system.coordinates}, lower_limits=limits,
-        characteristic_function=W, time_law=_time_law(verdict, separated, taken),
-        orbit_equations=_orbit_equations(verdict, separated, taken),
+        characteristic_function=W, time_law=time_law_of(verdict, separated, taken),
+        orbit_equations=orbit_equations_of(verdict, separated, taken),
     )  # fmt: skip
 
 
@@ -471,93 +476,6 @@ def _separated_terms(verdict: Separation) -> tuple[sp.Expr, ...]:
         alphas[0] = shell_energy(verdict.system)
     Φ, ψ = staeckel.matrix, staeckel.column
     return tuple(sum(Φ[i, j] * α for j, α in enumerate(alphas)) - ψ[i] for i in range(len(ψ)))
-
-
-def _named(verdict: Separation) -> dict[str, Constant]:
-    """Return the constants, those meanings made plainer that a physicist would recognise."""
-    plainer = {c.name: _recognised(c, verdict) for c in separation_constants(verdict)[1:]}
-    return {name: replace(c, meaning=plainer.get(name) or c.meaning) for name, c in verdict.constants.items()}
-
-
-def _recognised(constant: Constant, verdict: Separation) -> str:
-    """Half the squared angular momentum (with what a field adds to it), or the motion of one coordinate alone."""
-    held = [c for c in verdict.system.coordinates if constant.expression.has(c.symbol, c.momentum)]
-    for polar in held:
-        for azimuth in held:
-            square = polar.momentum**2 / 2 + azimuth.momentum**2 / (2 * sp.sin(polar.symbol) ** 2)
-            if azimuth == polar or not _alike(constant.expression, square, polar.momentum, azimuth.momentum):
-                continue
-            rest = sp.expand(constant.expression - square)
-            if not rest.has(*(c.momentum for c in held)):
-                more = f", plus {sp.sstr(rest)}" if rest != 0 else ""
-                return f"half the square of the total angular momentum{more}"
-    if len(held) == 1:
-        return f"constant of the motion of {held[0].name} alone"
-    return ""
-
-
-def _alike(one: sp.Expr, other: sp.Expr, *momenta: sp.Symbol) -> bool:
-    """Whether two functions have equal second derivatives in some momenta at one place: expanding may take for ever."""
-    place = {s: sp.Float(2 + k) / 7 for k, s in enumerate(sorted((one - other).free_symbols, key=str))}
-    bends = [(sp.diff(one - other, p, 2)).xreplace(place) for p in momenta]
-    return all(bend.is_number and abs(sp.N(bend)) < 1e-6 for bend in bends)
-
-
-def separation_constants(verdict: Separation) -> tuple[Constant, ...]:
-    """E, alpha_2, …: the constants that multiply the columns of Φ, in their order.
-
-    Args:
-        verdict: with the Stäckel matrix Φ.
-    """
-    ignorable = {c.momentum for c in verdict.shell.ignorable}
-    return tuple(c for c in verdict.constants.values() if c.symbol not in ignorable)
-
-
-def _quadrature(integrand: sp.Expr, q: sp.Symbol, start: sp.Symbol) -> sp.Expr:
-    return sp.S.Zero if integrand == 0 else sp.Integral(integrand, (q, start, q))
-
-
-def _derivative(verdict: Separation, separated: Separated, constant: sp.Symbol) -> sp.Expr:
-    """∂W/∂(constant) without the term c·q: Σ ∫ (∂Pᵢ²/∂c)/(2Pᵢ) dqᵢ − ∂χ/∂c."""
-    null = {c.symbol for c in verdict.shell.coordinates if c.name in verdict.shell.null}
-    slopes = [
-        sp.diff(root, constant) if q in null else sp.diff(root**2, constant) / (2 * root) for q, root, _ in separated
-    ]
-    terms = [_quadrature(slope, q, start) for slope, (q, _, start) in zip(slopes, separated, strict=True)]
-    return sp.Add(*terms, -sp.diff(verdict.shell.shift_potential, constant))
-
-
-def _time_law(verdict: Separation, separated: Separated, taken: frozenset[str]) -> sp.Eq | None:
-    if not separated:
-        return None
-    name = time_name(verdict.system)
-    t, t0 = sp.Symbol(name, real=True), _fresh(f"{name}_0", taken, real=True)
-    return sp.Eq(t - t0, _derivative(verdict, separated, verdict.shell.energy), evaluate=False)
-
-
-def _orbit_equations(verdict: Separation, separated: Separated, taken: frozenset[str]) -> dict[str, sp.Eq]:
-    """−β = ∂W/∂α, −β = q + ∂W′/∂c; with no separated coordinate −β = q − t ∂H/∂c, from S = Σ c q − H(c) t (5-74)."""
-    position = {c.momentum: c.symbol for c in verdict.shell.ignorable}
-    equations = {}
-    for name, constant in verdict.constants.items():
-        if constant.symbol == verdict.shell.energy:
-            continue
-        right = position.get(constant.symbol, sp.S.Zero) + _derivative(verdict, separated, constant.symbol)
-        if not separated:
-            right -= sp.Symbol(time_name(verdict.system), real=True) * sp.diff(verdict.shell.potential, constant.symbol)
-        beta = _fresh("beta_" + name.removeprefix("alpha_").removeprefix("p_"), taken, real=True)
-        equations[name] = sp.Eq(-beta, right, evaluate=False)
-    return equations
-
-
-def _names_taken(verdict: Separation) -> frozenset[str]:
-    symbols = set(verdict.system.symbols) | {c.symbol.name for c in verdict.constants.values()}
-    return frozenset(symbols | {c.momentum.name for c in verdict.system.coordinates})
-
-
-def _fresh(name: str, taken: Iterable[str], **assumptions: bool) -> sp.Symbol:
-    """Return a symbol of this name, or with underscores added where the user already has one that looks like it."""
-    return sp.Symbol(free_name(name, taken), **assumptions)
 
 
 def _why_not(verdict: Obstruction | Undecided) -> str:

@@ -18,9 +18,12 @@ UPWARD = {
     ("hjsolve.solution.quadratures", "hjsolve.two_point.asked.answers"),
     ("hjsolve.solution.quadratures", "hjsolve.two_point.kepler.arrays"),
     ("hjsolve.solution.quadratures", "hjsolve.two_point.linear"),
+    ("hjsolve.solution.quadratures", "hjsolve.resonances.question"),
+    ("hjsolve.solution.quadratures", "hjsolve.resonances.found_tori"),
+    ("hjsolve.solution.quadratures", "hjsolve.resonances.double_zeros"),
     ("hjsolve.mechanics.system", "hjsolve.coordinates.constraints"),
 }
-"""``Solution.motion`` and ``Solution.two_point`` call up, and name what they give: solving loads no numerical library.
+"""``Solution.motion``, ``two_point``, ``torus`` and ``separatrices`` call up, and name what they give: solving loads no numerical library.
 
 ``solve`` calls up where T or V holds the time: a frame is looked for, in which the system is solved again.
 ``System(constraints=…)`` calls up: whether a constraint is integrable is for the zero test to prove.

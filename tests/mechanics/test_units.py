@@ -23,9 +23,7 @@ def test_units_that_follow_are_worked_out():
         "theta": "rad", "r": "kpc", "t": "Myr", "m": "solMass", "k": "solMass*kpc^3/Myr^2"
     }  # fmt: skip
     assert kepler({"r": "m", "k": "J*m", "m": "kg"}).units["t"] == "kg^(1/2)*m^(3/2)/(J*m)^(1/2)"
-    halo = hjsolve.System(
-        {"R": "0 < R"}, "dot(R)**2/2", "v**2/2*log(R**2 + c**2)", {"v": 1, "c": 1}, units={"R": "kpc", "t": "Myr"}
-    )
+    halo = hjsolve.System({"R": "0 < R"}, "dot(R)**2/2", "v**2/2*log(R**2 + c**2)", {"v": 1, "c": 1}, units={"R": "kpc", "t": "Myr"})
     assert (halo.units["v"], halo.units["c"]) == ("kpc/Myr", "kpc")
 
 
@@ -35,10 +33,7 @@ def test_units_that_follow_are_worked_out():
         (lambda: kepler({"r": "m", "theta": "deg"}), "theta is an angle, in T and V in radians"),
         (lambda: kepler({"rr": "m"}), "did you mean r"),
         (lambda: kepler({"r": 3}), 'r: a text such as "kpc" is needed'),
-        (
-            lambda: hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**2 + x**3", units={"x": "m"}),
-            "x is in m, but .* a pure number",
-        ),
+        (lambda: hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**2 + x**3", units={"x": "m"}), "x is in m, but .* a pure number"),
         (lambda: hjsolve.System({"x": "line"}, "dot(x)**2/2", "exp(x)", units={"x": "m"}), "x is in m, but"),
         (lambda: hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**2/2", units={"x": "m", "t": "s"}), "t is in s, but"),
         (lambda: kepler(None, m=1 * u.kg), "it declares none; write"),
@@ -68,20 +63,13 @@ def test_quantities_as_parameters_are_numbers_in_the_units_of_the_system():
     assert eval(repr(kepler(units)), {"System": hjsolve.System}) == kepler(units)
 
 
-@pytest.mark.parametrize(
-    "name", ["kepler-planar", "crossed-fields", "lagrange-top", "calogero-moser", "triaxial-geodesics"]
-)
+@pytest.mark.parametrize("name", ["kepler-planar", "crossed-fields", "lagrange-top", "calogero-moser", "triaxial-geodesics"])
 def test_the_units_of_the_catalog_fit_t_and_v_in_both_libraries(name):
     system = hjsolve.catalog.load(name)
     for chosen in ("astropy", "pint"):
         found = measures(system, library(chosen))
         for parameter in system.parameters:
-            assert (
-                found.library.number(
-                    1 * found.unit(parameter.name, "parameters"), found.library.unit({parameter.unit or "1": 1})
-                )
-                == 1
-            )
+            assert found.library.number(1 * found.unit(parameter.name, "parameters"), found.library.unit({parameter.unit or "1": 1})) == 1
     assert system.units["t"]
     assert hjsolve.catalog.from_table(hjsolve.catalog.table_of(system)) == system
 
@@ -93,9 +81,7 @@ def test_random_products_of_powers_are_consistent_and_a_changed_one_is_not():
         powers = rng.sample(range(1, 9), 3)
         potential = " + ".join(f"k{n}*x**{n}/{rng.randint(1, 9)}" for n in powers)
         units = {"x": "m", "m": "kg", "t": "s"} | {f"k{n}": f"J/m^{n}" for n in powers}
-        make = lambda table: hjsolve.System(
-            {"x": "line"}, "m*dot(x)**2/2", potential, dict.fromkeys(["m", *(f"k{n}" for n in powers)], 1), units=table
-        )  # noqa: B023, E731
+        make = lambda table: hjsolve.System({"x": "line"}, "m*dot(x)**2/2", potential, dict.fromkeys(["m", *(f"k{n}" for n in powers)], 1), units=table)  # noqa: B023, E731
         measures(make(units), library("pint"))
         off = rng.choice(powers)
         with pytest.raises(hjsolve.InvalidInputError, match="do not fit together"):

@@ -18,9 +18,9 @@ from hjsolve.errors import HJSolveError, InvalidInputError, NotConvergedError
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.tori.radicand_curve import RadicandCurve
 from hjsolve.resonances.equations import Equation
-from hjsolve.resonances.families import AnyFamily
+from hjsolve.resonances.families import OneParameterFamily
 from hjsolve.resonances.members import member_of
-from hjsolve.resonances.question import AskedTorus, in_words
+from hjsolve.resonances.question import TorusQuestion, in_words
 from hjsolve.resonances.ratios_of_whole_numbers import simplest_ratios
 from hjsolve.resonances.scan import Bracket, Scan, scanned
 from hjsolve.resonances.several_unknowns import tori_by_newton
@@ -33,7 +33,7 @@ _GRID = 97
 """Values of the unknown that are looked at between the bounds that are given."""
 
 
-def tori(asked: AskedTorus) -> Motion | tuple[Motion, ...]:
+def tori(asked: TorusQuestion) -> Motion | tuple[Motion, ...]:
     """Return the motions that are asked for: one, or several in the order of their unknowns.
 
     Args:
@@ -47,7 +47,7 @@ def tori(asked: AskedTorus) -> Motion | tuple[Motion, ...]:
     return found[0] if len(found) == 1 else tuple(found)
 
 
-def _along_a_family(asked: AskedTorus) -> list[Motion]:
+def _along_a_family(asked: TorusQuestion) -> list[Motion]:
     (unknown,), (equation,), curves = asked.unknown, asked.equations, asked.curves
     family = asked.family
     grid = family.grid(curves)
@@ -64,7 +64,7 @@ def _along_a_family(asked: AskedTorus) -> list[Motion]:
 
 
 def refined_in(
-    asked: AskedTorus, family: AnyFamily, curves: list[RadicandCurve], bracket: Bracket
+    asked: TorusQuestion, family: OneParameterFamily, curves: list[RadicandCurve], bracket: Bracket
 ) -> Motion | None:  # fmt: skip
     """Return the motion in a bracket; None where the change of sign is a jump.
 
@@ -111,7 +111,7 @@ def refined_in(
 
 
 def _prove(
-    asked: AskedTorus, where: tuple[AnyFamily, list[RadicandCurve], Bracket], equation: Equation, root: Mpf
+    asked: TorusQuestion, where: tuple[OneParameterFamily, list[RadicandCurve], Bracket], equation: Equation, root: Mpf
 ) -> None:  # fmt: skip
     """Prove a root between two certified motions: the equation has opposite signs there, and Ω is continuous."""
     family, curves, bracket = where
@@ -130,7 +130,7 @@ def _prove(
     raise NotConvergedError(f"torus: {asked.words} is not proved next to {family.unknown} = {float(root):.12g}")
 
 
-def _none(asked: AskedTorus, unknown: str, seen: Scan) -> str:
+def _none(asked: TorusQuestion, unknown: str, seen: Scan) -> str:
     held = ", ".join(f"{n} = {in_words(v)}" for n, v in {**asked.held, **asked.parameters}.items())
     where = f" with {held}" if held else ""
     if seen.degenerate:
@@ -146,7 +146,7 @@ def _none(asked: AskedTorus, unknown: str, seen: Scan) -> str:
     )
 
 
-def _ranges(asked: AskedTorus, rates: Mapping[str, Reals]) -> str:
+def _ranges(asked: TorusQuestion, rates: Mapping[str, Reals]) -> str:
     parts = []
     for equation in asked.equations:
         names = list(equation.weights)

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
@@ -22,7 +21,7 @@ from hjsolve.formulas.read import number
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.motion.tori.radicand_curve import RadicandCurve, curves_of
-from hjsolve.resonances.families import Family, critical_values
+from hjsolve.resonances.families import MotionFamily, critical_values
 from hjsolve.solution.quadratures import Solution
 
 _NEWTON, _WIDENINGS, _FIRST = 60, 40, 2.0**-40
@@ -67,14 +66,14 @@ def separatrices(
     held = {n: number(v, source=f"fixed[{n}]") for n, v in arguments.table(fixed, "fixed", '{"L": 1}').items()}
     unknown = [name for name in solution.constants if name not in held]
     if stray := [name for name in held if name not in solution.constants]:
-        raise InvalidInputError(f"fixed: {stray[0]!r} is no constant; known are {', '.join(solution.constants)}")
+        raise InvalidInputError(f"fixed: {stray[0]!r} is not a constant; known are {', '.join(solution.constants)}")
     if len(unknown) != 1:
         raise InvalidInputError(
             f"separatrices: fixed={{…}} must leave one of {', '.join(solution.constants)}, not {len(unknown)}"
         )
     table = arguments.table(parameters, "parameters", '{"m": 1}')
     letters = {n: number(v, source=f"parameters[{n}]") for n, v in table.items()}
-    family = Family(solution, {n: to_bits(v) for n, v in held.items()}, unknown[0], letters)
+    family = MotionFamily(solution, {n: to_bits(v) for n, v in held.items()}, unknown[0], letters)
     curves = curves_of(solution, parameter_values(solution.system, letters), {})
     bits = bits_for(max(digits, 15), 128)
     found: list[Separatrix] = []
@@ -89,7 +88,7 @@ def separatrices(
     return tuple(sorted(found, key=lambda one: float(one.value.value)))
 
 
-def _begins(curve: RadicandCurve, family: Family) -> list[tuple[float, float]]:
+def _begins(curve: RadicandCurve, family: MotionFamily) -> list[tuple[float, float]]:
     """Return places where u(q) has an extremum on the samples and p² a minimum."""
     q, result = curve.samples(), list[tuple[float, float]]()
     for branch in critical_values(curve, family):
@@ -103,7 +102,7 @@ def _begins(curve: RadicandCurve, family: Family) -> list[tuple[float, float]]:
     return result
 
 
-def _exactly(curve: RadicandCurve, family: Family, u: float, q: float, bits: int) -> tuple[Mpf, Mpf] | None:
+def _exactly(curve: RadicandCurve, family: MotionFamily, u: float, q: float, bits: int) -> tuple[Mpf, Mpf] | None:
     """Return the constant and the place of a double zero; None where the search leads away."""
     context = multiprecision(bits)
     places: dict[Mpf, Mpf] = {}
@@ -124,11 +123,11 @@ def _exactly(curve: RadicandCurve, family: Family, u: float, q: float, bits: int
 
     middle = context.mpf(u)
     size = abs(middle) or context.mpf(1)
+    tiny = context.ldexp(size, 8 - bits)
     for k in range(_WIDENINGS):
         ends = middle - size * _FIRST * 2**k, middle + size * _FIRST * 2**k
         values = least(ends[0]), least(ends[1])
         if values[0] * values[1] < 0:
-            tiny = context.ldexp(size, 8 - bits)
             root = interpolated_root(least, ends, values, lambda _, F: abs(F) <= tiny)
             return (root, places[root]) if root in places else None
     return None
