@@ -16,7 +16,7 @@ from hjsolve.errors import InvalidInputError, NotSeparableError
 
 if TYPE_CHECKING:
     from hjsolve.catalog import Entry
-    from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
+    from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, LinearHamiltonian
     from hjsolve.extended.moving_frame import Frame
     from hjsolve.mechanics.system import System
     from hjsolve.motion.motion import Motion
@@ -32,6 +32,11 @@ def given_hamiltonian(options: Namespace) -> LinearHamiltonian | None:
     Raises:
         InvalidInputError: ``--effect`` next to an entry with H(q, p).
     """
+    if options.hamiltonian is not None:
+        from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
+
+        typed = _from_hamiltonian(options)
+        return typed if isinstance(typed, LinearHamiltonian) else None
     if options.system is None or options.coordinate or options.kinetic or options.potential or _is_scene(options):
         return None
     from hjsolve import catalog as entries
@@ -72,7 +77,7 @@ def system(options: Namespace) -> System:
     """
     from hjsolve import catalog as entries
 
-    own = bool(options.coordinate or options.kinetic or options.potential)
+    own = bool(options.coordinate or options.kinetic or options.potential or options.hamiltonian)
     if own and options.system is not None:
         raise InvalidInputError(
             f"give the system {options.system} or one of your own with --coordinate and --kinetic, not both"
@@ -87,7 +92,7 @@ def system(options: Namespace) -> System:
         raise InvalidInputError("--function belongs to a system of your own, with --coordinate and --kinetic")
     if options.system is None:
         raise InvalidInputError(
-            "which system? give a catalog id, a .toml file, or --coordinate and --kinetic (see --help)"
+            "which system? give a catalog id, a .toml file, or --coordinate and --kinetic or --hamiltonian (see --help)"
         )
     if (question := scene(options)) is not None:
         if question.forces:
@@ -105,6 +110,13 @@ def _own_system(options: Namespace) -> System:
     from hjsolve.mechanics.system import System
     from hjsolve.mechanics.typed_texts import typed_coordinates, typed_parameters
 
+    if options.hamiltonian is not None:
+        found = _from_hamiltonian(options)
+        if isinstance(found, System):
+            return found
+        raise InvalidInputError(
+            "--hamiltonian: H is not quadratic in p; in Python hjsolve.from_hamiltonian(…).motion(…) gives its motions"
+        )
     if not options.coordinate or not options.kinetic:
         missing = "--coordinate" if not options.coordinate else "--kinetic"
         raise InvalidInputError(
@@ -124,6 +136,28 @@ def _own_system(options: Namespace) -> System:
         constraints=options.constraint,
         title=getattr(options, "title", None) or "",
     )
+
+
+def _from_hamiltonian(options: Namespace) -> System | LinearHamiltonian | GeneralHamiltonian:
+    from hjsolve.extended.linear_hamiltonian import from_hamiltonian
+    from hjsolve.mechanics.typed_texts import typed_coordinates, typed_parameters
+
+    if options.kinetic or options.potential or options.system is not None:
+        raise InvalidInputError("--hamiltonian takes the place of SYSTEM, --kinetic and --potential")
+    refuse_unused(
+        {
+            "--effect": bool(options.effect),
+            "--function": bool(options.function),
+            "--constraint": bool(options.constraint),
+        },
+        "--hamiltonian gives the system",
+    )
+    if not options.coordinate:
+        raise InvalidInputError('--hamiltonian needs --coordinate, e.g. --coordinate "x: line"')
+    return from_hamiltonian(
+        options.hamiltonian, typed_coordinates(options.coordinate, "--coordinate"),
+        typed_parameters(options.parameter, "--parameter"), title=getattr(options, "title", None) or "",
+    )  # fmt: skip
 
 
 def scene(options: Namespace) -> Scene | None:

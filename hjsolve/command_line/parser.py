@@ -455,6 +455,10 @@ def _system_arguments(command: argparse.ArgumentParser) -> None:
     own.add_argument("-T", "--kinetic", metavar="FORMULA", help="kinetic energy, e.g. m/2*dot(x)**2")
     own.add_argument("-V", "--potential", metavar="FORMULA", help="potential energy (default 0)")
     own.add_argument(
+        "--hamiltonian", metavar="FORMULA",
+        help="instead of --kinetic and --potential: H with p_ before each coordinate, e.g. p_x**2/(2*m) + k*x**2/2",
+    )  # fmt: skip
+    own.add_argument(
         "--constraint", action="append", default=[], metavar="EQUATION",
         help='holonomic, or linear in the velocities and integrable, e.g. "x**2 + y**2 = l**2" (repeat)',
     )  # fmt: skip

@@ -21,6 +21,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.errors import InvalidSystemError
+from hjsolve.extended.from_momenta import system_from_momenta
 from hjsolve.extended.one_freedom import LinearInMomentum, NonlinearInMomentum
 from hjsolve.formulas.read import parse
 from hjsolve.mechanics.periodicity import is_periodic
@@ -122,35 +123,40 @@ def from_hamiltonian(
     hamiltonian: str, coordinates: Mapping[str, str], parameters: Mapping[str, object] | None = None, *,
     title: str = "", id: str = "",  # noqa: A002
 ) -> System | LinearHamiltonian | GeneralHamiltonian:  # fmt: skip
-    """Take a system of one degree of freedom from H(q, p), written with ``p``.
+    """Take a system from H(q, p), written with ``p``, or with ``p_`` and the name of the coordinate.
 
     Args:
-        hamiltonian: H, any function of the coordinate and of the momentum ``p``.
-        coordinates: one name → domain.
+        hamiltonian: H. Of one coordinate any function of it and of its momentum; of several a polynomial of second
+            degree in the momenta, or V + sqrt(m**2*c**4 + c**2*(…)) with parameters m and c of any names.
+        coordinates: name → domain.
         parameters: name → value, as for ``System``.
         title: for display.
         id: permanent name, for display.
 
     Returns:
-        A ``System`` where H is quadratic in p, a ``LinearHamiltonian`` where it is linear, else a
-        ``GeneralHamiltonian``.
+        A ``System`` where H is quadratic in p, by the Legendre transformation back to T and V (Greenwood (4-14)); a
+        ``LinearHamiltonian`` where it is linear, else a ``GeneralHamiltonian``.
 
     Raises:
-        InvalidSystemError: more than one coordinate, no p in H, or an H that is not periodic in its angle.
+        InvalidSystemError: no p in H, an H that is not periodic in its angle, or of several coordinates an H of
+            another form.
 
     Example:
         >>> problem = from_hamiltonian("q + p", {"q": "line"})
         >>> problem.principal_function
         E*q - E*t - q**2/2
     """
-    if len(arguments.table(coordinates, "coordinates", '{"q": "line"}')) != 1:
-        raise InvalidSystemError("H(q, p): one coordinate only; more need T and V")
+    table = arguments.table(coordinates, "coordinates", '{"q": "line"}')
+    if not table:
+        raise InvalidSystemError('H(q, p): no coordinate; write coordinates={"q": "line"}')
+    if len(table) > 1:
+        return system_from_momenta(hamiltonian, coordinates, parameters, title, id)
     ((name, domain),) = coordinates.items()
-    if name == "p" or "p" in (parameters or {}):
-        raise InvalidSystemError("H(q, p): p is the momentum; rename the coordinate or parameter")
+    if taken := {"p", f"p_{name}"} & {name, *(parameters or {})}:
+        raise InvalidSystemError(f"H(q, p): {min(taken)} is the momentum; rename the coordinate or parameter")
     shape = System(coordinates, f"dot({name})**2/2", "0", parameters)
     q = shape.coordinate(name)
-    H = parse(hamiltonian, {**shape.symbols, "p": q.momentum}, source="hamiltonian")
+    H = parse(hamiltonian, {**shape.symbols, "p": q.momentum, f"p_{name}": q.momentum}, source="hamiltonian")
     if not H.has(q.momentum):
         raise InvalidSystemError("H(q, p): there is no p in it")
     if not H.is_polynomial(q.momentum) or sp.degree(H, q.momentum) not in (1, 2):

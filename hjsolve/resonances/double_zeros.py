@@ -6,7 +6,6 @@ its extrema over q are the double zeros (F = F_q = 0), of which those with F_qq 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,9 +46,7 @@ class Separatrix:
     place: Estimate
 
 
-def separatrices(
-    solution: Solution, fixed: Mapping[str, object], parameters: Mapping[str, object], digits: int
-) -> tuple[Separatrix, ...]:
+def separatrices(solution: Solution, fixed: object, parameters: object, digits: int) -> tuple[Separatrix, ...]:
     """Find the separatrices of a family; see ``Solution.separatrices``.
 
     Args:

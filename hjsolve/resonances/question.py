@@ -93,8 +93,8 @@ def asked(
     if (frequencies is None) == (ratio is None):
         raise InvalidInputError('torus: frequencies={"r": 0.5} or ratio={"r": 2, "theta": 3} is needed, one of them')
     example = '{"E": "-3/10"}'
-    given = {n: number(v, source=f"fixed[{n}]") for n, v in arguments.table(fixed or {}, "fixed", example).items()}
-    table = arguments.table(parameters or {}, "parameters", '{"m": 1}')
+    given = {n: number(v, source=f"fixed[{n}]") for n, v in arguments.table(fixed, "fixed", example).items()}
+    table = arguments.table(parameters, "parameters", '{"m": 1}')
     letters = {n: number(v, source=f"parameters[{n}]") for n, v in table.items()}
     elements = ELEMENTS if solution.system.id == "kerr" and given.keys() & set(ELEMENTS) else ()
     unknowns = elements or tuple(solution.constants)
@@ -148,7 +148,7 @@ def in_words(value: sp.Expr) -> str:
 
 
 def _kinds(solution: Solution, kinds: object) -> dict[str, str]:
-    table = arguments.table(kinds or {}, "kinds", '{"theta": "libration"}')
+    table = arguments.table(kinds, "kinds", '{"theta": "libration"}')
     for name, kind in table.items():
         if name not in solution.coordinates or kind not in _KINDS:
             raise InvalidInputError(
@@ -160,7 +160,7 @@ def _kinds(solution: Solution, kinds: object) -> dict[str, str]:
 
 def _bounds(unknowns: tuple[str, ...], between: object) -> dict[str, tuple[float, float]]:
     found = {}
-    for name, pair in arguments.table(between or {}, "between", '{"E": (-1, 0)}').items():
+    for name, pair in arguments.table(between, "between", '{"E": (-1, 0)}').items():
         if name not in unknowns or not isinstance(pair, tuple | list) or len(pair) != 2:
             raise InvalidInputError(f'between[{name}]: a constant and two numbers are needed, such as {{"E": (-1, 0)}}')
         low, high = (float(number(x, source=f"between[{name}]")) for x in pair)

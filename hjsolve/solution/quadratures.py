@@ -285,7 +285,7 @@ class Solution(ShownSolution):
         # a call upward: the same search as of tori
         from hjsolve.resonances.double_zeros import separatrices
 
-        return separatrices(self, fixed or {}, parameters or {}, arguments.digits(digits))
+        return separatrices(self, fixed, parameters, arguments.digits(digits))
 
     @arguments.by_name('two_point(q0={"r": 1, "theta": 0}, q1={"r": 2, "theta": "pi/2"}, time=3, turns=range(0, 3))')
     def two_point(

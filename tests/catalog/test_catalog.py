@@ -263,7 +263,7 @@ def test_an_entry_may_give_a_hamiltonian(tmp_path: Path) -> None:
     ("p**2/2 +", "p**3/2 +", "first or second degree"), ("p**2/2 +", "p**2/2 + z +", "z"),
     ('hamiltonian = "p**2', 'kinetic = "dot(x)**2/2"\nhamiltonian = "p**2', "kinetic: belongs to T and V"),
     ('p = {x = "0"}', 'velocity = {x = "0"}', "initial: give p"),
-    ('"line"}]', '"line"}, {name = "y", domain = "line"}]', "one coordinate only"),
+    ('"line"}]', '"line"}, {name = "y", domain = "line"}]', "the momenta are p_x, p_y, not p"),
     ("hamiltonian = ", "hamiltonain = ", 'did you mean "hamiltonian"?'),
 ])  # fmt: skip
 def test_a_fault_of_a_hamiltonian_is_told_in_one_line(tmp_path: Path, old: str, new: str, expected: str) -> None:
