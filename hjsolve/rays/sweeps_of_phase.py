@@ -123,15 +123,17 @@ class SeparatedSweep(Shown):
         turns = np.floor((amount - first) / self.turn) if self.turn else np.zeros_like(amount)
         goal = amount - turns * self.turn
         inside = (goal >= first) & (goal <= sums[-1])
-        cell = np.clip(np.searchsorted(sums, goal, side="right") - 1, 0, _CELLS - 1)
-        low, high, goal = table[cell], table[cell + 1], np.clip(goal, first, sums[-1])
+        left = goal[inside]
+        cell = np.clip(np.searchsorted(sums, left, side="right") - 1, 0, _CELLS - 1)
+        low, high = table[cell], table[cell + 1]
 
         def off(χ: Reals) -> tuple[Reals, Reals]:
             value, slope, _ = self.gained(χ)
-            return value - goal, slope
+            return value - left, slope
 
-        χ = bracketed_roots(off, (low + high) / 2, low, high)[0]
-        return np.where(inside, χ + 2 * np.pi * turns, np.nan)
+        found = np.full_like(goal, np.nan)
+        found[inside] = bracketed_roots(off, (low + high) / 2, low, high)[0]
+        return found + 2 * np.pi * turns
 
 
 PhaseSweep = IgnorableSweep | SeparatedSweep

@@ -70,7 +70,7 @@ def _first_step(P: float, outward: float, bend: float, size: float) -> float:
     down = (outward + root) / (-2.0 * bend) if outward > 0 else 2.0 * square / (root - outward)
     if math.isfinite(down) and down > 0:
         return min(1.0625 * down, size)
-    # F″ is no guide: where the tangent vanishes, and a quarter of the scale at most
+    # F″ does not help: where the tangent vanishes, and a quarter of the scale at most
     crude = -square / outward if outward < 0 else size
     return min(0.25 * size, crude) if crude > 0 else 0.25 * size
 
