@@ -6,10 +6,9 @@ k′² is carried, so nothing is lost when k → 1. The quarter period is π/(2�
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, overload
-
-import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.number_types import Mpf, Numeric, Reals
@@ -26,25 +25,56 @@ def quarter_period(complement: float | Mpf, arithmetic: Float64 | Multi) -> Nume
         complement: k′² = 1 − k².
         arithmetic: in which K is worked out.
     """
-    means = _means(complement, arithmetic)
-    return arithmetic.pi() / (2 * means[-1][0])
+    return arithmetic.pi() / (2 * _means(complement, arithmetic)[-1][0])
 
 
 @lru_cache(maxsize=64)
 def _means(complement: float | Mpf, arithmetic: Float64 | Multi) -> list[tuple[Numeric, Numeric]]:
-    """Return the sequence of arithmetic and geometric means from (1, k′), kept from one argument to the next."""
-    a: Numeric = arithmetic.rational(1, 1)
-    b: Numeric = arithmetic.unary("sqrt", complement)
-    pairs = [(a, b)]
-    while (
-        abs(a - b) > a * 2.0 ** (-(arithmetic.bits // 2) - 2)
-        if arithmetic.bits < 900
-        else abs(a - b) ** 2 > a * a * arithmetic.power(arithmetic.rational(1, 2), arithmetic.bits + 4)
-    ):
-        a, b = (a + b) / 2, arithmetic.unary("sqrt", a * b)
-        pairs.append((a, b))
-    pairs.append(((a + b) / 2, b))
-    return pairs
+    """Return the means from (1, k′), kept from one argument to the next."""
+    one, bits = arithmetic.rational(1, 1), arithmetic.bits
+
+    def equal(a: Numeric, b: Numeric) -> bool:
+        if bits < 900:
+            return bool(abs(a - b) <= a * 2.0 ** (-(bits // 2) - 2))
+        # no double is as small as 2^−bits/2 here, so the squares are compared
+        return bool(abs(a - b) ** 2 <= a * a * arithmetic.power(arithmetic.rational(1, 2), bits + 4))
+
+    return means((one, arithmetic.unary("sqrt", complement)), equal, arithmetic)
+
+
+def means(start: tuple[Any, Any], equal: Callable[[Any, Any], bool], arithmetic: Any) -> list[tuple[Any, Any]]:
+    """Return arithmetic and geometric means in turn, to twice the digits to which the last but one are equal.
+
+    Args:
+        start: two positive numbers.
+        equal: whether two means agree to half of the digits.
+        arithmetic: where to compute.
+    """
+    half, pairs = arithmetic.rational(1, 2), [start]
+    while not equal(*pairs[-1]):
+        a, b = pairs[-1]
+        pairs.append((arithmetic.mul(half, arithmetic.add(a, b)), arithmetic.unary("sqrt", arithmetic.mul(a, b))))
+    return [*pairs, (arithmetic.mul(half, arithmetic.add(*pairs[-1])), pairs[-1][1])]
+
+
+def descended(u: Any, pairs: list[tuple[Any, Any]], arithmetic: Any) -> tuple[Any, Any, Any]:
+    """Return sn, cn, dn for 0 < u ≤ K/2, where cn/sn is carried: it loses nothing for small u.
+
+    Args:
+        u: argument.
+        pairs: means from (1, k′), see ``means``.
+        arithmetic: where to compute.
+    """
+    mul, div, add, one = arithmetic.mul, arithmetic.div, arithmetic.add, arithmetic.rational(1, 1)
+    dn, angle = one, mul(pairs[-1][0], u)
+    a = div(arithmetic.unary("cos", angle), arithmetic.unary("sin", angle))
+    c = mul(pairs[-1][0], a)
+    for high, low in reversed(pairs[:-1]):
+        a, c = mul(c, a), mul(c, dn)
+        dn = div(add(low, a), add(high, a))
+        a = div(c, high)
+    sn = div(one, arithmetic.unary("sqrt", add(mul(c, c), one)))
+    return sn, mul(c, sn), dn
 
 
 @overload
@@ -64,58 +94,20 @@ def jacobi(
         quarter: K, see ``quarter_period``.
         arithmetic: where to compute.
     """
-    return arithmetic.choose(
-        lambda doubles: _jacobi_array(np.asarray(u, dtype=float), float(complement), float(quarter), doubles),
-        lambda many: _jacobi_number(u, complement, quarter, many),
-    )
-
-
-def _jacobi_number(
-    u: Numeric, complement: float | Mpf, quarter: float | Mpf, arithmetic: Multi
-) -> tuple[Numeric, Numeric, Numeric]:
     size = abs(u)
     folded = size > quarter
-    v = 2 * quarter - size if folded else size
+    v = arithmetic.where(folded, 2 * quarter - size, size)
     beyond, v = v < 0, abs(v)  # 2K rounded up
     far = v > quarter / 2
-    sn, cn, dn = _bulirsch(quarter - v if far else v, complement, arithmetic)
-    if far:
-        k = arithmetic.unary("sqrt", complement)
-        sn, cn, dn = cn / dn, k * sn / dn, k / dn
-    return (-sn if (u < 0) != beyond else sn), (-cn if folded else cn), dn
-
-
-def _jacobi_array(u: Reals, complement: float, quarter: float, arithmetic: Float64) -> tuple[Reals, Reals, Reals]:
-    size = np.abs(u)
-    folded = size > quarter
-    v = np.where(folded, 2 * quarter - size, size)
-    beyond, v = v < 0, np.abs(v)
-    far = v > quarter / 2
-    sn, cn, dn = _bulirsch(np.where(far, quarter - v, v), complement, arithmetic)
-    k = complement**0.5
-    sn, cn, dn = np.where(far, cn / dn, sn), np.where(far, k * sn / dn, cn), np.where(far, k / dn, dn)
-    return np.where(beyond, -1, 1) * np.copysign(sn, u), np.where(folded, -cn, cn), dn
-
-
-def _bulirsch(u: Any, complement: float | Mpf, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
-    """sn, cn, dn for 0 ≤ u ≤ K/2."""
-    dn = 0 * u + 1
+    v = arithmetic.where(far, quarter - v, v)
+    unit = arithmetic.rational(1, 1)
     if complement == 1:
-        return arithmetic.unary("sin", u), arithmetic.unary("cos", u), dn
-    pairs = _means(complement, arithmetic)
-    c: Any = pairs[-1][0] * u
-    sine: Any = arithmetic.unary("sin", c)
-    cosine: Any = arithmetic.unary("cos", c)
-    none, unit = sine == 0, dn
-    with np.errstate(all="ignore"):
-        a = cosine / arithmetic.where(none, unit, sine)
-        c = pairs[-1][0] * a
-        for high, low in reversed(pairs[:-1]):
-            a = c * a
-            c = c * dn
-            dn = (low + a) / (high + a)
-            a = c / high
-        root: Any = arithmetic.unary("sqrt", c * c + 1)
-        sn = 1 / root
-        cn = c * sn
-    return arithmetic.where(none, sine, sn), arithmetic.where(none, cosine, cn), arithmetic.where(none, unit, dn)
+        sn, cn, dn = arithmetic.unary("sin", v), arithmetic.unary("cos", v), unit
+    else:
+        small = v <= 2.0 ** (-9 * arithmetic.bits)  # 1/v² may have no double; sn = v, cn = dn = 1 to the last digit
+        found = descended(arithmetic.where(small, quarter / 2, v), _means(complement, arithmetic), arithmetic)
+        sn, cn, dn = (arithmetic.where(small, *x) for x in zip((v, unit, unit), found, strict=True))
+    k = arithmetic.unary("sqrt", complement)
+    sn, cn, dn = (arithmetic.where(far, *x) for x in ((cn / dn, sn), (k * sn / dn, cn), (k / dn, dn)))
+    sn = arithmetic.copysign(sn, u)
+    return arithmetic.where(beyond, -sn, sn), arithmetic.where(folded, -cn, cn), dn

@@ -10,8 +10,7 @@ from typing import ClassVar, TypeVar, cast
 
 import numpy as np
 
-from hjsolve.arithmetic.contexts import context_of as context_of
-from hjsolve.arithmetic.contexts import multiprecision as multiprecision
+from hjsolve import precision
 from hjsolve.arithmetic.number_types import Context, Elementwise, Mpf, N, Numeric, Truth, X
 from hjsolve.errors import InvalidInputError
 
@@ -50,6 +49,25 @@ class ByOperators:
     sub = staticmethod(operator.sub)
     mul = staticmethod(operator.mul)
     div = staticmethod(operator.truediv)
+
+
+def multiprecision(bits: int) -> Context:
+    """Return an mpmath context of its own with this precision, so that no global is touched.
+
+    Args:
+        bits: binary digits.
+    """
+    context: Context = precision.multiprecision(bits)
+    return context
+
+
+def context_of(x: Elementwise) -> Context | None:
+    """Return where a number of many digits is computed with; None of doubles and arrays of them.
+
+    Args:
+        x: one number of any plain arithmetic, or an array of doubles.
+    """
+    return getattr(x, "context", None)
 
 
 def by_squaring(product: Callable[[N, N], N], x: N, n: int) -> N:

@@ -9,11 +9,12 @@ another rule say so where they are (``coupled_pair``, ``coupled_crossing``, ``st
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import cast
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS, multiprecision
-from hjsolve.arithmetic.number_types import Context, Mpf, Reals, X
+from hjsolve.arithmetic.number_types import Context, Mask, Mpf, Reals, X
 
 _MOST_VALUES = 400
 """Of a function whose zero is interpolated; three a binary digit at worst."""
@@ -146,12 +147,12 @@ def regula_falsi(function: Callable[[float], float], low: float, high: float) ->
     return low
 
 
-def bisected(below: Callable[[X], bool], low: X, high: X, times: int) -> tuple[X, X]:
-    """Halve a bracket a number of times.
+def bisected(below: Callable[[X], bool | Mask], low: X, high: X, times: int) -> tuple[X, X]:
+    """Halve a bracket, or an array of brackets, a number of times.
 
     Args:
-        below: whether a place lies on the side of ``low``.
-        low, high: the ends, in either order.
+        below: whether a place, or which of an array of them, lies on the side of ``low``.
+        low, high: the ends, in either order; of arrays shape (m,).
         times: how often.
 
     Returns:
@@ -159,7 +160,13 @@ def bisected(below: Callable[[X], bool], low: X, high: X, times: int) -> tuple[X
     """
     for _ in range(times):
         middle = (low + high) / 2
-        low, high = (middle, high) if below(middle) else (low, middle)
+        kept = below(middle)
+        if isinstance(kept, np.ndarray):
+            low, high = (
+                cast("X", np.where(kept, *cast("tuple[Reals, Reals]", x))) for x in ((middle, low), (high, middle))
+            )
+        else:
+            low, high = (middle, high) if kept else (low, middle)
     return low, high
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.exact_regions import at_place, regions_with_kinds
@@ -220,12 +221,8 @@ class Regions:
     def _root(self, index: NDArray[np.int64], point: NDArray[np.int64], rank: NDArray[np.int64]) -> Reals:
         """Return roots as places, by halving their intervals."""
         polynomial = required(self.coordinate.polynomial)
-        low, high = self.low[index].copy(), self.high[index].copy()
         before, value = self.sign[point] * (-1.0) ** rank, polynomial.values(self.x[point], self.y[point])
-        for _ in range(54):
-            middle = (low + high) / 2
-            same = value(middle) * before > 0
-            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        low, high = bisected(lambda x: value(x) * before > 0, self.low[index], self.high[index], 54)
         return polynomial.places((low + high) / 2)
 
     def kind_at(self, i: int, q: float) -> str:

@@ -26,6 +26,7 @@ import numpy as np
 from hjsolve.arithmetic.complex_disks import Disk, Disks, single
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.errors import NotConvergedError
 
@@ -348,15 +349,16 @@ def _where(why: str, point: tuple[Mpf, Mpf]) -> str:
 
 def _extremes(curve: Curve, piece: Piece, signs: list[tuple[Mpf, Mpf]]) -> list[Mpf]:
     """Return the q where dq/dt = H_p vanishes on a piece along p."""
+
+    def place(p: Mpf) -> Mpf:
+        return curve.root(1, p, piece.middle + 0 * p, piece.room)
+
     found, before = [], (piece.begin, curve.at(1, piece.begin, piece.first)[1])
     for after in signs:
         if before[1] * after[1] < 0:
-            low, high, sign = before[0], after[0], before[1]
-            for _ in range(curve.bits):
-                x = (low + high) / 2
-                q = curve.root(1, x, piece.middle + 0 * x, piece.room)
-                low, high = (x, high) if curve.at(1, x, q)[1] * sign > 0 else (low, x)
-            found.append(q)
+            sign = before[1]
+            low, high = bisected(lambda p: curve.at(1, p, place(p))[1] * sign > 0, before[0], after[0], curve.bits)  # noqa: B023 (called at once)
+            found.append(place((low + high) / 2))
         before = after if after[1] else before
     return found
 

@@ -12,9 +12,11 @@ from functools import partial
 
 import numpy as np
 import sympy as sp
+from numpy.polynomial.chebyshev import chebval
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Reals
+from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.display.shown import Shown
 from hjsolve.errors import HJSolveError, InvalidInputError, required
 from hjsolve.mechanics.system import mass_matrix
@@ -27,7 +29,8 @@ from hjsolve.rays.same_constants import started_with_same_constants
 
 _FEWEST = 16
 _TIMES, _ORBIT_POINTS = 129, 161
-_DOUBLINGS, _STEPS, _REFINEMENTS, _HALVINGS = 30, 12, 4, 60
+_DOUBLINGS, _STEPS, _REFINEMENTS = 30, 12, 4
+_HALVINGS_OF_A_BRACKET = 60  # to less than the spacing of doubles in [−1, 1]
 _CHEBYSHEV = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
 _TO_TERMS = np.cos(np.outer(np.arccos(_CHEBYSHEV), np.arange(8))) * np.array([1, 2, 2, 2, 2, 2, 2, 2]) / 8
 _BESIDE = np.array([1 - 1e-4, 1.0, 1 + 1e-4])
@@ -229,12 +232,10 @@ class SamePlace(Shown):
         D, _ = self._meeting(middle[:, None] + half[:, None] * _CHEBYSHEV)
         with np.errstate(all="ignore"):
             terms = D @ _TO_TERMS
-            begin, end = -np.ones(len(low)), np.ones(len(low))
-            rising = np.polynomial.chebyshev.chebval(1.0, terms.T) > 0
-            for _ in range(_HALVINGS):
-                u = (begin + end) / 2
-                above = (np.polynomial.chebyshev.chebval(u, terms.T, tensor=False) > 0) == rising
-                begin, end = np.where(above, begin, u), np.where(above, u, end)
+            rising, ends = chebval(1.0, terms.T) > 0, np.ones(len(low))
+            begin, end = bisected(
+                lambda u: (chebval(u, terms.T, tensor=False) > 0) != rising, -ends, ends, _HALVINGS_OF_A_BRACKET
+            )
             t = middle + half * (begin + end) / 2
             for _ in range(_REFINEMENTS):
                 D, blurs = self._meeting(t[:, None] * _BESIDE)

@@ -9,11 +9,12 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Reals
+from hjsolve.arithmetic.root_finding import bracketed_roots
 from hjsolve.display.shown import Shown
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 
 _CELLS = 1024
-_STEPS, _WIDENINGS = 80, 70
+_WIDENINGS = 70
 
 
 @dataclass(frozen=True, repr=False)
@@ -122,24 +123,17 @@ class SeparatedSweep(Shown):
         turns = np.floor((amount - first) / self.turn) if self.turn else np.zeros_like(amount)
         goal = amount - turns * self.turn
         inside = (goal >= first) & (goal <= sums[-1])
-        cell = np.clip(np.searchsorted(sums, goal, side="right") - 1, 0, _CELLS - 1)
+        left = goal[inside]
+        cell = np.clip(np.searchsorted(sums, left, side="right") - 1, 0, _CELLS - 1)
         low, high = table[cell], table[cell + 1]
-        χ = (low + high) / 2
-        left = np.flatnonzero(inside)
-        for _ in range(_STEPS):
-            if not left.size:
-                break
-            value, slope, _ = self.gained(χ[left])
-            miss = value - goal[left]
-            low[left], high[left] = np.where(miss < 0, χ[left], low[left]), np.where(miss < 0, high[left], χ[left])
-            with np.errstate(all="ignore"):
-                step = χ[left] - miss / slope
-            good = (step >= low[left]) & (step <= high[left])
-            new = np.where(good, step, (low[left] + high[left]) / 2)
-            moved = np.abs(new - χ[left])
-            χ[left] = new
-            left = left[(moved > 2 * EPS * (1 + np.abs(new))) & (miss != 0)]
-        return np.where(inside, χ + 2 * np.pi * turns, np.nan)
+
+        def off(χ: Reals) -> tuple[Reals, Reals]:
+            value, slope, _ = self.gained(χ)
+            return value - left, slope
+
+        found = np.full_like(goal, np.nan)
+        found[inside] = bracketed_roots(off, (low + high) / 2, low, high)[0]
+        return found + 2 * np.pi * turns
 
 
 PhaseSweep = IgnorableSweep | SeparatedSweep

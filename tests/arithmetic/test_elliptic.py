@@ -31,3 +31,13 @@ def test_they_are_those_of_mpmath_and_change_sign_at_two_k_even_when_it_is_round
             expected = [mp.ellipfun(name, at, m=1 - mp.mpf(k2)) for name in ("sn", "cn", "dn")]
             for value, exact in zip(values, expected, strict=True):
                 assert abs(value - mp.re(exact)) <= noise * K, (u, value, exact)
+
+
+@pytest.mark.parametrize("complement", COMPLEMENTS)
+def test_they_have_all_digits_where_the_argument_is_too_small_for_its_square(complement: str) -> None:
+    k2, tiny = float(complement), np.array([5e-324, 1e-300, -1e-200, 1e-160, -3e-154, 1e-140, 1e-9])
+    found = jacobi(tiny, k2, quarter_period(k2, Float64()), Float64())
+    for name, values in zip(("sn", "cn", "dn"), found, strict=True):
+        with mp.workprec(3000):
+            exact = [float(mp.re(mp.ellipfun(name, mp.mpf(u), m=1 - mp.mpf(k2)))) for u in tiny.tolist()]
+        np.testing.assert_allclose(values, exact, rtol=1e-15, atol=0)

@@ -19,12 +19,16 @@ from functools import cache
 import numpy as np
 
 from hjsolve.arithmetic.double_double import DoubleDouble
+from hjsolve.arithmetic.elliptic import descended, means
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
 
 MOST_LEVEL = 44
 """Largest n of k′² = 4⁻ⁿ, k′ = 6e-14: nearer zeros of p² than that part of the motion converge more slowly."""
+
+_HALF_OF_THE_DIGITS = 1e-17
+"""Means of pairs as near as this, relatively, agree to 32 digits after one step more: their distance is squared."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,13 +140,15 @@ def _functions(χ: Pair, level: int) -> tuple[float, float, Pair, Pair, Pair]:
     if level == 0:
         half = Pair(0.5 * χ.high, 0.5 * χ.low)
         return 1.0, np.pi / 2, D.unary("sin", half), D.unary("cos", half), one
-    means = _means(level)
-    quarter = D.div(D.pi(), _twice(means[-1][0]))
+    pairs = means(
+        (Pair(1.0, 0.0), Pair(2.0**-level, 0.0)), lambda a, b: abs(D.sub(a, b).high) <= _HALF_OF_THE_DIGITS * a.high, D
+    )
+    quarter = D.div(D.pi(), _twice(pairs[-1][0]))
     turn = D.pi()
     folded, mirrored = χ.high > np.pi, D.sub(_twice(turn), χ)
     χ = _where(folded, mirrored, χ)
     far = χ.high > np.pi / 2
-    sn, cn, dn = _bulirsch(D.mul(_where(far, D.sub(turn, χ), χ), D.div(quarter, turn)), means)
+    sn, cn, dn = descended(D.mul(_where(far, D.sub(turn, χ), χ), D.div(quarter, turn)), pairs, D)
     k = 2.0**-level
     sn, cn, dn = (
         _where(far, D.div(cn, dn), sn),
@@ -155,31 +161,6 @@ def _functions(χ: Pair, level: int) -> tuple[float, float, Pair, Pair, Pair]:
 
 def _where(chosen: Mask, x: Pair, y: Pair) -> Pair:
     return Pair(np.where(chosen, x.high, y.high), np.where(chosen, x.low, y.low))
-
-
-def _means(level: int) -> list[tuple[Pair, Pair]]:
-    """Arithmetic and geometric means from (1, k′), k′ = 2^−level, until they agree to 32 digits."""
-    D, half = DoubleDouble(), lambda x: Pair(0.5 * x.high, 0.5 * x.low)
-    pairs = [(Pair(1.0, 0.0), Pair(2.0**-level, 0.0))]
-    while abs(D.sub(*pairs[-1]).high) > 1e-17 * pairs[-1][0].high:
-        a, b = pairs[-1]
-        pairs.append((half(D.add(a, b)), D.unary("sqrt", D.mul(a, b))))
-    return [*pairs, (half(D.add(*pairs[-1])), pairs[-1][1])]
-
-
-def _bulirsch(u: Pair, means: list[tuple[Pair, Pair]]) -> tuple[Pair, Pair, Pair]:
-    """Sn, cn, dn for 0 < u ≤ K/2; see ``arithmetic/elliptic``."""
-    D, one = DoubleDouble(), Pair(1.0, 0.0)
-    last, dn = means[-1][0], Pair(1.0 + 0.0 * u.high, 0.0 * u.high)
-    angle = D.mul(last, u)
-    a = D.div(D.unary("cos", angle), D.unary("sin", angle))
-    c = D.mul(last, a)
-    for high, low in reversed(means[:-1]):
-        a, c = D.mul(c, a), D.mul(c, dn)
-        dn = D.div(D.add(low, a), D.add(high, a))
-        a = D.div(c, high)
-    sn = D.div(one, D.unary("sqrt", D.add(D.mul(c, c), one)))
-    return sn, D.mul(c, sn), dn
 
 
 @cache

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from hjsolve.motion.shapes import shaped
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.through_umbilics.arcs import Arcs, UmbilicArc, places_on
 from hjsolve.motion.times import read_times
+from hjsolve.motion.transformed_motion import TransformedMotion
 
 SPARE = 25
 """Decimal digits by which the series are better than what is told."""
@@ -41,7 +42,7 @@ def work_bits(digits: int) -> int:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class UmbilicMotion(Motion):
+class UmbilicMotion(TransformedMotion):
     """A motion both of whose coordinates tend to double zeros of p², which it reaches in a finite time, and goes on.
 
     At every umbilic the first coordinate goes on and the second one turns back; (2e₁ − q₁, 2e₂ − q₂) is the same place.
@@ -200,16 +201,8 @@ class UmbilicMotion(Motion):
 
         return Errors(group(places), group(momenta), group(rates))
 
-    def orbit(self, name: str, *, along: str, values: object) -> Numbers:  # noqa: ARG002
-        """Refuse: passages are not given.
-
-        Args:
-            name, along, values: as of any motion.
-
-        Raises:
-            InvalidInputError: always.
-        """
-        raise _refused("orbit")
+    def _refuse_given(self, name: str) -> None:
+        raise _refused(f"passages of {name}")
 
     def _require(self, quantity: str) -> None:
         if quantity != "trajectory":
@@ -239,5 +232,5 @@ def going_on(motion: Motion, arcs: Arcs, unfolding: int) -> UmbilicMotion:
         arcs: what it does.
         unfolding: the coordinate that goes on at each.
     """
-    own = {f.name: getattr(motion, f.name) for f in fields(Motion)}
-    return replace(UmbilicMotion(**own, arcs=arcs, unfolding=unfolding), frequencies={}, periods={}, boundary_times={})
+    states_only = replace(motion, frequencies={}, periods={}, boundary_times={})
+    return UmbilicMotion.of(states_only, arcs=arcs, unfolding=unfolding)

@@ -48,6 +48,7 @@ def _shifts(work: Scratch, residue: tuple[float, float], E: Reals, place: tuple[
     low = tables.low[m, tables.first[size] : tables.first[size + 1]]
     shaken, flatter, moved = scratch[0], scratch[1], scratch[2]  # sin²χ/F, that over r, and k r δF sin²χ/F
     r, F = buffer[1], buffer[2]
+    # a shift δF at a turning point moves it, and the integrand is singular there: bounds take the finite part alone
     for j in range(n):
         shaken[j] = squares[j] / F[j]
         flatter[j] = shaken[j] / r[j]
@@ -60,6 +61,7 @@ def _shifts(work: Scratch, residue: tuple[float, float], E: Reals, place: tuple[
             total = _variation(moved, slopes, n) + (2.0 * _tilt(moved, low, slopes, n) if tilted else 0.0)
             found[1, 1 + k] += total
             found[2, 1 + k] += 0.5 * total
+        # δF = 2 kₗ δcₗ moves ∂J/∂cₖ as it moves ∂J/∂cₗ: the matrix of second derivatives is symmetric
         for l in range(k + 1):
             if E[l] != 0.0 or E[k] != 0.0:
                 other = buffer[3 + l]
@@ -110,6 +112,7 @@ def _placed(lanes: Reals, at: int, end: tuple[float, float, float], W: float, pl
     own, other = places[which], places[1 - which]
     for g in range(tip):
         place = start + g if g < count else farthest
+        # counted from where F is anchored: q − h has digits of its own next to h
         offset = s * W * own[place]
         moved = offset if h == b else -s * W * other[place]
         x[g], counted[g], away[g] = h + moved, 1.0, offset
@@ -171,6 +174,7 @@ def _noted(work: Scratch, t: int, which: int, at: int, span: tuple[int, int, int
     rows, (start, count, _) = noise.shape[0], span
     tip = at + count + 1
     end = abs(bounds[rows, tip]) + bounds[0, tip] if modes.chords else 0.0
+    # kernels' second lanes have certain constants: here − again is what the uncertain ones do
     for g in range(count + 1):
         first, last = (start + g, start + g) if g < count else both
         r, share, here = lanes[4, at + g], lanes[5, at + g], bounds[0, at + g]
@@ -272,6 +276,7 @@ def _packed(below: Side, above: Side, motions: Motions, span: tuple[int, int], t
         t = block[_LEFT, at]
         i, m, size = block[_ORBIT, t], block[_MAP, t], block[_SIZE, t]
         n, split = tables.counts[size], tables.split[m, size, motions.share[i]]
+        # the first orbit is taken whatever it needs: programs are as wide as the widest rule
         if at > span[0] and (low + split > LANES or high + n - split > LANES):
             break
         _nodes(below.fill, 0, low, motions, i, (m, size, 0, split), tables)
@@ -350,6 +355,7 @@ def integrals(below: Side, above: Side, motions: Motions, tables: Tables, modes:
                 block[_SIZE, count], block[_MAP, count] = motions.least[orbit], motions.first[orbit]
                 count += 1
             orbit += 1
+        # errors do not depend on the number of nodes: sampled once for all rules that an orbit tries
         _samples(below, above, motions, count, tables, work, modes)
         left = count
         for attempt in range(_TRIES):
@@ -370,6 +376,6 @@ def integrals(below: Side, above: Side, motions: Motions, tables: Tables, modes:
                         block[_LEFT, kept] = t
                         kept += 1
                 begin = end
-            left = kept
+            left = kept  # each orbit is done as soon as its own nodes suffice: results do not depend on the block
             if left == 0:
                 break

@@ -83,8 +83,13 @@ def _between(x: Reals, start: int, stop: int) -> float:
 
 
 @reducing
-def _sizes(x: Reals, n: int) -> float:
-    """Σ |x|."""
+def sizes(x: Reals, n: int) -> float:
+    """Return Σ |x|.
+
+    Args:
+        x: at least n doubles.
+        n: how many are used.
+    """
     total = 0.0
     for j in range(n):
         total += abs(x[j])
@@ -103,10 +108,12 @@ def _weighted(x: Reals, y: Reals, n: int) -> float:
 @inlined
 def _needed(late: float, early: float, scale: float, n: int, wish: float) -> float:
     """Return how many nodes bring the last coefficients down to ``wish``: they fall geometrically."""
+    # |cₖ| ~ ρᵏ, ρ³ = late/early three places apart: log(wish/excess)/log ρ places more are needed
     excess = max(2.0 / n * late, 1e-300) / scale
     if late < _GEOMETRIC_FALL * early:
         more = n + 3.0 * math.log(wish / excess) / math.log(max(late / early, 1e-9))
     else:
+        # they do not fall yet, from place to place: the mean fall from the first coefficient on, at most three times n
         more = min(2.0 + (n - 2.0) * math.log(wish) / math.log(min(excess, 0.5)), 3.0 * n)
     return min(max(more, n + 1.0), 8.0 * n)
 
@@ -120,12 +127,16 @@ def _crowding(last: Last, first: int) -> int:
     if first >= _UNSTRETCHED:
         return first
     late, early = max(abs(last[3]), abs(last[4])), max(abs(last[0]), abs(last[1]))
+    # without their fall ρᵏ the coefficients are cos(kφ + θ), whose correlations one and two places apart are means of
+    # cos φ and cos 2φ, over five terms four and three products: hence 5/4 and 5/3
     fall = (late / early) ** (1.0 / 3.0) if early > 0.0 else 1.0
     p, q, r, s, t = last[0], last[1] / fall, last[2] / fall**2, last[3] / fall**3, last[4] / fall**4
     squares = p * p + q * q + r * r + s * s + t * t
     once, twice = 1.25 * (p * q + q * r + r * s + s * t) / squares, 5.0 / 3.0 * (p * r + q * s + r * t) / squares
+    # an even motion has its series in 2χ: φ = 0 is at both ends, φ = π in the middle
     if first >= _EVEN:
         return first + 1 if once < -0.4 else first + 2 if once > 0.4 else first
+    # |cos φ| < 0.35: in the middle (cos 2φ = −1), else no single place is seen
     if abs(once) < 0.35:
         return 3 if twice < -0.3 else first
     return (1 if once > 0.8 else 2) if once > 0.0 else (5 if once < -0.8 else 4)
@@ -141,10 +152,12 @@ def _roundings(work: Scratch, t: int, squares: Reals, samples: int, n: int, inte
     moments, r = work.buffer[0], work.buffer[1]
     for k in range(integrands):
         found[3, k] = 0.0
+    # δ(F r) = ½ r δF, and δF is proportional to F/sin²χ: weights are F r/sin²χ
     for j in range(n):
         weights[j] = moments[j] / squares[j]
     for g in range(samples - 1):
         start, stop = g * n // (samples - 1), (g + 1) * n // (samples - 1)
+        # a bound of a segment between two samples is the larger of theirs
         own, segment = max(noise[0, g], noise[0, g + 1]), shares[start:stop]
         for j in range(stop - start):
             segment[j] = own
@@ -160,6 +173,7 @@ def _roundings(work: Scratch, t: int, squares: Reals, samples: int, n: int, inte
     elif integrands > 1:
         for j in range(n):
             shares[j] /= squares[j]
+    # δ(k r) = −½ k r δF/F besides r δk
     for k in range(1, integrands):
         found[3, k] += 0.5 * _weighted(shares, work.buffer[2 + k], n)
 
@@ -178,8 +192,32 @@ def shifted_action(work: Scratch, residue: tuple[float, float], uncertainty: Rea
     total = 0.5 * (residue[0] * _between(work.buffer[1], 0, split) + residue[1] * _between(work.buffer[1], split, n))
     for k in range(work.buffer.shape[0] - 3):
         if uncertainty[k] != 0.0:
-            total += uncertainty[k] * _sizes(work.buffer[3 + k], n)
+            total += uncertainty[k] * sizes(work.buffer[3 + k], n)
     return _SHIFT_FACTOR * total / n
+
+
+@inlined
+def enough(tail: float, middle: float, rounding: float, scale: float, oscillations: bool) -> tuple[float, bool]:
+    """Return a bound on the aliasing of a mean, and whether the rule is good enough for it.
+
+    The midpoint rule of n nodes misses the coefficients c₂ₙ, c₄ₙ, … alone (Trefethen & Weideman 2014, §3). Where they
+    fall geometrically, by tail/middle from n/2 to n, they fall by its square up to 2n: the power 3/2 is counted,
+    and four times that.
+
+    Args:
+        tail: size of the last coefficients.
+        middle: size of those in the middle of the series.
+        rounding: bound on the rounding error of the mean.
+        scale: the mean of |integrand|.
+        oscillations: whether running integrals are wanted, which miss the coefficients from n on.
+    """
+    share = min(1.0, tail / max(middle, 1e-300))
+    alias = 4.0 * tail * share * np.sqrt(share)
+    # more nodes cannot mend an error that is below a quarter of the rounding, nor one that no double shows
+    fits = alias <= max(RELATIVE_GOAL * scale, 0.25 * rounding) or tail <= 0.5 * rounding
+    if oscillations:
+        fits = fits and tail <= max(4e-15 * scale, rounding)
+    return alias, fits
 
 
 @helper
@@ -206,6 +244,7 @@ def rule(work: Scratch, t: int, tables: Tables, size: int, modes: Modes, first: 
         total, scale, ends = _coefficients(last, buffer[0] if k == 0 else buffer[2 + k], n)
         if not math.isfinite(total):  # F ≤ 0 somewhere
             return 2.0 * n, first
+        # the largest of five: one alone may be a zero of cos(kφ + θ)
         tail = 2.0 / n * max(abs(ends[0]), abs(ends[1]), abs(ends[2]), abs(ends[3]), abs(ends[4]))
         found[0, k], found[1, k], found[2, k] = total / n, scale / n, tail
         found[4, k], found[5, k] = max(abs(ends[3]), abs(ends[4])), max(abs(ends[0]), abs(ends[1]))
@@ -213,7 +252,7 @@ def rule(work: Scratch, t: int, tables: Tables, size: int, modes: Modes, first: 
             wanted = _needed(found[4, k], found[5, k], scale / n, n, wish)
             if wanted > more:
                 more, node_map = wanted, _crowding(ends, first)
-    if more > 0.0:
+    if more > 0.0:  # errors are not worth working out for nodes that do not suffice
         return more, node_map
     squares = tables.squares[int(tables.maps[first, 6]) - 1, size]
     _roundings(work, t, squares, tables.samples[first], n, integrands, modes.chords)
@@ -221,12 +260,8 @@ def rule(work: Scratch, t: int, tables: Tables, size: int, modes: Modes, first: 
         scale, tail = found[1, k], found[2, k]
         rounding = ROUNDING_FACTOR * found[3, k] / n + 8.0 * EPS * scale
         half = _middle(middle, buffer[0] if k == 0 else buffer[2 + k], n)
-        share = min(1.0, tail / max(half, 1e-300))
-        alias = 4.0 * tail * share * np.sqrt(share)
+        alias, fits = enough(tail, half, rounding, scale, modes.oscillations)
         found[1, k], found[2, k] = rounding + alias, 0.5 * rounding + tail
-        fits = alias <= max(RELATIVE_GOAL * scale, 0.25 * rounding) or tail <= 0.5 * rounding
-        if modes.oscillations:
-            fits = fits and tail <= max(4e-15 * scale, rounding)
         if not fits and scale != 0.0:
             more = max(more, _needed(found[4, k], found[5, k], scale, n, wish))
     return more, node_map

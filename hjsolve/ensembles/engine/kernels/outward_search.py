@@ -64,11 +64,13 @@ class Lanes(NamedTuple):
 @inlined
 def _first_step(P: float, outward: float, bend: float, size: float) -> float:
     """Distance at which P₀² + outward·d + bend·d² vanishes, and a little more, at most ``size``; less where never."""
+    # 1.0625: a little beyond the zero of the parabola, so that F < 0 there and the bracket closes at once
     square = P * P
     root = np.sqrt(outward * outward - 4.0 * bend * square)
     down = (outward + root) / (-2.0 * bend) if outward > 0 else 2.0 * square / (root - outward)
     if math.isfinite(down) and down > 0:
         return min(1.0625 * down, size)
+    # F″ does not help: where the tangent vanishes, and a quarter of the scale at most
     crude = -square / outward if outward < 0 else size
     return min(0.25 * size, crude) if crude > 0 else 0.25 * size
 
@@ -129,6 +131,7 @@ def _walked(walk: SearchSide, lanes: Lanes, j: int, x: float, f: float, slope: f
         outer[i] = x
         return True, x
     if f >= 0.0:
+        # F fell and rises again, with F ≥ 0 at both places: a valley between may go below zero and hide two zeros
         if state[3, j] == 1 and outward > 0.0:
             state[1, j], state[4, j] = _VALLEY, 0
             reals[1, j], reals[2, j], reals[3, j] = inner[i], x, x
@@ -137,7 +140,7 @@ def _walked(walk: SearchSide, lanes: Lanes, j: int, x: float, f: float, slope: f
         reals[0, j] = min(1.6 * reals[0, j], _LONGEST_STEP) if math.isfinite(walk.reach) else 1.6 * reals[0, j]
         if abs(x - walk.start[i]) > walk.reach:
             return True, x
-    else:
+    else:  # NaN: out of the formula's domain
         reals[0, j] *= 0.25
     return state[2, j] >= _OUTWARD_STEPS, _onward(walk, inner[i], reals[0, j])
 
@@ -189,6 +192,7 @@ def _improved(slopes: MachineProgram, walk: SearchSide, places: Reals, orbits: R
                 row[j] = walk.known[k, first + j]
         for j in range(count):
             x[j] = places[first + j]
+        # each step squares the error, so all orbits take the same few; lanes go on with those that need more
         for _ in range(_NEWTON_STEPS_OF_A_BLOCK):
             run(slopes, (count + 7) // 8 * 8)
             for j in range(count):
@@ -210,6 +214,7 @@ def _finishing(walk: SearchSide, places: Reals, lanes: Lanes, j: int, i: int) ->
     if i == places.shape[0]:
         return _FREE
     x = places[i]
+    # after a step of 1e-9 Newton's next one is below rounding, as errors are squared
     still = min(1e-9 * abs(x), 1e-6 * abs(x - walk.start[i]))
     return _NEWTON if not lanes.orbits[2, i] <= still and math.isfinite(lanes.orbits[1, i]) else _LAST
 
@@ -231,6 +236,7 @@ def _step(walk: SearchSide, lanes: Lanes, j: int, x: float, f: float, slope: flo
     if halved:
         new = 0.5 * (orbits[0, i] + orbits[1, i])
     step = abs(new - x)
+    # steps that shrink by less than 4 are rounding of F
     lost = step <= 4.0 * EPS * abs(walk.start[i]) and step >= 0.25 * lanes.reals[3, j] and not halved
     state[2, j] += 1
     lanes.reals[3, j] = step
@@ -308,5 +314,6 @@ def smallness(bend: MachineProgram, errors: MachineProgram, walk: SearchSide, un
         run(errors, (count + 7) // 8 * 8)
         for j in range(count):
             P = walk.momentum[begin + j]
+            # F = P² + F′d + ½F″d² has its top P² − F′²/(2F″)
             top = P * P + (first[j] * first[j] / (-2.0 * second[j]) if second[j] < 0.0 else np.inf)
             small[begin + j] = error[j] / top

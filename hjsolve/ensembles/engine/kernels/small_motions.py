@@ -23,6 +23,7 @@ _FAR = 0.5  # part of the way to an end of the domain beyond which a motion is n
 @inlined
 def _quadratic(square: float, outward: float, bend: float) -> float:
     """Return the positive zero of square + outward d + bend d², bend < 0."""
+    # of the two formulas of a quadratic's zero the one whose terms have one sign
     root = np.sqrt(outward * outward - 4.0 * bend * square)
     return (outward + root) / (-2.0 * bend) if outward > 0.0 else 2.0 * square / (root - outward)
 
@@ -47,6 +48,7 @@ def _solved(value: MachineProgram, known: Reals, first: int, side: float, places
                 places[first + j] = 0.0
             else:
                 on[j], left = 1, left + 1
+    # d ← zero of the quadratic with F[q₀, q₀, q₀ + d]; Steffensen's secant of what is off makes it superlinear
     for step_number in range(_FIXED):
         if left == 0:
             break
@@ -58,6 +60,7 @@ def _solved(value: MachineProgram, known: Reals, first: int, side: float, places
             step = here
             if step_number > 0 and here != off[j]:
                 secant = -here * (d[j] - before[j]) / (here - off[j])
+                # a longer step is the noise of the secant's denominator
                 step = secant if abs(secant) <= 2.0 * abs(here) else here
             before[j], off[j] = d[j], here
             d[j] += step

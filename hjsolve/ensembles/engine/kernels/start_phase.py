@@ -18,7 +18,7 @@ from hjsolve.arithmetic.number_types import Reals
 from hjsolve.ensembles.engine.kernels.midpoint_rule import dot
 from hjsolve.ensembles.engine.kernels.types import Motions, Scratch, Tables
 
-_CLOSE = 0.05
+_CLOSE = 0.05  # part of the width, next to a turning point, where the momentum tells the phase better than the place
 
 
 @inlined
@@ -41,14 +41,16 @@ def elliptic(s: float, c: float, map_: Reals) -> float:
     """π F(φ | k²)/K, s = sin φ, c = cos φ ≥ 0: F = sin φ R_F(cos²φ, 1 − k² sin²φ, 1) (DLMF 19.25.5, 19.36.1)."""
     x, y, z = max(c * c, 1e-300), c * c + map_[3] * s * s, 1.0
     X, Y, A = 0.0, 0.0, 1.0
+    # a duplication leaves R_F as it is, and divides the distances from the mean by 4
     for _ in range(64):
         λ = np.sqrt(x * y) + np.sqrt(y * z) + np.sqrt(z * x)
         x, y, z = 0.25 * (x + λ), 0.25 * (y + λ), 0.25 * (z + λ)
         A = (x + y + z) / 3.0
         X, Y = 1.0 - x / A, 1.0 - y / A
-        if max(abs(X), abs(Y)) < 2e-3:
+        if max(abs(X), abs(Y)) < 2e-3:  # the series left out terms of the order of X⁶, 6e-17
             break
     Z = -X - Y
+    # DLMF 19.36.1 to the fifth order
     e2, e3 = X * Y - Z * Z, X * Y * Z
     R = (1.0 - e2 / 10.0 + e3 / 14.0 + e2 * e2 / 24.0 - 3.0 * e2 * e3 / 44.0) / np.sqrt(A)
     return math.pi * s * R / map_[2]
@@ -57,7 +59,7 @@ def elliptic(s: float, c: float, map_: Reals) -> float:
 @helper
 def _anomaly(x: float, y: float, map_: Reals) -> float:
     """χ of a place. Halley's steps inside a bracket undo the crowding."""
-    x, y = max(x, 0.0), max(y, 0.0)
+    x, y = max(x, 0.0), max(y, 0.0)  # a start may lie beyond a turning point by its rounding
     if map_[3] == 1.0:
         goal = 2.0 * math.atan2(np.sqrt(x), np.sqrt(y))
     else:
@@ -67,6 +69,7 @@ def _anomaly(x: float, y: float, map_: Reals) -> float:
     γ, δ = map_[0], map_[1]
     if γ == 0.0 and δ == 0.0:
         return goal
+    # f = χ + γ sin χ + ½ δ sin 2χ − goal rises, as crowding keeps dχ/du > 0: one zero in [0, π]
     low, high, χ = 0.0, math.pi, goal
     for _ in range(60):
         s, c = sincos(χ)
@@ -76,6 +79,7 @@ def _anomaly(x: float, y: float, map_: Reals) -> float:
             low = χ
         else:
             high = χ
+        # Halley: f f′/(f′² − ½ f f″)
         new = χ - f * slope / (slope * slope - 0.5 * f * bend)
         inside = new >= low and new <= high
         if not inside:
@@ -100,6 +104,7 @@ def _interpolation(weights: Reals, χ: float, n: int, cosines: Reals) -> None:
     place, nodes, signs = math.cos(χ), cosines[:n], cosines[(n - 2) * n :]
     for j in range(n):
         gap = place - nodes[j]
+        # a place that is a node gets all the weight: 1e-30 stands for a gap of 0
         weights[j] = signs[j] / (gap if gap != 0.0 else 1e-30)
     total = _total(weights, n)
     for j in range(n):
@@ -117,6 +122,8 @@ def running_weights(weights: Reals, scratch: Reals, χ: float, n: int, cosines: 
         n: number of nodes.
         cosines: of the nodes, rows of cos kχ, k = 1, 2, …
     """
+    # four terms at a time, by the angle-addition formulas in steps of two: odd and even k apart, since
+    # cos k(π − χ) = (−1)ᵏ cos kχ gives the upper half of the nodes from the lower one
     half, odds, evens = n // 2, scratch[0], scratch[1]
     s1, c1 = sincos(χ)
     s, c = s1, c1
@@ -164,7 +171,7 @@ def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int
     low, high = tables.low[m, tables.first[size]], tables.high[m, tables.first[size] + tip]
     rounding = work.drift[t, 0] / squares[0] + work.noise[t, 0, 0] / (1.0 if chords else squares[0])
     blurred = work.drift[t, end] / squares[tip] + work.noise[t, 0, end] / (1.0 if chords else squares[tip])
-    if symmetry == 2.0:
+    if symmetry == 2.0:  # the nodes go over one half of it, and the upper end is like the lower one
         blurred, high = rounding, low
     lower, upper = low * rounding, high * blurred
     δ = y * lower + x * upper
@@ -172,6 +179,7 @@ def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int
         for _ in range(2 if map_[3] == 1.0 else 3):
             χ = _anomaly(x, y, map_)
             _interpolation(weights, symmetry * χ, n, cosines)
+            # P = √F with F = (q − a)(b − q) S, r and the map give S at χ: a fixed point, which few steps reach
             r = dot(buffer[1], weights, n)
             small = (P * r / W) ** 2 / _stretch(χ, x, y, map_) / max(x, y)
             x, y = (small, 1.0 - small) if x < y else (1.0 - small, small)
@@ -180,6 +188,7 @@ def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int
     χ = _anomaly(x, y, map_)
     _interpolation(weights, symmetry * χ, n, cosines)
     small, large = max(min(x, y), 0.0), max(x, y)
+    # δχ = δq/(dq/dχ), and dq/dχ vanishes with √(x y) at a turning point
     root = np.sqrt(max(_stretch(χ, x, y, map_) * large, 1e-300))
     uncertainty = ((δ / np.sqrt(max(small, 1e-300)) if small > 0.0 else 0.0) + 4.0 * EPS * np.sqrt(small)) / root
     return (-χ if P < 0 else χ), 2.0 * uncertainty + 8.0 * EPS * math.pi

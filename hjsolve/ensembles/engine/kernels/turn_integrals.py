@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS, UNIT
-from hjsolve.arithmetic.machine.compiling import helper, inlined, kernel, reducing
+from hjsolve.arithmetic.machine.compiling import helper, inlined, kernel
 from hjsolve.arithmetic.machine.elementary import sincos
 from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Integers, Reals
-from hjsolve.ensembles.engine.kernels.midpoint_rule import RELATIVE_GOAL, ROUNDING_FACTOR, dot
+from hjsolve.ensembles.engine.kernels.midpoint_rule import ROUNDING_FACTOR, dot, enough, sizes
 from hjsolve.ensembles.engine.kernels.start_phase import elliptic
 from hjsolve.ensembles.engine.kernels.types import Modes, Sums
 
@@ -97,6 +97,7 @@ def _nodes(fill: MachineProgram, errors: MachineProgram, motions: Rounds, i: int
     centre, direction, ratio = motions.centre[i], motions.direction[i], motions.ratio[i]
     two, angles, speeds = tables.maps[m, 5] == 2.0, tables.angle[m, size], tables.speed[m, size]
     for j in range(n):
+        # d is kept besides q = centre + d: next to a barrier p² is known to the digits of d, not to those of q
         away, speed = angles[j], speeds[j]
         if two:
             away, factor = _moved(away, ratio)
@@ -127,6 +128,7 @@ def _noise(fill: MachineProgram, errors: MachineProgram, n: int, noise: Reals) -
     kernels = noise.shape[0] - 1
     r, F, δF = fill.registers[fill.outputs[1]], fill.registers[fill.outputs[2]], errors.registers[errors.outputs[0]]
     total, positive = 0.0, True
+    # δ(F r) = ½ r δF, as F r = √F dq/dχ; all signs may agree, so the errors add up
     for j in range(n):
         total += 0.5 * r[j] * δF[j]
         positive = positive and F[j] > 0.0
@@ -134,18 +136,10 @@ def _noise(fill: MachineProgram, errors: MachineProgram, n: int, noise: Reals) -
     for k in range(kernels):
         kr, e = fill.registers[fill.outputs[3 + k]], errors.registers[errors.outputs[1 + k]]
         total = 0.0
-        for j in range(n):
+        for j in range(n):  # δ(k r) = r δk − ½ k r δF/F
             total += 0.5 * abs(kr[j]) * δF[j] / F[j] + r[j] * e[j]
         noise[1 + k] = total
     return positive
-
-
-@reducing
-def _size(x: Reals, n: int) -> float:
-    total = 0.0
-    for j in range(n):
-        total += abs(x[j])
-    return total
 
 
 @inlined
@@ -166,17 +160,14 @@ def _ruled(fill: MachineProgram, noise: Reals, results: Sums, i: int, place: tup
     wish = 1e-15 if modes.oscillations else 1e-10
     for k in range(noise.shape[0]):
         row = fill.registers[fill.outputs[0 if k == 0 else 2 + k]]
-        mean, scale = dot(row, tables.circle[size, 2], n) / n, _size(row, n) / n
+        mean, scale = dot(row, tables.circle[size, 2], n) / n, sizes(row, n) / n
         if not math.isfinite(mean):
             return 2.0 * half
         tail, middle = _largest(tables.last[size], row, n), _largest(tables.middle[size], row, n)
         rounding = ROUNDING_FACTOR * noise[k] / n + 8.0 * EPS * scale
-        share = min(1.0, tail / max(middle, 1e-300))
-        alias = 4.0 * tail * share * np.sqrt(share)
-        fits = alias <= max(RELATIVE_GOAL * scale, 0.25 * rounding) or tail <= 0.5 * rounding
-        if modes.oscillations:
-            fits = fits and tail <= max(4e-15 * scale, rounding)
+        alias, fits = enough(tail, middle, rounding, scale, modes.oscillations)
         if not fits and scale != 0.0:
+            # |cₖ| ~ ρᵏ from the mean to the last coefficient; the series of a whole turn has n/2 terms
             excess = min(max(tail, 1e-300) / scale, 0.5)
             more = max(more, min(max(2.0 + (half - 2.0) * math.log(wish) / math.log(excess), half + 1.0), 3.0 * half))
         if k == 0:
@@ -199,6 +190,7 @@ def _phase(left: float, direction: float, ratio: float, map_: Reals) -> tuple[fl
         θ = 2.0 * math.atan2(s, ratio * c)
         bound *= 2.0 * max(ratio, 1.0 / ratio)
         here, whole = (2.0 * θ - math.pi, turn) if θ > 0.0 else (2.0 * θ + math.pi, 0.0)
+    # half the angle from the place opposite to the slow one, where χ = 0: sine and cosine change places
     s, c = sincos(0.5 * here)
     sine, cosine = (-c if here > 0.0 else c), abs(s)
     χ = 2.0 * math.atan2(sine, cosine) if map_[3] == 1.0 else elliptic(sine, cosine, map_)
@@ -291,6 +283,7 @@ def rotations(fill: MachineProgram, errors: MachineProgram, motions: Rounds, tab
                 if modes.oscillations:
                     _timed(fill, motions, i, (m, size, n), tables, results, work)
                 break
+            # the number is an estimate: the widest rule is tried before the orbit is left to others
             if more > widest and more < _HOPELESS * widest:
                 more = widest
             size += 1
