@@ -40,6 +40,7 @@ def main() -> None:
             motion = kerr.torus(ratio=asked, fixed={"a": a, "e": e, "x": x}, digits=30)
         except HJSolveError as fault:
             missed.append(f"{ratio} a={a} e={e} x={x}: {str(fault)[:160]}")
+            print(missed[-1], flush=True)
             continue
         seconds.append(time.process_time() - begin)
         for one in motion if isinstance(motion, tuple) else (motion,):
@@ -49,7 +50,6 @@ def main() -> None:
             room.append(p - hjsolve.separatrix(a, e, x).value)
     print(f"{len(seconds)} of {chosen.count} found, ratio off by at most {max(off):.1e} (digits=30)")
     print(f"p beyond the separatrix by {min(room):.1e} to {max(room):.1e}; {np.median(seconds):.1f} s each (median)")
-    print("\n".join(missed))
 
 
 if __name__ == "__main__":

@@ -246,8 +246,10 @@ def _with_extrema(curve: RadicandCurve, κ: Reals) -> tuple[Reals, Reals]:
     squared = curve.value(q, κ)
     with np.errstate(invalid="ignore"):
         inner, left, right = squared[1:-1], squared[:-2], squared[2:]
-        low = (inner > 0) & (inner <= left) & (inner <= right)
-        high = (inner < 0) & (inner >= left) & (inner >= right)
+        # between samples a parabola goes beyond the middle one by an eighth of the greater difference at most
+        reach = np.maximum(np.abs(left - inner), np.abs(right - inner)) / 2
+        low = (inner > 0) & (inner <= left) & (inner <= right) & (inner < reach)
+        high = (inner < 0) & (inner >= left) & (inner >= right) & (-inner < reach)
     places, values = [], []
     for k in np.flatnonzero(low | high) + 1:
         found = _extremum(curve, κ, float(q[k]), (float(q[k - 1]), float(q[k + 1])))
