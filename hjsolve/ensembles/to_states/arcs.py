@@ -140,7 +140,9 @@ def _integrated(
         return half[:, None] * total, np.abs(half[:, None]) * sizes
 
 
-def phases_by_arcs(task: AngleTask, tori: Tori, frames: Frames, arcs: Arcs, given: tuple[Reals, Reals]) -> Reals:
+def phases_by_arcs(
+    task: AngleTask, tori: Tori, frames: Frames, arcs: Arcs, given: tuple[Reals, Reals]
+) -> tuple[Reals, Mask]:
     """Find the phases with given angles from other phases, by Newton's method with steps that have to shrink.
 
     Args:
@@ -149,6 +151,9 @@ def phases_by_arcs(task: AngleTask, tori: Tori, frames: Frames, arcs: Arcs, give
         frames: between what they move.
         arcs: where integrals begin.
         given: angles, and phases to begin with, shape (separated, n).
+
+    Returns:
+        Phases, and which of them are known to rounding.
     """
     θ, base = given[0], given[1].copy()
     size, n = θ.shape
@@ -176,7 +181,7 @@ def phases_by_arcs(task: AngleTask, tori: Tori, frames: Frames, arcs: Arcs, give
         small = left[active] <= np.where(better, _CLOSE, _SETTLED)
         active = active[~small & (share[active] >= _LEAST_STEP) & np.isfinite(left[active])]
         trial[:, active] = base[:, active] + share[active] * step[:, active]
-    return base
+    return base, left <= _SETTLED
 
 
 def wrapped(angle: Reals) -> Reals:

@@ -41,6 +41,8 @@ _STARTS = 8
 """Phases next to either turning point from which Newton's method begins again."""
 _KNOWN, _SMALL = 1e-11, 0.1
 """Error of a phase above which angles below the second, radians, come from integrals over short arcs."""
+_TINY, _BEGIN = 1e-3, 0.3
+"""Angle, radians, below which arcs come first, and the phase at which they then begin."""
 _BLUR = 5.0
 """Rounding of q, over W: from where the engine reads the phase off q, sin φ > 0.43."""
 _SHIFT = 2.0**-17
@@ -185,12 +187,10 @@ def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, 
     θ = wrapped(angles[0] * frames.directions)
     # θ of a rotation is 0 opposite to the slow place, of a libration at the lower turning point
     φ = np.where(frames.rotating, tori.q * frames.directions, θ)
-    φ, found, at = _phases(task, tori, frames, (θ, φ), exact=False)
-    far = np.flatnonzero(frames.good & ~(np.abs(wrapped(θ - found.separated)).max(axis=0) < _NEARLY))
-    if len(far):
-        among = frames.take(far)
-        start = _nearest_start(task, tori.take(far), among, θ[:, far])
-        φ[:, far], *_ = _phases(task, tori.take(far), among, (θ[:, far], start), exact=False)
+    close = _close_to_ends(task, tori, frames, θ, φ)
+    rest = np.flatnonzero(~close)
+    if len(rest):
+        φ[:, rest] = _nearly(task, tori.take(rest), frames.take(rest), θ[:, rest], φ[:, rest])
     here = _phases(task, tori, frames, (θ, φ), exact=True)
     vague = _vague(frames, here, θ)
     φ, found, at = _by_arcs(task, tori, frames, here, (θ, vague))
@@ -216,6 +216,33 @@ def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, 
     return StatesOnTori(at.q, at.P, q_errors, P_errors, turned, turned_errors, good)
 
 
+def _close_to_ends(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -> Mask:
+    """Write the phases of small angles, by arcs alone; return which were found."""
+    found: Mask = frames.good & ~(frames.rotating | frames.resting).any(axis=0) & (np.abs(θ) < _TINY).any(axis=0)
+    some = np.flatnonzero(found)
+    if not len(some):
+        return found
+    own, among, goal = tori.take(some), frames.take(some), θ[:, some]
+    begin = np.where(np.abs(goal) < _TINY, np.copysign(_BEGIN, goal), φ[:, some])
+    engine = angles_at(task, own, among, placed(task, own, among, begin), exact=False)
+    arcs = Arcs.of(engine.integrals, engine.inverse, begin, np.abs(goal) < _SMALL)
+    moved, known = phases_by_arcs(task, own, among, arcs, (goal, begin))
+    φ[:, some[known]] = moved[:, known]
+    found[some[~known]] = False
+    return found
+
+
+def _nearly(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -> Reals:
+    """Phases of angles, by the engine in doubles."""
+    φ, found, _ = _phases(task, tori, frames, (θ, φ), exact=False)
+    far = np.flatnonzero(frames.good & ~(np.abs(wrapped(θ - found.separated)).max(axis=0) < _NEARLY))
+    if len(far):
+        among = frames.take(far)
+        start = _nearest_start(task, tori.take(far), among, θ[:, far])
+        φ[:, far], *_ = _phases(task, tori.take(far), among, (θ[:, far], start), exact=False)
+    return φ
+
+
 _Here = tuple[Reals, AnglesFound, Placed]
 
 
@@ -238,7 +265,7 @@ def _by_arcs(task: AngleTask, tori: Tori, frames: Frames, here: _Here, which: tu
     own, among = tori.take(some), frames.take(some)
     known = Integrals._make(x[..., some] for x in found.integrals)
     arcs = Arcs.of(known, found.inverse[some], φ[:, some], np.abs(θ[:, some]) < _SMALL)
-    moved = phases_by_arcs(task, own, among, arcs, (θ[:, some], φ[:, some]))
+    moved, _ = phases_by_arcs(task, own, among, arcs, (θ[:, some], φ[:, some]))
     better = angles_by_arcs(task, own, among, arcs, moved, proved=True)
     φ[:, some] = moved
     for whole, part in zip(at, placed(task, own, among, moved), strict=True):
@@ -278,7 +305,8 @@ def _phases(
         found = angles_at(task, own, among, at, exact=exact)
         residual = wrapped(θ[:, active] - found.separated)
         size_ = np.max(np.abs(residual), axis=0)
-        finished = found.good & (size_ <= close)
+        # what the engine's rounding leaves open of θ no step makes better
+        finished = found.good & (np.abs(residual) <= np.fmax(close, found.errors)).all(axis=0)
         better = found.good & ((size_ < (1 - 0.25 * share[active]) * merit[active]) | finished)
         settled = ~better & (share[active] == 1.0) & (merit[active] < _SETTLED)
         here = active[better]
