@@ -27,7 +27,7 @@ from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed
 from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, squares
 
 _TIMED = Modes(chords=False, kernels=True, oscillations=True, shifts=False)
-_ROUNDS, _LEAST_STEP = 60, 2.0**-30
+_ROUNDS, _LEAST_STEP = 24, 2.0**-30
 """Evaluations of θ, and the share of a step below which an orbit is given up."""
 _LONGEST = 1.0
 """Radians that a phase moves in one step, at most."""

@@ -151,7 +151,9 @@ def tops(one: CoordinateOfOrbits) -> tuple[Reals, Reals]:
             )
             new = np.clip(x + share * step, x - 0.75 * (x - low), x + 0.75 * (high - x))
             there = run_rows(code, one.parameters, np.stack([new, *one.constants]))
-            uphill, still = there[0] > F, np.abs(new - x) <= _STILL * np.abs(x)
+            still = np.abs(new - x) <= _STILL * np.abs(x)
+            # so near the top F in doubles tells nothing of up and down, which the smallest motions see
+            uphill = (there[0] > F) | (still & (bend < 0) & (share == 1.0))
             x, F, slope, bend = (
                 np.where(uphill, a, b) for a, b in zip((new, *there), (x, F, slope, bend), strict=True)
             )
