@@ -17,7 +17,7 @@ from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import SystemPrograms
 from hjsolve.ensembles.to_states.tori import Actions, Tori, actions_of, no_actions
 
-_ROUNDS, _LEAST_STEP = 30, 2.0**-12
+_ROUNDS, _LEAST_STEP = 60, 2.0**-12
 """Evaluations of J, and the share of a step below which an orbit is given up."""
 _CLOSE, _FALLS = 8 * EPS, 0.25
 """Relative residual at which an orbit is done, and the part of a step by which it has to fall (Armijo's rule)."""

@@ -27,7 +27,7 @@ from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed
 from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, squares
 
 _TIMED = Modes(chords=False, kernels=True, oscillations=True, shifts=False)
-_ROUNDS, _LEAST_STEP = 24, 2.0**-30
+_ROUNDS, _LEAST_STEP = 60, 2.0**-30
 """Evaluations of θ, and the share of a step below which an orbit is given up."""
 _LONGEST = 1.0
 """Radians that a phase moves in one step, at most."""
@@ -210,7 +210,7 @@ def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, 
         turned_errors = found.ignorable_errors + moved[2] + 8 * EPS * np.pi
         # an error of the phases moves the ignorable angles as well
         turned_errors = turned_errors + _ignorable_rates(task.model, found, at, phases)
-    good = frames.good & found.good & (residual.max(axis=0) < 1e-9)
+    good = frames.good & found.good & (residual <= _SETTLED + 2 * blur).all(axis=0)
     for part in (q_errors, P_errors, turned_errors):
         good = good & np.isfinite(part).all(axis=0)
     return StatesOnTori(at.q, at.P, q_errors, P_errors, turned, turned_errors, good)
