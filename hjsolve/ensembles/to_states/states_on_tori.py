@@ -47,6 +47,8 @@ _BLUR = 5.0
 """Rounding of q, over W: from where the engine reads the phase off q, sin φ > 0.43."""
 _SHIFT = 2.0**-17
 """Relative change of an action for the difference quotient."""
+_QUOTIENT_STEPS = 2
+"""Steps of Newton's method for turning points that moved by as much."""
 _SAFETY = 2.0
 """By which difference quotients are enlarged."""
 
@@ -361,7 +363,7 @@ def _quotients(
 
     ``known`` are bounds on what is not known of J, and which angles are integrals from the turning point.
     """
-    (φ, at, found, back), (size, n), (spread, ends) = here, tori.q.shape, known
+    (φ, at, found, back), (size, n), (spread, short) = here, tori.q.shape, known
     moved = [np.zeros((size, n)), np.zeros((size, n)), np.zeros((len(task.model.angles), n))]
     unknown = np.arange(size)
     inverse = found.inverse.transpose(0, 2, 1)  # ∂c/∂J
@@ -379,12 +381,12 @@ def _quotients(
             some = np.flatnonzero(~among.rotating[i] & ~among.resting[i])
             if len(some):
                 ends = np.stack([_doubles(task, i, bases[i][:, some], side) for side in (0, 1)])
-                bases[i][:, some] = refined(task, own.take(some), i, ends)
+                bases[i][:, some] = refined(task, own.take(some), i, ends, _QUOTIENT_STEPS)
                 widths[i, some] = width_of(task, i, bases[i][:, some])
         among = among._replace(bases=bases, widths=widths)
         other = placed(task, own, among, φ[:, loose])
         angles = angles_at(task, own, among, other, exact=False)
-        _by_short_arcs(task, own, among, angles, (φ[:, loose], ends[:, loose]))
+        _by_short_arcs(task, own, among, angles, (φ[:, loose], short[:, loose]))
         turn = times(back[loose], wrapped(angles.separated - found.separated[:, loose]))
         factor = _SAFETY * spread[k, loose] / change[k]
         moved[0][:, loose] += factor * np.abs(other.q - at.q[:, loose] - at.moves[:, loose] * turn)
