@@ -1,13 +1,13 @@
 """Angles of n states by running integrals over short arcs: where θ is small next to its rounding.
 
-θₖ = Σⱼ (∂J/∂c)⁻¹ₖⱼ Σᵢ Gᵢⱼ, Gᵢⱼ = ∫ kᵢⱼ/pᵢ dqᵢ from the lower turning point (Goldstein, 3rd ed., §10.6). The engine gives G
-as mean growth plus oscillations, with an absolute error. Nearly unbound orbits pass their inner turning point in 1e-15
-of a period; there the difference of those two has no digits, but G is an integral of one sign over a short arc of φ:
+θₖ = Σⱼ (∂J/∂c)⁻¹ₖⱼ Σᵢ Gᵢⱼ, Gᵢⱼ = ∫ kᵢⱼ/pᵢ dqᵢ from the lower turning point (Goldstein, 3rd ed., §10.6). The engine
+gives G as mean growth plus oscillations, with an absolute error. Nearly unbound orbits pass their inner turning point
+in 1e-15 of a period; there the difference of those two has no digits, but G is an integral over a short arc of φ:
 
     Gᵢⱼ(φ) = Gᵢⱼ(φ₀) + ∫_{φ₀}^{φ} kᵢⱼ/pᵢ dqᵢ/dφ dφ,
 
-by the rule of Gauss and Legendre (Trefethen, SIAM Review 50 (2008) 67, §1), with φ₀ the turning point, G = 0, where θ is
-small, and the phase at which the engine gave G elsewhere. Two rules must agree; their difference is part of the claim.
+by the rule of Gauss and Legendre (Trefethen, SIAM Review 50 (2008) 67, §1), with φ₀ the turning point, G = 0, where θ
+is small, and the phase at which the engine gave G elsewhere. The difference of two rules is part of the claim.
 """
 
 from __future__ import annotations
@@ -95,9 +95,7 @@ class ArcAngles(NamedTuple):
     ignorable_errors: Reals
 
 
-def angles_by_arcs(
-    task: AngleTask, tori: Tori, frames: Frames, arcs: Arcs, φ: Reals, *, proved: bool
-) -> ArcAngles:
+def angles_by_arcs(task: AngleTask, tori: Tori, frames: Frames, arcs: Arcs, φ: Reals, *, proved: bool) -> ArcAngles:
     """Return angles at phases.
 
     Args:
@@ -168,7 +166,9 @@ def phases_by_arcs(
         with np.errstate(all="ignore"):
             # steps are compared by one matrix: angles of one orbit may differ in size by 1e15
             seen = np.abs(times(matrices[active], residual)).max(axis=0)
-            better = (seen < (1 - 0.25 * share[active]) * left[active]) if round_ else np.isfinite(residual).all(axis=0)
+            better: Mask = seen < (1 - 0.25 * share[active]) * left[active]
+        if round_ == 0:
+            better = np.isfinite(residual).all(axis=0)
         here = active[better]
         base[:, here] = trial[:, here]
         rates = placed(task, own.take(better), among.take(better), trial[:, here]).rates[:, :size]

@@ -84,7 +84,7 @@ class AnglesFound(NamedTuple):
             mine[..., index] = theirs[..., which]
 
     def _flat(self) -> tuple[Reals | Mask, ...]:
-        """Views of all arrays whose last axis is that of the orbits."""
+        """Return views of all arrays whose last axis is that of the orbits."""
         separated, errors, ignorable, ignorable_errors, inverse, integrals, good = self
         return separated, errors, ignorable, ignorable_errors, inverse.transpose(1, 2, 0), *integrals, good
 
@@ -255,7 +255,8 @@ def _vague(frames: Frames, here: _Here, θ: Reals) -> Mask:
         loose = np.abs(wrapped(θ - found.separated)) + found.errors
         known = times(np.abs(inverses(_matrix(found, at))), loose).max(axis=0) <= _KNOWN
     moving: Mask = ~(frames.rotating | frames.resting).any(axis=0)
-    return moving & found.good & ~known & (np.abs(θ) < _SMALL).any(axis=0)
+    vague: Mask = moving & found.good & ~known & (np.abs(θ) < _SMALL).any(axis=0)
+    return vague
 
 
 def _by_arcs(task: AngleTask, tori: Tori, frames: Frames, here: _Here, which: tuple[Reals, Mask]) -> _Here:
@@ -396,9 +397,7 @@ def _quotients(
     return moved[0], moved[1], moved[2]
 
 
-def _by_short_arcs(
-    task: AngleTask, tori: Tori, frames: Frames, found: AnglesFound, which: tuple[Reals, Mask]
-) -> None:
+def _by_short_arcs(task: AngleTask, tori: Tori, frames: Frames, found: AnglesFound, which: tuple[Reals, Mask]) -> None:
     """Write the angles that are integrals from turning points."""
     φ, ends = which
     some = np.flatnonzero(ends.any(axis=0) & found.good)
