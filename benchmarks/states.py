@@ -1,8 +1,8 @@
-"""States of orbits from actions and angles: ``python -m benchmarks.states [count]`` prints the table of docs/tori.md.
+"""States of orbits from actions and angles: ``python -m benchmarks.states`` prints the table of docs/tori.md.
 
-Actions and angles of the five families of ``galaxy_families`` are those of their stars, by the engine; others are drawn.
-The price is CPU time of the engine alone, for ``count`` orbits at once. The last column is what J of the states differs
-by from the J given, over max(1e-12, 20 × what a rounding of every q and p does to J).
+Actions and angles of the families of ``galaxy_families`` are those of their stars, by the engine; others are drawn. The
+price is CPU time of the engine alone, for 4096 orbits at once, or as many as are asked for. The last column is what J
+of the states differs by from the J given, over max(1e-12, 20 × what a rounding of every q and p does to J).
 """
 
 from __future__ import annotations

@@ -156,6 +156,26 @@ def test_nearly_unbound_states_are_those_of_25_digits_within_their_claims():
         assert apart(batch.q["phi"][k], state.q["phi"]) <= batch.error["q"]["phi"][k] + float(state.error.q["phi"])
 
 
+@pytest.mark.nightly
+def test_the_smallest_motions_keep_their_claims():
+    """Nearly circular orbits with J below 1e-20: what two doubles leave open of the constants is in the claims."""
+    data, solution = kuzmin_kutuzov.load(), kuzmin_kutuzov.solution()
+    forth = hjsolve.ensemble(solution, **dict(zip("qp", kuzmin_kutuzov.start(data["prolate"]), strict=True)))
+    J, L = forth.actions["w"], forth.actions["phi"]
+    picked = np.argsort(np.where(forth.codes == 0, J / np.abs(L), np.inf))[:6]
+    wanted, angles = ({c: x[picked] for c, x in group.items()} for group in (forth.actions, forth.angles))
+    wanted["w"] = wanted["w"] * 0.1
+    batch = hjsolve.ensemble(solution, actions=wanted, angles=angles, want={"state"}, fallback=False)
+    kept = np.flatnonzero(batch.codes == 0)
+    assert len(kept) >= 3
+    for k in kept:
+        actions, at = ({c: float(x[k]) for c, x in group.items()} for group in (wanted, angles))
+        state = solution.motion(actions=actions, angles=at, digits=25).at(0)
+        for c in ("u", "w"):
+            assert abs(batch.q[c][k] - state.q[c]) <= batch.error["q"][c][k] + state.error.q[c], (c, k)
+            assert abs(batch.p[c][k] - state.p[c]) <= batch.error["p"][c][k] + state.error.p[c], (c, k)
+
+
 def test_bad_orbits_stop_nobody():
     batch = hjsolve.ensemble("kepler-planar", actions={"r": [0.1, -1.0, np.nan], "theta": 1.0}, angles={"r": 1.0})
     assert batch.status.tolist() == ["ok", "forbidden", "not_finite"]

@@ -166,9 +166,7 @@ def phases_by_arcs(
         with np.errstate(all="ignore"):
             # steps are compared by one matrix: angles of one orbit may differ in size by 1e15
             seen = np.abs(times(matrices[active], residual)).max(axis=0)
-            better: Mask = seen < (1 - 0.25 * share[active]) * left[active]
-        if round_ == 0:
-            better = np.isfinite(residual).all(axis=0)
+            better = np.asarray(seen < (1 - 0.25 * share[active]) * left[active]) if round_ else _finite(residual)
         here = active[better]
         base[:, here] = trial[:, here]
         rates = placed(task, own.take(better), among.take(better), trial[:, here]).rates[:, :size]
@@ -182,6 +180,10 @@ def phases_by_arcs(
         active = active[~small & (share[active] >= _LEAST_STEP) & np.isfinite(left[active])]
         trial[:, active] = base[:, active] + share[active] * step[:, active]
     return base, left <= _SETTLED
+
+
+def _finite(rows: Reals) -> Mask:
+    return np.asarray(np.isfinite(rows).all(axis=0))
 
 
 def wrapped(angle: Reals) -> Reals:

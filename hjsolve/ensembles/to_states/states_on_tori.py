@@ -253,9 +253,9 @@ def _vague(frames: Frames, here: _Here, θ: Reals) -> Mask:
     _, found, at = here
     with np.errstate(all="ignore"):
         loose = np.abs(wrapped(θ - found.separated)) + found.errors
-        known = times(np.abs(inverses(_matrix(found, at))), loose).max(axis=0) <= _KNOWN
-    moving: Mask = ~(frames.rotating | frames.resting).any(axis=0)
-    vague: Mask = moving & found.good & ~known & (np.abs(θ) < _SMALL).any(axis=0)
+        known = np.asarray(times(np.abs(inverses(_matrix(found, at))), loose).max(axis=0) <= _KNOWN)
+    moving = ~(frames.rotating | frames.resting).any(axis=0) & found.good
+    vague: Mask = np.asarray(moving & ~known & (np.abs(θ) < _SMALL).any(axis=0), dtype=bool)
     return vague
 
 
