@@ -22,8 +22,16 @@ from hjsolve.ensembles.engine.kernels.types import Modes, Sums, no_sums
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import sides
-from hjsolve.ensembles.to_states.arcs import Arcs, Integrals, angles_by_arcs, inverses, phases_by_arcs, times, wrapped
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, placed, refined, width_of
+from hjsolve.ensembles.to_states.short_arcs import (
+    Integrals,
+    ShortArcs,
+    angles_by_arcs,
+    inverses,
+    phases_by_arcs,
+    times,
+    wrapped,
+)
 from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, squares
 
 _TIMED = Modes(chords=False, kernels=True, oscillations=True, shifts=False)
@@ -227,7 +235,7 @@ def _close_to_ends(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: R
     own, among, goal = tori.take(some), frames.take(some), θ[:, some]
     begin = np.where(np.abs(goal) < _TINY, np.copysign(_BEGIN, goal), φ[:, some])
     engine = angles_at(task, own, among, placed(task, own, among, begin), exact=False)
-    arcs = Arcs.of(engine.integrals, engine.inverse, begin, np.abs(goal) < _SMALL)
+    arcs = ShortArcs.of(engine.integrals, engine.inverse, begin, np.abs(goal) < _SMALL)
     moved, known = phases_by_arcs(task, own, among, arcs, (goal, begin))
     φ[:, some[known]] = moved[:, known]
     found[some[~known]] = False
@@ -267,7 +275,7 @@ def _by_arcs(task: AngleTask, tori: Tori, frames: Frames, here: _Here, which: tu
         return here
     own, among = tori.take(some), frames.take(some)
     known = Integrals._make(x[..., some] for x in found.integrals)
-    arcs = Arcs.of(known, found.inverse[some], φ[:, some], np.abs(θ[:, some]) < _SMALL)
+    arcs = ShortArcs.of(known, found.inverse[some], φ[:, some], np.abs(θ[:, some]) < _SMALL)
     moved, _ = phases_by_arcs(task, own, among, arcs, (θ[:, some], φ[:, some]))
     better = angles_by_arcs(task, own, among, arcs, moved, proved=True)
     φ[:, some] = moved
@@ -403,7 +411,7 @@ def _by_short_arcs(task: AngleTask, tori: Tori, frames: Frames, found: AnglesFou
     some = np.flatnonzero(ends.any(axis=0) & found.good)
     if len(some):
         known = Integrals._make(x[..., some] for x in found.integrals)
-        arcs = Arcs.of(known, found.inverse[some], φ[:, some], ends[:, some])
+        arcs = ShortArcs.of(known, found.inverse[some], φ[:, some], ends[:, some])
         own = angles_by_arcs(task, tori.take(some), frames.take(some), arcs, φ[:, some], proved=False)
         found.separated[:, some], found.ignorable[:, some] = own.separated, own.ignorable
 

@@ -49,7 +49,7 @@ class Integrals(NamedTuple):
     running_errors: Reals
 
 
-class Arcs(NamedTuple):
+class ShortArcs(NamedTuple):
     """Where running integrals begin.
 
     Attributes:
@@ -63,7 +63,7 @@ class Arcs(NamedTuple):
     inverse: Reals
 
     @classmethod
-    def of(cls, known: Integrals, inverse: Reals, φ: Reals, ends: Mask) -> Arcs:
+    def of(cls, known: Integrals, inverse: Reals, φ: Reals, ends: Mask) -> ShortArcs:
         """Begin at turning points or where the engine gave G.
 
         Args:
@@ -76,17 +76,17 @@ class Arcs(NamedTuple):
         errors = np.where(ends[:, None], 0.0, known.running_errors)
         return cls(np.where(ends, 0.0, φ), known._replace(running=begin, running_errors=errors), inverse)
 
-    def take(self, index: Integers | Mask) -> Arcs:
+    def take(self, index: Integers | Mask) -> ShortArcs:
         """Return some of them.
 
         Args:
             index: which.
         """
         known = Integrals._make(x[..., index] for x in self.known)
-        return Arcs(self.phases[:, index], known, self.inverse[index])
+        return ShortArcs(self.phases[:, index], known, self.inverse[index])
 
 
-class ArcAngles(NamedTuple):
+class AnglesByArcs(NamedTuple):
     """Angles at the ends of arcs: of the separated coordinates, of ignorable ones at zero, and bounds; (…, n)."""
 
     separated: Reals
@@ -95,7 +95,9 @@ class ArcAngles(NamedTuple):
     ignorable_errors: Reals
 
 
-def angles_by_arcs(task: AngleTask, tori: Tori, frames: Frames, arcs: Arcs, φ: Reals, *, proved: bool) -> ArcAngles:
+def angles_by_arcs(
+    task: AngleTask, tori: Tori, frames: Frames, arcs: ShortArcs, φ: Reals, *, proved: bool
+) -> AnglesByArcs:
     """Return angles at phases.
 
     Args:
@@ -120,7 +122,7 @@ def angles_by_arcs(task: AngleTask, tori: Tori, frames: Frames, arcs: Arcs, φ: 
     places = [task.model.ignorable[name] for name in task.model.angles]
     ignorable = running[places] - np.sum(known.means[:, places] * θ[:, None], axis=0)
     own = errors[places] + np.sum(np.abs(known.means[:, places]) * θ_errors[:, None], axis=0)
-    return ArcAngles(θ, θ_errors, ignorable, own)
+    return AnglesByArcs(θ, θ_errors, ignorable, own)
 
 
 def _integrated(
@@ -139,7 +141,7 @@ def _integrated(
 
 
 def phases_by_arcs(
-    task: AngleTask, tori: Tori, frames: Frames, arcs: Arcs, given: tuple[Reals, Reals]
+    task: AngleTask, tori: Tori, frames: Frames, arcs: ShortArcs, given: tuple[Reals, Reals]
 ) -> tuple[Reals, Mask]:
     """Find the phases with given angles from other phases, by Newton's method with steps that have to shrink.
 
