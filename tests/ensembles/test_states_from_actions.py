@@ -107,21 +107,73 @@ def there_and_back(count, fallback):
 
 
 @pytest.mark.nightly
-def test_the_families_of_a_galaxy_return():
-    """The engine alone keeps nearly all; J comes back within 20 times the conditioning, with few at 1e-11."""
-    back, _, worst = there_and_back(8, fallback=False)
-    kept = back.codes == 0
-    assert kept.mean() > 0.8
-    assert np.median(worst[kept]) < 0.05
-    assert worst[kept].max() < 20
+def test_no_orbit_of_the_galaxy_is_lost():
+    """J comes back within 20 times the conditioning, but for the smallest J_w of nearly planar orbits."""
+    back, again, worst = there_and_back(40, fallback=True)
+    assert back.recomputed.sum() <= 2
+    assert set(back.status) == {"ok"}
+    assert set(again.status) == {"ok"}
+    assert np.median(worst) < 0.05
+    assert (worst < 1).mean() > 0.98
+    assert worst.max() < 20
+
+
+def nearly_unbound(count):
+    """Actions and angles of the orbits that are bound least: they pass their inner turning point with tiny angles."""
+    data = kuzmin_kutuzov.load()
+    picked = np.flatnonzero(data["family"] == 4)[:count]
+    q, p = kuzmin_kutuzov.start(data["prolate"][picked])
+    return hjsolve.ensemble(kuzmin_kutuzov.solution(), q=q, p=p, want={"actions", "angles"})
+
+
+def test_tiny_angles_keep_their_digits():
+    """An orbit and its reversal in time, reflected so that p_φ stays, meet at opposite angles, however small they are."""
+    forth = nearly_unbound(12)
+    assert np.abs(forth.angles["u"]).min() < 1e-9
+    solution, θ = kuzmin_kutuzov.solution(), np.linspace(-1, 1, 12) * 1e-14
+    turned = {"u": θ, "w": forth.angles["w"], "phi": forth.angles["phi"]}
+    back = {name: -x for name, x in turned.items()}
+    one = hjsolve.ensemble(solution, actions=forth.actions, angles=turned, want={"state"}, fallback=False)
+    other = hjsolve.ensemble(solution, actions=forth.actions, angles=back, fallback=False)
+    assert set(one.status) == set(other.status) == {"ok"}
+    for name in ("u", "w"):
+        np.testing.assert_allclose(one.q[name], other.q[name], rtol=1e-9, atol=0)
+        np.testing.assert_allclose(one.p[name], -other.p[name], rtol=1e-9, atol=0)
+    assert np.ptp(one.q["u"][[0, 5]]) > 0.01
+    assert (one.error["q"]["u"] < 1e-6).all()
 
 
 @pytest.mark.nightly
-@pytest.mark.xfail(strict=True, reason="some nearly unbound orbits do not converge in single motions either")
-def test_no_orbit_of_the_galaxy_is_lost():
-    back, again, _ = there_and_back(20, fallback=True)
-    assert set(back.status) == {"ok"}
-    assert set(again.status) == {"ok"}
+def test_nearly_unbound_states_are_those_of_25_digits_within_their_claims():
+    forth, solution = nearly_unbound(40), kuzmin_kutuzov.solution()
+    batch = hjsolve.ensemble(solution, actions=forth.actions, angles=forth.angles, want={"state"}, fallback=False)
+    for k in range(0, 40, 6):
+        actions, angles = ({c: float(x[k]) for c, x in group.items()} for group in (forth.actions, forth.angles))
+        state = solution.motion(actions=actions, angles=angles, digits=25).at(0)
+        for c in ("u", "w"):
+            assert abs(batch.q[c][k] - state.q[c]) <= batch.error["q"][c][k] + state.error.q[c], (c, k)
+            assert abs(batch.p[c][k] - state.p[c]) <= batch.error["p"][c][k] + state.error.p[c], (c, k)
+        assert apart(batch.q["phi"][k], state.q["phi"]) <= batch.error["q"]["phi"][k] + float(state.error.q["phi"])
+
+
+@pytest.mark.nightly
+def test_the_smallest_motions_keep_their_claims():
+    """Nearly circular orbits with J below 1e-20: what two doubles leave open of the constants is in the claims."""
+    data, solution = kuzmin_kutuzov.load(), kuzmin_kutuzov.solution()
+    forth = hjsolve.ensemble(solution, **dict(zip("qp", kuzmin_kutuzov.start(data["prolate"]), strict=True)))
+    J, L = forth.actions["w"], forth.actions["phi"]
+    picked = np.argsort(np.where(forth.codes == 0, J / np.abs(L), np.inf))[:6]
+    wanted, angles = ({c: x[picked] for c, x in group.items()} for group in (forth.actions, forth.angles))
+    wanted["w"] = wanted["w"] * 0.1
+    batch = hjsolve.ensemble(solution, actions=wanted, angles=angles, want={"state"}, fallback=False)
+    kept = np.flatnonzero(batch.codes == 0)
+    assert len(kept) >= 3
+    for k in kept:
+        actions, at = ({c: float(x[k]) for c, x in group.items()} for group in (wanted, angles))
+        state = solution.motion(actions=actions, angles=at, digits=25).at(0)
+        for c in ("u", "w"):
+            assert abs(batch.q[c][k] - state.q[c]) <= batch.error["q"][c][k] + state.error.q[c], (c, k)
+            assert abs(batch.p[c][k] - state.p[c]) <= batch.error["p"][c][k] + state.error.p[c], (c, k)
 
 
 def test_bad_orbits_stop_nobody():

@@ -17,7 +17,7 @@ from hjsolve.ensembles.to_states.newton_on_actions import Goals, Solved, constan
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, frames_of
 from hjsolve.ensembles.to_states.seeds import Seeds, nearest, seeds_of
 from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
-from hjsolve.ensembles.to_states.tori import Tori
+from hjsolve.ensembles.to_states.tori import FINER, Tori
 from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.motion.tori.radicand_curve import curves_of
@@ -192,6 +192,8 @@ def _written(
     directions = np.where(rotating & (J < 0), -1.0, 1.0)
     frames = frames_of(angle_task, tori, directions, rotating, J == 0)
     spread = solved.actions.errors[:, good] + np.abs(solved.actions.values[:, good] - np.abs(J))
+    # constants in two doubles, and p² from them, which the smallest motions see
+    spread = spread + FINER * np.einsum("kcn,cn->kn", np.abs(solved.actions.slopes[:, :, good]), np.abs(tori.values))
     spread = np.where(J == 0, 0.0, spread)
     angles = task.angles[own][:, index], task.angles[others][:, index]
     states = states_at(angle_task, tori, frames, angles, spread)

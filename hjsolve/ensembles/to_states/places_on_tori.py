@@ -105,7 +105,7 @@ def frames_of(task: AngleTask, tori: Tori, directions: Reals, rotating: Mask, re
     return Frames(bases, widths, directions, rotating, resting, good)
 
 
-def refined(task: AngleTask, tori: Tori, k: int, places: Reals) -> Reals:
+def refined(task: AngleTask, tori: Tori, k: int, places: Reals, steps: int = _PAIR_STEPS) -> Reals:
     """Return turning points in two doubles, offsets in the views of both halves, shape (4, n).
 
     Args:
@@ -113,13 +113,14 @@ def refined(task: AngleTask, tori: Tori, k: int, places: Reals) -> Reals:
         tori: of n orbits.
         k: which coordinate.
         places: lower and upper turning points in doubles, shape (2, n).
+        steps: of Newton's method.
     """
     D, one, rows = DoubleDouble(), coordinate_at(*task, tori, k), []
     for side, formula in enumerate(sides(one.coordinate)):
         base = Pair(offset(formula, places[side]), 0.0 * places[side])
         view, exact = one.programs.views[side], one.programs.exact[side]
         with np.errstate(all="ignore"):
-            for _ in range(_PAIR_STEPS):
+            for _ in range(steps):
                 (F,) = run_rows(exact.squares, one.parameters, np.stack([*base, *one.constants, *one.low]))
                 slope = run_rows(view.slopes, one.parameters, np.stack([base.high, *one.constants]))[1]
                 step = F / slope

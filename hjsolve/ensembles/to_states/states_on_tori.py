@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.number_types import Mask, Reals
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.actions_and_angles import combine_integrals
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, place
 from hjsolve.ensembles.engine.kernels.types import Modes, Sums, no_sums
@@ -23,6 +23,15 @@ from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, placed, refined, width_of
+from hjsolve.ensembles.to_states.short_arcs import (
+    Integrals,
+    ShortArcs,
+    angles_by_arcs,
+    inverses,
+    phases_by_arcs,
+    times,
+    wrapped,
+)
 from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, squares
 
 _TIMED = Modes(chords=False, kernels=True, oscillations=True, shifts=False)
@@ -38,10 +47,16 @@ _SETTLED = 1e-9
 """Residual below which a step that makes nothing better ends the search."""
 _STARTS = 8
 """Phases next to either turning point from which Newton's method begins again."""
+_KNOWN, _SMALL = 1e-11, 0.1
+"""Error of a phase above which angles below the second, radians, come from integrals over short arcs."""
+_TINY, _BEGIN = 1e-3, 0.3
+"""Angle, radians, below which arcs come first, and the phase at which they then begin."""
 _BLUR = 5.0
 """Rounding of q, over W: from where the engine reads the phase off q, sin φ > 0.43."""
 _SHIFT = 2.0**-17
 """Relative change of an action for the difference quotient."""
+_QUOTIENT_STEPS = 2
+"""Steps of Newton's method for turning points that moved by as much."""
 _SAFETY = 2.0
 """By which difference quotients are enlarged."""
 
@@ -53,7 +68,7 @@ class AnglesFound(NamedTuple):
         separated, errors: θ of the separated coordinates in the sense of their rotation, and bounds; (separated, n).
         ignorable, ignorable_errors: of the ignorable ones that are angles, where these are at 0; (angles, n).
         inverse: (∂J/∂c)⁻¹, shape (n, separated, separated).
-        means: ∂J/∂c, shape (separated, constants, n).
+        integrals: of the engine, ∂J/∂c and the running ones.
         good: which are known.
     """
 
@@ -62,8 +77,24 @@ class AnglesFound(NamedTuple):
     ignorable: Reals
     ignorable_errors: Reals
     inverse: Reals
-    means: Reals
+    integrals: Integrals
     good: Mask
+
+    def put(self, index: Integers, other: AnglesFound, which: Mask) -> None:
+        """Write some of others into these.
+
+        Args:
+            index: their places here.
+            other: the others.
+            which: which of them.
+        """
+        for mine, theirs in zip(self._flat(), other._flat(), strict=True):
+            mine[..., index] = theirs[..., which]
+
+    def _flat(self) -> tuple[Reals | Mask, ...]:
+        """Return views of all arrays whose last axis is that of the orbits."""
+        separated, errors, ignorable, ignorable_errors, inverse, integrals, good = self
+        return separated, errors, ignorable, ignorable_errors, inverse.transpose(1, 2, 0), *integrals, good
 
 
 class StatesOnTori(NamedTuple):
@@ -128,8 +159,19 @@ def angles_at(task: AngleTask, tori: Tori, frames: Frames, at: Placed, *, exact:
     good = fine & np.isfinite(separated).all(axis=0)
     return AnglesFound(
         separated, np.stack([row[1] for row in rows]), np.stack([x for x, _ in others]) if others else empty,
-        np.stack([e for _, e in others]) if others else empty, inverse, means, good,
+        np.stack([e for _, e in others]) if others else empty, inverse, _integrals(sums), good,
     )  # fmt: skip
+
+
+def _integrals(sums: list[Sums]) -> Integrals:
+    """∂J/∂c, and G = phase times that plus the oscillations."""
+    means, errors, oscillations, roundings, speeds = (
+        np.stack([getattr(s, part) for s in sums])
+        for part in ("means", "mean_errors", "oscillations", "oscillation_errors", "speeds")
+    )
+    phases, phase_errors = (np.stack([getattr(s, part) for s in sums])[:, None] for part in ("phase", "phase_error"))
+    running_errors = errors * np.abs(phases) + roundings + np.abs(speeds) * phase_errors
+    return Integrals(means, errors, means * phases + oscillations, running_errors)
 
 
 def _resting_sums(one: CoordinateOfOrbits, rates: Reals) -> Sums:
@@ -140,15 +182,6 @@ def _resting_sums(one: CoordinateOfOrbits, rates: Reals) -> Sums:
         getattr(sums, zero)[...] = 0.0
     sums.good[:] = np.isfinite(rates).all(axis=0)
     return sums
-
-
-def wrapped(angle: Reals) -> Reals:
-    """Reduce angles to [−π, π].
-
-    Args:
-        angle: radians.
-    """
-    return angle - 2 * np.pi * np.rint(angle / (2 * np.pi))
 
 
 def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, Reals], spread: Reals) -> StatesOnTori:
@@ -164,33 +197,93 @@ def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, 
     θ = wrapped(angles[0] * frames.directions)
     # θ of a rotation is 0 opposite to the slow place, of a libration at the lower turning point
     φ = np.where(frames.rotating, tori.q * frames.directions, θ)
-    φ, found, at = _phases(task, tori, frames, (θ, φ), exact=False)
-    far = np.flatnonzero(frames.good & ~(np.abs(wrapped(θ - found.separated)).max(axis=0) < _NEARLY))
-    if len(far):
-        among = frames.take(far)
-        start = _nearest_start(task, tori.take(far), among, θ[:, far])
-        φ[:, far], *_ = _phases(task, tori.take(far), among, (θ[:, far], start), exact=False)
-    φ, found, at = _phases(task, tori, frames, (θ, φ), exact=True)
+    close = _close_to_ends(task, tori, frames, θ, φ)
+    rest = np.flatnonzero(~close)
+    if len(rest):
+        φ[:, rest] = _nearly(task, tori.take(rest), frames.take(rest), θ[:, rest], φ[:, rest])
+    here = _phases(task, tori, frames, (θ, φ), exact=True)
+    vague = _vague(frames, here, θ)
+    φ, found, at = _by_arcs(task, tori, frames, here, (θ, vague))
     residual = np.abs(wrapped(θ - found.separated))
     with np.errstate(all="ignore"):
-        back = _inverses(_matrix(found, at))
+        back = inverses(_matrix(found, at))
         loose = residual + found.errors
         # the engine takes q rounded to a double, which narrow motions see as a shift of the phase
         between = ~frames.rotating & ~frames.resting
         blur = np.where(between, _BLUR * EPS * np.abs(at.q) / frames.widths, 0.0)
-        phases = _times(np.abs(back), loose) + blur
+        phases = times(np.abs(back), loose) + blur
         own = np.abs(at.moves) * phases, np.abs(at.forces) * phases
-        moved = _quotients(task, tori, frames, (φ, at, found, back), spread)
+        moved = _quotients(task, tori, frames, (φ, at, found, back), (spread, vague & (np.abs(θ) < _SMALL)))
         q_errors = own[0] + moved[0] + 2 * EPS * np.abs(at.q)
         P_errors = own[1] + moved[1] + 8 * EPS * np.abs(at.P)
         turned = wrapped(angles[1] - found.ignorable)
         turned_errors = found.ignorable_errors + moved[2] + 8 * EPS * np.pi
         # an error of the phases moves the ignorable angles as well
         turned_errors = turned_errors + _ignorable_rates(task.model, found, at, phases)
-    good = frames.good & found.good & (residual.max(axis=0) < 1e-9)
+    good = frames.good & found.good & (residual <= _SETTLED + 2 * blur).all(axis=0)
     for part in (q_errors, P_errors, turned_errors):
         good = good & np.isfinite(part).all(axis=0)
     return StatesOnTori(at.q, at.P, q_errors, P_errors, turned, turned_errors, good)
+
+
+def _close_to_ends(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -> Mask:
+    """Write the phases of small angles, by arcs alone; return which were found."""
+    found: Mask = frames.good & ~(frames.rotating | frames.resting).any(axis=0) & (np.abs(θ) < _TINY).any(axis=0)
+    some = np.flatnonzero(found)
+    if not len(some):
+        return found
+    own, among, goal = tori.take(some), frames.take(some), θ[:, some]
+    begin = np.where(np.abs(goal) < _TINY, np.copysign(_BEGIN, goal), φ[:, some])
+    engine = angles_at(task, own, among, placed(task, own, among, begin), exact=False)
+    arcs = ShortArcs.of(engine.integrals, engine.inverse, begin, np.abs(goal) < _SMALL)
+    moved, known = phases_by_arcs(task, own, among, arcs, (goal, begin))
+    φ[:, some[known]] = moved[:, known]
+    found[some[~known]] = False
+    return found
+
+
+def _nearly(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -> Reals:
+    """Phases of angles, by the engine in doubles."""
+    φ, found, _ = _phases(task, tori, frames, (θ, φ), exact=False)
+    far = np.flatnonzero(frames.good & ~(np.abs(wrapped(θ - found.separated)).max(axis=0) < _NEARLY))
+    if len(far):
+        among = frames.take(far)
+        start = _nearest_start(task, tori.take(far), among, θ[:, far])
+        φ[:, far], *_ = _phases(task, tori.take(far), among, (θ[:, far], start), exact=False)
+    return φ
+
+
+_Here = tuple[Reals, AnglesFound, Placed]
+
+
+def _vague(frames: Frames, here: _Here, θ: Reals) -> Mask:
+    """Tell which phases the engine's angles leave open, of orbits that librate in all coordinates."""
+    _, found, at = here
+    with np.errstate(all="ignore"):
+        loose = np.abs(wrapped(θ - found.separated)) + found.errors
+        known = np.asarray(times(np.abs(inverses(_matrix(found, at))), loose).max(axis=0) <= _KNOWN)
+    moving = ~(frames.rotating | frames.resting).any(axis=0) & found.good
+    vague: Mask = np.asarray(moving & ~known & (np.abs(θ) < _SMALL).any(axis=0), dtype=bool)
+    return vague
+
+
+def _by_arcs(task: AngleTask, tori: Tori, frames: Frames, here: _Here, which: tuple[Reals, Mask]) -> _Here:
+    """Move vague states to their angles by integrals over short arcs."""
+    (φ, found, at), (θ, vague) = here, which
+    some = np.flatnonzero(vague)
+    if not len(some):
+        return here
+    own, among = tori.take(some), frames.take(some)
+    known = Integrals._make(x[..., some] for x in found.integrals)
+    arcs = ShortArcs.of(known, found.inverse[some], φ[:, some], np.abs(θ[:, some]) < _SMALL)
+    moved, _ = phases_by_arcs(task, own, among, arcs, (θ[:, some], φ[:, some]))
+    better = angles_by_arcs(task, own, among, arcs, moved, proved=True)
+    φ[:, some] = moved
+    for whole, part in zip(at, placed(task, own, among, moved), strict=True):
+        whole[..., some] = part
+    for name, part in better._asdict().items():
+        getattr(found, name)[..., some] = part
+    return φ, found, at
 
 
 def _matrix(found: AnglesFound, at: Placed) -> Reals:
@@ -198,18 +291,6 @@ def _matrix(found: AnglesFound, at: Placed) -> Reals:
     size = at.q.shape[0]
     rates = at.rates[:, :size].transpose(2, 1, 0)  # (n, constant, coordinate)
     return found.inverse @ rates
-
-
-def _inverses(matrices: Reals) -> Reals:
-    found = np.full(matrices.shape, np.nan)
-    finite = np.flatnonzero(np.isfinite(matrices).all(axis=(1, 2)))
-    fine = finite[np.linalg.det(matrices[finite]) != 0]
-    found[fine] = np.linalg.inv(matrices[fine])
-    return found
-
-
-def _times(matrices: Reals, vectors: Reals) -> Reals:
-    return (matrices @ vectors.T[..., None])[..., 0].T
 
 
 def _phases(
@@ -222,8 +303,9 @@ def _phases(
     trial, step = base.copy(), np.zeros((size, n))
     share, merit = np.ones(n), np.full(n, np.inf)
     angles = len(task.model.angles)
-    shapes = (size, n), (size, n), (angles, n), (angles, n), (n, size, size), (size, m, n)
-    best = AnglesFound._make((*(np.full(shape, np.nan) for shape in shapes), np.zeros(n, dtype=bool)))
+    shapes = (size, n), (size, n), (angles, n), (angles, n), (n, size, size)
+    integrals = Integrals._make(np.full((size, m, n), np.nan) for _ in range(4))
+    best = AnglesFound._make((*(np.full(shape, np.nan) for shape in shapes), integrals, np.zeros(n, dtype=bool)))
     kept = Placed._make((*(np.full((size, n), np.nan) for _ in range(4)), np.full((size, m, n), np.nan)))
     active = np.flatnonzero(frames.good)
     for _ in range(_ROUNDS):
@@ -234,21 +316,17 @@ def _phases(
         found = angles_at(task, own, among, at, exact=exact)
         residual = wrapped(θ[:, active] - found.separated)
         size_ = np.max(np.abs(residual), axis=0)
-        finished = found.good & (size_ <= close)
+        # what the engine's rounding leaves open of θ no step makes better
+        finished = found.good & (np.abs(residual) <= np.fmax(close, found.errors)).all(axis=0)
         better = found.good & ((size_ < (1 - 0.25 * share[active]) * merit[active]) | finished)
         settled = ~better & (share[active] == 1.0) & (merit[active] < _SETTLED)
         here = active[better]
         base[:, here], merit[here] = trial[:, here], size_[better]
         for whole, part in zip(kept, at, strict=True):
             whole[..., here] = part[..., better]
-        for name, part in found._asdict().items():
-            whole = getattr(best, name)
-            if name == "inverse":
-                whole[here] = part[better]
-            else:
-                whole[..., here] = part[..., better]
-        matrices = _inverses(_matrix(found, at)[better])
-        newton = _times(matrices, residual[:, better])
+        best.put(here, found, better)
+        matrices = inverses(_matrix(found, at)[better])
+        newton = times(matrices, residual[:, better])
         with np.errstate(all="ignore"):
             step[:, here], share[here] = newton, np.fmin(1.0, _LONGEST / np.max(np.abs(newton), axis=0))
         share[active[~better]] *= 0.25
@@ -281,16 +359,20 @@ def _ignorable_rates(model: Model, found: AnglesFound, at: Placed, phases: Reals
     for name in model.angles:
         j = model.ignorable[name]
         # dθ_φ/dφᵢ at fixed q_φ: rates of its own kernel less the mean growth along θ
-        slope = at.rates[:, j] - np.einsum("kn,nki->in", found.means[:, j], _matrix(found, at))
+        slope = at.rates[:, j] - np.einsum("kn,nki->in", found.integrals.means[:, j], _matrix(found, at))
         rows.append(np.sum(np.abs(slope) * phases, axis=0))
     return np.stack(rows) if rows else np.zeros((0, at.q.shape[1]))
 
 
 def _quotients(
-    task: AngleTask, tori: Tori, frames: Frames, here: tuple[Reals, Placed, AnglesFound, Reals], spread: Reals
-) -> tuple[Reals, Reals, Reals]:
-    """Return what is not known of J moves of q, P and the ignorable angles, by difference quotients at fixed θ."""
-    (φ, at, found, back), (size, n) = here, tori.q.shape
+    task: AngleTask, tori: Tori, frames: Frames, here: tuple[Reals, Placed, AnglesFound, Reals],
+    known: tuple[Reals, Mask],
+) -> tuple[Reals, Reals, Reals]:  # fmt: skip
+    """Return what is not known of J moves of q, P and the ignorable angles, by difference quotients at fixed θ.
+
+    ``known`` are bounds on what is not known of J, and which angles are integrals from the turning point.
+    """
+    (φ, at, found, back), (size, n), (spread, short) = here, tori.q.shape, known
     moved = [np.zeros((size, n)), np.zeros((size, n)), np.zeros((len(task.model.angles), n))]
     unknown = np.arange(size)
     inverse = found.inverse.transpose(0, 2, 1)  # ∂c/∂J
@@ -301,25 +383,37 @@ def _quotients(
         F = _action_sizes(task, tori.take(loose), k, frames.take(loose))
         change = np.zeros((size, len(loose)))
         change[k] = _SHIFT * F
-        own = tori.take(loose).moved(unknown, _times(inverse[loose], change))
+        own = tori.take(loose).moved(unknown, times(inverse[loose], change))
         among = frames.take(loose)
         bases, widths = among.bases.copy(), among.widths.copy()
         for i in range(size):
             some = np.flatnonzero(~among.rotating[i] & ~among.resting[i])
             if len(some):
                 ends = np.stack([_doubles(task, i, bases[i][:, some], side) for side in (0, 1)])
-                bases[i][:, some] = refined(task, own.take(some), i, ends)
+                bases[i][:, some] = refined(task, own.take(some), i, ends, _QUOTIENT_STEPS)
                 widths[i, some] = width_of(task, i, bases[i][:, some])
         among = among._replace(bases=bases, widths=widths)
         other = placed(task, own, among, φ[:, loose])
         angles = angles_at(task, own, among, other, exact=False)
-        turn = _times(back[loose], wrapped(angles.separated - found.separated[:, loose]))
+        _by_short_arcs(task, own, among, angles, (φ[:, loose], short[:, loose]))
+        turn = times(back[loose], wrapped(angles.separated - found.separated[:, loose]))
         factor = _SAFETY * spread[k, loose] / change[k]
         moved[0][:, loose] += factor * np.abs(other.q - at.q[:, loose] - at.moves[:, loose] * turn)
         moved[1][:, loose] += factor * np.abs(other.P - at.P[:, loose] - at.forces[:, loose] * turn)
         rows = wrapped(angles.ignorable - found.ignorable[:, loose])
         moved[2][:, loose] += factor * np.abs(rows)
     return moved[0], moved[1], moved[2]
+
+
+def _by_short_arcs(task: AngleTask, tori: Tori, frames: Frames, found: AnglesFound, which: tuple[Reals, Mask]) -> None:
+    """Write the angles that are integrals from turning points."""
+    φ, ends = which
+    some = np.flatnonzero(ends.any(axis=0) & found.good)
+    if len(some):
+        known = Integrals._make(x[..., some] for x in found.integrals)
+        arcs = ShortArcs.of(known, found.inverse[some], φ[:, some], ends[:, some])
+        own = angles_by_arcs(task, tori.take(some), frames.take(some), arcs, φ[:, some], proved=False)
+        found.separated[:, some], found.ignorable[:, some] = own.separated, own.ignorable
 
 
 def _doubles(task: AngleTask, k: int, bases: Reals, side: int) -> Reals:

@@ -25,7 +25,7 @@ _TOP_STEPS, _STILL = 24, 1e-6
 """Steps of Newton's method for the maximum of F, and the relative step that ends it: the place need not be the top."""
 _STRIDE = 0.5
 """Step uphill where F is convex, over the distance from zero, or over that on which its slope changes."""
-_FINER = 2.0**-100
+FINER = 2.0**-100
 """What two doubles leave open of a constant, relatively."""
 _ALONE = Modes(chords=False, kernels=True, oscillations=False, shifts=False)
 
@@ -108,7 +108,7 @@ def coordinate_at(
         k: which coordinate.
         P: its momenta there, shape (n,); None for 1.
     """
-    uncertainty = np.abs(tori.low) + _FINER * np.abs(tori.values)
+    uncertainty = np.abs(tori.low) + FINER * np.abs(tori.values)
     momenta = np.ones(tori.q.shape[1]) if P is None else P
     return CoordinateOfOrbits(
         model.separated[k], programs.coordinates[k], programs.parameters, np.ascontiguousarray(tori.q[k]), momenta,
@@ -151,7 +151,9 @@ def tops(one: CoordinateOfOrbits) -> tuple[Reals, Reals]:
             )
             new = np.clip(x + share * step, x - 0.75 * (x - low), x + 0.75 * (high - x))
             there = run_rows(code, one.parameters, np.stack([new, *one.constants]))
-            uphill, still = there[0] > F, np.abs(new - x) <= _STILL * np.abs(x)
+            still = np.abs(new - x) <= _STILL * np.abs(x)
+            # so near the top F in doubles tells nothing of up and down, which the smallest motions see
+            uphill = (there[0] > F) | (still & (bend < 0) & (share == 1.0))
             x, F, slope, bend = (
                 np.where(uphill, a, b) for a, b in zip((new, *there), (x, F, slope, bend), strict=True)
             )

@@ -1,0 +1,102 @@
+"""States of orbits from actions and angles: ``python -m benchmarks.states`` prints the table of docs/tori.md.
+
+Actions and angles of the families of ``galaxy_families`` are those of their stars, by the engine; others are drawn. The
+price is CPU time of the engine alone, for 4096 orbits at once, or as many as are asked for. The last column is what J
+of the states differs by from the J given, over max(1e-12, 20 × what a rounding of every q and p does to J).
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import Any
+
+import numpy as np
+
+import hjsolve
+from benchmarks import galaxy_families
+
+Columns = dict[str, Any]
+_DRAWS = 6
+"""How often q and p are moved by a rounding."""
+
+
+def galaxy_states(family: str, count: int) -> tuple[Columns, Columns]:
+    """Return positions and momenta of stars."""
+    u, w, pu, pw, pφ = galaxy_families.prolate(galaxy_families.family(family, count)).T
+    return {"u": u, "w": w, "phi": 0 * u + 0.3}, {"u": pu, "w": pw, "phi": pφ}
+
+
+def drawn(name: str, count: int) -> tuple[Columns, Columns]:
+    """Return actions and angles of one of the systems of the library, spread evenly in their logarithm."""
+    dice = np.random.default_rng(3)
+    ranges = SYSTEMS[name]
+    actions = {c: np.exp(dice.uniform(np.log(low), np.log(high), count)) for c, (low, high) in ranges.items()}
+    return actions, {c: dice.uniform(-3, 3, count) for c in ranges}
+
+
+SYSTEMS: dict[str, dict[str, tuple[float, float]]] = {
+    "kepler-planar": {"r": (1e-3, 3.0), "theta": (1e-1, 2.0)},
+    "isochrone": {"r": (1e-3, 3.0), "theta": (1e-1, 2.0)},
+    "spherical-pendulum": {"theta": (1e-3, 5.0), "phi": (1e-2, 3.0)},
+    "two-centres-space": {"xi": (1e-2, 1.0), "eta": (1e-2, 1.0), "phi": (1e-1, 2.0)},
+}
+
+
+def conditioning(solution: Any, q: Columns, p: Columns, actions: Columns) -> Columns:
+    """Return what a rounding of every q and p does to the actions, relatively."""
+    dice, found = np.random.default_rng(9), {name: np.zeros(np.shape(J)) for name, J in actions.items()}
+    for _ in range(_DRAWS):
+        moved = [
+            {c: x * (1 + np.finfo(float).eps * dice.choice([-1.0, 1.0], x.shape)) for c, x in group.items()}
+            for group in (q, p)
+        ]
+        other = hjsolve.ensemble(solution, q=moved[0], p=moved[1], want={"actions"}, fallback=False).actions
+        for name, J in actions.items():
+            with np.errstate(all="ignore"):
+                found[name] = np.fmax(found[name], np.abs(other[name] - J) / np.abs(J))
+    return found
+
+
+def row(title: str, solution: Any, actions: Columns, angles: Columns) -> str:
+    """Measure one family."""
+    count = len(next(iter(actions.values())))
+
+    def back() -> Any:
+        return hjsolve.ensemble(solution, actions=actions, angles=angles, want={"state"}, fallback=False)
+
+    back()  # tables and programs
+    begin = time.process_time()
+    engine = back()
+    price = (time.process_time() - begin) / count
+    q, p = ({c: np.array(x) for c, x in group.items()} for group in (engine.q, engine.p))
+    hjsolve.ensemble(solution, q=q, p=p, want={"actions", "angles"}, fallback=False)
+    begin = time.process_time()
+    again = hjsolve.ensemble(solution, q=q, p=p, want={"actions", "angles"}, fallback=False)
+    forth = (time.process_time() - begin) / count
+    found = conditioning(solution, q, p, again.actions)
+    worst = 0.0
+    for name, J in actions.items():
+        with np.errstate(all="ignore"):
+            off = np.abs(again.actions[name] - J) / np.abs(J) / np.fmax(1e-12, 20 * found[name])
+        worst = max(worst, float(np.nanmax(off)))
+    parts = f"{1e6 * price:.0f} | {price / forth:.0f} | {(engine.codes == 0).sum()}"
+    return f"| {title} | {count} | {parts} | {worst:.2g} |"
+
+
+def main() -> None:
+    """Print the table."""
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 4096
+    print("| family | orbits | µs an orbit | × state to actions and angles | ok | J there and back / allowed |")
+    print("|---|---|---|---|---|---|")
+    galaxy = galaxy_families.galaxy()
+    for family in galaxy_families.FAMILIES:
+        q, p = galaxy_states(family, count)
+        forth = hjsolve.ensemble(galaxy, q=q, p=p, want={"actions", "angles"})
+        print(row(family, galaxy, dict(forth.actions), dict(forth.angles)), flush=True)
+    for name in SYSTEMS:
+        print(row(name, hjsolve.solve(name), *drawn(name, count)), flush=True)
+
+
+if __name__ == "__main__":
+    main()

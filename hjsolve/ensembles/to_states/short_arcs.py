@@ -1,0 +1,222 @@
+"""Angles of n states by running integrals over short arcs: where θ is small next to its rounding.
+
+θₖ = Σⱼ (∂J/∂c)⁻¹ₖⱼ Σᵢ Gᵢⱼ, Gᵢⱼ = ∫ kᵢⱼ/pᵢ dqᵢ from the lower turning point (Goldstein, 3rd ed., §10.6). The engine
+gives G as mean growth plus oscillations, with an absolute error. Nearly unbound orbits pass their inner turning point
+in 1e-15 of a period; there the difference of those two has no digits, but G is an integral over a short arc of φ:
+
+    Gᵢⱼ(φ) = Gᵢⱼ(φ₀) + ∫_{φ₀}^{φ} kᵢⱼ/pᵢ dqᵢ/dφ dφ,
+
+by the rule of Gauss and Legendre (Trefethen, SIAM Review 50 (2008) 67, §1), with φ₀ the turning point, G = 0, where θ
+is small, and the phase at which the engine gave G elsewhere. The difference of two rules is part of the claim.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, placed
+from hjsolve.ensembles.to_states.tori import Tori
+
+_NODES, _MORE = 20, 32
+"""Nodes on an arc, and of the second rule."""
+_ROUNDING = 16 * EPS
+"""What rounding leaves open of kᵢⱼ/pᵢ dqᵢ/dφ, relatively: that of sin φ/2, of p² to 32 digits, and of the sum."""
+
+
+_ROUNDS, _LEAST_STEP = 60, 2.0**-20
+"""Evaluations of θ, and the share of a step below which an orbit is given up."""
+_LONGEST = 0.5
+"""Radians that a phase moves in one step, at most."""
+_CLOSE, _SETTLED = 4e-15, 1e-9
+"""Step at which an orbit is done, and below which one that makes nothing better ends the search."""
+
+
+class Integrals(NamedTuple):
+    """Integrals of the engine at the phases of n states; shape (separated, constants, n).
+
+    Attributes:
+        means, mean_errors: ∂J/∂c, and bounds on the errors.
+        running, running_errors: G there, and bounds.
+    """
+
+    means: Reals
+    mean_errors: Reals
+    running: Reals
+    running_errors: Reals
+
+
+class ShortArcs(NamedTuple):
+    """Where running integrals begin.
+
+    Attributes:
+        phases: φ₀, shape (separated, n).
+        known: of the engine; G at φ₀.
+        inverse: (∂J/∂c)⁻¹, shape (n, separated, separated).
+    """
+
+    phases: Reals
+    known: Integrals
+    inverse: Reals
+
+    @classmethod
+    def of(cls, known: Integrals, inverse: Reals, φ: Reals, ends: Mask) -> ShortArcs:
+        """Begin at turning points or where the engine gave G.
+
+        Args:
+            known: of the engine.
+            inverse: (∂J/∂c)⁻¹.
+            φ: the phases of the engine.
+            ends: which coordinates begin at their lower turning point, shape (separated, n).
+        """
+        begin = np.where(ends[:, None], 0.0, known.running)
+        errors = np.where(ends[:, None], 0.0, known.running_errors)
+        return cls(np.where(ends, 0.0, φ), known._replace(running=begin, running_errors=errors), inverse)
+
+    def take(self, index: Integers | Mask) -> ShortArcs:
+        """Return some of them.
+
+        Args:
+            index: which.
+        """
+        known = Integrals._make(x[..., index] for x in self.known)
+        return ShortArcs(self.phases[:, index], known, self.inverse[index])
+
+
+class AnglesByArcs(NamedTuple):
+    """Angles at the ends of arcs: of the separated coordinates, of ignorable ones at zero, and bounds; (…, n)."""
+
+    separated: Reals
+    errors: Reals
+    ignorable: Reals
+    ignorable_errors: Reals
+
+
+def angles_by_arcs(
+    task: AngleTask, tori: Tori, frames: Frames, arcs: ShortArcs, φ: Reals, *, proved: bool
+) -> AnglesByArcs:
+    """Return angles at phases.
+
+    Args:
+        task: the system.
+        tori: of n orbits; none of their coordinates rotates or rests.
+        frames: between what they move.
+        arcs: where integrals begin.
+        φ: phases, shape (separated, n).
+        proved: whether a second rule tells the error of the first; else bounds hold rounding only.
+    """
+    more, sizes = _integrated(task, tori, frames, arcs.phases, φ, _MORE if proved else _NODES)
+    known, size = arcs.known, len(φ)
+    errors = known.running_errors + _ROUNDING * (sizes + np.abs(known.running))
+    if proved:
+        fewer, _ = _integrated(task, tori, frames, arcs.phases, φ, _NODES)
+        errors = errors + np.abs(more - fewer)
+    running, errors = (known.running + more).sum(axis=0), errors.sum(axis=0)
+    θ = times(arcs.inverse, running[:size])
+    # an error of ∂J/∂c moves Σ ∂J/∂c θ, which G has to equal
+    errors = errors + np.sum((known.mean_errors + 4 * size * EPS * np.abs(known.means)) * np.abs(θ)[:, None], axis=0)
+    θ_errors = times(np.abs(arcs.inverse), errors[:size]) + 2 * EPS * np.abs(θ)
+    places = [task.model.ignorable[name] for name in task.model.angles]
+    ignorable = running[places] - np.sum(known.means[:, places] * θ[:, None], axis=0)
+    own = errors[places] + np.sum(np.abs(known.means[:, places]) * θ_errors[:, None], axis=0)
+    return AnglesByArcs(θ, θ_errors, ignorable, own)
+
+
+def _integrated(
+    task: AngleTask, tori: Tori, frames: Frames, begin: Reals, end: Reals, nodes: int
+) -> tuple[Reals, Reals]:
+    """∫ kᵢⱼ/pᵢ dqᵢ from phases to phases, and that of the sizes; shape (separated, constants, n)."""
+    x, weights = np.polynomial.legendre.leggauss(nodes)
+    size, n = begin.shape
+    half = 0.5 * (end - begin)
+    φ = (0.5 * (end + begin) + half * x[:, None, None]).transpose(1, 0, 2).reshape(size, nodes * n)
+    each = np.tile(np.arange(n), nodes)
+    rates = placed(task, tori.take(each), frames.take(each), φ).rates.reshape(size, -1, nodes, n)
+    with np.errstate(all="ignore"):
+        total, sizes = (np.einsum("k,ijkn->ijn", weights, r) for r in (rates, np.abs(rates)))
+        return half[:, None] * total, np.abs(half[:, None]) * sizes
+
+
+def phases_by_arcs(
+    task: AngleTask, tori: Tori, frames: Frames, arcs: ShortArcs, given: tuple[Reals, Reals]
+) -> tuple[Reals, Mask]:
+    """Find the phases with given angles from other phases, by Newton's method with steps that have to shrink.
+
+    Args:
+        task: the system.
+        tori: of n orbits; none of their coordinates rotates or rests.
+        frames: between what they move.
+        arcs: where integrals begin.
+        given: angles, and phases to begin with, shape (separated, n).
+
+    Returns:
+        Phases, and which of them are known to rounding.
+    """
+    θ, base = given[0], given[1].copy()
+    size, n = θ.shape
+    trial, step, matrices = base.copy(), np.zeros((size, n)), np.full((n, size, size), np.nan)
+    share, left, active = np.ones(n), np.full(n, np.inf), np.arange(n)
+    for round_ in range(_ROUNDS):
+        if not len(active):
+            break
+        own, among, mine = tori.take(active), frames.take(active), arcs.take(active)
+        found = angles_by_arcs(task, own, among, mine, trial[:, active], proved=False)
+        residual = wrapped(θ[:, active] - found.separated)
+        with np.errstate(all="ignore"):
+            # steps are compared by one matrix: angles of one orbit may differ in size by 1e15
+            seen = np.abs(times(matrices[active], residual)).max(axis=0)
+            better = np.asarray(seen < (1 - 0.25 * share[active]) * left[active]) if round_ else _finite(residual)
+        here = active[better]
+        base[:, here] = trial[:, here]
+        rates = placed(task, own.take(better), among.take(better), trial[:, here]).rates[:, :size]
+        matrices[here] = inverses(arcs.inverse[here] @ rates.transpose(2, 1, 0))
+        newton = times(matrices[here], residual[:, better])
+        with np.errstate(all="ignore"):
+            left[here] = np.abs(newton).max(axis=0)
+            step[:, here], share[here] = newton, np.fmin(1.0, _LONGEST / left[here])
+        share[active[~better]] *= 0.25
+        small = left[active] <= np.where(better, _CLOSE, _SETTLED)
+        active = active[~small & (share[active] >= _LEAST_STEP) & np.isfinite(left[active])]
+        trial[:, active] = base[:, active] + share[active] * step[:, active]
+    return base, left <= _SETTLED
+
+
+def _finite(rows: Reals) -> Mask:
+    return np.asarray(np.isfinite(rows).all(axis=0))
+
+
+def wrapped(angle: Reals) -> Reals:
+    """Reduce angles to [−π, π].
+
+    Args:
+        angle: radians.
+    """
+    found: Reals = angle - 2 * np.pi * np.rint(angle / (2 * np.pi))
+    return found
+
+
+def inverses(matrices: Reals) -> Reals:
+    """Return inverses of small matrices, shape (n, i, j); NaN where there is none.
+
+    Args:
+        matrices: of n orbits.
+    """
+    found = np.full(matrices.shape, np.nan)
+    finite = np.flatnonzero(np.isfinite(matrices).all(axis=(1, 2)))
+    fine = finite[np.linalg.det(matrices[finite]) != 0]
+    found[fine] = np.linalg.inv(matrices[fine])
+    return found
+
+
+def times(matrices: Reals, vectors: Reals) -> Reals:
+    """Return matrices (n, i, j) times vectors (j, n), shape (i, n).
+
+    Args:
+        matrices: of n orbits.
+        vectors: of n orbits.
+    """
+    found: Reals = (matrices @ vectors.T[..., None])[..., 0].T
+    return found
