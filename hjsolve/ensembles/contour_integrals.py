@@ -35,7 +35,7 @@ class Seconds(NamedTuple):
 
     Attributes:
         action: J, shape (m,).
-        first: J_j, shape (constants, m).
+        first, first_error: J_j and bounds on their errors, shape (constants, m).
         second, error: J_jk, shape (constants, constants, m).
         scale: the mean size of what J_jk is the mean of, of the same shape.
         good: whether the path holds the turning points and nothing else, as far as it shows.
@@ -43,6 +43,7 @@ class Seconds(NamedTuple):
 
     action: Reals
     first: Reals
+    first_error: Reals
     second: Reals
     error: Reals
     scale: Reals
@@ -68,7 +69,7 @@ def along(tape: Tape, κ: Reals, parameters: list[float], path: tuple[Reals, Rea
         root = _continued(np.sqrt(-F / (D * D)))
         action = np.mean((F / root).real, axis=0)
         found = _differentiated(F, others, root, κ, turn)
-        good = (root[-1].real > 0) & np.isfinite(action) & np.isfinite(found[1]).all(axis=(0, 1))
+        good = (root[-1].real > 0) & np.isfinite(action) & np.isfinite(found[2]).all(axis=(0, 1))
     return Seconds(action, *found, good)
 
 
@@ -84,8 +85,8 @@ def steps(η: Reals | float, factor: float = 1.0) -> int:
 
 def _differentiated(
     F: Complexes, others: list[Complexes], root: Complexes, κ: Reals, wave: Complexes
-) -> tuple[Reals, Reals, Reals, Reals]:
-    """J_j, J_jk, bounds on the errors of these and their scales, from F, its derivatives and √F per step."""
+) -> tuple[Reals, Reals, Reals, Reals, Reals]:
+    """J_j, J_jk, each with bounds on their errors, and scales, from F, its derivatives and √F per step."""
     n, shape = len(κ), F.shape
     first = [np.broadcast_to(f, shape) for f in others[:n]]
     parts = [k * f for k, f in zip(κ, first, strict=True)]
@@ -105,12 +106,19 @@ def _differentiated(
                 own = others[position] * half
                 f, terms = f + own, terms + _size(own)
             second[j, k] = second[k, j] = np.mean(f.real, axis=0)
-            scale, left = np.mean(terms, axis=0), np.maximum(_alternating(f), _alternating(f * wave))
-            bound = 2 * np.mean(terms * relative, axis=0) + scale * np.minimum(1.0, 4 * left / scale) ** _POWER
-            error[j, k] = error[k, j] = np.where(scale == 0, 0.0, bound)
+            scale = np.mean(terms, axis=0)
+            error[j, k] = error[k, j] = 2 * np.mean(terms * relative, axis=0) + _left(f, wave)
             scales[j, k] = scales[k, j] = scale
             position += 1
-    return np.array([np.mean(f.real, axis=0) for f in halves]), second, error, scales
+    doubt = [2 * np.mean(_size(f) * relative, axis=0) + 4 * _left(f, wave) for f in halves]
+    return np.array([np.mean(f.real, axis=0) for f in halves]), np.array(doubt), second, error, scales
+
+
+def _left(f: Complexes, wave: Complexes) -> Reals:
+    """Return what is left open of a mean: nearly the square of what half of the steps leave, in proportion."""
+    scale, left = np.mean(_size(f), axis=0), np.maximum(_alternating(f), _alternating(f * wave))
+    found: Reals = np.where(scale == 0, 0.0, scale * np.minimum(1.0, 4 * left / scale) ** _POWER)
+    return found
 
 
 def _alternating(f: Complexes) -> Reals:
@@ -148,5 +156,5 @@ def round_the_circle(tape: Tape, κ: Reals, parameters: list[float], half: int) 
         F, *others = tape.run(Float64(), [q + 0 * κ[0], *κ, *parameters])
         root = np.sqrt(F)
         found = _differentiated(F, others, root, κ, np.cos(q))
-        good = (F > 0).all(axis=0) & np.isfinite(found[1]).all(axis=(0, 1))
+        good = (F > 0).all(axis=0) & np.isfinite(found[2]).all(axis=(0, 1))
         return Seconds(np.mean(root, axis=0), *found, good)

@@ -109,7 +109,8 @@ def _derivatives(solution: Solution, batch: Batch, given: Mapping[str, Any]) -> 
     κ = np.array([np.ravel(batch.constants[name]) for name in constants], dtype=float).reshape(n, count)
     status = np.ravel(np.asarray(batch.status)).astype(object)
     open_ = np.flatnonzero(status == "ok")
-    K, (dK, error, sizes) = np.full((n, n, count), np.nan), (np.zeros((n, n, n, count)) for _ in range(3))
+    K, K_error = np.full((n, n, count), np.nan), np.zeros((n, n, count))
+    dK, error, sizes = (np.zeros((n, n, n, count)) for _ in range(3))
     good = np.zeros(count, dtype=bool)
     good[open_] = True
     exact = parameter_values(solution.system, given)
@@ -117,7 +118,7 @@ def _derivatives(solution: Solution, batch: Batch, given: Mapping[str, Any]) -> 
         found, fine = _coordinate(solution, exact, name, batch, κ, open_)
         direction = np.sign(np.ravel(batch.actions[name])[open_])
         direction = np.where(direction == 0, 1.0, direction)
-        K[i][:, open_] = direction * found.first
+        K[i][:, open_], K_error[i][:, open_] = direction * found.first, found.first_error
         dK[i][:, :, open_], error[i][:, :, open_] = direction * found.second, found.error
         sizes[i][:, :, open_] = found.scale
         good[open_[~fine]] = False
@@ -125,7 +126,7 @@ def _derivatives(solution: Solution, batch: Batch, given: Mapping[str, Any]) -> 
     for row, c in enumerate(others, len(names)):
         K[row] = 0.0
         K[row, constants.index(c.momentum.name)] = 1.0
-    return _collected(solution, batch, (K, dK, error, sizes), good, status)
+    return _collected(solution, batch, (K, K_error, dK, error, sizes), good, status)
 
 
 def _tape(solution: Solution, name: str) -> Tape:
@@ -149,7 +150,8 @@ def _coordinate(
     least = 1.0 if solution.system.coordinate(name).domain.kind == "angle" else 0.0
     n, m = len(κ), len(open_)
     second, error, scale = (np.zeros((n, n, m)) for _ in range(3))
-    result = Seconds(np.full(m, np.nan), np.full((n, m), np.nan), second, error, scale, np.zeros(m, dtype=bool))
+    first = np.full((n, m), np.nan)
+    result = Seconds(np.full(m, np.nan), first, 0 * first, second, error, scale, np.zeros(m, dtype=bool))
     fine, turning = np.zeros(m, dtype=bool), np.isfinite(low) & np.isfinite(high)
     for attempt, (part, more) in enumerate(_PATHS):
         left = np.flatnonzero(~fine & turning)
@@ -178,7 +180,7 @@ def _keep(result: Seconds, fine: Mask, some: Integers, found: Seconds, J: Reals,
         agrees = np.abs(found.action - J[some]) <= J_error[some] + _SAME * np.abs(J[some]) + 64 * EPS * size
     right = found.good & agrees & known
     fine[some[right]] = True
-    for own, new in zip(result[:5], found[:5], strict=True):
+    for own, new in zip(result[:6], found[:6], strict=True):
         own[..., some[right]] = new[..., right]
 
 
@@ -197,10 +199,10 @@ def _path(middle: Reals, h: Reals, room: tuple[list[float | None], float], part:
 
 
 def _collected(
-    solution: Solution, batch: Batch, found: tuple[Reals, Reals, Reals, Reals], good: Mask, status: Any
+    solution: Solution, batch: Batch, found: tuple[Reals, Reals, Reals, Reals, Reals], good: Mask, status: Any
 ) -> BatchDerivatives:
     """∂J/∂α and ∂Ω/∂α with their errors, the frequencies checked."""
-    K, dK, error, sizes = found
+    K, K_error, dK, error, sizes = found
     constants, names = list(solution.constants), list(solution.coordinates)
     order = names + [c.name for c in solution.system.coordinates if c.name not in names]
     E, n = constants.index(solution.separation.shell.energy.name), len(constants)
@@ -212,13 +214,14 @@ def _collected(
         row, rows = Ω[:, None, :], np.abs(Ω)[:, None, :]
         slopes, unsure, wide = (x.transpose(3, 2, 0, 1) for x in (dK, error + 8 * EPS * np.abs(dK), sizes))  # k, l, j
         dΩ = -np.concatenate([row @ slopes[:, k] @ inverse for k in range(n)], axis=1).transpose(0, 2, 1)
-        spread = size @ np.abs(matrices) @ size  # of K⁻¹, by units of rounding of K
+        unsure_K = np.where(good, K_error + 64 * EPS * np.abs(K), 0.0).transpose(2, 0, 1)
+        spread = size @ unsure_K @ size  # what the errors of K leave open of K⁻¹
         bound, terms = [], []
         for k in range(n):
             steep = np.abs(slopes[:, k])
             rounded = rows @ steep @ spread + spread[:, E : E + 1, :] @ steep @ size
             terms.append(rows @ wide[:, k] @ size)
-            bound.append(rows @ unsure[:, k] @ size + 64 * EPS * rounded)
+            bound.append(rows @ unsure[:, k] @ size + rounded)
         bound = np.concatenate(bound, axis=1).transpose(0, 2, 1) + 64 * EPS * np.abs(dΩ)
         scale = np.concatenate(terms, axis=1).transpose(0, 2, 1)
     _check(batch, order, Ω, spread[:, E, :], good)
@@ -234,7 +237,8 @@ def _collected(
     for i, name in enumerate(order):
         if name in batch.actions:
             value["actions"][name] = {c: shaped(K[i, j]) for j, c in enumerate(constants)}
-            errors["actions"][name] = {c: shaped(64 * EPS * np.abs(K[i]).max(axis=0)) for c in constants}
+            doubt = K_error[i].max(axis=0) + 64 * EPS * np.abs(K[i]).max(axis=0)
+            errors["actions"][name] = {c: shaped(doubt) for c in constants}
         if name in batch.frequencies:
             value["frequencies"][name] = {c: shaped(dΩ[:, i, j]) for j, c in enumerate(constants)}
             errors["frequencies"][name] = {c: shaped(bound[:, i, j]) for j, c in enumerate(constants)}
@@ -247,5 +251,5 @@ def _check(batch: Batch, order: Iterable[str], Ω: Reals, spread: Reals, good: M
         if name in batch.frequencies:
             there = np.ravel(batch.frequencies[name])
             with np.errstate(all="ignore"):
-                near = np.abs(Ω[:, i] - there) <= _SAME * np.abs(there) + 64 * EPS * spread[:, i]
+                near = np.abs(Ω[:, i] - there) <= _SAME * np.abs(there) + spread[:, i]
             good &= near
