@@ -17,8 +17,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from hjsolve.arithmetic.complex_disks import Disk, Disks, single
 from hjsolve.arithmetic.floats import EPS, Float64
-from hjsolve.arithmetic.number_types import Complexes, Mask, Reals
+from hjsolve.arithmetic.number_types import Complexes, Integers, Mask, Reals
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.one_coordinate.regular_factor import ComplexPoints
 
@@ -26,6 +27,8 @@ _LONG, _NEAR = 48.0, 8.0
 """n η of a path e^η away: e^−48 is left where the next singularity is as far again; and what is added for small η."""
 _POWER = 1.5
 """c^1.5 is claimed where c² is expected."""
+_SAMPLED = 4
+"""Every which step is run in disks."""
 _PLACES = 16.0
 """Units of rounding of an evaluation of F and its derivatives, in its own size and in that of its terms."""
 
@@ -50,13 +53,57 @@ class Seconds(NamedTuple):
     good: Mask
 
 
-def along(tape: Tape, κ: Reals, parameters: list[float], path: tuple[Reals, Reals, Reals], half: int) -> Seconds:
+class Integrand(NamedTuple):
+    """p² of one coordinate of m orbits.
+
+    Attributes:
+        tape: F, F_j, F_jk (k ≥ j) in q, the constants and the parameters.
+        alone: F alone.
+        constants, uncertainty: κ and bounds on their errors, shape (constants, m).
+        parameters: their values.
+    """
+
+    tape: Tape
+    alone: Tape
+    constants: Reals
+    uncertainty: Reals
+    parameters: list[float]
+
+    def take(self, index: Integers) -> Integrand:
+        """Return that of some of the orbits.
+
+        Args:
+            index: which.
+        """
+        return self._replace(constants=self.constants[:, index], uncertainty=self.uncertainty[:, index])
+
+    def run(self, numbers: Any, q: Any) -> list[Any]:
+        """Return F and its derivatives at places.
+
+        Args:
+            numbers: the arithmetic.
+            q: places, shape (nodes, m).
+        """
+        found: list[Any] = self.tape.run(numbers, [q, *self.constants, *self.parameters])
+        return found
+
+    def doubt(self, q: Any) -> Reals:
+        """Return a bound on the relative error of F: by disks, with the rounding of q and the errors of the constants.
+
+        Args:
+            q: places, shape (nodes, m).
+        """
+        known = [Disk(k + 0j, e) for k, e in zip(self.constants, self.uncertainty, strict=True)]
+        fixed = [single(x, EPS * abs(x)) for x in self.parameters]
+        F = self.alone.run(Disks(), [Disk(q + 0j, 4 * EPS * np.abs(q)), *known, *fixed])[0]
+        return F.radius / np.abs(F.centre)
+
+
+def along(integrand: Integrand, path: tuple[Reals, Reals, Reals], half: int) -> Seconds:
     """Integrate along q = m + ρ e^{iχ} + (h²/4ρ) e^{−iχ}; below the real axis everything is conjugate.
 
     Args:
-        tape: F, F_j, F_jk (k ≥ j) in q, the constants and the parameters.
-        κ: constants, shape (constants, m).
-        parameters: their values.
+        integrand: of m orbits.
         path: m, h and ρ, shape (m,).
         half: steps on half of the path, an even number.
     """
@@ -65,10 +112,11 @@ def along(tape: Tape, κ: Reals, parameters: list[float], path: tuple[Reals, Rea
     out, back = ρ * turn, h * h / (4 * ρ) / turn
     D = out - back
     with np.errstate(all="ignore"):
-        F, *others = tape.run(ComplexPoints(), [middle + (out + back), *κ, *parameters])
+        q = middle + (out + back)
+        F, *others = integrand.run(ComplexPoints(), q)
         root = _continued(np.sqrt(-F / (D * D)))
         action = np.mean((F / root).real, axis=0)
-        found = _differentiated(F, others, root, κ, turn)
+        found = _differentiated(integrand, q, (F, others, root), turn)
         good = (root[-1].real > 0) & np.isfinite(action) & np.isfinite(found[2]).all(axis=(0, 1))
     return Seconds(action, *found, good)
 
@@ -84,14 +132,20 @@ def steps(η: Reals | float, factor: float = 1.0) -> int:
 
 
 def _differentiated(
-    F: Complexes, others: list[Complexes], root: Complexes, κ: Reals, wave: Complexes
+    integrand: Integrand, q: Any, values: tuple[Complexes, list[Complexes], Complexes], wave: Complexes
 ) -> tuple[Reals, Reals, Reals, Reals, Reals]:
-    """J_j, J_jk, each with bounds on their errors, and scales, from F, its derivatives and √F per step."""
+    """J_j, J_jk, each with bounds on their errors, and scales, from F, its derivatives and √F per step.
+
+    How well F is known is a guess from its terms, held at every fourth step against disks and enlarged by them.
+    """
+    (F, others, root), κ = values, integrand.constants
     n, shape = len(κ), F.shape
     first = [np.broadcast_to(f, shape) for f in others[:n]]
     parts = [k * f for k, f in zip(κ, first, strict=True)]
     size = _size(F - sum(parts)) + sum(map(_size, parts))
     relative = EPS * _PLACES * (1 + size / np.abs(F))
+    some = slice(None, None, _SAMPLED)
+    relative = relative * np.maximum(1.0, np.max(integrand.doubt(q[some]) / relative[some], axis=0))
     half, halves = 0.5 / root, []
     inverse = half / F
     halves = [f * half for f in first]
@@ -143,18 +197,19 @@ def _continued(root: Complexes) -> Complexes:
     return root * np.cumprod(turned, axis=0)
 
 
-def round_the_circle(tape: Tape, κ: Reals, parameters: list[float], half: int) -> Seconds:
+def round_the_circle(integrand: Integrand, half: int) -> Seconds:
     """Integrate rotations over a whole turn, on the real axis, where F > 0 everywhere.
 
     Args:
-        tape, κ, parameters: as of ``along``.
+        integrand: of m orbits.
         half: half the number of steps.
     """
     # a quarter of a step off 0: from there alternating sums see even functions and odd ones
     q = np.pi * (np.arange(2 * half) + 0.25)[:, None] / half
     with np.errstate(all="ignore"):
-        F, *others = tape.run(Float64(), [q + 0 * κ[0], *κ, *parameters])
+        q = q + 0 * integrand.constants[0]
+        F, *others = integrand.run(Float64(), q)
         root = np.sqrt(F)
-        found = _differentiated(F, others, root, κ, np.cos(q))
+        found = _differentiated(integrand, q, (F, others, root), np.cos(q))
         good = (F > 0).all(axis=0) & np.isfinite(found[2]).all(axis=(0, 1))
         return Seconds(np.mean(root, axis=0), *found, good)

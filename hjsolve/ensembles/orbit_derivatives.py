@@ -22,7 +22,7 @@ from hjsolve.arithmetic.tape import Tape
 from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.ensembles.batch import Batch
-from hjsolve.ensembles.contour_integrals import Seconds, along, round_the_circle, steps
+from hjsolve.ensembles.contour_integrals import Integrand, Seconds, along, round_the_circle, steps
 from hjsolve.ensembles.orbits import ensemble
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.kinks import refuse_kinks
@@ -129,20 +129,23 @@ def _derivatives(solution: Solution, batch: Batch, given: Mapping[str, Any]) -> 
     return _collected(solution, batch, (K, K_error, dK, error, sizes), good, status)
 
 
-def _tape(solution: Solution, name: str) -> Tape:
+def _tapes(solution: Solution, name: str) -> tuple[Tape, Tape]:
+    """Return F with its derivatives, and F alone."""
     F, q = solution.momentum_squared[name], solution.system.coordinate(name).symbol
     κ = [c.symbol for c in solution.constants.values()]
     first = [sp.diff(F, c) for c in κ]
     second = [sp.diff(first[j], κ[k]) for j in range(len(κ)) for k in range(j, len(κ))]
-    return tape_of((F, *first, *second), (q, *κ, *(p.symbol for p in solution.system.parameters)))
+    inputs = (q, *κ, *(p.symbol for p in solution.system.parameters))
+    return tape_of((F, *first, *second), inputs), tape_of((F,), inputs)
 
 
 def _coordinate(
     solution: Solution, exact: Mapping[sp.Symbol, sp.Expr], name: str, batch: Batch, κ: Reals, open_: Integers
 ) -> tuple[Seconds, Mask]:
     """Return the second derivatives of one action, and for which of the orbits they agree with it."""
-    tape = _tape(solution, name)
     numbers = [float(to_bits(exact[p.symbol])(64)) for p in solution.system.parameters]
+    uncertainty = [np.ravel(np.asarray(batch.error["constants"][c], dtype=float)) for c in solution.constants]
+    integrand = Integrand(*_tapes(solution, name), κ, np.array(uncertainty), numbers)
     low, high = (np.ravel(np.asarray(end, dtype=float))[open_] for end in batch.turning_points[name])
     J = np.abs(np.ravel(batch.actions[name])[open_])
     J_error = np.ravel(batch.error["actions"][name])[open_]
@@ -162,12 +165,12 @@ def _coordinate(
             for block in np.array_split(own, -(-len(own) // _BLOCK)):
                 some = left[block]
                 path = middle[block], h[block], ρ[block]
-                found = along(tape, κ[:, open_[some]], numbers, path, steps(step, more))
+                found = along(integrand.take(open_[some]), path, steps(step, more))
                 _keep(result, fine, some, found, J, J_error)
         if attempt < len(_ROUNDS):
             left = np.flatnonzero(~fine & ~turning)
             for block in np.array_split(left, max(1, -(-len(left) // _BLOCK))) if len(left) else ():
-                found = round_the_circle(tape, κ[:, open_[block]], numbers, _ROUNDS[attempt])
+                found = round_the_circle(integrand.take(open_[block]), _ROUNDS[attempt])
                 _keep(result, fine, block, found, J, J_error)
     return result, fine
 

@@ -97,3 +97,21 @@ def test_statuses_of_orbits_without_derivatives():
 def test_refusals_say_what_to_write():
     with pytest.raises(InvalidInputError, match=r"write motion\.derivatives"):
         hjsolve.ensemble_derivatives("free-particle", q={}, p={})
+
+
+def test_the_rounding_of_terms_that_cancel_is_in_the_claims():
+    """On a path through the complex plane a narrow Gaussian is far larger than V: ∂Ω_φ/∂p_φ was 9.7e-11 ± 8.7e-11."""
+    r = "(r/0.7717181362907177)"
+    V = (f"1.1434773614902434*{r}**2 + 1.933189491063825*log(1.2323622217314072 + {r}**2)"
+         f" + 0.22956812802305682*exp(-({r} - 1)**2/0.18925040035874843)")  # fmt: skip
+    system = System({"r": "0 < r", "phi": "angle"}, "dot(r)**2/2 + r**2*dot(phi)**2/2", V)
+    q, p = {"r": 2.159744611328811, "phi": 0.0}, {"r": 0.7618506625398624, "phi": 0.003869430978693262}
+    found = hjsolve.ensemble_derivatives(system, q={n: np.full(1, x) for n, x in q.items()}, p=p)
+    exact = hjsolve.solve(system).motion(q=q, p=p, digits=30).derivatives({"actions", "frequencies"}, {"constants"})
+    assert found.status.tolist() == ["ok"]
+    for quantity, names in found.value.items():
+        for name, constants in names.items():
+            for constant, column in constants.items():
+                truth = many.convert(exact.value[quantity][name][constant])
+                error = abs(many.mpf(float(column[0])) - truth)
+                assert error <= float(found.error[quantity][name][constant][0]) + 1e-25 * (1 + abs(truth))
