@@ -185,6 +185,11 @@ class Field:
 
     def _poly_power(self, a: Poly, n: int) -> Poly:
         """aⁿ, reduced, n ≥ 0."""
+        if n > 1 and n * max(e for m in a for _, e in [(0, 0), *poly.exponents(m)]) > poly.MAX_DEGREE:
+            raise WorkLimitError(f"the exponents of a power {n} would be too large for exact arithmetic")
+        if len(a) == 1:
+            ((m, c),) = a.items()
+            return self.reduce({n * m: c**n})
         if n > MAX_POWER:
             raise WorkLimitError(f"a power {n} would have to be expanded")
         result: Poly = {0: 1}

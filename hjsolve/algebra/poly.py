@@ -1,9 +1,10 @@
 """Sparse polynomials with integer coefficients in a growing list of generators.
 
-A polynomial is a ``dict`` from a packed monomial to a non-zero ``int``. A monomial is one Python integer with 16 bits
-per generator (generator k in bits 16k … 16k+15, the highest one always clear), so that multiplying monomials is
+A polynomial is a ``dict`` from a packed monomial to a non-zero ``int``. A monomial is one Python integer with 32 bits
+per generator (generator k in bits 32k … 32k+31, the highest one always clear), so that multiplying monomials is
 adding integers and a new generator can join at any time. This is several times faster than polynomials over a fixed
-ring and, unlike calls into sympy, it can be stopped: every product is counted against a ``Budget``.
+ring and, unlike calls into sympy, it can be stopped: every product is counted against a ``Budget``. Exponents run
+up to MAX_DEGREE, which powers observe: products of up to 128 such factors have room.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ from math import gcd
 
 from hjsolve.errors import HJSolveError
 
-BITS = 16
+BITS = 32
 FIELD = (1 << BITS) - 1
-MAX_DEGREE = (1 << (BITS - 2)) - 1
+MAX_DEGREE = 1 << (BITS - 8)
 
 Poly = dict[int, int]
 

@@ -32,6 +32,9 @@ from hjsolve.errors import required
 TRIGONOMETRIC = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
 MAX_MULTIPLE = 12
+"""Of an angle: sin nu is a polynomial of degree n in sin u and cos u."""
+MAX_EXPONENT = 100_000
+"""Of exp u: one power. sympy joins exp(a) exp(b) to exp(a + b), which would be a function of its own beyond."""
 MAX_SECONDS = 5.0
 """Of processor time, for relations between generators of one variable in one field."""
 Pair = tuple[Element, Element]
@@ -112,7 +115,8 @@ class Reader:
         for monomial, c in self._terms(kind, argument):
             unit = self._units.setdefault((kind, monomial), abs(c))
             n = c / unit
-            if n.denominator != 1 or abs(n) > MAX_MULTIPLE:  # a function of its own: what vanishes so vanishes
+            most = MAX_EXPONENT if kind == "rapidity" and monomial in self._exponential else MAX_MULTIPLE
+            if n.denominator != 1 or abs(n) > most:  # a function of its own: what vanishes so vanishes
                 n, unit = Fraction(1 if c > 0 else -1), abs(c)
             parts.append((int(n), sp.Rational(unit.numerator, unit.denominator) * monomial))
         return parts
