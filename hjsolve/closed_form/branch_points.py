@@ -48,29 +48,40 @@ def named_roots(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix
     Raises:
         NoFormError: the roots in radicals could not be separated.
     """
-    radicals = _radicals(curve, signs)
-    where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]] = {}
     P, x = curve.polynomial, curve.x
-    if radicals is None:
-        symbols = [sp.Symbol(f"{prefix}_{k + 1}", real=True) for k in range(len(region.roots))]
-        where = {symbol: (P, k) for k, symbol in enumerate(symbols)}
-        signs.name({symbol: sp.Float(r, 50) for symbol, r in zip(symbols, region.roots, strict=True)})
-        if symbols:
-            real, pairs = tuple(symbols), _remaining_pair(P, symbols)
-        else:
-            real, pairs = (), _two_pairs(P, signs, prefix, where)
-    else:
-        found, pairs = radicals
-        real = tuple(sorted(found, key=lambda e: mp.mpf(signs.number(e))))
-        if any(sp.count_ops(r) > LONGEST_ROOT or _nested(r) for r in real):
-            real, where = _by_names(real, signs, prefix)
-            pairs = tuple((re, _part_by_name(im, signs, prefix, where) if re == 0 else im) for re, im in pairs)
+    found, pairs, left = _radicals(curve, signs)
+    where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]] = {}
+    if left is not None:
+        symbols = _by_numbers(left, found, signs, prefix)
+        where |= {symbol: (left, k) for k, symbol in enumerate(symbols)}
+        found = [*found, *symbols]
+        pairs += _remaining_pair(left, symbols) if symbols else _two_pairs(left, signs, prefix, where)
+    real = tuple(sorted(found, key=lambda e: mp.mpf(signs.number(e))))
+    if left is None and any(sp.count_ops(r) > LONGEST_ROOT or _nested(r) for r in real):
+        real, where = _by_names(real, signs, prefix)
+        pairs = tuple((re, _part_by_name(im, signs, prefix, where) if re == 0 else im) for re, im in pairs)
     if len(real) != len(region.roots) or len(real) + 2 * len(pairs) != P.degree():
         raise NoFormError(f"the roots of {P.as_expr()} in {x} could not be separated")
     with mp.workdps(30):
         below = [k for k, r in enumerate(region.roots) if r < region.place]
         above = [k for k, r in enumerate(region.roots) if r > region.place]
     return NamedRoots(P.LC(), real, pairs, where, (below[-1] if below else None, above[0] if above else None))
+
+
+def _by_numbers(left: sp.Poly, found: list[sp.Expr], signs: Signs, prefix: str) -> list[sp.Symbol]:
+    """Names for the real roots of a factor without radicals, numbered among all real roots of P.
+
+    Args:
+        left: the factor.
+        found: the other real roots of P.
+        signs: of the sample.
+        prefix: of the names.
+    """
+    values = ordered_real_roots(left, signs.numbers, 50)
+    places = sorted([*values, *(mp.mpf(signs.number(r)) for r in found)])
+    symbols = [sp.Symbol(f"{prefix}_{places.index(value) + 1}", real=True) for value in values]
+    signs.name({symbol: sp.Float(value, 50) for symbol, value in zip(symbols, values, strict=True)})
+    return symbols
 
 
 def _nested(root: sp.Expr) -> bool:
@@ -154,11 +165,12 @@ def _two_pairs(
 
 def _radicals(
     curve: MomentumCurve, signs: Signs
-) -> tuple[list[sp.Expr], tuple[tuple[sp.Expr, sp.Expr], ...]] | None:  # fmt: skip
-    """Real roots and complex pairs of products of linear, quadratic and biquadratic factors; None of any other."""
+) -> tuple[list[sp.Expr], tuple[tuple[sp.Expr, sp.Expr], ...], sp.Poly | None]:
+    """Real roots and complex pairs of linear, quadratic, biquadratic and pure cubic factors, and the factor of others."""
     x = curve.x
     bare, back = named_constants(curve.polynomial.as_expr(), x)
     real, pairs = list[sp.Expr](), list[tuple[sp.Expr, sp.Expr]]()
+    left: sp.Poly | None = None
     for factor, _ in sp.factor_list(sp.numer(sp.together(bare)), x)[1]:
         coefficients = [c.xreplace(back) for c in sp.Poly(factor, x).all_coeffs()]
         match len(coefficients):
@@ -166,6 +178,12 @@ def _radicals(
                 real.append(sp.cancel(-coefficients[1] / coefficients[0]))
             case 3:
                 _quadratic(coefficients, signs, real, pairs)
+            case 4 if coefficients[1] == 0 and coefficients[2] == 0:
+                ratio = sp.factor(sp.cancel(-coefficients[3] / coefficients[0]))
+                side = signs.sign(ratio)
+                size = sp.cbrt(side * ratio)
+                real.append(side * size)
+                pairs.append((-side * size / 2, sp.sqrt(3) * size / 2))
             case 5 if coefficients[1] == 0 and coefficients[3] == 0:
                 squares, complex_squares = list[sp.Expr](), list[tuple[sp.Expr, sp.Expr]]()
                 _quadratic(coefficients[::2], signs, squares, complex_squares)
@@ -179,8 +197,8 @@ def _radicals(
                     part = (sp.sqrt((size + re) / 2), sp.sqrt((size - re) / 2))
                     pairs += [part, (-part[0], part[1])]
             case _:
-                return None
-    return [shortened_powers(r) for r in real], tuple(pairs)
+                left = sp.Poly(factor.xreplace(back), x)
+    return [shortened_powers(r) for r in real], tuple(pairs), left
 
 
 def _quadratic(
