@@ -12,7 +12,7 @@ import sympy as sp
 from hjsolve.closed_form.elementary import Antiderivative, BasicIntegral, positive_root
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase, sign_of_factors
 from hjsolve.closed_form.pieces import monotone_inverse
-from hjsolve.closed_form.tidy import square_root
+from hjsolve.closed_form.tidy import shortened_powers, square_root
 from hjsolve.errors import required
 
 _CENTRED = {"arcsine": sp.cos, "area sine": sp.sinh, "area cosine right": sp.cosh, "area cosine left": sp.cosh}
@@ -48,9 +48,9 @@ def elementary_inverse(basic: BasicIntegral, amount: sp.Expr, begin: sp.Expr, na
 def separatrix_inverse(
     law: Antiderivative, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities
 ) -> sp.Expr | None:  # fmt: skip
-    """Return the x at which w ln((x − r₁)/(r₂ − x)) has a value.
+    """Return the x at which w ln |(x − r₁)/(x − r₂)| has a value.
 
-    The middle of r₁ and r₂ and half their distance times tanh.
+    The middle of r₁ and r₂ and half their distance times tanh between them, times coth outside.
 
     Args:
         law: the integral; of two logarithms with opposite weights.
@@ -64,14 +64,40 @@ def separatrix_inverse(
     if law.algebraic != 0 or len(law.terms) != 2 or any(t.kind != "logarithm" or t.place is None for _, t in law.terms):
         return None
     (w, one), (w_2, other) = law.terms
-    if one.quadratic[0] != other.quadratic[0] or sp.cancel(w + w_2) != 0 or one.side == other.side:
+    if one.quadratic[0] != other.quadratic[0] or sp.cancel(w + w_2) != 0:
         return None
-    if one.side < 0:
+    outside = one.side == other.side
+    if one.side < 0 and not outside:
         (w, one), (w_2, other) = (w_2, other), (w, one)
     low, high = required(one.place), required(other.place)
     middle, h = sp.cancel((low + high) / 2), sp.cancel((high - low) / 2)
-    factor, start = positive_root(one.quadratic[0]) / (2 * w), sp.atanh((begin - middle) / h)
-    return middle + h * sp.tanh(Phase(names, amount, factor, start, even=False).argument)
+    function, inverse = (sp.coth, sp.acoth) if outside else (sp.tanh, sp.atanh)
+    factor, start = positive_root(one.quadratic[0]) / (2 * w), inverse((begin - middle) / h)
+    return middle + h * function(Phase(names, amount, factor, start, even=False).argument)
+
+
+def power_inverse(law: Antiderivative, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities) -> sp.Expr | None:
+    """Return the x at which c xᵏ √(Bx) has a value: a power of the time, Kepler's parabola on a line for k = −2.
+
+    Args:
+        law: the integral, algebraic, deg P = 1.
+        amount: the value.
+        begin: the place, an x.
+        names: of the quantities of the form.
+
+    Returns:
+        The place; None of any other integral.
+    """
+    x = law.x
+    B, C = sp.Poly(law.polynomial, x).all_coeffs()
+    c, power = sp.factor(law.algebraic).as_independent(x, as_Add=False)
+    k = 0 if power == 1 else power.as_base_exp()[1]
+    if C != 0 or power not in (1, x**k) or not sp.sympify(k).is_Integer:
+        return None
+    start = shortened_powers(c * begin**k * positive_root(B * begin))
+    argument = Phase(names, amount, sp.S.One, start, even=True).argument
+    size = sp.factor(sp.cancel(c**2 * sp.Abs(B)))
+    return sign_of_factors(B) * ((argument**2) ** sp.Rational(1, 2 * k + 1) * size ** sp.Rational(-1, 2 * k + 1))
 
 
 def square_root_inverse(

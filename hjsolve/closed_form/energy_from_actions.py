@@ -9,7 +9,7 @@ import sympy as sp
 from hjsolve.closed_form.curves import named_constants
 from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.named_quantities import NamedQuantities
-from hjsolve.closed_form.regime import Regime
+from hjsolve.closed_form.regime import Regime, settled
 from hjsolve.closed_form.tidy import elliptic, plain_roots
 from hjsolve.closed_form.why_not import NotFound, WhyNot
 from hjsolve.closed_form.workshop import Workshop
@@ -38,7 +38,7 @@ def solved_for_energy(
     if made.special or any(c.name not in actions for c in system.coordinates):
         return None
     named = {c.name: sp.Symbol(f"J_{c.name}", real=True) for c in system.coordinates}
-    actions = {name: names.written_out(action) for name, action in actions.items()}
+    actions = {name: settled(made, names.written_out(action)) for name, action in actions.items()}
     known, left = dict[sp.Symbol, sp.Expr](), dict(actions)
     while left:
         step = _next(left, known, constants) or _linear(left, known, constants)
@@ -56,7 +56,7 @@ def solved_for_energy(
         return None
     energy = sp.factor(energy) if energy.is_rational_function() else energy
     positive = {named[n]: sp.Dummy(positive=True) for n, kind in made.kinds.items() if kind == "libration"}
-    return energy.xreplace(positive).xreplace({d: J for J, d in positive.items()})
+    return settled(made, energy.xreplace(positive)).xreplace({d: J for J, d in positive.items()})
 
 
 def _linear(
@@ -106,9 +106,7 @@ def _solved(
         return _right_one([J / slope - sp.expand((action - slope * unknown) / slope)], names, actions, named, unknown)
     radicals = [p for p in action.atoms(sp.Pow) if p.has(unknown) and p.exp.is_Rational and not p.exp.is_Integer]
     bases = {p.base for p in radicals}
-    if action.atoms(sp.Function) - action.atoms(sp.Abs, sp.sign) or any(
-        a.has(unknown) for a in action.atoms(sp.Abs, sp.sign)
-    ):
+    if any(a.has(unknown) for a in action.atoms(sp.Function)):
         return None
     found: list[sp.Expr] = []
     if not bases:
@@ -120,7 +118,7 @@ def _solved(
         if sp.Poly(base, unknown).degree() != 1:
             found = _without_root(action - J, base, radicals, unknown)
             return _right_one(found, names, actions, named, unknown)
-        z, step = sp.Dummy("z", positive=True), 2
+        z, step = sp.Dummy("z", positive=True), sp.ilcm(1, *(p.exp.q for p in radicals))
         b, c = sp.Poly(base, unknown).all_coeffs()
         back = (z**step - c) / b
         plain = action.xreplace({p: z ** (step * p.exp) for p in radicals}).subs(unknown, back)
@@ -190,7 +188,7 @@ def _right_one(
 
 
 def _roots(polynomial: sp.Expr, unknown: sp.Symbol) -> list[sp.Expr]:
-    """Return the roots of factors of the first and second degree."""
+    """Return the roots of factors of the first and second degree, and the positive root of a pure power."""
     found = list[sp.Expr]()
     bare, back = named_constants(sp.expand(polynomial), unknown)
     if not bare.is_polynomial(unknown):
@@ -203,4 +201,6 @@ def _roots(polynomial: sp.Expr, unknown: sp.Symbol) -> list[sp.Expr]:
             a, b, c = coefficients
             root = sp.sqrt(sp.factor(b**2 - 4 * a * c))
             found += [(-b + root) / (2 * a), (-b - root) / (2 * a)]
+        elif not any(coefficients[1:-1]):
+            found.append((-coefficients[-1] / coefficients[0]) ** sp.Rational(1, len(coefficients) - 1))
     return [root.xreplace(back) for root in found]

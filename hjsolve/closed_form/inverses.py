@@ -11,6 +11,7 @@ from hjsolve.closed_form.elementary import Antiderivative, positive_root
 from hjsolve.closed_form.elementary_inverses import (
     accelerated,
     elementary_inverse,
+    power_inverse,
     separatrix_inverse,
     square_root_inverse,
 )
@@ -268,6 +269,13 @@ def _algebraic(
     P = sp.Poly(law.polynomial, law.x)
     if P.degree() == 2 and not law.algebraic.has(law.x):
         x = square_root_inverse(law, own_side(own, integral), value, s.place.subs(q, start), names)
+        return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start, names, others)
+    x = (
+        power_inverse(law, value, s.place.subs(q, start), names)
+        if P.degree() == 1 and law.algebraic.has(law.x)
+        else None
+    )
+    if x is not None:
         return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start, names, others)
     if P.degree() != 1 or law.algebraic.has(law.x):
         raise NoFormError(_why_not_inverted(own, law))

@@ -20,7 +20,7 @@ from hjsolve.closed_form.reduction import reduced
 from hjsolve.closed_form.regions import RootInterval, root_interval_of
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
-from hjsolve.closed_form.square_curves import SquareCurve, reduces, square_curve
+from hjsolve.closed_form.square_curves import SquareCurve, between_the_roots_of_a_power, reduces, square_curve
 from hjsolve.closed_form.strata import deciders
 from hjsolve.closed_form.substitutions import Substitution
 from hjsolve.closed_form.tidy import longer_than
@@ -208,6 +208,9 @@ class _Task:
         law: Antiderivative | None = None
         if self.roots is not None:
             value, whole, way = self._reduced_elliptic(R, cyclic=cyclic)
+            if whole is not None and self.squared is not None and self.squared.passes and region.kind == "libration":
+                plain = between_the_roots_of_a_power(R, curve)
+                whole = whole if plain is None else plain
             value = value.xreplace({curve.x: s.place})
         else:
             law = elementary_antiderivative(R, curve.polynomial, self.signs, self.side)
@@ -242,7 +245,7 @@ class _Task:
             X = squared.X
             found += a * sp.sqrt(X) * positive_root(sp.quo(P, sp.Poly(X, X)).as_expr()) if a != 0 else 0
             found = squared.in_x(found, x)
-            whole = 2 * whole if squared.passes and whole is not None else whole
+            whole = None if whole is None else (2 if squared.passes else squared.side) * whole
         if whole is not None and self.region.kind == "rotation":
             whole += _edges(a, P, self.curve.substitution, squared)
         return found, whole, way

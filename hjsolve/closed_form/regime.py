@@ -77,12 +77,35 @@ def described_regime(
         relation = plain_relation(expression, sign)
         if relation is not None and relation not in relations:
             relations.append(relation)
-    signed = {r.lhs for r in relations if isinstance(r, (sp.StrictGreaterThan, sp.StrictLessThan)) and r.rhs == 0}
-    relations = [r for r in relations if not (isinstance(r, sp.Ne) and r.lhs in signed)]
+    signed = {f for r in relations if _side(r) and r.rhs == 0 for f in (r.lhs, *sp.Mul.make_args(r.lhs))}
+    relations = _without_known_signs([r for r in relations if not (isinstance(r, sp.Ne) and r.lhs in signed)])
     what = [f"{name}: {kind}" for name, kind in kinds.items()] or ["every motion"]
     texts = [_written(relation) for relation in relations]
     words = "; ".join(filter(None, (", ".join(what), ", ".join(texts), ordering)))
     return Regime(words, tuple(relations), kinds, example, special, conditions, regions)
+
+
+def _without_known_signs(relations: list[sp.Basic]) -> list[sp.Basic]:
+    """Leave out of products what other relations say: A E > 0 is A > 0 where E > 0."""
+    while True:
+        signed = {r.lhs: _side(r) for r in relations if _side(r) and r.lhs.is_Symbol and r.rhs == 0}
+        table = {s: side * sp.Dummy(s.name, positive=True) for s, side in signed.items()}
+        names = {d: sp.sign(e) * symbol for symbol, e in table.items() for d in e.free_symbols}
+        shorter = list[sp.Basic]()
+        for r in relations:
+            if _side(r) and r.rhs == 0 and not r.lhs.is_Symbol and r.lhs.free_symbols & set(table):
+                rest = plain_relation(r.lhs.xreplace(table), _side(r))
+                r = None if rest is None else rest.xreplace(names)
+            if r is not None and r not in shorter:
+                shorter.append(r)
+        if shorter == relations:
+            return relations
+        relations = shorter
+
+
+def _side(relation: sp.Basic) -> int:
+    """Return 1 of >, −1 of <, else 0."""
+    return {sp.StrictGreaterThan: 1, sp.StrictLessThan: -1}.get(type(relation), 0)
 
 
 def _written(relation: sp.Basic) -> str:

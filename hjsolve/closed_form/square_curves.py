@@ -109,6 +109,39 @@ def square_curve(curve: MomentumCurve, region: RootInterval, signs: Signs, prefi
     return SquareCurve(X, inner, named, 1 if passes or region.place > 0 else -1, passes, region.place**2)
 
 
+def between_the_roots_of_a_power(R: sp.Expr, curve: MomentumCurve) -> sp.Expr | None:
+    """∫ R dx/√(a − b xⁿ) over −r ≤ x ≤ r = (a/b)^(1/n), n even, by Euler's integral of the first kind.
+
+    ∫₀ʳ xᵏ dx/√(a − b xⁿ) = rᵏ⁺¹/(n √a) B((k + 1)/n, ½), which shows how V = α xⁿ scales (Landau and Lifshitz, Mechanics
+    §11, problem 2a).
+
+    Args:
+        R: rational in the variable.
+        curve: with roots ± r.
+
+    Returns:
+        The integral; None of another P, or of an R with poles.
+    """
+    P, x, n = curve.polynomial, curve.x, curve.degree
+    a, b = P.coeff_monomial(1), -P.LC()
+    if n % 2 or P.as_expr() != a - b * x**n or a == 0 or not R.is_polynomial(x):
+        return None
+    total, r = sp.S.Zero, sp.Pow(sp.factor(a / b), sp.Rational(1, n))
+    for (k,), c in sp.Poly(R, x).terms():
+        if k % 2 == 0:
+            first, whole = sp.Rational(k % n + 1, n), k // n  # by Γ(s + 1) = s Γ(s), so that terms of one period join
+            total += c * r ** (k + 1) * sp.rf(first, whole) / sp.rf(first + sp.S.Half, whole) * _beta(first)
+    return 2 * sp.factor_terms(sp.expand(total)) / (n * sp.sqrt(a))
+
+
+def _beta(s: sp.Rational) -> sp.Expr:
+    """B(s, ½) in Γ of arguments up to 1."""
+    high = s > sp.S.Half
+    return (
+        sp.gamma(s) * sp.sqrt(sp.pi) / ((s - sp.S.Half) * sp.gamma(s - sp.S.Half) if high else sp.gamma(s + sp.S.Half))
+    )
+
+
 def reduces(curve: MomentumCurve) -> bool:
     """Return whether a curve of genus 2 is one of these.
 

@@ -71,12 +71,17 @@ def _outermost(expression: sp.Expr) -> set[sp.Expr]:
     return set().union(*(_outermost(part) for part in expression.args))
 
 
+_GAMMA = {sp.gamma(-sp.Rational(1, 4)): -4 * sp.sqrt(2) * sp.pi / sp.gamma(sp.Rational(1, 4))}
+"""K(1/2) by Γ(1/4), as books write it."""
+
+
 def shortened_powers(expression: sp.Expr) -> sp.Expr:
     """Write products of powers of s, −s and |s| shorter.
 
     Args:
         expression: real, of real symbols.
     """
+    expression = expression.xreplace(_GAMMA)
     if elliptic(expression) and longer_than(expression, LONGEST):
         return expression
     return expression.replace(lambda e: e.is_Mul, _product)

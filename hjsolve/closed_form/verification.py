@@ -22,7 +22,7 @@ from hjsolve.closed_form.time_limit import check_time
 from hjsolve.precision import mp
 
 DIGITS, GUARD = 40, 24
-_MOST, _NODES, _HALVINGS = 4096, 4, 5
+_MOST, _NODES, _HALVINGS = 4096, 4, 9
 _PARTS = ("0.31", "0.52", "0.77")
 Values = Callable[[mpmath.mpf], list[mpmath.mpf]]
 
