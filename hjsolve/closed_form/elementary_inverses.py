@@ -92,7 +92,7 @@ def power_inverse(law: Antiderivative, amount: sp.Expr, begin: sp.Expr, names: N
     B, C = sp.Poly(law.polynomial, x).all_coeffs()
     c, power = sp.factor(law.algebraic).as_independent(x, as_Add=False)
     k = 0 if power == 1 else power.as_base_exp()[1]
-    if C != 0 or power not in (1, x**k) or not sp.sympify(k).is_Integer:
+    if C != 0 or k == 0 or power != x**k or not sp.sympify(k).is_Integer:
         return None
     start = shortened_powers(c * begin**k * positive_root(B * begin))
     argument = Phase(names, amount, sp.S.One, start, even=True).argument

@@ -231,7 +231,7 @@ def _marks(
     found = [(r, ("root", k)) for k, r in enumerate(roots) if inside(r)]
     top = _numerator(curve.square, curve.x)
     if top is not None:
-        rests = sorted({mp.nstr(z, 30): z for z in _polynomial_roots(top, numbers)}.values())
+        rests = sorted({mp.nstr(z, 30): z for z in ordered_real_roots(top, numbers, DIGITS)}.values())
         for k, z in enumerate(rests):
             edge = abs(z - low) <= _SAME * (1 + abs(z)) or abs(z - high) <= _SAME * (1 + abs(z))
             if inside(z) or (edge and curve.substitution.closed):
@@ -241,19 +241,9 @@ def _marks(
 
 @lru_cache(maxsize=512)
 def _numerator(square: sp.Expr, x: sp.Symbol) -> sp.Poly | None:
-    """Return the numerator of S as a polynomial; None where it is free of x."""
+    """Return the numerator of S as a polynomial, every root once; None where it is free of x."""
     top = sp.numer(sp.together(square))
-    return sp.Poly(top, x) if top.has(x) else None
-
-
-def _polynomial_roots(polynomial: sp.Poly, numbers: Numbers) -> list[mpmath.mpf]:
-    """Return the real roots of any polynomial, at numbers."""
-    coefficients = _coefficients(polynomial, numbers, DIGITS)
-    if len(coefficients) < 2:
-        return []
-    roots = mp.polyroots(coefficients, maxsteps=300, extraprec=600)
-    scale = max(abs(r) for r in roots) or mp.mpf(1)
-    return [r.real for r in roots if abs(r.imag) <= scale * mp.mpf(10) ** -12]
+    return sp.Poly(top, x).sqf_part() if top.has(x) else None
 
 
 def _number_of_q(curve: MomentumCurve, end: mpmath.mpf, numbers: Numbers) -> mpmath.mpf:

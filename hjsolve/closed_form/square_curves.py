@@ -136,10 +136,8 @@ def between_the_roots_of_a_power(R: sp.Expr, curve: MomentumCurve) -> sp.Expr | 
 
 def _beta(s: sp.Rational) -> sp.Expr:
     """B(s, ½) in Γ of arguments up to 1."""
-    high = s > sp.S.Half
-    return (
-        sp.gamma(s) * sp.sqrt(sp.pi) / ((s - sp.S.Half) * sp.gamma(s - sp.S.Half) if high else sp.gamma(s + sp.S.Half))
-    )
+    other = (s - sp.S.Half) * sp.gamma(s - sp.S.Half) if s > sp.S.Half else sp.gamma(s + sp.S.Half)
+    return sp.gamma(s) * sp.sqrt(sp.pi) / other
 
 
 def reduces(curve: MomentumCurve) -> bool:
