@@ -166,7 +166,7 @@ def _two_pairs(
 def _radicals(
     curve: MomentumCurve, signs: Signs
 ) -> tuple[list[sp.Expr], tuple[tuple[sp.Expr, sp.Expr], ...], sp.Poly | None]:
-    """Real roots and complex pairs of factors up to degree 2, x⁴ + p x² + q and x³ + p; and the factor of no such kind."""
+    """Roots of factors of degree 1 and 2, x⁴ + p x² + q and x³ + p, real and in pairs; the factor of another kind."""
     x = curve.x
     bare, back = named_constants(curve.polynomial.as_expr(), x)
     real, pairs = list[sp.Expr](), list[tuple[sp.Expr, sp.Expr]]()
