@@ -61,7 +61,7 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
         return {name: parted(in_moduli(value, names, of_roots=True)) for name, value in group.items()}
 
     def parted(value: sp.Expr) -> sp.Expr:
-        return settled(made, names.with_named_parts(settled(made, value)))
+        return names.oriented(settled(made, names.with_named_parts(settled(made, value))))
 
     def written(group: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:
         return plain({name: shortened_powers(value.xreplace(short)) for name, value in group.items()})
@@ -83,7 +83,7 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
     for symbol in set(where) - names.roots:
         if symbol.name.startswith(("Omega_", "J_")):
             where[symbol] = in_moduli(sp.sympify(where[symbol]), names, of_roots=True)
-    where = names.kept(form.named().values(), lambda e: settled(made, shortened_powers(e)))
+    where = names.kept(form.named().values(), lambda e: names.oriented(settled(made, shortened_powers(e))))
     return replace(form, where=where)
 
 

@@ -93,20 +93,24 @@ class NamedQuantities:
             return number_of(explicit, numbers | {s: mp.mpf(k + 3) / 7 for k, s in enumerate(free)})
 
     def oriented(self, expression: sp.Expr) -> sp.Expr:
-        """Return a product with the greater one first in each difference of roots, as the regime orders them.
+        """Return a form with the greater one first in each difference of roots, as the regime orders them.
 
         Args:
             expression: of a form.
         """
-        value, sign = sp.S.One, sp.S.One
+        return expression.replace(lambda e: e.is_Mul or e.is_Pow, self._oriented)
+
+    def _oriented(self, expression: sp.Expr) -> sp.Expr:
+        factors, turned, numbers = list[sp.Expr](), 1, self.numbers | self.located
         for factor in sp.Mul.make_args(expression):
             base, power = factor.as_base_exp()
             held = base.free_symbols
-            difference = base.is_Add and power.is_Integer and held and held <= self.roots | set(self.located)
-            if difference and number_of(base, self.numbers | self.located) < 0:
-                base, sign = -base, sign * (-1) ** power
-            value *= base**power
-        return sign * value
+            difference = base.is_Add and power.is_Integer and held & self.roots and held <= numbers.keys()
+            if difference and number_of(base, numbers) < 0:
+                factor, turned = sp.Add(*(-term for term in base.args)) ** power, turned * (-1) ** int(power)
+            factors.append(factor)
+        whole = sp.Mul(*factors) if turned > 0 else sp.Mul(-1, *factors)
+        return expression if tuple(factors) == sp.Mul.make_args(expression) else whole
 
     def amplitudes(self, value: sp.Expr, q: sp.Symbol, start: sp.Symbol) -> tuple[sp.Expr, sp.Expr]:
         """Return an integral at a place and at its lower limit, with long angles in it by names, χ and χ₀.
@@ -207,8 +211,17 @@ class NamedQuantities:
             forms: of the regime.
             written: how a definition is written.
         """
-        used, _ = needed_names({s for form in forms for s in form.free_symbols}, self.where)
-        ordered = needed_names(self.roots, self.where)[0] | used
+        held = {s for form in forms for s in form.free_symbols}
+        angles = {
+            self.where[χ_0]: χ_0 for _, χ_0 in self._pairs if χ_0 in held
+        }  # those that forms use stand for theirs
+        where = {
+            s: meaning
+            if isinstance(meaning, tuple) or s in self.roots or s in angles.values()
+            else meaning.xreplace(angles)
+            for s, meaning in self.where.items()
+        }
+        ordered = needed_names(self.roots, where)[0] | needed_names(held, where)[0]
         return {
             s: meaning if isinstance(meaning, tuple) or s in self.roots else written(meaning)
             for s, meaning in ordered.items()

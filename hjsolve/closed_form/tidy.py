@@ -98,8 +98,10 @@ def collected(expression: sp.Expr) -> sp.Expr:
     coefficients = _linear(expression)
     if coefficients is None or len(coefficients) < 2:
         return expression
+    rest = sp.Add(*(_factored(term) for term in sp.Add.make_args(coefficients.pop(sp.S.One, sp.S.Zero))))
+    rest = min((rest, _factored(rest)), key=sp.count_ops)
     factored = {one: _factored(c) for one, c in coefficients.items() if c != 0}
-    rest, brackets = factored.pop(sp.S.One, sp.S.Zero), dict[sp.Expr, sp.Expr]()
+    brackets = dict[sp.Expr, sp.Expr]()
     for one, c in sorted(factored.items(), key=lambda pair: sp.default_sort_key(pair[0])):
         if -c in brackets:
             brackets[-c] -= one

@@ -304,6 +304,16 @@ def _call(expression: sp.Function, power: Box | None = None) -> Box:
     return row(head, Fence(row(*arguments)))
 
 
+def applied(name: Box, argument: Box) -> Box:
+    """Set a coordinate as a function: θ(t).
+
+    Args:
+        name: of the coordinate.
+        argument: what it is a function of.
+    """
+    return row(_callable(name), Fence(argument))
+
+
 def _callable(shown: Box) -> Box:
     """Return the name of a function that is not known: v₁ of v₁(r)."""
     if isinstance(shown, Script):

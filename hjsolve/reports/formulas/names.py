@@ -90,7 +90,15 @@ def name_box(name: str) -> Box:
         return _primed(name_box(bare), primes) if primes else name_box(bare)
     if "_" in name.strip("_"):
         base, _, index = name.strip("_").partition("_")
-        inner = name_box(index) if not index.isdigit() else Glyph(index, "number")
+        if re.fullmatch(r"\d+(_\d+)*", index):  # chi_6_0 is χ₆,₀
+            inner: Box = row(
+                *(
+                    Glyph(part, "operator" if part == "," else "number")
+                    for part in re.split("(,)", index.replace("_", ","))
+                )
+            )
+        else:
+            inner = name_box(index)
         outer = name_box(base)
         if isinstance(outer, Script) and outer.sub is not None and outer.sup is None:
             return Script(outer.base, row(outer.sub, Glyph(",", "operator"), inner))

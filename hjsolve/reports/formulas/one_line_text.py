@@ -187,6 +187,8 @@ def _exponent(text: str) -> str:
 
 
 def _index(text: str) -> str:
+    if "," in text:
+        return ",".join(_index(part.strip()) for part in text.split(","))
     if all(letter in _SUBSCRIPTS for letter in text):
         return "".join(_SUBSCRIPTS[letter] for letter in text)
     return f"_{text}" if text.isalnum() or len(text) == 1 else f"_({text})" if " " in text else f"_{text}"

@@ -18,8 +18,8 @@ from hjsolve.errors import required
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiDN, JacobiSN
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Code, Formula, Inline, Mathematics, Paragraph, Section, Table, Text
-from hjsolve.reports.formulas.from_sympy import box
-from hjsolve.reports.formulas.layout import Box, Fence, Glyph, row, width
+from hjsolve.reports.formulas.from_sympy import applied, box
+from hjsolve.reports.formulas.layout import Box, Glyph, row, width
 from hjsolve.reports.formulas.line_breaks import NARROW, broken, display, narrowed
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import plain
@@ -105,15 +105,15 @@ def _section(form: RegimeForms, number: int) -> Section:
     if form.time_law is not None:
         blocks += told.shown("time_law", form.time_law, lambda e: equation(e, "Greenwood (5-71)"))
     for q, e in form.inverse.items():
-        blocks += told.shown(f"inverse.{q}", e, partial(formula, row(name_box(q), Fence(name_box("t")))))
+        blocks += told.shown(f"inverse.{q}", e, partial(formula, applied(name_box(q), name_box("t"))))
     blocks += _anomaly(form, told)
     for name, law in form.orbit_equations.items():
         source = source_of_equation(form.solution, name)
         blocks += told.shown(f"orbit_equations.{name}", law, partial(equation, tag=source))
     for q, e in form.orbit.items():
-        blocks += told.shown(f"orbit.{q}", e, partial(formula, row(name_box(q), Fence(_along(form, q)))))
+        blocks += told.shown(f"orbit.{q}", e, partial(formula, applied(name_box(q), _along(form, q))))
     for q, e in form.parametric.items():
-        blocks += told.shown(f"parametric.{q}", e, partial(formula, row(name_box(q), Fence(name_box("tau")))))
+        blocks += told.shown(f"parametric.{q}", e, partial(formula, applied(name_box(q), name_box("tau"))))
     if form.characteristic_function is not None:
         W = form.characteristic_function
         blocks += told.shown("characteristic_function", W, lambda e: formula(Glyph("W"), e, "Greenwood (5-65)"))
@@ -203,7 +203,7 @@ def _anomaly(form: RegimeForms, told: _Told) -> list[Block | _TooLong]:
     for q, e in form.anomaly.items():
         ξ = next(s for s in e.free_symbols if s.name in ("xi", "chi", "xi_1"))
         if q != TIME:
-            blocks += told.shown(f"anomaly.{q}", e, partial(formula, row(name_box(q), Fence(box(ξ)))))
+            blocks += told.shown(f"anomaly.{q}", e, partial(formula, applied(name_box(q), box(ξ))))
             continue
         t = next(term for term in required(form.time_law).lhs.args if term.is_Symbol)
         passed, running = e.as_independent(ξ, as_Add=True)
