@@ -2,7 +2,8 @@
 
 All orbits share the formulas: p² is a polynomial in the constants of an orbit, whose coefficients are functions of q
 alone (``lowered_solution``). By disk arithmetic (``arithmetic.complex_disks``) it is proved that they are analytic in a
-disk of the complex plane, and there at most ``GROWTH`` times what they are on the real axis. A feature narrower than
+disk of the complex plane, and there at most ``GROWTH`` times what they are on the real axis, rounding added: log(1 + r²)
+next to r = 0 is no more than that. A feature narrower than
 the disk cannot be: it would have a pole in it, or grow in it like exp((radius/width)²).
 
 For a place in the complex plane the largest such disk is found once, and kept in a table for cells whose size is in
@@ -24,6 +25,7 @@ from hjsolve.arithmetic.disks_with_logarithms import DisksInLogarithms
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS, UNIT, Float64
 from hjsolve.arithmetic.number_types import Complexes, Elementwise, Integers, Mask, Reals
+from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.kernels.clearance_tables import DEEPEST, DROPPED, QUARTER
 
@@ -144,14 +146,16 @@ class Clearance:
     def _bounded(self, constants: tuple[Reals, ...], centres: Reals | Complexes, radii: Reals, real: Reals) -> Mask:
         """Return the same for each of the disks."""
         with np.errstate(all="ignore"):
-            sizes = self._parts.run(Float64(), [real, *self._known(constants)])
+            noisy = [WithErrorBound(x) for x in (real, *self._known(constants))]
+            sizes = self._parts.run(RunningError(Float64()), noisy)
             place = Disk(centres.astype(complex), radii + 4 * UNIT * np.abs(centres))
             known = [Disk(np.asarray(c, complex), EPS * np.abs(c)) for c in self._known(constants)]
             arithmetic = DisksInLogarithms()
             disks = self._parts.run(arithmetic, [arithmetic.variable(place), *map(arithmetic.constant, known)])
             good = np.isfinite(centres) & np.isfinite(radii)
             for value, size in zip(disks, sizes, strict=True):
-                scale = np.broadcast_to(np.abs(size), real.shape)
+                noise = 0.0 if size.error is None else size.error  # what rounding hides no claim leaves out
+                scale = np.broadcast_to(np.abs(size.value) + noise, real.shape)
                 scale = np.where(np.isfinite(scale), scale, 0.0).max(axis=1)
                 good = good & (value.largest <= GROWTH * scale[:, None])
         return good
