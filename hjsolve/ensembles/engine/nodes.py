@@ -13,8 +13,9 @@ keeps the symmetries of χ = 0 and π, with γ such that du/dχ is least at χ =
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property, partial
 
 import numpy as np
 
@@ -37,23 +38,39 @@ class Nodes:
 
     Attributes:
         χ: anomalies.
-        low, high: sn² and cn²; for a rotation the angle 2 am − π and dn.
         symmetry: 2 for an even motion, the series being in 2χ; else 1.
         complement, quarter: k′² and K.
-        derivative: π/K du/dχ.
         node_map: γ₁, γ₂.
+        functions: makes ``low``, ``high`` and ``derivative``; a strip about the nodes needs none of them.
         slow: how many slow places of a rotation there are, 1 or 2; see ``turned_circle``.
     """
 
     χ: Reals
-    low: Reals
-    high: Reals
     symmetry: int
     complement: float
     quarter: float
-    derivative: Reals
     node_map: tuple[float, float]
+    functions: Callable[[], tuple[Reals, Reals, Reals]]
     slow: int = 1
+
+    @cached_property
+    def _made(self) -> tuple[Reals, Reals, Reals]:
+        return self.functions()
+
+    @property
+    def low(self) -> Reals:
+        """sn²; for a rotation the angle 2 am − π."""
+        return self._made[0]
+
+    @property
+    def high(self) -> Reals:
+        """cn²; for a rotation dn."""
+        return self._made[1]
+
+    @property
+    def derivative(self) -> Reals:
+        """π/K du/dχ."""
+        return self._made[2]
 
 
 @cache
@@ -67,10 +84,13 @@ def libration_nodes(count: int, level: int, node_map: int = 0) -> Nodes:
     """
     symmetry = 2 if node_map >= EVEN else 1
     χ = equal_anomalies(count, symmetry * count)
-    complement, quarter, low, high, derivative = _places(χ, level, node_map)
-    return Nodes(
-        χ.high, low, high, symmetry, complement, quarter, derivative, WARPS[node_map],
-    )  # fmt: skip
+    quarter = float(_moduli(level)[1].high)
+    functions = partial(_functions_at, χ, level, node_map)
+    return Nodes(χ.high, symmetry, 4.0**-level, quarter, WARPS[node_map], functions)
+
+
+def _functions_at(χ: Pair, level: int, node_map: int) -> tuple[Reals, Reals, Reals]:
+    return _places(χ, level, node_map)[2:]
 
 
 def series(count: int) -> Reals:
@@ -115,13 +135,16 @@ def rotation_nodes(count: int, level: int, slow: int = 1) -> Nodes:
         level: l in k′² = 4^−l.
         slow: how many slow places there are, 1 or 2; with two of them ``low`` is θ of ``turned_circle``.
     """
-    χ, turn = equal_anomalies(count, count // 2), equal_anomalies(count // slow, count // 2 // slow)
-    complement, quarter, sn, cn, dn = _functions(turn, level)
-    angle_of_turn = 2 * np.arctan2(-cn.high, sn.high)
-    low = angle_of_turn if slow == 1 else np.concatenate([0.5 * (angle_of_turn + side * np.pi) for side in (-1, 1)])
-    return Nodes(
-        χ.high, low, np.tile(dn.high, slow), 1, complement, quarter, np.ones(count), WARPS[0], slow,
-    )  # fmt: skip
+    χ, quarter = equal_anomalies(count, count // 2), float(_moduli(level)[1].high)
+    return Nodes(χ.high, 1, 4.0**-level, quarter, WARPS[0], partial(_turn, count, level, slow), slow)
+
+
+def _turn(count: int, level: int, slow: int) -> tuple[Reals, Reals, Reals]:
+    """2 am − π and dn over a whole turn, and 1."""
+    *_, sn, cn, dn = _functions(equal_anomalies(count // slow, count // 2 // slow), level)
+    angle = 2 * np.arctan2(-cn.high, sn.high)
+    low = angle if slow == 1 else np.concatenate([0.5 * (angle + side * np.pi) for side in (-1, 1)])
+    return low, np.tile(dn.high, slow), np.ones(count)
 
 
 def _twice(x: Pair) -> Pair:
@@ -134,21 +157,30 @@ def equal_anomalies(count: int, parts: int) -> Pair:
     return D.div(D.mul(Pair(np.arange(count) + 0.5, 0.0), D.pi()), Pair(float(parts), 0.0))
 
 
-def _functions(χ: Pair, level: int) -> tuple[float, float, Pair, Pair, Pair]:
-    """k′², K, and sn, cn, dn of χ K/π for 0 < χ < 2π, each right to its last bit: no claim counts their errors."""
-    D, one = DoubleDouble(), Pair(1.0 + 0.0 * χ.high, 0.0 * χ.high)
+@cache
+def _moduli(level: int) -> tuple[tuple[tuple[Pair, Pair], ...], Pair]:
+    """Return the arithmetic–geometric means of 1 and k′ = 2^−level, and K; none where k′ is 1."""
+    D = DoubleDouble()
     if level == 0:
-        half = Pair(0.5 * χ.high, 0.5 * χ.low)
-        return 1.0, np.pi / 2, D.unary("sin", half), D.unary("cos", half), one
+        return (), Pair(np.pi / 2, 0.0)
     pairs = means(
         (Pair(1.0, 0.0), Pair(2.0**-level, 0.0)), lambda a, b: abs(D.sub(a, b).high) <= _HALF_OF_THE_DIGITS * a.high, D
     )
-    quarter = D.div(D.pi(), _twice(pairs[-1][0]))
+    return tuple(pairs), D.div(D.pi(), _twice(pairs[-1][0]))
+
+
+def _functions(χ: Pair, level: int) -> tuple[float, float, Pair, Pair, Pair]:
+    """k′², K, and sn, cn, dn of χ K/π for 0 < χ < 2π, each right to its last bit: no claim counts their errors."""
+    D, one = DoubleDouble(), Pair(1.0 + 0.0 * χ.high, 0.0 * χ.high)
+    pairs, quarter = _moduli(level)
+    if level == 0:
+        half = Pair(0.5 * χ.high, 0.5 * χ.low)
+        return 1.0, np.pi / 2, D.unary("sin", half), D.unary("cos", half), one
     turn = D.pi()
     folded, mirrored = χ.high > np.pi, D.sub(_twice(turn), χ)
     χ = _where(folded, mirrored, χ)
     far = χ.high > np.pi / 2
-    sn, cn, dn = descended(D.mul(_where(far, D.sub(turn, χ), χ), D.div(quarter, turn)), pairs, D)
+    sn, cn, dn = descended(D.mul(_where(far, D.sub(turn, χ), χ), D.div(quarter, turn)), [*pairs], D)
     k = 2.0**-level
     sn, cn, dn = (
         _where(far, D.div(cn, dn), sn),
