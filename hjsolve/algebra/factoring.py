@@ -84,8 +84,9 @@ def irreducible(f: Element) -> Factors:
     if _small(f):
         return [(factor, e) for factor, e in f.factor_list()[1]]
     for k in range(f.ring.ngens):
-        common = reduce(lambda a, b: a.gcd(b), _coefficients(f, k).values())
-        if not common.is_ground:
+        parts = _coefficients(f, k)
+        common = reduce(lambda a, b: a.gcd(b), parts.values())
+        if set(parts) != {0} and not common.is_ground:
             return _gathered([*irreducible(f.exquo(common)), *irreducible(common)])
     return [(f.primitive()[1], 1)]
 

@@ -7,7 +7,7 @@ import random
 import pytest
 import sympy as sp
 
-from hjsolve.algebra.factoring import MAX_DEGREES, MAX_DEGREES_OF_MANY, factored
+from hjsolve.algebra.factoring import MAX_DEGREES, MAX_DEGREES_OF_MANY, factored, irreducible
 from hjsolve.mechanics.system import System
 from hjsolve.separation import Separation, separate
 
@@ -78,3 +78,10 @@ def test_the_general_algorithm_is_asked_about_small_polynomials_only(monkeypatch
     assert isinstance(separate(system), Separation)
     assert asked
     assert all(degrees <= MAX_DEGREES.get(count, MAX_DEGREES_OF_MANY) for count, degrees in asked)
+
+
+def test_a_polynomial_of_high_degree_is_not_its_own_factor():
+    ring = sp.polys.rings.ring("x, y, z", sp.ZZ)[0]
+    x, y, _ = ring.gens
+    f = (x**40 + y**2 + 1) * (y**40 + 3 * y**2 + 2)  # without z; too high for the general algorithm
+    assert sp.prod([factor**e for factor, e in irreducible(f)]) == f
