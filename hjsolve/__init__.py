@@ -94,6 +94,7 @@ if TYPE_CHECKING:
     from hjsolve.theorem.integrals import involution as involution
     from hjsolve.theorem.integrals import is_integral as is_integral
     from hjsolve.theorem.integrals import poisson_bracket as poisson_bracket
+    from hjsolve.theorem.own_motion import OwnMotion as OwnMotion
 
 _PUBLIC = {
     "mechanics.system": "Coordinate Domain Parameter System parameter",
@@ -126,6 +127,7 @@ _PUBLIC = {
     "theorem.answers": "Flaw Proof",
     "theorem.canonical_maps": "canonical CanonicalMap",
     "theorem.complete_integral": "verify CompleteIntegral",
+    "theorem.own_motion": "OwnMotion",
     "theorem.integrals": "involution is_integral poisson_bracket",
     "scenes": "Scene",
     "extended.gyroscopic": "gyroscopic_modes",

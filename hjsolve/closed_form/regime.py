@@ -95,7 +95,9 @@ def _without_known_signs(relations: list[sp.Basic]) -> list[sp.Basic]:
         for r in relations:
             if _side(r) and r.rhs == 0 and not r.lhs.is_Symbol and r.lhs.free_symbols & set(table):
                 rest = plain_relation(r.lhs.xreplace(table), _side(r))
-                r = None if rest is None else rest.xreplace(names)
+                rest = None if rest is None else rest.xreplace(names)
+                same = rest is not None and sp.expand(rest.lhs - rest.rhs) in (sp.expand(r.lhs), sp.expand(-r.lhs))
+                r = r if same else rest
             if r is not None and r not in shorter:
                 shorter.append(r)
         if shorter == relations:

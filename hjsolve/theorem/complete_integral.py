@@ -18,10 +18,14 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.display.shown import Shown, listed_names
 from hjsolve.errors import InvalidInputError
+from hjsolve.motion.motion import Motion
 from hjsolve.precision import one_at_a_time
 from hjsolve.separation import Undecided
 from hjsolve.separation.zero_test.zero_test import NonZero, Zero
+from hjsolve.solution.quadratures import Solution
+from hjsolve.theorem import own_motion
 from hjsolve.theorem.answers import Flaw
+from hjsolve.theorem.own_motion import OwnMotion
 from hjsolve.theorem.phase_space import BUDGET, PhaseSpace, Subject, phase_space_of, without_integrals
 from hjsolve.theorem.reading import new_names, read_formula
 
@@ -49,6 +53,53 @@ class CompleteIntegral(Shown):
     determinant: sp.Expr
     momenta: Mapping[str, sp.Expr]
     equations: Mapping[str, sp.Eq]
+
+    def constants_in(self, solution: Solution, *, budget: float = BUDGET) -> dict[str, sp.Expr | Flaw | Undecided]:
+        """Return hjsolve's constants of the motion as functions of these: c(q, ∂S/∂q), where it holds no q and no t.
+
+        Args:
+            solution: of the same system in the same coordinates, as ``solve`` gives it.
+            budget: seconds for each zero test.
+
+        Returns:
+            Name of a constant of the solution → its expression in the constants of this integral; ``Flaw`` with a
+            witness where it is not a function of them (another separation of a system that has several), ``Undecided``
+            where neither was proved.
+
+        Raises:
+            InvalidInputError: a solution in other coordinates.
+
+        References:
+            Greenwood, Classical Dynamics (1977), (5-50).
+        """
+        space = phase_space_of(self.system, "constants_in")
+        return own_motion.constants_in(space, self.principal_function, self._alphas(), solution, budget)
+
+    def along(self, motion: Motion, times: Sequence[float] | None = None) -> OwnMotion | Undecided:
+        """Compare Jacobi's equations of this integral with a motion that hjsolve computed by its own quadratures.
+
+        Args:
+            motion: of the same system in the same coordinates.
+            times: at which states are compared, in the unit of the system; by default 24 over two of the longest
+                periods, or over ten units of time.
+
+        Returns:
+            The values of the constants, and how well p = ∂S/∂q and (5-54) hold, next to what errors explain. It is true
+            as a condition where they hold. ``Undecided`` where the constants were not found, or where fewer than three
+            states have the signs of the formula's momenta.
+
+        Raises:
+            InvalidInputError: a motion in other coordinates.
+
+        References:
+            Greenwood, Classical Dynamics (1977), (5-50), (5-54).
+        """
+        space = phase_space_of(self.system, "along")
+        return own_motion.along(space, self.principal_function, self._alphas(), motion, times)
+
+    def _alphas(self) -> tuple[sp.Symbol, ...]:
+        held = {s.name: s for s in self.principal_function.free_symbols}
+        return tuple(held[name] for name in self.constants)
 
     def __str__(self) -> str:
         """Return the statement in one sentence."""
