@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 import sympy as sp
 from mpmath import mp, mpf
@@ -69,3 +71,18 @@ def test_the_bound_holds_where_only_few_bits_are_carried(name: str, wider: float
             error = max(abs(mpf(a) - mpf(e)) for a, e in pairs)
             assert error <= mpf(rough.bound(rough.context.mpf(t))) <= max(error, mpf(2) ** -70) * mpf(wider)
             assert error > 0
+
+
+@pytest.mark.parametrize("what", ["start", "exponent"])
+def test_the_bound_is_twice_the_error_where_both_are_known_exactly(what: str) -> None:
+    """ż = 2z with a wrong start, δ e²ᵗ off, or a wrong exponent, e²ᵗ (e^{δt} − 1) off: half of the bound would fail."""
+    path = _prepared(flow_of(sp.Matrix([[2]])), [sp.S.One], 200)
+    (((λ, (v,)),), ((V, _),)), δ = (path.terms, path.sizes), mpf(2) ** -60
+    if what == "start":
+        wrong = replace(path, terms=[(λ, [v * (1 + δ)])], start=path.context.mpf(δ))
+    else:
+        wrong = replace(path, terms=[(λ + δ, [v])], sizes=[(V, [path.context.mpf(δ)])])
+    for t in ("0.5", "3", "20"):
+        at = path.context.mpf(t)
+        error = abs(wrong.at(at)[0] - path.at(at)[0])
+        assert error <= wrong.bound(at) <= mpf("2.01") * error
