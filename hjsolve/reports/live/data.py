@@ -183,6 +183,8 @@ def _map(tables: LiveTables) -> Json | None:
         "window": [list(map(float, side)) for side in found.window],
         "curves": [curve for curve in dict.fromkeys(drawn) if len(curve) > 1],
         "sliders": [named.index(found.x), named.index(found.y)],
+        "letters": [[_short(x), _short(y), chr(65 + k)] for k, (x, y) in enumerate(grid.letters)] if grid else [],
+        "kinds": [f"{chr(65 + k)}: {region.name}" for k, region in enumerate(grid.regions)] if grid else [],
         "others": ", ".join(f"{label(s.name)} = {s.value:.4g}" for s in others),
     }  # fmt: skip
 
