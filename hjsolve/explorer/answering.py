@@ -14,6 +14,7 @@ import sympy as sp
 from hjsolve import catalog
 from hjsolve.errors import HJSolveError, InvalidInputError, NotConvergedError, NotSeparableError, required
 from hjsolve.explorer.question import LONGEST, PageAnswer, PageQuestion, Portrait
+from hjsolve.explorer.whole_system import lines_of, unfinished
 from hjsolve.formulas.checked_arithmetic import FUNCTIONS
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System, momenta, velocities
@@ -42,7 +43,7 @@ _CARRIED = 12
 
 
 def answer_question(question: PageQuestion) -> PageAnswer:
-    """PageAnswer a question as far as possible; what is wrong is reported in ``problem``, never raised.
+    """Answer a question as far as possible; what is wrong is reported in ``problem``, never raised.
 
     Args:
         question: what was typed.
@@ -50,7 +51,7 @@ def answer_question(question: PageQuestion) -> PageAnswer:
     try:
         system = typed_system(question)
     except HJSolveError as error:
-        return PageAnswer(problem=_line(error))
+        return _not_read(question, error)
     names = tuple(c.name for c in system.coordinates)
     try:
         if question.drag is not None:
@@ -59,6 +60,17 @@ def answer_question(question: PageQuestion) -> PageAnswer:
     except HJSolveError as error:
         return PageAnswer(coordinates=names, problem=_line(error))
     return replace(told, coordinates=names, q=question.q, velocity=question.velocity)
+
+
+def _not_read(question: PageQuestion, error: HJSolveError) -> PageAnswer:
+    """Return what a system that is not complete lacks as a whole, or the fault of one box."""
+    missing = unfinished(question)
+    whole = f"{'; '.join(missing)}."
+    if missing and not question.submitted:
+        return PageAnswer(unfinished=f"Not complete yet: {whole}")
+    return PageAnswer(
+        problem=_line(error) + (f"\nThe whole system: {whole.replace(' so far', '')}" if len(missing) > 1 else "")
+    )
 
 
 def typed_system(question: PageQuestion) -> System:
@@ -73,8 +85,8 @@ def typed_system(question: PageQuestion) -> System:
     for field in ("coordinates", "kinetic", "potential", "parameters", "title"):
         if len(getattr(question, field)) > LONGEST:
             raise InvalidInputError(f"{field}: at most {LONGEST} letters; this has {len(getattr(question, field))}")
-    coordinates = typed_coordinates(_lines(question.coordinates), "coordinate")
-    parameters = typed_parameters(_lines(question.parameters), "parameter")
+    coordinates = typed_coordinates(lines_of(question.coordinates), "coordinate")
+    parameters = typed_parameters(lines_of(question.parameters), "parameter")
     return System(
         coordinates,
         question.kinetic,
@@ -108,10 +120,6 @@ def velocities_of(question: PageQuestion, p: Mapping[str, object]) -> PageQuesti
     places = {c.symbol: number(question.q[c.name], source=c.name) for c in system.coordinates}
     given = {c.momentum: number(p[c.name], source=c.name) for c in system.coordinates}
     return replace(question, velocity=_rates(system, places, given))
-
-
-def _lines(text: str) -> list[str]:
-    return [line for line in text.replace(";", "\n").splitlines() if line.strip()]
 
 
 def _line(error: HJSolveError) -> str:

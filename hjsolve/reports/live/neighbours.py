@@ -125,11 +125,11 @@ class Neighbours:
         words = np.full(len(settings), "forbidden", dtype=object)
         possible = np.all([np.isfinite(square) & (square > 0) for _, square in tops], axis=0)
         parameters = [x.name for x in solution.system.parameters]
-        columns = np.array([named[n] for n in parameters]).reshape(len(parameters), -1)
+        columns = np.array([np.zeros(len(settings)), *(named[n] for n in parameters)])
         groups, which = np.unique(columns[:, possible], axis=1, return_inverse=True)
         for k, values in enumerate(groups.T):
             rows = np.flatnonzero(possible)[np.ravel(which) == k]
-            values_here = dict(zip(parameters, values.tolist(), strict=True))
+            values_here = dict(zip(parameters, values[1:].tolist(), strict=True))
             batch = ensemble(
                 solution,
                 {n: np.broadcast_to(v, len(settings))[rows] for n, v in q.items()},
