@@ -64,7 +64,10 @@ def answer_question(question: PageQuestion) -> PageAnswer:
 
 def _not_read(question: PageQuestion, error: HJSolveError) -> PageAnswer:
     """Return what a system that is not complete lacks as a whole, or the fault of one box."""
-    missing = unfinished(question)
+    try:
+        missing = unfinished(question)
+    except HJSolveError as fault:
+        return PageAnswer(problem=_line(fault))
     whole = f"{'; '.join(missing)}."
     if missing and not question.submitted:
         return PageAnswer(unfinished=f"Not complete yet: {whole}")

@@ -88,7 +88,8 @@ class PageQuestion:
             raise InvalidInputError(_CUT) from None
         if not isinstance(typed, dict) or not all(_readable(name, value) for name, value in typed.items()):
             raise InvalidInputError(_CUT)
-        return replace(cls(), **{name: tuple(value) if name == "functions" else value for name, value in typed.items()})
+        values: dict[str, Any] = {n: tuple(value) if n == "functions" else value for n, value in typed.items()}
+        return replace(cls(), **values)
 
 
 _SHARED = (

@@ -12,11 +12,11 @@ from collections.abc import Iterable, Mapping
 import sympy as sp
 
 from hjsolve.arguments import ascii_name
-from hjsolve.errors import HJSolveError
 from hjsolve.explorer.question import PageQuestion
 from hjsolve.formulas.checked_arithmetic import FUNCTIONS
 from hjsolve.formulas.read import parse
 from hjsolve.formulas.tokens import FormulaText, coordinate_of_velocity, is_known_elsewhere, scan
+from hjsolve.mechanics.typed_texts import typed_coordinates, typed_parameters
 
 _NOT_NAMES = {*FUNCTIONS, "dot", "pi", "atan2", "abs", "Abs", "sign"}
 
@@ -38,11 +38,11 @@ def unfinished(question: PageQuestion) -> tuple[str, ...]:
     Args:
         question: what was typed.
 
-    Returns:
-        Nothing where one box is wrong whatever the others hold: its own fault is to be reported.
+    Raises:
+        InvalidInputError: one box is wrong, whatever the others hold; ExpressionError where it is a formula.
     """
-    coordinates = _declared(question.coordinates, ":")
-    parameters = _declared(question.parameters, "=:")
+    coordinates = list(typed_coordinates(lines_of(question.coordinates), "coordinate"))
+    parameters = list(typed_parameters(lines_of(question.parameters), "parameter"))
     missing = [] if coordinates else ["the coordinates are missing"]
     boxes = {"T": question.kinetic, "V": question.potential}
     if not question.kinetic.strip():
@@ -57,10 +57,7 @@ def unfinished(question: PageQuestion) -> tuple[str, ...]:
     for box, text in boxes.items():
         if not text.strip():
             continue
-        try:
-            names, speeds = _used(text, box, coordinates, functions)
-        except HJSolveError:
-            return ()
+        names, speeds = _used(text, box, coordinates, functions)
         velocities |= speeds
         strange = sorted(names - {*coordinates, *parameters})
         still = sorted(speeds - {*coordinates, *strange})
@@ -74,22 +71,14 @@ def unfinished(question: PageQuestion) -> tuple[str, ...]:
     return tuple(missing)
 
 
-def _declared(text: str, ends: str) -> list[str]:
-    """Return the names that the lines of a box begin with."""
-    found = []
-    for line in lines_of(text):
-        cut = min((k for k in map(line.find, ends) if k >= 0), default=len(line))
-        found.append(ascii_name(line[:cut].strip()))
-    return [name for name in found if name.isidentifier()]
-
-
 def _used(text: str, box: str, coordinates: Iterable[str], functions: set[str]) -> tuple[set[str], set[str]]:
     """Return the names and the coordinates of velocities in a formula, read with all of them declared.
 
     Raises:
         ExpressionError: it cannot be read, whatever is declared.
     """
-    tokens = scan(FormulaText(box, text))
+    source = {"T": "kinetic", "V": "potential"}[box]
+    tokens = scan(FormulaText(source, text))
     free: set[str] = set()
     speeds: set[str] = set()
     for k, token in enumerate(tokens):
@@ -104,5 +93,5 @@ def _used(text: str, box: str, coordinates: Iterable[str], functions: set[str]) 
             free.add(token.text)
     declared: Mapping[str, sp.Symbol] = {name: sp.Symbol(name, real=True) for name in free | speeds}
     if not functions:
-        parse(text, declared, velocities=declared, kinks=True, source=box)
+        parse(text, declared, velocities=declared, kinks=box == "V", source=source)
     return free, speeds
