@@ -146,7 +146,7 @@ def test_hostile_text_is_answered_with_a_line(page: Page, text: str) -> None:
 
 @pytest.mark.nightly
 def test_a_new_system_is_judged_as_a_whole_and_a_stale_verdict_is_named(page: Page) -> None:
-    page.type("T", "m*dot(s)**2/2")
+    page.type("T, with", "m*dot(s)**2/2")
     until(lambda: "T uses m" in page.text(".unfinished"), "what is missing")
     assert not page.problem()
     assert "Out of date" in page.text(".stale")
