@@ -53,6 +53,11 @@ def answer_question(question: PageQuestion) -> PageAnswer:
     except HJSolveError as error:
         return _not_read(question, error)
     names = tuple(c.name for c in system.coordinates)
+    question = replace(  # a start that was typed for other coordinates is none of these
+        question,
+        q={name: question.q.get(name, "") for name in names},
+        velocity={name: question.velocity.get(name, "") for name in names},
+    )
     try:
         if question.drag is not None:
             question = _dragged(question, system)

@@ -210,6 +210,12 @@ def test_each_entry_is_complete_and_goes_through_a_link() -> None:
         assert (again.q, again.velocity, again.title) == (question.q, question.velocity, question.title)
 
 
+def test_a_start_that_was_typed_for_other_coordinates_is_none_of_these() -> None:
+    told = answer_question(replace(KEPLER, q={"x": "1"}, velocity={"x": "0"}))
+    assert (told.verdict, told.problem) == ("yes", "")
+    assert told.q == {"r": "", "phi": ""}
+
+
 def packed(value: object) -> str:
     return base64.urlsafe_b64encode(zlib.compress(json.dumps(value).encode())).decode()
 

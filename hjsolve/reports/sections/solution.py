@@ -226,7 +226,7 @@ def _characteristic_function(solution: Solution) -> Section:
     for name, square in solution.momentum_squared.items():
         shifted = solution.shift[name] != 0
         left = Script(Glyph("P" if shifted else "p"), name_box(name), Glyph("2", "number"))
-        short = compact(square)
+        short = compact(square, solution.constants["E"].symbol if "E" in solution.constants else None)
         shown = short if width(box(short)) <= LINE else square
         blocks.append(formula(left, shown, "Greenwood (5-142)"))
         if shifted:
