@@ -14,6 +14,7 @@
   const period = (k) => (2 * Math.PI) / Math.abs(motion.rates[k]);
   const longest = () => Math.max(...data.coordinates.map((_, k) => period(k)));
   const shortest = () => Math.min(...data.coordinates.map((_, k) => period(k)));
+  const shown = (value, digits) => value.toPrecision(digits).replace("-", "−");
   const turn = (x) => x - 2 * Math.PI * Math.round(x / (2 * Math.PI));
   const phases = (t) => [motion.begin[0] + motion.rates[0] * t,
     data.torus.ignorable ? motion.drift[data.torus.second] * t : motion.begin[data.torus.second] + motion.rates[data.torus.second] * t];
@@ -194,10 +195,10 @@
         head.append(piece);
       });
       row.append(head);
-      row.insertCell().textContent = value.toPrecision(7);
+      row.insertCell().textContent = shown(value, 7);
     }
     data.sliders.forEach((s, i) => {
-      at(`value-${i}`).textContent = settings[i].toPrecision(5);
+      at(`value-${i}`).textContent = shown(settings[i], 5);
       at(`slider-${i}`).setAttribute("aria-valuetext", `${s.label} = ${settings[i].toPrecision(5)}`);
     });
     draw();
@@ -253,7 +254,7 @@
     drawOrbit(s);
     if (data.torus) torus();
     if (data.map) map();
-    at("time").textContent = `${data.clock} = ${time.toPrecision(4)}`;
+    at("time").textContent = `${data.clock} = ${shown(time, 4)}`;
   };
 
   const torus = () => {
@@ -280,7 +281,7 @@
     if (held) for (const curve of data.map.curves) line(f, curve.map((p) => p || [NaN, NaN]), "ink", 1.4);
     if (held) for (const [u, v, letter] of data.map.letters) {
       f.pen.fillStyle = colour("soft");
-      write(f, letter, f.px(u), f.py(v) + 4, "center");
+      write(f, letter, f.px(u) + 8, f.py(v) + 4);
     }
     line(f, [[a.low, b.low], [a.high, b.low], [a.high, b.high], [a.low, b.high], [a.low, b.low]], "soft", 1, [3, 3]);
     f.pen.restore();

@@ -82,7 +82,7 @@ def _controls(tables: LiveTables, data: Mapping[str, Any]) -> str:
         )
     )
     speeds = "".join(f'<option value="{v}"{" selected" if v == 1 else ""}>{v} ×</option>' for v in (0.25, 0.5, 1, 2, 4))
-    worst = "; ".join(f"{_low(label(n))} by {v:.1e}" for n, v in tables.bounds.items())
+    worst = "; ".join(f"{_low(label(n))} by {_power_of_ten(v)}" for n, v in tables.bounds.items())
     periods = "two periods" if len(named) == 1 else "two of the longest periods"
     turn = "Drag the orbit, or use the arrow keys on it, to turn it." if data["where"]["solid"] else ""
     return f"""<section id="live" class="live" aria-labelledby="live-h" hidden="hidden">
@@ -106,6 +106,12 @@ Later the difference grows in proportion to the time. {_narrowed(tables)} {turn}
 </details>
 </section>
 """  # noqa: S608 - a select of HTML
+
+
+def _power_of_ten(value: float) -> str:
+    """Return a bound as HTML, 8.6×10⁻⁶ with a true superscript."""
+    digits, power = f"{value:.1e}".split("e")
+    return f"{digits}×10<sup>{int(power)}</sup>".replace("-", "−")
 
 
 def _low(name: str) -> str:
@@ -139,7 +145,7 @@ def _end_row(s: SliderRange) -> str:
         words = (
             f"{_WHY.get(word, word.replace('_', ' '))}{f': {many}' if many > 1 else ''}" for word, many in why.items()
         )
-        cells += [f"{end:.5g}".replace("-", "−"), escape("; ".join(words)) or "not searched"]
+        cells += [f"{end:.5g}".replace("-", "−"), escape("; ".join(words)) or "not searched farther"]
     return f'<tr><th scope="row">{_low(label(s.name))}</th>{"".join(f"<td>{c}</td>" for c in cells)}</tr>\n'
 
 
