@@ -190,7 +190,7 @@ class KindOfMotion(ABC):
         Args:
             side: 1 ahead, −1 behind.
         """
-        return self.branches[side < 0].way.end if self.branches else ""
+        return self.branches[side < 0].end_map.end if self.branches else ""
 
     def finished(self, side: int) -> bool:  # noqa: ARG002  (asked of an open motion)
         """Return whether the last phase held is the end of the motion, not of the panels.

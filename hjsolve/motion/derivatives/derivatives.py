@@ -316,10 +316,10 @@ def _turning(map_: ConstantsToState, i: int, name: str, group: Inputs, found: _C
 
 
 def _open_ends(part: OpenVariations) -> tuple[list[Mpf] | None, list[Mpf] | None]:
-    way = part.ahead.branch.way
-    if not way.turning:
+    end_map = part.ahead.branch.end_map
+    if not end_map.turning:
         return None, None
-    return (part.ahead.start, None) if way.side > 0 else (None, part.ahead.start)
+    return (part.ahead.start, None) if end_map.side > 0 else (None, part.ahead.start)
 
 
 def _times(motion: Motion, t: object) -> tuple[tuple[int, ...] | None, Reals | None, Sequence[Callable[[int], Mpf]]]:
