@@ -89,7 +89,7 @@ class NotConvergedError(HJSolveError, ArithmeticError):
 
 
 class ClusterError(HJSolveError, RuntimeError):
-    """A cluster failed: its scheduler was lost, its workers ended or have other code; what is written stays."""
+    """A cluster failed: its scheduler was lost, its workers ended or have other code; finished parts are kept."""
 
 
 class MissingExtraError(HJSolveError, ImportError):

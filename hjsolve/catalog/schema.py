@@ -150,7 +150,7 @@ def _value_faults(value: object, key: Key, where: str) -> Iterator[str]:
     if not _fits(value, key.type):
         yield f"{where}: must be {_WORDS[key.type]}, not {_shown(value)}"
     elif hidden := _hidden(value):
-        yield f"{where}: the character {hidden} in it is not shown as it stands; leave it out"
+        yield f"{where}: the character {hidden} in it cannot be displayed; leave it out"
     elif key.choices and value not in key.choices:
         yield f'{where}: "{value}" is not known{nearest(str(value), key.choices)}'
     elif key.type == "table":

@@ -134,7 +134,7 @@ def _on_cycle(
         begin = motion.located[name].course.start
         return χ, int(arithmetic.context.floor(begin / turn))
     if sign is not None and sign != cycle.direction:
-        raise OutsideMotionError(f"{name} goes round one way: it has no branch {sign:+d}")
+        raise OutsideMotionError(f"{name} rotates in one direction only, so it has no branch {sign:+d}")
     start = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(bits_for(motion.digits, 128))
     there, first = cycle.place(np.array([χ, cycle.start], dtype=object))[0]
     end_map = cycle.direction * turn * cycle.radian

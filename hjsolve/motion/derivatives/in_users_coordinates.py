@@ -89,8 +89,8 @@ def users_coordinates(motion: Motion, *, parameters: bool) -> UsersCoordinates |
         return None
     if isinstance(motion.chart.outer, SphereMap | CurvilinearMap):
         raise InvalidInputError(
-            "derivatives: not told in curvilinear coordinates for which others were found; those of the separated ones "
-            "are motion.as_solved.derivatives(…), or give the system in Cartesian coordinates"
+            "derivatives: not available in curvilinear coordinates for which others were found; those of the separated "
+            "ones are motion.as_solved.derivatives(…), or give the system in Cartesian coordinates"
         )
     return UsersCoordinates(tuple(q.name for q in motion.chart.original.coordinates), motion.chart, parameters)
 

@@ -253,7 +253,7 @@ def neighbours_of(motion: Motion, sliders: Sequence[str]) -> Neighbours:
     """
     solution, system = motion.solution, motion.solution.system
     if not solution.coordinates:
-        raise InvalidInputError("live: every coordinate is ignorable, nothing but straight lines; leave live=True out")
+        raise InvalidInputError("live: every coordinate is ignorable, so motions are straight lines; omit live=True")
     for name, kind in ((name, motion.kinds[name]) for name in solution.coordinates):
         if kind not in ("libration", "rotation"):
             raise InvalidInputError(
