@@ -47,7 +47,8 @@ def falling_powers(polynomial: sp.Poly) -> sp.Expr:
         polynomial: of any degree.
     """
     x = polynomial.gen
-    terms = [sp.factor_terms(sp.factor(c)) * x**n for (n,), c in polynomial.terms()]
+    coefficients = [(n, sp.factor_terms(sp.factor(c))) for (n,), c in polynomial.terms()]
+    terms = [term for n, c in coefficients for term in (sp.Add.make_args(c) if n == 0 else [c * x**n])]
     return InOrder(*terms) if len(terms) > 1 else polynomial.as_expr()
 
 
