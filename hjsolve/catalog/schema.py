@@ -123,7 +123,7 @@ def optional(keys: Mapping[str, Key], *names: str) -> dict[str, Key]:
 
 
 def faults(table: object, keys: Mapping[str, Key], where: str = "") -> Iterator[str]:
-    """Every way in which a table does not follow its schema, one line each, ``key: what is wrong``.
+    """List where a table does not follow its schema, one line each, ``key: what is wrong``.
 
     Args:
         table: as it was read.

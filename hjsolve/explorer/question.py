@@ -1,4 +1,4 @@
-"""What the page asks and what it is told, as plain texts and numbers that may travel between processes."""
+"""What the page asks and what it receives, as plain texts and numbers that may travel between processes."""
 
 from __future__ import annotations
 

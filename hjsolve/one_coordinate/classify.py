@@ -30,7 +30,7 @@ _NEAREST = 200
 
 
 _STEP = 20
-"""Powers of two by which a step is shorter than |q| that tells a simple zero from others."""
+"""Powers of two by which a step is shorter than |q| that distinguishes a simple zero from others."""
 _WIDEST, _CURVED = 2.0**500, 2.0**1000
 """Width of a motion, and p² over its square, from whose inverse to which doubles hold what is worked out with them."""
 _LONG = 2**16

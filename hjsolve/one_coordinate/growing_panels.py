@@ -18,7 +18,7 @@ from hjsolve.one_coordinate.time_on_the_way import stopwatch
 
 _MAX_PANELS = 1600
 _GROWTH, _LONGEST, _FIRST = 4.0, 8.0, 2.0
-"""The longest panel thought of: so many times the last one, at most this on the way to an asymptote; the first one."""
+"""The longest panel tried: a multiple of the last one, at most this towards an asymptote; the first one."""
 _COSTLIEST = 4
 """Nodes of one panel, over those for integrands that are no larger in the ellipse than on the panel."""
 _RETRIES = 8

@@ -148,7 +148,7 @@ class KindOfMotion(ABC):
 
     @property
     def branches(self) -> tuple[Branch | Chain, ...]:
-        """The two ways of an open motion, ahead and behind; none of any other."""
+        """The two branches of an open motion, ahead and behind; none for any other motion."""
         return ()
 
     @property
@@ -173,7 +173,7 @@ class KindOfMotion(ABC):
 
     @property
     def two_ways(self) -> bool:
-        """True where what is ahead is another way than what is behind."""
+        """True where the branch ahead is not the one behind."""
         return False
 
     def limits(self) -> tuple[float, float]:

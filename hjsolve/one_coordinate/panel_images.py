@@ -1,4 +1,4 @@
-"""Where disks of the parameter of a way put the coordinate, and how fast it goes there."""
+"""Where disks of the parameter of a branch put the coordinate, and how fast it moves there."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Scale(NamedTuple):
 
 
 def scale_along(end_map: EndMap) -> Scale:
-    """Return how dx/dy goes along a way; see ``EndMap.distances`` and ``EndMap.rest``.
+    """Return how dx/dy varies along a branch; see ``EndMap.distances`` and ``EndMap.rest``.
 
     Args:
         end_map: the map q(y) of the branch.

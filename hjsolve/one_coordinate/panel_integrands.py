@@ -47,7 +47,7 @@ Order = int | Literal["zero"] | None
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """The end of a way, from where a formula is seen: u is the distance to it, or 1/|q|, or e^{−c|q|}.
+    """The end of a branch, from which a formula is expanded: u is the distance to it, or 1/|q|, or e^{−c|q|}.
 
     Attributes:
         end_map: the branch.
@@ -166,7 +166,7 @@ class Sight:
 
     @cached_property
     def view(self) -> View | None:
-        """How the formulas look from the end of the way; None where that is not known."""
+        """The formulas expanded at the end of the branch; None where that is not known."""
         tapes, end_map = self.tapes, self.end_map
         if end_map.end == "kink":
             return None
@@ -217,7 +217,7 @@ def _numbers(rows: list[Reals]) -> list[Reals]:
 
 
 def _orders(tape: Tape, places: list[Mpf], inputs: list[Mpf]) -> list[Order]:
-    """Orders of all slots, from their values at two places 2^16 times apart; empty where they cannot be had."""
+    """Orders of all slots, from their values at two places 2^16 times apart; empty where they are not found."""
     every = Tape(tape.inputs, tape.operations, tuple(range(len(tape.inputs), len(tape.inputs) + len(tape.operations))))
     try:
         far, near = (every.run(Multi(_EXACT), [q, *inputs]) for q in places)
@@ -264,7 +264,7 @@ class Surrounding:
         return sizes
 
     def _others(self, careful: bool) -> list[Callable[[Spots], Sizes]]:
-        """Other ways to look at disks about which the plain formula knows nothing, those that apply here."""
+        """Other enclosures of disks for which the plain formula gives no bound, those that apply here."""
         end_map = self.sight.end_map
         here: list[Callable[[Spots], Sizes]] = []
         if end_map.end not in {"infinity", "kink"}:
@@ -282,7 +282,7 @@ class Surrounding:
         return bool(x > _AWAY * natural and end_map.side * end_map.start > -x / 2)
 
     def _place(self, places: Spots) -> Disk:
-        """q, from the start or from the end of the way."""
+        """q, from the start or from the end of the branch."""
         sight, side = self.sight, float(self.sight.end_map.side)
         q = _D.add(sight.start, _D.times(places.x, side))
         if sight.end_map.end in {"infinity", "kink"}:
@@ -330,7 +330,7 @@ class Surrounding:
         return self._plain_sizes(squared, self._place(places), places)
 
     def _from_end(self, places: Spots) -> Sizes:
-        """p² and the kernels from the end of the way, what vanishes or has a pole there taken out."""
+        """p² and the kernels from the end of the branch, what vanishes or has a pole there taken out."""
         sight, end_map = self.sight, self.sight.end_map
         view = sight.view
         if view is None:

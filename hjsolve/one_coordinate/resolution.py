@@ -106,7 +106,7 @@ class AsItStands:
         return self.points.run(q)[0]
 
     def methods(self, q: Complexes, *_: Complexes | None) -> tuple[Complexes, ...]:
-        """Return R at complex places in all the ways there are: one.
+        """Return R at complex places by every method; there is one.
 
         Args:
             q: complex, shape (m,).
@@ -317,7 +317,7 @@ def _cheapest(cap: float, y: Reals, logs: Reals, size: Reals, digits: int) -> St
 
 
 def _sizes(subject: Integrands, squares: StripSquares, *, zeros: bool = True) -> tuple[Reals, Reals]:
-    """Return what ``_sizes_of_block`` tells, of any number of squares."""
+    """Return what ``_sizes_of_block`` returns, for any number of squares."""
     blocks = (squares.chosen(slice(k, k + _BLOCK)) for k in range(0, squares.x.size, _BLOCK))
     logs, sizes = zip(*(_sizes_of_block(subject, block, zeros) for block in blocks), strict=True)
     return np.hstack(logs), np.max(sizes, axis=0)

@@ -43,7 +43,7 @@ _SLOWEST = 0.25
 _NOTHING = 1e-15
 """A component of a momentum that is rounding, as a part of the other: straight at a centre, not just next to it."""
 _UNCLEAR = 1e-4
-"""Error of a point of the envelope, as a part of its way, beyond which it is left out."""
+"""Error of a point of the envelope, as a fraction of its path, beyond which it is left out."""
 
 
 @dataclass(frozen=True)
