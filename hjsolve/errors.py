@@ -89,7 +89,7 @@ class NotConvergedError(HJSolveError, ArithmeticError):
 
 
 class ClusterError(HJSolveError, RuntimeError):
-    """A cluster failed: no connection to its scheduler, or its workers ended or have other code; finished parts are kept."""
+    """A cluster failed: its scheduler cannot be reached, its workers ended or have other code; finished parts are kept."""
 
 
 class MissingExtraError(HJSolveError, ImportError):
