@@ -89,7 +89,7 @@ class NotConvergedError(HJSolveError, ArithmeticError):
 
 
 class ClusterError(HJSolveError, RuntimeError):
-    """A cluster failed: its scheduler cannot be reached, its workers ended or have other code; finished parts are kept."""
+    """A cluster failed: no scheduler is reached, workers ended or have other code; finished parts are kept."""
 
 
 class MissingExtraError(HJSolveError, ImportError):
