@@ -37,7 +37,14 @@ from hjsolve.functions.complex_pole import (
     times,
 )
 from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, PartialFractions
-from hjsolve.functions.elliptic.moments import INFINITY, Kinds, Path, first_and_other_kinds, refuse, whole_path
+from hjsolve.functions.elliptic.moments import (
+    INFINITY,
+    IntegrationPath,
+    Kinds,
+    first_and_other_kinds,
+    refuse,
+    whole_path,
+)
 
 
 def complete(R: PartialFractions, P: BranchPoints, interval: Interval) -> sp.Expr:
@@ -70,7 +77,7 @@ def incomplete(R: PartialFractions, P: BranchPoints, interval: Interval, x: sp.E
         NoForm: no form is known here; the text says why.
     """
     refuse(R, P, complex_poles=True)
-    path = Path(P, interval, start, x, whole=False)
+    path = IntegrationPath(P, interval, start, x, whole=False)
     return first_and_other_kinds(R, path, _kinds(path))
 
 
@@ -78,7 +85,7 @@ def incomplete(R: PartialFractions, P: BranchPoints, interval: Interval, x: sp.E
 class _Pair:
     """What a complex pair α ± iβ among the three other branch points is replaced by."""
 
-    path: Path
+    path: IntegrationPath
 
     @cached_property
     def pair(self) -> tuple[sp.Expr, sp.Expr]:
@@ -122,7 +129,7 @@ class _Pair:
         return above, self.a2 * self.path.v(self.third) / above
 
 
-def _first(path: Path) -> sp.Expr:
+def _first(path: IntegrationPath) -> sp.Expr:
     """∫ dx/√P."""
     if path.P.pairs:
         pair = _Pair(path)
@@ -130,7 +137,7 @@ def _first(path: Path) -> sp.Expr:
     return 2 * path.S / sp.sqrt(path.q) * CarlsonRF(*(path.v(r) for r in path.others))
 
 
-def _third(path: Path, place: sp.Expr | None) -> sp.Expr:
+def _third(path: IntegrationPath, place: sp.Expr | None) -> sp.Expr:
     """(2S³/(3√q)) R_J(v(r₁), v(r₂), v(r₃), v(place))."""
     if not path.P.pairs:
         return 2 * path.S**3 / (3 * sp.sqrt(path.q)) * CarlsonRJ(*(path.v(r) for r in path.others), path.v(place))
@@ -142,7 +149,7 @@ def _third(path: Path, place: sp.Expr | None) -> sp.Expr:
     return (2 * path.S * inner / sp.sqrt(path.q) - 3 * _first(path)) / (3 * pair.κ(place))
 
 
-def _complex_third(path: Path, ρ: Parts) -> Parts:
+def _complex_third(path: IntegrationPath, ρ: Parts) -> Parts:
     """Return the same of a complex place; with v(ρ) off the negative axis every argument is, see ``_third``.
 
     Of the two values of a root in κ either will do: p₊² p₋² = a² v(ρ), and neither is ever negative.
@@ -172,7 +179,7 @@ def _root(re: sp.Expr, im: sp.Expr) -> Parts:
     return sp.sqrt((size + re) / 2), sign * sp.sqrt((size - re) / 2)
 
 
-def _at_other_end(path: Path, r: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+def _at_other_end(path: IntegrationPath, r: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """√P/(x − r) and ∫ dx/((x − r)√P) where x may reach r, by Gauss' R_D; see ``moments.Kinds``.
 
     What is left over of both is σ√(L(x − e)(x − r)) (x + r − 2α)/(|x − r₁| + |r − r₁|).
@@ -189,5 +196,5 @@ def _at_other_end(path: Path, r: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     return path.σ * root * (x + r - 2 * α) / (pair.distance(x) + pair.distance(r)), inverse
 
 
-def _kinds(path: Path) -> Kinds:
+def _kinds(path: IntegrationPath) -> Kinds:
     return Kinds(_first(path), partial(_third, path), partial(_at_other_end, path), partial(_complex_third, path))

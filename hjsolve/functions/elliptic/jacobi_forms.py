@@ -18,7 +18,14 @@ from functools import cached_property
 import sympy as sp
 
 from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, NoForm, PartialFractions
-from hjsolve.functions.elliptic.moments import INFINITY, Kinds, Path, first_and_other_kinds, refuse, whole_path
+from hjsolve.functions.elliptic.moments import (
+    INFINITY,
+    IntegrationPath,
+    Kinds,
+    first_and_other_kinds,
+    refuse,
+    whole_path,
+)
 from hjsolve.functions.jacobi import JacobiCN, JacobiSN
 
 
@@ -35,7 +42,7 @@ def inverse(P: BranchPoints, interval: Interval, u: sp.Expr, start: str = "lower
         NoForm: P has no real root to begin at.
     """
     refuse(PartialFractions(()), P)
-    path = Path(P, interval, start, None, whole=False)
+    path = IntegrationPath(P, interval, start, None, whole=False)
     if P.pairs:
         (α, β), (r, *_) = P.pairs[0], path.others
         square = (α - path.e) ** 2 + β**2
@@ -79,10 +86,10 @@ def legendre_incomplete(
         NoForm: no form is known here; the text says why.
     """
     refuse(R, P)
-    return None if P.pairs else _legendre(R, Path(P, interval, start, x, whole=False))
+    return None if P.pairs else _legendre(R, IntegrationPath(P, interval, start, x, whole=False))
 
 
-def _ζ(path: Path, place: sp.Expr | None) -> sp.Expr:
+def _ζ(path: IntegrationPath, place: sp.Expr | None) -> sp.Expr:
     return sp.S.Zero if place is INFINITY else path.σ / (place - path.e)
 
 
@@ -90,7 +97,7 @@ def _ζ(path: Path, place: sp.Expr | None) -> sp.Expr:
 class _Order:
     """The three other branch points in the order ζ₁ > ζ₂ > ζ₃."""
 
-    path: Path
+    path: IntegrationPath
 
     @cached_property
     def points(self) -> tuple[sp.Expr | None, ...]:
@@ -115,7 +122,7 @@ class _Order:
         return self.span * self.path.S**2 / self.path.v(self.points[2])
 
 
-def _legendre(R: PartialFractions, path: Path) -> sp.Expr:
+def _legendre(R: PartialFractions, path: IntegrationPath) -> sp.Expr:
     order = _Order(path)
     m, s2, scale = order.m, order.sine2, 2 / sp.sqrt(path.q * order.span)
     whole = s2 == 1

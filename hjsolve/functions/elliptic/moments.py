@@ -17,7 +17,7 @@ INFINITY = None
 
 
 @dataclass(frozen=True)
-class Path:
+class IntegrationPath:
     """From the root e of P to x, all of it between two roots or from a root to infinity.
 
     Attributes:
@@ -99,7 +99,7 @@ class Kinds:
     complex_third: Callable[[Parts], Parts] | None = None
 
 
-def first_and_other_kinds(R: PartialFractions, path: Path, kinds: Kinds) -> sp.Expr:
+def first_and_other_kinds(R: PartialFractions, path: IntegrationPath, kinds: Kinds) -> sp.Expr:
     """∫ R dx/√P along a path.
 
     Args:
@@ -115,7 +115,7 @@ def first_and_other_kinds(R: PartialFractions, path: Path, kinds: Kinds) -> sp.E
     return sp.Add(*terms, *(moments.complex_pole(pole) for pole in R.complex_poles))
 
 
-def whole_path(P: BranchPoints, interval: Interval) -> Path:
+def whole_path(P: BranchPoints, interval: Interval) -> IntegrationPath:
     """Return the path through the whole interval, from its lower end if that is a root.
 
     Args:
@@ -125,7 +125,7 @@ def whole_path(P: BranchPoints, interval: Interval) -> Path:
     lower, upper = interval
     start = "lower" if lower is not None else "upper"
     other = upper if lower is not None else lower
-    return Path(P, interval, start, None if other is None else P.real[other], whole=True)
+    return IntegrationPath(P, interval, start, None if other is None else P.real[other], whole=True)
 
 
 def refuse(R: PartialFractions, P: BranchPoints, *, complex_poles: bool = False) -> None:
@@ -151,7 +151,7 @@ def refuse(R: PartialFractions, P: BranchPoints, *, complex_poles: bool = False)
 class _Moments:
     """A_n(ρ) = ∫ (x − ρ)ⁿ dx/√P, all from A₀, A₁ and A₋₁."""
 
-    path: Path
+    path: IntegrationPath
     kinds: Kinds
 
     @cached_property
