@@ -89,7 +89,7 @@ class NotConvergedError(HJSolveError, ArithmeticError):
 
 
 class ClusterError(HJSolveError, RuntimeError):
-    """A cluster failed: its scheduler was lost, its workers ended or have other code; what is written stays."""
+    """A cluster failed: no scheduler is reached, workers ended or have other code; finished parts are kept."""
 
 
 class MissingExtraError(HJSolveError, ImportError):
@@ -112,7 +112,7 @@ FAULTS = (
     TypeError,
     ValueError,
 )
-"""Builtin errors that come out of a fault of ours; told as one where a user must never see a traceback."""
+"""Builtin errors that come out of a fault of ours; reported as one where a user must never see a traceback."""
 
 
 def required(value: T | None) -> T:

@@ -124,44 +124,44 @@ class Locals:
 
     def rational(self, numerator: int, denominator: int) -> LocalExpansion:
         """Return a constant: all differences are zero."""
-        return self._told(self.constant(_DISKS.rational(numerator, denominator)))
+        return self._of_known_order(self.constant(_DISKS.rational(numerator, denominator)))
 
     def pi(self) -> LocalExpansion:
-        return self._told(self.constant(_DISKS.pi()))
+        return self._of_known_order(self.constant(_DISKS.pi()))
 
     def add(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
         """Return x + y; where the leading parts cancel at e, the order is raised if it is known."""
-        return self._told(self._add(x, y))
+        return self._of_known_order(self._add(x, y))
 
     def sub(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
         """Return x − y, in the same way."""
-        return self._told(self._add(x, self._negative(y)))
+        return self._of_known_order(self._add(x, self._negative(y)))
 
     def mul(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
         """Return x·y; orders are added, differences by Leibniz' rule."""
-        return self._told(self._mul(x, y))
+        return self._of_known_order(self._mul(x, y))
 
     def div(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
         """Return x/y; orders are subtracted."""
-        return self._told(self._mul(x, self._inverse(y)))
+        return self._of_known_order(self._mul(x, self._inverse(y)))
 
     def power(self, x: LocalExpansion, n: int) -> LocalExpansion:
         """Return xⁿ; the order is multiplied by n."""
         if n == 0:
-            return self._told(self.constant(_DISKS.rational(1, 1)))
+            return self._of_known_order(self.constant(_DISKS.rational(1, 1)))
         base = self._inverse(x) if n < 0 else x
         result = by_squaring(self._mul, base, abs(n))
         if not x.constant:  # a power of a disk is narrower than its product with itself
             result = result._replace(parts=(_DISKS.power(base.parts[0], abs(n)), *result.parts[1:]))
-        return self._told(result)
+        return self._of_known_order(result)
 
     def unary(self, name: str, x: LocalExpansion) -> LocalExpansion:
         """Return Φ(x), by the differences of Φ over disks."""
-        return self._told(self._negative(x) if name == "neg" else self._unary(name, x))
+        return self._of_known_order(self._negative(x) if name == "neg" else self._unary(name, x))
 
     # ------------------------------------------------------------------ orders
 
-    def _told(self, x: LocalExpansion) -> LocalExpansion:
+    def _of_known_order(self, x: LocalExpansion) -> LocalExpansion:
         """Take out what is known of the order of this slot."""
         if not self.orders:
             return x

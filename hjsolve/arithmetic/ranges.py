@@ -57,7 +57,7 @@ def divide(c: Context, x: Range, y: Range) -> Range:
         InvalidInputError: y may be 0.
     """
     if y[0] <= 0 <= y[1]:
-        raise InvalidInputError(f"division by {_told(c, y)}: it may be 0, so the quotient has no bound")
+        raise InvalidInputError(f"division by {_text(c, y)}: it may be 0, so the quotient has no bound")
     pairs = [(a, b) for a in x for b in y]
     return min(c.fdiv(a, b, rounding="f") for a, b in pairs), max(c.fdiv(a, b, rounding="c") for a, b in pairs)
 
@@ -78,7 +78,7 @@ def power(c: Context, x: Range, y: Range) -> Range:
     if y[0] == y[1] == c.mpf(0.5):
         return square_root(c, x)
     if x[1] < 0 or (x[0] <= 0 and y[0] <= 0):
-        raise InvalidInputError(f"power of {_told(c, x)}: for an exponent that is not whole the base must be above 0")
+        raise InvalidInputError(f"power of {_text(c, x)}: for an exponent that is not whole the base must be above 0")
     if x[1] == 0:
         return x[1], x[1]
     top = apply(c, "exp", multiply(c, y, apply(c, "log", (x[1], x[1]))))
@@ -147,9 +147,9 @@ def _inside(c: Context, name: str, x: Range, left: float | None, right: float | 
     low = x[0] if left is None else max(x[0], c.mpf(left))
     high = x[1] if right is None else min(x[1], c.mpf(right))
     if low > high:
-        raise InvalidInputError(f"{name} of {_told(c, x)} is not real")
+        raise InvalidInputError(f"{name} of {_text(c, x)} is not real")
     if any(end in _POLES.get(name, ()) for end in (low, high)):
-        raise InvalidInputError(f"{name} of {_told(c, x)}: it is infinite at an end of that, so there is no bound")
+        raise InvalidInputError(f"{name} of {_text(c, x)}: it is infinite at an end of that, so there is no bound")
     return low, high
 
 
@@ -174,7 +174,7 @@ def _value(c: Context, name: str, x: Mpf) -> Mpf:
     return getattr(c, name)(x)
 
 
-def _told(c: Context, x: Range) -> str:
+def _text(c: Context, x: Range) -> str:
     middle, half = (x[0] + x[1]) / 2, (x[1] - x[0]) / 2
     return f"{c.nstr(middle, 6)} ± {c.nstr(half, 2)}"
 
@@ -216,7 +216,7 @@ def quarter_turns(c: Context, n: int) -> Range:
 def _tangent(c: Context, x: Range) -> Range:
     first, last = (divide(c, (end, end), quarter_turns(c, 1)) for end in x)
     if _meets(c, first[0], last[1], 1) or _meets(c, first[0], last[1], 3):
-        raise InvalidInputError(f"tan of {_told(c, x)}: a pole may lie in that, so there is no bound")
+        raise InvalidInputError(f"tan of {_text(c, x)}: a pole may lie in that, so there is no bound")
     return _wide(c, "tan", x[0], 0)[0], _wide(c, "tan", x[1], 0)[1]
 
 
@@ -263,7 +263,7 @@ def angle_of(c: Context, y: Range, x: Range) -> Range:
         right = quarter_turns(c, 1)
         return subtract(c, (-right[1], -right[0]), apply(c, "atan", divide(c, x, y)))
     raise InvalidInputError(
-        f"the angle of x = {_told(c, x)}, y = {_told(c, y)}: it jumps by a turn there, so there is no bound"
+        f"the angle of x = {_text(c, x)}, y = {_text(c, y)}: it jumps by a turn there, so there is no bound"
     )
 
 
@@ -281,7 +281,7 @@ def whole_quotient(c: Context, x: Range, y: Range) -> Range:
     low, high = (c.floor(end) for end in divide(c, x, y))
     if low != high:
         raise InvalidInputError(
-            f"the whole part of {_told(c, x)} over {_told(c, y)}: {c.nstr(low)} and {c.nstr(high)} are both possible"
+            f"the whole part of {_text(c, x)} over {_text(c, y)}: both {c.nstr(low)} and {c.nstr(high)} are possible"
         )
     return low, high
 

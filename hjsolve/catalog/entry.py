@@ -56,7 +56,7 @@ class Effect(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Reference(Shown):
-    """A number known by another way than hjsolve's; ``value`` has all its digits.
+    """A number known from a method other than hjsolve's; ``value`` has all its digits.
 
     Attributes:
         quantity: as in catalog/README.md, e.g. ``period.r`` or ``q.theta``.

@@ -123,7 +123,7 @@ def optional(keys: Mapping[str, Key], *names: str) -> dict[str, Key]:
 
 
 def faults(table: object, keys: Mapping[str, Key], where: str = "") -> Iterator[str]:
-    """Every way in which a table does not follow its schema, one line each, ``key: what is wrong``.
+    """List where a table does not follow its schema, one line each, ``key: what is wrong``.
 
     Args:
         table: as it was read.
@@ -150,7 +150,7 @@ def _value_faults(value: object, key: Key, where: str) -> Iterator[str]:
     if not _fits(value, key.type):
         yield f"{where}: must be {_WORDS[key.type]}, not {_shown(value)}"
     elif hidden := _hidden(value):
-        yield f"{where}: the character {hidden} in it is not shown as it stands; leave it out"
+        yield f"{where}: the character {hidden} in it cannot be displayed; leave it out"
     elif key.choices and value not in key.choices:
         yield f'{where}: "{value}" is not known{nearest(str(value), key.choices)}'
     elif key.type == "table":

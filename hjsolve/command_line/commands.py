@@ -200,7 +200,7 @@ def report_command(options: Namespace) -> int:
     from hjsolve.reports.document.files import checked_path
 
     if options.format and options.output != "-":
-        raise InvalidInputError(f"--format: goes with -o -; the suffix of {options.output} says the format")
+        raise InvalidInputError(f"--format: applies to -o - only; the suffix of {options.output} decides the format")
     if options.output != "-":
         status, written = _reported(options, checked_path(options.output))
         print(f"wrote {written}")

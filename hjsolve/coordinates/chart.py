@@ -25,7 +25,7 @@ from hjsolve.coordinates.find import cartesian_form, find_coordinates, sphere_be
 from hjsolve.coordinates.gauge import find_gauge
 from hjsolve.coordinates.results import SeparableCoordinates, Vector, Web
 from hjsolve.coordinates.small_oscillations import normal_modes
-from hjsolve.coordinates.superintegrable import independent_integrals, told_of_modes, webs_in_words
+from hjsolve.coordinates.superintegrable import independent_integrals, modes_in_words, webs_in_words
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError, NotSeparableError
 from hjsolve.mechanics.kinks import refuse_kinks
@@ -332,7 +332,7 @@ def _modal(system: System, reason: str, budget: float) -> Chart:
         raise InvalidSystemError("the modes could not be certified")
     names = tuple(mode.name for mode in modes.modes)
     symbols = tuple(modes.system.symbols[name] for name in names)
-    there, remark = _there(system, modes.transformation, modes.system), _remarks(modes.remark, told_of_modes(modes))
+    there, remark = _there(system, modes.transformation, modes.system), _remarks(modes.remark, modes_in_words(modes))
     return Chart(
         "normal modes", names, modes.transformation, remark, reason, system, there,
         replace(modes.verdict, system=there),

@@ -100,10 +100,10 @@ def find_coordinates(
         if curved is None:
             return _Search(system, special=special, budget=budget).result()
         found = _Search(curved.space, special=special, budget=budget).result()
-        return _told_in(curved, system, found)
+        return _expressed_in(curved, system, found)
 
 
-def _told_in(curved: CurvilinearMap, system: System, found: SeparableCoordinates) -> SeparableCoordinates:
+def _expressed_in(curved: CurvilinearMap, system: System, found: SeparableCoordinates) -> SeparableCoordinates:
     """Tell webs found in x, y, z in the coordinates that the system was given in."""
     axes, names = [c.name for c in curved.space.coordinates], [c.name for c in system.coordinates]
 

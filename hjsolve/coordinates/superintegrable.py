@@ -89,7 +89,7 @@ def _begin(found: SeparableCoordinates, cartesian: Cartesian) -> str:
     return f" (they begin with {', '.join(parts)})"
 
 
-def told_of_modes(modes: NormalModes) -> str:
+def modes_in_words(modes: NormalModes) -> str:
     """Say which frequencies of normal modes are the same, or in a ratio of whole numbers; empty where none are.
 
     Args:

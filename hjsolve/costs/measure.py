@@ -149,7 +149,7 @@ def _first(
         return TrialRecord(trial, replace(empty, status="missing", note=_line(error)))
     except NotConvergedError as error:
         status = "too slow" if str(error) == "out of time" else "not converged"
-        note = "stopped when its share was spent" if status == "too slow" else _line(error)
+        note = "stopped when its part of the time was used up" if status == "too slow" else _line(error)
         return TrialRecord(trial, replace(empty, status=status, note=note))
     except (InvalidInputError, HJSolveError) as error:
         return TrialRecord(trial, replace(empty, status="not applicable", note=_line(error)))

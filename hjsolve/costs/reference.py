@@ -1,4 +1,4 @@
-"""What true errors are measured against: more digits than any method is asked, by another way than the method's own.
+"""What true errors are measured against: more digits than any method is asked for, from a different method.
 
 Numbers of the motion come from ball arithmetic (for proved ones: from mpmath), states from Taylor series of Hamilton's
 equations. What neither can give (an unbounded motion's turning point, an event at a place) comes from mpmath with more
@@ -118,7 +118,7 @@ def _balls(task: Task, digits: int) -> Values:
 
 
 def _series(task: Task, digits: int, deadline: float) -> Values:
-    """Return states by Taylor series; nothing where an event is at a place, or the series cannot be had in time."""
+    """Return states by Taylor series; nothing where an event is at a place, or the series does not end in time."""
     scene = task.scene
     if any(event.time is None for event in scene.events):
         return {}

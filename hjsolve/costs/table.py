@@ -47,7 +47,7 @@ class Row(Shown):
 
     @property
     def answered(self) -> bool:
-        """Whether there is an answer with a time, good or lost."""
+        """Whether there is an answer with a time, right or wrong."""
         return self.error is not None and self.seconds is not None
 
 

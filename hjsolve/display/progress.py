@@ -18,7 +18,7 @@ _WIDTH = 24
 
 
 class ProgressBar:
-    """A bar on a terminal, drawn when it is first told how far things are, or some seconds later.
+    """A bar on a terminal, drawn at the first report of progress, or some seconds later.
 
     Args:
         stays: whether the last line stays when all is done.
@@ -57,7 +57,7 @@ class ProgressBar:
 
 
 class Tally:
-    """How many orbits are done, told to a progress bar; threads may count together.
+    """How many orbits are done, reported to a progress bar; threads may count together.
 
     Args:
         total: orbits in all.

@@ -73,7 +73,7 @@ class CoordinateKinds(ByValue, Shown):
                 same = np.flatnonzero(~doubtful & (parts[0].sign == sign) & (count == number))
                 if len(same):
                     if (sign, int(number)) not in self.words:
-                        self.words[sign, int(number)] = self._told(found, found.clearest(same))
+                        self.words[sign, int(number)] = self._kinds_of(found, found.clearest(same))
                     _fill(found.kinds, same, self.words[sign, int(number)])
         return self._one_by_one(found) if every else found
 
@@ -85,7 +85,7 @@ class CoordinateKinds(ByValue, Shown):
         """
         return {**self.values, self.constants[0]: sp.Rational(float(x)), self.constants[1]: sp.Rational(float(y))}
 
-    def _told(self, found: Regions, i: int) -> Kinds:
+    def _kinds_of(self, found: Regions, i: int) -> Kinds:
         """Return the kinds of the regions at one point, in order of q.
 
         What two zeros enclose librates, the rest is asked.

@@ -40,12 +40,12 @@ class KindsOfMotion(Shown):
         Args:
             coordinate: a separated one.
         """
-        return _told(self.kinds[coordinate])
+        return _in_words(self.kinds[coordinate])
 
 
-def _told(kinds: tuple[str, ...]) -> str:
-    told = []
+def _in_words(kinds: tuple[str, ...]) -> str:
+    words = []
     for kind in dict.fromkeys(kinds):
         many = kinds.count(kind)
-        told.append(_WORDS[kind] + (f" in {many} regions" if many > 1 else ""))
-    return " or ".join(told)
+        words.append(_WORDS[kind] + (f" in {many} regions" if many > 1 else ""))
+    return " or ".join(words)

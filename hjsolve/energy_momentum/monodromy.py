@@ -114,20 +114,27 @@ def rests_at_ends(own: CoordinateKinds) -> list[tuple[float, float, float]]:
         if kind != "end of the domain" or not ends:
             continue
         for factor, power in sp.factor_list(value, *own.constants)[1]:
-            for which in (0, 1):
-                first, second = own.constants[which], own.constants[1 - which]
-                if power % 2 or factor.has(second):
-                    continue
-                for root in sp.roots(sp.Poly(factor, first)):
-                    if not root.is_real:
-                        continue
-                    rest, _ = sp.div(sp.expand(N.subs(first, root)), s.x - ends[0], s.x)
-                    level = sp.expand(rest.subs(s.x, ends[0]))
-                    if not level.has(second):
-                        continue
-                    for other in real_roots(sp.Poly(level, second)):
-                        pair = (float(root), float(other))
-                        found.append((*(pair if which == 0 else pair[::-1]), _place(own, ends[0])))
+            if power % 2 == 0:
+                found += [rest for end in ends for rest in _rests_at(own, end, factor)]
+    return found
+
+
+def _rests_at(own: CoordinateKinds, end: sp.Expr, factor: sp.Expr) -> list[tuple[float, float, float]]:
+    """Return the rests at one end, where a factor of N(end) that holds one of the constants alone is zero."""
+    polynomial = required(own.polynomial)
+    t, N, found = polynomial.substitution.x, polynomial.polynomial, []
+    for which in (0, 1):
+        first, second = own.constants[which], own.constants[1 - which]
+        if factor.has(second):
+            continue
+        for root in (root for root in sp.roots(sp.Poly(factor, first)) if root.is_real):
+            rest, _ = sp.div(sp.expand(N.subs(first, root)), t - end, t)
+            level = sp.expand(rest.subs(t, end))
+            if not level.has(second):
+                continue
+            for other in real_roots(sp.Poly(level, second)):
+                pair = (float(root), float(other))
+                found.append((*(pair if which == 0 else pair[::-1]), _place(own, end)))
     return found
 
 

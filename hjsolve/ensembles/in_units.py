@@ -12,7 +12,7 @@ from hjsolve.arithmetic.measured import Measured
 from hjsolve.ensembles.export import axis_names, with_words
 from hjsolve.ensembles.layout import ERROR
 from hjsolve.ensembles.orbit_columns import OrbitColumns
-from hjsolve.motion.in_units import ROLES, NumbersInUnits, measures_of, told_of
+from hjsolve.motion.in_units import ROLES, NumbersInUnits, available, measures_of
 from hjsolve.units.libraries import Number, library
 
 
@@ -29,7 +29,7 @@ class BatchInUnits(NumbersInUnits):
 
     @property
     def _shown_names(self) -> list[str]:
-        return told_of(self, self.batch.layout.want)
+        return available(self, self.batch.layout.want)
 
     @property
     def angles(self) -> dict[str, Measured]:

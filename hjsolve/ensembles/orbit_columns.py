@@ -77,7 +77,7 @@ class OrbitColumns:
 
     @property
     def status(self) -> Any:
-        """A word for every orbit: ``ok`` or what became of it; ``Status`` tells what each means."""
+        """A word for every orbit: ``ok`` or what became of it; ``Status`` says what each means."""
         codes = self.columns[STATUS]
         return codes.map_blocks(_words, dtype=WORDS.dtype) if self.lazy else _words(codes)
 

@@ -45,7 +45,7 @@ class EnsembleTask:
 
 @dataclass(frozen=True)
 class DomainEnd:
-    """An end of a coordinate's domain, as a double that tells doubles inside from doubles outside.
+    """An end of a coordinate's domain, as a double that separates doubles inside from doubles outside.
 
     Attributes:
         name: the coordinate.

@@ -14,6 +14,7 @@ import sympy as sp
 from hjsolve import catalog
 from hjsolve.errors import HJSolveError, InvalidInputError, NotConvergedError, NotSeparableError, required
 from hjsolve.explorer.question import LONGEST, PageAnswer, PageQuestion, Portrait
+from hjsolve.explorer.whole_system import lines_of, unfinished
 from hjsolve.formulas.checked_arithmetic import FUNCTIONS
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System, momenta, velocities
@@ -42,7 +43,7 @@ _CARRIED = 12
 
 
 def answer_question(question: PageQuestion) -> PageAnswer:
-    """PageAnswer a question as far as possible; what is wrong is reported in ``problem``, never raised.
+    """Answer a question as far as possible; what is wrong is reported in ``problem``, never raised.
 
     Args:
         question: what was typed.
@@ -50,15 +51,34 @@ def answer_question(question: PageQuestion) -> PageAnswer:
     try:
         system = typed_system(question)
     except HJSolveError as error:
-        return PageAnswer(problem=_line(error))
+        return _not_read(question, error)
     names = tuple(c.name for c in system.coordinates)
+    question = replace(  # a start that was typed for other coordinates is none of these
+        question,
+        q={name: question.q.get(name, "") for name in names},
+        velocity={name: question.velocity.get(name, "") for name in names},
+    )
     try:
         if question.drag is not None:
             question = _dragged(question, system)
-        told = _told(question, system)
+        answer = _answered(question, system)
     except HJSolveError as error:
         return PageAnswer(coordinates=names, problem=_line(error))
-    return replace(told, coordinates=names, q=question.q, velocity=question.velocity)
+    return replace(answer, coordinates=names, q=question.q, velocity=question.velocity)
+
+
+def _not_read(question: PageQuestion, error: HJSolveError) -> PageAnswer:
+    """Return what a system that is not complete lacks as a whole, or the fault of one box."""
+    try:
+        missing = unfinished(question)
+    except HJSolveError as fault:
+        return PageAnswer(problem=_line(fault))
+    whole = f"{'; '.join(missing)}."
+    if missing and not question.submitted:
+        return PageAnswer(unfinished=f"Not complete yet: {whole}")
+    return PageAnswer(
+        problem=_line(error) + (f"\nThe whole system: {whole.replace(' so far', '')}" if len(missing) > 1 else "")
+    )
 
 
 def typed_system(question: PageQuestion) -> System:
@@ -73,8 +93,8 @@ def typed_system(question: PageQuestion) -> System:
     for field in ("coordinates", "kinetic", "potential", "parameters", "title"):
         if len(getattr(question, field)) > LONGEST:
             raise InvalidInputError(f"{field}: at most {LONGEST} letters; this has {len(getattr(question, field))}")
-    coordinates = typed_coordinates(_lines(question.coordinates), "coordinate")
-    parameters = typed_parameters(_lines(question.parameters), "parameter")
+    coordinates = typed_coordinates(lines_of(question.coordinates), "coordinate")
+    parameters = typed_parameters(lines_of(question.parameters), "parameter")
     return System(
         coordinates,
         question.kinetic,
@@ -108,10 +128,6 @@ def velocities_of(question: PageQuestion, p: Mapping[str, object]) -> PageQuesti
     places = {c.symbol: number(question.q[c.name], source=c.name) for c in system.coordinates}
     given = {c.momentum: number(p[c.name], source=c.name) for c in system.coordinates}
     return replace(question, velocity=_rates(system, places, given))
-
-
-def _lines(text: str) -> list[str]:
-    return [line for line in text.replace(";", "\n").splitlines() if line.strip()]
 
 
 def _line(error: HJSolveError) -> str:
@@ -153,7 +169,7 @@ def _parameter_values(system: System) -> dict[sp.Symbol, sp.Expr]:
 
 
 # ------------------------------------------------------------------------------------------- what is told
-def _told(question: PageQuestion, system: System) -> PageAnswer:
+def _answered(question: PageQuestion, system: System) -> PageAnswer:
     verdict = separate(system)
     solution, search = _solved(question, system, verdict)
     if question.wanted == "scene":
@@ -166,14 +182,14 @@ def _told(question: PageQuestion, system: System) -> PageAnswer:
     lead = _html(Paragraph(system_and_verdict.answer(solution.separation)))
     chart = chart_section(solution.chart) if solution.chart is not None else None
     details = _sections([chart, forms_section(solution.separation)])
-    told = PageAnswer("yes", lead, details, _sections(solution_sections(solution)))
+    answer = PageAnswer("yes", lead, details, _sections(solution_sections(solution)))
     if not any(text.strip() for text in question.q.values()):
-        return told
+        return answer
     try:
         motion = solution.motion(q=question.q, velocity=question.velocity)
-        return _moving(told, motion, draggable=solution.chart is None)
+        return _moving(answer, motion, draggable=solution.chart is None)
     except HJSolveError as error:
-        return replace(told, problem=_line(error))
+        return replace(answer, problem=_line(error))
 
 
 def _solved(
@@ -196,27 +212,27 @@ def _refused(question: PageQuestion, verdict: Obstruction | Undecided, search: s
     lead = _html(Paragraph(system_and_verdict.answer(verdict)))
     if search:
         lead += "\n" + _html(Paragraph((search,)))
-    told = PageAnswer(
+    answer = PageAnswer(
         "open" if isinstance(verdict, Undecided) else "no", lead, _sections([obstruction.refusal_section(verdict)])
     )
     if not any(text.strip() for text in question.q.values()):
-        return told
+        return answer
     try:
         moving = section_of_refused_motion(verdict.system, _start(question), returns=False)
     except HJSolveError as error:
-        return replace(told, problem=_line(error))
+        return replace(answer, problem=_line(error))
     words = "The motion is not drawn here: a drawing needs two coordinates that are not ignorable."
-    return replace(told, drawings=_html(Paragraph((words,))) if moving is None else _sections([moving]))
+    return replace(answer, drawings=_html(Paragraph((words,))) if moving is None else _sections([moving]))
 
 
 def _start(question: PageQuestion) -> dict[str, dict[str, str]]:
     return {"q": dict(question.q), "velocity": dict(question.velocity)}
 
 
-def _moving(told: PageAnswer, motion: Motion, *, draggable: bool) -> PageAnswer:
+def _moving(answer: PageAnswer, motion: Motion, *, draggable: bool) -> PageAnswer:
     motion = motion.as_solved
     planes = tuple(_portrait(motion, name, draggable=draggable) for name in motion.solution.coordinates)
-    told = replace(told, numbers=_sections([numbers_section(motion)]), portraits=planes)
+    answer = replace(answer, numbers=_sections([numbers_section(motion)]), portraits=planes)
     try:
         trace = orbit_paths.trace(motion)
         wells = [effective_potential_of(motion, name) for name in motion.solution.coordinates]
@@ -224,8 +240,8 @@ def _moving(told: PageAnswer, motion: Motion, *, draggable: bool) -> PageAnswer:
         curves = [effective_potential(well, f"potential-{k}", several=several) for k, well in enumerate(wells)]
         drawn = [orbit_paths.orbit(motion, trace, "orbit"), orbit_paths.history(motion, trace, "time")]
     except NotConvergedError as error:
-        return replace(told, problem=_line(error))
-    return replace(told, drawings=_html(Figures((*curves, *(figure for figure in drawn if figure is not None)))))
+        return replace(answer, problem=_line(error))
+    return replace(answer, drawings=_html(Figures((*curves, *(figure for figure in drawn if figure is not None)))))
 
 
 def _portrait(motion: Motion, name: str, *, draggable: bool) -> Portrait:

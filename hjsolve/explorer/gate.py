@@ -104,8 +104,8 @@ def _queried(scope: Message) -> str:
 
 
 async def _answer(send: Send, status: int, text: str, headers: list[tuple[bytes, bytes]] | None = None) -> None:
-    told = [(b"content-type", b"text/plain; charset=utf-8"), (b"cache-control", b"no-store"), *_POLICY]
-    await send({"type": "http.response.start", "status": status, "headers": [*told, *(headers or [])]})
+    plain = [(b"content-type", b"text/plain; charset=utf-8"), (b"cache-control", b"no-store"), *_POLICY]
+    await send({"type": "http.response.start", "status": status, "headers": [*plain, *(headers or [])]})
     await send({"type": "http.response.body", "body": text.encode()})
 
 

@@ -29,6 +29,9 @@ margin:0 auto;padding:1.2rem;align-items:start}
 .explorer .lead.no{border-left:3px solid var(--red);padding-left:.8rem}
 .explorer .lead.open{border-left:3px solid var(--amber);padding-left:.8rem}
 .explorer .waiting{opacity:.45}
+.explorer .unfinished,.explorer .stale{color:var(--soft);white-space:pre-wrap;overflow-wrap:anywhere}
+.explorer .stale{border-left:3px solid var(--amber);padding-left:.8rem}
+.explorer .unfinished:empty,.explorer .stale:empty{display:none}
 .explorer section{min-width:0}.explorer .q-expansion-item__content{overflow-x:auto}
 .explorer .drag,.explorer .portraits svg{max-width:32rem}.explorer .portraits text{font-size:12.5px}
 @media (max-width:40rem){.explorer{padding:.8rem}.explorer .formula{flex-wrap:wrap;gap:.1rem}
@@ -97,6 +100,18 @@ class ExplorerPage:
         """Ask the first question once the socket is there; a page that nobody looks at computes nothing."""
         if not self._begun:
             self._begun = True
+            background_tasks.create(self._first())
+
+    async def _first(self) -> None:
+        """Ask what the link asks, or else what the page was begun with."""
+        with self.client:
+            fragment = str(await ui.run_javascript("return location.hash", timeout=10.0) or "")
+            if fragment.strip("#"):
+                try:
+                    self.question = PageQuestion.from_fragment(fragment)
+                    self._write(self.question)
+                except HJSolveError as error:
+                    self.linked.set_text(" ".join(str(error).split()))
             self.desk.put(self.question)
 
     # --------------------------------------------------------------------------------------- fields
@@ -111,6 +126,10 @@ class ExplorerPage:
         self.start = ui.element("div").classes("start")
         self.inputs: dict[tuple[str, str], ui.input] = {}
         self.find = ui.checkbox("Search for coordinates that separate", on_change=self._typed)
+        with ui.row():
+            ui.button("Check the system", on_click=self._submitted).props("outline no-caps")
+            ui.button("Copy link", on_click=self._share).props("outline no-caps")
+        self.linked = ui.label().classes("hint").props('role="status"').mark("linked")
         with ui.row():
             ui.button("Download report", on_click=lambda: self._download("report")).props("outline no-caps")
             ui.button("Download scene", on_click=lambda: self._download("scene")).props("outline no-caps")
@@ -159,15 +178,28 @@ class ExplorerPage:
     def _typed(self, _: events.EventArguments) -> None:
         if self._writing:
             return
-        self.question = replace(self._read(), drag=None)
+        self.question = replace(self._read(), drag=None, submitted=False)
         self.desk.put(self.question)
         self.answers.classes(add="waiting")
+
+    def _submitted(self) -> None:
+        self.question = replace(self._read(), drag=None)
+        self.desk.put(self.question)
+
+    def _share(self) -> None:
+        """Put the question into the address and on the clipboard."""
+        fragment = self._read().fragment()
+        ui.run_javascript(
+            f"history.replaceState(null, '', location.pathname + '#{fragment}');"
+            "navigator.clipboard && navigator.clipboard.writeText(location.href).catch(() => {})"
+        )
+        self.linked.set_text("The link is in the address bar, and copied where the browser allows it.")
 
     def _read(self) -> PageQuestion:
         return replace(
             self.question, coordinates=self.coordinates.value or "", kinetic=_one_line(self.kinetic),
             potential=_one_line(self.potential), parameters=self.parameters.value or "",
-            find=bool(self.find.value), wanted="answer",
+            find=bool(self.find.value), wanted="answer", submitted=True,
             q=self._typed_start("q"), velocity=self._typed_start("velocity"),
         )  # fmt: skip
 
@@ -188,6 +220,9 @@ class ExplorerPage:
     # --------------------------------------------------------------------------------------- answers
     def _build_answers(self) -> None:
         self.problem = ui.label().classes("problem").props('role="alert"').mark("problem")
+        self.unfinished = ui.label().classes("unfinished").props('role="status"').mark("unfinished")
+        self.stale = ui.label().classes("stale").props('role="status"').mark("stale")
+        self._answered: PageQuestion | None = None
         self.answers = ui.element("div")
         with self.answers:
             self.lead = ui.html("", sanitize=False).classes("lead").mark("lead")
@@ -206,12 +241,16 @@ class ExplorerPage:
 
     def _show_here(self, question: PageQuestion, answer: PageAnswer) -> None:
         self.problem.set_text(answer.problem)
+        self.unfinished.set_text(answer.unfinished)
         if answer.coordinates and answer.coordinates != self._names:
             self._build_start(answer.coordinates)
         if not answer.verdict:
             self.answers.classes(add="waiting")
+            self.stale.set_text(_out_of_date(self._answered))
             return
         self.answers.classes(remove="waiting")
+        self._answered = question
+        self.stale.set_text("")
         self.lead.set_content(answer.lead)
         self.lead.classes(replace=f"lead {answer.verdict}")
         self.details.set_content(answer.details)
@@ -257,6 +296,13 @@ class ExplorerPage:
             ui.download.content(answer.file, "report.html" if wanted == "report" else "scene.toml")
         else:
             self.problem.set_text(answer.problem or "there is nothing to write yet")
+
+
+def _out_of_date(answered: PageQuestion | None) -> str:
+    """Return which system the verdict on the page belongs to, when it is not the one that is typed."""
+    if answered is None:
+        return ""
+    return f"Out of date. What is shown below belongs to T = {answered.kinetic}, V = {answered.potential}."
 
 
 def _one_line(area: ui.textarea) -> str:

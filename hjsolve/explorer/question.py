@@ -1,10 +1,16 @@
-"""What the page asks and what it is told, as plain texts and numbers that may travel between processes."""
+"""What the page asks and what it receives, as plain texts and numbers that may travel between processes."""
 
 from __future__ import annotations
 
+import base64
+import binascii
+import json
+import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Literal
+
+from hjsolve.errors import InvalidInputError
 
 Wanted = Literal["answer", "report", "scene"]
 LONGEST = 4000
@@ -34,6 +40,7 @@ class PageQuestion:
         title: for display.
         wanted: an answer for the page, or a whole file: a report, a scene.
         drag: the initial point was moved there before asking.
+        submitted: the system as a whole is meant to be complete; while it is typed, it is not.
     """
 
     coordinates: str = ""
@@ -50,6 +57,66 @@ class PageQuestion:
     title: str = ""
     wanted: Wanted = "answer"
     drag: Drag | None = None
+    submitted: bool = True
+
+    def fragment(self) -> str:
+        """Return the text after the # of the address that shows this question again."""
+        typed: dict[str, Any] = {
+            name: getattr(self, name) for name in _SHARED if getattr(self, name) != _defaults()[name]
+        }
+        text = json.dumps(typed, ensure_ascii=False, separators=(",", ":"), default=list)
+        return base64.urlsafe_b64encode(zlib.compress(text.encode(), 9)).decode().rstrip("=")
+
+    @classmethod
+    def from_fragment(cls, fragment: str) -> PageQuestion:
+        """Return the question that a link asks.
+
+        Args:
+            fragment: as ``fragment`` writes it, with or without its #.
+
+        Raises:
+            InvalidInputError: it is too long, cut, or holds anything but texts.
+        """
+        fragment = fragment.removeprefix("#")
+        if len(fragment) > LONGEST_LINK:
+            raise InvalidInputError(f"the link is too long: {len(fragment)} letters; at most {LONGEST_LINK} are read")
+        unpacking = zlib.decompressobj()
+        try:
+            packed = base64.b64decode(fragment + "=" * (-len(fragment) % 4), altchars=b"-_", validate=True)
+            typed = json.loads(unpacking.decompress(packed, _UNPACKED))
+        except (binascii.Error, zlib.error, ValueError, RecursionError):
+            raise InvalidInputError(_CUT) from None
+        if not isinstance(typed, dict) or not all(_readable(name, value) for name, value in typed.items()):
+            raise InvalidInputError(_CUT)
+        values: dict[str, Any] = {n: tuple(value) if n == "functions" else value for n, value in typed.items()}
+        return replace(cls(), **values)
+
+
+_SHARED = (
+    "coordinates", "kinetic", "potential", "parameters", "q", "velocity", "find", "signature", "relativity",
+    "functions", "place", "title",
+)  # fmt: skip
+_CUT = "the link cannot be read; copy it again as a whole"
+LONGEST_LINK = 8000
+_UNPACKED = 40_000
+
+
+def _defaults() -> dict[str, object]:
+    empty = PageQuestion()
+    return {f.name: getattr(empty, f.name) for f in fields(PageQuestion)}
+
+
+def _readable(name: str, value: object) -> bool:
+    """Return whether a field of a link has the type that it has in a question."""
+    if name not in _SHARED:
+        return False
+    if name == "find":
+        return isinstance(value, bool)
+    if name == "functions":
+        return isinstance(value, list) and all(isinstance(text, str) for text in value)
+    if name in ("q", "velocity", "place", "relativity"):
+        return isinstance(value, dict) and all(isinstance(text, str) for text in value.values())
+    return isinstance(value, str)
 
 
 @dataclass(frozen=True)
@@ -98,6 +165,7 @@ class PageAnswer:
         velocity, q: the start as it is now, where it was dragged.
         coordinates: names read.
         problem: one line of plain text: what is wrong and what to write instead.
+        unfinished: one line of plain text: what the boxes together still lack, while the system is typed.
         file: the text of a file that was wanted.
     """
 
@@ -112,4 +180,5 @@ class PageAnswer:
     velocity: Mapping[str, str] = field(default_factory=dict)
     coordinates: tuple[str, ...] = ()
     problem: str = ""
+    unfinished: str = ""
     file: str = ""

@@ -124,7 +124,7 @@ def refuse_hidden(text: object, source: str) -> None:
         InvalidSystemError: it holds one.
     """
     if hidden := hidden_character(str(text)):
-        raise InvalidSystemError(f"{source}: the character {hidden} in it is not shown as it stands; leave it out")
+        raise InvalidSystemError(f"{source}: the character {hidden} in it cannot be displayed; leave it out")
 
 
 def check_value(declared: Parameter) -> None:
@@ -245,7 +245,7 @@ def read_functions(given: object, coordinates: Iterable[str], names: Mapping[str
             if argument not in places:
                 raise unknown_names(argument, places, "coordinate")
         if len(set(arguments)) < len(arguments):
-            raise InvalidSystemError(f"functions: {text.strip()}: an argument stands twice")
+            raise InvalidSystemError(f"functions: {text.strip()}: an argument occurs twice")
         found[name] = sp.Function(name)(*(names[a] for a in arguments))
     return found
 

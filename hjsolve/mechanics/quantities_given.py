@@ -24,7 +24,7 @@ _ONE = Fraction(1)
 _COLUMNS = {("q", "R"): "x", ("velocity", "vR"): "x", ("velocity", "vT"): "y", ("velocity", "vz"): "z"}
 """Columns of stars about the axis z → the coordinate that has their unit."""
 Given = TypeVar("Given")
-Told = tuple[tuple[sp.Expr, sp.Expr], ...]
+Alike = tuple[tuple[sp.Expr, sp.Expr], ...]
 
 
 @dataclass(frozen=True, repr=False)
@@ -109,13 +109,13 @@ class Measures(Shown):
         return number
 
 
-def measures(system: Posed, library: UnitLibrary, told: Told = (), also: Posed | None = None) -> Measures:
+def measures(system: Posed, library: UnitLibrary, alike: Alike = (), also: Posed | None = None) -> Measures:
     """Return the units of a system in a library, once it is sure that they fit together.
 
     Args:
         system: whose units are declared.
         library: pint or astropy.
-        told, also: as of ``unit_table``.
+        alike, also: as of ``unit_table``.
 
     Raises:
         InvalidInputError: no units are declared, or T and V cannot have them all.
@@ -125,12 +125,12 @@ def measures(system: Posed, library: UnitLibrary, told: Told = (), also: Posed |
             f"a quantity of {library.name} needs the units of the system, and it declares none; "
             'write System(…, units={"r": "kpc", "t": "Myr"}), or give the number'
         )
-    return _fitting(system, library, told, also)
+    return _fitting(system, library, alike, also)
 
 
 @lru_cache(maxsize=64)
-def _fitting(system: Posed, library: UnitLibrary, told: Told, also: Posed | None) -> Measures:
-    table = unit_table(system, told, also)
+def _fitting(system: Posed, library: UnitLibrary, alike: Alike, also: Posed | None) -> Measures:
+    table = unit_table(system, alike, also)
     for relation in table.relations:
         unit = library.unit(table.powers(relation) or {})
         ratio = library.number(library.quantity(1.0, unit), library.unit({}))
@@ -156,14 +156,14 @@ def without_quantities(parameters: Given) -> tuple[Given | dict[str, object], di
     return {name: None if name in quantities else value for name, value in parameters.items()}, quantities
 
 
-def in_units(system: Posed, given: Given, group: str, told: Told = ()) -> Given | dict[str, object]:
+def in_units(system: Posed, given: Given, group: str, alike: Alike = ()) -> Given | dict[str, object]:
     """Turn the quantities among what was given into numbers in the units of the system.
 
     Args:
         system: whose units are declared.
         given: name → number or quantity; anything else is returned as it is.
         group: ``q``, ``velocity``, ``p``, ``parameters`` or ``constants``.
-        told: as of ``unit_table``.
+        alike: as of ``unit_table``.
 
     Raises:
         InvalidInputError: a quantity where no units are declared, or of another dimension.
@@ -171,7 +171,7 @@ def in_units(system: Posed, given: Given, group: str, told: Told = ()) -> Given 
     if not isinstance(given, Mapping) or not any(_held(value) for value in given.values()):
         return given
     named = {key: _COLUMNS.get((group, str(key)), str(key)) for key in given}
-    return {key: _plain(system, value, named[key], group, told) for key, value in given.items()}
+    return {key: _plain(system, value, named[key], group, alike) for key, value in given.items()}
 
 
 def _held(value: object) -> bool:
@@ -179,23 +179,23 @@ def _held(value: object) -> bool:
     return library_of(value) is not None or (isinstance(value, (list, tuple)) and any(map(_held, value)))
 
 
-def _plain(system: Posed, value: object, name: str, group: str, told: Told) -> object:
+def _plain(system: Posed, value: object, name: str, group: str, alike: Alike) -> object:
     if isinstance(value, (list, tuple)):
-        return [_plain(system, item, name, group, told) for item in value] if _held(value) else value
+        return [_plain(system, item, name, group, alike) for item in value] if _held(value) else value
     library = library_of(value)
     if library is None:
         return value
     source = f"{group}[{name}]"
     declared = {
-        "parameters": {p.name for p in system.parameters}, "constants": {str(symbol) for symbol, _ in told},
+        "parameters": {p.name for p in system.parameters}, "constants": {str(symbol) for symbol, _ in alike},
     }.get(group, {c.name for c in system.coordinates})  # fmt: skip
     if name not in declared:
         return value  # refused by name later on
     try:
         role = "constant" if group == "constants" else group
-        return measures(system, library, told).number(value, name, role, source)
+        return measures(system, library, alike).number(value, name, role, source)
     except InvalidInputError as error:
         raise InvalidInputError(str(error) if str(error).startswith(source) else f"{source}: {error}") from None
 
 
-__all__ = ["Measures", "Told", "in_units", "measures", "without_quantities"]
+__all__ = ["Alike", "Measures", "in_units", "measures", "without_quantities"]

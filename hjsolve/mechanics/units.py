@@ -242,12 +242,12 @@ def _fraction(number: sp.Rational) -> Fraction:
 
 
 @lru_cache(maxsize=256)
-def unit_table(system: Posed, told: tuple[tuple[sp.Expr, sp.Expr], ...] = (), also: Posed | None = None) -> UnitTable:
+def unit_table(system: Posed, alike: tuple[tuple[sp.Expr, sp.Expr], ...] = (), also: Posed | None = None) -> UnitTable:
     """Work out the units of a system.
 
     Args:
         system: with the declared units.
-        told: pairs of expressions of one dimension: the constants of a solution, the chart it is solved in.
+        alike: pairs of expressions of one dimension: the constants of a solution, the chart it is solved in.
         also: the system in the coordinates of that chart.
     """
     reader, _ = _reader(system)
@@ -255,7 +255,7 @@ def unit_table(system: Posed, told: tuple[tuple[sp.Expr, sp.Expr], ...] = (), al
         other, _ = _reader(also)
         reader.known = {**other.known, **reader.known}
         reader.equations += other.equations
-    for pair in told:
+    for pair in alike:
         reader.same(pair)
     names = dict.fromkeys([ENERGY, *(c.name for c in system.coordinates if c.domain.kind != "angle")])
     names |= dict.fromkeys([time_of(system.coordinates, system.parameters), *(p.name for p in system.parameters)])

@@ -90,10 +90,10 @@ def _characteristic(motion: SeparatedMotion, phases: Phases) -> tuple[Numbers, R
         if coordinate.name not in solution.coordinates:
             exact = to_bits(motion.initial.values[coordinate.momentum])(bits_for(motion.digits, 96))
             c: Any = exact if many else float(exact)
-            way = travelled(motion, phases, coordinate.name, q)
-            value = value + c * way
+            end_map = travelled(motion, phases, coordinate.name, q)
+            value = value + c * end_map
             uncertainty = ignorable_error(motion, phases, phase_error, coordinate.name, unit)
-            error = error + abs(float(c)) * (uncertainty + 4 * unit * abs(way).astype(float))
+            error = error + abs(float(c)) * (uncertainty + 4 * unit * abs(end_map).astype(float))
     if solution.shift_potential != 0:
         shift, uncertainty = gauge(motion, q, whole)
         value, error = value - shift, error + uncertainty
@@ -211,7 +211,7 @@ def _integrals_at_start(motion: SeparatedMotion, j: int) -> tuple[Mpf, float, in
 
 def _turns(course: CoordinateMotion) -> bool:
     """Whether phase 0 is a turning point; else the lower limit is the place at t₀ itself, and nothing is integrated."""
-    return all(branch.way.turning for branch in course.branches[:1]) and not course.rotates
+    return all(branch.end_map.turning for branch in course.branches[:1]) and not course.rotates
 
 
 def _outside_integrals(motion: SeparatedMotion, name: str) -> tuple[Mpf, float]:
@@ -248,7 +248,7 @@ def lower_limits(motion: SeparatedMotion) -> dict[str, Estimate]:
         elif course.cycle is not None:
             value = course.cycle.turning_points[0]
         else:
-            value = course.branches[0].way.start
+            value = course.branches[0].end_map.start
         result[name] = rounded(value, motion.digits)
     return result
 

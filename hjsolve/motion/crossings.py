@@ -159,7 +159,7 @@ def open_phases(name: str, course: CoordinateMotion, place: Mpf, bits: int) -> l
     """
     found = []
     for sign, branch in zip((1, -1), course.branches, strict=True):
-        y = branch.way.parameter(multiprecision(bits).convert(place))
+        y = branch.end_map.parameter(multiprecision(bits).convert(place))
         if y is not None:
             found.append(sign * y)
     if not found:
@@ -308,7 +308,7 @@ def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
         course = motion.located[name].course
         if course.ends(1) in {"boundary", "fall"}:
             context = multiprecision(bits_for(motion.digits, 64))
-            phase = course.branches[0].way.last(context) or context.mpf(farthest(motion.digits))
+            phase = course.branches[0].end_map.last(context) or context.mpf(farthest(motion.digits))
             with suppress(OutsideMotionError):  # the others run away before, in a time of its own that ends
                 result[name] = _shifted(motion, *_elapsed(motion, k, phase))
     return result

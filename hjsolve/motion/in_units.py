@@ -29,7 +29,7 @@ ROLES = {
 _QUANTITIES = ("turning_points", "constants", "actions", "frequencies", "periods", "boundary_times")
 
 
-def told_of(value: object, names: Iterable[str]) -> list[str]:
+def available(value: object, names: Iterable[str]) -> list[str]:
     """Return the names of quantities that a value has, and whose units follow from those declared.
 
     Args:
@@ -37,13 +37,13 @@ def told_of(value: object, names: Iterable[str]) -> list[str]:
         names: of the properties.
     """
 
-    def is_told(name: str) -> bool:
+    def is_available(name: str) -> bool:
         try:
             return bool(getattr(value, name))
         except InvalidInputError:
             return False
 
-    return list(filter(is_told, names))
+    return list(filter(is_available, names))
 
 
 def measures_of(solution: Solution, wanted: object) -> Measures:
@@ -59,11 +59,11 @@ def measures_of(solution: Solution, wanted: object) -> Measures:
     """
     chart = solution.chart
     system = solution.system_as_given
-    told = [(constant.symbol, constant.expression) for constant in solution.constants.values()]
-    told += [(sp.Symbol(_PLACE + axis), formula) for axis, formula in system.place.items()]
+    alike = [(constant.symbol, constant.expression) for constant in solution.constants.values()]
+    alike += [(sp.Symbol(_PLACE + axis), formula) for axis, formula in system.place.items()]
     if chart is not None:
-        told += [(system.coordinate(name).symbol, formula) for name, formula in chart.transformation.items()]
-    return measures(system, library(wanted), tuple(told), None if chart is None else chart.system)
+        alike += [(system.coordinate(name).symbol, formula) for name, formula in chart.transformation.items()]
+    return measures(system, library(wanted), tuple(alike), None if chart is None else chart.system)
 
 
 @dataclass(frozen=True, repr=False)
@@ -139,7 +139,7 @@ class MotionInUnits(NumbersInUnits):
 
     @property
     def _shown_names(self) -> list[str]:
-        return told_of(self, _QUANTITIES)
+        return available(self, _QUANTITIES)
 
     @property
     def boundary_times(self) -> dict[str, Measured]:

@@ -372,4 +372,4 @@ class Motion(ShownMotion):
 
     def _require(self, quantity: str) -> None:
         if not QUANTITIES[quantity] <= self.separated.parts:
-            raise InvalidInputError(f'this motion was started without what {quantity} need; add "{quantity}" to want')
+            raise InvalidInputError(f'the motion was started without {quantity}; add "{quantity}" to want')

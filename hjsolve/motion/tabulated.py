@@ -247,7 +247,7 @@ def _scale(motion: SeparatedMotion) -> float:
         return 0.0
     if values:
         return max(abs(v) for v in values)
-    ways = [branch.way for branch in motion.located[name].course.branches]
+    ways = [branch.end_map for branch in motion.located[name].course.branches]
     return float(ways[0].length) if ways else float(np.pi)
 
 

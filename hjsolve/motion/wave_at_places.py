@@ -65,8 +65,8 @@ def wave_at(motion: SeparatedMotion, q: Mapping[str, object], branch: Mapping[st
     for coordinate in solution.system.coordinates:
         if coordinate.name not in solution.coordinates:
             c = to_bits(fine.initial.values[coordinate.momentum])(bits)
-            way = places[coordinate.name] - to_bits(fine.initial.values[coordinate.symbol])(bits)
-            value, error = value + c * way, error + 4 * unit * abs(c * way).astype(float)
+            end_map = places[coordinate.name] - to_bits(fine.initial.values[coordinate.symbol])(bits)
+            value, error = value + c * end_map, error + 4 * unit * abs(c * end_map).astype(float)
     if solution.shift_potential != 0:
         moved, uncertainty = gauge(fine, places, {})
         value, error = value - moved, error + uncertainty
@@ -134,15 +134,15 @@ def _on_cycle(
         begin = motion.located[name].course.start
         return χ, int(arithmetic.context.floor(begin / turn))
     if sign is not None and sign != cycle.direction:
-        raise OutsideMotionError(f"{name} goes round one way: it has no branch {sign:+d}")
+        raise OutsideMotionError(f"{name} rotates in one direction only, so it has no branch {sign:+d}")
     start = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(bits_for(motion.digits, 128))
     there, first = cycle.place(np.array([χ, cycle.start], dtype=object))[0]
-    way = cycle.direction * turn * cycle.radian
-    turns = [arithmetic.context.nint((x - y) / way) for x, y in ((place, there), (start, first))]
+    end_map = cycle.direction * turn * cycle.radian
+    turns = [arithmetic.context.nint((x - y) / end_map) for x, y in ((place, there), (start, first))]
     return χ, int(turns[0] - turns[1])
 
 
 def _sign(course: CoordinateMotion, phase: Mpf) -> int:
     """Of the momentum at a phase of an open course: one that turns comes back with the other sign."""
-    way = course.branches[0].way
-    return int(way.side) * (-1 if way.turning and phase < 0 else 1)
+    end_map = course.branches[0].end_map
+    return int(end_map.side) * (-1 if end_map.turning and phase < 0 else 1)

@@ -1,4 +1,4 @@
-"""A way of an open motion through kinks: branches one after the other, each as long as p² is analytic.
+"""A branch of an open motion through kinks: branches one after the other, each as long as p² is analytic.
 
 The parameter y of a chain runs through its parts, from k to k + 1 in the k-th; the last part goes on to the end.
 """
@@ -125,9 +125,9 @@ class Chain:
     tabular = False
 
     @property
-    def way(self) -> ChainMap:
+    def end_map(self) -> ChainMap:
         """The map q(y)."""
-        return ChainMap(tuple(part.way for part in self.parts), self.thrown_back)
+        return ChainMap(tuple(part.end_map for part in self.parts), self.thrown_back)
 
     @property
     def digits(self) -> int:

@@ -30,7 +30,7 @@ _NEAREST = 200
 
 
 _STEP = 20
-"""Powers of two by which a step is shorter than |q| that tells a simple zero from others."""
+"""Powers of two by which a step is shorter than |q| that distinguishes a simple zero from others."""
 _WIDEST, _CURVED = 2.0**500, 2.0**1000
 """Width of a motion, and p² over its square, from whose inverse to which doubles hold what is worked out with them."""
 _LONG = 2**16
@@ -128,9 +128,9 @@ def _first_end(start: CoordinateStart, side: int, digits: int) -> End:
     Raises:
         NotConvergedError: a zero of p² could not be decided.
     """
-    way = ray(start, side)
+    outward = ray(start, side)
     try:
-        return first_end(way, digits=digits)
+        return first_end(outward, digits=digits)
     except NotConvergedError:
         q = start.place(1024)
         zeros = start.exact.multiple_zeros() if start.exact is not None else ()
@@ -138,7 +138,7 @@ def _first_end(start: CoordinateStart, side: int, digits: int) -> End:
         if not beyond:
             raise
         nearest = min(beyond, key=lambda zero: abs(zero(1024) - q))
-        return first_end(replace(way, reach=partial(_distance, start.place, nearest), turns=False), digits=digits)
+        return first_end(replace(outward, reach=partial(_distance, start.place, nearest), turns=False), digits=digits)
 
 
 def _looks_multiple(start: CoordinateStart) -> bool:
@@ -357,12 +357,12 @@ def _open(start: CoordinateStart, forward: int, lower: End, upper: End, digits: 
         )
         end = "infinity" if target.kind in {"infinity", "round"} else target.kind
         _refuse_beyond_doubles(start, first + side * length / 2, length)
-        way = EndMap(turning, end, first, side, length, max(0, round(-target.power)))
-        return Branch(way, start.radicand, start.skipped, digits, bits)
+        end_map = EndMap(turning, end, first, side, length, max(0, round(-target.power)))
+        return Branch(end_map, start.radicand, start.skipped, digits, bits)
 
     if "turning" in {lower.kind, upper.kind}:
         out = branch(lower, upper, 1) if lower.kind == "turning" else branch(upper, lower, -1)
-        return Unbounded(kind, out, out, _open_phase(out.way, start, forward, bits))
+        return Unbounded(kind, out, out, _open_phase(out.end_map, start, forward, bits))
     here = End("boundary", start.place)
     ahead, behind = (upper, lower) if forward > 0 else (lower, upper)
     return Unbounded(kind, branch(here, ahead, forward), branch(here, behind, -forward), 0 * start.place(bits))
@@ -384,8 +384,8 @@ def _open_through_kinks(
             abs(target.place(exact) - first) if target.place is not None else _length(own, first, bits, turning=turning)
         )
         end = "infinity" if target.kind == "infinity" else target.kind
-        way = EndMap(turning, end, first, side, length, max(0, round(-target.power)))
-        return Branch(way, own.radicand, start.skipped, digits, bits)
+        end_map = EndMap(turning, end, first, side, length, max(0, round(-target.power)))
+        return Branch(end_map, own.radicand, start.skipped, digits, bits)
 
     def chain(origin: End, begin: int, target: kinks.Reached, side: int) -> Chain:
         ends = kinks.ends_between(start, begin, target, side)
@@ -397,7 +397,7 @@ def _open_through_kinks(
         if near.end.kind in {"turning", "wall"}:
             out = chain(near.end, near.cell, far, side)
             place = multiprecision(bits).convert(start.place(exact))
-            y = required(0 * place if start.forward == 0 else out.way.parameter(place))
+            y = required(0 * place if start.forward == 0 else out.end_map.parameter(place))
             return Unbounded(kind, out, out, y if forward == side else -y)
     here = End("boundary", start.place)
     ahead, behind = (high, low) if forward > 0 else (low, high)
@@ -444,10 +444,10 @@ def _judged(start: CoordinateStart, end: End) -> End:
     return replace(end, kind="asymptote" if endless[0] else "fall" if any(endless) else "boundary")
 
 
-def _outgrows_powers(radicand: MomentumSquared, place: Mpf, way: Mpf) -> bool:
+def _outgrows_powers(radicand: MomentumSquared, place: Mpf, direction: Mpf) -> bool:
     """Return whether p² grows faster than powers of the distance to a place: the nearer, the greater the exponent."""
-    context = way.context
-    values = [abs(radicand.value(place + way * context.mpf(2) ** -k, context.prec)) for k in (50, 66, 100, 116)]
+    context = direction.context
+    values = [abs(radicand.value(place + direction * context.mpf(2) ** -k, context.prec)) for k in (50, 66, 100, 116)]
     if not all(values):
         return False
     far, near = (context.log(after / before, 2) / 16 for before, after in (values[:2], values[2:]))
@@ -473,14 +473,14 @@ def _length(start: CoordinateStart, place: Mpf, bits: int, *, turning: bool) -> 
     return own
 
 
-def _open_phase(way: EndMap, start: CoordinateStart, forward: int, bits: int) -> Mpf:
+def _open_phase(end_map: EndMap, start: CoordinateStart, forward: int, bits: int) -> Mpf:
     """Invert the map of a branch that starts at a turning point."""
     if start.forward == 0:
         return multiprecision(bits).mpf(0)
     context = multiprecision(bits)
-    x = abs(start.place(bits) - way.start) / way.length
-    if way.end == "infinity":
+    x = abs(start.place(bits) - end_map.start) / end_map.length
+    if end_map.end == "infinity":
         y = context.sqrt(x)
     else:
-        y = 2 * context.asin(context.sqrt(x)) if way.end == "boundary" else context.atanh(context.sqrt(x))
-    return y if forward == way.side else -y
+        y = 2 * context.asin(context.sqrt(x)) if end_map.end == "boundary" else context.atanh(context.sqrt(x))
+    return y if forward == end_map.side else -y

@@ -178,7 +178,7 @@ class DifferenceRules(ABC, Generic[N]):
 
 
 class OverDisks(DifferenceRules[Disk]):
-    """The rules over disks: of several ways to have a difference the narrowest is taken."""
+    """The rules over disks: of several methods for a difference the narrowest result is taken."""
 
     def fixed(self, disk: Disk) -> Disk:
         """Return the disk as it is."""

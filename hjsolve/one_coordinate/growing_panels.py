@@ -18,7 +18,7 @@ from hjsolve.one_coordinate.time_on_the_way import stopwatch
 
 _MAX_PANELS = 1600
 _GROWTH, _LONGEST, _FIRST = 4.0, 8.0, 2.0
-"""The longest panel thought of: so many times the last one, at most this on the way to an asymptote; the first one."""
+"""The longest panel tried: a multiple of the last one, at most this towards an asymptote; the first one."""
 _COSTLIEST = 4
 """Nodes of one panel, over those for integrands that are no larger in the ellipse than on the panel."""
 _RETRIES = 8
@@ -47,18 +47,18 @@ class Growing:
     The panels do not depend on how far is asked for: a shorter reach has the first ones of a longer.
     """
 
-    def __init__(self, way: EndMap, course: Integrated, *, digits: int, bits: int):
+    def __init__(self, end_map: EndMap, course: Integrated, *, digits: int, bits: int):
         """Start at y = 0.
 
         Args:
-            way: the branch.
+            end_map: the branch.
             course: what is integrated.
             digits: relative digits wanted.
             bits: working precision.
         """
-        self.way, self.course, self.digits, self.bits, self.extra = way, course, digits, bits, 0
+        self.end_map, self.course, self.digits, self.bits, self.extra = end_map, course, digits, bits, 0
         self.context = multiprecision(bits)
-        self.last = way.last(self.context)
+        self.last = end_map.last(self.context)
         self.step = self.context.mpf(_FIRST) / _GROWTH
         self.finest = self.context.mpf(2) ** -(50 if digits <= 15 else bits // 2)
         self.edges, self.values, self.sums, self.totals = [self.context.mpf(0)], [], [], []  # type: ignore[var-annotated]
@@ -81,7 +81,7 @@ class Growing:
         with self.lock:
             while count < len(self.values) or not self.over:
                 if count == len(self.values):
-                    check(lambda: f"the integrals on the way to {self.way.end}; {self._reached(self.edges[-1])}")
+                    check(lambda: f"the integrals on the way to {self.end_map.end}; {self._reached(self.edges[-1])}")
                     self._grow()
                 count += 1
                 if enough(self.edges[count], self.totals[count - 1]):
@@ -128,7 +128,7 @@ class Growing:
         self.edges.append(y)
         self.nodes.append(nodes)
         share = max(context.mpf(1), y / self.step)  # a short panel adds little, far from where the integrals settle
-        self.blown = self.way.end == "infinity" and _settled(before, after, share, self.digits)
+        self.blown = self.end_map.end == "infinity" and _settled(before, after, share, self.digits)
         # the end; or, where it is not analytic there, near enough
         self.over = self.blown or (
             self.last is not None and self.last - y <= self.last * context.mpf(10) ** -self.digits
@@ -138,16 +138,18 @@ class Growing:
         """Chebyshev coefficients over the next panel, proved to be enough, and the nodes used so far."""
         y, nodes = self.edges[-1], self.nodes[-1] if self.nodes else 0
         if len(self.values) > _MAX_PANELS:
-            raise NotConvergedError(f"more than {_MAX_PANELS} panels on the way to {self.way.end}; {self._reached(y)}")
+            raise NotConvergedError(
+                f"more than {_MAX_PANELS} panels on the way to {self.end_map.end}; {self._reached(y)}"
+            )
         rest = 0.0 if self.last is None else float(self.last - y)
         around, most = self.course.around(y, rest), _GROWTH * float(self.step)
         if self.last is not None:
             most = min(most, rest) if most < rest / 2 else rest
-        elif self.way.end != "infinity":
+        elif self.end_map.end != "infinity":
             most = min(most, _LONGEST)
         for _ in range(_RETRIES):
             reach = longest(around, most, self.digits, float(y))
-            if reach is None or (self.way.end == "infinity" and reach.length <= y * self.finest):
+            if reach is None or (self.end_map.end == "infinity" and reach.length <= y * self.finest):
                 break
             self.step = self.last - y if reach.length == rest else self._to_a_double(y, reach.length)
             count, most = reach.nodes, reach.length / 2
@@ -162,7 +164,7 @@ class Growing:
                     self.extra = extra
                     return rows, nodes
         raise NotConvergedError(
-            f"the integrand could not be shown to be smooth near y = {float(y):.6g} on its way to {self.way.end}; "
+            f"the integrand could not be shown to be smooth near y = {float(y):.6g} on its way to {self.end_map.end}; "
             + self._reached(y)
         )
 
@@ -177,7 +179,7 @@ class Growing:
         return self.context.mpf(end) - y if self.digits <= 15 and end > y else self.context.mpf(length)
 
     def _reached(self, y: Mpf) -> str:
-        q, _ = self.way.position(y, Multi(self.bits))
+        q, _ = self.end_map.position(y, Multi(self.bits))
         return f"the integrals are known up to q = {float(q):.9g}"
 
 

@@ -148,7 +148,7 @@ class KindOfMotion(ABC):
 
     @property
     def branches(self) -> tuple[Branch | Chain, ...]:
-        """The two ways of an open motion, ahead and behind; none of any other."""
+        """The two branches of an open motion, ahead and behind; none for any other motion."""
         return ()
 
     @property
@@ -173,7 +173,7 @@ class KindOfMotion(ABC):
 
     @property
     def two_ways(self) -> bool:
-        """True where what is ahead is another way than what is behind."""
+        """True where the branch ahead is not the one behind."""
         return False
 
     def limits(self) -> tuple[float, float]:
@@ -190,7 +190,7 @@ class KindOfMotion(ABC):
         Args:
             side: 1 ahead, −1 behind.
         """
-        return self.branches[side < 0].way.end if self.branches else ""
+        return self.branches[side < 0].end_map.end if self.branches else ""
 
     def finished(self, side: int) -> bool:  # noqa: ARG002  (asked of an open motion)
         """Return whether the last phase held is the end of the motion, not of the panels.

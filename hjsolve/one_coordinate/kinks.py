@@ -199,10 +199,12 @@ def libration(start: CoordinateStart, lower: Reached, upper: Reached, forward: i
     for k, (low, high) in enumerate(itertools.pairwise(places)):
         a, b = low(exact), high(exact)
         first, last = k == 0 and lower.end.kind == "turning", k == len(places) - 2 and upper.end.kind == "turning"
-        way = EndMap(first or last, "kink", b if last else a, -1 if last else 1, b - a)
+        end_map = EndMap(first or last, "kink", b if last else a, -1 if last else 1, b - a)
         radicand = start.cells[lower.cell + k].radicand
         pieces.append(
-            SmoothPiece(Branch(way, radicand, start.skipped, more, bits), PieceMap(a, b - a, int(last) - int(first)))
+            SmoothPiece(
+                Branch(end_map, radicand, start.skipped, more, bits), PieceMap(a, b - a, int(last) - int(first))
+            )
         )
     anomaly = PieceByPiece(tuple(p.map for p in pieces), places[0](exact), places[-1](exact))
     kernels, momentum, density = integrated(pieces, more, bits)

@@ -27,10 +27,10 @@ _GUARD_BITS = 32
 
 
 class OpenWay(Protocol):
-    """One way of an open motion, as far as it is used here; ``open_branch.Branch`` is one."""
+    """One branch of an open motion, as far as it is used here; ``open_branch.Branch`` is one."""
 
     @property
-    def way(self) -> EndMap: ...
+    def end_map(self) -> EndMap: ...
     @property
     def bits(self) -> int: ...
     @property
@@ -43,11 +43,11 @@ def swept(branch: OpenWay, weights: tuple[float, ...] | None, amount: float) -> 
     """Return panels of |P dq/dy| that reach as far as ``branch.panels(weights, amount)``.
 
     Args:
-        branch: one way of an open motion.
+        branch: one branch of an open motion.
         weights: wⱼ, one a constant; None where the phase itself is meant.
         amount: how far.
     """
-    way, bits, digits, panels = branch.way, branch.bits, branch.digits, branch.panels(weights, amount)
+    end_map, bits, digits, panels = branch.end_map, branch.bits, branch.digits, branch.panels(weights, amount)
     context = multiprecision(bits)
     edges: list[Mpf] = [context.mpf(0)]
     values: list[list[Mpf]] = []
@@ -59,7 +59,7 @@ def swept(branch: OpenWay, weights: tuple[float, ...] | None, amount: float) -> 
         todo, halvings = [ends], 0
         while todo:
             low, high = todo.pop()
-            product = _product(way, series, ends, (low, high), bits, digits)
+            product = _product(end_map, series, ends, (low, high), bits, digits)
             if product is None and halvings < _PANEL_HALVINGS:
                 middle, halvings = (low + high) / 2, halvings + 1
                 todo += [(middle, high), (low, middle)]
@@ -75,7 +75,7 @@ def swept(branch: OpenWay, weights: tuple[float, ...] | None, amount: float) -> 
 
 
 def _product(
-    way: EndMap, series: list[Mpf], panel: tuple[Mpf, Mpf], part: tuple[Mpf, Mpf], bits: int, digits: int
+    end_map: EndMap, series: list[Mpf], panel: tuple[Mpf, Mpf], part: tuple[Mpf, Mpf], bits: int, digits: int
 ) -> list[Mpf] | None:
     """Chebyshev coefficients on a part of a panel; None where they do not fall fast enough."""
     arithmetic, context = Multi(bits), multiprecision(bits)
@@ -84,8 +84,8 @@ def _product(
     samples, summed = [], _chebyshev_sum(series, panel, bits)
     for x in points:
         y = low + (high - low) * (1 + x) / 2
-        slope = way.position(y, arithmetic)[1]
-        samples.append(summed(y) * slope * slope / way.rest(y, arithmetic))
+        slope = end_map.position(y, arithmetic)[1]
+        samples.append(summed(y) * slope * slope / end_map.rest(y, arithmetic))
     if any(isinstance(value, context.mpc) for value in samples):
         return None
     product = [context.fsum(samples) / len(samples), *waves(samples, even=True, bits=bits)[0]]

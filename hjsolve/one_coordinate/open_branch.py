@@ -1,4 +1,4 @@
-"""One way of an open motion: its integrals from the start to its end, as far as they are asked for."""
+"""One branch of an open motion: its integrals from the start to its end, as far as they are asked for."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ _FINE = 8
 
 @dataclass(frozen=True, eq=False)
 class Branch:
-    """One way of an open motion, from its start to its end, with what is integrated along it."""
+    """One branch of an open motion, from its start to its end, with what is integrated along it."""
 
-    way: EndMap
+    end_map: EndMap
     radicand: MomentumSquared
     skipped: tuple[bool, ...]
     digits: int
@@ -42,15 +42,15 @@ class Branch:
             extra: bits above the working precision.
         """
         work = self.bits + extra
-        x, left, _ = self.way.distances(y, Multi(64))
+        x, left, _ = self.end_map.distances(y, Multi(64))
         nearest = min(v for v in (x, left) if v is not None)
-        if nearest < self.way.length:
-            work += 64 + 3 * int(max(0.0, -float(Multi(64).context.log(nearest / self.way.length, 2))))
-        q, slope = self.way.position(y, Multi(work))
+        if nearest < self.end_map.length:
+            work += 64 + 3 * int(max(0.0, -float(Multi(64).context.log(nearest / self.end_map.length, 2))))
+        q, slope = self.end_map.position(y, Multi(work))
         p = self.radicand.value(q, work) ** 0.5
         weights = self.radicand.weights(q, work)
         kernels = [0 * p if skip else w * abs(slope) / p for w, skip in zip(weights, self.skipped, strict=True)]
-        return [*kernels, p / abs(slope) * self.way.rest(y, Multi(work))]
+        return [*kernels, p / abs(slope) * self.end_map.rest(y, Multi(work))]
 
     def cancelled(self, y: Mpf, extra: int) -> int:
         """Return how many bits more than ``extra`` are needed at y, so that all digits are left of the integrands.
@@ -69,7 +69,7 @@ class Branch:
             if lost <= -enough:
                 return more
             if more > _MOST_BITS:
-                q = float(self.way.position(y, Multi(self.bits))[0])
+                q = float(self.end_map.position(y, Multi(self.bits))[0])
                 raise NotConvergedError(f"p² cannot be distinguished from zero near q = {q:.9g}")
             more += max(64, min(self.bits + more, lost + enough + 32))
             exact = self._seen(y, more + 2 * self.bits) if more >= extra + self.bits else exact
@@ -93,7 +93,7 @@ class Branch:
 
     @cached_property
     def _sight(self) -> Sight:
-        return Sight(self.way, self.radicand, self.skipped, self.bits)
+        return Sight(self.end_map, self.radicand, self.skipped, self.bits)
 
     def panels(self, weights: tuple[float, ...] | None, amount: float, *, partly: bool = False) -> Panels:
         """Return the integrals so far that |Σ wⱼ Gⱼ| reaches ``amount``; without weights, that y does.
@@ -107,10 +107,10 @@ class Branch:
         Raises:
             NotConvergedError: they cannot be had so far.
         """
-        if self.way.end == "fall":  # all of it, once
+        if self.end_map.end == "fall":  # all of it, once
             return _panels(self, None, 1000 * _FINE)
         power = int(np.ceil(_FINE * np.log2(max(abs(amount), 1e-290)))) + 1
-        if partly and self.way.end != "asymptote":
+        if partly and self.end_map.end != "asymptote":
             return _as_far_as_known(self, weights, power)
         if weights is None:  # powers go in steps: what they have too much may not be known
             known = _as_far_as_known(self, weights, power)
@@ -144,7 +144,7 @@ def _disagreement(values: list[Mpf] | None, exact: list[Mpf] | None) -> int:
 
 
 def farthest(digits: int) -> int:
-    """Return the phase at which what is left of the way to an asymptote, or of a fall, is below all digits.
+    """Return the phase at which what is left of the branch to an asymptote, or of a fall, is below all digits.
 
     Args:
         digits: decimal digits asked.
@@ -154,7 +154,7 @@ def farthest(digits: int) -> int:
 
 @lru_cache(maxsize=64)
 def _growing(branch: Branch) -> Growing:
-    return Growing(branch.way, branch, digits=branch.digits, bits=branch.bits)
+    return Growing(branch.end_map, branch, digits=branch.digits, bits=branch.bits)
 
 
 @lru_cache(maxsize=64)
@@ -165,7 +165,7 @@ def _panels(branch: Branch, weights: tuple[float, ...] | None, power: int) -> Pa
     far = Multi(branch.bits).context.mpf(2) ** 1000
 
     def enough(y: Mpf, integrals: list[Mpf]) -> bool:
-        if branch.way.end in {"asymptote", "fall"} and y > farthest(branch.digits):
+        if branch.end_map.end in {"asymptote", "fall"} and y > farthest(branch.digits):
             return True
         if weights is None:
             return bool(y >= limit)

@@ -1,4 +1,4 @@
-"""Where disks of the parameter of a way put the coordinate, and how fast it goes there."""
+"""Where disks of the parameter of a branch put the coordinate, and how fast it moves there."""
 
 from __future__ import annotations
 
@@ -26,21 +26,25 @@ class Scale(NamedTuple):
     b: int
 
 
-def scale_along(way: EndMap) -> Scale:
-    """Return how dx/dy goes along a way; see ``EndMap.distances`` and ``EndMap.rest``.
+def scale_along(end_map: EndMap) -> Scale:
+    """Return how dx/dy varies along a branch; see ``EndMap.distances`` and ``EndMap.rest``.
 
     Args:
-        way: the map q(y) of the branch.
+        end_map: the map q(y) of the branch.
     """
-    length = float(way.length)
+    length = float(end_map.length)
     root = length**0.5
-    match way.end, way.turning:
+    match end_map.end, end_map.turning:
         case "infinity" | "kink", turning:
             return Scale(2 * root, 0, 1 / (2 * root), 0) if turning else Scale(length, 0, 1 / length, 0)
         case "boundary", turning:
-            return Scale(root, 1, 1 / root, way.pole) if turning else Scale(2 * length, 1, 1 / (2 * length), way.pole)
+            return (
+                Scale(root, 1, 1 / root, end_map.pole)
+                if turning
+                else Scale(2 * length, 1, 1 / (2 * length), end_map.pole)
+            )
         case end, turning:
-            b = way.pole if end == "fall" else -2
+            b = end_map.pole if end == "fall" else -2
             return Scale(2 * root, 2, 1 / (2 * root), b) if turning else Scale(length, 2, 1 / length, b)
 
 
@@ -52,31 +56,31 @@ class Spots(NamedTuple):
     moved: Disk
 
 
-def spots(way: EndMap, y: float, rest: float, z: Disk) -> Spots:
+def spots(end_map: EndMap, y: float, rest: float, z: Disk) -> Spots:
     """Map disks of z = y − y₀.
 
     Args:
-        way: the branch.
+        end_map: the branch.
         y: y₀.
         rest: what is left from y₀ to the greatest y, if there is one.
         z: the disks.
     """
-    d, length = _D, float(way.length)
+    d, length = _D, float(end_map.length)
     here = d.shifted(z, y)
-    if way.end in {"infinity", "kink"}:
-        if way.turning:
+    if end_map.end in {"infinity", "kink"}:
+        if end_map.turning:
             return Spots(d.times(d.power(here, 2), length), _ONE, d.times(d.mul(z, d.shifted(z, 2 * y)), length))
         return Spots(d.times(here, length), _ONE, d.times(z, length))
-    if way.end == "boundary":
+    if end_map.end == "boundary":
         left = d.shifted(d.times(z, -1.0), rest)
-        if way.turning:
+        if end_map.turning:
             half, sine, root = d.times(z, 0.5), d.unary("sin", d.times(here, 0.5)), d.unary("sin", d.times(left, 0.5))
             moved = d.mul(d.unary("sin", half), d.unary("sin", d.shifted(half, y)))
             x = tighter(d.power(sine, 2), d.sub(_ONE, d.power(root, 2)))
             return Spots(d.times(x, length), root, d.times(moved, length))
         x = tighter(d.mul(here, d.shifted(left, 1.0)), d.sub(_ONE, d.power(left, 2)))
         return Spots(d.times(x, length), left, d.times(d.mul(z, d.shifted(left, rest)), length))
-    if way.turning:
+    if end_map.turning:
         rise, root = d.unary("tanh", here), d.inverse(d.unary("cosh", here))
         before = np.tanh(y) ** 2
         x = tighter(d.power(rise, 2), d.sub(_ONE, d.power(root, 2)))

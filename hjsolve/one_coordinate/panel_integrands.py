@@ -47,32 +47,32 @@ Order = int | Literal["zero"] | None
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """The end of a way, from where a formula is seen: u is the distance to it, or 1/|q|, or e^{−c|q|}.
+    """The end of a branch, from which a formula is expanded: u is the distance to it, or 1/|q|, or e^{−c|q|}.
 
     Attributes:
-        way: the branch.
+        end_map: the branch.
         rate: −c·sign q where u is an exponential, else 0.
         length: u = length·r².
         orders: of all slots of p² and of the kernels.
     """
 
-    way: EndMap
+    end_map: EndMap
     rate: float
     length: float
     orders: tuple[list[Order], ...] = ()
 
     @property
     def _finish(self) -> Mpf:
-        return self.way.start + self.way.side * self.way.length
+        return self.end_map.start + self.end_map.side * self.end_map.length
 
     def samples(self) -> list[Mpf]:
         """Return q where u is 2^−``_FAR`` and 2^−``_FARTHER`` (of the length)."""
-        context, way = Multi(_EXACT).context, self.way
-        if way.end != "infinity":
-            return [self._finish - way.side * way.length * context.mpf(2) ** -k for k in (_FAR, _FARTHER)]
+        context, end_map = Multi(_EXACT).context, self.end_map
+        if end_map.end != "infinity":
+            return [self._finish - end_map.side * end_map.length * context.mpf(2) ** -k for k in (_FAR, _FARTHER)]
         if self.rate:
             return [-k * context.log(2) / self.rate for k in (_FAR, _FARTHER)]
-        return [way.side * context.mpf(2) ** k for k in (_FAR, _FARTHER)]
+        return [end_map.side * context.mpf(2) ** k for k in (_FAR, _FARTHER)]
 
     def offset(self, q: Disk, root: Disk) -> Disk:
         """Return u.
@@ -81,9 +81,11 @@ class View:
             q: disks of positions.
             root: disks of r.
         """
-        if self.way.end != "infinity":
+        if self.end_map.end != "infinity":
             return _D.times(_D.power(root, 2), self.length)
-        return _D.unary("exp", _D.times(q, self.rate)) if self.rate else _D.times(_D.inverse(q), float(self.way.side))
+        return (
+            _D.unary("exp", _D.times(q, self.rate)) if self.rate else _D.times(_D.inverse(q), float(self.end_map.side))
+        )
 
     def variable(self, local: Locals) -> LocalExpansion:
         """Return q as it is seen.
@@ -91,10 +93,10 @@ class View:
         Args:
             local: the arithmetic in which it is used.
         """
-        side = float(self.way.side)
-        if self.way.end == "infinity":
+        side = float(self.end_map.side)
+        if self.end_map.end == "infinity":
             return local.exponent() if self.rate else local.inverse_variable(side)
-        centred = bool(abs(self._finish) < abs(self.way.length) * 2.0**-300)
+        centred = bool(abs(self._finish) < abs(self.end_map.length) * 2.0**-300)
         return local.variable(_D.point(self._finish), -side, centred=centred)
 
     def root(self, q: Disk, places: Spots) -> RootBounds:
@@ -104,7 +106,7 @@ class View:
             q: disks of positions.
             places: what else is known of them.
         """
-        if self.way.end != "infinity":
+        if self.end_map.end != "infinity":
             return root_bounds(places.root, places)
         with np.errstate(all="ignore"):
             if self.rate:
@@ -118,20 +120,20 @@ class Sight:
     """A branch in doubles, made once for all of its panels.
 
     Attributes:
-        way: the branch.
+        end_map: the branch.
         radicand: p² and its kernels.
         skipped: kernels that are zero everywhere.
         bits: of the branch's numbers.
     """
 
-    way: EndMap
+    end_map: EndMap
     radicand: MomentumSquared
     skipped: tuple[bool, ...]
     bits: int
 
     @cached_property
     def scale(self) -> Scale:
-        return scale_along(self.way)
+        return scale_along(self.end_map)
 
     @cached_property
     def inputs(self) -> list[Disk]:
@@ -156,23 +158,23 @@ class Sight:
 
     @cached_property
     def start(self) -> Disk:
-        return _D.point(self.way.start)
+        return _D.point(self.end_map.start)
 
     @cached_property
     def finish(self) -> Disk:
-        return _D.point(self.way.start + self.way.side * self.way.length)
+        return _D.point(self.end_map.start + self.end_map.side * self.end_map.length)
 
     @cached_property
     def view(self) -> View | None:
-        """How the formulas look from the end of the way; None where that is not known."""
-        tapes, way = self.tapes, self.way
-        if way.end == "kink":
+        """The formulas expanded at the end of the branch; None where that is not known."""
+        tapes, end_map = self.tapes, self.end_map
+        if end_map.end == "kink":
             return None
-        if way.end == "infinity":
+        if end_map.end == "infinity":
             unit = exponential_unit(tapes, self.inputs)
-            view = View(way, -way.side * unit, 1.0)
+            view = View(end_map, -end_map.side * unit, 1.0)
         else:
-            view = View(way, 0.0, float(way.length))
+            view = View(end_map, 0.0, float(end_map.length))
         inputs = self.radicand.inputs(_EXACT)
         orders = [_orders(tape, view.samples(), inputs) for tape in tapes]
         if not all(orders) or orders[0][-1] in {ZERO, None}:
@@ -215,7 +217,7 @@ def _numbers(rows: list[Reals]) -> list[Reals]:
 
 
 def _orders(tape: Tape, places: list[Mpf], inputs: list[Mpf]) -> list[Order]:
-    """Orders of all slots, from their values at two places 2^16 times apart; empty where they cannot be had."""
+    """Orders of all slots, from their values at two places 2^16 times apart; empty where they are not found."""
     every = Tape(tape.inputs, tape.operations, tuple(range(len(tape.inputs), len(tape.inputs) + len(tape.operations))))
     try:
         far, near = (every.run(Multi(_EXACT), [q, *inputs]) for q in places)
@@ -250,7 +252,7 @@ class Surrounding:
             return self._seen(z, careful)
 
     def _seen(self, z: Disk, careful: bool) -> Sizes:
-        places = spots(self.sight.way, float(self.y), self.rest, z)
+        places = spots(self.sight.end_map, float(self.y), self.rest, z)
         sizes = self._plainly(places)
         for look in self._others(careful):
             bad = ~np.all(np.isfinite(sizes.most), axis=0)
@@ -262,12 +264,12 @@ class Surrounding:
         return sizes
 
     def _others(self, careful: bool) -> list[Callable[[Spots], Sizes]]:
-        """Other ways to look at disks about which the plain formula knows nothing, those that apply here."""
-        way = self.sight.way
+        """Other enclosures of disks for which the plain formula gives no bound, those that apply here."""
+        end_map = self.sight.end_map
         here: list[Callable[[Spots], Sizes]] = []
-        if way.end not in {"infinity", "kink"}:
+        if end_map.end not in {"infinity", "kink"}:
             here.append(self._from_end)
-        elif way.end == "infinity" and self._far:
+        elif end_map.end == "infinity" and self._far:
             several = self.sight.exponential and not (self.sight.view and self.sight.view.rate)
             here += [self._by_rates] * several + [self._from_end]
         return here + [self._closely] * careful
@@ -275,26 +277,26 @@ class Surrounding:
     @property
     def _far(self) -> bool:
         """True far from the start, where a place is seen best from infinity."""
-        x, way = self.sight.way.distances(self.y, Multi(64))[0], self.sight.way
-        natural: Elementwise = max(abs(way.start), min(way.length, 1))
-        return bool(x > _AWAY * natural and way.side * way.start > -x / 2)
+        x, end_map = self.sight.end_map.distances(self.y, Multi(64))[0], self.sight.end_map
+        natural: Elementwise = max(abs(end_map.start), min(end_map.length, 1))
+        return bool(x > _AWAY * natural and end_map.side * end_map.start > -x / 2)
 
     def _place(self, places: Spots) -> Disk:
-        """q, from the start or from the end of the way."""
-        sight, side = self.sight, float(self.sight.way.side)
+        """q, from the start or from the end of the branch."""
+        sight, side = self.sight, float(self.sight.end_map.side)
         q = _D.add(sight.start, _D.times(places.x, side))
-        if sight.way.end in {"infinity", "kink"}:
+        if sight.end_map.end in {"infinity", "kink"}:
             return q
-        left = _D.times(_D.power(places.root, 2), float(sight.way.length))
+        left = _D.times(_D.power(places.root, 2), float(sight.end_map.length))
         return tighter(q, _D.sub(sight.finish, _D.times(left, side)))
 
     def _plainly(self, places: Spots) -> Sizes:
         """p² by its formula, or by its first difference from the turning point at the start."""
         sight, q = self.sight, self._place(places)
-        if sight.way.turning:
+        if sight.end_map.turning:
             offset = _with_base(places.x)
             local = Locals(offset, 1)
-            variable = local.variable(sight.start, float(sight.way.side), q)
+            variable = local.variable(sight.start, float(sight.end_map.side), q)
             found = sight.tapes[0].run(local, [variable, *map(local.constant, sight.inputs)])[0]
             squared = _D.div(_cells(found.parts[0]), places.x)
             if len(found.parts) > 1:
@@ -309,27 +311,27 @@ class Surrounding:
 
     def _closely(self, places: Spots) -> Sizes:
         """p² from the place of the panel, where its value and slope are known to many digits."""
-        sight, way = self.sight, self.sight.way
-        here = way.position(self.y, Multi(sight.bits + 64))[0] if self.y else way.start
+        sight, end_map = self.sight, self.sight.end_map
+        here = end_map.position(self.y, Multi(sight.bits + 64))[0] if self.y else end_map.start
         value, slope, _ = sight.radicand.jet(here, 2 * sight.bits + 256)
         local = Locals(_with_base(places.moved), 2)
-        variable = local.variable(_D.point(here), float(way.side), self._place(places))
+        variable = local.variable(_D.point(here), float(end_map.side), self._place(places))
         found = sight.tapes[0].run(local, [variable, *map(local.constant, sight.inputs)])[0]
         if len(found.parts) < 3:
             return self._plainly(places)
         if self.y:
-            start = [_D.point(value), _D.point(way.side * slope)]
+            start = [_D.point(value), _D.point(end_map.side * slope)]
         else:
-            start = [_D.point(0 * value if way.turning else value), _D.point(way.side * slope)]
+            start = [_D.point(0 * value if end_map.turning else value), _D.point(end_map.side * slope)]
         bend = _D.mul(places.moved, _cells(found.parts[2]))
         squared = _D.add(start[0], _D.mul(places.moved, _D.add(start[1], bend)))
-        if way.turning:
+        if end_map.turning:
             squared = _D.add(start[1], bend) if not self.y else _D.div(squared, places.x)
         return self._plain_sizes(squared, self._place(places), places)
 
     def _from_end(self, places: Spots) -> Sizes:
-        """p² and the kernels from the end of the way, what vanishes or has a pole there taken out."""
-        sight, way = self.sight, self.sight.way
+        """p² and the kernels from the end of the branch, what vanishes or has a pole there taken out."""
+        sight, end_map = self.sight, self.sight.end_map
         view = sight.view
         if view is None:
             return _nothing(places.moved, len(sight.skipped))
@@ -343,18 +345,18 @@ class Surrounding:
             (f.order, _D.times(_full(_cells(f.parts[0]), offset), view.length**f.order))
             for f in (*outputs[0], *outputs[1])
         )
-        factor = _D.div(squared[1], places.x) if way.turning else squared[1]
+        factor = _D.div(squared[1], places.x) if end_map.turning else squared[1]
         powers = [2 * order for order, _ in weights]
         return sight.integrands(factor, [w for _, w in weights], view.root(q, places), powers, 2 * squared[0])
 
     def _by_rates(self, places: Spots) -> Sizes:
         """Return the formulas with their exponentials taken out."""
         sight, q = self.sight, self._place(places)
-        rates = Rates(q, sight.way.side)
+        rates = Rates(q, sight.end_map.side)
         inputs = [rates.variable(), *map(rates.constant, sight.inputs)]
         squared, *weights = (f for tape in sight.tapes for f in tape.run(rates, inputs))
         factor = _full(squared.value, q)
-        factor = _D.div(factor, places.x) if sight.way.turning else factor
+        factor = _D.div(factor, places.x) if sight.end_map.turning else factor
         root = root_bounds(_ONE, places)
         sizes = sight.integrands(factor, [w.value for w in weights], root, [0] * len(weights), 0)
         growths = [*(w.rate - squared.rate / 2 for w in weights), squared.rate / 2]

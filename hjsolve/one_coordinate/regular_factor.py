@@ -78,34 +78,36 @@ class Deflated:
             from_lower, from_upper: q − a and q − b, known better than by subtraction.
 
         Returns:
-            The disks, and which of ``ways`` gave each of them: the one that is known best.
+            The disks, and which of ``methods`` gave each of them: the one that is known best.
         """
         from_lower, from_upper = required(from_lower), required(from_upper)
         result = self._run(OverDisks(), q)
-        best, way = result.second, np.zeros(np.shape(result.second.radius), dtype=int)
+        best, method = result.second, np.zeros(np.shape(result.second.radius), dtype=int)
         for number, (above, below) in enumerate(
             ((result.from_upper, from_lower), (result.from_lower, from_upper), (result.here, None)), 1
         ):
             other = _DISKS.div(above, below if below is not None else _DISKS.mul(from_lower, from_upper))
             better = (other.radius < best.radius) | (~np.isfinite(best.radius) & np.isfinite(other.radius))
             best = Disk(*(np.where(better, x, y) for x, y in zip(other, best, strict=True)))
-            way = np.where(better, number, way)
-        return Disk(-best.centre, best.radius), way
+            method = np.where(better, number, method)
+        return Disk(-best.centre, best.radius), method
 
     def at(
-        self, q: Complexes, from_lower: Complexes | None, from_upper: Complexes | None, way: Integers | int = 0
+        self, q: Complexes, from_lower: Complexes | None, from_upper: Complexes | None, method: Integers | int = 0
     ) -> Complexes:
-        """Return R at complex places, in doubles, in one of the ``ways``.
+        """Return R at complex places, in doubles, in one of the ``methods``.
 
         Args:
             q: complex, shape (m,).
             from_lower, from_upper: q − a and q − b, known better than by subtraction.
-            way: position among the ``ways``; one for all places, or one for each.
+            method: position among the ``methods``; one for all places, or one for each.
         """
-        found: Complexes = np.choose(way, np.broadcast_arrays(*self.ways(q, from_lower, from_upper)))
+        found: Complexes = np.choose(method, np.broadcast_arrays(*self.methods(q, from_lower, from_upper)))
         return found
 
-    def ways(self, q: Complexes, from_lower: Complexes | None, from_upper: Complexes | None) -> tuple[Complexes, ...]:
+    def methods(
+        self, q: Complexes, from_lower: Complexes | None, from_upper: Complexes | None
+    ) -> tuple[Complexes, ...]:
         """Return R at complex places as −F[a, b, q], −F[b, q]/(q − a), −F[a, q]/(q − b), −F(q)/((q − a)(q − b)).
 
         They are the same, and each of them may have lost all digits where another one has not.

@@ -88,7 +88,7 @@ class AsItStands:
     points: BoundTape[Complexes]
 
     def over(self, q: Disk, *_: Disk | None) -> tuple[Disk, int]:
-        """Enclose R over disks, as ``Deflated.over`` does; there is one way to have it.
+        """Enclose R over disks, as ``Deflated.over`` does; one method gives it.
 
         Args:
             q: disks, shape (m,).
@@ -101,12 +101,12 @@ class AsItStands:
 
         Args:
             q: complex, shape (m,).
-            *_: for q − a, q − b and the way to have R.
+            *_: for q − a, q − b and the method that gives R.
         """
         return self.points.run(q)[0]
 
-    def ways(self, q: Complexes, *_: Complexes | None) -> tuple[Complexes, ...]:
-        """Return R at complex places in all the ways there are: one.
+    def methods(self, q: Complexes, *_: Complexes | None) -> tuple[Complexes, ...]:
+        """Return R at complex places by every method; there is one.
 
         Args:
             q: complex, shape (m,).
@@ -135,17 +135,17 @@ class Integrands:
         Args:
             seen: disks that hold q, q − a and q − b.
         """
-        factor, way = self.squared.over(seen.q, seen.from_lower, seen.from_upper)
-        return [factor, *self.kernels[0].run(seen.q)], way
+        factor, method = self.squared.over(seen.q, seen.from_lower, seen.from_upper)
+        return [factor, *self.kernels[0].run(seen.q)], method
 
-    def at(self, seen: ComplexPlace, way: Integers | int = 0) -> list[Complexes]:
+    def at(self, seen: ComplexPlace, method: Integers | int = 0) -> list[Complexes]:
         """Return R and the kernels at points.
 
         Args:
             seen: complex places.
-            way: which of the ways to have R, see ``Deflated.ways``.
+            method: which of the methods that give R, see ``Deflated.methods``.
         """
-        factor = self.squared.at(seen.q, seen.from_lower, seen.from_upper, way)
+        factor = self.squared.at(seen.q, seen.from_lower, seen.from_upper, method)
         return [factor, *self.kernels[1].run(seen.q)]
 
     def factors(self, seen: ComplexPlace) -> tuple[Complexes, ...]:
@@ -154,7 +154,7 @@ class Integrands:
         Args:
             seen: complex places.
         """
-        return self.squared.ways(seen.q, seen.from_lower, seen.from_upper)
+        return self.squared.methods(seen.q, seen.from_lower, seen.from_upper)
 
 
 def integrands_to_resolve(
@@ -296,8 +296,8 @@ def _foreseen(subject: Integrands) -> float:
     columns = 192 if isinstance(subject.anomaly, Stretched) else 12
     χ = np.linspace(begin, np.pi, turn * columns + 1) + 1j * _HEIGHTS[:, None]
     with np.errstate(all="ignore"):
-        ways = [np.broadcast_to(R, χ.shape) for R in subject.factors(complex_place(subject.anomaly, χ))]
-        turns = [np.sum(np.angle(R[:, 1:] / R[:, :-1]), axis=1) for R in ways]
+        methods = [np.broadcast_to(R, χ.shape) for R in subject.factors(complex_place(subject.anomaly, χ))]
+        turns = [np.sum(np.angle(R[:, 1:] / R[:, :-1]), axis=1) for R in methods]
         calm = np.any([np.isfinite(t) & (np.abs(t) < 1) for t in turns], axis=0)
         clear = np.cumprod(calm).astype(bool)
     found = float(np.max(_HEIGHTS[clear], initial=_HEIGHTS[0]))
@@ -317,7 +317,7 @@ def _cheapest(cap: float, y: Reals, logs: Reals, size: Reals, digits: int) -> St
 
 
 def _sizes(subject: Integrands, squares: StripSquares, *, zeros: bool = True) -> tuple[Reals, Reals]:
-    """Return what ``_sizes_of_block`` tells, of any number of squares."""
+    """Return what ``_sizes_of_block`` returns, for any number of squares."""
     blocks = (squares.chosen(slice(k, k + _BLOCK)) for k in range(0, squares.x.size, _BLOCK))
     logs, sizes = zip(*(_sizes_of_block(subject, block, zeros) for block in blocks), strict=True)
     return np.hstack(logs), np.max(sizes, axis=0)
@@ -337,12 +337,12 @@ def _sizes_of_block(subject: Integrands, squares: StripSquares, zeros: bool) -> 
     radius = squares.side * 0.7072
     count(squares=χ.size * (len(_CIRCLE) + 1))
     with np.errstate(all="ignore"):
-        disks, way = subject.over(place_disks(subject.anomaly, χ, _WIDER * radius))
+        disks, method = subject.over(place_disks(subject.anomaly, χ, _WIDER * radius))
         bounds = [x.largest + 0 * radius for x in disks]
         # power series from values on circles: |f| at the centres, and what f varies by on the smaller disks
         points = complex_place(subject.anomaly, χ + radius * _CIRCLE[:, None])
         (centre, spread), *weights = (
-            _series(values, bound) for values, bound in zip(subject.at(points, way), bounds, strict=True)
+            _series(values, bound) for values, bound in zip(subject.at(points, method), bounds, strict=True)
         )
         if not zeros:
             logs = np.log(np.maximum(np.stack(bounds), 1e-300))

@@ -15,7 +15,7 @@ SECONDS = 30.0
 
 
 class TooSlowError(NotConvergedError):
-    """The way to infinity, or to another end, was not decided in the time that it is allowed."""
+    """The branch to infinity, or to another end, was not decided in the time allowed."""
 
 
 def stopwatch(digits: int, clock: Callable[[], float] = time.thread_time) -> Callable[[Callable[[], str]], None]:

@@ -64,7 +64,7 @@ class Unbounded(KindOfMotion):
 
     def finished(self, side: int) -> bool:
         branch = self.branches[side < 0]
-        return branch.way.end == "fall" or branch.panels(*self.reach, partly=self.partly).finished
+        return branch.end_map.end == "fall" or branch.panels(*self.reach, partly=self.partly).finished
 
     def covering(self, χ: Numbers) -> Unbounded:
         if not self.two_ways:
@@ -124,21 +124,24 @@ class Unbounded(KindOfMotion):
         """Return start or end of a branch and the distance from it."""
         pairs = []
         for branch in self.branches:
-            way = branch.way.in_doubles()
-            x, left, _ = cast("tuple[Elementwise, Elementwise, Elementwise]", way.distances(np.abs(χ), Float64()))
-            start, end = split(branch.way.start), split(branch.way.start + branch.way.side * branch.way.length)
-            from_start = moved(Pair(start.high + 0 * χ, start.low + 0 * χ), way.side * x)
+            end_map = branch.end_map.in_doubles()
+            x, left, _ = cast("tuple[Elementwise, Elementwise, Elementwise]", end_map.distances(np.abs(χ), Float64()))
+            start, end = (
+                split(branch.end_map.start),
+                split(branch.end_map.start + branch.end_map.side * branch.end_map.length),
+            )
+            from_start = moved(Pair(start.high + 0 * χ, start.low + 0 * χ), end_map.side * x)
             if left is None:
                 pairs.append(from_start)
                 continue
-            from_end = moved(Pair(end.high + 0 * χ, end.low + 0 * χ), -way.side * left)
+            from_end = moved(Pair(end.high + 0 * χ, end.low + 0 * χ), -end_map.side * left)
             pairs.append(Pair(*(np.where(left < x, e, s) for s, e in zip(from_start, from_end, strict=True))))
         ahead, behind = pairs
         return Pair(*(np.where(χ >= 0, a, b) for a, b in zip(ahead, behind, strict=True)))
 
     def place_grain(self, χ: Reals) -> Reals:
         """Return the size that the rounding of a place in two doubles refers to: its distance from the start."""
-        return np.abs(cast("Reals", self.place(χ)[0]) - float(self.ahead.way.start))
+        return np.abs(cast("Reals", self.place(χ)[0]) - float(self.ahead.end_map.start))
 
     def integral(self, j: int, χ: Numbers) -> Numbers:
         forward, ahead, behind = self._sides(χ)
@@ -174,7 +177,7 @@ class Unbounded(KindOfMotion):
         """
         _, ahead, behind = self._sides(np.zeros(1))
         ends = [
-            np.inf if b.way.end == "asymptote" and not self._settled(p) else float(p.edges[-1])
+            np.inf if b.end_map.end == "asymptote" and not self._settled(p) else float(p.edges[-1])
             for b, p in ((self.behind, behind), (self.ahead, ahead))
         ]
         return -ends[0], ends[1]
@@ -200,6 +203,6 @@ class Unbounded(KindOfMotion):
 
     def _on(self, branch: Branch | Chain, panels: Panels, χ: Numbers, sign: int) -> tuple[Numbers, Numbers]:
         y, arithmetic = np.abs(χ), arithmetic_of(χ)
-        way = branch.way if χ.dtype == object else branch.way.in_doubles()
-        q, slope = elementwise(lambda v: way.position(v, arithmetic), y, 2)
-        return q, sign * slope * panels.value(-1, y) / elementwise(lambda v: way.rest(v, arithmetic), y, 1)
+        end_map = branch.end_map if χ.dtype == object else branch.end_map.in_doubles()
+        q, slope = elementwise(lambda v: end_map.position(v, arithmetic), y, 2)
+        return q, sign * slope * panels.value(-1, y) / elementwise(lambda v: end_map.rest(v, arithmetic), y, 1)

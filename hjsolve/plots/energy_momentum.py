@@ -10,7 +10,7 @@ from hjsolve.energy_momentum.energy_momentum_map import EnergyMomentumMap
 from hjsolve.errors import InvalidInputError
 from hjsolve.plots import style
 from hjsolve.reports.drawings.contours import spread_levels
-from hjsolve.reports.drawings.energy_momentum_figure import MapGrid, action_values, map_grid, visible
+from hjsolve.reports.drawings.energy_momentum_figure import MapGrid, action_values, in_line, map_grid, visible
 from hjsolve.reports.formulas.names import name_box
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def _regions(ax: Axes, grid: MapGrid) -> None:
         column, row = (int(np.argmin(np.abs(v - p))) for v, p in zip((grid.x, grid.y), region.example))
         mask = np.where(grid.numbers == grid.numbers[row, column], 1.0, np.nan)
         ax.pcolormesh(grid.x, grid.y, np.ma.masked_invalid(mask), cmap=_one_colour(_FILLS[k]), zorder=0)
-        ax.fill([], [], facecolor=_FILLS[k], edgecolor=style.INK, linewidth=0.6, label=region.name)
+        ax.fill([], [], facecolor=_FILLS[k], edgecolor=style.INK, linewidth=0.6, label=in_line(region))
     ax.legend(loc="best", fontsize=8, frameon=True, framealpha=0.85, edgecolor="none")
 
 

@@ -307,7 +307,7 @@ def _separated(motion: SeparatedMotion, name: str) -> SeparatedSweep:
     if isinstance(course, Periodic):
         return separated_sweep(name, 0.0, 2 * np.pi, course, () if course.rotates else (0.0, np.pi, 2 * np.pi))
     low, high = _window(course)
-    turning = (0.0,) if course.branches[0].way.turning else ()
+    turning = (0.0,) if course.branches[0].end_map.turning else ()
     return separated_sweep(name, low, high, course.with_reach(1.01 * max(-low, high, 1e-9)), turning)
 
 

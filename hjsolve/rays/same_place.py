@@ -43,7 +43,7 @@ _SLOWEST = 0.25
 _NOTHING = 1e-15
 """A component of a momentum that is rounding, as a part of the other: straight at a centre, not just next to it."""
 _UNCLEAR = 1e-4
-"""Error of a point of the envelope, as a part of its way, beyond which it is left out."""
+"""Error of a point of the envelope, as a fraction of its path, beyond which it is left out."""
 
 
 @dataclass(frozen=True)
@@ -324,7 +324,7 @@ def started_at_one_place(motion: Motion, placing: Placing | None, directions: in
     M = np.array(mass_matrix(system).subs(values).evalf(30).tolist(), dtype=float)
     p0 = np.array([float(sp.N(values[c.momentum], 30)) for c in system.coordinates])
     if not p0.any():
-        raise InvalidInputError("wavefronts: the motion begins at rest; at its energy nothing leaves its place")
+        raise InvalidInputError("wavefronts: the motion begins at rest; at its energy no motion leaves that place")
     root = np.linalg.cholesky(M)
     across = np.linalg.solve(root, p0)
     q = {c.name: values[c.symbol] for c in system.coordinates}

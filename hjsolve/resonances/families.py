@@ -128,7 +128,7 @@ class MotionFamily:
         return np.unique(np.concatenate([ends, (ends[1:] + ends[:-1]) / 2]))
 
     def _even(self, curves: Sequence[RadicandCurve]) -> bool:
-        """Return whether the sign of the unknown only tells in which direction an ignorable coordinate turns."""
+        """Return whether the sign of the unknown decides only in which direction an ignorable coordinate turns."""
         if self.unknown not in {c.momentum.name for c in self.solution.system.coordinates}:
             return False
         scale = 1.7 * max(1.0, float(np.max(np.abs(self.in_doubles(0.0)))))

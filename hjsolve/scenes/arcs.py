@@ -168,7 +168,7 @@ def _refuse_rest_on_a_wall(scene: Question, solution: Solution, first: Mapping[s
             acceleration(system, c.name).subs(values)
         ):
             raise InvalidInputError(
-                f"initial: the motion starts at rest on the {wall}, and nothing says on which side of it; start it a "
+                f"initial: the motion starts at rest on the {wall}, and its side is not determined; start it a "
                 "little to one side, or with a velocity"
             )
 

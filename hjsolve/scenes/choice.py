@@ -25,7 +25,7 @@ INTEGRATED_LADDER = (4, 6, 8, INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS)
 GROWTH = {"mpmath": 1.3, "certified": 0.6, "integrate": 1.5}
 """Exponents: seconds grow like digits to this power."""
 PROOFS_FROM = 60
-"""Digits above which ball arithmetic may be the quicker way; below it is not worth a look."""
+"""Digits above which ball arithmetic may be faster; below, it is not tried."""
 _FEWEST, _MARGIN, _LEAP, _PROBE = 20, 1.3, 2.5, 5
 _PROVED = frozenset({"constants", "kinds", "turning_points", "actions", "frequencies", "periods"})
 Tried = tuple[str, int, float]

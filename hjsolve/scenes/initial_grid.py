@@ -87,7 +87,7 @@ class Varied:
 
 # ------------------------------------------------------------------------------------------------ its shape
 def sweep_faults(given: object, scene: Toml) -> Iterator[str]:
-    """Every way in which the table does not have the shape it must have, one line each.
+    """List where the table does not have the required shape, one line each.
 
     Args:
         given: the table ``sweep`` as it was read.

@@ -1,4 +1,4 @@
-"""The way round Hamilton–Jacobi, taken only when a scene says so: Hamilton's equations with forces, integrated in time.
+"""A detour round Hamilton–Jacobi, only when a scene asks for it: Hamilton's equations with forces, integrated in time.
 
     q̇ = ∂H/∂p,   ṗ = −∂H/∂q + Q(q, q̇)          (Greenwood (4-27) with Q′; P4-2)
 

@@ -59,7 +59,7 @@ def is_scene(file: str | Path) -> bool:
 
 
 def scene_faults(table: Toml) -> Iterator[str]:
-    """Every way in which a scene does not have the shape it must have, one line each.
+    """List where a scene does not have the required shape, one line each.
 
     Args:
         table: the file as it was read.

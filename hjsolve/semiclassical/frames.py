@@ -17,7 +17,7 @@ from hjsolve.motion.tori.from_actions import AskedTorus, asked_torus, candidates
 from hjsolve.motion.tori.polish import Torus
 from hjsolve.motion.tori.radicand_curve import Cycle
 from hjsolve.motion.tori.search import Candidate, SampledActions, sampled_actions
-from hjsolve.semiclassical.maslov_indices import ROTATION, Poles, WayRound, poles_in_doubles, walls_of, ways_of
+from hjsolve.semiclassical.maslov_indices import ROTATION, Circuit, Poles, circuits_of, poles_in_doubles, walls_of
 from hjsolve.solution.quadratures import Solution, solve
 
 _DOUBLINGS = 40
@@ -38,52 +38,52 @@ class ContinuedFrame:
         solution: in these coordinates.
         asked: the momenta, with arbitrary other actions.
         hbar: ħ.
-        ways: of each separated coordinate.
+        circuits: of each separated coordinate.
         round: coordinates that are ignorable only in these coordinates, because they run through both of their poles.
-        known: tori found before, in doubles: (ways, actions) → tori.
+        known: tori found before, in doubles: (circuits, actions) → tori.
     """
 
     solution: Solution
     asked: AskedTorus
     hbar: sp.Expr
-    ways: tuple[tuple[WayRound, ...], ...]
+    circuits: tuple[tuple[Circuit, ...], ...]
     round: tuple[str, ...]
-    known: dict[tuple[tuple[WayRound, ...], tuple[sp.Expr, ...]], list[Candidate]] = field(repr=False)
+    known: dict[tuple[tuple[Circuit, ...], tuple[sp.Expr, ...]], list[Candidate]] = field(repr=False)
 
-    def candidates(self, ways: tuple[WayRound, ...], actions: tuple[sp.Expr, ...]) -> list[Candidate]:
-        """Return the tori in doubles with given actions that go round in given ways.
-
-        Args:
-            ways: of each separated coordinate.
-            actions: of each, in the limit that ``WayRound`` speaks of.
-        """
-        if (ways, actions) not in self.known:
-            kinds = {name: way.kind for name, way in zip(self.solution.coordinates, ways, strict=True)}
-            found = candidates_of(self._with(ways, actions), kinds, partial(self._meant, ways))
-            self.known[ways, actions] = [c for c in found if self._fit(ways, c)]
-        return self.known[ways, actions]
-
-    def tori(self, ways: tuple[WayRound, ...], actions: tuple[sp.Expr, ...]) -> list[FoundTorus]:
-        """Return the tori with given actions that go round in given ways, to the digits asked.
+    def candidates(self, circuits: tuple[Circuit, ...], actions: tuple[sp.Expr, ...]) -> list[Candidate]:
+        """Return the tori in doubles with given actions that go round in given circuits.
 
         Args:
-            ways: of each separated coordinate.
-            actions: of each, in the limit that ``WayRound`` speaks of.
+            circuits: of each separated coordinate.
+            actions: of each, in the limit that ``Circuit`` speaks of.
         """
-        return tori_of(self._with(ways, actions), self.candidates(ways, actions))
+        if (circuits, actions) not in self.known:
+            kinds = {name: circuit.kind for name, circuit in zip(self.solution.coordinates, circuits, strict=True)}
+            found = candidates_of(self._with(circuits, actions), kinds, partial(self._meant, circuits))
+            self.known[circuits, actions] = [c for c in found if self._fit(circuits, c)]
+        return self.known[circuits, actions]
 
-    def _with(self, ways: tuple[WayRound, ...], actions: tuple[sp.Expr, ...]) -> AskedTorus:
-        rows = zip(self.solution.coordinates, ways, actions, strict=True)
-        own = {name: way.multiple * J for name, way, J in rows}
+    def tori(self, circuits: tuple[Circuit, ...], actions: tuple[sp.Expr, ...]) -> list[FoundTorus]:
+        """Return the tori with given actions that go round in given circuits, to the digits asked.
+
+        Args:
+            circuits: of each separated coordinate.
+            actions: of each, in the limit that ``Circuit`` speaks of.
+        """
+        return tori_of(self._with(circuits, actions), self.candidates(circuits, actions))
+
+    def _with(self, circuits: tuple[Circuit, ...], actions: tuple[sp.Expr, ...]) -> AskedTorus:
+        rows = zip(self.solution.coordinates, circuits, actions, strict=True)
+        own = {name: circuit.multiple * J for name, circuit, J in rows}
         return replace(self.asked, actions={**self.asked.actions, **own})
 
-    def _meant(self, ways: tuple[WayRound, ...], rows: Sequence[tuple[float, float, bool]]) -> bool:
-        own = zip(ways, self.asked.curves, rows, strict=True)
-        return all(way.fits(curve, *row, crude=True) for way, curve, row in own)
+    def _meant(self, circuits: tuple[Circuit, ...], rows: Sequence[tuple[float, float, bool]]) -> bool:
+        own = zip(circuits, self.asked.curves, rows, strict=True)
+        return all(circuit.fits(curve, *row, crude=True) for circuit, curve, row in own)
 
-    def _fit(self, ways: tuple[WayRound, ...], candidate: Candidate) -> bool:
-        rows = zip(ways, self.asked.curves, candidate.cycles, strict=True)
-        return all(way.fits(curve, c.low, c.high, c.kind == ROTATION) for way, curve, c in rows)
+    def _fit(self, circuits: tuple[Circuit, ...], candidate: Candidate) -> bool:
+        rows = zip(circuits, self.asked.curves, candidate.cycles, strict=True)
+        return all(circuit.fits(curve, c.low, c.high, c.kind == ROTATION) for circuit, curve, c in rows)
 
     def energy(self, torus: Torus) -> sp.Expr:
         """Return E of a torus.
@@ -137,19 +137,19 @@ class ContinuedFrame:
                 break
         return found
 
-    def reach(self, ways: tuple[WayRound, ...], samples: Sequence[SampledActions]) -> Reals | None:
-        """Return the greatest actions of some ways on samples, shape (n,); None where no sample goes round like that.
+    def reach(self, circuits: tuple[Circuit, ...], samples: Sequence[SampledActions]) -> Reals | None:
+        """Return the greatest actions of some circuits on samples, shape (n,); None where no sample follows them.
 
         Args:
-            ways: of each separated coordinate.
+            circuits: of each separated coordinate.
             samples: of this frame.
         """
         most: Reals | None = None
         for table in samples:
             for s in range(len(table.energies)):
                 rows = zip(table.low[:, s], table.high[:, s], table.rotations[:, s], strict=True)
-                if self._meant(ways, [(float(low), float(high), bool(round_)) for low, high, round_ in rows]):
-                    own = table.actions[:, s] / [way.multiple for way in ways]
+                if self._meant(circuits, [(float(low), float(high), bool(round_)) for low, high, round_ in rows]):
+                    own = table.actions[:, s] / [circuit.multiple for circuit in circuits]
                     most = own if most is None else np.maximum(most, own)
         return most
 
@@ -182,27 +182,27 @@ def frame_of(
     known = own | {c.momentum: actions[c.name] for c in other.system.coordinates if c.name not in other.coordinates}
     walls = {name: (False, False) if name in poles else walls_of(other, name, known) for name in other.coordinates}
     asked = asked_torus(other, own, actions, digits, frozenset(), exact=True, walls=walls)
-    ways = tuple(ways_of(other, name, asked.values, poles.get(name)) for name in other.coordinates)
+    circuits = tuple(circuits_of(other, name, asked.values, poles.get(name)) for name in other.coordinates)
     gone_round = tuple(name for name in solution.coordinates if name not in other.coordinates)
-    return ContinuedFrame(other, asked, hbar, ways, gone_round, {})
+    return ContinuedFrame(other, asked, hbar, circuits, gone_round, {})
 
 
-def interval(way: WayRound, low: float, high: float) -> tuple[float, float]:
+def interval(circuit: Circuit, low: float, high: float) -> tuple[float, float]:
     """Return where a coordinate librates, in the coordinates given: from a pole on, where it passes one.
 
     Args:
-        way: round which it goes.
+        circuit: round which it goes.
         low, high: its turning points in the coordinates that run on.
     """
-    if way.poles is None:
+    if circuit.poles is None:
         return low, high
-    lower, upper = way.poles.lower, way.poles.upper
-    if way.kind == "rotation" and lower is not None and upper is not None:
+    lower, upper = circuit.poles.lower, circuit.poles.upper
+    if circuit.kind == "rotation" and lower is not None and upper is not None:
         return lower, upper
     half = (high - low) / 2
-    if way.across[0] and lower is not None:
+    if circuit.across[0] and lower is not None:
         return lower, lower + half
-    if way.across[1] and upper is not None:
+    if circuit.across[1] and upper is not None:
         return upper - half, upper
     if lower is not None and upper is not None:
         shift = 2 * np.pi * np.floor(((low + high) / 2 - lower) / (2 * np.pi))

@@ -24,7 +24,7 @@ class Level(Shown):
     """One level: a torus whose actions are J = (n + μ/4) ħ.
 
     Attributes:
-        energy: E, its error that of the torus; how far the exact level is from it is not told by it.
+        energy: E, its error that of the torus; the error does not include its distance from the exact level.
         numbers: coordinate → quantum number; signed for rotations and for ignorable angles.
         kinds: coordinate → libration, rotation or ignorable.
         maslov: coordinate → Maslov index μ.

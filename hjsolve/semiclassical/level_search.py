@@ -1,7 +1,7 @@
 """The verb of this room: every semiclassical level up to an energy.
 
-For each set of ignorable momenta p = m ħ and each way round the cycles (``ways``) the quantum numbers are counted up
-until the energy of the torus with J = (n + μ/4) ħ is too large. Tori are those of ``motion.tori``: where several
+For each set of ignorable momenta p = m ħ and each circuit of the cycles (``circuits``) the quantum numbers are counted
+up until the energy of the torus with J = (n + μ/4) ħ is too large. Tori are those of ``motion.tori``: where several
 families have the same actions, wells or both sides of a barrier, each gives a level.
 """
 
@@ -29,7 +29,7 @@ from hjsolve.motion.tori.search import Candidate
 from hjsolve.precision import one_at_a_time
 from hjsolve.semiclassical.frames import ContinuedFrame, FoundTorus, frame_of, interval, overlapping
 from hjsolve.semiclassical.level import Level, Levels
-from hjsolve.semiclassical.maslov_indices import LIBRATION, ROTATION, WayRound
+from hjsolve.semiclassical.maslov_indices import LIBRATION, ROTATION, Circuit
 from hjsolve.solution.quadratures import Solution, solve
 
 _MOST = 20000
@@ -91,8 +91,8 @@ def levels(
     chosen = {name: _whole(given, name) for name, given in _known(numbers, names)}
     if up_to is None and (missing := [name for name in names if name not in chosen]):
         raise InvalidInputError(f"levels: no up_to and no numbers of {', '.join(missing)}; write {EXAMPLE}")
-    told = tuple((constant.symbol, constant.expression) for constant in solution.constants.values())
-    given = in_units(solution.system, {"E": up_to}, "constants", told) if up_to is not None else None
+    limit_kind = tuple((constant.symbol, constant.expression) for constant in solution.constants.values())
+    given = in_units(solution.system, {"E": up_to}, "constants", limit_kind) if up_to is not None else None
     limit = None if given is None else number(given["E"], source="up_to")
     values = parameter_values(solution.system, in_units(solution.system, parameters or {}, "parameters") or {})
     search = _Search(solution, values, h, limit, chosen, max(arguments.digits(digits), FLOAT_DIGITS))
@@ -227,10 +227,10 @@ class _Search:
             ends = ", ".join(itertools.compress(frame.solution.coordinates, samples[0].at_ends))
             skipped.append(f"{zero}: {ends} falls into an end of its domain at which p^2 is infinite")
         found: list[Level] = []
-        for ways in itertools.product(*frame.ways):
-            reach = frame.reach(ways, samples)
+        for circuits in itertools.product(*frame.circuits):
+            reach = frame.reach(circuits, samples)
             if reach is not None or all(name in self.chosen for name in frame.solution.coordinates):
-                found += _Counting(self, frame, ways, m, turns, reach).levels()
+                found += _Counting(self, frame, circuits, m, turns, reach).levels()
         first = not any((*m.values(), *turns.values()))
         return found, bool(found) or first or self.limit is None or any(len(table.energies) for table in samples)
 
@@ -302,11 +302,11 @@ def _is_even(solution: Solution) -> bool:
 
 @dataclass(frozen=True)
 class _Counting:
-    """The levels of one way round the cycles, for some ignorable momenta."""
+    """The levels of one circuit of the cycles, for some ignorable momenta."""
 
     search: _Search
     frame: ContinuedFrame
-    ways: tuple[WayRound, ...]
+    circuits: tuple[Circuit, ...]
     m: Mapping[str, int]
     turns: Mapping[str, int]
     reach: Reals | None
@@ -319,19 +319,19 @@ class _Counting:
 
     def _tried(self, k: int) -> Iterator[int]:
         """Return the numbers to try along a coordinate, without signs."""
-        name, way = self.frame.solution.coordinates[k], self.ways[k]
+        name, circuit = self.frame.solution.coordinates[k], self.circuits[k]
         chosen = self.search.chosen.get(name)
         if chosen is not None:
-            signed = way.direction if way.told == ROTATION else 1
-            yield from sorted({abs(n) for n in chosen if signed * n >= way.first})
+            signed = circuit.direction if circuit.limit_kind == ROTATION else 1
+            yield from sorted({abs(n) for n in chosen if signed * n >= circuit.first})
             return
         hbar = float(to_bits(self.search.hbar)(64))
         reach = 0.0 if self.reach is None else self.reach[k] / hbar
-        yield from range(way.first, int(_MORE * reach) + _SPARE + way.first)
+        yield from range(circuit.first, int(_MORE * reach) + _SPARE + circuit.first)
 
     def _count(self, begun: tuple[int, ...], found: list[Level]) -> float | None:
         """Add the levels whose first numbers are given; return the least energy of their first tori."""
-        if len(begun) == len(self.ways):
+        if len(begun) == len(self.circuits):
             return self._add(begun, found)
         least = None
         for n in self._tried(len(begun)):
@@ -358,15 +358,18 @@ class _Counting:
 
     def _tori(self, n: Sequence[int]) -> list[FoundTorus]:
         hbar = self.search.hbar
-        return self.frame.tori(self.ways, tuple(way.action(k, hbar) for way, k in zip(self.ways, n, strict=True)))
+        return self.frame.tori(
+            self.circuits, tuple(circuit.action(k, hbar) for circuit, k in zip(self.circuits, n, strict=True))
+        )
 
     def _level(self, n: tuple[int, ...], found: FoundTorus) -> Level:
         candidate, torus = found
-        rows = list(zip(self.frame.solution.coordinates, self.ways, n, candidate.cycles, strict=True))
+        rows = list(zip(self.frame.solution.coordinates, self.circuits, n, candidate.cycles, strict=True))
         separated = _Round(
-            {name: way.direction * k for name, way, k, _ in rows}, {name: way.told for name, way, _, _ in rows},
-            {name: way.maslov for name, way, _, _ in rows},
-            {name: interval(way, c.low, c.high) for name, way, _, c in rows if way.told != ROTATION},
+            {name: circuit.direction * k for name, circuit, k, _ in rows},
+            {name: circuit.limit_kind for name, circuit, _, _ in rows},
+            {name: circuit.maslov for name, circuit, _, _ in rows},
+            {name: interval(circuit, c.low, c.high) for name, circuit, _, c in rows if circuit.limit_kind != ROTATION},
         )  # fmt: skip
         near = self._ends_nearby(n, candidate)
         return self.search.level(self.frame, self._energy(torus), self.m, self.turns, separated, near)
@@ -386,12 +389,14 @@ class _Counting:
     def _ends_nearby(self, n: tuple[int, ...], found: Candidate) -> tuple[str, ...]:
         """Return the coordinates along which the family of a torus has none with J ± ħ, nor shrinks to a point."""
         hbar, names, near = self.search.hbar, self.frame.solution.coordinates, []
-        J = [way.action(k, hbar) for way, k in zip(self.ways, n, strict=True)]
-        for k, (name, way) in enumerate(zip(names, self.ways, strict=True)):
+        J = [circuit.action(k, hbar) for circuit, k in zip(self.circuits, n, strict=True)]
+        for k, (name, circuit) in enumerate(zip(names, self.circuits, strict=True)):
             beside = [
-                (*J[:k], way.action(n[k] + step, hbar), *J[k + 1 :]) for step in (1, -1) if n[k] + step >= way.first
+                (*J[:k], circuit.action(n[k] + step, hbar), *J[k + 1 :])
+                for step in (1, -1)
+                if n[k] + step >= circuit.first
             ]
-            ends = n[k] == way.first and self.frame.has_barrier(found, k)
+            ends = n[k] == circuit.first and self.frame.has_barrier(found, k)
             if ends or not all(self._goes_on(found, actions) for actions in beside):
                 near.append(name)
         return tuple(near)
@@ -400,9 +405,9 @@ class _Counting:
         shape, wells = self.frame.shape(found), self._wells(found)
         return any(
             self.frame.shape(other) == shape and overlapping(wells, self._wells(other))
-            for other in self.frame.candidates(self.ways, actions)
+            for other in self.frame.candidates(self.circuits, actions)
         )
 
     def _wells(self, found: Candidate) -> list[tuple[float, float]]:
-        pairs = zip(self.ways, found.cycles, strict=True)
-        return [interval(way, c.low, c.high) for way, c in pairs if way.kind != ROTATION]
+        pairs = zip(self.circuits, found.cycles, strict=True)
+        return [interval(circuit, c.low, c.high) for circuit, c in pairs if circuit.kind != ROTATION]

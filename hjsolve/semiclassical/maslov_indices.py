@@ -33,14 +33,14 @@ class Poles:
 
 
 @dataclass(frozen=True)
-class WayRound:
-    """One way round the cycle of a coordinate.
+class Circuit:
+    """One circuit of the cycle of a coordinate.
 
     Attributes:
         kind: libration or rotation, in the coordinates in which it is computed.
-        told: the kind that the limit p_φ → 0 has.
+        limit_kind: the kind that the limit p_φ → 0 has.
         maslov: μ.
-        direction: −1 of a rotation the other way, else 1.
+        direction: −1 of a rotation towards smaller values, else 1.
         multiple: the action in the coordinates in which it is computed over that of the limit.
         walls: which ends are walls.
         across: which poles are passed, lower and upper.
@@ -48,7 +48,7 @@ class WayRound:
     """
 
     kind: str
-    told: str
+    limit_kind: str
     maslov: int
     direction: int = 1
     multiple: int = 1
@@ -59,7 +59,7 @@ class WayRound:
     @property
     def first(self) -> int:
         """The least quantum number, but for its sign."""
-        return 1 if self.told == ROTATION else 0
+        return 1 if self.limit_kind == ROTATION else 0
 
     def action(self, n: int, hbar: sp.Expr) -> sp.Expr:
         """Return J of a quantum number.
@@ -71,7 +71,7 @@ class WayRound:
         return self.direction * (n + sp.Rational(self.maslov, 4)) * hbar
 
     def fits(self, curve: RadicandCurve, low: float, high: float, rotates: bool, *, crude: bool = False) -> bool:
-        """Tell whether a motion of the coordinate goes round in this way.
+        """Return whether a motion of the coordinate follows this circuit.
 
         Args:
             curve: p² of the coordinate.
@@ -108,10 +108,10 @@ def _within(pole: float, low: float, high: float, turn: float) -> bool:
     return any(low < pole + shift < high for shift in shifts)
 
 
-def ways_of(
+def circuits_of(
     solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr], poles: Poles | None
-) -> tuple[WayRound, ...]:
-    """Return the ways in which a separated coordinate may go round.
+) -> tuple[Circuit, ...]:
+    """Return the circuits that a separated coordinate may follow.
 
     Args:
         solution: in whose coordinates it is computed.
@@ -122,16 +122,16 @@ def ways_of(
     angle = solution.system.coordinate(name).domain.kind == "angle"
     if poles is not None:
         low, high = poles.lower is not None, poles.upper is not None
-        found = [WayRound(LIBRATION, LIBRATION, 2, poles=poles)]
-        found += [WayRound(LIBRATION, LIBRATION, 2, multiple=2, across=(True, False), poles=poles)] if low else []
-        found += [WayRound(LIBRATION, LIBRATION, 2, multiple=2, across=(False, True), poles=poles)] if high else []
-        return (*found, *([WayRound(ROTATION, LIBRATION, 2, poles=poles)] if low and high else []))
+        found = [Circuit(LIBRATION, LIBRATION, 2, poles=poles)]
+        found += [Circuit(LIBRATION, LIBRATION, 2, multiple=2, across=(True, False), poles=poles)] if low else []
+        found += [Circuit(LIBRATION, LIBRATION, 2, multiple=2, across=(False, True), poles=poles)] if high else []
+        return (*found, *([Circuit(ROTATION, LIBRATION, 2, poles=poles)] if low and high else []))
     hard = walls_of(solution, name, values)
     patterns = [
         (a, b) for a in ((False, True) if hard[0] else (False,)) for b in ((False, True) if hard[1] else (False,))
     ]
-    found = [WayRound(LIBRATION, LIBRATION, 2 + sum(pattern), walls=pattern) for pattern in patterns]
-    return (*found, *((WayRound(ROTATION, ROTATION, 0, sign) for sign in (1, -1)) if angle else ()))
+    found = [Circuit(LIBRATION, LIBRATION, 2 + sum(pattern), walls=pattern) for pattern in patterns]
+    return (*found, *((Circuit(ROTATION, ROTATION, 0, sign) for sign in (1, -1)) if angle else ()))
 
 
 def walls_of(solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[bool, bool]:

@@ -47,7 +47,9 @@ def on_cluster(work: SweepWork, scheduler: str) -> None:
         try:
             HandingOut(client, work, remote_part).run()
         except (distributed.client.FutureCancelledError, CommClosedError) as error:
-            raise ClusterError(f"{scheduler}: was lost; what is written stays, run the same again") from error
+            raise ClusterError(
+                f"{scheduler}: the connection was lost. Finished parts are kept; run the same command again"
+            ) from error
 
 
 def _client(distributed: Any, scheduler: str) -> Any:

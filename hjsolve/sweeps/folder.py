@@ -304,7 +304,7 @@ def verified(path: Path, plan: SweepPlan) -> dict[str, int]:
     elif not bad and held.get("statuses") != folder.statuses:
         bad.append(f"{path / MANIFEST}: its numbers of orbits by status are not those of the parts")
     if bad:
-        raise InvalidInputError(f"{few_lines(bad)}\nrun the same without verifying to compute again what is not good")
+        raise InvalidInputError(f"{few_lines(bad)}\nrun the same without verifying to recompute the damaged parts")
     return folder.statuses
 
 

@@ -142,7 +142,7 @@ class HandingOut:
             self._again(held)
         except _killed_worker() as error:
             raise ClusterError(
-                f"{self._named(held)} ended several workers, by want of memory or a fault; what is written stays"
+                f"{self._named(held)} ended several workers, for lack of memory or by a fault. Finished parts are kept"
             ) from error
         else:
             if isinstance(columns, UnfitWorker):
@@ -167,8 +167,8 @@ class HandingOut:
         if self._stuck.get(held.part, 0) >= _ATTEMPTS or (workers and not fit):
             why = "; ".join(sorted(set(self._unfit.values()))) or "too little memory"
             raise ClusterError(
-                f"{self._named(held)}: no worker can compute it ({why}); what is written stays; run the same again "
-                "with larger workers, or write another folder with a smaller chunk"
+                f"{self._named(held)}: no worker could compute this part ({why}). Finished parts are kept; run "
+                "the same command with larger workers, or write to another folder with a smaller chunk"
             )
         if not held.futures:
             self._submit(held, fit)
@@ -213,7 +213,9 @@ class HandingOut:
         self._alone_since = now if self._alone_since is None else self._alone_since
         self._work.tally.tell("no worker is left, waiting for one")
         if now - self._alone_since > _ALONE:
-            raise ClusterError(f"no worker for {_ALONE:.0f} s; what is written stays, run the same again")
+            raise ClusterError(
+                f"no worker was available for {_ALONE:.0f} s. Finished parts are kept; run the same command again"
+            )
 
     def _named(self, held: HeldPart) -> str:
         begin, end = self._work.folder.plan.window(held.part)

@@ -179,7 +179,7 @@ def tabulate(
         middle = _halfway(left, right)
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
         if sum(len(d[0]) for d in done) + len(left) > _MOST_PANELS:
-            raise NotConvergedError("the motion is too rough for a table of positions")
+            raise NotConvergedError("the motion varies too fast for a table of positions")
     order = np.argsort(np.concatenate([d[0] for d in done]), kind="stable")
     lengths = np.concatenate([d[1] for d in done])[order]
     edges = origin + np.concatenate([[0.0], np.cumsum(lengths)])

@@ -145,6 +145,38 @@ def test_hostile_text_is_answered_with_a_line(page: Page, text: str) -> None:
 
 
 @pytest.mark.nightly
+def test_a_new_system_is_judged_as_a_whole_and_a_stale_verdict_is_named(page: Page) -> None:
+    page.type("T, with", "m*dot(s)**2/2")
+    until(lambda: "T uses m" in page.text(".unfinished"), "what is missing")
+    assert not page.problem()
+    assert "Out of date" in page.text(".stale")
+    assert "T = dot(x)**2/2" in page.text(".stale")
+    page.type("Coordinates", "s: line")
+    page.type("V", "k*s**2/2")
+    until(lambda: "V uses k" in page.text(".unfinished"), "what is missing still")
+    page.driver.find_element("xpath", "//button[contains(., 'Check the system')]").click()
+    until(lambda: "is not declared" in page.problem() and "The whole system" in page.problem(), "the faults")
+    page.type("Parameters", "m = 1; k = 1")
+    until(lambda: not page.text(".stale") and not page.problem() and not page.text(".unfinished"), "a verdict")
+
+
+@pytest.mark.nightly
+def test_a_link_restores_what_was_typed(page: Page, address: str) -> None:
+    page.type("V", "3*x**2/2")
+    until(lambda: page.energy() == pytest.approx(2.16), "the energy")
+    page.driver.find_element("xpath", "//button[contains(., 'Copy link')]").click()
+    until(lambda: "#" in page.driver.current_url, "the link")
+    link = page.driver.current_url
+    page.driver.get("about:blank")
+    page.driver.get(link)
+    until(lambda: page.energy() == pytest.approx(2.16), "the energy again")
+    assert page.field("V").get_attribute("value") == "3*x**2/2"
+    page.driver.get("about:blank")
+    page.driver.get(link[:-6])
+    until(lambda: "cannot be read" in page.text("[role=status].hint"), "what is wrong with the link")
+
+
+@pytest.mark.nightly
 def test_fifty_quick_changes_end_at_the_last(page: Page) -> None:
     for k in range(1, 51):
         page.type("V", f"{k}*x**2/2")

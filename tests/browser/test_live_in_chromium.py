@@ -68,6 +68,26 @@ def test_a_slider_moves_orbit_point_and_numbers_to_those_of_the_engine(page, p, 
     assert abs(float(rows["period"]) - T) <= bounds["r"] * T / (high - low) + 1e-5
 
 
+def test_the_link_restores_sliders_and_time_and_the_table_says_why_sliders_end(page):
+    address = page.current_url.split("#")[0]
+    wanted = [slide(page, 0, 0.25), slide(page, 1, 0.75)][-1]
+    page.execute_script("hjsolveLive.seek(3.25)")
+    page.find_element("id", "live-share").click()
+    link = page.current_url
+    assert link.startswith(address + "#p_theta=")
+    page.get("about:blank")
+    page.get(link)
+    assert page.execute_script("return hjsolveLive.settings") == pytest.approx(wanted, rel=1e-7)
+    assert page.find_element("id", "live-time").text == "t = 3.250"
+    page.get("about:blank")
+    page.get(address + "#E=12&p_theta=nothing")
+    assert "E = 12, beyond the slider" in page.find_element("id", "live-shared").text
+    rows = page.execute_script("return [...document.querySelectorAll('.live-ends tbody tr')].map(r => r.textContent)")
+    assert len(rows) == 2
+    page.get("about:blank")
+    page.get(address)
+
+
 def pixel_of(page, momentum: float, energy: float) -> tuple[float, float]:
     """Where on the map two constants are, from its window and the margins of its frame."""
     return page.execute_script(

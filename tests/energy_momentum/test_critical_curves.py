@@ -82,6 +82,17 @@ def test_monodromy_of_kepler_is_trivial() -> None:
     assert found.monodromy((1.2, -0.2), 0.05).trivial
 
 
+@pytest.mark.parametrize(("potential", "top"), [("cos(theta)", 0.0), ("-cos(theta)", np.pi)])
+def test_the_isolated_value_is_found_at_either_pole(potential: str, top: float) -> None:
+    """The pendulum at rest on top has E = 1, wherever its angle is counted from."""
+    system = hjsolve.System(
+        {"theta": "0 < theta < pi", "phi": "angle"}, "(dot(theta)**2 + sin(theta)**2*dot(phi)**2)/2", potential
+    )
+    window = {"p_phi": (-2, 2), "E": (-1.2, 2)}
+    (value,) = hjsolve.energy_momentum_map(hjsolve.solve(system), x="p_phi", y="E", window=window).isolated
+    assert (value.x, value.y, value.place) == pytest.approx((0, 1, top), abs=1e-12)
+
+
 def test_a_circle_beside_the_isolated_value_has_trivial_monodromy() -> None:
     found = hjsolve.energy_momentum_map(hjsolve.solve("spherical-pendulum"))
     assert found.monodromy((1.0, 5.0), 0.05).trivial

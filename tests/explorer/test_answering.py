@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import base64
+import json
+import zlib
 from dataclasses import replace
 
 import pytest
@@ -10,6 +13,7 @@ import hjsolve
 from hjsolve.explorer.answering import answer_question, scene_text, typed_system
 from hjsolve.explorer.first_question import question_about
 from hjsolve.explorer.question import Drag, PageQuestion
+from hjsolve.explorer.whole_system import unfinished
 
 
 def test_an_entry_is_answered_with_verdict_numbers_and_a_plane_to_drag_in() -> None:
@@ -157,3 +161,69 @@ def test_a_report_is_a_whole_page() -> None:
 
     assert text.startswith(("<!DOCTYPE html>", "<!doctype html>"))
     assert "</html>" in text
+
+
+KEPLER = PageQuestion(
+    "r: 0 < r\nphi: angle", "m*(dot(r)**2 + r**2*dot(phi)**2)/2", "-k/r", "m = 1 : positive\nk = 1 : positive"
+)
+
+
+@pytest.mark.parametrize(("typed", "words"), [
+    (replace(KEPLER, parameters=""), ("T uses m", "V uses k")),
+    (replace(KEPLER, parameters="m = 1"), ("V uses k",)),
+    (replace(KEPLER, coordinates=""), ("the coordinates are missing", "T uses dot(phi)")),
+    (replace(KEPLER, coordinates="r: a < r\nphi: angle"), ("the domain of r uses a",)),
+    (replace(KEPLER, kinetic="m*dot(r)**2/2"), ("dot(phi) does not occur in T",)),
+    (replace(KEPLER, kinetic="m*phidot**2/2"), ("dot(r) does not occur in T",)),
+    (replace(KEPLER, kinetic=""), ("T is missing",)),
+])  # fmt: skip
+def test_what_other_boxes_may_still_bring_is_no_fault_until_the_whole_is_submitted(typed, words) -> None:
+    told = answer_question(replace(typed, submitted=False))
+    assert not told.problem
+    assert told.unfinished.startswith("Not complete yet: ")
+    assert all(word in told.unfinished for word in words)
+    whole = answer_question(typed)
+    assert whole.problem
+    assert not whole.unfinished
+    if len(words) > 1:
+        assert all(word in whole.problem for word in words)
+
+
+@pytest.mark.parametrize(("typed", "message"), [
+    (replace(KEPLER, kinetic="m*(dot(r)**2", parameters=""), "kinetic"),
+    (replace(KEPLER, potential="-k/r + Pi", parameters=""), "write pi"),
+    (replace(KEPLER, parameters="m = 1 : posi"), "posi"),
+    (replace(KEPLER, coordinates="r"), "write a name, a colon and a domain"),
+])  # fmt: skip
+def test_a_fault_of_one_box_is_named_while_the_rest_is_still_missing(typed, message: str) -> None:
+    told = answer_question(replace(typed, submitted=False))
+    assert message in told.problem
+    assert not told.unfinished
+
+
+def test_each_entry_is_complete_and_goes_through_a_link() -> None:
+    for name in ("kepler-planar", "relativistic-kepler", "lagrange-top"):
+        question = question_about(name)
+        assert unfinished(question) == ()
+        again = PageQuestion.from_fragment("#" + question.fragment())
+        assert typed_system(again) == typed_system(question)
+        assert (again.q, again.velocity, again.title) == (question.q, question.velocity, question.title)
+
+
+def test_a_start_that_was_typed_for_other_coordinates_is_none_of_these() -> None:
+    told = answer_question(replace(KEPLER, q={"x": "1"}, velocity={"x": "0"}))
+    assert (told.verdict, told.problem) == ("yes", "")
+    assert told.q == {"r": "", "phi": ""}
+
+
+def packed(value: object) -> str:
+    return base64.urlsafe_b64encode(zlib.compress(json.dumps(value).encode())).decode()
+
+
+@pytest.mark.parametrize("fragment", [
+    "x", "####", KEPLER.fragment()[:-9], packed([1]), packed({"wanted": "report"}), packed({"kinetic": 3}),
+    packed({"q": {"r": 1}}), packed({"find": "yes"}), packed({"title": "x" * 100_000}), "A" * 9000,
+])  # fmt: skip
+def test_a_link_that_is_cut_or_holds_anything_else_is_refused(fragment: str) -> None:
+    with pytest.raises(hjsolve.InvalidInputError, match="link"):
+        PageQuestion.from_fragment(fragment)

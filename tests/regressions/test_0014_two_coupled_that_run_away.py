@@ -164,7 +164,7 @@ def test_a_wiggle_on_the_way_out_is_followed_as_far_as_is_asked_and_no_farther()
     for t in (0.4, 10.3):
         q = float(motion.at(t).unwrapped("theta"))
         panels = course.ahead.panels((1.0,), abs(float(course.integral(0, np.array([float(course.start)]))[0])) + t)
-        reached, _ = course.ahead.way.position(panels.edges[-1], Float64())
+        reached, _ = course.ahead.end_map.position(panels.edges[-1], Float64())
         assert q < reached < 2 * q + 2 * np.pi
 
 

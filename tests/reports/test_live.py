@@ -14,6 +14,7 @@ import hjsolve
 from hjsolve import System
 from hjsolve.command_line.main import main
 from hjsolve.motion.motion import Motion
+from hjsolve.reports.live.neighbours import neighbours_of
 from hjsolve.reports.live.tables import LiveTables, live_tables
 
 TYPED = {
@@ -130,6 +131,41 @@ def test_a_range_that_reaches_too_far_ends_before_the_separatrix() -> None:
     top = float(values["m"] * values["g"] * values["l"])
     (slider,) = live_tables(base, {"E": (energy - 0.5 * top, 5 * top)}).sliders
     assert energy < slider.high < top
+
+
+@pytest.mark.parametrize(("name", "values", "word"), [
+    ("pendulum", {"E": 0.3}, "ok"), ("pendulum", {"E": 40}, "another kind"), ("pendulum", {"E": -40}, "forbidden"),
+    ("kepler-planar", {"E": 0.1}, "unbounded"), ("double-well", {"E": 0.05}, "another kind"),
+])  # fmt: skip
+def test_each_neighbour_says_what_it_is(name: str, values, word: str) -> None:
+    """Statuses of the ensemble, and kinds: a pendulum that turns over, two wells that become one."""
+    motion = motion_of(name).as_solved
+    subject = neighbours_of(motion, list(values))
+    assert subject.series(np.array([list(values.values())], dtype=float))[1].tolist() == [word]
+
+
+def test_turning_points_are_those_of_the_ensemble_in_the_well_of_the_motion() -> None:
+    """Nearly circular Kepler orbits: the well at l = 1.5 does not touch that at l = 1."""
+    motion = hjsolve.solve("kepler-planar").motion(q={"r": 1, "theta": 0}, p={"r": "0.01", "theta": 1})
+    subject = neighbours_of(motion.as_solved, ["p_theta", "E"])
+    settings = np.array([[1.5, -0.2222], [0.7, -1.0]])
+    columns, words = subject.series(settings)
+    assert words.tolist() == ["ok", "ok"]
+    for k, (l, E) in enumerate(settings):
+        e = np.sqrt(1 + 2 * E * l * l)
+        for end, sign in (("a", 1), ("b", -1)):
+            np.testing.assert_allclose(columns[0, end][k, 0], l * l / (1 + sign * e), rtol=1e-9)
+
+
+@pytest.mark.parametrize(("name", "asked", "words"), [
+    ("pendulum", {"E": (-40.0, 40.0)}, ("forbidden", "another kind")),
+    ("kepler-planar", {"E": (-5.0, 5.0)}, ("forbidden", None)),
+])  # fmt: skip
+def test_a_slider_says_why_it_ends(name: str, asked, words) -> None:
+    (slider,) = (s for s in live_tables(motion_of(name), asked).sliders if s.name == "E")
+    for why, word in zip(slider.why, words, strict=True):
+        assert why
+        assert word is None or word in why
 
 
 @pytest.mark.parametrize(("asked", "told"), [

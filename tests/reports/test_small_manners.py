@@ -3,14 +3,17 @@
 from pathlib import Path
 
 import pytest
+import sympy as sp
 
 import hjsolve
 from hjsolve.reports.document import Code, Mathematics, Number, Table
+from hjsolve.reports.drawings.energy_momentum_figure import figure_of_map
+from hjsolve.reports.formulas.from_sympy import box, compact, contracted, falling_powers
 from hjsolve.reports.formulas.one_line_text import plain
 from hjsolve.reports.sections.motion import numbers_section
 from hjsolve.reports.sections.prose import with_names
 from hjsolve.reports.sections.rounded_numbers import bound
-from hjsolve.reports.sections.system_and_verdict import system_section
+from hjsolve.reports.sections.system_and_verdict import answer, system_section
 
 
 def said(text, names=()):
@@ -73,3 +76,48 @@ def test_reports_are_the_same_byte_for_byte_where_asked(tmp_path: Path, monkeypa
         pages.append((tmp_path / name).read_bytes())
     assert pages[0] == pages[1]
     assert b"Time spent" not in pages[0]
+
+
+def test_what_is_left_separates_once_the_ignorable_coordinates_are_eliminated() -> None:
+    words = answer(hjsolve.separate(hjsolve.catalog.load("lagrange-top")))
+    text = "".join(plain(w.box) if isinstance(w, Mathematics) else w if isinstance(w, str) else w.text for w in words)
+    assert text.startswith("Separates in θ once the ignorable coordinates ψ and φ are eliminated; ")
+
+
+def test_a_coupling_is_a_cosine_of_the_difference() -> None:
+    verdict = hjsolve.separate(hjsolve.catalog.load("double-pendulum"))
+    (coupling,) = (step.formula for step in verdict.evidence if step.title == "Coupling")
+    assert plain(box(contracted(coupling))) == "m l² cos(φ − θ)"
+    assert sp.expand_trig(contracted(coupling) - coupling).expand() == 0
+
+
+def test_names_in_descriptions_of_maps_are_letters() -> None:
+    found = hjsolve.energy_momentum_map(hjsolve.solve("spherical-pendulum"))
+    figure = figure_of_map(found, "map")
+    assert "A: θ librates" in figure.description
+    assert "theta" not in figure.description
+
+
+@pytest.mark.parametrize(("x", "words"), [
+    ("-2*x**3 + 5*x - 1 + 3*x**2", "−2 x³ + 3 x² + 5 x − 1"),
+    ("c*a*x**2 - c*x**2 + p - x", "c x² (a − 1) − x + p"),
+    ("x**2 + p - b", "x² + p − b"),
+])  # fmt: skip
+def test_polynomials_are_written_by_falling_powers(x: str, words: str) -> None:
+    polynomial = sp.Poly(sp.sympify(x), sp.Symbol("x"))
+    shown = falling_powers(polynomial)
+    assert plain(box(shown)) == words
+    assert sp.expand(sp.sympify(str(shown)) - polynomial.as_expr()) == 0
+
+
+@pytest.mark.parametrize(("name", "words"), [
+    ("rod-with-sliding-end", "⅙ m l² (1 + 3 cos² θ) (E − pₓ²/(2 m) − ½ m g l sin θ)"),
+    ("eccentric-disk", "2 m (E + m g (l cos(α + θ) + r θ sin α)) (l² + r² − 2 l r cos θ)"),
+])  # fmt: skip
+def test_a_squared_momentum_is_read_as_2m_times_energy_less_potential(name: str, words: str) -> None:
+    """The form of Greenwood (5-93)."""
+    solution = hjsolve.solve(name)
+    (square,) = solution.momentum_squared.values()
+    shown = compact(square, solution.constants["E"].symbol)
+    assert plain(box(shown)) == words
+    assert sp.simplify(shown - square) == 0

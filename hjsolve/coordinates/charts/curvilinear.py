@@ -222,7 +222,7 @@ def _short_angles(V: sp.Expr, angles: Sequence[sp.Symbol]) -> sp.Expr:
 
 
 def scale_factors(system: System) -> tuple[sp.Expr, ...] | None:
-    """Return h of T = m/2 Σ h² q̇², lengths per unit of each coordinate; None where they are not told by T.
+    """Return h of T = m/2 Σ h² q̇², lengths per unit of each coordinate; None where T does not determine them.
 
     Args:
         system: in polar, cylindrical, spherical or Cartesian coordinates.

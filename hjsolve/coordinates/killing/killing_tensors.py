@@ -154,7 +154,7 @@ def _kernel(V: sp.Expr, x: tuple[sp.Symbol, ...], tensors: tuple[sp.ImmutableMat
 
 
 def _basis(samples: Samples, table: EquationTable, width: int) -> tuple[Rows, tuple[sp.Expr, ...]]:
-    """Return a basis of the kernel in reduced echelon form, and the pivots of the elimination where they are told.
+    """Return a basis of the kernel in reduced echelon form, and the pivots of the elimination where they are asked for.
 
     Letters that occur as polynomials are eliminated over their ring, which tells at which values the rank drops; others
     are given values modulo a prime first.

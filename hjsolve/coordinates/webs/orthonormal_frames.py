@@ -48,7 +48,7 @@ class Sign:
 
 
 def sign_by(values: Mapping[sp.Symbol, sp.Expr]) -> Sign:
-    """Return what tells the sign of a constant by the values of its parameters.
+    """Return a function that decides the sign of a constant from the values of its parameters.
 
     Args:
         values: parameter → default value.

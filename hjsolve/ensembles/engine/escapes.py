@@ -1,7 +1,7 @@
 """Proof that coordinates of many orbits run away: p² > 0 from the last turning point to infinity.
 
-That no turning point was met on the way out proves nothing: a narrow barrier may stand between two trials. Here
-interval arithmetic covers the way with cells over which p² is positive, up to a place X, for many orbits at once;
+That no turning point was met on the route outwards proves nothing: a narrow barrier may stand between two trials. Here
+interval arithmetic covers the route with cells over which p² is positive, up to a place X, for many orbits at once;
 beyond X the asymptotic expansion of p² is positive (``arithmetic/sign_at_infinity``), for all orbits whose constants
 lie in a box at once: few boxes hold them all. At a turning point F changes its sign between two places a rounding
 apart, and its slope does not vanish in the cell next to it. What is not proved is left to the engine of single motions.
@@ -47,7 +47,7 @@ _BITS = 256
 
 @dataclass(frozen=True)
 class EscapeRoute:
-    """The way of n orbits, from a place to infinity; arrays (n,).
+    """The route of n orbits, from a place to infinity; arrays (n,).
 
     Attributes:
         formula: of p² as a function of x.
@@ -158,15 +158,15 @@ def escaping(one: CoordinateOfOrbits, model: Model, offsets: Reals) -> tuple[Mas
         if formula is None and len(index):
             seen, x = sides(coordinate)[1 - k], offsets[1 - k, index]
             slopes = one.programs.views[1 - k].slopes
-            way = _from_turning_point(one.take(index), seen, slopes, model, x, (2 * k - 1) * seen.sign)
-            proved[index] = _free(way)
-            errors[1 - k, index] = way.error + 2 * EPS * (np.abs(place(seen, x)) + np.abs(x))
+            route = _from_turning_point(one.take(index), seen, slopes, model, x, (2 * k - 1) * seen.sign)
+            proved[index] = _free(route)
+            errors[1 - k, index] = route.error + 2 * EPS * (np.abs(place(seen, x)) + np.abs(x))
     both = np.flatnonzero(endless[0] & endless[1])
     if coordinate.lower is None and coordinate.upper is None and len(both):
         some = one.take(both)
         known = some.constants, some.uncertainty, model.numbers, model.exact
-        ways = (EscapeRoute(coordinate.plain, *known, k, some.q, 0.0 * some.q, 1.0 + np.abs(some.q)) for k in (-1, 1))
-        proved[both] = np.logical_and.reduce([_free(way) for way in ways])
+        routes = (EscapeRoute(coordinate.plain, *known, k, some.q, 0.0 * some.q, 1.0 + np.abs(some.q)) for k in (-1, 1))
+        proved[both] = np.logical_and.reduce([_free(route) for route in routes])
     return proved, errors
 
 
@@ -175,26 +175,26 @@ def _from_turning_point(
 ) -> EscapeRoute:
     size = np.maximum(np.abs(x), np.abs(one.q - place(seen, x)))
     known = one.constants, one.uncertainty, model.numbers, model.exact
-    way = EscapeRoute(seen, *known, outward, x, np.zeros_like(x), size)
+    route = EscapeRoute(seen, *known, outward, x, np.zeros_like(x), size)
     with np.errstate(all="ignore"):
-        here = way.radicand(np.arange(len(x)), Interval(x, x))
+        here = route.radicand(np.arange(len(x)), Interval(x, x))
         slope = run_rows(slopes, one.parameters, np.stack([x, *one.constants]))[1]
         error = 2 * np.maximum(-here.low, here.high) / np.abs(slope) + 4 * EPS * np.abs(x) + 1e-300
-    return replace(way, error=error)
+    return replace(route, error=error)
 
 
-def _free(way: EscapeRoute) -> Mask:
-    """Return whether F > 0 all the way, and the turning point is where it is said to be."""
+def _free(route: EscapeRoute) -> Mask:
+    """Return whether F > 0 along the whole route, and the turning point is where it is said to be."""
     with np.errstate(all="ignore"):
-        left = np.flatnonzero(np.isfinite(way.start) & np.isfinite(way.error) & np.isfinite(way.size))
-        proved, begin = np.zeros(len(way.start), dtype=bool), np.full(len(way.start), np.nan)
-        begin[left] = _begun(way.take(left))
+        left = np.flatnonzero(np.isfinite(route.start) & np.isfinite(route.error) & np.isfinite(route.size))
+        proved, begin = np.zeros(len(route.start), dtype=bool), np.full(len(route.start), np.nan)
+        begin[left] = _begun(route.take(left))
         left = left[np.isfinite(begin[left])]
         for power in _FAR:
-            far = 2.0**power * np.maximum(way.size[left], 1.0)
-            good = _beyond(way.take(left), far)
+            far = 2.0**power * np.maximum(route.size[left], 1.0)
+            good = _beyond(route.take(left), far)
             clear = np.zeros(len(left), dtype=bool)
-            clear[good] = _positive(way.take(left[good]), begin[left[good]], far[good])
+            clear[good] = _positive(route.take(left[good]), begin[left[good]], far[good])
             proved[left[clear]] = True
             left = left[~good]
             if not len(left):
@@ -202,24 +202,24 @@ def _free(way: EscapeRoute) -> Mask:
     return proved
 
 
-def _begun(way: EscapeRoute) -> Reals:
+def _begun(route: EscapeRoute) -> Reals:
     """Return the distance up to which the first cell is settled, NaN where it is not."""
-    everything, side = np.arange(len(way.start)), way.side
-    turning = way.error > 0
-    outer, inner = way.start - side * way.error, way.start + side * way.error
+    everything, side = np.arange(len(route.start)), route.side
+    turning = route.error > 0
+    outer, inner = route.start - side * route.error, route.start + side * route.error
     sure = ~turning | (
-        (way.radicand(everything, Interval(outer, outer)).high < 0)
-        & (way.radicand(everything, Interval(inner, inner)).low > 0)
+        (route.radicand(everything, Interval(outer, outer)).high < 0)
+        & (route.radicand(everything, Interval(inner, inner)).low > 0)
     )
-    begin, length = np.full(len(way.start), np.nan), 0.5 * way.size
+    begin, length = np.full(len(route.start), np.nan), 0.5 * route.size
     left = np.flatnonzero(sure)
     for _ in range(_MOST_FIRST_CELLS):
-        some = way.take(left)
+        some = route.take(left)
         first = np.where(turning[left], outer[left], some.start)
         cell = _cell(first, some.start + side * length[left])
         slope, value = some.slope(np.arange(len(left)), cell), some.radicand(np.arange(len(left)), cell)
         rising = slope.low > 0 if side > 0 else slope.high < 0
-        good = np.where(turning[left], rising, value.low > 0) & (length[left] > 4 * way.error[left])
+        good = np.where(turning[left], rising, value.low > 0) & (length[left] > 4 * route.error[left])
         begin[left[good]] = length[left[good]]
         left = left[~good]
         length[left] *= 0.25
@@ -232,19 +232,19 @@ def _cell(one: Reals, other: Reals) -> Interval:
     return Interval(np.minimum(one, other), np.maximum(one, other))
 
 
-def _positive(way: EscapeRoute, begin: Reals, far: Reals) -> Mask:
+def _positive(route: EscapeRoute, begin: Reals, far: Reals) -> Mask:
     """Return whether F > 0 at all distances from ``begin`` to beyond x = ``far``."""
-    n, side = len(begin), way.side
-    end = far + np.abs(way.start)
+    n, side = len(begin), route.side
+    end = far + np.abs(route.start)
     steps = np.ceil(np.log(end / begin) / np.log(_RATIO)).astype(int)
     orbit = np.repeat(np.arange(n), steps)
     place = np.arange(len(orbit)) - np.repeat(np.cumsum(steps) - steps, steps)
     near, away = (begin[orbit] * _RATIO ** (place + k) for k in (0.0, 1.0))
     lost = np.zeros(n, dtype=bool)
     for _ in range(_CELL_HALVINGS):
-        cell = _cell(way.start[orbit] + side * near, way.start[orbit] + side * away)
-        bad = ~(way.radicand(orbit, cell).low > 0)
-        bad[bad] = ~(way.about_middle(orbit[bad], Interval(cell.low[bad], cell.high[bad])) > 0)
+        cell = _cell(route.start[orbit] + side * near, route.start[orbit] + side * away)
+        bad = ~(route.radicand(orbit, cell).low > 0)
+        bad[bad] = ~(route.about_middle(orbit[bad], Interval(cell.low[bad], cell.high[bad])) > 0)
         orbit, near, away = orbit[bad], near[bad], away[bad]
         lost |= np.bincount(orbit, minlength=n) > _MOST_CELLS
         kept = ~lost[orbit]
@@ -259,33 +259,35 @@ def _positive(way: EscapeRoute, begin: Reals, far: Reals) -> Mask:
 
 
 # ------------------------------------------------------------------------------------------------ to infinity
-def _beyond(way: EscapeRoute, far: Reals) -> Mask:
+def _beyond(route: EscapeRoute, far: Reals) -> Mask:
     """Return whether F > 0 wherever side·x ≥ far: over one endless cell, or by expansions."""
-    proved = way.radicand(np.arange(len(far)), _cell(way.side * far, np.full_like(far, way.side * np.inf))).low > 0
+    proved = (
+        route.radicand(np.arange(len(far)), _cell(route.side * far, np.full_like(far, route.side * np.inf))).low > 0
+    )
     left = np.flatnonzero(~proved)
     if len(left):
-        _for_box(way, far, left, proved)
+        _for_box(route, far, left, proved)
     return proved
 
 
-def _for_box(way: EscapeRoute, far: Reals, index: Integers, proved: Mask) -> None:
+def _for_box(route: EscapeRoute, far: Reals, index: Integers, proved: Mask) -> None:
     """Prove it for the box that holds the constants of some orbits, or for two halves of them.
 
     ``far`` becomes the greatest of a box where it is proved.
     """
     most = far[index].max()
-    if sign_beyond_for_all(way.formula.squared, _box(way, index), way.side, float(most), _BITS) > 0:
+    if sign_beyond_for_all(route.formula.squared, _box(route, index), route.side, float(most), _BITS) > 0:
         proved[index], far[index] = True, most
         return
-    values = [c[index] for c in way.constants]
+    values = [c[index] for c in route.constants]
     widths = [_spread(c) for c in values]
     if len(index) == 1 or not any(widths):
         return
     widest = widths.index(max(widths))
     order = index[np.argsort(values[widest], kind="stable")]
-    cut = _cut(way.constants[widest][order])
-    _for_box(way, far, order[:cut], proved)
-    _for_box(way, far, order[cut:], proved)
+    cut = _cut(route.constants[widest][order])
+    _for_box(route, far, order[:cut], proved)
+    _for_box(route, far, order[cut:], proved)
 
 
 def _spread(values: Reals) -> float:
@@ -308,9 +310,9 @@ def _cut(values: Reals) -> int:
     return int(np.clip(np.searchsorted(values, level), 1, len(values) - 1))
 
 
-def _box(way: EscapeRoute, index: Integers) -> list[tuple[Mpf, Mpf]]:
+def _box(route: EscapeRoute, index: Integers) -> list[tuple[Mpf, Mpf]]:
     convert = Multi(_BITS).convert
-    known = way.enclosed(index)
+    known = route.enclosed(index)
     boxes = [(convert(float(np.min(c.low))), convert(float(np.max(c.high)))) for c in known]
     # sharp, as for single motions: log R of two terms with one factor G cancels whatever G is, in a range it would not
-    return boxes + [(convert(number),) * 2 for number in way.exact]
+    return boxes + [(convert(number),) * 2 for number in route.exact]

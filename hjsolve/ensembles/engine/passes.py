@@ -65,7 +65,7 @@ def run_pass(
         total.put(left, part)
         directions[k, left[round_]] = np.sign(start.P[k, left[round_]])
         if "turning_points" in names:
-            _told(columns, coordinate.name, left, found.places, found.errors)
+            _put_turning_points(columns, coordinate.name, left, found.places, found.errors)
         endless = np.isnan(found.offsets).any(axis=0) & ~round_
         status[left[~part.good]] = np.where(endless, ENDLESS, UNDECIDED)[~part.good]
         total.phase_error[:] += start.rounding[k]
@@ -152,7 +152,7 @@ def run_escapes(model: Model, programs: SystemPrograms, names: Names, starts: St
         endless[k, out], errors = escaping(one.take(out), model, found.offsets[:, out])
         found.errors[:, out] = errors
         if "turning_points" in names:
-            _told(columns, coordinate.name, np.arange(count), found.places, found.errors)
+            _put_turning_points(columns, coordinate.name, np.arange(count), found.places, found.errors)
         with np.errstate(all="ignore"):
             fine = total.good & (total.action_error <= TOLERANCE * np.abs(total.action))
         left &= fine | (total.good & (total.action_error == 0)) | endless[k]
@@ -167,7 +167,7 @@ def run_escapes(model: Model, programs: SystemPrograms, names: Names, starts: St
     return columns
 
 
-def _told(columns: Columns, name: str, index: Integers, places: Reals, errors: Reals) -> None:
+def _put_turning_points(columns: Columns, name: str, index: Integers, places: Reals, errors: Reals) -> None:
     for k, side in enumerate(("lower", "upper")):
         columns.turning_points[f"{name}.{side}"][index] = places[k]
         columns.error[f"turning_points.{name}.{side}"][index] = errors[k]

@@ -21,7 +21,7 @@ _SEEDS = 1500
 _CENTRAL = 0.7
 """The share of them from the middle third of the scales of a coordinate."""
 _SMALL = 0.02
-"""Actions below this part of the sum of all are told apart by their differences, larger ones by their ratios."""
+"""Actions below this part of the sum of all are distinguished by their differences, larger ones by their ratios."""
 _EQUILIBRIUM = -700.0
 """Logarithm that stands for that of no action at all."""
 _TOGETHER = 1 << 22

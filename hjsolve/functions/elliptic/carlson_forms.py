@@ -37,7 +37,14 @@ from hjsolve.functions.complex_pole import (
     times,
 )
 from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, PartialFractions
-from hjsolve.functions.elliptic.moments import INFINITY, Kinds, Way, first_and_other_kinds, refuse, whole_way
+from hjsolve.functions.elliptic.moments import (
+    INFINITY,
+    IntegrationPath,
+    Kinds,
+    first_and_other_kinds,
+    refuse,
+    whole_path,
+)
 
 
 def complete(R: PartialFractions, P: BranchPoints, interval: Interval) -> sp.Expr:
@@ -52,8 +59,8 @@ def complete(R: PartialFractions, P: BranchPoints, interval: Interval) -> sp.Exp
         NoForm: it diverges, or no form is known here; the text says why.
     """
     refuse(R, P, complex_poles=True)
-    way = whole_way(P, interval)
-    return first_and_other_kinds(R, way, _kinds(way))
+    path = whole_path(P, interval)
+    return first_and_other_kinds(R, path, _kinds(path))
 
 
 def incomplete(R: PartialFractions, P: BranchPoints, interval: Interval, x: sp.Expr, start: str) -> sp.Expr:
@@ -70,19 +77,19 @@ def incomplete(R: PartialFractions, P: BranchPoints, interval: Interval, x: sp.E
         NoForm: no form is known here; the text says why.
     """
     refuse(R, P, complex_poles=True)
-    way = Way(P, interval, start, x, whole=False)
-    return first_and_other_kinds(R, way, _kinds(way))
+    path = IntegrationPath(P, interval, start, x, whole=False)
+    return first_and_other_kinds(R, path, _kinds(path))
 
 
 @dataclass(frozen=True)
 class _Pair:
     """What a complex pair α ± iβ among the three other branch points is replaced by."""
 
-    way: Way
+    path: IntegrationPath
 
     @cached_property
     def pair(self) -> tuple[sp.Expr, sp.Expr]:
-        return self.way.P.pairs[0]
+        return self.path.P.pairs[0]
 
     def distance(self, place: sp.Expr) -> sp.Expr:
         """|place − (α + iβ)|."""
@@ -91,7 +98,7 @@ class _Pair:
 
     def κ(self, place: sp.Expr | None) -> sp.Expr:
         """|v(place) − v₁|/S²."""
-        e = self.way.e
+        e = self.path.e
         if place is INFINITY:
             return 1 / self.distance(e)
         return self.distance(place) / (sp.sqrt((e - place) ** 2) * self.distance(e))
@@ -99,68 +106,70 @@ class _Pair:
     @cached_property
     def size(self) -> sp.Expr:
         """|v₁|."""
-        return (1 if self.way.x is None else self.distance(self.way.x)) / self.distance(self.way.e)
+        return (1 if self.path.x is None else self.distance(self.path.x)) / self.distance(self.path.e)
 
     @cached_property
     def a2(self) -> sp.Expr:
-        (α, β), e, x = self.pair, self.way.e, self.way.x
-        along = self.way.σ * (e - α) if x is None else (x - α) * (e - α) + β**2
+        (α, β), e, x = self.pair, self.path.e, self.path.x
+        along = self.path.σ * (e - α) if x is None else (x - α) * (e - α) + β**2
         return (self.size + along / ((e - α) ** 2 + β**2)) / 2
 
     @cached_property
     def third(self) -> sp.Expr | None:
         """The real branch point next to e and the pair."""
-        return self.way.others[0]
+        return self.path.others[0]
 
     def p2(self, place: sp.Expr | None) -> sp.Expr:
-        return (self.way.v(place) + self.size + self.way.S**2 * self.κ(place)) / 2
+        return (self.path.v(place) + self.size + self.path.S**2 * self.κ(place)) / 2
 
     @cached_property
     def z2(self) -> tuple[sp.Expr, sp.Expr]:
         """z₊² and z₋²."""
         above = self.p2(self.third)
-        return above, self.a2 * self.way.v(self.third) / above
+        return above, self.a2 * self.path.v(self.third) / above
 
 
-def _first(way: Way) -> sp.Expr:
+def _first(path: IntegrationPath) -> sp.Expr:
     """∫ dx/√P."""
-    if way.P.pairs:
-        pair = _Pair(way)
-        return 2 * way.S / sp.sqrt(way.q) * CarlsonRF(pair.a2, *pair.z2)
-    return 2 * way.S / sp.sqrt(way.q) * CarlsonRF(*(way.v(r) for r in way.others))
+    if path.P.pairs:
+        pair = _Pair(path)
+        return 2 * path.S / sp.sqrt(path.q) * CarlsonRF(pair.a2, *pair.z2)
+    return 2 * path.S / sp.sqrt(path.q) * CarlsonRF(*(path.v(r) for r in path.others))
 
 
-def _third(way: Way, place: sp.Expr | None) -> sp.Expr:
+def _third(path: IntegrationPath, place: sp.Expr | None) -> sp.Expr:
     """(2S³/(3√q)) R_J(v(r₁), v(r₂), v(r₃), v(place))."""
-    if not way.P.pairs:
-        return 2 * way.S**3 / (3 * sp.sqrt(way.q)) * CarlsonRJ(*(way.v(r) for r in way.others), way.v(place))
-    pair = _Pair(way)
+    if not path.P.pairs:
+        return 2 * path.S**3 / (3 * sp.sqrt(path.q)) * CarlsonRJ(*(path.v(r) for r in path.others), path.v(place))
+    pair = _Pair(path)
     moved = pair.p2(place)
-    inner = 2 * (moved - pair.a2) * CarlsonRJ(pair.a2, *pair.z2, moved) + 3 * CarlsonRC(way.v(pair.third), way.v(place))
-    return (2 * way.S * inner / sp.sqrt(way.q) - 3 * _first(way)) / (3 * pair.κ(place))
+    inner = 2 * (moved - pair.a2) * CarlsonRJ(pair.a2, *pair.z2, moved) + 3 * CarlsonRC(
+        path.v(pair.third), path.v(place)
+    )
+    return (2 * path.S * inner / sp.sqrt(path.q) - 3 * _first(path)) / (3 * pair.κ(place))
 
 
-def _complex_third(way: Way, ρ: Parts) -> Parts:
+def _complex_third(path: IntegrationPath, ρ: Parts) -> Parts:
     """Return the same of a complex place; with v(ρ) off the negative axis every argument is, see ``_third``.
 
     Of the two values of a root in κ either will do: p₊² p₋² = a² v(ρ), and neither is ever negative.
     """
-    away = divided((sp.Integer(way.σ), sp.S.Zero), (way.e - ρ[0], -ρ[1]))
-    v = away if way.x is None else (1 + (way.σ * (way.x - way.e)) * away[0], (way.σ * (way.x - way.e)) * away[1])
-    scale = 2 * way.S**3 / (3 * sp.sqrt(way.q))
-    if not way.P.pairs:
-        first = [way.v(r) for r in way.others]
+    away = divided((sp.Integer(path.σ), sp.S.Zero), (path.e - ρ[0], -ρ[1]))
+    v = away if path.x is None else (1 + (path.σ * (path.x - path.e)) * away[0], (path.σ * (path.x - path.e)) * away[1])
+    scale = 2 * path.S**3 / (3 * sp.sqrt(path.q))
+    if not path.P.pairs:
+        first = [path.v(r) for r in path.others]
         return scale * CarlsonRJRe(*first, *v), scale * CarlsonRJIm(*first, *v)
-    pair = _Pair(way)
+    pair = _Pair(path)
     α, β = pair.pair
     distance = _root((ρ[0] - α) ** 2 - ρ[1] ** 2 + β**2, 2 * (ρ[0] - α) * ρ[1])
-    κ = times(distance, (away[0] / pair.distance(way.e), away[1] / pair.distance(way.e)))
-    moved = ((v[0] + pair.size + way.S**2 * κ[0]) / 2, (v[1] + way.S**2 * κ[1]) / 2)
-    of_pair, third = (pair.a2, *pair.z2, *moved), way.v(pair.third)
+    κ = times(distance, (away[0] / pair.distance(path.e), away[1] / pair.distance(path.e)))
+    moved = ((v[0] + pair.size + path.S**2 * κ[0]) / 2, (v[1] + path.S**2 * κ[1]) / 2)
+    of_pair, third = (pair.a2, *pair.z2, *moved), path.v(pair.third)
     inner = times((moved[0] - pair.a2, moved[1]), (2 * CarlsonRJRe(*of_pair), 2 * CarlsonRJIm(*of_pair)))
     inner = (inner[0] + 3 * CarlsonRCRe(third, *v), inner[1] + 3 * CarlsonRCIm(third, *v))
-    size = 2 * way.S / sp.sqrt(way.q)
-    return divided((size * inner[0] - 3 * _first(way), size * inner[1]), (3 * κ[0], 3 * κ[1]))
+    size = 2 * path.S / sp.sqrt(path.q)
+    return divided((size * inner[0] - 3 * _first(path), size * inner[1]), (3 * κ[0], 3 * κ[1]))
 
 
 def _root(re: sp.Expr, im: sp.Expr) -> Parts:
@@ -170,22 +179,22 @@ def _root(re: sp.Expr, im: sp.Expr) -> Parts:
     return sp.sqrt((size + re) / 2), sign * sp.sqrt((size - re) / 2)
 
 
-def _at_other_end(way: Way, r: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+def _at_other_end(path: IntegrationPath, r: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """√P/(x − r) and ∫ dx/((x − r)√P) where x may reach r, by Gauss' R_D; see ``moments.Kinds``.
 
     What is left over of both is σ√(L(x − e)(x − r)) (x + r − 2α)/(|x − r₁| + |r − r₁|).
     """
-    pair, first, h = _Pair(way), _first(way), way.e - r
+    pair, first, h = _Pair(path), _first(path), path.e - r
     α, _ = pair.pair
     part = CarlsonRD(pair.a2, pair.z2[1], pair.z2[0])
-    regular = (4 * way.S * (pair.z2[0] - pair.a2) * part / sp.sqrt(way.q) - 3 * first) / (3 * pair.κ(r))
-    inverse = (first - way.σ / h * regular) / h
-    if way.whole:
+    regular = (4 * path.S * (pair.z2[0] - pair.a2) * part / sp.sqrt(path.q) - 3 * first) / (3 * pair.κ(r))
+    inverse = (first - path.σ / h * regular) / h
+    if path.whole:
         return sp.S.Zero, inverse
-    x = way.x
-    root = sp.sqrt(way.P.leading * (x - way.e) * (x - r))
-    return way.σ * root * (x + r - 2 * α) / (pair.distance(x) + pair.distance(r)), inverse
+    x = path.x
+    root = sp.sqrt(path.P.leading * (x - path.e) * (x - r))
+    return path.σ * root * (x + r - 2 * α) / (pair.distance(x) + pair.distance(r)), inverse
 
 
-def _kinds(way: Way) -> Kinds:
-    return Kinds(_first(way), partial(_third, way), partial(_at_other_end, way), partial(_complex_third, way))
+def _kinds(path: IntegrationPath) -> Kinds:
+    return Kinds(_first(path), partial(_third, path), partial(_at_other_end, path), partial(_complex_third, path))

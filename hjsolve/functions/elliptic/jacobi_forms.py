@@ -18,7 +18,14 @@ from functools import cached_property
 import sympy as sp
 
 from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, NoForm, PartialFractions
-from hjsolve.functions.elliptic.moments import INFINITY, Kinds, Way, first_and_other_kinds, refuse, whole_way
+from hjsolve.functions.elliptic.moments import (
+    INFINITY,
+    IntegrationPath,
+    Kinds,
+    first_and_other_kinds,
+    refuse,
+    whole_path,
+)
 from hjsolve.functions.jacobi import JacobiCN, JacobiSN
 
 
@@ -35,17 +42,17 @@ def inverse(P: BranchPoints, interval: Interval, u: sp.Expr, start: str = "lower
         NoForm: P has no real root to begin at.
     """
     refuse(PartialFractions(()), P)
-    way = Way(P, interval, start, None, whole=False)
+    path = IntegrationPath(P, interval, start, None, whole=False)
     if P.pairs:
-        (α, β), (r, *_) = P.pairs[0], way.others
-        square = (α - way.e) ** 2 + β**2
-        ζ, ξ, η = _ζ(way, r), way.σ * (α - way.e) / square, β / square
+        (α, β), (r, *_) = P.pairs[0], path.others
+        square = (α - path.e) ** 2 + β**2
+        ζ, ξ, η = _ζ(path, r), path.σ * (α - path.e) / square, β / square
         H = sp.sqrt((ξ - ζ) ** 2 + η**2)
-        c = JacobiCN(sp.sqrt(way.q * H) * u, (H + ξ - ζ) / (2 * H))
-        return way.e + way.σ * (1 - c) / (ζ * (1 - c) + H * (1 + c))
-    order = _Order(way)
-    s2 = JacobiSN(sp.sqrt(way.q * order.span) * u / 2, order.m) ** 2
-    return way.e + way.σ * s2 / (_ζ(way, order.points[2]) * s2 + order.span)
+        c = JacobiCN(sp.sqrt(path.q * H) * u, (H + ξ - ζ) / (2 * H))
+        return path.e + path.σ * (1 - c) / (ζ * (1 - c) + H * (1 + c))
+    order = _Order(path)
+    s2 = JacobiSN(sp.sqrt(path.q * order.span) * u / 2, order.m) ** 2
+    return path.e + path.σ * s2 / (_ζ(path, order.points[2]) * s2 + order.span)
 
 
 def legendre_complete(R: PartialFractions, P: BranchPoints, interval: Interval) -> sp.Expr | None:
@@ -60,7 +67,7 @@ def legendre_complete(R: PartialFractions, P: BranchPoints, interval: Interval) 
         NoForm: it diverges, or no form is known here; the text says why.
     """
     refuse(R, P)
-    return None if P.pairs else _legendre(R, whole_way(P, interval))
+    return None if P.pairs else _legendre(R, whole_path(P, interval))
 
 
 def legendre_incomplete(
@@ -79,45 +86,45 @@ def legendre_incomplete(
         NoForm: no form is known here; the text says why.
     """
     refuse(R, P)
-    return None if P.pairs else _legendre(R, Way(P, interval, start, x, whole=False))
+    return None if P.pairs else _legendre(R, IntegrationPath(P, interval, start, x, whole=False))
 
 
-def _ζ(way: Way, place: sp.Expr | None) -> sp.Expr:
-    return sp.S.Zero if place is INFINITY else way.σ / (place - way.e)
+def _ζ(path: IntegrationPath, place: sp.Expr | None) -> sp.Expr:
+    return sp.S.Zero if place is INFINITY else path.σ / (place - path.e)
 
 
 @dataclass(frozen=True)
 class _Order:
     """The three other branch points in the order ζ₁ > ζ₂ > ζ₃."""
 
-    way: Way
+    path: IntegrationPath
 
     @cached_property
     def points(self) -> tuple[sp.Expr | None, ...]:
-        below, above = self.way.P.real[: self.way.index], self.way.P.real[self.way.index + 1 :]
-        middle = (INFINITY,) if self.way.P.degree == 3 else ()
-        return (*above, *middle, *below) if self.way.σ > 0 else (*below[::-1], *middle, *above[::-1])
+        below, above = self.path.P.real[: self.path.index], self.path.P.real[self.path.index + 1 :]
+        middle = (INFINITY,) if self.path.P.degree == 3 else ()
+        return (*above, *middle, *below) if self.path.σ > 0 else (*below[::-1], *middle, *above[::-1])
 
     @cached_property
     def span(self) -> sp.Expr:
         """ζ₁ − ζ₃."""
-        return _ζ(self.way, self.points[0]) - _ζ(self.way, self.points[2])
+        return _ζ(self.path, self.points[0]) - _ζ(self.path, self.points[2])
 
     @cached_property
     def m(self) -> sp.Expr:
-        return (_ζ(self.way, self.points[1]) - _ζ(self.way, self.points[2])) / self.span
+        return (_ζ(self.path, self.points[1]) - _ζ(self.path, self.points[2])) / self.span
 
     @cached_property
     def sine2(self) -> sp.Expr:
-        """sin²φ; exactly 1 where the way ends at the first of the points."""
-        if self.way.whole and self.way.x == self.points[0]:
+        """sin²φ; exactly 1 where the path ends at the first of the points."""
+        if self.path.whole and self.path.x == self.points[0]:
             return sp.S.One
-        return self.span * self.way.S**2 / self.way.v(self.points[2])
+        return self.span * self.path.S**2 / self.path.v(self.points[2])
 
 
-def _legendre(R: PartialFractions, way: Way) -> sp.Expr:
-    order = _Order(way)
-    m, s2, scale = order.m, order.sine2, 2 / sp.sqrt(way.q * order.span)
+def _legendre(R: PartialFractions, path: IntegrationPath) -> sp.Expr:
+    order = _Order(path)
+    m, s2, scale = order.m, order.sine2, 2 / sp.sqrt(path.q * order.span)
     whole = s2 == 1
     φ, Δ = sp.asin(sp.sqrt(s2)), sp.sqrt(1 - m * s2)
     F = sp.elliptic_k(m) if whole else sp.elliptic_f(φ, m)
@@ -134,8 +141,8 @@ def _legendre(R: PartialFractions, way: Way) -> sp.Expr:
         elif place == order.points[2]:
             inner = (F - E) / m
         else:
-            n = (_ζ(way, place) - _ζ(way, order.points[2])) / order.span
+            n = (_ζ(path, place) - _ζ(path, order.points[2])) / order.span
             inner = ((sp.elliptic_pi(n, m) if whole else sp.elliptic_pi(n, φ, m)) - F) / n
         return scale * inner / order.span
 
-    return first_and_other_kinds(R, way, Kinds(scale * F, third))
+    return first_and_other_kinds(R, path, Kinds(scale * F, third))

@@ -17,7 +17,7 @@ INFINITY = None
 
 
 @dataclass(frozen=True)
-class Way:
+class IntegrationPath:
     """From the root e of P to x, all of it between two roots or from a root to infinity.
 
     Attributes:
@@ -46,7 +46,7 @@ class Way:
 
     @cached_property
     def e(self) -> sp.Expr:
-        """The root at which the way begins."""
+        """The root at which the path begins."""
         return self.P.real[self.index]
 
     @cached_property
@@ -83,7 +83,7 @@ class Way:
 
 @dataclass(frozen=True)
 class Kinds:
-    """The basic integrals along a way, in the functions of some author.
+    """The basic integrals along a path, in the functions of some author.
 
     Attributes:
         first: ∫ dx/√P.
@@ -99,24 +99,24 @@ class Kinds:
     complex_third: Callable[[Parts], Parts] | None = None
 
 
-def first_and_other_kinds(R: PartialFractions, way: Way, kinds: Kinds) -> sp.Expr:
-    """∫ R dx/√P along a way.
+def first_and_other_kinds(R: PartialFractions, path: IntegrationPath, kinds: Kinds) -> sp.Expr:
+    """∫ R dx/√P along a path.
 
     Args:
         R: the rational function.
-        way: from where to where.
+        path: from where to where.
         kinds: the basic integrals.
 
     Raises:
         NoForm: it diverges, or no form is known here; the text says why.
     """
-    moments = _Moments(way, kinds)
+    moments = _Moments(path, kinds)
     terms = [c * moments.power(k) for k, c in R.powers] + [c * moments.pole(place, m) for place, m, c in R.poles]
     return sp.Add(*terms, *(moments.complex_pole(pole) for pole in R.complex_poles))
 
 
-def whole_way(P: BranchPoints, interval: Interval) -> Way:
-    """Return the way through the whole interval, from its lower end if that is a root.
+def whole_path(P: BranchPoints, interval: Interval) -> IntegrationPath:
+    """Return the path through the whole interval, from its lower end if that is a root.
 
     Args:
         P: the branch points.
@@ -125,7 +125,7 @@ def whole_way(P: BranchPoints, interval: Interval) -> Way:
     lower, upper = interval
     start = "lower" if lower is not None else "upper"
     other = upper if lower is not None else lower
-    return Way(P, interval, start, None if other is None else P.real[other], whole=True)
+    return IntegrationPath(P, interval, start, None if other is None else P.real[other], whole=True)
 
 
 def refuse(R: PartialFractions, P: BranchPoints, *, complex_poles: bool = False) -> None:
@@ -151,7 +151,7 @@ def refuse(R: PartialFractions, P: BranchPoints, *, complex_poles: bool = False)
 class _Moments:
     """A_n(ρ) = ∫ (x − ρ)ⁿ dx/√P, all from A₀, A₁ and A₋₁."""
 
-    way: Way
+    path: IntegrationPath
     kinds: Kinds
 
     @cached_property
@@ -162,18 +162,18 @@ class _Moments:
     def first(self) -> sp.Expr:
         """∫ (x − e) dx/√P."""
         self._converges("a power of x")
-        return self.way.σ * self.kinds.third(INFINITY)
+        return self.path.σ * self.kinds.third(INFINITY)
 
     def _converges(self, what: str) -> None:
-        if self.way.x is None:
+        if self.path.x is None:
             raise NoForm(f"the integral of {what} to infinity diverges, or is not known here")
 
     def _boundary(self, place: sp.Expr, n: int) -> sp.Expr:
         """(x − place)ⁿ √P between the ends, in the direction of the integral; zero at roots."""
         self._converges("a higher pole")
-        if self.way.whole:
+        if self.path.whole:
             return sp.S.Zero
-        return self.way.σ * (self.way.x - place) ** n * sp.sqrt(self.way.P.value(self.way.x))
+        return self.path.σ * (self.path.x - place) ** n * sp.sqrt(self.path.P.value(self.path.x))
 
     def power(self, k: int) -> sp.Expr:
         """∫ xᵏ dx/√P.
@@ -181,28 +181,28 @@ class _Moments:
         Args:
             k: from 0 on.
         """
-        e = self.way.e
+        e = self.path.e
         return sp.Add(*(sp.binomial(k, m) * e ** (k - m) * self._about_start(m) for m in range(k + 1)))
 
     def _about_start(self, n: int) -> sp.Expr:
         """A_n(e), n ≥ 0, by d[(x − e)ᵐ √P] = Σₖ Pₖ (m + k/2) (x − e)^(m+k−1) dx/√P."""
         if n < 2:
             return (self.zeroth, self.first)[n] if n else self.zeroth
-        degree = self.way.P.degree
+        degree = self.path.P.degree
         if n == 2 and degree == 4:
             return self._second_of_quartic
-        P, m = self.way.P.taylor(self.way.e), n - degree + 1
+        P, m = self.path.P.taylor(self.path.e), n - degree + 1
         lower = [P[k] * (m + sp.Rational(k, 2)) * self._about_start(m + k - 1) for k in range(1, degree)]
-        return (self._boundary(self.way.e, m) - sp.Add(*lower)) / ((m + sp.Rational(degree, 2)) * P[degree])
+        return (self._boundary(self.path.e, m) - sp.Add(*lower)) / ((m + sp.Rational(degree, 2)) * P[degree])
 
     @cached_property
     def _second_of_quartic(self) -> sp.Expr:
         """∫ (x − e)² dx/√P from d[√P/(x − r)] about another root r, where P has no constant term."""
         self._converges("a power of x")
-        way, ends = self.way, {self.way.P.real[k] for k in self.way.interval if k is not None}
-        free = [r for r in way.others if r not in ends]
-        r = free[0] if free else way.others[0]
-        P, h = way.P.taylor(r), way.e - r
+        path, ends = self.path, {self.path.P.real[k] for k in self.path.interval if k is not None}
+        free = [r for r in path.others if r not in ends]
+        r = free[0] if free else path.others[0]
+        P, h = path.P.taylor(r), path.e - r
         first = self.first + h * self.zeroth
         if free:
             edge, inverse = self._boundary(r, -1), self.pole(r, 1)
@@ -218,21 +218,23 @@ class _Moments:
             place: of the pole.
             m: its order.
         """
-        way = self.way
-        if place in {way.P.real[k] for k in way.interval if k is not None}:
+        path = self.path
+        if place in {path.P.real[k] for k in path.interval if k is not None}:
             raise NoForm("the integrand has a pole at an end of the interval")
         if m == 1:
-            h = way.e - place
-            return (self.zeroth - way.σ / h * self.kinds.third(place)) / h
-        P = way.P.taylor(place)
+            h = path.e - place
+            return (self.zeroth - path.σ / h * self.kinds.third(place)) / h
+        P = path.P.taylor(place)
         if P[0] == 0 and P[1] == 0:  # a double root
             lower = [P[k] * (sp.Rational(k, 2) - m - 1) * self._about(place, k - m - 2) for k in range(3, len(P))]
             return (self._boundary(place, -m - 1) - sp.Add(*lower)) / (-m * P[2])
         if P[0] == 0:  # a root of P
-            lower = [P[k] * (sp.Rational(k, 2) - m) * self._about(place, k - m - 1) for k in range(2, way.P.degree + 1)]
+            lower = [
+                P[k] * (sp.Rational(k, 2) - m) * self._about(place, k - m - 1) for k in range(2, path.P.degree + 1)
+            ]
             return (self._boundary(place, -m) - sp.Add(*lower)) / ((sp.Rational(1, 2) - m) * P[1])
         n = m - 1
-        lower = [P[k] * (sp.Rational(k, 2) - n) * self._about(place, k - n - 1) for k in range(1, way.P.degree + 1)]
+        lower = [P[k] * (sp.Rational(k, 2) - n) * self._about(place, k - n - 1) for k in range(1, path.P.degree + 1)]
         return (sp.Add(*lower) - self._boundary(place, -n)) / (n * P[0])
 
     def complex_pole(self, pole: tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]) -> sp.Expr:
@@ -244,8 +246,8 @@ class _Moments:
         re, im, A, B = pole
         if self.kinds.complex_third is None:
             raise NoForm("the integrand has complex poles")
-        h, third = (self.way.e - re, -im), self.kinds.complex_third((re, im))
-        away = divided((self.way.σ * third[0], self.way.σ * third[1]), h)
+        h, third = (self.path.e - re, -im), self.kinds.complex_third((re, im))
+        away = divided((self.path.σ * third[0], self.path.σ * third[1]), h)
         integral = divided((self.zeroth - away[0], -away[1]), h)
         return A * integral[0] + (A * re + B) / im * integral[1]
 
@@ -253,5 +255,5 @@ class _Moments:
         """A_n(place)."""
         if n < 0:
             return self.pole(place, -n)
-        h = self.way.e - place
+        h = self.path.e - place
         return sp.Add(*(sp.binomial(n, k) * h ** (n - k) * self._about_start(k) for k in range(n + 1)))

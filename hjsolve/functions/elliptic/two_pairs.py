@@ -42,8 +42,8 @@ def between(R: PartialFractions, P: BranchPoints, y: sp.Expr, x: sp.Expr) -> sp.
     """
     if R.complex_poles:
         raise NoForm("the integrand has complex poles, and P no real root")
-    way = _Between(P, y, x)
-    return sp.Add(way.powers(R.powers), *(c * way.pole(r, m) for r, m, c in R.poles))
+    path = _Between(P, y, x)
+    return sp.Add(path.powers(R.powers), *(c * path.pole(r, m) for r, m, c in R.poles))
 
 
 def around(R: PartialFractions, P: BranchPoints) -> sp.Expr:

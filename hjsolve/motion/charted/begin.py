@@ -111,8 +111,8 @@ def _in_own_units(solution: Solution, given: StartGiven) -> StartGiven:
         velocity = rates_of(system, q, lengths_in_units(system, given.velocity, factors), factors)
     constants = given.constants
     if solution.chart is None:
-        told = tuple((constant.symbol, constant.expression) for constant in solution.constants.values())
-        constants = in_units(system, constants, "constants", told)
+        alike = tuple((constant.symbol, constant.expression) for constant in solution.constants.values())
+        constants = in_units(system, constants, "constants", alike)
     return replace(
         given, q=q, velocity=velocity, p=in_units(system, given.p, "p"), constants=constants,
         parameters=in_units(system, given.parameters, "parameters"), velocity_frame=COORDINATE,

@@ -74,7 +74,9 @@ def _unknown(outer: CurvilinearMap | SphereMap, rows: Sequence[Row], where: Mask
     return result
 
 
-def bounds_told(outer: OuterMap, points: Sequence[Reals], bounds: Sequence[Reals], bits: int) -> list[Reals]:
+def bounds_in_users_coordinates(
+    outer: OuterMap, points: Sequence[Reals], bounds: Sequence[Reals], bits: int
+) -> list[Reals]:
     """Return bounds on the errors of q, q̇, p and the rest.
 
     Args:

@@ -210,7 +210,7 @@ def _refuse_singular(chart: Chart, given: Mapping[sp.Symbol, sp.Expr], u: list[M
     place = ", ".join(f"{q.name} = {given[q.symbol]}" for q in chart.original.coordinates)
     raise InvalidInputError(
         f"q: {place} is a singular point of the {chart.kind} coordinates in which the system separates (a focus or "
-        "the centre), where momenta do not tell where the motion goes; start it at a place a little before"
+        "the centre), where the momenta do not determine the motion; start it at a place a little before"
     )
 
 

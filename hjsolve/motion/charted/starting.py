@@ -52,7 +52,7 @@ def start_charted(
         if elsewhere is None:
             raise
         return elsewhere
-    motion = _told(chart, within, parts)
+    motion = _in_users_coordinates(chart, within, parts)
     if "asymptotic" in motion.kinds.values():
         return motion_in_a_plane(chart, given, **options) or motion
     return motion
@@ -76,7 +76,7 @@ def _at_a_focus(
     return ChartedMotion.of(within)
 
 
-def _told(chart: Chart, within: Motion, parts: frozenset[str]) -> ChartedMotion:
+def _in_users_coordinates(chart: Chart, within: Motion, parts: frozenset[str]) -> ChartedMotion:
     """Return a motion in the separated coordinates, told in the user's; it ends where it collides with a focus."""
     motion = ChartedMotion.of(within)
     found = collision_times(chart, within) if "time" in parts else None

@@ -22,7 +22,7 @@ from hjsolve.arithmetic.number_types import AtTimes, Mpf, Numbers, Reals
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.coordinates.chart import Chart
-from hjsolve.motion.charted.curvilinear_states import bounds_told, told
+from hjsolve.motion.charted.curvilinear_states import bounds_in_users_coordinates, told
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.positions import tape_of
 from hjsolve.motion.shapes import shaped
@@ -138,7 +138,7 @@ def _bounds(
             lost |= ~(_LOST * error < h.value)
         velocities = [np.where(lost & (places[0] == places[0]), np.inf, e) for e in result[k : k + 2 * n]]
         points = [np.asarray(x, dtype=float) for x in found[:k]]
-        return bounds_told(chart.outer, points, [*result[:k], *velocities], bits)
+        return bounds_in_users_coordinates(chart.outer, points, [*result[:k], *velocities], bits)
 
 
 def _tape(chart: Chart, resting: tuple[str, ...]) -> Made:

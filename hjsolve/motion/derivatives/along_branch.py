@@ -65,12 +65,12 @@ class BranchVariations:
         Args:
             y: place on the branch, y > 0.
         """
-        way, branch = self.branch.way, self.branch
-        x, left, _ = way.distances(y, Multi(64))
+        end_map, branch = self.branch.end_map, self.branch
+        x, left, _ = end_map.distances(y, Multi(64))
         nearest = min(v for v in (x, left) if v is not None)
-        lost = max(0.0, -float(Multi(64).context.log(nearest / way.length, 2))) if nearest < way.length else 0.0
+        lost = max(0.0, -float(Multi(64).context.log(nearest / end_map.length, 2))) if nearest < end_map.length else 0.0
         work = 64 * (2 + (branch.bits + branch.radicand.guard + 6 * int(lost)) // 64)
-        q, slope = way.position(y, Multi(work))
+        q, slope = end_map.position(y, Multi(work))
         at = _rule(self.formulas, work).at(cast("Mpf", q))
         moved, _ = self.moved(y, work)
         growth = [(by + at.slope * m) / (2 * at.value) for by, m in zip(at.by, moved, strict=True)]
@@ -83,11 +83,11 @@ class BranchVariations:
             y: place on the branch.
             bits: of the arithmetic.
         """
-        way = self.branch.way
-        _, left, _ = way.distances(y, Multi(bits))
+        end_map = self.branch.end_map
+        _, left, _ = end_map.distances(y, Multi(bits))
         if left is None:
             return self.start, [0 * a for a in self.start]
-        return [a * left / way.length for a in self.start], [-way.side * a / way.length for a in self.start]
+        return [a * left / end_map.length for a in self.start], [-end_map.side * a / end_map.length for a in self.start]
 
     def integrands(self, y: Mpf) -> tuple[list[Mpf], list[float]]:
         """Return (k_j)_b with b inside j, and the sizes of what they are sums of.
@@ -102,7 +102,7 @@ class BranchVariations:
             for b, mixed in enumerate(row):
                 terms = (mixed, at.slope_by[j] * moved[b], at.by[j] * stretched[b], -at.by[j] * growth[b])
                 values.append(sum(terms) * weight)
-                scale = abs(at.by[j] * self.start[b] / self.branch.way.length)  # what cancels in ρ_b is no smaller
+                scale = abs(at.by[j] * self.start[b] / self.branch.end_map.length)  # what cancels in ρ_b is no smaller
                 sizes.append(float((sum(map(abs, terms)) + scale) * weight))
         return values, sizes
 
@@ -220,13 +220,13 @@ class OpenVariations:
 
     def _one(self, χ: Mpf) -> Slopes:
         own, sign = (self.ahead, 1) if χ >= 0 else (self.behind, -1)
-        y, way = abs(χ), own.branch.way
-        regular = max(y, self.context.ldexp(1, -_LEAST)) if way.turning else y
+        y, end_map = abs(χ), own.branch.end_map
+        regular = max(y, self.context.ldexp(1, -_LEAST)) if end_map.turning else y
         if not regular:
             regular = self.context.ldexp(1, -4 * self.context.prec)
         at, slope, root, moved, growth = own.at(regular)
         ratio = root / abs(slope)
-        now = sign * cast("Mpf", way.position(y, Multi(self.context.prec))[1])
+        now = sign * cast("Mpf", end_map.position(y, Multi(self.context.prec))[1])
         P = now * ratio
         integrals, lacks = own.integral(y)
         n, count = len(at.mixed), len(moved)
@@ -257,7 +257,7 @@ def open_variations(course: Unbounded, formulas: SquareDerivatives, digits: int)
 def _branch_variations(branch: Branch, formulas: SquareDerivatives, digits: int) -> BranchVariations:
     bits = branch.bits + 512 + branch.radicand.guard
     start = [multiprecision(bits).mpf(0)] * formulas.variables.count
-    if branch.way.turning:
-        at = formulas.bound(bits).at(branch.way.start)
+    if branch.end_map.turning:
+        at = formulas.bound(bits).at(branch.end_map.start)
         start = [-by / at.slope for by in at.by]
     return BranchVariations(branch, formulas, start, digits)

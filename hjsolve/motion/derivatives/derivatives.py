@@ -19,10 +19,10 @@ from hjsolve.motion.derivatives.angle_slopes import angles_by, differentiable_an
 from hjsolve.motion.derivatives.at_rest import RestVariations
 from hjsolve.motion.derivatives.bounded import SAFETY, Bounded, stacked, zeros
 from hjsolve.motion.derivatives.canonical import ConstantsToState
-from hjsolve.motion.derivatives.in_users_coordinates import Told, told_in
+from hjsolve.motion.derivatives.in_users_coordinates import UsersCoordinates, users_coordinates
 from hjsolve.motion.derivatives.integrals import MeanMatrix, action_by, has_means, mean_matrix
 from hjsolve.motion.derivatives.preparation import prepared
-from hjsolve.motion.derivatives.transition import matrices, start_told, transition_matrix
+from hjsolve.motion.derivatives.transition import matrices, start_in_users_coordinates, transition_matrix
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
@@ -134,19 +134,19 @@ def derivatives_of(motion: Motion, of: Iterable[str], by: Iterable[str], t: obje
             'derivatives: by={"actions"} is for actions, frequencies, periods, turning points and constants; the state '
             'and the angles depend on angles too, write by={"initial"} or {"constants"}'
         )
-    told = told_in(motion, parameters="parameters" in varied)
+    users = users_coordinates(motion, parameters="parameters" in varied)
     map_ = prepared(motion.as_solved, "parameters" in varied)
     found = _Collected(motion.digits)
     if map_ is None:
         _even_state(motion, wanted, varied, t, found)
         return MotionDerivatives(found.value, found.error, found.status)
     means = mean_matrix(map_)
-    for group in _groups(map_, told, means, varied):
+    for group in _groups(map_, users, means, varied):
         _numbers(motion, map_, means, group, wanted, found)
         if "angles" in wanted:
             _angles(motion, map_, means, group, t, found)
     if "state" in wanted:
-        _state(motion, map_, told, varied, t, found)
+        _state(motion, map_, users, varied, t, found)
     return MotionDerivatives(found.value, found.error, found.status, tuple(found.remarks))
 
 
@@ -186,13 +186,13 @@ def _words(given: Iterable[str], what: str, known: Sequence[str]) -> frozenset[s
 
 
 def _groups(
-    map_: ConstantsToState, told: Told | None, means: MeanMatrix | None, varied: frozenset[str]
+    map_: ConstantsToState, users: UsersCoordinates | None, means: MeanMatrix | None, varied: frozenset[str]
 ) -> list[Inputs]:
     """Return what is varied, in terms of the constants of the motion."""
     solution, n = map_.source.solution, map_.freedoms
     system, c, m = solution.system, map_.context, len(map_.variables.parameters)
-    (inverse, by_parameters), Z = start_told(map_, told), variations(map_, 2 * n + m)
-    names = told.names if told is not None else [q.name for q in system.coordinates]
+    (inverse, by_parameters), Z = start_in_users_coordinates(map_, users), variations(map_, 2 * n + m)
+    names = users.names if users is not None else [q.name for q in system.coordinates]
     groups = []
 
     def padded(top: Bounded, bottom: Numbers) -> Bounded:
@@ -316,10 +316,10 @@ def _turning(map_: ConstantsToState, i: int, name: str, group: Inputs, found: _C
 
 
 def _open_ends(part: OpenVariations) -> tuple[list[Mpf] | None, list[Mpf] | None]:
-    way = part.ahead.branch.way
-    if not way.turning:
+    end_map = part.ahead.branch.end_map
+    if not end_map.turning:
         return None, None
-    return (part.ahead.start, None) if way.side > 0 else (None, part.ahead.start)
+    return (part.ahead.start, None) if end_map.side > 0 else (None, part.ahead.start)
 
 
 def _times(motion: Motion, t: object) -> tuple[tuple[int, ...] | None, Reals | None, Sequence[Callable[[int], Mpf]]]:
@@ -356,12 +356,17 @@ def _exactly(x: float) -> Callable[[int], Mpf]:
 
 
 def _state(
-    motion: Motion, map_: ConstantsToState, told: Told | None, varied: frozenset[str], t: object, found: _Collected
+    motion: Motion,
+    map_: ConstantsToState,
+    users: UsersCoordinates | None,
+    varied: frozenset[str],
+    t: object,
+    found: _Collected,
 ) -> None:
     """Q and p at times."""
     shape, floats, exact = _times(motion, t)
     main, by, frames = matrices(motion, floats, exact, parameters="parameters" in varied)
-    names = told.names if told is not None else [q.name for q in map_.source.solution.system.coordinates]
+    names = users.names if users is not None else [q.name for q in map_.source.solution.system.coordinates]
     n = len(names)
     columns: list[tuple[Inputs, Bounded | None]] = []
     empty = zeros((0, 0), map_.context)

@@ -33,7 +33,7 @@ _STEP = 60
 
 
 @dataclass(frozen=True, eq=False)
-class Told:
+class UsersCoordinates:
     """The user's coordinates, by those separated.
 
     Attributes:
@@ -70,7 +70,7 @@ class Told:
         return result
 
 
-def told_in(motion: Motion, *, parameters: bool) -> Told | None:
+def users_coordinates(motion: Motion, *, parameters: bool) -> UsersCoordinates | None:
     """Return the user's coordinates of a motion; None where they are those separated.
 
     Args:
@@ -89,10 +89,10 @@ def told_in(motion: Motion, *, parameters: bool) -> Told | None:
         return None
     if isinstance(motion.chart.outer, SphereMap | CurvilinearMap):
         raise InvalidInputError(
-            "derivatives: not told in curvilinear coordinates for which others were found; those of the separated ones "
-            "are motion.as_solved.derivatives(…), or give the system in Cartesian coordinates"
+            "derivatives: not available in curvilinear coordinates for which others were found; those of the separated "
+            "ones are motion.as_solved.derivatives(…), or give the system in Cartesian coordinates"
         )
-    return Told(tuple(q.name for q in motion.chart.original.coordinates), motion.chart, parameters)
+    return UsersCoordinates(tuple(q.name for q in motion.chart.original.coordinates), motion.chart, parameters)
 
 
 @lru_cache(maxsize=32)

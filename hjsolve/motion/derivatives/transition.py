@@ -16,7 +16,7 @@ from hjsolve.errors import NotConvergedError
 from hjsolve.motion.charted.charted_motion import ChartedMotion
 from hjsolve.motion.derivatives.bounded import SAFETY, Bounded, converted, stacked
 from hjsolve.motion.derivatives.canonical import ConstantsToState, StateByConstants, symplectic_inverse
-from hjsolve.motion.derivatives.in_users_coordinates import Told, told_in
+from hjsolve.motion.derivatives.in_users_coordinates import UsersCoordinates, users_coordinates
 from hjsolve.motion.derivatives.preparation import MORE, prepared
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.motion import Motion
@@ -63,12 +63,12 @@ def matrices(
     Raises:
         NotConvergedError: they did not converge to the digits asked.
     """
-    more, told = MORE, told_in(motion, parameters=parameters)
+    more, users = MORE, users_coordinates(motion, parameters=parameters)
     for _ in range(_TRIES):
         map_ = prepared(motion.as_solved, parameters, more)
         if map_ is None:
             return *_all_ignorable(motion, floats, exact, parameters=parameters), []
-        found = _matrices(map_, told, floats, exact)
+        found = _matrices(map_, users, floats, exact)
         lacking = _lacking(found[0], motion.digits)
         if lacking <= 0:
             return found
@@ -96,40 +96,40 @@ def first_frame(map_: ConstantsToState) -> StateByConstants:
     return map_.first_frame()
 
 
-def start_told(map_: ConstantsToState, told: Told | None) -> tuple[Bounded, Bounded]:
+def start_in_users_coordinates(map_: ConstantsToState, users: UsersCoordinates | None) -> tuple[Bounded, Bounded]:
     """Return ∂(B, x, a, y)/∂(q, p)(t₀), and the same by the parameters at fixed (q, p)(t₀).
 
     Args:
         map_: of the motion.
-        told: the user's coordinates; None where they are those separated.
+        users: the user's coordinates; None where they are those separated.
     """
     first = first_frame(map_)
     inverse, moved = symplectic_inverse(first.state), first.by_parameters
-    if told is not None:
+    if users is not None:
         source = map_.source
         system = source.solution.system
         values: Any = [{}, {}]
         for c in system.coordinates:
             for group, symbol in zip(values, (c.symbol, c.momentum), strict=True):
                 group[c.name] = np.array([to_bits(source.initial.values[symbol])(map_.context.prec)], dtype=object)
-        ((C, shift),) = told.changes(source, values[0], values[1], map_.context)
+        ((C, shift),) = users.changes(source, values[0], values[1], map_.context)
         outer = symplectic_inverse(C)
         return inverse @ outer, -(inverse @ (moved + outer @ shift))
     return inverse, -(inverse @ moved)
 
 
 def _matrices(
-    map_: ConstantsToState, told: Told | None, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]]
+    map_: ConstantsToState, users: UsersCoordinates | None, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]]
 ) -> tuple[Bounded, Bounded, list[StateByConstants | None]]:
     phases = phases_at(map_.source, floats, exact)
-    start, by_start = start_told(map_, told)
+    start, by_start = start_in_users_coordinates(map_, users)
     going = np.flatnonzero(~phases.ended)
     χ, whole, errors = ([part[going] for part in group] for group in (phases.χ, phases.whole, phases.errors))
     found = map_.frames(χ, whole, errors)
-    if told is not None and found:
+    if users is not None and found:
         q, p, _ = positions_at(map_.source, phases)
         places, momenta = ({name: values[going] for name, values in group.items()} for group in (q, p))
-        changes = told.changes(map_.source, places, momenta, map_.context)
+        changes = users.changes(map_.source, places, momenta, map_.context)
         found = [
             StateByConstants(C @ frame.state, C @ frame.by_parameters + shift)
             for frame, (C, shift) in zip(found, changes, strict=True)

@@ -229,7 +229,7 @@ def path_of(course: Course, weight: Mpf, digits: int, bits: int) -> Path:
                 return Path(course, weight, bits, pairs[0], pairs[1], (before, after))
         n *= 2
     raise NotConvergedError(
-        "an integral between two umbilics stays rough; ask for fewer digits, or start a little beside the umbilic"
+        "an integral between two umbilics did not converge; request fewer digits, or start farther from the umbilic"
     )
 
 

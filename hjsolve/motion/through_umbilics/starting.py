@@ -255,7 +255,7 @@ def start_at_umbilic(
         InvalidInputError: the place is not an umbilic that a motion passes, or the velocity is zero.
     """
     system = solution.system
-    refused = InvalidInputError("q: T vanishes there, and it is not an umbilic through which a motion goes on")
+    refused = InvalidInputError("q: T vanishes there, and the place is not an umbilic through which a motion continues")
     q = [c.symbol for c in system.coordinates]
     fixed = {p.symbol: values[p.symbol] for p in system.parameters}
     if len(q) != 2 or list(solution.coordinates) != [c.name for c in system.coordinates]:

@@ -78,11 +78,11 @@ class UmbilicMotion(TransformedMotion):
         status = np.array(["ok" if row is not None else "reaches_boundary" for row in rows], dtype="<U16")
         names = list(self.solution.coordinates)
         nothing = _Row((context.nan,) * 2, (context.nan,) * 2, (0, 0), (context.nan,) * 2)
-        told = [nothing if row is None else row for row in rows]
-        q = {n: np.array([row.q[k] for row in told], dtype=object) for k, n in enumerate(names)}
-        p = {n: np.array([row.p[k] for row in told], dtype=object) for k, n in enumerate(names)}
-        turns = {n: np.array([row.turns[k] for row in told], dtype=int) for k, n in enumerate(names)}
-        away = {n: np.array([row.away[k] for row in told], dtype=object) for k, n in enumerate(names)}
+        states = [nothing if row is None else row for row in rows]
+        q = {n: np.array([row.q[k] for row in states], dtype=object) for k, n in enumerate(names)}
+        p = {n: np.array([row.p[k] for row in states], dtype=object) for k, n in enumerate(names)}
+        turns = {n: np.array([row.turns[k] for row in states], dtype=int) for k, n in enumerate(names)}
+        away = {n: np.array([row.away[k] for row in states], dtype=object) for k, n in enumerate(names)}
         v = self._velocities(q, p, away)
         angles = {c.name for c in self.solution.system.coordinates if c.domain.kind == "angle"}
 
@@ -112,12 +112,12 @@ class UmbilicMotion(TransformedMotion):
             sides = arc.sides(1 if end - t <= near else -1)
         else:
             z, sides = places_on(arc, arcs.paths, t), arc.directions
-        return self._told(arc, number, z, sides)
+        return self._states(arc, number, z, sides)
 
-    def _told(self, arc: UmbilicArc, number: int, z: tuple[Mpf | None, Mpf | None], sides: tuple[int, int]) -> _Row:
+    def _states(self, arc: UmbilicArc, number: int, z: tuple[Mpf | None, Mpf | None], sides: tuple[int, int]) -> _Row:
         """Coordinates and momenta from both ways; of a coordinate at a double zero the end at which it is."""
         arcs = required(self.arcs)
-        told = []
+        states = []
         for k, (path, v) in enumerate(zip(arcs.paths, z, strict=True)):
             c, course = path.residues[0].context, path.course
             x = c.mpf(sides[k]) if v is None else c.tanh(v)
@@ -131,8 +131,8 @@ class UmbilicMotion(TransformedMotion):
             if self.solution.system.coordinate(list(self.solution.coordinates)[k]).domain.kind == "angle":
                 whole = int(c.ceil((place - c.pi) / (2 * c.pi)))
                 place -= 2 * c.pi * whole
-            told.append((place, size, whole, distance))
-        return _Row(*zip(*told, strict=True))
+            states.append((place, size, whole, distance))
+        return _Row(*zip(*states, strict=True))
 
     def _unfolded(self, number: int) -> tuple[Mpf, int]:
         """Return a and B of q = A + B q̃, q̃ on the way: turned over at each umbilic that was passed."""

@@ -151,8 +151,8 @@ def motion_on_torus(
     if not tori:
         raise InvalidInputError(_no_torus(J))
     if len(tori) > 1:
-        told = "; ".join(sorted(_told(asked.curves, candidate) for candidate, _ in tori))
-        raise InvalidInputError(f"actions: several tori have them; choose one by q={{…}} or kinds={{…}}: {told}")
+        words = "; ".join(sorted(_in_words(asked.curves, candidate) for candidate, _ in tori))
+        raise InvalidInputError(f"actions: several tori have them; choose one by q={{…}} or kinds={{…}}: {words}")
     torus = tori[0][1]
     courses = [stays for place in torus.located.values() if (stays := place.course.bounded) is not None]
     equations = torus_equations(courses, bits_for(digits, 128))
@@ -275,8 +275,8 @@ def _left(
     wells = {name: float(to_bits(x)(64)) for name, x in places.items()}
     left = [c for c in found if _fits(curves, c, wells, kinds)]
     if found and not left:
-        told = "; ".join(sorted(_told(curves, c) for c in found))
-        raise InvalidInputError(f"q: no torus with these actions is there; there are: {told}")
+        words = "; ".join(sorted(_in_words(curves, c) for c in found))
+        raise InvalidInputError(f"q: no torus with these actions is there; there are: {words}")
     return left
 
 
@@ -309,7 +309,7 @@ def _same(one: Torus, other: Torus) -> bool:
     return True
 
 
-def _told(curves: Sequence[RadicandCurve], candidate: Candidate) -> str:
+def _in_words(curves: Sequence[RadicandCurve], candidate: Candidate) -> str:
     parts = []
     for curve, cycle in zip(curves, candidate.cycles, strict=True):
         extent = "" if cycle.kind == "rotation" else f" from {cycle.low:.6g} to {cycle.high:.6g}"
@@ -318,8 +318,8 @@ def _told(curves: Sequence[RadicandCurve], candidate: Candidate) -> str:
 
 
 def _no_torus(J: Mapping[str, sp.Expr]) -> str:
-    told = ", ".join(f"{name} {float(to_bits(x)(64)):.6g}" for name, x in J.items())
+    words = ", ".join(f"{name} {float(to_bits(x)(64)):.6g}" for name, x in J.items())
     return (
-        f"actions: no bounded motion was found that has them ({told}); librations need J >= 0, and a separatrix or the "
+        f"actions: no bounded motion with {words} was found; librations need J >= 0, and a separatrix or the "
         "energy of escape may limit J"
     )

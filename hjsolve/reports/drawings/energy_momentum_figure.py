@@ -17,7 +17,7 @@ from hjsolve.reports.drawings import svg
 from hjsolve.reports.drawings.contours import segments, spread_levels
 from hjsolve.reports.drawings.svg import Array
 from hjsolve.reports.formulas.names import name_box
-from hjsolve.reports.formulas.one_line_text import spoken
+from hjsolve.reports.formulas.one_line_text import plain, spoken
 
 _ACROSS, _UP = 150, 110
 _COARSE = (90, 66)
@@ -101,13 +101,33 @@ def figure_of_map(found: EnergyMomentumMap, key: str, *, actions: bool = True) -
         above.append(svg.disc(frame, *found.point))
     below = [svg.axes(frame, svg.label(name_box(found.x)), svg.label(name_box(found.y)))]
     title = f"Map of the kinds of motion over {spoken(found.x)} and {spoken(found.y)}"
-    told = "; ".join(f"{chr(65 + k)}: {r.name}" for k, r in enumerate(grid.regions)) if grid is not None else ""
-    description = f"{title}. {told}." + (" The motion is the point." if found.point is not None else "")
+    letters = "; ".join(kinds_by_letter(grid)) if grid is not None else ""
+    description = f"{title}. {letters}." + (" The motion is the point." if found.point is not None else "")
     text = svg.assemble(frame, key, title, description, below, inside, above)
     data: dict[str, list[float]] = {}
     for k, curve in enumerate(found.curves):
         data[f"{k}.{found.x}"], data[f"{k}.{found.y}"] = list(map(float, curve.x)), list(map(float, curve.y))
     return Figure(text, title, description, _caption(found, grid, actions=actions), data)
+
+
+def kinds_by_letter(grid: MapGrid) -> list[str]:
+    """Return what each letter of a map means, names of coordinates as in a line of text: ``A: θ librates``.
+
+    Args:
+        grid: of the map.
+    """
+    return [f"{chr(65 + k)}: {in_line(region)}" for k, region in enumerate(grid.regions)]
+
+
+def in_line(region: KindsOfMotion) -> str:
+    """Return the kinds of a region in a line of text, ``θ librates``.
+
+    Args:
+        region: of a map.
+    """
+    if not all(region.kinds.values()):
+        return region.name
+    return ", ".join(f"{plain(name_box(name))} {region.name_of(name)}" for name in region.kinds)
 
 
 def _shown(point: tuple[float, float], window: Any) -> bool:

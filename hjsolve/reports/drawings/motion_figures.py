@@ -91,10 +91,9 @@ def effective_potential(well: EffectivePotential, key: str, *, several: bool, pl
         svg.axes(frame, svg.label(name_box(well.name)), svg.label(name), angles=(is_angle(well), False), zero=True)
     ]
     title = f"Effective potential of {spoken(well.name)}"
-    level = spoken(well.level_name) if well.level_name else "level"
+    level = f"has {spoken(well.level_name)} = {well.level:.6g}" if well.level_name else "lies at the height zero"
     description = (
-        f"Effective potential against {spoken(well.name)}. The motion has {level} = {well.level:.6g} and "
-        f"{_KINDS[well.kind]}{_between(well)}."
+        f"Effective potential against {spoken(well.name)}. The motion {level} and {_KINDS[well.kind]}{_between(well)}."
     )
     caption: Text = (
         "Potential " if plain else "Effective potential ",

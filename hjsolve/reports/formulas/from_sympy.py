@@ -8,6 +8,8 @@ from collections.abc import Callable
 import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.core.relational import Relational
+from sympy.printing.str import StrPrinter
+from sympy.simplify.fu import TR10i
 
 from hjsolve.reports.formulas.abbreviations import abbreviated
 from hjsolve.reports.formulas.layout import (
@@ -27,8 +29,39 @@ from hjsolve.reports.formulas.names import FUNCTION_NAMES, name_box
 
 RELATIONS = {"==": "=", "!=": "≠", "<=": "≤", ">=": "≥", "<": "<", ">": ">"}
 EULER = Glyph("e", "constant")
-_MANY_TERMS = 6
+_FEW_TERMS, _MANY_TERMS, _LONGEST_CONTRACTED = 4, 6, 60
 MINUS, PLUS, TIMES, APPLY = "−", "+", "⋅", "\u2061"
+
+
+class InOrder(sp.Expr):
+    """A sum whose terms are read in the order of the arguments."""
+
+    def _sympystr(self, printer: StrPrinter) -> str:
+        return str(printer.doprint(sp.Add(*self.args)))
+
+
+def falling_powers(polynomial: sp.Poly) -> sp.Expr:
+    """Write a polynomial in one variable by falling powers, each coefficient in few factors.
+
+    Args:
+        polynomial: of any degree.
+    """
+    x = polynomial.gen
+    coefficients = [(n, sp.factor_terms(sp.factor(c))) for (n,), c in polynomial.terms()]
+    terms = [term for n, c in coefficients for term in (sp.Add.make_args(c) if n == 0 else [c * x**n])]
+    return InOrder(*terms) if len(terms) > 1 else polynomial.as_expr()
+
+
+def contracted(expression: sp.Expr) -> sp.Expr:
+    """Write products of sines and cosines of two angles by their difference or sum, where that is shorter.
+
+    Args:
+        expression: any expression; a long one comes back as it is.
+    """
+    angles = {f.args[0] for f in expression.atoms(sp.sin, sp.cos)}
+    if len(angles) < 2 or sp.count_ops(expression) > _LONGEST_CONTRACTED:
+        return expression
+    return min((expression, TR10i(expression)), key=sp.count_ops)
 
 
 def box(expression: sp.Basic) -> Box:
@@ -62,18 +95,47 @@ def constants_outside(expression: sp.Basic) -> sp.Basic:
     return expression.replace(lambda e: isinstance(e, sp.Integral), _outside)
 
 
-def compact(expression: sp.Expr) -> sp.Expr:
-    """Write a long sum of quotients as one fraction, its factors apart, where that is shorter.
+def compact(expression: sp.Expr, level: sp.Symbol | None = None) -> sp.Expr:
+    """Write a long sum of quotients in fewer factors, where that is shorter.
 
     Args:
         expression: any expression.
+        level: a symbol of which the expression may be linear; it is then written as A (level − V), like 2m (E − V).
 
     Returns:
-        An equal expression.
+        An equal expression: as it is, as one fraction with its factors apart, or by the level.
     """
-    if len(sp.Add.make_args(expression)) <= _MANY_TERMS or not expression.is_rational_function():
+    if len(sp.Add.make_args(expression)) <= _FEW_TERMS:
         return expression
-    return min((expression, sp.factor(sp.together(expression))), key=sp.count_ops)
+    forms = [expression]
+    if level is not None and expression.has(level):
+        A = sp.factor(sp.cancel(sp.diff(expression, level)))
+        rest = sp.expand(sp.cancel((expression - A * level) / A)) if not A.has(level) else None
+        if rest is not None and not rest.has(level):
+            inside = (sp.Add(*map(sp.factor, sp.Add.make_args(rest))), _by_denominators(rest))
+            forms += [sp.Mul(*_without_sign(A), level + V, evaluate=False) for V in inside]
+    if len(sp.Add.make_args(expression)) > _MANY_TERMS and expression.is_rational_function():
+        forms.append(sp.factor(sp.together(expression)))
+    return min(forms, key=sp.count_ops)
+
+
+def _without_sign(product: sp.Expr) -> list[sp.Expr]:
+    """Return the factors of a product, a minus before it taken into the first sum."""
+    coefficient, rest = product.as_coeff_Mul()
+    factors = list(sp.Mul.make_args(rest))
+    sums = [k for k, f in enumerate(factors) if f.is_Add and sum(t.could_extract_minus_sign() for t in f.args) > 1]
+    if coefficient.is_negative and sums:
+        coefficient, factors[sums[0]] = -coefficient, -factors[sums[0]]
+    return [*([coefficient] if coefficient != 1 else []), *factors]
+
+
+def _by_denominators(expression: sp.Expr) -> sp.Expr:
+    """Add up the terms that have the same denominator, each sum factored."""
+    groups: dict[sp.Expr, sp.Expr] = {}
+    for term in sp.Add.make_args(expression):
+        over, under = sp.fraction(sp.factor(term))
+        groups[under] = groups.get(under, sp.S.Zero) + over
+    return sp.Add(*(sp.factor(sp.cancel(over / under)) for under, over in groups.items()))
 
 
 def _outside(integral: sp.Integral) -> sp.Expr:
@@ -90,11 +152,13 @@ def _outside(integral: sp.Integral) -> sp.Expr:
 
 
 # ------------------------------------------------------------------------------------------------ sums and products
-def _terms(expression: sp.Add) -> list[sp.Expr]:
+def _terms(expression: sp.Add | InOrder) -> list[sp.Expr]:
     """Give the terms in sympy's order, powers of the time rising, functions last, the first one positive if any is.
 
     So 1 + e cos θ, and y₀ + v (t − t₀) − ½ g (t − t₀)². A number stands before quotients: 1 + 2EL²/mk².
     """
+    if isinstance(expression, InOrder):
+        return list(expression.args)
     quotients = any(sp.fraction(term)[1].free_symbols for term in expression.args)
     terms = sorted(
         expression.as_ordered_terms(),
@@ -118,7 +182,7 @@ def _power_of_time(term: sp.Expr) -> sp.Rational:
     return sum(exponents, sp.S.Zero)
 
 
-def _signed_terms(expression: sp.Add) -> list[Box]:
+def _signed_terms(expression: sp.Add | InOrder) -> list[Box]:
     boxes: list[Box] = []
     for i, term in enumerate(_terms(expression)):
         negative = term.could_extract_minus_sign()
@@ -132,7 +196,7 @@ def _operand(term: sp.Expr) -> Box:
     return Fence(_box(term)) if isinstance(term, sp.Add | Relational) else _box(term)
 
 
-def _sum(expression: sp.Add) -> Box:
+def _sum(expression: sp.Add | InOrder) -> Box:
     return row(*_signed_terms(expression))
 
 
@@ -411,6 +475,7 @@ _METHODS: tuple[tuple[type | tuple[type, ...], Callable[[sp.Basic], Box]], ...] 
     (sp.Float, _float),
     ((sp.NumberSymbol, type(sp.I), type(sp.oo), type(-sp.oo), type(sp.zoo), type(sp.nan)), _constant),
     (sp.Add, _sum),
+    (InOrder, _sum),
     (sp.Mul, _product),
     (sp.exp, _exponential),
     (sp.Pow, _power),

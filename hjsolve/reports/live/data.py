@@ -18,7 +18,7 @@ from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.drawings.cartesian_picture import Embedding, embedding, usual_place
 from hjsolve.reports.drawings.effective_potential import effective_potential_of
-from hjsolve.reports.drawings.energy_momentum_figure import map_grid, visible
+from hjsolve.reports.drawings.energy_momentum_figure import kinds_by_letter, map_grid, visible
 from hjsolve.reports.drawings.svg import Array
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import plain
@@ -183,6 +183,8 @@ def _map(tables: LiveTables) -> Json | None:
         "window": [list(map(float, side)) for side in found.window],
         "curves": [curve for curve in dict.fromkeys(drawn) if len(curve) > 1],
         "sliders": [named.index(found.x), named.index(found.y)],
+        "letters": [[_short(x), _short(y), chr(65 + k)] for k, (x, y) in enumerate(grid.letters)] if grid else [],
+        "kinds": kinds_by_letter(grid) if grid else [],
         "others": ", ".join(f"{label(s.name)} = {s.value:.4g}" for s in others),
     }  # fmt: skip
 

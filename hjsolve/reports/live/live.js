@@ -14,6 +14,7 @@
   const period = (k) => (2 * Math.PI) / Math.abs(motion.rates[k]);
   const longest = () => Math.max(...data.coordinates.map((_, k) => period(k)));
   const shortest = () => Math.min(...data.coordinates.map((_, k) => period(k)));
+  const shown = (value, digits) => value.toPrecision(digits).replace("-", "−");
   const turn = (x) => x - 2 * Math.PI * Math.round(x / (2 * Math.PI));
   const phases = (t) => [motion.begin[0] + motion.rates[0] * t,
     data.torus.ignorable ? motion.drift[data.torus.second] * t : motion.begin[data.torus.second] + motion.rates[data.torus.second] * t];
@@ -194,10 +195,10 @@
         head.append(piece);
       });
       row.append(head);
-      row.insertCell().textContent = value.toPrecision(7);
+      row.insertCell().textContent = shown(value, 7);
     }
     data.sliders.forEach((s, i) => {
-      at(`value-${i}`).textContent = settings[i].toPrecision(5);
+      at(`value-${i}`).textContent = shown(settings[i], 5);
       at(`slider-${i}`).setAttribute("aria-valuetext", `${s.label} = ${settings[i].toPrecision(5)}`);
     });
     draw();
@@ -253,7 +254,7 @@
     drawOrbit(s);
     if (data.torus) torus();
     if (data.map) map();
-    at("time").textContent = `${data.clock} = ${time.toPrecision(4)}`;
+    at("time").textContent = `${data.clock} = ${shown(time, 4)}`;
   };
 
   const torus = () => {
@@ -278,6 +279,10 @@
     f.pen.rect(f.left, f.top, f.width - f.left, f.height - f.top - f.bottom);
     f.pen.clip();
     if (held) for (const curve of data.map.curves) line(f, curve.map((p) => p || [NaN, NaN]), "ink", 1.4);
+    if (held) for (const [u, v, letter] of data.map.letters) {
+      f.pen.fillStyle = colour("soft");
+      write(f, letter, f.px(u) + 8, f.py(v) + 4);
+    }
     line(f, [[a.low, b.low], [a.high, b.low], [a.high, b.high], [a.low, b.high], [a.low, b.low]], "soft", 1, [3, 3]);
     f.pen.restore();
     dot(f, settings[data.map.sliders[0]], settings[data.map.sliders[1]], "red", 5);
@@ -347,6 +352,27 @@
         return settings[i] + (move * (s.high - s.low)) / 100;
       }))));
   }
+  // ------------------------------------------------------------------ the link: sliders and time after the # of the address
+  const written = () => `#${[...data.sliders.map((s, i) => `${encodeURIComponent(s.name)}=${Number(settings[i].toPrecision(8))}`),
+    `t=${Number(time.toPrecision(8))}`].join("&")}`;
+  const restore = () => {
+    const asked = new URLSearchParams(location.hash.slice(1));
+    const number = (name) => (asked.has(name) && asked.get(name) !== "" && Number.isFinite(Number(asked.get(name))) ? Number(asked.get(name)) : null);
+    if (!data.sliders.some((s) => asked.has(s.name)) && !asked.has("t")) return false;
+    const outside = data.sliders.filter((s) => { const v = number(s.name); return v !== null && (v < s.low || v > s.high); });
+    if (asked.has("t")) time = number("t") ?? time;
+    choose(data.sliders.map((s, i) => number(s.name) ?? settings[i]));
+    at("shared").textContent = outside.length
+      ? `The link asks for ${outside.map((s) => `${s.label} = ${number(s.name)}`).join(", ")}, beyond the slider; its end is shown.` : "";
+    return true;
+  };
+  at("share").addEventListener("click", async () => {
+    const link = location.href.split("#")[0] + written();
+    history.replaceState(null, "", link);
+    try { await navigator.clipboard.writeText(link); at("shared").textContent = "Link copied."; }
+    catch { at("shared").textContent = "The link is in the address bar."; }
+  });
+  window.addEventListener("hashchange", restore);
   window.addEventListener("resize", draw);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   window.hjsolveLive = {
@@ -355,5 +381,5 @@
     set: (values) => { values.forEach((v, i) => { settings[i] = v; }); change(); }, seek: (t) => { time = t; draw(); },
   };
   root.hidden = false;
-  change();
+  if (!restore()) change();
 })();

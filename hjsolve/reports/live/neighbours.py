@@ -1,31 +1,37 @@
-"""The neighbours of a motion: turning points and series of every separated coordinate at many values of the sliders.
+"""The neighbours of a motion: an ensemble over the sliders' values, and the series of every separated coordinate.
 
-A libration between a and b has q = (a + b)/2 − h cos χ, h = (b − a)/2, and P = h sin χ √R with
+Each setting starts one orbit at the top of P² in the well of the motion, and ``ensemble`` gives its status and turning
+points. A libration between a and b has q = (a + b)/2 − h cos χ, h = (b − a)/2, and P = h sin χ √R with
 R(χ) = P²/((q − a)(b − q)) even and periodic; a rotation has q = ±χ and P = ±√R, R = P². So ∫ ½ ∂P²/∂κⱼ dq/P, of which
-Jacobi's equations consist, are a multiple of χ and a short Fourier series (``one_coordinate.anomaly``). Turning points
-are followed by Newton's method from those of the motion: as long as all is of one kind they are smooth functions of
-the constants, and where they cease to be, P² between them has another zero or the series get long, which is refused.
+Jacobi's equations consist, are a multiple of χ and a short Fourier series (``one_coordinate.anomaly``). As long as all
+is of one kind they are smooth functions of the constants; each setting that is not says why.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Mask
 from hjsolve.arithmetic.tape import Tape
+from hjsolve.ensembles.orbits import ensemble
 from hjsolve.errors import InvalidInputError
 from hjsolve.lowering import lower, momentum_squared_tapes
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.drawings.svg import Array
 
+Words = NDArray[np.object_]
 NODES, WAVES = 96, 48
 """Places in half a turn of a libration, in a turn of a rotation one third more; harmonics kept of each series."""
-_STEPS, _NEWTON, _TAIL, _CHUNK = 6, 7, 1e-6, 2048
+_TAIL, _CHUNK = 1e-6, 2048
+_UPHILL, _FAR = 641, 8.0
+SAME, OTHER_KIND, LONG_SERIES = "ok", "another kind", "long series"
+"""Words next to those of ``Status``: of the same kind; of another one; its Fourier series need too many terms."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +82,7 @@ class Neighbours:
         """Where the sliders stand in the motion."""
         return self.base[[self.names.index(s) for s in self.sliders]]
 
-    def series(self, settings: Array) -> tuple[dict[tuple[int, str], Array], Mask]:
+    def series(self, settings: Array) -> tuple[dict[tuple[int, str], Array], Words]:
         """Return every column of every coordinate.
 
         Args:
@@ -84,21 +90,107 @@ class Neighbours:
 
         Returns:
             (position of the coordinate, group) → (m, n): one number for a and b, else cosines 0 … and for a rotation
-            sines 1 … after them. And which settings have a motion of the same kind, shape (m,).
+            sines 1 … after them. And what each setting is, shape (m,): ``ok`` where its motion is of the same kind,
+            else the status of its orbit in the ensemble, ``another kind`` or ``long series``.
         """
         parts = [self._series(settings[k : k + _CHUNK]) for k in range(0, len(settings), _CHUNK)]
         columns = {key: np.concatenate([found[key] for found, _ in parts]) for key in parts[0][0]}
-        return columns, np.concatenate([good for _, good in parts])
+        return columns, np.concatenate([words for _, words in parts])
 
-    def _series(self, settings: Array) -> tuple[dict[tuple[int, str], Array], Mask]:
-        good = np.ones(len(settings), dtype=bool)
+    def _series(self, settings: Array) -> tuple[dict[tuple[int, str], Array], Words]:
         found: dict[tuple[int, str], Array] = {}
         with np.errstate(all="ignore"):
-            for k, coordinate in enumerate(self.coordinates):
-                columns, fine = self._one(coordinate, settings)
-                good &= fine
+            tops = [self._top(own, settings) for own in self.coordinates]
+            turning, words = self._orbits(settings, tops)
+            for k, (own, ends) in enumerate(zip(self.coordinates, turning, strict=True)):
+                one_well = self._one_well(own, settings, ends)
+                words = np.where((words == SAME) & ~one_well, OTHER_KIND, words)
+                columns, short = self._one(own, settings, ends)
+                words = np.where((words == SAME) & ~short, LONG_SERIES, words)
                 found |= {(k, group): column for group, column in columns.items()}
-        return found, good
+        return found, words
+
+    def _orbits(self, settings: Array, tops: Sequence[tuple[Array, Array]]) -> tuple[list[Array], Words]:
+        """Return turning points, shape (2, m) a coordinate, and statuses of an ensemble with one orbit a setting."""
+        solution = replace(self.motion.solution, chart=None)
+        named = {
+            n: np.broadcast_to(v, (len(settings), 1))[:, 0]
+            for n, v in zip(self.names, self._inputs(settings), strict=True)
+        }
+        q: dict[str, Array | float] = dict.fromkeys(self.ignorable, 0.0)
+        p = {n: named[f"p_{n}"] for n in self.ignorable}
+        for own, (top, square) in zip(self.coordinates, tops, strict=True):
+            q[own.name], p[own.name] = top, (own.direction or 1) * np.sqrt(square)
+        ends = [np.full((2, len(settings)), np.nan) for _ in self.coordinates]
+        words = np.full(len(settings), "forbidden", dtype=object)
+        possible = np.all([np.isfinite(square) & (square > 0) for _, square in tops], axis=0)
+        parameters = [x.name for x in solution.system.parameters]
+        columns = np.array([np.zeros(len(settings)), *(named[n] for n in parameters)])
+        groups, which = np.unique(columns[:, possible], axis=1, return_inverse=True)
+        for k, values in enumerate(groups.T):
+            rows = np.flatnonzero(possible)[np.ravel(which) == k]
+            values_here = dict(zip(parameters, values[1:].tolist(), strict=True))
+            batch = ensemble(
+                solution,
+                {n: np.broadcast_to(v, len(settings))[rows] for n, v in q.items()},
+                {n: v[rows] for n, v in p.items()},
+                want="turning_points", fallback=False, shown=False, parameters=values_here,
+            )  # fmt: skip
+            words[rows] = batch.status
+            for found, own in zip(ends, self.coordinates, strict=True):
+                found[:, rows] = [batch.columns[f"turning_points.{own.name}.{end}"] for end in ("lower", "upper")]
+        for found, own in zip(ends, self.coordinates, strict=True):
+            alike = np.isfinite(found).all(axis=0) if not own.direction else np.isnan(found).all(axis=0)
+            words = np.where((words == SAME) & ~alike, OTHER_KIND, words)
+        return ends, words
+
+    def _top(self, own: LiveCoordinate, settings: Array) -> tuple[Array, Array]:
+        """Return the place at which the orbit of each setting starts, and P² there, shapes (m,).
+
+        It is the top of P² in the well of the motion, reached uphill from that of the motion itself.
+        """
+        (a, b), grid = own.ends, np.linspace(-_FAR, _FAR, _UPHILL)
+        q = (a + b) / 2 + (b - a) / 2 * (grid / _FAR if own.direction else np.sinh(grid))
+        if self.motion.solution.system.coordinate(own.name).domain.kind == "angle":
+            q = q[np.abs(q - (a + b) / 2) <= np.pi]
+        F = np.asarray(own.square.run(Float64(), [q[None, :], *self._inputs(settings)])[0], float)
+        F = np.where(np.isfinite(F), np.broadcast_to(F, (len(settings), len(q))), -np.inf)
+        here = np.asarray(own.square.run(Float64(), [q, *self.base])[0], float)
+        within = (q >= a) & (q <= b) & np.isfinite(here)
+        rows = np.arange(len(settings))
+        at = np.full(len(settings), int(np.argmax(np.where(within, here, -np.inf))))
+        for _ in range(len(q)):
+            near = np.clip(at[:, None] + [-1, 0, 1], 0, len(q) - 1)
+            onward = near[rows, np.argmax(F[rows[:, None], near], axis=1)]
+            if (F[rows, onward] <= F[rows, at]).all():
+                break
+            at = np.where(F[rows, onward] > F[rows, at], onward, at)
+        low, high = (q[np.clip(at + side, 0, len(q) - 1)] for side in (-1, 1))
+        return self._finer(own, settings, low, high)
+
+    def _finer(self, own: LiveCoordinate, settings: Array, low: Array, high: Array) -> tuple[Array, Array]:
+        """Return the top of P² between two nodes, found again on finer nodes: narrow wells lie between those."""
+        rows = np.arange(len(settings))
+        for _ in range(3):
+            q = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, 33)
+            F = np.asarray(own.square.run(Float64(), [q, *self._inputs(settings)])[0], float)
+            F = np.where(np.isfinite(F), np.broadcast_to(F, q.shape), -np.inf)
+            at = np.argmax(F, axis=1)
+            low, high = q[rows, np.maximum(at - 1, 0)], q[rows, np.minimum(at + 1, 32)]
+        return q[rows, at], F[rows, at]
+
+    def _one_well(self, own: LiveCoordinate, settings: Array, ends: Array) -> Mask:
+        """Return where the well of a setting and that of the motion are one: neither parts within both together."""
+        if own.direction:
+            return np.ones(len(settings), dtype=bool)
+        low, high = np.minimum(ends[0], own.ends[0]), np.maximum(ends[1], own.ends[1])
+        q = low[:, None] + (high - low)[:, None] * (np.arange(2 * NODES) + 0.5) / (2 * NODES)
+        good = np.ones(len(settings), dtype=bool)
+        for inputs in (self._inputs(settings), list(self.base)):
+            open_ = np.broadcast_to(np.asarray(own.square.run(Float64(), [q, *inputs])[0], float) > 0, q.shape)
+            begins = open_[:, :1].astype(int).sum(axis=1) + (open_[:, 1:] & ~open_[:, :-1]).sum(axis=1)
+            good &= begins <= 1
+        return good
 
     def _inputs(self, settings: Array) -> list[Array | float]:
         place = {name: k for k, name in enumerate(self.sliders)}
@@ -106,16 +198,17 @@ class Neighbours:
             settings[:, place[n], None] if n in place else float(v) for n, v in zip(self.names, self.base, strict=True)
         ]
 
-    def _one(self, own: LiveCoordinate, settings: Array) -> tuple[dict[str, Array], Mask]:
+    def _one(self, own: LiveCoordinate, settings: Array, turning: Array) -> tuple[dict[str, Array], Mask]:
+        """Return the columns of one coordinate, and where they converge."""
         inputs = self._inputs(settings)
         if own.direction:
             nodes = NODES * 4 // 3
             χ = 2 * np.pi * np.arange(nodes) / nodes
             q, ends = np.broadcast_to(own.direction * χ, (len(settings), nodes)), {}
-            sine2, good = np.ones(nodes), np.ones(len(settings), dtype=bool)
+            sine2 = np.ones(nodes)
         else:
             χ = np.pi * (np.arange(NODES) + 0.5) / NODES
-            a, b, good = self._turning(own, settings)
+            a, b = turning
             ends = {"a": a[:, None], "b": b[:, None]}
             h = (b - a)[:, None] / 2
             q, sine2 = (a + b)[:, None] / 2 - h * np.cos(χ), (h * np.sin(χ)) ** 2
@@ -124,30 +217,11 @@ class Neighbours:
         kernels = own.kernels.run(Float64(), [q, *inputs])
         columns = {"root": root} | {str(j): k / root for j, k in enumerate(kernels) if not own.absent[j]}
         found = {group: _waves(np.broadcast_to(v, q.shape), χ, own.direction) for group, v in columns.items()}
-        good = good & (R > 0).all(axis=1)
+        good: Mask = np.asarray((R > 0).all(axis=1))
         for column in found.values():
             size = np.abs(column).max(axis=1)
             good &= np.isfinite(size) & (_last(column) <= _TAIL * size)
         return ends | found, good
-
-    def _turning(self, own: LiveCoordinate, settings: Array) -> tuple[Array, Array, Mask]:
-        """Follow both turning points from those of the motion, along straight ways to the settings."""
-        begin, good = self.value, np.ones(len(settings), dtype=bool)
-        found = []
-        for end, sign in zip(own.ends, (1, -1), strict=True):
-            q = np.full(len(settings), end)
-            before = q
-            for k in range(1, _STEPS + 1):
-                inputs = self._inputs(begin + (settings - begin) * (k / _STEPS))
-                q, before = 2 * q - before, q
-                for _ in range(_NEWTON):
-                    F, slope = (np.asarray(v, float) for v in own.square.run(Float64(), [q[:, None], *inputs]))
-                    slope = np.broadcast_to(slope, F.shape)[:, 0]
-                    step = np.clip(F[:, 0] / slope, -(own.ends[1] - own.ends[0]) / 4, (own.ends[1] - own.ends[0]) / 4)
-                    q = q - step
-                good &= (np.abs(step) <= 1e-11 * (own.ends[1] - own.ends[0] + np.abs(q))) & (sign * slope > 0)
-            found.append(q)
-        return found[0], found[1], good & (found[0] < found[1])
 
 
 def _waves(values: Array, χ: Array, rotates: int) -> Array:
@@ -179,7 +253,7 @@ def neighbours_of(motion: Motion, sliders: Sequence[str]) -> Neighbours:
     """
     solution, system = motion.solution, motion.solution.system
     if not solution.coordinates:
-        raise InvalidInputError("live: every coordinate is ignorable, nothing but straight lines; leave live=True out")
+        raise InvalidInputError("live: every coordinate is ignorable, so motions are straight lines; omit live=True")
     for name, kind in ((name, motion.kinds[name]) for name in solution.coordinates):
         if kind not in ("libration", "rotation"):
             raise InvalidInputError(

@@ -11,6 +11,8 @@ from typing import Any
 
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.live.data import label, live_data
+from hjsolve.reports.live.neighbours import LONG_SERIES, OTHER_KIND, SAME
+from hjsolve.reports.live.ranges import INACCURATE, SliderRange
 from hjsolve.reports.live.tables import LiveTables, live_tables
 
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
@@ -30,6 +32,8 @@ outline-offset:2px}
 .live input[type=range]{height:2.75rem}.live button,.live select{min-height:2.75rem}}
 .live .buttons{display:flex;gap:.6rem;flex-wrap:wrap;align-items:center;margin:.5rem 0}
 .live table{margin-top:.6rem}.live td{text-align:right;font-variant-numeric:tabular-nums}
+.live summary{cursor:pointer;min-height:2rem}
+.live-ends td:nth-child(odd){text-align:left}
 @media print{.live{display:none}}
 """
 _TORUS = "Torus of two angle variables with the moving point; arrow keys turn it"
@@ -78,7 +82,7 @@ def _controls(tables: LiveTables, data: Mapping[str, Any]) -> str:
         )
     )
     speeds = "".join(f'<option value="{v}"{" selected" if v == 1 else ""}>{v} ×</option>' for v in (0.25, 0.5, 1, 2, 4))
-    worst = "; ".join(f"{_low(label(n))} by {v:.1e}" for n, v in tables.bounds.items())
+    worst = "; ".join(f"{_low(label(n))} by {_power_of_ten(v)}" for n, v in tables.bounds.items())
     periods = "two periods" if len(named) == 1 else "two of the longest periods"
     turn = "Drag the orbit, or use the arrow keys on it, to turn it." if data["where"]["solid"] else ""
     return f"""<section id="live" class="live" aria-labelledby="live-h" hidden="hidden">
@@ -87,15 +91,27 @@ def _controls(tables: LiveTables, data: Mapping[str, Any]) -> str:
 <div class="buttons"><button id="live-play" type="button" aria-pressed="false">Play</button>
 <button id="live-start" type="button">From the start</button>
 <label style="display:inline"><span>Speed</span> <select id="live-speed">{speeds}</select></label>
-<span id="live-time"></span></div>
+<button id="live-share" type="button">Copy link</button>
+<span id="live-time"></span><span id="live-shared" role="status"></span></div>
 <div class="boards">{boards}</div>
 <table aria-live="polite"><caption>Values of this motion</caption><tbody id="live-numbers"></tbody></table>
 <p class="note">The page interpolates tables that were computed beforehand. During the first {periods} it differs from
 <code>Solution.motion</code> in {worst} at most, which is twice the largest difference found at test points.
-Later the difference grows in proportion to the time. The sliders end where the kind of motion changes or the tables
-are not accurate. {_narrowed(tables)} {turn} {_CHOOSE if data["map"] else ""}</p>
+Later the difference grows in proportion to the time. {_narrowed(tables)} {turn} {_of_map(data["map"])}</p>
+<details><summary>Where the sliders end, and why</summary><div class="scroll"><table class="live-ends">
+<thead><tr><th scope="col">Slider</th><th scope="col">From</th><th scope="col">Motions below it</th>
+<th scope="col">To</th><th scope="col">Motions above it</th></tr></thead>
+<tbody>{"".join(_end_row(s) for s in tables.sliders)}</tbody></table></div>
+<p class="note">Counts are orbits of the ensemble in the smallest range that was refused, other sliders included.</p>
+</details>
 </section>
 """  # noqa: S608 - a select of HTML
+
+
+def _power_of_ten(value: float) -> str:
+    """Return a bound as HTML, 8.6×10⁻⁶ with a true superscript."""
+    digits, power = f"{value:.1e}".split("e")
+    return f"{digits}×10<sup>{int(power)}</sup>".replace("-", "−")
 
 
 def _low(name: str) -> str:
@@ -108,11 +124,36 @@ def _of_coordinate(k: str, q: str) -> tuple[tuple[str, str], ...]:
     return (f"well-{k}", f"Effective potential {told}"), (f"phase-{k}", f"Phase plane {told}")
 
 
+def _of_map(drawn: Mapping[str, Any] | None) -> str:
+    """Return how the map is used and what its letters mean."""
+    return escape(
+        f"{_CHOOSE} On it, {'; '.join(drawn['kinds'])}." if drawn and drawn["kinds"] else _CHOOSE if drawn else ""
+    )
+
+
+_WHY = {
+    SAME: "same kind", OTHER_KIND: "another kind", LONG_SERIES: "close to a separatrix: series too long",
+    INACCURATE: "tables inaccurate", "forbidden": "no motion (forbidden)", "asymptotic": "on a separatrix (asymptotic)",
+    "reaches_boundary": "an end of the domain is reached",
+}  # fmt: skip
+
+
+def _end_row(s: SliderRange) -> str:
+    """Return a row of the table of ranges: each end, and what the neighbours beyond it are."""
+    cells = []
+    for end, why in zip((s.low, s.high), s.why, strict=True):
+        words = (
+            f"{_WHY.get(word, word.replace('_', ' '))}{f': {many}' if many > 1 else ''}" for word, many in why.items()
+        )
+        cells += [f"{end:.5g}".replace("-", "−"), escape("; ".join(words)) or "not searched farther"]
+    return f'<tr><th scope="row">{_low(label(s.name))}</th>{"".join(f"<td>{c}</td>" for c in cells)}</tr>\n'
+
+
 def _narrowed(tables: LiveTables) -> str:
     """Return, for each range that was narrowed, the one requested, the one covered, and why."""
     return " ".join(
         f"The requested range of {_low(label(s.name))} is {s.asked[0]:.6g} to {s.asked[1]:.6g}; the tables cover "
-        f"{s.low:.6g} to {s.high:.6g}, beyond which the kind of motion changes or the tables are not accurate."
+        f"{s.low:.6g} to {s.high:.6g}, because of the motions beyond it that are listed below."
         for s in tables.sliders
         if s.asked is not None and (s.low > s.asked[0] or s.high < s.asked[1])
     )

@@ -2,7 +2,7 @@
 
 No separatrix, no critical curve runs through such a box: on both sides of one the motions are different, tables that
 reach across it would show a motion that does not exist. The sides of the box grow in turn until one of the motions on
-a grid, which reaches a little beyond, cannot be followed there.
+a grid, which reaches a little beyond, is of another kind in an ensemble, or has a status other than ok there.
 """
 
 from __future__ import annotations
@@ -14,8 +14,10 @@ import numpy as np
 
 from hjsolve.errors import InvalidInputError
 from hjsolve.reports.drawings.svg import Array
-from hjsolve.reports.live.neighbours import Neighbours
+from hjsolve.reports.live.neighbours import SAME, Neighbours
 
+INACCURATE = "inaccurate"
+"""Word next to those of ``Neighbours.series``: the tables would not be accurate enough there."""
 _FIRST = (0.01, 0.003, 0.001)
 _ROOM, _WIDEST = 1.15, 0.6
 _GROWTH = {1: 1.3, 2: 1.3, 3: 1.5, 4: 1.6}
@@ -31,6 +33,8 @@ class SliderRange:
         low, high: the ends.
         value: of the motion.
         asked: the ends that were asked for, where any were.
+        why: what neighbours just below and just above are: word → how many (``Neighbours.series``); empty where the
+            range asked for, or the widest one, is covered.
     """
 
     name: str
@@ -38,6 +42,7 @@ class SliderRange:
     high: float
     value: float
     asked: tuple[float, float] | None = None
+    why: tuple[Mapping[str, int], Mapping[str, int]] = ({}, {})
 
 
 def slider_ranges(
@@ -66,23 +71,37 @@ def slider_ranges(
     if lost := [name for name in asked if name not in kept]:
         raise InvalidInputError(f"live: {', '.join(lost)} cannot change together with {', '.join(kept)}; ask for fewer")
     found = _with(subject, kept)
+    why: dict[tuple[int, int], Mapping[str, int]] = {}
     for group in ([s for s in kept if s in asked], [s for s in kept if s not in asked]):
-        _grow(found, reach, [kept.index(s) for s in group], asked)
+        why |= _grow(found, reach, [kept.index(s) for s in group], asked)
     return found, tuple(
-        SliderRange(name, float(v - r[0]), float(v + r[1]), float(v), asked.get(name))
-        for name, v, r in zip(kept, found.value, reach, strict=True)
+        SliderRange(
+            name,
+            float(v - r[0]),
+            float(v + r[1]),
+            float(v),
+            asked.get(name),
+            (why.get((k, 0), {}), why.get((k, 1), {})),
+        )
+        for k, (name, v, r) in enumerate(zip(kept, found.value, reach, strict=True))
     )
 
 
-def shrunk(ranges: Sequence[SliderRange], share: float) -> tuple[SliderRange, ...]:
-    """Return ranges of which a part is left on each side of the motion.
+def shrunk(ranges: Sequence[SliderRange], fraction: float) -> tuple[SliderRange, ...]:
+    """Return ranges of which a part is left on each side of the motion, since the tables are inaccurate beyond it.
 
     Args:
         ranges: the whole.
-        share: the part.
+        fraction: the part.
     """
+    why = ({INACCURATE: 1}, {INACCURATE: 1}) if fraction < 1 else None
     return tuple(
-        SliderRange(s.name, s.value - share * (s.value - s.low), s.value + share * (s.high - s.value), s.value, s.asked)
+        replace(
+            s,
+            low=s.value - fraction * (s.value - s.low),
+            high=s.value + fraction * (s.high - s.value),
+            why=why or s.why,
+        )
         for s in ranges
     )
 
@@ -96,7 +115,7 @@ def _first(subject: Neighbours, asked: Mapping[str, tuple[float, float] | None])
     size = np.array([abs(v) or 1.0 for v in subject.value])
     most = _most(subject, asked)
     boxes = (np.minimum(first * size[:, None] * np.ones(2), most) for first in _FIRST)
-    return next((box for box in boxes if _alike(subject, box)), None)
+    return next((box for box in boxes if not _others(subject, box)), None)
 
 
 def _most(subject: Neighbours, asked: Mapping[str, tuple[float, float] | None]) -> Array:
@@ -111,24 +130,31 @@ def _most(subject: Neighbours, asked: Mapping[str, tuple[float, float] | None]) 
 
 def _grow(
     subject: Neighbours, reach: Array, sliders: Sequence[int], asked: Mapping[str, tuple[float, float] | None]
-) -> None:
-    """Make the box wider on the sides of some sliders, in place, one after the other."""
+) -> dict[tuple[int, int], Mapping[str, int]]:
+    """Make the box wider on the sides of some sliders, in place, one after the other.
+
+    Returns:
+        (slider, side) that other motions stopped → what these are.
+    """
     most = _most(subject, asked)
+    why: dict[tuple[int, int], Mapping[str, int]] = {}
     growing = [(k, side) for k in sliders for side in (0, 1)]
     while growing:
         for k, side in tuple(growing):
             before = reach[k, side]
             reach[k, side] = min(_GROWTH[len(reach)] * before, most[k, side])
-            if not _alike(subject, reach):
-                reach[k, side] = before
+            if others := _others(subject, reach):
+                reach[k, side], why[k, side] = before, others
                 growing.remove((k, side))
             elif reach[k, side] == most[k, side]:
                 growing.remove((k, side))
+    return why
 
 
-def _alike(subject: Neighbours, reach: Array) -> bool:
-    """Return whether all motions in the box, and a little beyond it, are of the kind of the one in it."""
+def _others(subject: Neighbours, reach: Array) -> Mapping[str, int]:
+    """Return what motions in the box, and a little beyond it, are that are not of the kind of the one in it."""
     v, n = subject.value, _GRID[len(reach)]
     sides = [np.linspace(c - _ROOM * r[0], c + _ROOM * r[1], n) for c, r in zip(v, reach, strict=True)]
     points = np.stack([g.ravel() for g in np.meshgrid(*sides, indexing="ij")], axis=1)
-    return bool(subject.series(points)[1].all())
+    words = subject.series(points)[1]
+    return {word: int((words == word).sum()) for word in sorted(set(words)) if word != SAME}

@@ -1,9 +1,9 @@
 """What a live report computes beforehand: turning points and series as polynomials in the constants.
 
-Inside a box of motions of one kind (``ranges.py``) they are smooth functions of the constants and parameters
-(``neighbours.py``): sums of products of Chebyshev's polynomials hold them, as many as are needed, and the page
-evaluates these (``page_numbers.py``). The bound that it shows is measured against motions of the engine and against
-the same quadratures at other points of the box, and doubled (``bounds.py``).
+Inside a box of motions of one kind (``ranges.py``), turning points and statuses come from an ensemble, and the series
+are smooth functions of the constants and parameters (``neighbours.py``). Sums of products of Chebyshev's polynomials
+hold them, as many as are needed, and the page evaluates these (``page_numbers.py``). The bound that it shows is
+measured against motions of the engine and the same quadratures at other points of the box, and doubled (``bounds.py``).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _GOOD, _ENOUGH, _COARSE = 1e-6, 1e-4, 1e-2
 _DROPPED, _MOST_NUMBERS, _MOTIONS = (1e-9, 1e-8, 1e-7), 80_000, 4
 Ranks = NDArray[np.int64]
 Asked = Mapping[str, tuple[float, float] | None]
-_SHARES = (1.0, 0.75, 0.55, 0.4, 0.25)
+_FRACTIONS = (1.0, 0.75, 0.55, 0.4, 0.25)
 
 
 @dataclass(frozen=True)
@@ -83,15 +83,15 @@ def live_tables(motion: Motion, asked: Asked | None = None) -> LiveTables:
             have one as far as there is room. None: the constants.
 
     Raises:
-        InvalidInputError: a coordinate neither librates nor rotates; a slider that cannot be had.
+        InvalidInputError: a coordinate neither librates nor rotates; a slider that is not possible.
         NotConvergedError: the tables stay too coarse.
     """
     motion, asked = motion.as_solved, dict(asked or {})
     refuse_kinks(motion.solution.system.kinks, "live")
     subject, whole = slider_ranges(neighbours_of(motion, _names(motion, asked)), asked)
     sizes = sizes_of(subject)
-    for share in _SHARES:
-        found = _tables(subject, shrunk(whole, share), sizes)
+    for fraction in _FRACTIONS:
+        found = _tables(subject, shrunk(whole, fraction), sizes)
         if _worst(found, sizes) <= _ENOUGH:
             break
     page = replace(found, bounds=bounds_of(subject, found.sliders, found.motion, _MOTIONS))

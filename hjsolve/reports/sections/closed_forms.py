@@ -18,7 +18,7 @@ from hjsolve.errors import required
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiDN, JacobiSN
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Code, Formula, Inline, Mathematics, Paragraph, Section, Table, Text
-from hjsolve.reports.formulas.from_sympy import applied, box
+from hjsolve.reports.formulas.from_sympy import applied, box, falling_powers
 from hjsolve.reports.formulas.layout import Box, Glyph, row, width
 from hjsolve.reports.formulas.line_breaks import NARROW, broken, display, narrowed
 from hjsolve.reports.formulas.names import name_box
@@ -271,7 +271,7 @@ def _shown(name: str, e: sp.Basic, write: Callable[[Any], Formula]) -> Formula |
 def _meaning(symbols: list[tuple[sp.Symbol, int]], meaning: object) -> list[Block | _TooLong]:
     """Return what symbols of a form stand for: in a sentence where it is short, else displayed."""
     if isinstance(meaning, sp.Poly) and symbols[0][1] >= 0:
-        e, words = meaning.as_expr(), _root_words(symbols, meaning.degree())
+        e, words = falling_powers(meaning), _root_words(symbols, meaning.degree())
         if width(display(e, IN_A_CELL)) <= IN_A_CELL:
             return [Paragraph((*words, math(e)))]
         return [Paragraph(words), _shown(str(symbols[0][0]), e, equation)]

@@ -41,14 +41,17 @@ def _monodromy(found: EnergyMomentumMap) -> list[Block]:
     matrix = f"(({a}, {b}), ({c}, {d}))".replace("-", "−")
     x, y = Mathematics(name_box(found.x)), Mathematics(name_box(found.y))
     gained: list[Inline] = []
+    angle = next(iter(turned.winding))  # the ignorable angle whose momentum is a coordinate of the map
     for name, turns in turned.winding.items():
         if turns:
             words = f" gains {abs(turns)} turn{'s' if abs(turns) > 1 else ''}"
             gained += [*([", "] if gained else []), Mathematics(name_box(name)), words]
     text: list[Inline] = [
         "At ", x, f" = {value.x:.6g}, ", y, f" = {value.y:.6g} lies an isolated critical value: the system can rest "
-        "there, and motions of one kind surround it. Continued once round it, the tori return with the monodromy "
-        f"matrix {matrix} of the actions: ", *(gained or ["no angle gains a turn"]), " per cycle. ",
+        "there, and motions of one kind surround it. Continued once round it, the two periods of a torus, a turn of ",
+        Mathematics(name_box(angle)), " and a cycle of ", Mathematics(name_box(found.coordinates[0].name)),
+        f", return multiplied by the monodromy matrix {matrix}: ", *(gained or ["no angle gains a turn"]),
+        " per cycle of ", Mathematics(name_box(found.coordinates[0].name)), ". ",
     ]  # fmt: skip
     if not turned.trivial:
         text.append("No choice of actions is therefore smooth on the whole region (Duistermaat; Cushman).")

@@ -15,7 +15,7 @@ from hjsolve.extended.stability_limit import StableRange, stability_ranges
 from hjsolve.mechanics.system import linear_terms
 from hjsolve.precision import mp
 from hjsolve.reports.document import Block, Formula, Inline, Mathematics, Number, Paragraph, Section, Table, Text
-from hjsolve.reports.formulas.from_sympy import box
+from hjsolve.reports.formulas.from_sympy import box, falling_powers
 from hjsolve.reports.formulas.layout import Glyph, row
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.sections.prose import listed
@@ -32,7 +32,8 @@ def linear_modes_section(modes: LinearModes, initial: Mapping[str, Any] | None =
         initial: initial data of a motion, with ``q`` and ``velocity`` or ``p``; None for no table of it.
     """
     coordinates = [c.name for c in modes.system.coordinates]
-    characteristic = sp.Eq(modes.polynomial.subs(LAMBDA, sp.Symbol("lambda")), 0, evaluate=False)
+    λ = sp.Symbol("lambda")
+    characteristic = sp.Eq(falling_powers(sp.Poly(modes.polynomial.subs(LAMBDA, λ), λ)), 0, evaluate=False)
     values = [(name_box(s.name), v) for s, v in modes.values.items() if s in modes.polynomial.free_symbols]
     blocks: list[Block] = [
         Paragraph((
@@ -175,11 +176,11 @@ def _complex(value: Any) -> str:
     parts = [value.real, value.imag]
     real, imag = (0 if abs(x) <= abs(value) * 1e-15 else x for x in parts)
     if imag == 0:
-        return shortest(real, _DIGITS) if real != 0 else "0"
+        return shortest(real, _DIGITS).replace("-", "−") if real != 0 else "0"
     words = f"{shortest(abs(imag), _DIGITS)} i"
     if real == 0:
         return words if imag > 0 else f"−{words}"
-    return f"{shortest(real, _DIGITS)} {'+' if imag > 0 else '−'} {words}"
+    return f"{shortest(real, _DIGITS).replace('-', '−')} {'+' if imag > 0 else '−'} {words}"
 
 
 __all__ = ["linear_modes_answer", "linear_modes_section"]

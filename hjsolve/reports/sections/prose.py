@@ -9,25 +9,58 @@ from hjsolve.extended.one_freedom import LinearInMomentum
 from hjsolve.mechanics.system import Domain, System
 from hjsolve.reports.document import Code, Inline, Mathematics, Text
 from hjsolve.reports.formulas.from_sympy import box
-from hjsolve.reports.formulas.layout import Box, Glyph, row
+from hjsolve.reports.formulas.layout import Box, Fence, Fraction, Glyph, Script, row
 from hjsolve.reports.formulas.names import GREEK, name_box
 from hjsolve.reports.formulas.one_line_text import plain
 from hjsolve.reports.sections.inside_text import formulas, typeset_name
 
-_PHRASES = (
-    ("c^T Phi = (1, 0, ..., 0)", "cᵀΦ = (1, 0, …, 0)"),
-    ("c^T psi = V", "cᵀψ = V"),
-    ("S_ij(g^hh)", "Sᵢⱼ(gʰʰ)"),
-    ("S_ij(V)", "Sᵢⱼ(V)"),
-    ("L_ij", "Lᵢⱼ"),
-    ("S_ij", "Sᵢⱼ"),
-    ("T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)", "T = ∑Rᵢpᵢ²/(2∑fᵢ), V = ∑vᵢ/∑fᵢ"),
+_SPELLED = (
     ("Staeckel", "Stäckel"),
     ("V' = V - T0", "V′ = V − T₀"),
     ("T2 - T0 + V", "T₂ − T₀ + V"),
     ("T2 + V", "T₂ + V"),
 )
 
+
+def _pair(letter: str) -> Box:
+    return Script(Glyph(letter), Glyph("ij"))
+
+
+def _transposed(column: str, *result: Box) -> Box:
+    return row(Script(Glyph("c"), sup=Glyph("T", "text")), Glyph(column), Glyph("=", "operator"), *result)
+
+
+def first_unit_vector() -> Box:
+    """Return (1, 0, …, 0)."""
+    comma, zero = Glyph(",", "operator"), Glyph("0", "number")
+    return Fence(row(Glyph("1", "number"), comma, zero, comma, Glyph("…", "operator"), comma, zero))
+
+
+def _liouville_sums() -> tuple[Inline, ...]:
+    i, sums, two = Glyph("i"), Glyph("∑", "operator"), Glyph("2", "number")
+    f, R, v = (Script(Glyph(letter), i) for letter in "fRv")
+    kinetic = Fraction(row(sums, R, Script(Glyph("p"), i, two)), row(two, sums, f))
+    return (
+        Mathematics(row(Glyph("T"), Glyph("=", "operator"), kinetic)), " and ",
+        Mathematics(row(Glyph("V"), Glyph("=", "operator"), Fraction(row(sums, v), row(sums, f)))),
+    )  # fmt: skip
+
+
+_TYPESET: dict[str, tuple[Inline, ...]] = {
+    "c^T Phi = (1, 0, ..., 0)": (Mathematics(_transposed("Φ", first_unit_vector())),),
+    "c^T psi = V_eff": (Mathematics(_transposed("ψ", name_box("V_eff"))),),
+    "c^T psi = V": (Mathematics(_transposed("ψ", Glyph("V"))),),
+    "S_ij(g^hh)": (Mathematics(row(_pair("S"), Fence(Glyph("gʰʰ")))),),
+    "S_ij(V)": (Mathematics(row(_pair("S"), Fence(Glyph("V")))),),
+    "S_ij": (Mathematics(_pair("S")),),
+    "L_ij": (Mathematics(_pair("L")),),
+    "Row i contains coordinate i": (
+        "Row ", Mathematics(Glyph("i")), " contains coordinate ", Mathematics(Glyph("i")),
+    ),
+    "T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)": _liouville_sums(),
+}  # fmt: skip
+_PHRASE = re.compile("(" + "|".join(map(re.escape, _TYPESET)) + ")")
+"""What the symbolic half writes in ASCII, and how it is set."""
 _WORDS_OF_ONE_LETTER = "aAI"
 
 
@@ -54,8 +87,15 @@ def with_names(text: str, names: Collection[str]) -> Text:
     Returns:
         The sentence in pieces.
     """
-    for ascii_form, better in _PHRASES:
+    for ascii_form, better in _SPELLED:
         text = text.replace(ascii_form, better)
+    pieces: list[Inline] = []
+    for k, part in enumerate(_PHRASE.split(text)):
+        pieces += _TYPESET[part] if k % 2 else _with_names(part, names)
+    return tuple(pieces)
+
+
+def _with_names(text: str, names: Collection[str]) -> Text:
     pieces: list[Inline] = []
     for piece in formulas(text, names):
         if not isinstance(piece, str):

@@ -13,7 +13,7 @@ from hjsolve.reports.formulas.from_sympy import box, compact, constants_outside
 from hjsolve.reports.formulas.layout import Box, Fence, Fraction, Glyph, Script, row, width
 from hjsolve.reports.formulas.line_breaks import LINE, broken, display
 from hjsolve.reports.formulas.names import name_box
-from hjsolve.reports.sections.prose import listed, typeset_prose, with_names
+from hjsolve.reports.sections.prose import first_unit_vector, listed, typeset_prose, with_names
 from hjsolve.reports.sections.system_and_verdict import EQUALS, equation, formula, math
 from hjsolve.separation import Liouville, Separation, Stackel
 from hjsolve.solution.quadratures import Solution
@@ -75,8 +75,6 @@ def _stackel(form: Stackel, whose: _Whose) -> list[Block]:
     gap = Glyph(",  ", "text")
     whole = row(Φ, EQUALS, box(form.matrix), gap, ψ, EQUALS, box(column), gap, c, EQUALS, box(metric))
     transposed = Script(c, sup=Glyph("T", "text"))
-    comma, zero = Glyph(",", "operator"), Glyph("0", "number")
-    one = Fence(row(Glyph("1", "number"), comma, zero, comma, Glyph("…", "operator"), comma, zero))
     text: Text = (
         "Stäckel matrix ",
         Mathematics(Φ),
@@ -95,7 +93,7 @@ def _stackel(form: Stackel, whose: _Whose) -> list[Block]:
         " of ",
         *listed(form.coordinates),
         " only. Checked by substitution, exactly: ",
-        Mathematics(row(transposed, Φ, EQUALS, one)),
+        Mathematics(row(transposed, Φ, EQUALS, first_unit_vector())),
         " and ",
         Mathematics(row(transposed, ψ, EQUALS, whose.potential)),
         ".",
@@ -226,7 +224,7 @@ def _characteristic_function(solution: Solution) -> Section:
     for name, square in solution.momentum_squared.items():
         shifted = solution.shift[name] != 0
         left = Script(Glyph("P" if shifted else "p"), name_box(name), Glyph("2", "number"))
-        short = compact(square)
+        short = compact(square, solution.constants["E"].symbol if "E" in solution.constants else None)
         shown = short if width(box(short)) <= LINE else square
         blocks.append(formula(left, shown, "Greenwood (5-142)"))
         if shifted:

@@ -24,7 +24,7 @@ from hjsolve.reports.document import (
     Text,
 )
 from hjsolve.reports.formulas.abbreviations import abbreviating, letters_for_sums
-from hjsolve.reports.formulas.from_sympy import box, constants_outside
+from hjsolve.reports.formulas.from_sympy import box, constants_outside, contracted
 from hjsolve.reports.formulas.layout import Box, Fraction, Glyph, Script, row
 from hjsolve.reports.formulas.line_breaks import LINE, broken, display
 from hjsolve.reports.formulas.names import name_box
@@ -250,7 +250,8 @@ def _step_formula(title: str, result: sp.Basic | None) -> Formula | None:
         return None
     if title in _LEFT:
         return Formula(broken(row(Glyph(_LEFT[title]), EQUALS, box(result))), str(result))
-    return Formula(display(result), str(result))
+    shown = contracted(result) if isinstance(result, sp.Expr) else result
+    return Formula(display(shown), str(shown))
 
 
 _LEFT = {"Stäckel matrix": "Φ", "Stäckel column": "ψ"}
@@ -314,6 +315,11 @@ def answer(verdict: Separation | Obstruction | Undecided) -> Text:
             ignorable: Text = (
                 (" ", *listed(free), " " + ("is" if len(free) == 1 else "are") + " ignorable.") if free else ()
             )
+            left = [name for name in names if name not in free]
+            if free and left and verdict.stackel is None and verdict.liouville is None and verdict.reduced.stackel:
+                many = ("s", "are") if len(free) > 1 else ("", "is")
+                gone: Text = (f" once the ignorable coordinate{many[0]} ", *listed(free), f" {many[1]} eliminated")
+                return (Strong("Separates"), " in ", *listed(left), *gone, _by_its_shell(verdict))
             return (Strong("Separates"), " ", *inside, _form(verdict), *ignorable)
         case Obstruction():
             part = f": the {_PARTS.get(verdict.part, verdict.part)}"
@@ -354,15 +360,14 @@ def _form(verdict: Separation) -> str:
 def _by_its_shell(verdict: Separation) -> str:
     """Say what stands between the full system and its separable shell: relativity, linear terms, mixed products."""
     whose = "Stäckel" if verdict.reduced.liouville is None else "Liouville"
-    gone = " once the ignorable coordinates are eliminated" if verdict.ignorable else ""
     if verdict.system.relativity is not None:
-        return f"{gone}: the energy relation, squared, is a shell of {whose} form for every energy."
+        return f": the energy relation, squared, is a shell of {whose} form for every energy."
     if not _diagonal(verdict.system):
-        return f"{gone}; the kinetic energy is not diagonal in all of them. The shell is of {whose} form."
+        return f"; the kinetic energy has products of velocities. The shell is of {whose} form."
     if any(linear_terms(verdict.system)):
         how = "are a gradient and are shifted away" if any(verdict.shell.shift) else "become part of the potential"
-        return f"{gone}: T has terms linear in the velocities, which {how}. The shell is of {whose} form."
-    return f"{gone}: the shell is of {whose} form."
+        return f": T has terms linear in the velocities, which {how}. The shell is of {whose} form."
+    return f": the shell is of {whose} form."
 
 
 def _diagonal(system: System) -> bool:

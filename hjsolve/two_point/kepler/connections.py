@@ -1,4 +1,4 @@
-"""two_point of a Kepler problem: all conics through two places in a time, exact special cases told apart.
+"""two_point of a Kepler problem: all conics through two places in a time, exact special cases distinguished.
 
 q0 and q1 in one direction from the centre are joined on the line alone, up to the same place, which every ellipse of
 the right period passes again; q0 and q1 in opposite directions in space leave the plane of the orbit free.

@@ -38,7 +38,7 @@ class ExactTransfer(NamedTuple):
     time: Mpf
 
     def λ(self, way: int) -> Mpf:
-        """Return λ of one way round.
+        """Return λ of one direction.
 
         Args:
             way: 1 or −1.

@@ -52,7 +52,7 @@ class ConicNumbers:
 
 @dataclass(frozen=True)
 class Problems:
-    """Transfers one way round each, arrays of one shape.
+    """Transfers, each in one direction, arrays of one shape.
 
     Attributes:
         places: in the direction of the motion.

@@ -1,4 +1,4 @@
-"""The ways along one coordinate from one place to another, by the direction at the start and the turning points met.
+"""The paths along one coordinate from one place to another, by the direction at the start and the turning points met.
 
 With D the time from the lower place to the upper one, U from the upper place to the turning point above it and L from
 the lower place to the one below, every way takes d D + 2u U + 2l L with whole numbers d, u, l.
@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 
 class LineBranch(NamedTuple):
-    """A way from q0 to q1.
+    """A path from q0 to q1.
 
     Attributes:
         sign: of the velocity at q0.
@@ -34,7 +34,7 @@ class LineBranch(NamedTuple):
 
 
 def branches(order: int, most: int) -> Iterator[LineBranch]:
-    """Yield the ways with so many whole periods.
+    """Yield the paths with a given number of whole periods.
 
     Args:
         order: the sign of q1 − q0, 0 where they are one place.

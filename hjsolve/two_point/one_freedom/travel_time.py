@@ -41,7 +41,7 @@ class Span(NamedTuple):
 
 @dataclass(frozen=True)
 class Segment:
-    """One part of a way.
+    """One part of a path.
 
     Attributes:
         time: its enclosure for all energies of the interval; ∞ above where it is not bounded.

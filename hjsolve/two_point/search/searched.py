@@ -138,7 +138,7 @@ def reach(question: TwoPlaceQuestion, p: Reals, ends: Ends) -> _Reached:
 def connection_of(
     question: TwoPlaceQuestion, reached: _Reached, path: str = "", turns: int | None = None
 ) -> Connection:
-    """Return what a motion that ends at q1 is told as.
+    """Return how a motion that ends at q1 is reported.
 
     S is that of the motion with −∂S/∂q1 · (what it misses) added; momenta err by the error of the end point through
     the inverse of ∂q/∂p0.

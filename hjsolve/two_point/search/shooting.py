@@ -113,7 +113,7 @@ class _Target:
 
     @property
     def scale(self) -> float:
-        """A speed that motions of interest have: that of the straight way, and that which the forces give."""
+        """A speed that motions of interest have: that of the straight path, and that which the forces give."""
         straight = self.back @ self.wrapped((self.q1 - self.q0)[:, None])[:, 0] / self.time
         return float(np.sqrt(np.sum(straight**2) + 2 * max(self._work(self.q0), self._work(self.q1))))
 

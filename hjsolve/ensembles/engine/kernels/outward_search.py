@@ -90,7 +90,7 @@ def _load(bend: MachineProgram, walk: SearchSide, lanes: Lanes, j: int, i: int, 
 
 @inlined
 def _onward(walk: SearchSide, inner: float, step: float) -> float:
-    """Return the next place outward, not more than three quarters of the way to the end of the domain."""
+    """Return the next place outward, not more than three quarters of the distance to the end of the domain."""
     x, side, floor = inner + walk.side * step, walk.side, walk.floor
     return floor + 0.25 * (inner - floor) if side * (x - floor) > -0.25 * side * (floor - inner) else x
 
@@ -221,7 +221,7 @@ def _finishing(walk: SearchSide, places: Reals, lanes: Lanes, j: int, i: int) ->
 
 @inlined
 def _step(walk: SearchSide, lanes: Lanes, j: int, x: float, f: float, slope: float) -> float:
-    """One step of Newton's method for one orbit, to the last bits of x, or as far as p² tells.
+    """One step of Newton's method for one orbit, to the last bits of x, or as far as p² is known.
 
     Next to an end of the domain x is small against the start x₀ and has digits of its own: a step that is nothing
     against x₀ does not end the search while steps still shrink.

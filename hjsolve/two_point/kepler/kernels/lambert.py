@@ -1,4 +1,4 @@
-"""Lambert's problem in doubles: every conic through two places in a time, with all turns and both ways round.
+"""Lambert's problem in doubles: every conic through two places in a time, with all turns and in both directions.
 
 With the chord c, s = (r₀ + r₁ + c)/2, the sweep angle θ ∈ [0, 2π) of the last turn and λ = √(r₀ r₁) cos(θ/2)/s, so that
 1 − λ² = c/s, a conic of semimajor axis a takes the time
