@@ -96,16 +96,13 @@ class ExplorerPage:
         self._begun = False
         self.client.on_connect(self._begin)
 
-    def _begin(self) -> None:
-        """Ask the first question once the socket is there; a page that nobody looks at computes nothing."""
-        if not self._begun:
-            self._begun = True
-            background_tasks.create(self._first())
-
-    async def _first(self) -> None:
-        """Ask what the link asks, or else what the page was begun with."""
+    async def _begin(self) -> None:
+        """Ask what the link asks once the socket is there; a page that nobody looks at computes nothing."""
+        if self._begun:
+            return
+        self._begun = True
         with self.client:
-            fragment = str(await ui.run_javascript("return location.hash", timeout=10.0) or "")
+            fragment = await self._fragment()
             if fragment.strip("#"):
                 try:
                     self.question = PageQuestion.from_fragment(fragment)
@@ -113,6 +110,10 @@ class ExplorerPage:
                 except HJSolveError as error:
                     self.linked.set_text(" ".join(str(error).split()))
             self.desk.put(self.question)
+
+    async def _fragment(self) -> str:
+        """Return what stands after the # of the address."""
+        return str(await ui.run_javascript("return location.hash", timeout=10.0) or "")
 
     # --------------------------------------------------------------------------------------- fields
     def _build_fields(self) -> None:

@@ -134,13 +134,17 @@ def test_a_page_asks_nothing_before_its_socket_is_there() -> None:
             asked.append(question)
             raise AssertionError
 
+    async def no_fragment() -> str:
+        return ""
+
     with Client(page_of("")) as client:
         page = ExplorerPage(Nobody(), question_about(None))  # type: ignore[arg-type]
         page.desk.put = asked.append  # type: ignore[method-assign]
+        page._fragment = no_fragment  # type: ignore[method-assign]
     assert ui
     assert asked == []
     for _ in range(2):  # and once only, when a socket is lost and comes back
         for handler in client.connect_handlers:
-            handler()
+            asyncio.run(handler())
     assert asked == [page.question]
     client.delete()
