@@ -50,7 +50,7 @@ _TYPESET: dict[str, tuple[Inline, ...]] = {
     "c^T Phi = (1, 0, ..., 0)": (Mathematics(_transposed("Φ", first_unit_vector())),),
     "c^T psi = V_eff": (Mathematics(_transposed("ψ", name_box("V_eff"))),),
     "c^T psi = V": (Mathematics(_transposed("ψ", Glyph("V"))),),
-    "S_ij(g^hh)": (Mathematics(row(_pair("S"), Fence(Glyph("gʰʰ")))),),
+    "S_ij(g^hh)": (Mathematics(row(_pair("S"), Fence(Script(Glyph("g"), sup=Glyph("hh"))))),),
     "S_ij(V)": (Mathematics(row(_pair("S"), Fence(Glyph("V")))),),
     "S_ij": (Mathematics(_pair("S")),),
     "L_ij": (Mathematics(_pair("L")),),
