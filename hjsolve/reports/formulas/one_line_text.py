@@ -20,7 +20,7 @@ from hjsolve.reports.formulas.layout import (
 )
 from hjsolve.reports.formulas.names import FUNCTION_NAMES, name_box
 
-_SUPERSCRIPTS = dict(zip("0123456789−-+nT", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻⁺ⁿᵀ"))
+_SUPERSCRIPTS = dict(zip("0123456789−-+nhT", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻⁺ⁿʰᵀ"))
 _SUBSCRIPTS = dict(zip("0123456789aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ"))
 _VULGAR = {
     ("1", "2"): "½",

@@ -8,7 +8,7 @@ from collections.abc import Collection
 from hjsolve.extended.one_freedom import LinearInMomentum
 from hjsolve.mechanics.system import Domain, System
 from hjsolve.reports.document import Code, Inline, Mathematics, Text
-from hjsolve.reports.formulas.from_sympy import applied, box
+from hjsolve.reports.formulas.from_sympy import box
 from hjsolve.reports.formulas.layout import Box, Fence, Fraction, Glyph, Script, row
 from hjsolve.reports.formulas.names import GREEK, name_box
 from hjsolve.reports.formulas.one_line_text import plain
@@ -50,8 +50,8 @@ _TYPESET: dict[str, tuple[Inline, ...]] = {
     "c^T Phi = (1, 0, ..., 0)": (Mathematics(_transposed("Φ", first_unit_vector())),),
     "c^T psi = V_eff": (Mathematics(_transposed("ψ", name_box("V_eff"))),),
     "c^T psi = V": (Mathematics(_transposed("ψ", Glyph("V"))),),
-    "S_ij(g^hh)": (Mathematics(applied(_pair("S"), Script(Glyph("g"), sup=Glyph("hh")))),),
-    "S_ij(V)": (Mathematics(applied(_pair("S"), Glyph("V"))),),
+    "S_ij(g^hh)": (Mathematics(row(_pair("S"), Fence(Script(Glyph("g"), sup=Glyph("hh"))))),),
+    "S_ij(V)": (Mathematics(row(_pair("S"), Fence(Glyph("V")))),),
     "S_ij": (Mathematics(_pair("S")),),
     "L_ij": (Mathematics(_pair("L")),),
     "Row i contains coordinate i": (
