@@ -1,43 +1,49 @@
-r"""Second derivatives of actions of many librations, on a closed path round both turning points.
+r"""Second derivatives of actions of many librations, on closed paths round both turning points.
 
 J = (1/2π) ∮ √F dq does not change when its path is drawn away from the turning points, and there it may be
 differentiated under the integral sign as often as is wanted, with no term that is large next to an end:
 
     J_j = (1/2π) ∮ ½ F_j dq/√F,      J_jk = (1/2π) ∮ (½ F_jk − ¼ F_j F_k/F) dq/√F.
 
-The path is q = m + ρ e^{iχ} + (h²/4ρ) e^{−iχ} round m ± h. With D = ρ e^{iχ} − (h²/4ρ) e^{−iχ} it is dq = iD dχ and
-F = −D²R, so that dq/√F = dχ/√R with R analytic and without zero between the path and the motion: nothing cancels, also
-where h is small. Equal steps converge geometrically (Trefethen & Weideman, SIAM Review 56 (2014) 385, §2); where they
+Two kinds of path serve. A line χ + iη in the strip about the nodes of ``engine.node_maps``, in the middle of what is
+proved to resolve the orbit: 2N steps there see the motion on one side and whatever bounds the strip on the other as
+well as N nodes see the latter from the real axis. And q = m + ρ e^{iχ} + (h²/4ρ) e^{−iχ} round m ± h, where there is
+room: with D = ρ e^{iχ} − (h²/4ρ) e^{−iχ} it is dq = iD dχ and F = −D²R, so that dq/√F = dχ/√R, and nothing cancels
+however small h is. Equal steps converge geometrically (Trefethen & Weideman, SIAM Review 56 (2014) 385, §2); where they
 are n, every other one shows what n/2 leave open, c, and n leave about c².
 """
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.complex_disks import Disk, Disks, single
-from hjsolve.arithmetic.floats import EPS, Float64
 from hjsolve.arithmetic.number_types import Complexes, Integers, Mask, Reals
-from hjsolve.arithmetic.tape import Tape
-from hjsolve.one_coordinate.regular_factor import ComplexPoints
+from hjsolve.ensembles.engine.kernels.path_integrals import Paths, PathTable, path_means
+from hjsolve.ensembles.engine.kernels.types import LANES
+from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMap
+from hjsolve.ensembles.engine.nodes import libration_nodes
+from hjsolve.ensembles.engine.programs_of_paths import PathPrograms
+from hjsolve.ensembles.engine.strips_of_analyticity import half_width, squares
 
 _LONG, _NEAR = 48.0, 8.0
-"""n η of a path e^η away: e^−48 is left where the next singularity is as far again; and what is added for small η."""
-_POWER = 1.5
-"""c^1.5 is claimed where c² is expected."""
+"""2n η of a path e^η away: e^−48 is left where the next singularity is as far; and what is added for small η."""
+_PROVED, _EXPECTED = 2.0, 1.5
+"""(8c)² is claimed where nothing but the motion and the end of a strip that is proved to resolve it bounds the rate, and
+(4c)^1.5 where that is only expected."""
 _SAMPLED = 4
-"""Every which step is run in disks."""
-_PLACES = 16.0
-"""Units of rounding of an evaluation of F and its derivatives, in its own size and in that of its terms."""
+"""Every which step errors are bounded at."""
+_TABLES = 512
+"""Tables of steps that stay."""
 
 
 class Seconds(NamedTuple):
-    """J, J_j, J_jk of one coordinate of m orbits, and bounds on the errors of the last.
+    """J, J_j, J_jk of one coordinate of m orbits, and bounds on their errors.
 
     Attributes:
-        action: J, shape (m,).
+        action, action_error: J and what rounding leaves open of it, shape (m,).
         first, first_error: J_j and bounds on their errors, shape (constants, m).
         second, error: J_jk, shape (constants, constants, m).
         scale: the mean size of what J_jk is the mean of, of the same shape.
@@ -45,6 +51,7 @@ class Seconds(NamedTuple):
     """
 
     action: Reals
+    action_error: Reals
     first: Reals
     first_error: Reals
     second: Reals
@@ -54,162 +61,129 @@ class Seconds(NamedTuple):
 
 
 class Integrand(NamedTuple):
-    """p² of one coordinate of m orbits.
+    """p² of one coordinate.
 
     Attributes:
-        tape: F, F_j, F_jk (k ≥ j) in q, the constants and the parameters.
-        alone: F alone.
-        constants, uncertainty: κ and bounds on their errors, shape (constants, m).
-        parameters: their values.
+        below, above: codes of both halves.
+        parameters: of the codes.
+        known: constants of n orbits, and bounds on their errors, shape (n, 2 constants).
     """
 
-    tape: Tape
-    alone: Tape
-    constants: Reals
-    uncertainty: Reals
-    parameters: list[float]
-
-    def take(self, index: Integers) -> Integrand:
-        """Return that of some of the orbits.
-
-        Args:
-            index: which.
-        """
-        return self._replace(constants=self.constants[:, index], uncertainty=self.uncertainty[:, index])
-
-    def run(self, numbers: Any, q: Any) -> list[Any]:
-        """Return F and its derivatives at places.
-
-        Args:
-            numbers: the arithmetic.
-            q: places, shape (nodes, m).
-        """
-        found: list[Any] = self.tape.run(numbers, [q, *self.constants, *self.parameters])
-        return found
-
-    def doubt(self, q: Any) -> Reals:
-        """Return a bound on the relative error of F: by disks, with the rounding of q and the errors of the constants.
-
-        Args:
-            q: places, shape (nodes, m).
-        """
-        known = [Disk(k + 0j, e) for k, e in zip(self.constants, self.uncertainty, strict=True)]
-        fixed = [single(x, EPS * abs(x)) for x in self.parameters]
-        F = self.alone.run(Disks(), [Disk(q + 0j, 4 * EPS * np.abs(q)), *known, *fixed])[0]
-        return F.radius / np.abs(F.centre)
+    below: PathPrograms
+    above: PathPrograms
+    parameters: tuple[float, ...]
+    known: Reals
 
 
-def along(integrand: Integrand, path: tuple[Reals, Reals, Reals], half: int) -> Seconds:
-    """Integrate along q = m + ρ e^{iχ} + (h²/4ρ) e^{−iχ}; below the real axis everything is conjugate.
-
-    Args:
-        integrand: of m orbits.
-        path: m, h and ρ, shape (m,).
-        half: steps on half of the path, an even number.
-    """
-    middle, h, ρ = path
-    turn = np.exp(1j * np.pi * (np.arange(half) + 0.5) / half)[:, None]
-    out, back = ρ * turn, h * h / (4 * ρ) / turn
-    D = out - back
-    with np.errstate(all="ignore"):
-        q = middle + (out + back)
-        F, *others = integrand.run(ComplexPoints(), q)
-        root = _continued(np.sqrt(-F / (D * D)))
-        action = np.mean((F / root).real, axis=0)
-        found = _differentiated(integrand, q, (F, others, root), turn)
-        good = (root[-1].real > 0) & np.isfinite(action) & np.isfinite(found[2]).all(axis=(0, 1))
-    return Seconds(action, *found, good)
-
-
-def steps(η: Reals | float, factor: float = 1.0) -> int:
+def steps(η: Reals) -> Integers:
     """Return how many steps half of a path e^η away takes: more next to the motion, where the integrands grow.
 
     Args:
-        η: how far it is.
-        factor: by which there are more.
+        η: how far it is, shape (m,).
     """
-    return 2 * int(np.ceil(factor * (_LONG + _NEAR * max(0.0, -float(np.log(η)))) / η / 4))
+    needed = (_LONG + _NEAR * np.maximum(0.0, -np.log(η))) / η / 2
+    return (8 * np.ceil(needed / 8)).astype(np.int64)
 
 
-def _differentiated(
-    integrand: Integrand, q: Any, values: tuple[Complexes, list[Complexes], Complexes], wave: Complexes
-) -> tuple[Reals, Reals, Reals, Reals, Reals]:
-    """J_j, J_jk, each with bounds on their errors, and scales, from F, its derivatives and √F per step.
+def _table(places: tuple[Any, Any, Any, Any], χ: Reals, below: int, *, real: bool = False) -> tuple[PathTable, ...]:
+    """The steps, and every fourth of them."""
+    n = len(χ)
+    parts = np.stack([part for z in places for part in (np.real(z), np.imag(z))]).astype(float)
+    turned = np.where(np.arange(n) % 2 == 0, 1.0, -1.0) / n
+    none = 0.0 * turned
+    weights = [turned, none, turned * np.cos(χ), none] if real else [
+        none, turned, turned * np.sin(χ), turned * np.cos(χ)
+    ]  # fmt: skip
+    rows = np.ascontiguousarray(np.stack(weights))
+    some = np.ascontiguousarray(parts[:, ::_SAMPLED])
+    fewer = -(-below // _SAMPLED)
+    return PathTable(parts, rows, np.array([below])), PathTable(some, rows, np.array([fewer]))
 
-    How well F is known is a guess from its terms, held at every fourth step against disks and enlarged by them.
+
+@lru_cache(maxsize=_TABLES)
+def circle(count: int) -> tuple[PathTable, ...]:
+    """Return the steps of q = m + A e^{iχ} + B e^{−iχ} above the real axis; below it everything is conjugate.
+
+    Args:
+        count: how many, an even number.
     """
-    (F, others, root), κ = values, integrand.constants
-    n, shape = len(κ), F.shape
-    first = [np.broadcast_to(f, shape) for f in others[:n]]
-    parts = [k * f for k, f in zip(κ, first, strict=True)]
-    size = _size(F - sum(parts)) + sum(map(_size, parts))
-    relative = EPS * _PLACES * (1 + size / np.abs(F))
-    some = slice(None, None, _SAMPLED)
-    relative = relative * np.maximum(1.0, np.max(integrand.doubt(q[some]) / relative[some], axis=0))
-    half, halves = 0.5 / root, []
-    inverse = half / F
-    halves = [f * half for f in first]
-    second, error, scales = (np.zeros((n, n, shape[1])) for _ in range(3))
-    position = n
-    for j in range(n):
-        bent = first[j] * inverse / 2
-        for k in range(j, n):
-            f = -bent * first[k]
-            terms: Any = _size(f)
-            if np.ndim(others[position]) or others[position] != 0:
-                own = others[position] * half
-                f, terms = f + own, terms + _size(own)
-            second[j, k] = second[k, j] = np.mean(f.real, axis=0)
-            scale = np.mean(terms, axis=0)
-            error[j, k] = error[k, j] = 2 * np.mean(terms * relative, axis=0) + _left(f, wave)
-            scales[j, k] = scales[k, j] = scale
-            position += 1
-    doubt = [2 * np.mean(_size(f) * relative, axis=0) + 4 * _left(f, wave) for f in halves]
-    return np.array([np.mean(f.real, axis=0) for f in halves]), np.array(doubt), second, error, scales
+    χ = np.pi * (np.arange(count) + 0.5) / count
+    out, back = np.exp(1j * χ), np.exp(-1j * χ)
+    return _table((out, back, 1j * out, -1j * back), χ, count)
 
 
-def _left(f: Complexes, wave: Complexes) -> Reals:
-    """Return what is left open of a mean: nearly the square of what half of the steps leave, in proportion."""
-    scale, left = np.mean(_size(f), axis=0), np.maximum(_alternating(f), _alternating(f * wave))
-    found: Reals = np.where(scale == 0, 0.0, scale * np.minimum(1.0, 4 * left / scale) ** _POWER)
-    return found
+@lru_cache(maxsize=_TABLES)
+def turn(count: int) -> tuple[PathTable, ...]:
+    """Return the steps of a whole turn, on the real axis, where F > 0 everywhere.
 
-
-def _alternating(f: Complexes) -> Reals:
-    """Return what half of the steps leave open: a Fourier coefficient and its mirror image, which may cancel.
-
-    They do not both in f and in f e^{iχ}.
+    Args:
+        count: how many, an even number.
     """
-    gap = f.imag if np.iscomplexobj(f) else f
-    return np.abs(np.mean(gap[::2], axis=0) - np.mean(gap[1::2], axis=0)) / 2
+    # a quarter of a step off 0: from there alternating sums see even functions and odd ones
+    q = 2 * np.pi * (np.arange(count) + 0.25) / count
+    return _table((q, 0 * q, 1 + 0 * q, 0 * q), q, count, real=True)
 
 
-def _size(x: Complexes) -> Reals:
-    """No less than the absolute value, and quicker."""
-    return np.abs(x.real) + np.abs(x.imag) if np.iscomplexobj(x) else np.abs(x)
+@lru_cache(maxsize=_TABLES)
+def strip(key: NodeMap, size: int) -> tuple[PathTable, ...]:
+    """Return the steps of a line half way up the strip of a map and a size: A (q − a)/W, then A (b − q)/W.
+
+    Args:
+        key: the map, of motions that are not seen as even.
+        size: place in ``COUNTS``.
+    """
+    table, count = libration_nodes(COUNTS[size], key.level, key.node_map), 2 * COUNTS[size]
+    χ = np.pi * (np.arange(count) + 0.5) / count
+    z = χ + 0.5j * half_width(COUNTS[size], 1)
+    sn2, cn2 = squares(z, table)
+    x, y = key.stretched(sn2, cn2)  # type: ignore[arg-type]
+    γ, δ = table.node_map
+    slope: Complexes = 1 + γ * np.cos(z) + δ * np.cos(2 * z)
+    square: Any = slope * slope * x * y
+    if key.level:
+        d, c = 2.0**key.lower - 1, 2.0**key.upper - 1
+        square = square * (2 * table.quarter / np.pi) ** 2 * table.complement * (1 + c * y) * (1 + d * x)
+    below = int(np.argmax(np.abs(x) > np.abs(y))) // _SAMPLED * _SAMPLED
+    seen = np.where(np.arange(count) < below, x, y)
+    return _table((seen, 0 * seen, np.sqrt(square), 0 * seen), χ, below)
 
 
-def _continued(root: Complexes) -> Complexes:
-    """Return the branch that begins positive and changes sign nowhere."""
-    turned = np.ones(root.shape)
-    turned[0] = np.where(root[0].real < 0, -1.0, 1.0)
-    turned[1:] = np.where((root[1:] * np.conj(root[:-1])).real < 0, -1.0, 1.0)
-    return root * np.cumprod(turned, axis=0)
-
-
-def round_the_circle(integrand: Integrand, half: int) -> Seconds:
-    """Integrate rotations over a whole turn, on the real axis, where F > 0 everywhere.
+def along(integrand: Integrand, tables: tuple[PathTable, ...], paths: Paths, view: int, proved: Mask) -> Seconds:
+    """Integrate along a path.
 
     Args:
         integrand: of m orbits.
-        half: half the number of steps.
+        tables: its steps.
+        paths: where they are.
+        view: the half that sees its first steps, 0 or 1.
+        proved: whether the path is in the middle of a strip that is proved to resolve the orbit, shape (m,).
     """
-    # a quarter of a step off 0: from there alternating sums see even functions and odd ones
-    q = np.pi * (np.arange(2 * half) + 0.25)[:, None] / half
+    table, fewer = tables
+    m, known = len(paths.wide), paths.known.shape[1] // 2
+    results = known + known * (known + 1) // 2
+    made, bounds = np.empty((2 + 3 * results, m)), np.empty((2 + 2 * results, m))
+    work = np.empty((7, table.steps.shape[1]))
+    for codes, own, filled, bounded in (("means", table, made, False), ("bounds", fewer, bounds, True)):
+        width = max(LANES, own.steps.shape[1])
+        below, above = (
+            getattr(programs, codes).program(width, integrand.parameters, half)
+            for half, programs in enumerate(((integrand.below, integrand.above)[view], integrand.above))
+        )
+        path_means(below, above, own, paths, bounded, work, filled)
+    rounding, scale = bounds[: 1 + results], bounds[1 + results :]
+    values, left = made[2::3], np.maximum(made[3::3], made[4::3])
     with np.errstate(all="ignore"):
-        q = q + 0 * integrand.constants[0]
-        F, *others = integrand.run(Float64(), q)
-        root = np.sqrt(F)
-        found = _differentiated(integrand, q, (F, others, root), np.cos(q))
-        good = (F > 0).all(axis=0) & np.isfinite(found[2]).all(axis=(0, 1))
-        return Seconds(np.mean(root, axis=0), *found, good)
+        c = left / scale[1:]
+        share = np.minimum(1.0, np.where(proved, (8 * c) ** _PROVED, (4 * c) ** _EXPECTED))
+        open_ = np.where(scale[1:] == 0, 0.0, scale[1:] * share)
+        open_ = np.where(np.isfinite(values), open_, np.nan)
+    n = known
+    pairs = np.zeros((n, n), dtype=np.int64)
+    pairs[np.triu_indices(n)] = np.arange(n, results)
+    pairs = np.maximum(pairs, pairs.T)
+    error = rounding[1:] + open_
+    good = (made[0] > 0) & np.isfinite(made).all(axis=0) & np.isfinite(bounds).all(axis=0)
+    return Seconds(
+        made[1], rounding[0], values[:n], rounding[1 : 1 + n] + 4 * open_[:n], values[pairs], error[pairs],
+        scale[1:][pairs], good,
+    )  # fmt: skip

@@ -1,0 +1,164 @@
+"""Which closed path is drawn round the turning points of each of many librations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from hjsolve.arithmetic.machine.over_rows import run_rows
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.ensembles.contour_integrals import circle, steps, strip
+from hjsolve.ensembles.engine.coordinate_of_orbits import offset
+from hjsolve.ensembles.engine.kernels.path_integrals import Paths, PathTable
+from hjsolve.ensembles.engine.kernels.types import Motions
+from hjsolve.ensembles.engine.librating import Ends
+from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Separated
+from hjsolve.ensembles.engine.node_maps import COUNTS, node_maps
+from hjsolve.ensembles.engine.programs import SystemPrograms, sides
+from hjsolve.ensembles.engine.proof_of_resolution import ResolutionProof
+
+ATTEMPTS = 4
+"""Paths tried one after the other."""
+_CIRCLES = (1.0, 0.4)
+"""Parts of the way to what is next, of circles."""
+_MORE = (0, 0, 3, 6)
+"""How many sizes further the strips of later attempts are."""
+_UNPROVED = COUNTS.index(64)
+"""The size to begin with where none is proved."""
+_FROM_END, _SMALL, _NARROW = 0.9, 30.0, 1e-9
+"""How near in η a circle comes to what is next; ln of the room over the size of a small motion; and the width, over
+the distance from the origin of its view, of those that always get circles."""
+
+
+class OnePath(NamedTuple):
+    """Orbits that share the steps of their paths.
+
+    Attributes:
+        orbits: which.
+        tables, paths: the steps, and where they are.
+        view: the half that alone sees circles.
+        proved: of which orbits the path lies in a strip that is proved to resolve them.
+    """
+
+    orbits: Integers
+    tables: tuple[PathTable, ...]
+    paths: Paths
+    view: int
+    proved: Mask
+
+
+@dataclass(frozen=True)
+class PlacedLibrations:
+    """One coordinate of n librations; made by ``placed``.
+
+    Attributes:
+        formulas: of the lower and of the upper half.
+        offsets: of the turning points in their views, shape (2, n).
+        width: b − a.
+        radius: of the disk about the middle in which nothing else is, as far as the turning points show.
+        maps, least: the map, and the size that is proved to resolve the orbit, −1 for none.
+    """
+
+    formulas: tuple[LoweredFormula, LoweredFormula]
+    offsets: Reals
+    width: Reals
+    radius: Reals
+    maps: Integers
+    least: Integers
+
+    def paths(self, left: Integers, attempt: int, known: Reals) -> Iterator[OnePath]:
+        """Yield the paths of some of the orbits.
+
+        Args:
+            left: which.
+            attempt: how often they were tried before.
+            known: constants and bounds on their errors, shape (n, 2 constants).
+        """
+        part = _CIRCLES[min(attempt, len(_CIRCLES) - 1)]
+        η, away = self._circles(left, part)
+        size = np.where(self.least[left] < 0, _UNPROVED, self.least[left]) + _MORE[attempt]
+        size = np.minimum(size, len(COUNTS) - 1)
+        circles, strips = steps(η), 2 * np.array(COUNTS)[size]
+        narrow = self.width[left] <= _NARROW * np.abs(self.offsets[:, left]).max(axis=0)
+        cheap = (circles <= strips) if attempt != 1 else (circles > strips) & (circles <= 2 * strips)
+        round_ = narrow | cheap
+        view = (np.abs(self.offsets[1, left]) < np.abs(self.offsets[0, left])) & (self.formulas[1].sign < 0)
+        code = np.where(round_, -1 - 2 * circles - view, self.maps[left] * len(COUNTS) + size)
+        order = np.argsort(code, kind="stable")
+        for group in np.split(order, np.flatnonzero(np.diff(code[order])) + 1):
+            if not len(group):
+                continue
+            own, first = left[group], group[0]
+            if round_[first]:
+                tables, side = circle(int(circles[first])), int(view[first])
+                yield OnePath(own, tables, self._round(own, away[group], side, known[own]), side, own < 0)
+            else:
+                tables = strip(node_maps().key(int(self.maps[left[first]])), int(size[first]))
+                yield OnePath(own, tables, self._between(own, known[own]), 0, self.least[own] >= 0)
+
+    def _circles(self, left: Integers, part: float) -> tuple[Reals, Reals]:
+        """How far in η a circle is from the motion and from what is next, rounded down; and ln 2ρ/h, or −ρ."""
+        h, radius = self.width[left] / 2, self.radius[left]
+        with np.errstate(all="ignore"):
+            farthest = np.arccosh(np.maximum(radius / h, 1 + 1e-12))
+            away = part * np.maximum(farthest / 2, farthest - _FROM_END)
+            away = np.where(np.isfinite(away), away, part * _SMALL)
+            near = np.where(np.isfinite(farthest), np.minimum(away, farthest - away), _FROM_END)
+            η = np.clip(2.0 ** (np.floor(3 * np.log2(near)) / 3), 2.0**-6, 1.0)
+            ρ = np.where(h > radius * np.exp(-_SMALL), h * np.exp(away) / 2, radius * part * np.exp(-_FROM_END))
+        return η, ρ
+
+    def _round(self, own: Integers, ρ: Reals, side: int, known: Reals) -> Paths:
+        h, sign = self.width[own] / 2, float(self.formulas[side].sign)
+        inward = sign if side == 0 else -sign
+        middle = self.offsets[side, own] + inward * h
+        return Paths(np.stack([middle] * 2), np.ones(2), ρ, h * h / (4 * ρ), known)
+
+    def _between(self, own: Integers, known: Reals) -> Paths:
+        signs = np.array([float(self.formulas[0].sign), -float(self.formulas[1].sign)])
+        W = np.ascontiguousarray(self.width[own])
+        return Paths(np.ascontiguousarray(self.offsets[:, own]), signs, W, 0 * W, known)
+
+
+def placed(coordinate: Separated, programs: SystemPrograms, k: int, places: Reals, constants: Reals) -> PlacedLibrations:
+    """Place librations between their turning points.
+
+    Args:
+        coordinate: the k-th separated one.
+        programs: of the system.
+        k: which.
+        places: turning points, shape (2, n).
+        constants: of the motion, shape (constants, n).
+    """
+    formulas, codes = sides(coordinate), programs.coordinates[k].views
+    offsets = np.stack([offset(f, x) for f, x in zip(formulas, places, strict=True)])
+    n, width = places.shape[1], places[1] - places[0]
+    signs, none = np.array([float(formulas[0].sign), -float(formulas[1].sign)]), np.zeros(n, dtype=np.int64)
+    with np.errstate(all="ignore"):
+        bends = np.stack([
+            run_rows(view.bend, programs.parameters, np.stack([x, *constants]))[1:] * np.array([[1.0], [0.5]])
+            for view, x in zip(codes, offsets, strict=True)
+        ])  # fmt: skip
+        maps, share = Ends(node_maps(), bends, signs, np.zeros(n, dtype=bool)).maps(width)
+        # W S′/S at an end is W over the distance of the zero or pole next to it
+        beyond = [width / np.abs(width * bend / (sign * first) + 1) for (first, bend), sign in zip(
+            bends, signs, strict=True)]  # fmt: skip
+    motions = Motions(
+        momentum=0 * width, left=width, right=width, width=width, lower=offsets[0], upper=offsets[1], homes=offsets,
+        signs=signs, known=np.zeros((n, 1)), uncertainty=np.zeros((n, 1)), first=maps, least=none, share=share,
+    )  # fmt: skip
+    proof = ResolutionProof(node_maps(), motions, formulas[0].clearance, formulas[1].clearance)
+    span = np.stack([np.zeros(n, dtype=np.int64), np.full(n, len(COUNTS))])
+    least = proof.least(np.arange(n), maps, span)
+    middle = offsets[0] + signs[0] * width / 2
+    clear = formulas[0].clearance.radius(middle)
+    h = width / 2
+    gaps = [h + np.where(np.isfinite(gap), gap, np.inf) for gap in beyond]
+    gaps += [np.abs(offsets[s]) + h for s in (0, 1) if (coordinate.lower, coordinate.upper)[s] is not None]
+    gaps.append(np.where(clear > h, clear, np.inf))
+    radius = np.minimum.reduce(gaps)
+    scale = np.where(np.isfinite(radius), radius, np.maximum(4 * h, np.maximum(1.0, np.abs(middle) / 2)))
+    return PlacedLibrations(formulas, offsets, width, scale, maps, least)
