@@ -125,14 +125,15 @@ def turn(count: int) -> tuple[PathTable, ...]:
 
 
 @lru_cache(maxsize=_TABLES)
-def strip(key: NodeMap, size: int) -> tuple[PathTable, ...]:
+def strip(key: NodeMap, size: int, count: int) -> tuple[PathTable, ...]:
     """Return the steps of a line half way up the strip of a map and a size: A (q − a)/W, then A (b − q)/W.
 
     Args:
         key: the map, of motions that are not seen as even.
         size: place in ``COUNTS``.
+        count: how many steps, an even number.
     """
-    table, count = libration_nodes(COUNTS[size], key.level, key.node_map), 2 * COUNTS[size]
+    table = libration_nodes(COUNTS[size], key.level, key.node_map)
     χ = np.pi * (np.arange(count) + 0.5) / count
     z = χ + 0.5j * half_width(COUNTS[size], 1)
     sn2, cn2 = squares(z, table)

@@ -24,10 +24,12 @@ ATTEMPTS = 4
 """Paths tried one after the other."""
 _CIRCLES = (1.0, 0.4)
 """Parts of the way to what is next, of circles."""
-_MORE = (0, 0, 3, 6)
-"""How many sizes further the strips of later attempts are."""
+_MORE, _STEPS = (0, 0, 3, 6), (2.0, 3.0, 3.0, 3.0)
+"""How many sizes further the strips of later attempts are, and how many steps for each of their nodes."""
 _UNPROVED = COUNTS.index(64)
 """The size to begin with where none is proved."""
+_NOISE = 2.0**-44
+"""Relative error of F′ at a turning point, times the width over its distance from the origin."""
 _FROM_END, _SMALL, _NARROW = 0.9, 30.0, 1e-9
 """How near in η a circle comes to what is next; ln of the room over the size of a small motion; and the width, over
 the distance from the origin of its view, of those that always get circles."""
@@ -81,7 +83,7 @@ class PlacedLibrations:
         η, away = self._circles(left, part)
         size = np.where(self.least[left] < 0, _UNPROVED, self.least[left]) + _MORE[attempt]
         size = np.minimum(size, len(COUNTS) - 1)
-        circles, strips = steps(η), 2 * np.array(COUNTS)[size]
+        circles, strips = steps(η), (_STEPS[attempt] * np.array(COUNTS)[size]).astype(np.int64)
         narrow = self.width[left] <= _NARROW * np.abs(self.offsets[:, left]).max(axis=0)
         cheap = (circles <= strips) if attempt != 1 else (circles > strips) & (circles <= 2 * strips)
         round_ = narrow | cheap
@@ -96,7 +98,7 @@ class PlacedLibrations:
                 tables, side = circle(int(circles[first])), int(view[first])
                 yield OnePath(own, tables, self._round(own, away[group], side, known[own]), side, own < 0)
             else:
-                tables = strip(node_maps().key(int(self.maps[left[first]])), int(size[first]))
+                tables = strip(node_maps().key(int(self.maps[left[first]])), int(size[first]), int(strips[first]))
                 yield OnePath(own, tables, self._between(own, known[own]), 0, self.least[own] >= 0)
 
     def _circles(self, left: Integers, part: float) -> tuple[Reals, Reals]:
@@ -144,8 +146,8 @@ def placed(coordinate: Separated, programs: SystemPrograms, k: int, places: Real
         ])  # fmt: skip
         maps, share = Ends(node_maps(), bends, signs, np.zeros(n, dtype=bool)).maps(width)
         # W S′/S at an end is W over the distance of the zero or pole next to it
-        beyond = [width / np.abs(width * bend / (sign * first) + 1) for (first, bend), sign in zip(
-            bends, signs, strict=True)]  # fmt: skip
+        ratios = (np.abs(width * bend / (sign * first) + 1) for (first, bend), sign in zip(bends, signs, strict=True))
+        beyond = [width / np.maximum(ratio - _NOISE * np.abs(x) / width, 0.0) for ratio, x in zip(ratios, offsets, strict=True)]
     motions = Motions(
         momentum=0 * width, left=width, right=width, width=width, lower=offsets[0], upper=offsets[1], homes=offsets,
         signs=signs, known=np.zeros((n, 1)), uncertainty=np.zeros((n, 1)), first=maps, least=none, share=share,
