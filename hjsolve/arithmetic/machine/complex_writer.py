@@ -234,12 +234,10 @@ class ComplexRunningError(RunningError[ComplexValue]):
         a = self.plain
         value = a.unary(name, x.value)
         slopes = {"sin": "cos", "cos": "sin", "sinh": "cosh", "cosh": "sinh"}
-        own = self._scaled(value, self.own)
+        own = self._scaled(value, self.own)  # real and imaginary part are products of two functions each
         if name == "log":
             slope = a.div(a.rational(1, 1), x.value)
             own = a.add(own, a.rational(_OF_LOGARITHM, 2**self.bits))
         else:
             slope = value if name == "exp" else a.unary(slopes[name], x.value)
-            if name != "exp":  # the parts are products, of which one may be far larger than the other
-                own = a.add(own, self._scaled(slope, self.own))
         return WithErrorBound(value, self._sum(self._part(slope, x.error), own))
