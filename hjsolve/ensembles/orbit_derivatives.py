@@ -23,7 +23,7 @@ from hjsolve.display.shown import Shown
 from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.contour_integrals import Integrand, Seconds, along, turn
 from hjsolve.ensembles.engine.kernels.path_integrals import Paths
-from hjsolve.ensembles.engine.lowered_solution import lowered_model
+from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model
 from hjsolve.ensembles.engine.paths_of_librations import ATTEMPTS, placed
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.programs_of_paths import path_programs
@@ -112,8 +112,9 @@ def _derivatives(solution: Solution, batch: Batch, given: Mapping[str, Any]) -> 
     good = np.zeros(count, dtype=bool)
     good[open_] = True
     values = parameter_values(solution.system, given)
+    model = lowered_model(solution, values)
     for i, name in enumerate(names):
-        found, fine = _coordinate(solution, values, name, batch, κ, open_)
+        found, fine = _coordinate((solution, model, values), name, batch, κ, open_)
         direction = np.sign(np.ravel(batch.actions[name])[open_])
         direction = np.where(direction == 0, 1.0, direction)
         K[i][:, open_], K_error[i][:, open_] = direction * found.first, found.first_error
@@ -128,11 +129,11 @@ def _derivatives(solution: Solution, batch: Batch, given: Mapping[str, Any]) -> 
 
 
 def _coordinate(
-    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], name: str, batch: Batch, κ: Reals, open_: Integers
+    known_as: tuple[Solution, Model, Mapping[sp.Symbol, sp.Expr]], name: str, batch: Batch, κ: Reals, open_: Integers
 ) -> tuple[Seconds, Mask]:
     """Return the second derivatives of one action, and for which of the orbits they agree with it."""
+    solution, model, values = known_as
     uncertainty = [np.ravel(np.asarray(batch.error["constants"][c], dtype=float)) for c in solution.constants]
-    model = lowered_model(solution, values)
     programs = system_programs(model, kernels=False)
     k = next(k for k, c in enumerate(model.separated) if c.name == name)
     known = np.ascontiguousarray(np.concatenate([κ, uncertainty])[:, open_].T)
