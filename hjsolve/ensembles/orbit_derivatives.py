@@ -21,7 +21,7 @@ from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.ensembles.batch import Batch
-from hjsolve.ensembles.contour_integrals import Integrand, Seconds, along, turn
+from hjsolve.ensembles.engine.contour_integrals import Integrand, Seconds, along, turn
 from hjsolve.ensembles.engine.kernels.path_integrals import Paths
 from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model
 from hjsolve.ensembles.engine.paths_of_librations import ATTEMPTS, placed
@@ -38,6 +38,8 @@ _TURNS = (48, 192, 768)
 """Steps of a whole turn, tried one after the other."""
 _SAME = 1e-10
 """How well J and Ω must agree."""
+_LITTLE = 1e-12
+"""What steps may leave open, over the terms of the sum, without another path being tried."""
 TOLERANCE = 1e-10
 """Largest claimed error of an orbit that is ``ok``, relative to the terms that it is the sum of."""
 
@@ -114,13 +116,13 @@ def _derivatives(solution: Solution, batch: Batch, given: Mapping[str, Any]) -> 
     values = parameter_values(solution.system, given)
     model = lowered_model(solution, values)
     for i, name in enumerate(names):
-        found, fine = _coordinate((solution, model, values), name, batch, κ, open_)
+        found = _coordinate((solution, model, values), name, batch, κ, open_)
         direction = np.sign(np.ravel(batch.actions[name])[open_])
         direction = np.where(direction == 0, 1.0, direction)
         K[i][:, open_], K_error[i][:, open_] = direction * found.first, found.first_error
         dK[i][:, :, open_], error[i][:, :, open_] = direction * found.second, found.error
         sizes[i][:, :, open_] = found.scale
-        good[open_[~fine]] = False
+        good[open_[~found.good]] = False
     others = [c for c in solution.system.coordinates if c.name not in names]
     for row, c in enumerate(others, len(names)):
         K[row] = 0.0
@@ -130,8 +132,8 @@ def _derivatives(solution: Solution, batch: Batch, given: Mapping[str, Any]) -> 
 
 def _coordinate(
     known_as: tuple[Solution, Model, Mapping[sp.Symbol, sp.Expr]], name: str, batch: Batch, κ: Reals, open_: Integers
-) -> tuple[Seconds, Mask]:
-    """Return the second derivatives of one action, and for which of the orbits they agree with it."""
+) -> Seconds:
+    """Return the second derivatives of one action; good where they agree with it."""
     solution, model, values = known_as
     uncertainty = [np.ravel(np.asarray(batch.error["constants"][c], dtype=float)) for c in solution.constants]
     programs = system_programs(model, kernels=False)
@@ -144,32 +146,33 @@ def _coordinate(
     n, m = len(κ), len(open_)
     second, error, scale = (np.zeros((n, n, m)) for _ in range(3))
     first = np.full((n, m), np.nan)
-    result = Seconds(np.full(m, np.nan), 0 * J, first, 0 * first, second, error, scale, np.zeros(m, dtype=bool))
-    fine = np.zeros(m, dtype=bool)
+    none = np.full(m, np.nan)
+    result = Seconds(0 * J, 0 * J, first, 0 * first, second, error, scale, none, np.zeros(m, dtype=bool))
+    done = np.zeros(m, dtype=bool)
     turning = np.flatnonzero(np.isfinite(ends[0]) & np.isfinite(ends[1]))
     found = placed(model.separated[k], programs, k, np.stack(ends)[:, turning], κ[:, open_[turning]])
     for attempt in range(ATTEMPTS):
-        for own, tables, paths, view, proved in found.paths(np.flatnonzero(~fine[turning]), attempt, integrand.known[turning]):
-            _keep(result, fine, turning[own], along(integrand, tables, paths, view, proved), J, J_error)
+        for own, tables, paths, view, proved in found.paths(np.flatnonzero(~done[turning]), attempt, integrand.known[turning]):
+            _keep(result, done, turning[own], along(integrand, tables, paths, view, proved), J, J_error)
     goes_round = ~(np.isfinite(ends[0]) & np.isfinite(ends[1]))
     for count in _TURNS:
-        left = np.flatnonzero(~fine & goes_round)
+        left = np.flatnonzero(~done & goes_round)
         if len(left):
             one = np.ones(len(left))
             paths = Paths(np.zeros((2, len(left))), np.ones(2), one, 0 * one, integrand.known[left])
-            _keep(result, fine, left, along(integrand, turn(count), paths, 0, one < 0), J, J_error)
-    return result, fine
+            _keep(result, done, left, along(integrand, turn(count), paths, 0, one < 0), J, J_error)
+    return result
 
 
-def _keep(result: Seconds, fine: Mask, some: Integers, found: Seconds, J: Reals, J_error: Reals) -> None:
-    """Keep what agrees with the action of the ensemble and is known well enough."""
+def _keep(result: Seconds, done: Mask, some: Integers, found: Seconds, J: Reals, J_error: Reals) -> None:
+    """Keep what agrees with the action of the ensemble and is known best; it is done where steps leave little open."""
     with np.errstate(all="ignore"):
         known = (found.error <= TOLERANCE * found.scale).all(axis=(0, 1))
         agrees = np.abs(found.action - J[some]) <= J_error[some] + _SAME * np.abs(J[some]) + 4 * found.action_error
-    right = found.good & agrees & known
-    fine[some[right]] = True
-    for own, new in zip(result[:-1], found[:-1], strict=True):
+    right = found.good & agrees & known & ~(result.left[some] <= found.left)
+    for own, new in zip(result, found, strict=True):
         own[..., some[right]] = new[..., right]
+    done[some] = result.good[some] & (result.left[some] <= _LITTLE)
 
 
 def _collected(

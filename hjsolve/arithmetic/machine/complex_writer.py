@@ -15,10 +15,13 @@ from hjsolve.arithmetic.machine.elementary import ROUNDINGS
 from hjsolve.arithmetic.machine.writer import InstructionWriter, Value
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 
-_BITS = 50
-"""|fl(x·y) − x·y| ≤ √5 u |x y|, and ≤ (√5 + 3) u |x/y| for a quotient by |y|² (Brent, Percival and Zimmermann 2007)."""
+_PRODUCT, _QUOTIENT = 3, 7
+"""Units of rounding: |fl(x·y) − x·y| ≤ √5 u |x y| (Brent, Percival and Zimmermann 2007); of a quotient |y|² has two, its
+inverse and ȳ/|y|² one more each."""
 _OF_LOGARITHM = 4
 """Units of rounding of |z|² next to 1, which the real part of a logarithm keeps as they are."""
+_OF_FUNCTION = 2 * ROUNDINGS + 1
+"""Units of rounding of the parts of a function that are products of two."""
 
 
 class ComplexValue(NamedTuple):
@@ -219,13 +222,45 @@ class ComplexRunningError(RunningError[ComplexValue]):
     """Running errors of complex values: the same rules with roundings of complex operations, bounds being real."""
 
     plain: ComplexWriter
-    own: int = ROUNDINGS
-    bits: int = _BITS
+    own: int = _OF_FUNCTION
+
+    def mul(
+        self, x: WithErrorBound[ComplexValue], y: WithErrorBound[ComplexValue]
+    ) -> WithErrorBound[ComplexValue]:
+        """Return x·y."""
+        value, units = self.plain.mul(x.value, y.value), self._units(x, y, _PRODUCT)
+        parts = self._part(y.value, x.error), self._part(x.value, y.error), self._scaled(value, units)
+        return WithErrorBound(value, self._sum(*parts))
+
+    def div(
+        self, x: WithErrorBound[ComplexValue], y: WithErrorBound[ComplexValue]
+    ) -> WithErrorBound[ComplexValue]:
+        """Return x/y."""
+        value, passed = self.plain.div(x.value, y.value), x.error
+        passed = self._sum(passed, self._part(value, y.error))
+        if passed is not None:
+            passed = self.plain.div(passed, self.plain.unary("abs", y.value))
+        return WithErrorBound(value, self._sum(passed, self._scaled(value, 1 if y.value.im is None else _QUOTIENT)))
+
+    def power(self, x: WithErrorBound[ComplexValue], n: int) -> WithErrorBound[ComplexValue]:
+        """Return xⁿ."""
+        a = self.plain
+        value = a.power(x.value, n)
+        slope = a.mul(a.rational(n, 1), a.power(x.value, n - 1)) if n != 1 else a.rational(1, 1)
+        units = abs(n) * (1 if x.value.im is None else _PRODUCT) + (0 if n > 0 else _QUOTIENT)
+        return WithErrorBound(value, self._sum(self._part(slope, x.error), self._scaled(value, units)))
+
+    def _units(self, x: WithErrorBound[ComplexValue], y: WithErrorBound[ComplexValue], both: int) -> int:
+        return 1 if x.value.im is None or y.value.im is None else both
 
     def unary(self, name: str, x: WithErrorBound[ComplexValue]) -> WithErrorBound[ComplexValue]:
         """Return Φ(x); its bound is |Φ′(x)| δx and its roundings."""
-        if name in {"neg", "sqrt"}:
-            return RunningError.unary(self, name, x)
+        if name == "sqrt":
+            value = self.plain.unary(name, x.value)
+            passed = None if x.error is None else self.plain.div(x.error, self.plain.unary("abs", value))
+            return WithErrorBound(value, self._sum(passed, self._scaled(value, _QUOTIENT)))
+        if name == "neg":
+            return WithErrorBound(self.plain.unary(name, x.value), x.error)
         if name == "abs":
             return WithErrorBound(AnalyticWriter(self.plain.writer).unary(name, x.value), x.error)
         if name not in {"exp", "log", "sin", "cos", "sinh", "cosh"}:
@@ -237,7 +272,7 @@ class ComplexRunningError(RunningError[ComplexValue]):
         own = self._scaled(value, self.own)  # real and imaginary part are products of two functions each
         if name == "log":
             slope = a.div(a.rational(1, 1), x.value)
-            own = a.add(own, a.rational(_OF_LOGARITHM, 2**self.bits))
+            own = a.add(own, a.rational(_OF_LOGARITHM, 2**self.bits))  # bits are 53
         else:
             slope = value if name == "exp" else a.unary(slopes[name], x.value)
         return WithErrorBound(value, self._sum(self._part(slope, x.error), own))

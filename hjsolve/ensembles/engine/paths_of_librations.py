@@ -10,7 +10,7 @@ import numpy as np
 
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.contour_integrals import circle, steps, strip
+from hjsolve.ensembles.engine.contour_integrals import circle, steps, strip
 from hjsolve.ensembles.engine.coordinate_of_orbits import offset
 from hjsolve.ensembles.engine.kernels.path_integrals import Paths, PathTable
 from hjsolve.ensembles.engine.kernels.types import Motions

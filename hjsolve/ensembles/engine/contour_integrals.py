@@ -47,6 +47,7 @@ class Seconds(NamedTuple):
         first, first_error: J_j and bounds on their errors, shape (constants, m).
         second, error: J_jk, shape (constants, constants, m).
         scale: the mean size of what J_jk is the mean of, of the same shape.
+        left: what the steps leave open of the J_jk, over their scale at most, shape (m,).
         good: whether the path holds the turning points and nothing else, as far as it shows.
     """
 
@@ -57,6 +58,7 @@ class Seconds(NamedTuple):
     second: Reals
     error: Reals
     scale: Reals
+    left: Reals
     good: Mask
 
 
@@ -177,7 +179,7 @@ def along(integrand: Integrand, tables: tuple[PathTable, ...], paths: Paths, vie
         c = left / scale[1:]
         share = np.minimum(1.0, np.where(proved, (8 * c) ** _PROVED, (4 * c) ** _EXPECTED))
         open_ = np.where(scale[1:] == 0, 0.0, scale[1:] * share)
-        open_ = np.where(np.isfinite(values), open_, np.nan)
+        share = np.where(scale[1:] == 0, 0.0, share)
     n = known
     pairs = np.zeros((n, n), dtype=np.int64)
     pairs[np.triu_indices(n)] = np.arange(n, results)
@@ -186,5 +188,5 @@ def along(integrand: Integrand, tables: tuple[PathTable, ...], paths: Paths, vie
     good = (made[0] > 0) & np.isfinite(made).all(axis=0) & np.isfinite(bounds).all(axis=0)
     return Seconds(
         made[1], rounding[0], values[:n], rounding[1 : 1 + n] + 4 * open_[:n], values[pairs], error[pairs],
-        scale[1:][pairs], good,
+        scale[1:][pairs], np.max(share[n:], axis=0), good,
     )  # fmt: skip
