@@ -123,8 +123,8 @@ def by_finite_parts(V: Term, start: tuple[float, float, float], ends: tuple[floa
     """Return J_E, J_L, J_EE, J_EL, J_LL of the radial action, by sums on the real axis in many digits.
 
     J = (1/2π) ∮ √F dx over x = log r, F = 2r² (E − V) − L². With x = m − h cos χ and F = h² sin²χ S the integrands of
-    J_jk are g/sin²χ, whose midpoint sums of N terms are too large by N (g(0) + g(π))/2. None where 1024 nodes leave more
-    than 20 digits open.
+    J_jk are g/sin²χ, whose midpoint sums of N terms are too large by N (g(0) + g(π))/2. None where 1024 nodes leave
+    more than 20 digits open.
     """
     r, pr, L = map(arb, start)
     E = (pr * pr + (L / r) ** 2) / 2 + V(r)
@@ -138,7 +138,7 @@ def by_finite_parts(V: Term, start: tuple[float, float, float], ends: tuple[floa
     tiny, last, n = h * arb(2) ** -100, None, 32
 
     def rows(x: Any, S: Any) -> list[Any]:
-        """g of J_EE, J_EL, J_LL, then J_E, J_L and what is regular in J_LL."""
+        """G of J_EE, J_EL, J_LL, then J_E, J_L and what is regular in J_LL."""
         flat, steep, root = 2 * (2 * x).exp(), -2 * L, S.sqrt()
         common = -1 / (4 * h * h * S * root)
         second = [flat * flat * common, flat * steep * common, steep * steep * common]
@@ -158,7 +158,8 @@ def by_finite_parts(V: Term, start: tuple[float, float, float], ends: tuple[floa
         made = [means[3], means[4], means[0], means[1], means[2] + means[5]]
         sizes = [*means[3:5], *(n * x for x in tips[0][:3])]
         if last is not None and all(
-            abs((x - y).mid()) <= 1e-20 * abs(x.mid()) + 1e-28 * abs(s.mid()) for x, y, s in zip(made, last, sizes, strict=True)
+            abs((x - y).mid()) <= 1e-20 * abs(x.mid()) + 1e-28 * abs(s.mid())
+            for x, y, s in zip(made, last, sizes, strict=True)
         ):
             return np.array([number.mpf(x.mid().str(40, radius=False)) for x in made])
         last, n = made, 2 * n

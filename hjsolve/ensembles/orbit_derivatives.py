@@ -139,7 +139,8 @@ def _coordinate(
     programs = system_programs(model, kernels=False)
     k = next(k for k, c in enumerate(model.separated) if c.name == name)
     known = np.ascontiguousarray(np.concatenate([κ, uncertainty])[:, open_].T)
-    integrand = Integrand(*path_programs(solution, name, values), programs.parameters, known)
+    below, above = path_programs(solution, name, values)
+    integrand = Integrand(below, above, programs.parameters, known)
     ends = [np.ravel(np.asarray(end, dtype=float))[open_] for end in batch.turning_points[name]]
     J = np.abs(np.ravel(batch.actions[name])[open_])
     J_error = np.ravel(batch.error["actions"][name])[open_]
@@ -152,7 +153,8 @@ def _coordinate(
     turning = np.flatnonzero(np.isfinite(ends[0]) & np.isfinite(ends[1]))
     found = placed(model.separated[k], programs, k, np.stack(ends)[:, turning], κ[:, open_[turning]])
     for attempt in range(ATTEMPTS):
-        for own, tables, paths, view, proved in found.paths(np.flatnonzero(~done[turning]), attempt, integrand.known[turning]):
+        left = np.flatnonzero(~done[turning])
+        for own, tables, paths, view, proved in found.paths(left, attempt, integrand.known[turning]):
             _keep(result, done, turning[own], along(integrand, tables, paths, view, proved), J, J_error)
     goes_round = ~(np.isfinite(ends[0]) & np.isfinite(ends[1]))
     for count in _TURNS:

@@ -16,8 +16,8 @@ from hjsolve.arithmetic.machine.writer import InstructionWriter, Value
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 
 _PRODUCT, _QUOTIENT = 3, 7
-"""Units of rounding: |fl(x·y) − x·y| ≤ √5 u |x y| (Brent, Percival and Zimmermann 2007); of a quotient |y|² has two, its
-inverse and ȳ/|y|² one more each."""
+"""Units of rounding: |fl(x·y) − x·y| ≤ √5 u |x y| (Brent, Percival and Zimmermann 2007); of a quotient |y|² has two,
+its inverse and ȳ/|y|² one more each."""
 _OF_LOGARITHM = 4
 """Units of rounding of |z|² next to 1, which the real part of a logarithm keeps as they are."""
 _OF_FUNCTION = 2 * ROUNDINGS + 1
@@ -224,17 +224,13 @@ class ComplexRunningError(RunningError[ComplexValue]):
     plain: ComplexWriter
     own: int = _OF_FUNCTION
 
-    def mul(
-        self, x: WithErrorBound[ComplexValue], y: WithErrorBound[ComplexValue]
-    ) -> WithErrorBound[ComplexValue]:
+    def mul(self, x: WithErrorBound[ComplexValue], y: WithErrorBound[ComplexValue]) -> WithErrorBound[ComplexValue]:
         """Return x·y."""
         value, units = self.plain.mul(x.value, y.value), self._units(x, y, _PRODUCT)
         parts = self._part(y.value, x.error), self._part(x.value, y.error), self._scaled(value, units)
         return WithErrorBound(value, self._sum(*parts))
 
-    def div(
-        self, x: WithErrorBound[ComplexValue], y: WithErrorBound[ComplexValue]
-    ) -> WithErrorBound[ComplexValue]:
+    def div(self, x: WithErrorBound[ComplexValue], y: WithErrorBound[ComplexValue]) -> WithErrorBound[ComplexValue]:
         """Return x/y."""
         value, passed = self.plain.div(x.value, y.value), x.error
         passed = self._sum(passed, self._part(value, y.error))

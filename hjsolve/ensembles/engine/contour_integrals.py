@@ -31,8 +31,8 @@ from hjsolve.ensembles.engine.strips_of_analyticity import half_width, squares
 _LONG, _NEAR = 48.0, 8.0
 """2n η of a path e^η away: e^−48 is left where the next singularity is as far; and what is added for small η."""
 _PROVED, _EXPECTED = 2.0, 1.5
-"""(8c)² is claimed where nothing but the motion and the end of a strip that is proved to resolve it bounds the rate, and
-(4c)^1.5 where that is only expected."""
+"""(8c)² is claimed where nothing but the motion and the end of a strip that is proved to resolve it bounds the rate,
+and (4c)^1.5 where that is only expected."""
 _SAMPLED = 4
 """Every which step errors are bounded at."""
 _TABLES = 512
@@ -88,7 +88,7 @@ def steps(η: Reals) -> Integers:
 
 
 def _table(places: tuple[Any, Any, Any, Any], χ: Reals, below: int, *, real: bool = False) -> tuple[PathTable, ...]:
-    """The steps, and every fourth of them."""
+    """Return the steps, and every fourth of them."""
     n = len(χ)
     parts = np.stack([part for z in places for part in (np.real(z), np.imag(z))]).astype(float)
     turned = np.where(np.arange(n) % 2 == 0, 1.0, -1.0) / n
@@ -137,9 +137,9 @@ def strip(key: NodeMap, size: int, count: int) -> tuple[PathTable, ...]:
     """
     table = libration_nodes(COUNTS[size], key.level, key.node_map)
     χ = np.pi * (np.arange(count) + 0.5) / count
-    z = χ + 0.5j * half_width(COUNTS[size], 1)
+    z: Complexes = χ + 0.5j * half_width(COUNTS[size], 1)
     sn2, cn2 = squares(z, table)
-    x, y = key.stretched(sn2, cn2)  # type: ignore[arg-type]
+    x, y = key.stretched(sn2, cn2)
     γ, δ = table.node_map
     slope: Complexes = 1 + γ * np.cos(z) + δ * np.cos(2 * z)
     square: Any = slope * slope * x * y

@@ -401,6 +401,11 @@ class Ends(NamedTuple):
     even: Mask
 
     def take(self, index: Integers) -> Ends:
+        """Return those of some motions.
+
+        Args:
+            index: which.
+        """
         return self._replace(bends=self.bends[..., index], even=self.even[index])
 
     def maps(self, width: Reals, *, alike: bool = False) -> tuple[Integers, Integers]:

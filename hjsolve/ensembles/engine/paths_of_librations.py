@@ -125,7 +125,9 @@ class PlacedLibrations:
         return Paths(np.ascontiguousarray(self.offsets[:, own]), signs, W, 0 * W, known)
 
 
-def placed(coordinate: Separated, programs: SystemPrograms, k: int, places: Reals, constants: Reals) -> PlacedLibrations:
+def placed(
+    coordinate: Separated, programs: SystemPrograms, k: int, places: Reals, constants: Reals
+) -> PlacedLibrations:
     """Place librations between their turning points.
 
     Args:
@@ -140,27 +142,39 @@ def placed(coordinate: Separated, programs: SystemPrograms, k: int, places: Real
     n, width = places.shape[1], places[1] - places[0]
     signs, none = np.array([float(formulas[0].sign), -float(formulas[1].sign)]), np.zeros(n, dtype=np.int64)
     with np.errstate(all="ignore"):
-        bends = np.stack([
-            run_rows(view.bend, programs.parameters, np.stack([x, *constants]))[1:] * np.array([[1.0], [0.5]])
+        seen = (
+            run_rows(view.bend, programs.parameters, np.stack([x, *constants]))
             for view, x in zip(codes, offsets, strict=True)
-        ])  # fmt: skip
+        )
+        bends = np.stack([np.stack([slope, 0.5 * bend]) for _, slope, bend in seen])
         maps, share = Ends(node_maps(), bends, signs, np.zeros(n, dtype=bool)).maps(width)
-        # W S′/S at an end is W over the distance of the zero or pole next to it
-        ratios = (np.abs(width * bend / (sign * first) + 1) for (first, bend), sign in zip(bends, signs, strict=True))
-        beyond = [width / np.maximum(ratio - _NOISE * np.abs(x) / width, 0.0) for ratio, x in zip(ratios, offsets, strict=True)]
     motions = Motions(
         momentum=0 * width, left=width, right=width, width=width, lower=offsets[0], upper=offsets[1], homes=offsets,
         signs=signs, known=np.zeros((n, 1)), uncertainty=np.zeros((n, 1)), first=maps, least=none, share=share,
     )  # fmt: skip
     proof = ResolutionProof(node_maps(), motions, formulas[0].clearance, formulas[1].clearance)
-    span = np.stack([np.zeros(n, dtype=np.int64), np.full(n, len(COUNTS))])
-    least = proof.least(np.arange(n), maps, span)
-    middle = offsets[0] + signs[0] * width / 2
-    clear = formulas[0].clearance.radius(middle)
-    h = width / 2
-    gaps = [h + np.where(np.isfinite(gap), gap, np.inf) for gap in beyond]
-    gaps += [np.abs(offsets[s]) + h for s in (0, 1) if (coordinate.lower, coordinate.upper)[s] is not None]
+    least = proof.least(np.arange(n), maps, np.stack([none, np.full(n, len(COUNTS))]))
+    return PlacedLibrations(formulas, offsets, width, _room(coordinate, motions, bends), maps, least)
+
+
+def _room(coordinate: Separated, motions: Motions, bends: Reals) -> Reals:
+    """Return the radius of the disk about the middle in which, as far as it shows, nothing but the motion is.
+
+    Ends of the domain, what is next to the turning points by F′ and F″ there, and what is not proved to be analytic.
+    """
+    W, signs, h = motions.width, motions.signs, motions.width / 2
+    middle, gaps = motions.lower + signs[0] * h, []
+    for (first, bend), sign, x in zip(bends, signs, (motions.lower, motions.upper), strict=True):
+        with np.errstate(all="ignore"):
+            # W S′/S at an end is W over the distance of the zero or pole next to it
+            ratio = np.abs(W * bend / (sign * first) + 1)
+            beyond = W / np.maximum(ratio - _NOISE * np.abs(x) / W, 0.0)
+        gaps.append(h + np.where(np.isfinite(beyond), beyond, np.inf))
+    for formula, x in ((coordinate.lower, motions.lower), (coordinate.upper, motions.upper)):
+        if formula is not None:
+            gaps.append(np.abs(x) + h)
+    clear = (coordinate.lower or coordinate.plain).clearance.radius(middle)
     gaps.append(np.where(clear > h, clear, np.inf))
     radius = np.minimum.reduce(gaps)
-    scale = np.where(np.isfinite(radius), radius, np.maximum(4 * h, np.maximum(1.0, np.abs(middle) / 2)))
-    return PlacedLibrations(formulas, offsets, width, scale, maps, least)
+    unbounded = np.maximum(4 * h, np.maximum(1.0, np.abs(middle) / 2))
+    return np.where(np.isfinite(radius), radius, unbounded)
