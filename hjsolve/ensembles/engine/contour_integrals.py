@@ -137,7 +137,7 @@ def strip(key: NodeMap, size: int, count: int) -> tuple[PathTable, ...]:
     """
     table = libration_nodes(COUNTS[size], key.level, key.node_map)
     χ = np.pi * (np.arange(count) + 0.5) / count
-    z: Complexes = χ + 0.5j * half_width(COUNTS[size], 1)
+    z: Complexes = (χ + 0.5j * half_width(COUNTS[size], 1)).astype(complex)
     sn2, cn2 = squares(z, table)
     x, y = key.stretched(sn2, cn2)
     γ, δ = table.node_map

@@ -102,8 +102,8 @@ def _bounds(tape: Tape, constants: int, parameters: int) -> MachineCode:
     xr, xi, tr, ti, blur, *rows = writer.inputs(5 + 2 * constants)
     plain, add, mul = ComplexWriter(writer), writer.add, writer.mul
     numbers = ParameterRows(writer, parameters)
-    pairs = [*zip(rows[:constants], rows[constants:], strict=True), *numbers.rounded]
-    known = [WithErrorBound(ComplexValue(v), ComplexValue(e)) for v, e in pairs]
+    pairs = [*zip(rows[:constants], rows[constants:], strict=True), *((x.value, x.error) for x in numbers.rounded)]
+    known = [WithErrorBound(ComplexValue(v), None if e is None else ComplexValue(e)) for v, e in pairs]
     place = WithErrorBound(ComplexValue(xr, xi), ComplexValue(blur))
     results = tape.run(ComplexRunningError(plain), [place, *known])
     zero, half, quarter = (writer.number(x) for x in (0.0, 0.5, 0.25))
