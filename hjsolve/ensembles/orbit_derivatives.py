@@ -152,10 +152,12 @@ def _coordinate(
     done = np.zeros(m, dtype=bool)
     turning = np.flatnonzero(np.isfinite(ends[0]) & np.isfinite(ends[1]))
     found = placed(model.separated[k], programs, k, np.stack(ends)[:, turning], κ[:, open_[turning]])
+    open_of_last = np.ones(len(turning))
     for attempt in range(ATTEMPTS):
         left = np.flatnonzero(~done[turning])
-        for own, tables, paths, view, proved in found.paths(left, attempt, integrand.known[turning]):
-            _keep(result, done, turning[own], along(integrand, tables, paths, view, proved), J, J_error)
+        for own, tables, paths, view, proved in found.paths(left, attempt, integrand.known[turning], open_of_last):
+            made = along(integrand, tables, paths, view, proved)
+            open_of_last[own] = np.where(_keep(result, done, turning[own], made, J, J_error), made.left, 1.0)
     goes_round = ~(np.isfinite(ends[0]) & np.isfinite(ends[1]))
     for count in _TURNS:
         left = np.flatnonzero(~done & goes_round)
@@ -166,8 +168,11 @@ def _coordinate(
     return result
 
 
-def _keep(result: Seconds, done: Mask, some: Integers, found: Seconds, J: Reals, J_error: Reals) -> None:
-    """Keep what agrees with the action of the ensemble and is known best; it is done where steps leave little open."""
+def _keep(result: Seconds, done: Mask, some: Integers, found: Seconds, J: Reals, J_error: Reals) -> Mask:
+    """Keep what agrees with the action of the ensemble and is known best; return which agree.
+
+    An orbit is done where steps leave little open.
+    """
     with np.errstate(all="ignore"):
         known = (found.error <= TOLERANCE * found.scale).all(axis=(0, 1))
         agrees = np.abs(found.action - J[some]) <= J_error[some] + _SAME * np.abs(J[some]) + 4 * found.action_error
@@ -175,6 +180,7 @@ def _keep(result: Seconds, done: Mask, some: Integers, found: Seconds, J: Reals,
     for own, new in zip(result, found, strict=True):
         own[..., some[right]] = new[..., right]
     done[some] = result.good[some] & (result.left[some] <= _LITTLE)
+    return agrees
 
 
 def _collected(

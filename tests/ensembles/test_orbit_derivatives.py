@@ -69,7 +69,8 @@ def test_small_motions_next_to_either_end_of_a_domain():
         hjsolve.ensemble_derivatives(system, q={"theta": place, "phi": 0 * θ}, p={"theta": pθ, "phi": pφ})
         for place in (θ, np.pi - θ)
     )
-    assert (below.status == "ok").all() and (above.status == "ok").all()
+    assert (below.status == "ok").all()
+    assert (above.status == "ok").all()
     for name in ("theta", "phi"):
         for constant in below.value["frequencies"][name]:
             one, other = (x.value["frequencies"][name][constant] for x in (below, above))

@@ -14,25 +14,29 @@ from hjsolve.ensembles.engine.contour_integrals import circle, steps, strip
 from hjsolve.ensembles.engine.coordinate_of_orbits import offset
 from hjsolve.ensembles.engine.kernels.path_integrals import Paths, PathTable
 from hjsolve.ensembles.engine.kernels.types import Motions
-from hjsolve.ensembles.engine.librating import Ends
+from hjsolve.ensembles.engine.librating import LibrationEnds
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Separated
 from hjsolve.ensembles.engine.node_maps import COUNTS, node_maps
 from hjsolve.ensembles.engine.programs import SystemPrograms, sides
 from hjsolve.ensembles.engine.proof_of_resolution import ResolutionProof
+from hjsolve.ensembles.engine.strips_of_analyticity import half_width
 
 ATTEMPTS = 4
 """Paths tried one after the other."""
 _CIRCLES = (1.0, 0.4)
-"""Parts of the way to what is next, of circles."""
-_MORE, _STEPS = (0, 0, 3, 6), (2.0, 3.0, 3.0, 3.0)
-"""How many sizes further the strips of later attempts are, and how many steps for each of their nodes."""
+"""Parts of the way to what is next, of circles; later attempts draw lines in strips."""
+_STEPS_A_NODE = (2.25, 3.5)
+"""Steps for each node that is proved to resolve an orbit, at the first attempt and later."""
 _UNPROVED = COUNTS.index(64)
 """The size to begin with where none is proved."""
+_MORE, _BLIND = 1.1, 2.0
+"""By how much more nodes are taken than steps that were not enough show to be needed, and than those that show
+nothing."""
 _NOISE = 2.0**-44
 """Relative error of F′ at a turning point, times the width over its distance from the origin."""
-_FROM_END, _SMALL, _NARROW = 0.9, 30.0, 1e-9
-"""How near in η a circle comes to what is next; ln of the room over the size of a small motion; and the width, over
-the distance from the origin of its view, of those that always get circles."""
+_FROM_END, _SMALL, _ROOMY = 0.9, 30.0, 8.0
+"""How near in η a circle comes to what is next; ln of the room over the size of a small motion; and the room, over half
+the width, from which on circles are drawn."""
 
 
 class OnePath(NamedTuple):
@@ -62,6 +66,7 @@ class PlacedLibrations:
         width: b − a.
         radius: of the disk about the middle in which nothing else is, as far as the turning points show.
         maps, least: the map, and the size that is proved to resolve the orbit, −1 for none.
+        sizes: those of the last attempt, of strips; written by ``paths``.
     """
 
     formulas: tuple[LoweredFormula, LoweredFormula]
@@ -70,23 +75,26 @@ class PlacedLibrations:
     radius: Reals
     maps: Integers
     least: Integers
+    sizes: Integers
 
-    def paths(self, left: Integers, attempt: int, known: Reals) -> Iterator[OnePath]:
+    def paths(self, left: Integers, attempt: int, known: Reals, open_: Reals) -> Iterator[OnePath]:
         """Yield the paths of some of the orbits.
 
         Args:
             left: which.
             attempt: how often they were tried before.
             known: constants and bounds on their errors, shape (n, 2 constants).
+            open_: what the steps of the last attempt left open, relatively; 1 or more where that showed nothing.
         """
         part = _CIRCLES[min(attempt, len(_CIRCLES) - 1)]
         η, away = self._circles(left, part)
-        size = np.where(self.least[left] < 0, _UNPROVED, self.least[left]) + _MORE[attempt]
-        size = np.minimum(size, len(COUNTS) - 1)
-        circles, strips = steps(η), (_STEPS[attempt] * np.array(COUNTS)[size]).astype(np.int64)
-        narrow = self.width[left] <= _NARROW * np.abs(self.offsets[:, left]).max(axis=0)
-        cheap = (circles <= strips) if attempt != 1 else (circles > strips) & (circles <= 2 * strips)
-        round_ = narrow | cheap
+        # next to a small motion the integrands on a line in its strip are far larger than their means
+        roomy = self.radius[left] >= _ROOMY * self.width[left] / 2
+        round_ = roomy & (attempt < len(_CIRCLES))
+        again = left[~round_ & (attempt > np.where(roomy, len(_CIRCLES), 0))]
+        self._enlarge(again, open_[again])
+        size = self.sizes[left]
+        circles, strips = steps(η), (_STEPS_A_NODE[min(attempt, 1)] * np.array(COUNTS)[size]).astype(np.int64)
         view = (np.abs(self.offsets[1, left]) < np.abs(self.offsets[0, left])) & (self.formulas[1].sign < 0)
         code = np.where(round_, -1 - 2 * circles - view, self.maps[left] * len(COUNTS) + size)
         order = np.argsort(code, kind="stable")
@@ -100,6 +108,19 @@ class PlacedLibrations:
             else:
                 tables = strip(node_maps().key(int(self.maps[left[first]])), int(size[first]), int(strips[first]))
                 yield OnePath(own, tables, self._between(own, known[own]), 0, self.least[own] >= 0)
+
+    def _enlarge(self, some: Integers, open_: Reals) -> None:
+        """Take as many nodes as the steps of the last attempt show to be needed.
+
+        N steps at a/2 left c ~ exp(−N (b − a/2)), b being where the next singularity is, and (8c)² was claimed.
+        """
+        counts = np.array(COUNTS)[self.sizes[some]]
+        a = np.array([half_width(n, 1) for n in counts])
+        with np.errstate(all="ignore"):
+            b = a / 2 - np.log(np.sqrt(open_) / 8) / (_STEPS_A_NODE[0] * counts)
+            needed = np.where(open_ < 1, _MORE * counts * np.minimum(a / b, _BLIND), _BLIND * counts)
+        needed = np.where(np.isfinite(needed) & (self.least[some] >= 0), needed, _BLIND * counts)
+        self.sizes[some] = np.minimum(np.searchsorted(COUNTS, np.maximum(needed, counts)), len(COUNTS) - 1)
 
     def _circles(self, left: Integers, part: float) -> tuple[Reals, Reals]:
         """How far in η a circle is from the motion and from what is next, rounded down; and ln 2ρ/h, or −ρ."""
@@ -147,20 +168,21 @@ def placed(
             for view, x in zip(codes, offsets, strict=True)
         )
         bends = np.stack([np.stack([slope, 0.5 * bend]) for _, slope, bend in seen])
-        maps, share = Ends(node_maps(), bends, signs, np.zeros(n, dtype=bool)).maps(width)
+        maps, share = LibrationEnds(node_maps(), bends, signs, np.zeros(n, dtype=bool)).maps(width)
     motions = Motions(
         momentum=0 * width, left=width, right=width, width=width, lower=offsets[0], upper=offsets[1], homes=offsets,
         signs=signs, known=np.zeros((n, 1)), uncertainty=np.zeros((n, 1)), first=maps, least=none, share=share,
     )  # fmt: skip
     proof = ResolutionProof(node_maps(), motions, formulas[0].clearance, formulas[1].clearance)
     least = proof.least(np.arange(n), maps, np.stack([none, np.full(n, len(COUNTS))]))
-    return PlacedLibrations(formulas, offsets, width, _room(coordinate, motions, bends), maps, least)
+    sizes = np.where(least < 0, _UNPROVED, least)
+    return PlacedLibrations(formulas, offsets, width, _room(coordinate, motions, bends), maps, least, sizes)
 
 
 def _room(coordinate: Separated, motions: Motions, bends: Reals) -> Reals:
     """Return the radius of the disk about the middle in which, as far as it shows, nothing but the motion is.
 
-    Ends of the domain, what is next to the turning points by F′ and F″ there, and what is not proved to be analytic.
+    LibrationEnds of the domain, what is next to the turning points by F′ and F″ there, and what is not proved to be analytic.
     """
     W, signs, h = motions.width, motions.signs, motions.width / 2
     middle, gaps = motions.lower + signs[0] * h, []
