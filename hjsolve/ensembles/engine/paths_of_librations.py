@@ -34,7 +34,7 @@ _MORE, _BLIND = 1.1, 2.0
 nothing."""
 _NOISE = 2.0**-44
 """Relative error of F′ at a turning point, times the width over its distance from the origin."""
-_FROM_END, _SMALL, _ROOMY = 0.9, 30.0, 8.0
+_FROM_END, _SMALL, _ROOMY = 0.9, 30.0, 4.0
 """How near in η a circle comes to what is next; ln of the room over the size of a small motion; and the room, over half
 the width, from which on circles are drawn."""
 
@@ -182,7 +182,7 @@ def placed(
 def _room(coordinate: Separated, motions: Motions, bends: Reals) -> Reals:
     """Return the radius of the disk about the middle in which, as far as it shows, nothing but the motion is.
 
-    LibrationEnds of the domain, what is next to the turning points by F′ and F″ there, and what is not proved to be analytic.
+    Ends of the domain, what is next to the turning points by F′ and F″ there, and what is not proved to be analytic.
     """
     W, signs, h = motions.width, motions.signs, motions.width / 2
     middle, gaps = motions.lower + signs[0] * h, []
