@@ -128,9 +128,7 @@ def main() -> None:
     states = hjsolve.ensemble(solution, actions=actions, angles=angles, want={"state"}, fallback=False)
     left = np.flatnonzero(states.codes != 0)
     gap = between_lobes(solution, {name: J[left] for name, J in actions.items()})
-    print(
-        f"\ntwo-centres-space: of {len(left)} that are left over {gap} lie in the gap of a separatrix, where no torus is"
-    )
+    print(f"\ntwo-centres-space: of {len(left)} left over {gap} lie in the gap of a separatrix, where no torus is")
 
 
 if __name__ == "__main__":

@@ -141,7 +141,7 @@ def strip(key: NodeMap, size: int, count: int) -> tuple[PathTable, ...]:
     sn2, cn2 = squares(z, table)
     x, y = key.stretched(sn2, cn2)
     γ, δ = table.node_map
-    slope: Complexes = 1 + γ * np.cos(z) + δ * np.cos(2 * z)
+    slope = 1 + γ * np.cos(z) + δ * np.cos(2 * z)
     square: Any = slope * slope * x * y
     if key.level:
         d, c = 2.0**key.lower - 1, 2.0**key.upper - 1
