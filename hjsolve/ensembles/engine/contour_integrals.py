@@ -127,13 +127,14 @@ def turn(count: int) -> tuple[PathTable, ...]:
 
 
 @lru_cache(maxsize=_TABLES)
-def strip(key: NodeMap, size: int, count: int) -> tuple[PathTable, ...]:
+def strip(key: NodeMap, size: int, count: int, side: int) -> tuple[PathTable, ...]:
     """Return the steps of a line half way up the strip of a map and a size: A (q − a)/W, then A (b − q)/W.
 
     Args:
         key: the map, of motions that are not seen as even.
         size: place in ``COUNTS``.
         count: how many steps, an even number.
+        side: 0 or 1 where all steps are seen from the lower or the upper end, 2 where each is from the nearer one.
     """
     table = libration_nodes(COUNTS[size], key.level, key.node_map)
     χ = np.pi * (np.arange(count) + 0.5) / count
@@ -147,7 +148,8 @@ def strip(key: NodeMap, size: int, count: int) -> tuple[PathTable, ...]:
         d, c = 2.0**key.lower - 1, 2.0**key.upper - 1
         square = square * (2 * table.quarter / np.pi) ** 2 * table.complement * (1 + c * y) * (1 + d * x)
     below = int(np.argmax(np.abs(x) > np.abs(y))) // _SAMPLED * _SAMPLED
-    seen = np.where(np.arange(count) < below, x, y)
+    seen = (x, y, np.where(np.arange(count) < below, x, y))[side]
+    below = below if side == 2 else count
     return _table((seen, 0 * seen, np.sqrt(square), 0 * seen), χ, below)
 
 

@@ -32,6 +32,8 @@ _UNPROVED = COUNTS.index(64)
 _MORE, _BLIND = 1.1, 2.0
 """By how much more nodes are taken than steps that were not enough show to be needed, and than those that show
 nothing."""
+_FAR = 8.0
+"""How much farther away the other end of a domain is, from where on it is not looked from there."""
 _NOISE = 2.0**-44
 """Relative error of F′ at a turning point, times the width over its distance from the origin."""
 _FROM_END, _SMALL, _ROOMY = 0.9, 30.0, 4.0
@@ -96,18 +98,21 @@ class PlacedLibrations:
         size = self.sizes[left]
         circles, strips = steps(η), (_STEPS_A_NODE[min(attempt, 1)] * np.array(COUNTS)[size]).astype(np.int64)
         view = (np.abs(self.offsets[1, left]) < np.abs(self.offsets[0, left])) & (self.formulas[1].sign < 0)
-        code = np.where(round_, -1 - 2 * circles - view, self.maps[left] * len(COUNTS) + size)
+        far = np.abs(self.offsets[::-1, left]) > _FAR * (np.abs(self.offsets[:, left]) + self.width[left])
+        side = np.where(far[0], 0, np.where(far[1], 1, 2))
+        code = np.where(round_, -1 - 2 * circles - view, 3 * (self.maps[left] * len(COUNTS) + size) + side)
         order = np.argsort(code, kind="stable")
         for group in np.split(order, np.flatnonzero(np.diff(code[order])) + 1):
             if not len(group):
                 continue
             own, first = left[group], group[0]
             if round_[first]:
-                tables, side = circle(int(circles[first])), int(view[first])
-                yield OnePath(own, tables, self._round(own, away[group], side, known[own]), side, own < 0)
+                tables, end = circle(int(circles[first])), int(view[first])
+                yield OnePath(own, tables, self._round(own, away[group], end, known[own]), end, own < 0)
             else:
-                tables = strip(node_maps().key(int(self.maps[left[first]])), int(size[first]), int(strips[first]))
-                yield OnePath(own, tables, self._between(own, known[own]), 0, self.least[own] >= 0)
+                key, end = node_maps().key(int(self.maps[left[first]])), int(side[first])
+                tables = strip(key, int(size[first]), int(strips[first]), end)
+                yield OnePath(own, tables, self._between(own, end, known[own]), end % 2, self.least[own] >= 0)
 
     def _enlarge(self, some: Integers, open_: Reals) -> None:
         """Take as many nodes as the steps of the last attempt show to be needed.
@@ -140,10 +145,10 @@ class PlacedLibrations:
         middle = self.offsets[side, own] + inward * h
         return Paths(np.stack([middle] * 2), np.ones(2), ρ, h * h / (4 * ρ), known)
 
-    def _between(self, own: Integers, known: Reals) -> Paths:
+    def _between(self, own: Integers, end: int, known: Reals) -> Paths:
         signs = np.array([float(self.formulas[0].sign), -float(self.formulas[1].sign)])
-        W = np.ascontiguousarray(self.width[own])
-        return Paths(np.ascontiguousarray(self.offsets[:, own]), signs, W, 0 * W, known)
+        W, seen = np.ascontiguousarray(self.width[own]), [end, end] if end < 2 else [0, 1]
+        return Paths(np.ascontiguousarray(self.offsets[:, own][seen]), signs[seen], W, 0 * W, known)
 
 
 def placed(
