@@ -15,6 +15,7 @@ import numpy as np
 
 import hjsolve
 from benchmarks import galaxy_families
+from hjsolve.motion.initial_data import parameter_values
 
 Columns = dict[str, Any]
 _DRAWS = 6
@@ -84,6 +85,33 @@ def row(title: str, solution: Any, actions: Columns, angles: Columns) -> str:
     return f"| {title} | {count} | {parts} | {worst:.2g} |"
 
 
+def between_lobes(solution: Any, actions: Columns) -> int:
+    """Count orbits about two centres that no torus has: J_η between the larger lobe at the separatrix and both lobes.
+
+    On the separatrix F_η has a double zero between the centres; its energy is found from J_ξ and p_φ, by bisection.
+    """
+    values = {symbol.name: float(value) for symbol, value in parameter_values(solution.system, {}).items()}
+    a, m, k1, k2 = (values[name] for name in ("a", "m", "k1", "k2"))
+    η, ξ = np.linspace(1e-4, np.pi - 1e-4, 20_001), np.linspace(1e-4, 9, 20_001)
+    found = 0
+    for J_ξ, J_η, L in zip(*(actions[n] for n in ("xi", "eta", "phi")), strict=True):
+        low, high, lobes = -50.0, -1e-2, None
+        for _ in range(50):
+            E = -np.sqrt(low * high)
+            F = 2 * E * a * a * m * np.sin(η) ** 2 - 2 * a * (k1 - k2) * m * np.cos(η) - (L / np.sin(η)) ** 2
+            dips = 1 + np.flatnonzero((F[1:-1] < F[:-2]) & (F[1:-1] < F[2:]))
+            if not len(dips):
+                high = E
+                continue
+            top = dips[0]
+            other = 2 * E * a * a * m * np.sinh(ξ) ** 2 + 2 * a * (k1 + k2) * m * np.cosh(ξ) - (L / np.sinh(ξ)) ** 2
+            root, at = np.sqrt(np.fmax(F - F[top], 0)), np.trapezoid(np.sqrt(np.fmax(other + F[top], 0)), ξ) / np.pi
+            lobes = [np.trapezoid(part, η[:n]) / np.pi for part, n in ((root[:top], top), (root[top:], len(η) - top))]
+            low, high = (E, high) if at < J_ξ else (low, E)
+        found += lobes is not None and max(lobes) < J_η < sum(lobes)
+    return found
+
+
 def main() -> None:
     """Print the table."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 4096
@@ -96,6 +124,11 @@ def main() -> None:
         print(row(family, galaxy, dict(forth.actions), dict(forth.angles)), flush=True)
     for name in SYSTEMS:
         print(row(name, hjsolve.solve(name), *drawn(name, count)), flush=True)
+    solution, (actions, angles) = hjsolve.solve("two-centres-space"), drawn("two-centres-space", count)
+    states = hjsolve.ensemble(solution, actions=actions, angles=angles, want={"state"}, fallback=False)
+    left = np.flatnonzero(states.codes != 0)
+    gap = between_lobes(solution, {name: J[left] for name, J in actions.items()})
+    print(f"\ntwo-centres-space: of {len(left)} left over {gap} lie in the gap of a separatrix, where no torus is")
 
 
 if __name__ == "__main__":

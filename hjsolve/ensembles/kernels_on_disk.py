@@ -10,6 +10,7 @@ import numpy as np
 from hjsolve.arithmetic.machine.compiling import available
 from hjsolve.arithmetic.machine.operations import APART, NAMES
 from hjsolve.arithmetic.machine.run import prepared
+from hjsolve.ensembles.orbit_derivatives import ensemble_derivatives
 from hjsolve.ensembles.orbits import ensemble
 
 _STARTS = {
@@ -38,5 +39,6 @@ def compile_kernels(progress: Callable[[float, str], None] = lambda _part, _word
     for number, (name, (q, p)) in enumerate(_STARTS.items(), len(apart)):
         progress(number / count, "kernels")
         ensemble(name, q=q, p={c: np.array(x) for c, x in p.items()}, threads=1, shown=False, fallback=False)
+        ensemble_derivatives(name, q=q, p={c: np.array(x) for c, x in p.items()}, threads=1)
     progress(1.0, "")
     return time.process_time() - begin

@@ -18,28 +18,28 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.arithmetic.tape import Tape
 from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.ensembles.batch import Batch
-from hjsolve.ensembles.contour_integrals import Integrand, Seconds, along, round_the_circle, steps
+from hjsolve.ensembles.engine.contour_integrals import Integrand, Seconds, along, turn
+from hjsolve.ensembles.engine.kernels.path_integrals import Paths
+from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model
+from hjsolve.ensembles.engine.paths_of_librations import ATTEMPTS, placed
+from hjsolve.ensembles.engine.programs import system_programs
+from hjsolve.ensembles.engine.programs_of_paths import path_programs
 from hjsolve.ensembles.orbits import ensemble
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.system import System
-from hjsolve.motion.exact_numbers import to_bits
-from hjsolve.motion.initial_data import domain_ends, parameter_values
-from hjsolve.motion.positions import tape_of
+from hjsolve.motion.initial_data import parameter_values
 from hjsolve.solution.quadratures import Solution, solve
 
-_BLOCK = 256
-"""Orbits that are integrated together: their steps stay in the caches."""
-_PATHS = ((1.0, 1.0), (1.0, 1.6), (0.5, 1.3), (0.25, 1.6), (0.1, 1.6))
-_ROUNDS = (24, 96, 384)
-"""Paths tried one after the other: fractions of the first, and how many steps more; half the steps round a circle."""
-_FROM_END, _SMALL, _SAME = 0.9, 30.0, 1e-10
-"""How near in η a path comes to the end of the domain; ln of the room of a small motion over its size; and how well J
-and Ω must agree."""
+_TURNS = (48, 192, 768)
+"""Steps of a whole turn, tried one after the other."""
+_SAME = 1e-10
+"""How well J and Ω must agree."""
+_LITTLE = 1e-12
+"""What steps may leave open, over the terms of the sum, without another path being tried."""
 TOLERANCE = 1e-10
 """Largest claimed error of an orbit that is ``ok``, relative to the terms that it is the sum of."""
 
@@ -113,15 +113,16 @@ def _derivatives(solution: Solution, batch: Batch, given: Mapping[str, Any]) -> 
     dK, error, sizes = (np.zeros((n, n, n, count)) for _ in range(3))
     good = np.zeros(count, dtype=bool)
     good[open_] = True
-    exact = parameter_values(solution.system, given)
+    values = parameter_values(solution.system, given)
+    model = lowered_model(solution, values)
     for i, name in enumerate(names):
-        found, fine = _coordinate(solution, exact, name, batch, κ, open_)
+        found = _coordinate((solution, model, values), name, batch, κ, open_)
         direction = np.sign(np.ravel(batch.actions[name])[open_])
         direction = np.where(direction == 0, 1.0, direction)
         K[i][:, open_], K_error[i][:, open_] = direction * found.first, found.first_error
         dK[i][:, :, open_], error[i][:, :, open_] = direction * found.second, found.error
         sizes[i][:, :, open_] = found.scale
-        good[open_[~fine]] = False
+        good[open_[~found.good]] = False
     others = [c for c in solution.system.coordinates if c.name not in names]
     for row, c in enumerate(others, len(names)):
         K[row] = 0.0
@@ -129,76 +130,57 @@ def _derivatives(solution: Solution, batch: Batch, given: Mapping[str, Any]) -> 
     return _collected(solution, batch, (K, K_error, dK, error, sizes), good, status)
 
 
-def _tapes(solution: Solution, name: str) -> tuple[Tape, Tape]:
-    """Return F with its derivatives, and F alone."""
-    F, q = solution.momentum_squared[name], solution.system.coordinate(name).symbol
-    κ = [c.symbol for c in solution.constants.values()]
-    first = [sp.diff(F, c) for c in κ]
-    second = [sp.diff(first[j], κ[k]) for j in range(len(κ)) for k in range(j, len(κ))]
-    inputs = (q, *κ, *(p.symbol for p in solution.system.parameters))
-    return tape_of((F, *first, *second), inputs), tape_of((F,), inputs)
-
-
 def _coordinate(
-    solution: Solution, exact: Mapping[sp.Symbol, sp.Expr], name: str, batch: Batch, κ: Reals, open_: Integers
-) -> tuple[Seconds, Mask]:
-    """Return the second derivatives of one action, and for which of the orbits they agree with it."""
-    numbers = [float(to_bits(exact[p.symbol])(64)) for p in solution.system.parameters]
+    known_as: tuple[Solution, Model, Mapping[sp.Symbol, sp.Expr]], name: str, batch: Batch, κ: Reals, open_: Integers
+) -> Seconds:
+    """Return the second derivatives of one action; good where they agree with it."""
+    solution, model, values = known_as
     uncertainty = [np.ravel(np.asarray(batch.error["constants"][c], dtype=float)) for c in solution.constants]
-    integrand = Integrand(*_tapes(solution, name), κ, np.array(uncertainty), numbers)
-    low, high = (np.ravel(np.asarray(end, dtype=float))[open_] for end in batch.turning_points[name])
+    programs = system_programs(model, kernels=False)
+    k = next(k for k, c in enumerate(model.separated) if c.name == name)
+    known = np.ascontiguousarray(np.concatenate([κ, uncertainty])[:, open_].T)
+    below, above = path_programs(solution, name, values)
+    integrand = Integrand(below, above, programs.parameters, known)
+    ends = [np.ravel(np.asarray(end, dtype=float))[open_] for end in batch.turning_points[name]]
     J = np.abs(np.ravel(batch.actions[name])[open_])
     J_error = np.ravel(batch.error["actions"][name])[open_]
-    ends = [None if end is None else float(to_bits(end)(64)) for end in domain_ends(solution.system, name, exact)]
-    least = 1.0 if solution.system.coordinate(name).domain.kind == "angle" else 0.0
     n, m = len(κ), len(open_)
     second, error, scale = (np.zeros((n, n, m)) for _ in range(3))
     first = np.full((n, m), np.nan)
-    result = Seconds(np.full(m, np.nan), first, 0 * first, second, error, scale, np.zeros(m, dtype=bool))
-    fine, turning = np.zeros(m, dtype=bool), np.isfinite(low) & np.isfinite(high)
-    for attempt, (part, more) in enumerate(_PATHS):
-        left = np.flatnonzero(~fine & turning)
-        middle, h = (low[left] + high[left]) / 2, (high[left] - low[left]) / 2
-        ρ, η = _path(middle, h, (ends, least), part)
-        for step in np.unique(η):
-            own = np.flatnonzero(η == step)
-            for block in np.array_split(own, -(-len(own) // _BLOCK)):
-                some = left[block]
-                path = middle[block], h[block], ρ[block]
-                found = along(integrand.take(open_[some]), path, steps(step, more))
-                _keep(result, fine, some, found, J, J_error)
-        if attempt < len(_ROUNDS):
-            left = np.flatnonzero(~fine & ~turning)
-            for block in np.array_split(left, max(1, -(-len(left) // _BLOCK))) if len(left) else ():
-                found = round_the_circle(integrand.take(open_[block]), _ROUNDS[attempt])
-                _keep(result, fine, block, found, J, J_error)
-    return result, fine
+    none = np.full(m, np.nan)
+    result = Seconds(0 * J, 0 * J, first, 0 * first, second, error, scale, none, np.zeros(m, dtype=bool))
+    done = np.zeros(m, dtype=bool)
+    turning = np.flatnonzero(np.isfinite(ends[0]) & np.isfinite(ends[1]))
+    found = placed(model.separated[k], programs, k, np.stack(ends)[:, turning], κ[:, open_[turning]])
+    open_of_last = np.ones(len(turning))
+    for attempt in range(ATTEMPTS):
+        left = np.flatnonzero(~done[turning])
+        for own, tables, paths, view, proved in found.paths(left, attempt, integrand.known[turning], open_of_last):
+            made = along(integrand, tables, paths, view, proved)
+            open_of_last[own] = np.where(_keep(result, done, turning[own], made, J, J_error), made.left, 1.0)
+    goes_round = ~(np.isfinite(ends[0]) & np.isfinite(ends[1]))
+    for count in _TURNS:
+        left = np.flatnonzero(~done & goes_round)
+        if len(left):
+            one = np.ones(len(left))
+            paths = Paths(np.zeros((2, len(left))), np.ones(2), one, 0 * one, integrand.known[left])
+            _keep(result, done, left, along(integrand, turn(count), paths, 0, one < 0), J, J_error)
+    return result
 
 
-def _keep(result: Seconds, fine: Mask, some: Integers, found: Seconds, J: Reals, J_error: Reals) -> None:
-    """Keep what agrees with the action of the ensemble and is known well enough."""
+def _keep(result: Seconds, done: Mask, some: Integers, found: Seconds, J: Reals, J_error: Reals) -> Mask:
+    """Keep what agrees with the action of the ensemble and is known best; return which agree.
+
+    An orbit is done where steps leave little open.
+    """
     with np.errstate(all="ignore"):
-        size = np.max(np.abs(found.first), axis=0)
         known = (found.error <= TOLERANCE * found.scale).all(axis=(0, 1))
-        agrees = np.abs(found.action - J[some]) <= J_error[some] + _SAME * np.abs(J[some]) + 64 * EPS * size
-    right = found.good & agrees & known
-    fine[some[right]] = True
-    for own, new in zip(result[:6], found[:6], strict=True):
+        agrees = np.abs(found.action - J[some]) <= J_error[some] + _SAME * np.abs(J[some]) + 4 * found.action_error
+    right = found.good & agrees & known & ~(result.left[some] <= found.left)
+    for own, new in zip(result, found, strict=True):
         own[..., some[right]] = new[..., right]
-
-
-def _path(middle: Reals, h: Reals, room: tuple[list[float | None], float], part: float) -> tuple[Reals, Reals]:
-    """ρ, and η rounded down to some few values: halfway to the end of the domain, or to what is far."""
-    gaps = [np.abs(middle - end) for end in room[0] if end is not None]
-    farthest_out = np.minimum.reduce(gaps) if gaps else np.maximum.reduce([4 * h, np.abs(middle) / 2, room[1] + 0 * h])
-    with np.errstate(all="ignore"):
-        farthest = np.arccosh(np.maximum(farthest_out / h, 1 + 1e-12))
-        away = part * np.maximum(farthest / 2, farthest - _FROM_END)
-        away = np.where(np.isfinite(away), away, part * _SMALL)
-        near = np.where(np.isfinite(farthest), np.minimum(away, farthest - away), _FROM_END)
-        η = np.clip(2.0 ** (np.floor(3 * np.log2(near)) / 3), 2.0**-6, 1.0)
-        ρ = np.where(h > farthest_out * np.exp(-_SMALL), h * np.exp(away) / 2, farthest_out * part * np.exp(-_FROM_END))
-    return ρ, η
+    done[some] = result.good[some] & (result.left[some] <= _LITTLE)
+    return agrees
 
 
 def _collected(

@@ -160,7 +160,7 @@ def _wide(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, Motions]:
     return sums, motions
 
 
-def _between(one: CoordinateOfOrbits) -> tuple[Motions, _Ends]:
+def _between(one: CoordinateOfOrbits) -> tuple[Motions, LibrationEnds]:
     """Return the motions between their turning points, in doubles."""
     n = len(one.q)
     places, bends, distances = np.empty((2, n)), np.empty((2, 2, n)), []
@@ -173,7 +173,7 @@ def _between(one: CoordinateOfOrbits) -> tuple[Motions, _Ends]:
     below, above = sides(one.coordinate)
     width = distances[0] + distances[1]
     even = one.coordinate.even & (np.abs(distances[0] - distances[1] - 2 * one.q) <= 1e-13 * width)
-    ends = _Ends(node_maps(), bends, np.array([float(below.sign), -float(above.sign)]), even)
+    ends = LibrationEnds(node_maps(), bends, np.array([float(below.sign), -float(above.sign)]), even)
     first, share = ends.maps(width)
     homes = np.stack([_home(below, places[0], above, places[1]), _home(above, places[1], below, places[0])])
     motions = Motions(
@@ -385,7 +385,7 @@ def _at_rest(one: CoordinateOfOrbits, first: Reals) -> Sums:
 
 
 # ------------------------------------------------------------------------------------------------- how they are placed
-class _Ends(NamedTuple):
+class LibrationEnds(NamedTuple):
     """Turning points of n motions.
 
     Attributes:
@@ -400,7 +400,12 @@ class _Ends(NamedTuple):
     signs: Reals
     even: Mask
 
-    def take(self, index: Integers) -> _Ends:
+    def take(self, index: Integers) -> LibrationEnds:
+        """Return those of some motions.
+
+        Args:
+            index: which.
+        """
         return self._replace(bends=self.bends[..., index], even=self.even[index])
 
     def maps(self, width: Reals, *, alike: bool = False) -> tuple[Integers, Integers]:

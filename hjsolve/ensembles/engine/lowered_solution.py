@@ -7,7 +7,7 @@ accuracy where q does not.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import lru_cache
@@ -21,6 +21,7 @@ from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.errors import InvalidInputError
 from hjsolve.lowering import lower, with_plain_exponents, without_inverse_functions
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.solution.quadratures import Solution
 
@@ -117,9 +118,14 @@ def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Mo
     momenta = {c.momentum: c.momentum for c in system.coordinates}
     shift = lower([solution.shift[n].subs(momenta) for n in solution.coordinates], start)
     names = tuple(c.name for c in system.coordinates)
+    symbols, known = (tuple(constants), tuple(parameters)), tuple(values.items())
     separated = tuple(
-        _separated(solution, name, names.index(name), constants, parameters, values) for name in solution.coordinates
-    )
+        _separated(
+            system.coordinate(name), (solution.momentum_squared[name], solution.shift[name] != 0), names.index(name),
+            symbols, known,
+        )
+        for name in solution.coordinates
+    )  # fmt: skip
     ignorable = {
         c.name: list(solution.constants).index(c.momentum.name)
         for c in system.coordinates
@@ -146,16 +152,14 @@ def _fraction(value: sp.Expr) -> Fraction:
     return Fraction(int(ldexp(mantissa, _BITS))) * Fraction(2) ** (int(power) - _BITS)
 
 
+@lru_cache(maxsize=_KEPT)
 def _separated(
-    solution: Solution,
-    name: str,
-    index: int,
-    constants: list[sp.Symbol],
-    parameters: list[sp.Symbol],
-    values: Mapping[sp.Symbol, sp.Expr],
-) -> Separated:
-    coordinate = solution.system.coordinate(name)
-    q, F = coordinate.symbol, with_plain_exponents(solution.momentum_squared[name], values)
+    coordinate: Coordinate, shell: tuple[sp.Expr, bool], index: int,
+    symbols: tuple[tuple[sp.Symbol, ...], tuple[sp.Symbol, ...]], known: tuple[tuple[sp.Symbol, sp.Expr], ...],
+) -> Separated:  # fmt: skip
+    """Lower p² of a coordinate, ``shell`` with whether P differs from p; ``symbols`` of constants and parameters."""
+    (constants, parameters), values = symbols, dict(known)
+    q, F, name = coordinate.symbol, with_plain_exponents(shell[0], values), coordinate.name
     kernels = [sp.diff(F, c) / 2 for c in constants]
     parts = _parts(F, constants)
 
@@ -187,11 +191,10 @@ def _separated(
     open_ = lower_end is None and upper_end is None
     same = open_ or (lower_end is not None and upper_end is not None and sp.expand(lower_end + upper_end) == 0)
     even = bool(same and not angle and sp.expand(F.subs(q, -q) - F) == 0)
-    shifted = solution.shift[name] != 0
-    return Separated(name, index, plain, from_end(lower_end, 1), from_end(upper_end, -1), angle, shifted, even)
+    return Separated(name, index, plain, from_end(lower_end, 1), from_end(upper_end, -1), angle, shell[1], even)
 
 
-def _parts(F: sp.Expr, constants: list[sp.Symbol]) -> list[sp.Expr] | None:
+def _parts(F: sp.Expr, constants: Sequence[sp.Symbol]) -> list[sp.Expr] | None:
     """Return the coefficients of F as a polynomial in the constants; None where it is none, or of a high degree."""
     found, level = [], [(F, 0)]
     none = dict.fromkeys(constants, 0)
@@ -248,7 +251,7 @@ def multiplied_out(expression: sp.Expr, x: sp.Symbol) -> sp.Expr:
 
 
 def periodic(
-    squared: Tape, values: Mapping[sp.Symbol, sp.Expr], constants: list[sp.Symbol], parameters: list[sp.Symbol]
+    squared: Tape, values: Mapping[sp.Symbol, sp.Expr], constants: Sequence[sp.Symbol], parameters: Sequence[sp.Symbol]
 ) -> bool:
     """Tell whether p² has period 2π in q, at three places with arbitrary constants.
 

@@ -138,6 +138,14 @@ class NodeMaps:
             places = self._by_kind[kinds]
         return places
 
+    def key(self, place: int) -> NodeMap:
+        """Return the map at a place in the tables.
+
+        Args:
+            place: as ``index`` returns it.
+        """
+        return next(key for key, own in self._places.items() if own == place)
+
     def _add(self, keys: list[NodeMap]) -> None:
         if not keys:
             return
@@ -163,7 +171,7 @@ class NodeMaps:
             strips = self.strips
             if strips.counts[0, map_, size] >= 0:
                 return
-            key = next(key for key, place in self._places.items() if place == map_)
+            key = self.key(map_)
             *parts, low = _disks(key, COUNTS[size])
             flat = dict(zip(("along", "away", "spread"), parts, strict=True))
             counts = strips.counts.copy()

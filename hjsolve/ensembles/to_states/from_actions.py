@@ -13,7 +13,7 @@ from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine import build
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
-from hjsolve.ensembles.to_states.newton_on_actions import Goals, Solved, constants_of_tori
+from hjsolve.ensembles.to_states.newton_on_actions import ROUNDS, SOON, Goals, Solved, constants_of_tori, newton_step
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, frames_of
 from hjsolve.ensembles.to_states.seeds import Seeds, nearest, seeds_of
 from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
@@ -25,8 +25,10 @@ from hjsolve.solution.quadratures import Solution
 
 _CHUNK = 4096
 """Orbits that are worked on together."""
-_AGAIN = 2
+_AGAIN = 3
 """How often orbits that are left over start again from the nearest that are solved."""
+_NEAR = 0.3
+"""The relative change of an action up to which constants are extrapolated."""
 _TOLERANCE = 1e-6
 """Largest claimed error of q, over the width of its motion, with which a state is kept."""
 
@@ -141,7 +143,7 @@ def _possible(J: Reals, pattern: tuple[bool, ...]) -> Mask:
 
 
 def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern: tuple[bool, ...]) -> Solved:
-    """Constants of tori, from the nearest seeds; what fails starts again from the nearest that were solved."""
+    """Constants of tori, from the nearest seeds; what takes long starts again from the nearest that were solved."""
     (J, momenta), model = wanted, task.model
     rotating = np.broadcast_to(np.array(pattern)[:, None], J.shape)
     places = [model.ignorable[name] for name in model.angles]
@@ -149,21 +151,29 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern:
     goals = Goals(np.abs(J), rotating, np.abs(J).sum(axis=0) + np.abs(momenta).sum(axis=0), unknown)
     everything = np.concatenate([np.abs(J), np.abs(momenta)])
     near = nearest(seeds.actions, everything)
-    solved = constants_of_tori(
-        model, task.programs, _begun(seeds.constants[:, near], seeds.places[:, near], momenta, places), goals
-    )
-    for _ in range(_AGAIN):
+    begin = _begun(seeds.constants[:, near], seeds.places[:, near], momenta, places)
+    solved = constants_of_tori(model, task.programs, begin, goals, SOON)
+    for attempt in range(_AGAIN):
         lost, good = np.flatnonzero(~solved.good), np.flatnonzero(solved.good)
-        if not len(lost) or not len(good):
+        if not len(lost):
             break
-        near = good[nearest(everything[:, good], everything[:, lost])]
-        begin = _begun(solved.tori.values[:, near], solved.tori.q[:, near], momenta[:, lost], places)
-        more = constants_of_tori(model, task.programs, begin, goals.take(lost))
-        for whole, part in zip(
-            (*solved.tori, *solved.actions, solved.good), (*more.tori, *more.actions, more.good), strict=True
-        ):
-            whole[..., lost] = part
+        rounds, start = (ROUNDS if attempt == _AGAIN - 1 or not len(good) else SOON), begin.take(lost)
+        if len(good):
+            near = good[nearest(everything[:, good], everything[:, lost])]
+            start = _begun(solved.tori.values[:, near], solved.tori.q[:, near], momenta[:, lost], places)
+            start = _extrapolated(start, solved, near, goals.take(lost)) if attempt == 0 else start
+        solved.put(lost, constants_of_tori(model, task.programs, start, goals.take(lost), rounds))
     return solved
+
+
+def _extrapolated(begin: Tori, solved: Solved, near: Integers, goals: Goals) -> Tori:
+    """Move constants by J(α) to first order, where the actions are near those of the torus to begin with."""
+    slopes, there = solved.actions.slopes[:, :, near], solved.actions.values[:, near]
+    with np.errstate(all="ignore"):
+        moved = np.einsum("kcn,cn->kn", slopes, begin.values - solved.tori.values[:, near])
+        step = newton_step(slopes[:, goals.unknown], goals.actions - there - moved)
+        fine = (np.abs(goals.actions - there) <= _NEAR * there).all(axis=0) & np.isfinite(step).all(axis=0)
+    return begin.moved(goals.unknown, np.where(fine, step, 0.0))
 
 
 def _begun(constants: Reals, q: Reals, momenta: Reals, places: list[int]) -> Tori:

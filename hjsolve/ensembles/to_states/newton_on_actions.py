@@ -17,13 +17,15 @@ from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import SystemPrograms
 from hjsolve.ensembles.to_states.tori import Actions, Tori, actions_of, no_actions
 
-_ROUNDS, _LEAST_STEP = 60, 2.0**-12
-"""Evaluations of J, and the share of a step below which an orbit is given up."""
+ROUNDS, SOON = 60, 9
+"""Evaluations of J; and those of orbits that have another start to try."""
+_LEAST_STEP = 2.0**-12
+"""The share of a step below which an orbit is given up."""
 _CLOSE, _FALLS = 8 * EPS, 0.25
 """Relative residual at which an orbit is done, and the part of a step by which it has to fall (Armijo's rule)."""
 _FAR = 0.1
 """The part of the residual, or of the scale of all actions, by which small actions count far away."""
-_NEARLY = 1e-4
+_NEARLY = 1e-6
 """Residual below which p² is taken to 32 digits."""
 _SETTLED = 1e-10
 """Residual below which a step that makes nothing better ends the search."""
@@ -68,8 +70,21 @@ class Solved(NamedTuple):
     actions: Actions
     good: Mask
 
+    def put(self, index: Integers, other: Solved) -> None:
+        """Write those of some orbits into these.
 
-def constants_of_tori(model: Model, programs: SystemPrograms, begin: Tori, goals: Goals) -> Solved:
+        Args:
+            index: which.
+            other: theirs.
+        """
+        mine, theirs = ((*x.tori, *x.actions, x.good) for x in (self, other))
+        for whole, part in zip(mine, theirs, strict=True):
+            whole[..., index] = part
+
+
+def constants_of_tori(
+    model: Model, programs: SystemPrograms, begin: Tori, goals: Goals, rounds: int = ROUNDS
+) -> Solved:
     """Find the constants of tori.
 
     Args:
@@ -77,6 +92,7 @@ def constants_of_tori(model: Model, programs: SystemPrograms, begin: Tori, goals
         programs: of the system.
         begin: where Newton's method begins, of n orbits.
         goals: what is wanted.
+        rounds: how often J is evaluated.
     """
     size, n = goals.actions.shape
     zero = goals.actions == 0
@@ -86,7 +102,7 @@ def constants_of_tori(model: Model, programs: SystemPrograms, begin: Tori, goals
     share, merit, left = np.ones(n), np.full(n, np.inf), np.full((size, n), np.inf)
     best = no_actions(size, len(model.constants), n)
     active, done = np.arange(n), np.zeros(n, dtype=bool)
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         if not len(active):
             break
         nearby = merit[active] < _NEARLY
@@ -109,7 +125,7 @@ def constants_of_tori(model: Model, programs: SystemPrograms, begin: Tori, goals
         for whole, part in zip(best, found, strict=True):
             whole[..., here] = part[..., better]
         merit[here], left[:, here] = own[better], np.abs(residual[:, better])
-        step[:, here] = _step(found.slopes[:, goals.unknown][:, :, better], residual[:, better])
+        step[:, here] = newton_step(found.slopes[:, goals.unknown][:, :, better], residual[:, better])
         share[here] = 1.0
         share[active[~better]] *= 0.5
         done[active[finished | settled]] = True
@@ -139,8 +155,16 @@ def _both(
     return found, seen
 
 
-def _step(slopes: Reals, residual: Reals) -> Reals:
-    """M⁻¹ times residuals; slopes (separated, unknown, n), NaN where there is no inverse."""
+def newton_step(slopes: Reals, residual: Reals) -> Reals:
+    """Return M⁻¹ times residuals.
+
+    Args:
+        slopes: M, shape (separated, unknown, n).
+        residual: shape (separated, n).
+
+    Returns:
+        Steps, shape (unknown, n); NaN where there is no inverse.
+    """
     matrix = slopes.transpose(2, 0, 1)
     determinant = np.linalg.det(matrix)
     fine = np.isfinite(determinant) & (determinant != 0)

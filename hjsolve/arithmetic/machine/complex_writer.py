@@ -1,0 +1,274 @@
+"""Complex numbers on the machine: an arithmetic whose values are two values of a program, and its running errors.
+
+Numbers known to be real have no imaginary part, so that what is real costs what it costs in a real program. Functions
+are their principal branches; those that a tape rarely has are written by logarithms and roots, so that their errors are
+those of the operations they are made of.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from hjsolve.arithmetic.floats import by_squaring
+from hjsolve.arithmetic.machine.elementary import ROUNDINGS
+from hjsolve.arithmetic.machine.writer import InstructionWriter, Value
+from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+
+_PRODUCT, _QUOTIENT = 3, 7
+"""Units of rounding: |fl(x·y) − x·y| ≤ √5 u |x y| (Brent, Percival and Zimmermann 2007); of a quotient |y|² has two,
+its inverse and ȳ/|y|² one more each."""
+_OF_LOGARITHM = 4
+"""Units of rounding of |z|² next to 1, which the real part of a logarithm keeps as they are."""
+_OF_FUNCTION = 2 * ROUNDINGS + 1
+"""Units of rounding of the parts of a function that are products of two."""
+
+
+class ComplexValue(NamedTuple):
+    """Real and imaginary part; None for a real number."""
+
+    re: Value
+    im: Value | None = None
+
+
+@dataclass(frozen=True)
+class ComplexWriter:
+    """Arithmetic on ``ComplexValue``.
+
+    Attributes:
+        writer: of the program.
+    """
+
+    writer: InstructionWriter
+
+    def rational(self, numerator: int, denominator: int) -> ComplexValue:
+        return ComplexValue(self.writer.rational(numerator, denominator))
+
+    def pi(self) -> ComplexValue:
+        return ComplexValue(self.writer.pi())
+
+    def add(self, x: ComplexValue, y: ComplexValue) -> ComplexValue:
+        a = self.writer
+        im = y.im if x.im is None else x.im if y.im is None else a.add(x.im, y.im)
+        return ComplexValue(a.add(x.re, y.re), im)
+
+    def sub(self, x: ComplexValue, y: ComplexValue) -> ComplexValue:
+        return self.add(x, self._negative(y))
+
+    def mul(self, x: ComplexValue, y: ComplexValue) -> ComplexValue:
+        """Write x·y: one product where both are real, two where one is."""
+        a = self.writer
+        if y.im is None:
+            return ComplexValue(a.mul(x.re, y.re), None if x.im is None else a.mul(x.im, y.re))
+        if x.im is None:
+            return self.mul(y, x)
+        re = a.sub(a.mul(x.re, y.re), a.mul(x.im, y.im))
+        return ComplexValue(re, a.add(a.mul(x.re, y.im), a.mul(x.im, y.re)))
+
+    def div(self, x: ComplexValue, y: ComplexValue) -> ComplexValue:
+        """Write x/y = x ȳ/|y|²."""
+        a = self.writer
+        if y.im is None:
+            return ComplexValue(a.div(x.re, y.re), None if x.im is None else a.div(x.im, y.re))
+        part = a.div(a.number(1.0), self.square(y))
+        return self.mul(x, ComplexValue(a.mul(y.re, part), a.unary("neg", a.mul(y.im, part))))
+
+    def power(self, x: ComplexValue, n: int) -> ComplexValue:
+        """Write xⁿ as products."""
+        if x.im is None:
+            return ComplexValue(self.writer.power(x.re, n))
+        if n <= 0:
+            return self.rational(1, 1) if n == 0 else self.div(self.rational(1, 1), self.power(x, -n))
+        result: ComplexValue = by_squaring(self.mul, x, n)
+        return result
+
+    def square(self, x: ComplexValue) -> Value:
+        """Write |x|².
+
+        Args:
+            x: a number.
+        """
+        a, own = self.writer, self.writer.mul(x.re, x.re)
+        return own if x.im is None else a.add(own, a.mul(x.im, x.im))
+
+    def _negative(self, x: ComplexValue) -> ComplexValue:
+        a = self.writer
+        return ComplexValue(a.unary("neg", x.re), None if x.im is None else a.unary("neg", x.im))
+
+    def unary(self, name: str, x: ComplexValue) -> ComplexValue:
+        """Write a function of one variable; "abs" is the modulus, as bounds need it."""
+        a = self.writer
+        if name == "neg":
+            return self._negative(x)
+        if x.im is None and name not in {"sqrt", "log"}:
+            return ComplexValue(a.unary(name, x.re))
+        im = a.number(0.0) if x.im is None else x.im
+        match name:
+            case "abs":
+                return ComplexValue(a.unary("sqrt", self.square(x)))
+            case "sqrt":
+                return self._root(x.re, im)
+            case "exp":
+                size = a.unary("exp", x.re)
+                return ComplexValue(a.mul(size, a.unary("cos", im)), a.mul(size, a.unary("sin", im)))
+            case "log":
+                return self._logarithm(x.re, im)
+            case "sin" | "cos" | "sinh" | "cosh":
+                return self._wave(name, x.re, im)
+            case _:
+                found: ComplexValue = composed(self, name, x)
+                return found
+
+    def _root(self, x: Value, y: Value) -> ComplexValue:
+        """√z = t + i y/2t, t = √((|z| + |x|)/2), or the two the other way round where x < 0."""
+        a = self.writer
+        size = a.unary("sqrt", a.add(a.mul(x, x), a.mul(y, y)))
+        t = a.unary("sqrt", a.mul(a.number(0.5), a.add(size, a.unary("abs", x))))
+        s = a.div(a.mul(a.number(0.5), a.unary("abs", y)), t)
+        forward = a.called("signed", x, a.number(0.5))[0]  # ½ or −½
+        right, left = a.add(a.number(0.5), forward), a.sub(a.number(0.5), forward)
+        re = a.add(a.mul(right, t), a.mul(left, s))
+        im = a.add(a.mul(right, s), a.mul(left, t))
+        return ComplexValue(re, a.called("signed", y, im)[0])
+
+    def _logarithm(self, x: Value, y: Value) -> ComplexValue:
+        """½ log |z|² + i arg z, arg z = 2 atan(y/(|z| + x))."""
+        a = self.writer
+        square = a.add(a.mul(x, x), a.mul(y, y))
+        half = a.unary("atan", a.div(y, a.add(a.unary("sqrt", square), x)))
+        return ComplexValue(a.mul(a.number(0.5), a.unary("log", square)), a.mul(a.number(2.0), half))
+
+    def _wave(self, name: str, x: Value, y: Value) -> ComplexValue:
+        a = self.writer
+        s, c, sh, ch = "sin", "cos", "sinh", "cosh"
+        around, along = (x, y) if name in {s, c} else (y, x)
+        sine, cosine = a.unary(s, around), a.unary(c, around)
+        grown, even = a.unary(sh, along), a.unary(ch, along)
+        match name:
+            case "sin":
+                return ComplexValue(a.mul(sine, even), a.mul(cosine, grown))
+            case "cos":
+                return ComplexValue(a.mul(cosine, even), a.unary("neg", a.mul(sine, grown)))
+            case "sinh":
+                return ComplexValue(a.mul(cosine, grown), a.mul(sine, even))
+            case _:
+                return ComplexValue(a.mul(cosine, even), a.mul(sine, grown))
+
+
+@dataclass(frozen=True)
+class AnalyticWriter(ComplexWriter):
+    """As ``ComplexWriter``, but "abs" is the analytic function ±z that a formula means by it."""
+
+    def unary(self, name: str, x: ComplexValue) -> ComplexValue:
+        """Write a function of one variable."""
+        if name != "abs" or x.im is None:
+            return ComplexWriter.unary(self, name, x)
+        sign = self.writer.called("signed", x.re, self.writer.number(1.0))[0]
+        return self.mul(x, ComplexValue(sign))
+
+
+def composed(arithmetic: Any, name: str, z: Any) -> Any:
+    """Write a function by exponentials, logarithms and roots.
+
+    Args:
+        arithmetic: over complex numbers.
+        name: of the function.
+        z: a number of it.
+
+    Raises:
+        ValueError: a function without such a formula.
+    """
+    a, one, half = arithmetic, arithmetic.rational(1, 1), arithmetic.rational(1, 2)
+
+    def log(x: Any) -> Any:
+        return a.unary("log", x)
+
+    def root(x: Any) -> Any:
+        return a.unary("sqrt", x)
+
+    match name:
+        case "tan":
+            return a.div(a.unary("sin", z), a.unary("cos", z))
+        case "tanh":
+            return a.div(a.unary("sinh", z), a.unary("cosh", z))
+        case "sech":
+            return a.div(one, a.unary("cosh", z))
+        case "asinh":
+            return log(a.add(z, root(a.add(a.mul(z, z), one))))
+        case "acosh":
+            return log(a.add(z, a.mul(root(a.add(z, one)), root(a.sub(z, one)))))
+        case "atanh":
+            return a.mul(half, log(a.div(a.add(one, z), a.sub(one, z))))
+        case "atan":
+            return _turned(a, composed(a, "atanh", _turned(a, z, 1)), -1)
+        case "asin":
+            return _turned(a, composed(a, "asinh", _turned(a, z, 1)), -1)
+        case "acos":
+            return a.sub(a.mul(half, a.pi()), composed(a, "asin", z))
+    raise ValueError(f"no complex formula for {name}")
+
+
+def _turned(arithmetic: Any, z: Any, sign: int) -> Any:
+    """±i z."""
+    if isinstance(z, WithErrorBound):
+        return WithErrorBound(_turned(arithmetic.plain, z.value, sign), z.error)
+    a = arithmetic.writer
+    im = a.number(0.0) if z.im is None else z.im
+    return ComplexValue(a.unary("neg", im), z.re) if sign > 0 else ComplexValue(im, a.unary("neg", z.re))
+
+
+@dataclass(frozen=True, slots=True)
+class ComplexRunningError(RunningError[ComplexValue]):
+    """Running errors of complex values: the same rules with roundings of complex operations, bounds being real."""
+
+    plain: ComplexWriter
+    own: int = _OF_FUNCTION
+
+    def mul(self, x: WithErrorBound[ComplexValue], y: WithErrorBound[ComplexValue]) -> WithErrorBound[ComplexValue]:
+        """Return x·y."""
+        value, units = self.plain.mul(x.value, y.value), self._units(x, y, _PRODUCT)
+        parts = self._part(y.value, x.error), self._part(x.value, y.error), self._scaled(value, units)
+        return WithErrorBound(value, self._sum(*parts))
+
+    def div(self, x: WithErrorBound[ComplexValue], y: WithErrorBound[ComplexValue]) -> WithErrorBound[ComplexValue]:
+        """Return x/y."""
+        value, passed = self.plain.div(x.value, y.value), x.error
+        passed = self._sum(passed, self._part(value, y.error))
+        if passed is not None:
+            passed = self.plain.div(passed, self.plain.unary("abs", y.value))
+        return WithErrorBound(value, self._sum(passed, self._scaled(value, 1 if y.value.im is None else _QUOTIENT)))
+
+    def power(self, x: WithErrorBound[ComplexValue], n: int) -> WithErrorBound[ComplexValue]:
+        """Return xⁿ."""
+        a = self.plain
+        value = a.power(x.value, n)
+        slope = a.mul(a.rational(n, 1), a.power(x.value, n - 1)) if n != 1 else a.rational(1, 1)
+        units = abs(n) * (1 if x.value.im is None else _PRODUCT) + (0 if n > 0 else _QUOTIENT)
+        return WithErrorBound(value, self._sum(self._part(slope, x.error), self._scaled(value, units)))
+
+    def _units(self, x: WithErrorBound[ComplexValue], y: WithErrorBound[ComplexValue], both: int) -> int:
+        return 1 if x.value.im is None or y.value.im is None else both
+
+    def unary(self, name: str, x: WithErrorBound[ComplexValue]) -> WithErrorBound[ComplexValue]:
+        """Return Φ(x); its bound is |Φ′(x)| δx and its roundings."""
+        if name == "sqrt":
+            value = self.plain.unary(name, x.value)
+            passed = None if x.error is None else self.plain.div(x.error, self.plain.unary("abs", value))
+            return WithErrorBound(value, self._sum(passed, self._scaled(value, _QUOTIENT)))
+        if name == "neg":
+            return WithErrorBound(self.plain.unary(name, x.value), x.error)
+        if name == "abs":
+            return WithErrorBound(AnalyticWriter(self.plain.writer).unary(name, x.value), x.error)
+        if name not in {"exp", "log", "sin", "cos", "sinh", "cosh"}:
+            found: WithErrorBound[ComplexValue] = composed(self, name, x)
+            return found
+        a = self.plain
+        value = a.unary(name, x.value)
+        slopes = {"sin": "cos", "cos": "sin", "sinh": "cosh", "cosh": "sinh"}
+        own = self._scaled(value, self.own)  # real and imaginary part are products of two functions each
+        if name == "log":
+            slope = a.div(a.rational(1, 1), x.value)
+            own = a.add(own, a.rational(_OF_LOGARITHM, 2**self.bits))  # bits are 53
+        else:
+            slope = value if name == "exp" else a.unary(slopes[name], x.value)
+        return WithErrorBound(value, self._sum(self._part(slope, x.error), own))
