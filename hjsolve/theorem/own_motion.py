@@ -47,8 +47,8 @@ class OwnMotion(Shown):
     Attributes:
         constants: name → the value of the user's constant α, with its error.
         times: where the momenta have the signs of the formula's; the others are on another branch and were left out.
-        deviations: name → the largest |Σ ∂²S/∂q∂α q̇ + ∂²S/∂t∂α|, which (5-54) says is zero; and ``p``, the largest
-            |∂S/∂q − p|, in units of its error.
+        deviations: name → the largest size of Σ ∂²S/∂q∂α q̇ + ∂²S/∂t∂α, which (5-54) says is zero; and ``p``, the
+            largest distance of ∂S/∂q from p, in units of its error.
         errors: name → what the errors of states and constants make of that at most; of ``p`` 1.
     """
 
