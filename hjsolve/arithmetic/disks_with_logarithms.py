@@ -13,7 +13,6 @@ cosh z is not 0), and disks that overlap have the same function wherever all tha
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -55,35 +54,9 @@ class Logged(NamedTuple):
 
 
 class DisksInLogarithms:
-    """Arithmetic on such disks.
+    """Arithmetic on such disks."""
 
-    The ways depend on the centres alone: a second run of a formula with the same centres may use those of the first.
-    """
-
-    __slots__ = ("_known", "_next")
-
-    def __init__(self) -> None:
-        """Begin without ways."""
-        self._known: list[Followed] = []
-        self._next = 0
-
-    def again(self) -> DisksInLogarithms:
-        """Return to the first way, for another run of the same operations about the same centres."""
-        self._next = 0
-        return self
-
-    def _logged(self, value: Disk, way: Callable[[], Complexes]) -> Logged:
-        """Return a disk with the logarithm of one that does not hold 0."""
-        if self._next == len(self._known):
-            places = way()
-            self._known.append(Followed(places, _followed(places)))
-        followed = self._known[self._next]
-        self._next += 1
-        with np.errstate(all="ignore"):
-            size = np.abs(value.centre)
-            radius = -np.log1p(-value.radius / size) * (1 + 1e-15) + 1e-15
-            found = _where(value.known & (size > value.radius), Disk(np.log(value.centre + 0j), radius))
-        return Logged(value, _turned(found, followed.power[..., -1]), followed)
+    __slots__ = ()
 
     def variable(self, x: Disk) -> Logged:
         """Take a disk as it is; a way leads to it from the real axis.
@@ -93,11 +66,11 @@ class DisksInLogarithms:
         """
         rise = np.linspace(0.0, 1.0, _PLACES_ON_THE_WAY) if np.any(np.imag(x.centre)) else np.ones(1)
         centre = np.asarray(x.centre)[..., None]
-        return self._logged(x, lambda: centre.real + 1j * centre.imag * rise)
+        return _logged(x, centre.real + 1j * centre.imag * rise)
 
     def constant(self, x: Disk) -> Logged:
         """Take a number in doubt."""
-        return self._logged(x, lambda: np.asarray(x.centre)[..., None])
+        return _logged(x, np.asarray(x.centre)[..., None])
 
     def rational(self, numerator: int, denominator: int) -> Logged:
         """Return a fraction, with its logarithm."""
@@ -108,18 +81,18 @@ class DisksInLogarithms:
 
     def add(self, x: Logged, y: Logged) -> Logged:
         """Return x + y; logarithm: log x + log(1 + exp(log y − log x)) where |y| < |x|, or the other way round."""
-        plain = self._logged(_D.add(x.value, y.value), lambda: x.way.value + y.way.value)
+        plain = _logged(_D.add(x.value, y.value), x.way.value + y.way.value)
         return _beside(_beside(plain, x, y, 1.0), y, x, 1.0)
 
     def sub(self, x: Logged, y: Logged) -> Logged:
         """Return x − y, with −y as y turned by π."""
-        plain = self._logged(_D.sub(x.value, y.value), lambda: x.way.value - y.way.value)
+        plain = _logged(_D.sub(x.value, y.value), x.way.value - y.way.value)
         turned = Disk(y.power.centre + 1j * np.pi, y.power.radius)
         return _beside(_beside(plain, x, y, -1.0), y._replace(power=turned), x, 1.0)
 
     def mul(self, x: Logged, y: Logged) -> Logged:
         """Return x·y; the logarithms are added."""
-        plain = self._logged(_D.mul(x.value, y.value), lambda: x.way.value * y.way.value)
+        plain = _logged(_D.mul(x.value, y.value), x.way.value * y.way.value)
         return _with(plain, _D.add(x.power, y.power))
 
     def div(self, x: Logged, y: Logged) -> Logged:
@@ -128,22 +101,32 @@ class DisksInLogarithms:
 
     def power(self, x: Logged, n: int) -> Logged:
         """Return xⁿ; the logarithm is multiplied by n."""
-        return _with(self._logged(_D.power(x.value, n), lambda: x.way.value**n), _D.times(x.power, n))
+        return _with(_logged(_D.power(x.value, n), x.way.value**n), _D.times(x.power, n))
 
     def unary(self, name: str, x: Logged) -> Logged:
         """Return a function of x; roots and logarithms are continued along the way to the centre."""
         with np.errstate(all="ignore"):
             if name == "sqrt":
                 nothing = Disk(np.zeros_like(x.power.centre), np.full_like(x.power.radius, np.inf))
-                return _with(self._logged(nothing, lambda: np.exp(0.5 * x.way.power)), _D.times(x.power, 0.5))
+                return _with(_logged(nothing, np.exp(0.5 * x.way.power)), _D.times(x.power, 0.5))
             if name == "log":
-                return self._logged(x.power, lambda: x.way.power)
-            plain = self._logged(_D.unary(name, x.value), lambda: _F.unary(name, x.way.value))
+                return _logged(x.power, x.way.power)
+            plain = _logged(_D.unary(name, x.value), _F.unary(name, x.way.value))
             if name == "exp":
                 return _with(plain, x.value)
             if name in {"cosh", "sinh"}:
                 return _with(plain, _hyperbolic(name, x.value))
             return plain
+
+
+def _logged(value: Disk, way: Complexes) -> Logged:
+    """With the logarithm of a disk that does not hold 0."""
+    with np.errstate(all="ignore"):
+        power = _followed(way)
+        size = np.abs(value.centre)
+        radius = -np.log1p(-value.radius / size) * (1 + 1e-15) + 1e-15
+        found = _where(value.known & (size > value.radius), Disk(np.log(value.centre + 0j), radius))
+    return Logged(value, _turned(found, power[..., -1]), Followed(way, power))
 
 
 def _followed(way: Complexes) -> Complexes:

@@ -91,7 +91,7 @@ def test_a_scene_gives_its_own_times(capsys: Capture) -> None:
     (["motion", "kepler-planar", "--motion", "sideways"], 2, 'no motion "sideways"'),
     (["motion", *QUARTIC[:6]], 2, "which motion?"),
     (["motion", "henon-heiles", "--q", "x=0", "--q", "y=0", "--velocity", "x=1", "--velocity", "y=0"], 1, "does not separate"),
-    (["report", "kepler-planar", "-o", "a.html", "--format", "md"], 2, "goes with -o -"),
+    (["report", "kepler-planar", "-o", "a.html", "--format", "md"], 2, "applies to -o -"),
     (["motion", str(SCENES / "damped-pendulum.toml"), "--q", "theta=1"], 2, "says everything itself"),
 ])  # fmt: skip
 def test_what_cannot_be_done_is_told_in_one_line(arguments: list[str], status: int, said: str, capsys: Capture) -> None:

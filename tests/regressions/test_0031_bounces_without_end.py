@@ -112,7 +112,7 @@ def test_an_impulse_before_the_limit_is_not_passed_over() -> None:
 
 
 def test_a_start_at_rest_on_a_wall_is_asked_for_its_side() -> None:
-    with pytest.raises(InvalidInputError, match="nothing says on which side"):
+    with pytest.raises(InvalidInputError, match="its side is not determined"):
         dropped("1", initial={"q": {"z": "0"}, "velocity": {"z": "0"}})
 
 

@@ -122,9 +122,9 @@ def test_no_control_or_bidirectional_character_is_read_as_text(tmp_path, hidden,
         told = capsys.readouterr()
         assert told.out + told.err == visible(told.out + told.err)
     for keywords in ({"title": hidden}, {"id": hidden}):
-        with pytest.raises(InvalidSystemError, match="is not shown as it stands"):
+        with pytest.raises(InvalidSystemError, match="cannot be displayed"):
             hjsolve.System({"x": "line"}, "x'^2/2", **keywords)
-    with pytest.raises(InvalidSystemError, match="is not shown as it stands"):
+    with pytest.raises(InvalidSystemError, match="cannot be displayed"):
         parameter("m", unit=hidden)
 
 

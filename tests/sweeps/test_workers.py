@@ -86,7 +86,7 @@ def test_too_little_memory_everywhere_ends_the_run_and_what_is_written_stays(
     with local_cluster() as local:
         with pytest.raises(
             hjsolve.ClusterError,
-            match=r"part 5 \(orbits 10 to 11\): no worker can compute it .too little memory.*smaller chunk",
+            match=r"part 5 \(orbits 10 to 11\): no worker could compute this part .too little memory.*smaller chunk",
         ):
             hjsolve.sweep(scene, out, scheduler=local.scheduler_address)
         survived = len(parts(out))

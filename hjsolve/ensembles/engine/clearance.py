@@ -115,25 +115,22 @@ class Clearance:
     def _radius_at(self, centre: Complexes, smallest: Reals) -> Reals:
         """Return the largest radius about some places, at least the smallest, to a tenth or so; 0 for none.
 
-        What holds in a disk holds in smaller ones; where disk arithmetic does not see that, one radius that holds is
-        found by bisection, perhaps not the largest.
+        What holds in a disk is taken to hold in smaller ones; where it is not so, a smaller radius may be found.
         """
         with np.errstate(all="ignore"):
             octaves = np.log2(np.maximum(1.0, np.abs(centre))) + _LONGEST - np.log2(smallest)
             octaves = np.where(np.isfinite(octaves) & (smallest > 0), octaves, 0.0)
             side = np.where((centre.real < 0) & self._both, -1.0, 1.0) * self._side
-            scales = self._scales((), (side * np.abs(centre))[:, None] * _REAL)
-            arithmetic = DisksInLogarithms()
-            found, lowest, step = np.zeros(len(centre)), np.ones(len(centre), dtype=bool), octaves / (_COARSE - 1)
-            for width in (step, step / _COARSE):
-                low, high = np.full((2, len(centre)), [[-1], [_COARSE]])
-                while (high - low).max() > 1:
-                    middle = (low + high) // 2
-                    radii = smallest * 2.0 ** (found + width * middle)
-                    good = self._bounded((), centre[:, None], radii[:, None], scales, arithmetic.again())[:, 0]
-                    low, high = np.where(good, middle, low), np.where(good, high, middle)
-                lowest = lowest & ((low >= 0) | (width is not step))
-                found = found + width * np.maximum(low, 0)
+            real = (side * np.abs(centre))[:, None] * _REAL
+            found, step = np.zeros(len(centre)), octaves / (_COARSE - 1)
+            for grid, width in ((np.arange(_COARSE), step), (np.arange(_COARSE) / _COARSE, step)):
+                radii = (smallest * 2**found)[:, None] * 2.0 ** (grid * width[:, None])
+                good = self._bounded((), centre[:, None], radii, real)
+                count = np.where(good.all(axis=1), len(grid), np.argmin(good, axis=1))
+                usable = count > 0
+                found = found + np.where(usable, width * grid[np.maximum(count - 1, 0)], 0.0)
+                if grid[-1] >= 1:
+                    lowest = usable
             return np.where(lowest, smallest * 2**found, 0.0)
 
     def holds(self, constants: tuple[Reals, ...], centres: Reals | Complexes, radii: Reals, real: Reals) -> Mask:
@@ -144,32 +141,22 @@ class Clearance:
             centres, radii: the disks in terms of x, real or complex, shape (n, disks).
             real: places on the real axis at which the size of functions is taken, shape (n, places).
         """
-        scales = self._scales(constants, real)
-        good = self._bounded(constants, centres, radii, scales, DisksInLogarithms())
-        return np.logical_and.reduce(good, axis=1)
+        return np.logical_and.reduce(self._bounded(constants, centres, radii, real), axis=1)
 
-    def _scales(self, constants: tuple[Reals, ...], real: Reals) -> list[Reals]:
-        """Return how large each function is at most on the real axis, with its rounding, shape (n,)."""
-        found = []
+    def _bounded(self, constants: tuple[Reals, ...], centres: Reals | Complexes, radii: Reals, real: Reals) -> Mask:
+        """Return the same for each of the disks."""
         with np.errstate(all="ignore"):
-            given = [WithErrorBound(x) for x in (real, *self._known(constants))]
-            for size in self._parts.run(RunningError(Float64()), given):
-                noise = 0.0 if size.error is None else size.error
-                scale = np.broadcast_to(np.abs(size.value) + noise, real.shape)
-                found.append(np.where(np.isfinite(scale), scale, 0.0).max(axis=1))
-        return found
-
-    def _bounded(
-        self, constants: tuple[Reals, ...], centres: Reals | Complexes, radii: Reals, scales: list[Reals],
-        arithmetic: DisksInLogarithms,
-    ) -> Mask:  # fmt: skip
-        """Return the same for each of the disks, by the sizes on the real axis."""
-        with np.errstate(all="ignore"):
+            noisy = [WithErrorBound(x) for x in (real, *self._known(constants))]
+            sizes = self._parts.run(RunningError(Float64()), noisy)
             place = Disk(centres.astype(complex), radii + 4 * UNIT * np.abs(centres))
             known = [Disk(np.asarray(c, complex), EPS * np.abs(c)) for c in self._known(constants)]
+            arithmetic = DisksInLogarithms()
             disks = self._parts.run(arithmetic, [arithmetic.variable(place), *map(arithmetic.constant, known)])
             good = np.isfinite(centres) & np.isfinite(radii)
-            for value, scale in zip(disks, scales, strict=True):
+            for value, size in zip(disks, sizes, strict=True):
+                noise = 0.0 if size.error is None else size.error  # what rounding hides no claim leaves out
+                scale = np.broadcast_to(np.abs(size.value) + noise, real.shape)
+                scale = np.where(np.isfinite(scale), scale, 0.0).max(axis=1)
                 good = good & (value.largest <= GROWTH * scale[:, None])
         return good
 
