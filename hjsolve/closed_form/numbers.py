@@ -12,7 +12,7 @@ from mpmath import libmp
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Mpf, Reals
-from hjsolve.closed_form.complements import by_complements
+from hjsolve.closed_form.complements import for_doubles
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.doubles import RootsOfPolynomial, place_test, region_test, roots_of
 from hjsolve.closed_form.evaluation import many_digits, number_of
@@ -34,6 +34,8 @@ from hjsolve.precision import for_the_user, mp, multiprecision, users_precision
 
 _GUARD, _FLOAT_DIGITS = 20, 15
 _SPECIAL = 1e-12
+_DIGITS_OF_EXAMPLE = 30
+"""Of what is only put in order."""
 
 
 def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], digits: int) -> Estimate:
@@ -185,6 +187,16 @@ def root_values(
     return {symbol: known[symbol] for symbol in form.where if symbol in known}
 
 
+def at_example(form: NamedForms) -> dict[sp.Symbol, Mpf]:
+    """Return the constants and the named quantities at the motion that a regime was found with.
+
+    Args:
+        form: of a regime.
+    """
+    exact = dict(form.regime.example)
+    return many_digits(exact, _DIGITS_OF_EXAMPLE) | root_values(form, exact, _DIGITS_OF_EXAMPLE)
+
+
 def functions(form: NamedForms, module: str) -> dict[str, Callable[..., Any]]:
     """Functions of numbers; see ``RegimeForms.lambdify``.
 
@@ -223,7 +235,7 @@ class _CompiledForm:
     def __init__(self, form: NamedForms, expression: sp.Expr, module: str):
         made, where = form.regime, form.where
         if module == "numpy":
-            expression = by_complements(expression, where)
+            expression = for_doubles(expression, where, at_example(form))
         self.form, self.roots = form, [s for s in expression.free_symbols if s in where]
         self.curves = [(c, r) for c, r in made.regions if c.degree > 2]
         plain = needed_names(expression.free_symbols, where)[1]

@@ -9,9 +9,10 @@ import sympy as sp
 from sympy.printing.c import C99CodePrinter, get_math_macros
 from sympy.printing.pycode import PythonCodePrinter
 
-from hjsolve.closed_form.complements import by_complements
+from hjsolve.closed_form.complements import for_doubles
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
+from hjsolve.closed_form.numbers import at_example
 from hjsolve.errors import InvalidInputError
 from hjsolve.functions.c_code import c_source, in_c
 from hjsolve.functions.printing import DOUBLES, Printable
@@ -44,7 +45,8 @@ def source(form: NamedForms, language: str) -> str:
     mark = "#" if language == "python" else "//"
     head = [f"{mark} {form.solution.system.id or 'closed forms'}: {form.regime.words}"]
     head += [f"{mark} {symbol}: {_meaning(meaning)}" for symbol, meaning in form.where.items()]
-    named = {name: by_complements(e, form.where) for name, e in form.named().items()}
+    example = at_example(form)
+    named = {name: for_doubles(e, form.where, example) for name, e in form.named().items()}
     defined = needed_names({s for e in named.values() for s in e.free_symbols}, form.where)[0].values()
     every = sp.Tuple(*named.values(), *(e for e in defined if not isinstance(e, tuple)))
     write = _python if language == "python" else _c

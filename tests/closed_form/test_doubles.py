@@ -129,3 +129,16 @@ def test_source_code_has_the_complements_too() -> None:
     text = forms("cone")[0].code("python")
     assert "elliptic_pi(nu, k**2)" not in text
     assert "carlson_rj(0, 1, part" in text
+
+
+@pytest.mark.parametrize("p_phi", [1.0, 1e-3, 1e-6])
+@pytest.mark.parametrize("entry", ["spherical-pendulum", "rod-spherical-pendulum"])
+def test_numbers_keep_their_digits_where_a_root_is_next_to_a_pole(entry: str, p_phi: float) -> None:
+    """The pendulum passes the vertical at 1 − x₃ ~ p_φ²: a difference of doubles that had none left at p_φ = 1e-6."""
+    form = forms(entry)[0]
+    given = {"E": 3.0, "p_phi": p_phi, "m": 1.25, "l": 0.95, "g": 9.81}
+    for name in ("periods.phi", "frequencies.phi", "actions.theta", "periods.theta"):
+        function = form.lambdify("numpy")[name]
+        values = {n: given[n] for n in function.names}
+        exact = form.evaluate(name, {n: repr(v) for n, v in values.items()}, 40).value
+        assert abs(float(function(**values)) - exact) <= 20 * np.spacing(float(abs(exact)))
