@@ -87,7 +87,11 @@ def constants_in(
 
     Returns:
         Constant of the solution → its expression in α; a flaw, with a witness, where it varies with q or t.
+
+    Raises:
+        InvalidInputError: a solution in other coordinates.
     """
+    _refuse_other_coordinates(space, solution, "constants_in: the solution")
     slopes = {p: sp.diff(S, q) for q, p in space.pairs}
     found = dict[str, sp.Expr | Flaw | Undecided]()
     for constant in solution.constants.values():
@@ -102,6 +106,14 @@ def constants_in(
         else:
             found[constant.name] = _at_any_place(value, variables, space)
     return found
+
+
+def _refuse_other_coordinates(space: PhaseSpace, solution: Solution, what: str) -> None:
+    own, others = ([c.name for c in subject.coordinates] for subject in (space.subject, solution.system))
+    if own != others:
+        raise InvalidInputError(
+            f"{what} is in {listed_names(others)}, the integral in {listed_names(own)}; solve in its coordinates"
+        )
 
 
 def _renamed(expression: sp.Expr, space: PhaseSpace) -> sp.Expr:
@@ -133,20 +145,20 @@ def along(
         times: at which to look; by default over two of the longest periods, or over ten units of time.
 
     Raises:
-        InvalidInputError: a motion of another system.
+        InvalidInputError: a motion in other coordinates.
     """
-    if [c.name for c in motion.solution.system.coordinates] != [c.name for c in space.subject.coordinates]:
-        raise InvalidInputError(f"along: the motion is in other coordinates than {space.subject}; solve that system")
+    _refuse_other_coordinates(space, motion.solution, "along: the motion")
     with mp.workdps(DIGITS):
         made = _Along(space, S, tuple(alphas), motion)
         states = [made.state(t) for t in (times if times is not None else made.times())]
-        α = next((found for state in states if (found := made.constants(state)) is not None), None)
-        if α is None:
+        begun = next(((state, α) for state in states if (α := made.constants(state)) is not None), None)
+        if begun is None:
             return _undecided(space, S, "no constants were found with p = dS/dq at the states; give other times")
+        state, α = begun
         held = [state for state in states if made.is_on_branch(state, α)]
         if len(held) < FEWEST:
             return _undecided(space, S, "the momenta have other signs than dS/dq; give times at which they agree")
-        spread = made.spread(held[0], α)
+        spread = made.spread(state, α)
         values = {
             a.name: Estimate(float(v), float(e) + 1e-16 * abs(float(v)))
             for a, v, e in zip(alphas, α, spread, strict=True)
@@ -228,24 +240,28 @@ class _Along:
     def constants(self, state: _State) -> list[mpmath.mpf] | None:
         """α with p = ∂S/∂q at a state, by Newton's method from random starts; None where none was found."""
         generator = random.Random(5)  # noqa: S311
-        q, p = [v for v, _ in state.q], [v for v, _ in state.p]
         for _ in range(STARTS):
-            α = [mp.mpf(generator.uniform(-1, 1)) * 10 ** generator.uniform(-1, 1.5) for _ in self.alphas]
-            for _ in range(40):
-                try:
-                    gap = [P - v for P, v in zip(self._momenta(state.t, *q, *α), p, strict=True)]
-                    step = mp.lu_solve(mp.matrix(self._jacobian(state.t, *q, *α)), mp.matrix(gap))
-                except (ZeroDivisionError, ValueError, TypeError):
-                    break
-                α = [a - s for a, s in zip(α, step, strict=True)]
-                if not all(mp.isfinite(a) for a in α):
-                    break
-                if all(abs(s) <= mp.mpf(10) ** (8 - DIGITS) * (1 + abs(a)) for a, s in zip(α, step, strict=True)):
-                    if all(
-                        abs(mp.im(a)) <= mp.mpf(10) ** -20 * abs(a) for a in α
-                    ):  # roots of negative numbers on the way are no harm
-                        return [mp.re(a) for a in α]
-                    break
+            start = [mp.mpf(generator.uniform(-1, 1)) * 10 ** generator.uniform(-1, 1.5) for _ in self.alphas]
+            try:
+                found = self._root(state, start)
+            except (ZeroDivisionError, ValueError, TypeError):
+                continue  # a singular step
+            # roots of negative numbers on the way do no harm
+            if found is not None and all(abs(mp.im(a)) <= mp.mpf(10) ** -20 * abs(a) for a in found):
+                return [mp.re(a) for a in found]
+        return None
+
+    def _root(self, state: _State, α: list[mpmath.mpf]) -> list[mpmath.mpf] | None:
+        """Return the α that forty of Newton's steps reach; mpmath's damped steps may halve without end."""
+        q, p = [v for v, _ in state.q], [v for v, _ in state.p]
+        for _ in range(40):
+            gap = [P - v for P, v in zip(self._momenta(state.t, *q, *α), p, strict=True)]
+            step = mp.lu_solve(mp.matrix(self._jacobian(state.t, *q, *α)), mp.matrix(gap))
+            α = [a - s for a, s in zip(α, step, strict=True)]
+            if not all(mp.isfinite(a) for a in α):
+                return None
+            if all(abs(s) <= mp.mpf(10) ** (8 - DIGITS) * (1 + abs(a)) for a, s in zip(α, step, strict=True)):
+                return α
         return None
 
     def is_on_branch(self, state: _State, α: Sequence[mpmath.mpf]) -> bool:

@@ -29,7 +29,7 @@ def test_constants_of_a_solution_are_functions_of_the_users(kepler):
 
 
 def test_another_separation_has_other_constants():
-    """W of the plane oscillator in Cartesian form knows nothing of hjsolve's constant in the same coordinates."""
+    """p_x and p_y are functions of an energy and a direction, but not of a place that the free particle left at t = 0."""
     plane = hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "0")
     turned = hjsolve.verify(plane, S="a*(x*cos(b) + y*sin(b)) - a**2*t/2", constants="a, b")
     found = turned.constants_in(hjsolve.solve(plane))
@@ -82,7 +82,10 @@ def test_the_motion_of_another_system_does_not_agree():
 
 def test_other_coordinates_and_momenta_of_the_other_sign_are_told():
     answer = hjsolve.verify(OSCILLATOR, W="integral(sqrt(2*m*E - m*k*x**2), x)", constants="E")
-    with pytest.raises(hjsolve.InvalidInputError, match="other coordinates"):
-        answer.along(hjsolve.solve("pendulum").motion(q={"theta": "0.3"}, velocity={"theta": "0"}))
+    pendulum = hjsolve.solve("pendulum")
+    with pytest.raises(hjsolve.InvalidInputError, match="the motion is in theta, the integral in x"):
+        answer.along(pendulum.motion(q={"theta": "0.3"}, velocity={"theta": "0"}))
+    with pytest.raises(hjsolve.InvalidInputError, match="the solution is in theta, the integral in x"):
+        answer.constants_in(pendulum)
     motion = hjsolve.solve(OSCILLATOR).motion(q={"x": "0.3"}, velocity={"x": "-1"})
     assert isinstance(answer.along(motion, [0.0, 0.01, 0.02, 0.03]), hjsolve.Undecided)
