@@ -34,6 +34,8 @@ def faults(texts: Mapping[str, str]) -> list[str]:
             found.append(f"{name}: the name must end in .added.md, .changed.md, .fixed.md, .removed.md or .moved.md")
         elif kind == MOVED and any(line.count(" | ") != 3 for line in lines):
             found.append(f"{name}: each line must be a row of four cells, | what | before | now | why |")
+        elif text.startswith("- "):
+            found.append(f"{name}: leave out the bullet before it; one is put there")
         elif not text or (kind != MOVED and len(lines) > LINES):
             found.append(f"{name}: one to {LINES} lines are needed, not {len(lines)}")
     return found

@@ -19,12 +19,20 @@ def test_every_fragment_can_be_collected():
 
 
 def test_faults_of_fragments_are_named():
-    texts = {"a.md": "x", "b.added.md": "1\n2\n3\n4", "c.moved.md": "no table", "d.fixed.md": "", "e.added.md": "fine"}
+    texts = {
+        "a.md": "x",
+        "b.added.md": "1\n2\n3\n4",
+        "c.moved.md": "no table",
+        "d.fixed.md": "",
+        "e.added.md": "fine",
+        "f.fixed.md": "- x",
+    }
     assert [fault.split(":")[0] for fault in collect.faults(texts)] == [
         "a.md",
         "b.added.md",
         "c.moved.md",
         "d.fixed.md",
+        "f.fixed.md",
     ]
 
 
