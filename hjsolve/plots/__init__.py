@@ -40,4 +40,4 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'hjsolve.plots' has no attribute {name!r}")
     import importlib
 
-    return getattr(importlib.import_module(f"hjsolve.plots.{_HOMES[name]}"), name)
+    return getattr(importlib.import_module(f".{_HOMES[name]}", __name__), name)

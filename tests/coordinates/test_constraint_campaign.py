@@ -84,7 +84,8 @@ def _check(case: Case) -> None:
     truth = _multipliers(case, start, times)
     for k, t in enumerate(times):
         state = motion.at(t)
-        assert np.allclose(where([float(state.q[n]) for n in left]), truth[:, k], rtol=0, atol=1e-9)
+        apart = where([float(state.q[n]) for n in left]) - truth[:, k]
+        assert np.linalg.norm(apart) <= 1e-10 * np.linalg.norm(truth[:, k])
 
 
 QUICK = ("plane under gravity",)
