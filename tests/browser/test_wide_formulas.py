@@ -39,7 +39,9 @@ def test_no_formula_and_no_table_is_cut_on_a_screen(page):
     assert page.execute_script(COVERED) == []
 
 
-@pytest.mark.nightly_cases("kerr-500", "kuzmin-kutuzov-500", "kuzmin-kutuzov-800", "lagrange-top-500")
+@pytest.mark.nightly_cases(
+    "kerr-800", "lagrange-top-800", "kerr-500", "kuzmin-kutuzov-500", "kuzmin-kutuzov-800", "lagrange-top-500"
+)
 @pytest.mark.parametrize("width", [500, 800])
 def test_on_narrow_screens_formulas_take_shorter_lines_and_tables_stand_in_one_column(page, width):
     page.execute_cdp_cmd(

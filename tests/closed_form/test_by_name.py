@@ -116,6 +116,7 @@ def test_orbits_of_perturbed_kepler_problems(potential: str) -> None:
         assert abs(got - state.q["r"]) <= 1e-11 * state.q["r"], (moment, got, state.q["r"])
 
 
+@pytest.mark.nightly
 def test_schwarzschilds_orbit() -> None:
     """r along the orbit by sn², bound; in the equation of the separation constant θ is the other coordinate."""
     entry = hjsolve.catalog.describe("schwarzschild")

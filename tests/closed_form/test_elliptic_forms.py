@@ -134,7 +134,7 @@ def test_motions_of_the_catalog(name: str) -> None:
     test_numbers_agree_with_the_engine_to_36_digits(name, data["q"], data["velocity"], {})
 
 
-@pytest.mark.nightly_cases("1", "3")
+@pytest.mark.nightly_cases("2", "1", "3")
 @pytest.mark.parametrize("seed", [1, 2, 3, pytest.param(4, marks=pytest.mark.nightly)])
 def test_angles_with_a_squared_cosine(seed: int) -> None:
     """Rotations and librations about either place of rest, in potentials nobody chose."""

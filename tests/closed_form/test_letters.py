@@ -111,6 +111,7 @@ def test_a_cycloid_on_an_interval_has_its_period_however_it_is_typed(kinetic: st
     assert [form.periods["x"] for form in forms if form.periods] == [4 * sp.pi]
 
 
+@pytest.mark.nightly_cases("Rosen and Morse-True")
 @pytest.mark.parametrize(("name", "energy"), [
     ("Morse", True), ("Rosen and Morse", True), ("Eckart", True), ("Kratzer", True), ("Duffing", False),
 ])  # fmt: skip

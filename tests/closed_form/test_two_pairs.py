@@ -51,7 +51,7 @@ def evaluated(form: RegimeForms, name: str, values: dict[str, object]) -> object
     return form.evaluate(name, texts, 32).value
 
 
-@pytest.mark.nightly_cases("1/3-slider-on-pivoted-bar", "1/50-slider-on-pivoted-bar")
+@pytest.mark.nightly_cases("1/3-over a quartic", "1/3-slider-on-pivoted-bar", "1/50-slider-on-pivoted-bar")
 @pytest.mark.parametrize("name", list(SYSTEMS))
 @pytest.mark.parametrize("t", ["1/50", "1/7", "1/3"])
 def test_time_law_inverse_and_w_along_the_motion(name: str, t: str) -> None:

@@ -48,7 +48,7 @@ def _close(a: str, b: str) -> bool:
 
 @pytest.mark.nightly_cases(
     "cartesian.md", "closed-forms.md", "coordinates.md", "galaxies.md", "live.md", "relativity.md", "scenes.md",
-    "wavefronts.md",
+    "theorem.md", "tori.md", "wavefronts.md",
 )  # fmt: skip
 @pytest.mark.parametrize("page", [p for p in PAGES if blocks(p)], ids=lambda p: p.name)
 def test_python_of_a_page_prints_what_it_says(page: Path) -> None:

@@ -61,6 +61,7 @@ def isochrone(R, z, v_R, v_T, v_z):
     )  # fmt: skip
 
 
+@pytest.mark.nightly_cases("kuzmin-names0")
 @pytest.mark.parametrize(("stars", "names"), [(kuzmin, ("mu", "nu")), (isochrone, ("r", "theta"))])
 def test_they_are_galpys_numbers(stars, names):
     n = np.ones(2)
@@ -116,6 +117,7 @@ def test_agama_s_actions_angles_and_frequencies(velocity):
                 np.testing.assert_allclose(getattr(found, group)[name], value, rtol=1e-8, atol=0)
 
 
+@pytest.mark.nightly
 def test_what_is_not_known_is_asked_for():
     R = np.ones(1)
     batch = kuzmin(R, 0.1 * R, 0 * R, 0.5 * R, 0 * R)

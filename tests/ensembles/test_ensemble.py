@@ -159,6 +159,7 @@ def test_without_fallback_no_orbit_is_computed_singly() -> None:
 
 
 # ------------------------------------------------------------------------------------------------ shapes, types, want
+@pytest.mark.nightly
 def test_an_orbit_whose_angles_are_lost_stops_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
     """Found among 5 000 nearly unbound orbits: the error of one orbit's phases came out of the whole ensemble."""
 

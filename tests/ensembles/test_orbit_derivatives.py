@@ -139,6 +139,7 @@ def test_refusals_say_what_to_write():
         hjsolve.ensemble_derivatives("free-particle", q={}, p={})
 
 
+@pytest.mark.nightly
 def test_the_rounding_of_terms_that_cancel_is_in_the_claims():
     """On a path through the complex plane a narrow Gaussian is far larger than V: ∂Ω_φ/∂p_φ was 9.7e-11 ± 8.7e-11."""
     r = "(r/0.7717181362907177)"

@@ -31,6 +31,7 @@ def apart(one, other):
         return float(abs(difference - 2 * mp.pi * mp.nint(difference / (2 * mp.pi))))
 
 
+@pytest.mark.nightly
 def test_kepler_orbits_are_where_keplers_equation_says_within_their_claims():
     n = 30
     J_r = np.concatenate([10.0 ** RANDOM.uniform(-2, 0.5, n - 10), 10.0 ** RANDOM.uniform(-18, -6, 10)])
@@ -59,6 +60,7 @@ def test_circles_rest_at_their_radius():
     np.testing.assert_allclose(batch.q["theta"], 0.25, rtol=1e-14, atol=0)
 
 
+@pytest.mark.nightly_cases("spherical-pendulum-actions2-kinds2")
 @pytest.mark.parametrize(
     ("name", "actions", "kinds"),
     [
@@ -126,6 +128,7 @@ def nearly_unbound(count):
     return hjsolve.ensemble(kuzmin_kutuzov.solution(), q=q, p=p, want={"actions", "angles"})
 
 
+@pytest.mark.nightly
 def test_tiny_angles_keep_their_digits():
     """An orbit and its reversal in time, reflected so that p_φ stays, meet at opposite angles, however small they are."""
     forth = nearly_unbound(12)

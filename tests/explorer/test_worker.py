@@ -54,6 +54,7 @@ def test_too_much_memory_ends_the_process_and_the_next_question_is_answered() ->
         small.end()
 
 
+@pytest.mark.nightly
 def test_a_process_that_was_killed_is_said_to_have_been_killed(worker: Worker) -> None:
     worker.ready()
     assert worker._process is not None

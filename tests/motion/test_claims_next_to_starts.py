@@ -45,6 +45,7 @@ def test_t_of_q_of_an_escape_holds_the_rounding_of_its_panel(r: float, rate: flo
     assert holds(found.time_at("r", place), truth.time_at("r", place))
 
 
+@pytest.mark.nightly
 def test_the_action_of_a_rotation_next_to_the_separatrix_is_resolved() -> None:
     pendulum = hjsolve.System({"x": "angle"}, "dot(x)**2/2", "-cos(x)")
     found = hjsolve.solve(pendulum).motion(**NEXT_TO_THE_SEPARATRIX)

@@ -76,6 +76,7 @@ def test_random_motions_agree_with_the_equations_in_space_within_their_errors(na
                 assert max(state.error.q.values()) < 1e-11
 
 
+@pytest.mark.nightly
 def test_a_motion_runs_close_by_the_pole_of_the_given_angles() -> None:
     """Started along the meridian 10⁻⁶ off, it passes the pole; φ turns by π there, and every digit is accounted for."""
     _, system, V = turned("neumann", 3)
@@ -137,6 +138,7 @@ def test_latitude_colatitude_mass_and_radius_are_the_same_motion(name: str, plac
         assert np.all(np.abs(found - expected) <= error)
 
 
+@pytest.mark.nightly
 def test_what_is_not_done_on_a_sphere_is_said() -> None:
     mercator = hjsolve.System({"q": "line", "l": "angle"}, "(dot(q)**2 + dot(l)**2)/cosh(q)**2/2",
                               "tanh(q)**2 + cos(l)**2/cosh(q)**2/3")  # fmt: skip

@@ -65,6 +65,7 @@ def test_kepler_has_the_energy_of_the_closed_form(J_r, L):
     assert motion.kinds["r"] == ("equilibrium" if J_r == 0 else "libration")
 
 
+@pytest.mark.nightly
 def test_kepler_in_space_from_delaunay_actions():
     """Planar, inclined and polar-circular tori have E = −1/(2 (J_r + J_θ + |J_φ|)²)."""
     solution = entries.solved("kepler-spherical")

@@ -70,6 +70,7 @@ def test_a_separable_system_has_all_sections_in_order(name: str, documents: dict
     assert ("orbit" in keys) == (name != "pendulum")
 
 
+@pytest.mark.nightly_cases("double-pendulum")
 @pytest.mark.parametrize("name", REFUSED)
 def test_a_refused_system_has_its_obstruction_and_no_solution(name: str, documents: dict[str, Document]) -> None:
     keys = [section.key for section in documents[name].sections]
@@ -172,6 +173,7 @@ def test_html_shows_formulas_as_mathml_and_drawings_that_can_be_read_out(
         assert all(row.find("th") is not None for row in table.iterfind("tbody/tr"))
 
 
+@pytest.mark.nightly_cases("double-pendulum")
 @pytest.mark.parametrize("name", [*SEPARABLE, *REFUSED])
 def test_no_raw_names_are_left_in_the_prose(name: str, documents: dict[str, Document]) -> None:
     page = re.sub(r"<(style|math|svg|code)\b.*?</\1>", "", write_html(documents[name]), flags=re.DOTALL)

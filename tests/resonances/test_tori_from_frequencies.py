@@ -30,6 +30,7 @@ def ratio(motion, one, other):
     return abs(motion.frequencies[one].value / motion.frequencies[other].value)
 
 
+@pytest.mark.nightly_cases("3-2")
 @pytest.mark.parametrize(("r", "theta"), [(3, 2), (5, 3), pytest.param(19, 10, marks=pytest.mark.nightly)])
 def test_a_resonance_of_the_isochrone(isochrone, r, theta):
     """Ω_r/Ω_θ = 2/(1 + L/√(L² + 4)) (Binney and Tremaine, Galactic Dynamics, (3.227b))."""
@@ -40,6 +41,7 @@ def test_a_resonance_of_the_isochrone(isochrone, r, theta):
     np.testing.assert_allclose(ratio(motion, "r", "theta"), r / theta, rtol=4e-16, atol=0)
 
 
+@pytest.mark.nightly
 def test_one_frequency_of_the_isochrone(isochrone):
     """Ω_r = (−2E)^{3/2} (3.226)."""
     motion = isochrone.torus(frequencies={"r": "0.3"}, fixed={"p_theta": "1/2"})
@@ -65,6 +67,7 @@ def test_a_ratio_is_proved_between_two_certified_motions(isochrone):
     np.testing.assert_allclose(motion.constants["p_theta"].value, np.sqrt(0.5), rtol=3e-16, atol=0)
 
 
+@pytest.mark.nightly
 def test_pendulum_of_one_frequency_swings_or_goes_round():
     """Ω = π √(g/l)/(2 K(k)) swinging, π √(g/l)/(k K(1/k)) … going round, k² = (E + g)/2g."""
     motions = hjsolve.solve("pendulum").torus(frequencies={"theta": "0.9"}, parameters={"g": 1, "l": 1, "m": 1})
@@ -80,6 +83,7 @@ def test_pendulum_of_one_frequency_swings_or_goes_round():
     assert one.kinds["theta"] == "rotation"
 
 
+@pytest.mark.nightly
 def test_what_no_torus_has_is_an_error_that_says_what_there_is(isochrone):
     kepler = hjsolve.solve("kepler-planar")
     with pytest.raises(InvalidInputError, match=r"goes from 1\.4\d* to 2; simple ratios there are 3:2"):

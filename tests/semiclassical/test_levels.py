@@ -74,6 +74,7 @@ def test_hard_walls_add_two(system, up_to, expected, maslov):
     assert {level.maslov["x"] for level in found} == {maslov}
 
 
+@pytest.mark.nightly
 def test_pendulum_rotations_come_twice_and_the_separatrix_is_marked():
     found = hjsolve.levels("pendulum", **CALLS["pendulum"])
     swings = [level for level in found if level.kinds["theta"] == "libration"]

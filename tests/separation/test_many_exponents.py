@@ -22,6 +22,7 @@ def _system(a, b, c, potential):
     )
 
 
+@pytest.mark.nightly_cases("decimals1")
 @pytest.mark.parametrize("decimals", DECIMALS)
 def test_decimals_of_several_digits_in_exponents_are_decided(decimals):
     assert isinstance(hjsolve.separate(_system(*decimals, "x**2")), hjsolve.Separation)

@@ -132,7 +132,9 @@ def test_without_any_worker_it_waits_says_so_and_gives_up_in_the_end(
     monkeypatch.setattr(cluster_module, "columns_of", columns_of)
     monkeypatch.setattr(handing_out, "_ALONE", 1.5)
     with local:
-        with pytest.raises(hjsolve.ClusterError, match=r"no worker for 2 s. Finished parts are kept; run the same command again"):
+        with pytest.raises(
+            hjsolve.ClusterError, match=r"no worker for 2 s. Finished parts are kept; run the same command again"
+        ):
             hjsolve.sweep(scene, tmp_path / "out", scheduler=local.scheduler_address)
         assert "no worker is left, waiting for one" in told
         local.scale(1)
