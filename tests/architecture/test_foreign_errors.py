@@ -61,7 +61,7 @@ DOORS = {
 }
 
 
-@pytest.mark.nightly_cases("torus: between")
+@pytest.mark.nightly_cases("torus: kinds", "torus: between")
 @pytest.mark.parametrize("door", DOORS)
 def test_wrong_kinds_of_arguments_never_end_in_a_foreign_error(door):
     for value in WRONG:

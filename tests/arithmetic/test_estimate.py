@@ -74,6 +74,7 @@ def test_the_error_of_an_operation_bounds_the_true_one(name: str, many: bool) ->
     assert answered > 100
 
 
+@pytest.mark.rotating(3)
 @pytest.mark.parametrize("name", ONE)
 def test_the_error_of_a_function_bounds_the_true_one(name: str) -> None:
     source, answered = random.Random(name), 0

@@ -31,6 +31,7 @@ def pairs(rng: np.random.Generator, ends: tuple[float, float], count: int) -> li
     return [(float(x), float(x * y * 2.0**-54)) for x, y in zip(high, rng.uniform(-1, 1, count), strict=True)]
 
 
+@pytest.mark.rotating(3)
 @pytest.mark.parametrize(("name", "ends"), CASES, ids=lambda x: x if isinstance(x, str) else "")
 def test_functions_have_a_hundred_bits(name: str, ends: tuple[float, float]) -> None:
     rng = np.random.default_rng(5)

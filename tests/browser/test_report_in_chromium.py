@@ -32,7 +32,8 @@ def test_every_section_heading_is_visible(page):
 
 @pytest.mark.nightly_cases(
     "kepler-planar-500-.wide math, .stack thead math", "kepler-spherical-1200-.narrow math",
-    "kepler-spherical-500-.wide math, .stack thead math",
+    "kepler-spherical-500-.wide math, .stack thead math", "henon-heiles-1200-.narrow math",
+    "henon-heiles-500-.wide math, .stack thead math",
 )  # fmt: skip
 @pytest.mark.parametrize(("width", "other"), [(1200, ".narrow math"), (500, ".wide math, .stack thead math")])
 def test_formulas_and_drawings_have_a_size(page, width, other):
@@ -45,6 +46,7 @@ def test_formulas_and_drawings_have_a_size(page, width, other):
     assert all(d.size["width"] >= 150 and d.size["height"] >= 100 for d in drawings)
 
 
+@pytest.mark.nightly_cases("henon-heiles-500", "henon-heiles-1200")
 @pytest.mark.parametrize("width", [500, 1200])
 def test_the_page_is_not_wider_than_the_window(page, width):
     page.set_window_size(width, 900)

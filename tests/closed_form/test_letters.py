@@ -86,6 +86,7 @@ def test_what_has_no_form_says_of_what_it_is_made(name: str) -> None:
     assert form.time_law is None
 
 
+@pytest.mark.nightly_cases("angle")
 @pytest.mark.parametrize("domain", ["angle", "line"])
 def test_a_half_angle_has_the_same_forms_however_it_is_typed(domain: str) -> None:
     found = set()

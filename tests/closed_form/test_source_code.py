@@ -63,6 +63,7 @@ def _close(got: float, exact: float) -> bool:
     return abs(got - exact) <= 2e-12 * max(abs(exact), 1e-2)
 
 
+@pytest.mark.nightly_cases("isochrone")
 @pytest.mark.rotating(2)
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 @pytest.mark.parametrize("name", ENTRIES)

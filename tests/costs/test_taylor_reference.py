@@ -23,6 +23,7 @@ FUNCTIONS = [
 ]  # fmt: skip
 
 
+@pytest.mark.rotating(3)
 @pytest.mark.parametrize("formula", FUNCTIONS, ids=str)
 def test_every_function_has_its_series(formula: sp.Expr) -> None:
     program = Program(400)

@@ -30,6 +30,7 @@ def test_one_value_of_every_public_class_is_looked_at(values: dict[str, Any]) ->
     assert len({type(value) for value in values.values()}) > 45
 
 
+@pytest.mark.nightly
 def test_every_public_value_is_told_in_a_few_short_lines(values: dict[str, Any]) -> None:
     wrong = {}
     for path, value in values.items():
@@ -58,6 +59,7 @@ def test_a_motion_shows_its_numbers_and_its_orbit(values: dict[str, Any]) -> Non
     assert "Orbit" in text
 
 
+@pytest.mark.nightly
 def test_a_verdict_is_told_in_its_first_sentence(values: dict[str, Any]) -> None:
     assert "Does not separate" in values["obstruction"]._repr_html_()
     assert "<strong>Separates</strong>" in values["separation"]._repr_html_()

@@ -16,6 +16,7 @@ def _lower_parts(level: int, dice: np.random.Generator) -> np.ndarray:
     return 4.0 ** (level * np.concatenate([[0.0, 1.0], dice.uniform(0, 1, 10)])) - 1
 
 
+@pytest.mark.rotating(4)
 @pytest.mark.parametrize("coarse", [False, True])
 @pytest.mark.parametrize("count", [16, 24, 80, 320])
 @pytest.mark.parametrize(

@@ -32,6 +32,7 @@ def start(place: str, speed: str) -> dict[str, dict[str, str]]:
     }
 
 
+@pytest.mark.rotating(3)
 @pytest.mark.nightly_cases("-3/sqrt(x**2 + y**2 + z**2 + 5 + 2*sqrt(4 + x**2 + y**2 + 4*z**2))-0 0 1-0 0 1-kinds6")
 @pytest.mark.parametrize(
     ("potential", "place", "speed", "kinds"),

@@ -7,6 +7,8 @@ import pytest
 
 import hjsolve
 
+pytestmark = pytest.mark.rotating_file(2)
+
 
 @pytest.mark.parametrize("potential", ["cos(2*x)", "cos(3*x)", "cos(x)", "sin(x) + cos(4*x)/3"])
 def test_the_origin_does_not_jump_with_the_place_a_rotation_starts_from(potential):

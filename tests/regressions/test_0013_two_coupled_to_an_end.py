@@ -7,6 +7,8 @@ import pytest
 
 import hjsolve
 
+pytestmark = pytest.mark.rotating_file(2)
+
 
 @pytest.mark.parametrize("digits", [15, 25])
 @pytest.mark.parametrize(

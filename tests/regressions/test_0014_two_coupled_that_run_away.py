@@ -14,6 +14,8 @@ from tests.reference import mechanics
 from tests.reference.taylor import Flow
 from tests.support.ending_at_poles import ending_at_poles
 
+pytestmark = pytest.mark.rotating_file(2)
+
 CASES = {
     # v is at infinity after 3.2 time units
     "henon-heiles-kdv": (

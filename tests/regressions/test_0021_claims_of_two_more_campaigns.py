@@ -18,6 +18,8 @@ from mpmath import mp, mpf
 
 from tests.support import entries
 
+pytestmark = pytest.mark.rotating_file(2)
+
 TURNS = 2 * mp.pi
 
 CASES = {

@@ -14,6 +14,8 @@ from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.scenes import Scene
 from tests.support.billiards import wall
 
+pytestmark = pytest.mark.rotating_file(2)
+
 LINE = {"coordinates": [{"name": "z", "domain": "line"}], "kinetic": "dot(z)**2/2"}
 PLANE = {"coordinates": [{"name": c, "domain": "line"} for c in "xz"], "kinetic": "dot(x)**2/2 + dot(z)**2/2"}
 

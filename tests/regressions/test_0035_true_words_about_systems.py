@@ -24,6 +24,8 @@ from hjsolve.solution.quadratures import Solution
 from tests.support import entries
 from tests.support.reports import report_of
 
+pytestmark = pytest.mark.rotating_file(2)
+
 RELATIVITY = {"mass": "m0", "light": "c"}
 POSITIVE = {"m0": parameter("m0", 1, assume="positive"), "c": parameter("c", 2, assume="positive"), "k": "0.3"}
 RELATIVISTIC = {

@@ -13,6 +13,8 @@ import hjsolve
 from hjsolve import catalog
 from hjsolve.command_line.main import main
 
+pytestmark = pytest.mark.rotating_file(2)
+
 Capture = pytest.CaptureFixture[str]
 KEPLER = catalog.load("kepler-planar")
 

@@ -6,6 +6,8 @@ import sympy as sp
 import hjsolve
 from hjsolve.algebra.reader import Reader
 
+pytestmark = pytest.mark.rotating_file(2)
+
 
 def two_centres(first, second):
     terms = (" + ".join(f"({q} - ({c}))**2" for q, c in zip("xyz", centre, strict=False)) for centre in (first, second))

@@ -13,6 +13,8 @@ from hjsolve.separation.zero_test.zero_test import NonZero, Zero, is_zero
 from tests.support.random_identities import CONSTANTS, FAMILIES, identities
 from tests.support.typed_identities import TYPED
 
+pytestmark = pytest.mark.rotating_file(2)
+
 x, y = sp.symbols("x y", real=True)
 TAU = 2 * sp.pi
 

@@ -8,6 +8,8 @@ import pytest
 
 import hjsolve
 
+pytestmark = pytest.mark.rotating_file(2)
+
 KEPLER = hjsolve.solve(hjsolve.catalog.load("kepler-planar"))
 
 

@@ -38,6 +38,7 @@ def test_a_geodesic_that_hardly_leaves_its_vertex_is_the_one_that_turns_there():
     assert abs(numbers["1e-48"].value - numbers["0"].value) <= numbers["0"].error
 
 
+@pytest.mark.rotating(3)
 @pytest.mark.parametrize("entry", [name for name in SYSTEMS if name in hjsolve.catalog.ids("separable")])
 def test_a_motion_depends_continuously_on_a_velocity_that_vanishes(entry):
     draw = random.Random(entry)

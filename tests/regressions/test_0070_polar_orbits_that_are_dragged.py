@@ -10,6 +10,8 @@ import pytest
 import hjsolve
 from hjsolve.arithmetic.number_types import Reals
 
+pytestmark = pytest.mark.rotating_file(2)
+
 POLAR = {"p_t": "-0.97", "p_theta": "3.8"}
 
 

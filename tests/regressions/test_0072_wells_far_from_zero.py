@@ -7,6 +7,8 @@ import pytest
 
 import hjsolve
 
+pytestmark = pytest.mark.rotating_file(2)
+
 WELL = "((x - {far})**2/2 + 101/500/(1 + ((x - {far} - 11/10)/0.00285)**2))"
 
 

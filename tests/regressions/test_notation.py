@@ -7,6 +7,8 @@ import pytest
 
 import hjsolve
 
+pytestmark = pytest.mark.rotating_file(2)
+
 
 def test_a_pendulum_of_dynamicsymbols_is_the_pendulum_typed_with_primes_and_the_one_typed_plainly():
     import sympy as sp

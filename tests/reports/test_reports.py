@@ -34,7 +34,7 @@ T = TypeVar("T")
 SEPARABLE = [
     "kepler-planar", "pendulum", "spherical-pendulum", "lagrange-top", "kepler-parabolic", "spherical-staeckel", "projectile",
 ]  # fmt: skip
-REFUSED = ["henon-heiles", "double-pendulum"]
+REFUSED = ["henon-heiles", pytest.param("double-pendulum", marks=pytest.mark.nightly)]
 SECTIONS = ["system", "reduction", "test", "forms", "characteristic-function", "time-law", "closed-forms", "motion", "numbers", "how"]  # fmt: skip
 
 
@@ -70,7 +70,6 @@ def test_a_separable_system_has_all_sections_in_order(name: str, documents: dict
     assert ("orbit" in keys) == (name != "pendulum")
 
 
-@pytest.mark.nightly_cases("double-pendulum")
 @pytest.mark.parametrize("name", REFUSED)
 def test_a_refused_system_has_its_obstruction_and_no_solution(name: str, documents: dict[str, Document]) -> None:
     keys = [section.key for section in documents[name].sections]
@@ -173,7 +172,6 @@ def test_html_shows_formulas_as_mathml_and_drawings_that_can_be_read_out(
         assert all(row.find("th") is not None for row in table.iterfind("tbody/tr"))
 
 
-@pytest.mark.nightly_cases("double-pendulum")
 @pytest.mark.parametrize("name", [*SEPARABLE, *REFUSED])
 def test_no_raw_names_are_left_in_the_prose(name: str, documents: dict[str, Document]) -> None:
     page = re.sub(r"<(style|math|svg|code)\b.*?</\1>", "", write_html(documents[name]), flags=re.DOTALL)

@@ -30,7 +30,7 @@ def ratio(motion, one, other):
     return abs(motion.frequencies[one].value / motion.frequencies[other].value)
 
 
-@pytest.mark.nightly_cases("3-2")
+@pytest.mark.nightly_cases("5-3", "3-2")
 @pytest.mark.parametrize(("r", "theta"), [(3, 2), (5, 3), pytest.param(19, 10, marks=pytest.mark.nightly)])
 def test_a_resonance_of_the_isochrone(isochrone, r, theta):
     """Ω_r/Ω_θ = 2/(1 + L/√(L² + 4)) (Binney and Tremaine, Galactic Dynamics, (3.227b))."""
