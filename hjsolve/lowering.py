@@ -9,6 +9,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.tape import UNARY, Operation, Tape
 from hjsolve.errors import InvalidInputError
+from hjsolve.formulas.removable_poles import without_removable_poles
 from hjsolve.precision import one_at_a_time
 
 _FUNCTIONS = {
@@ -340,5 +341,6 @@ def momentum_squared_tapes(
     absent, periodic = tuple(k == 0 for k in kernels), bool(F.xreplace({q: q + 2 * sp.pi}) == F)
     if exact is not None:
         F, *kernels = exact
+    F, *kernels = (without_removable_poles(e, q) for e in (F, *kernels))
     squared = recentred(spread_exponentials(over_one_denominator(F, q)), q)
     return lower([squared], inputs), lower([recentred(k, q) for k in kernels], inputs), absent, periodic

@@ -13,6 +13,7 @@ from hjsolve.arithmetic.floats import bits_for
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.display.shown import Shown
 from hjsolve.errors import NotConvergedError
+from hjsolve.formulas.removable_poles import along_motion
 from hjsolve.lowering import momentum_squared_tapes, with_plain_exponents
 from hjsolve.mechanics.kinks import Kink, smooth_intervals
 from hjsolve.motion import quantities
@@ -188,6 +189,7 @@ def _smooth_start(solution: Solution, initial: Initial, name: str, squared: sp.E
     parameters = tuple(p.symbol for p in solution.system.parameters)
     known = {solution.constants[c].symbol: initial.constants[c] for c in solution.constants}
     known |= {s: initial.values[s] for s in parameters}
+    F = along_motion(F, q, known | {q: place})
     own = (F, *(sp.diff(F, c) / 2 for c in constants))
     joined = tuple(with_exact_coefficients(e, q, known) for e in own)
     start = start_at(solution, name, F, known, place, None if joined == own else joined)

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import sympy as sp
 
 from hjsolve.arithmetic.number_types import Integers
 from hjsolve.ensembles.engine.columns import QUANTITIES, Columns, blank, put
-from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model
+from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model, model_next_to_poles
 from hjsolve.ensembles.engine.passes import TIMED, TOLERANCE, run_escapes, run_pass
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.starts import MomentumRule, Starts, from_velocities, given_momenta
-from hjsolve.ensembles.engine.status import ENDLESS, Status
+from hjsolve.ensembles.engine.status import ENDLESS, UNDECIDED, Status
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.solution.quadratures import Solution
@@ -35,12 +36,14 @@ class Engine:
         want: which of ``QUANTITIES`` are computed; nothing else is integrated.
         model: the solution as straight-line programs.
         names: quantity → names of its columns.
+        values: every parameter → exact number.
     """
 
     solution: Solution
     want: frozenset[str]
     model: Model
     names: Mapping[str, tuple[str, ...]]
+    values: Mapping[sp.Symbol, sp.Expr]
 
     def run(self, q: Mapping[str, Any], p: Mapping[str, Any]) -> Columns:
         """Compute what is wanted for many orbits, from places and momenta.
@@ -72,7 +75,7 @@ class Engine:
         """Compute what is wanted.
 
         A first pass knows p² in doubles, and small motions by slopes; where only its claims are too large, a second one
-        knows p² to 32 digits.
+        knows p² to 32 digits. What is then not decided is seen by a p² that keeps its digits next to poles that cancel.
 
         Args:
             starts: of n orbits.
@@ -85,20 +88,30 @@ class Engine:
         columns = blank(self.names, count)
         if not self.model.separated:
             return columns
-        programs, everything = system_programs(self.model, kernels=bool(TIMED & self.want)), np.arange(count)
-        for tolerance, exact, left in ((FAST, False, everything), (TOLERANCE, True, None)):
-            orbits = everything[columns.vague] if left is None else left
-            for index in _chunks(orbits):
-                part = run_pass(
-                    self.model, programs, dict(self.names), starts.take(index), tolerance=tolerance, exact=exact
-                )
-                put(columns, index, part)
+        everything = np.arange(count)
+        self._run_passes(columns, starts, everything, self.model)
+        left = everything[columns.vague | (columns.status == UNDECIDED)]
+        near = model_next_to_poles(self.solution, self.values) if len(left) else None
+        if near is not None:
+            some = blank(self.names, len(left))
+            self._run_passes(some, starts.take(left), np.arange(len(left)), near)
+            solved = some.status == Status.OK
+            put(columns, left[solved], some.take(solved))
         if escapes:
+            programs = system_programs(self.model, kernels=bool(TIMED & self.want))
             for index in _chunks(everything[columns.status == ENDLESS]):
                 part = run_escapes(self.model, programs, dict(self.names), starts.take(index))
                 proved = part.status == Status.UNBOUNDED
                 put(columns, index[proved], part.take(proved))
         return columns
+
+    def _run_passes(self, columns: Columns, starts: Starts, orbits: Integers, model: Model) -> None:
+        """Fill columns by the two passes."""
+        programs = system_programs(model, kernels=bool(TIMED & self.want))
+        for tolerance, exact in ((FAST, False), (TOLERANCE, True)):
+            for index in _chunks(orbits[columns.vague] if exact else orbits):
+                part = run_pass(model, programs, dict(self.names), starts.take(index), tolerance=tolerance, exact=exact)
+                put(columns, index, part)
 
 
 def _chunks(orbits: Integers) -> list[Integers]:
@@ -129,6 +142,7 @@ def build(
         want,
         lowered_model(solution, values),
         _names(solution, want),
+        values,
     )
 
 

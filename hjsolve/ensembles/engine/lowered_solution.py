@@ -20,6 +20,7 @@ from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.errors import InvalidInputError
+from hjsolve.formulas.removable_poles import without_removable_poles
 from hjsolve.lowering import lower, with_plain_exponents, without_inverse_functions
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.motion.initial_data import to_bits
@@ -103,14 +104,31 @@ class Model:
     exact: tuple[Fraction, ...]
 
 
-def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Model:
-    """Lower a solution.
+def model_next_to_poles(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Model | None:
+    """Lower a solution whose p² keeps its digits next to poles that cancel; None where it has none.
 
     Args:
         solution: of the system.
         values: every parameter → exact number.
     """
-    system = solution.system
+    squares = {
+        name: without_removable_poles(F, solution.system.coordinate(name).symbol, near=True)
+        for name, F in solution.momentum_squared.items()
+    }
+    return lowered_model(solution, values, squares) if squares != dict(solution.momentum_squared) else None
+
+
+def lowered_model(
+    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], squares: Mapping[str, sp.Expr] | None = None
+) -> Model:
+    """Lower a solution.
+
+    Args:
+        solution: of the system.
+        values: every parameter → exact number.
+        squares: separated coordinate → p², where it is written in another form than the solution's.
+    """
+    system, squares = solution.system, squares or solution.momentum_squared
     parameters = [p.symbol for p in system.parameters]
     constants = [c.symbol for c in solution.constants.values()]
     start = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates] + parameters
@@ -121,7 +139,7 @@ def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Mo
     symbols, known = (tuple(constants), tuple(parameters)), tuple(values.items())
     separated = tuple(
         _separated(
-            system.coordinate(name), (solution.momentum_squared[name], solution.shift[name] != 0), names.index(name),
+            system.coordinate(name), (squares[name], solution.shift[name] != 0), names.index(name),
             symbols, known,
         )
         for name in solution.coordinates
@@ -159,7 +177,8 @@ def _separated(
 ) -> Separated:  # fmt: skip
     """Lower p² of a coordinate, ``shell`` with whether P differs from p; ``symbols`` of constants and parameters."""
     (constants, parameters), values = symbols, dict(known)
-    q, F, name = coordinate.symbol, with_plain_exponents(shell[0], values), coordinate.name
+    q, name = coordinate.symbol, coordinate.name
+    F = without_removable_poles(with_plain_exponents(shell[0], values), q)
     kernels = [sp.diff(F, c) / 2 for c in constants]
     parts = _parts(F, constants)
 
