@@ -13,7 +13,7 @@ from hjsolve.explorer.first_question import question_about
 from hjsolve.explorer.question import LONGEST, Drag, PageAnswer, PageQuestion, Portrait, Wanted
 from hjsolve.explorer.worker import Workers
 from hjsolve.reports.document.drawing_style import STYLE
-from hjsolve.reports.formats.stylesheet import NOTEBOOK_CSS
+from hjsolve.reports.formats.stylesheet import LIGHT, NOTEBOOK_CSS
 
 _CSS = """
 .nicegui-content{padding:0}
@@ -44,6 +44,13 @@ linear-gradient(to left,rgba(128,128,128,.6),transparent) right/.8rem 100% no-re
 .explorer .drag svg{cursor:crosshair;touch-action:none}
 .explorer h1{font-size:1.3rem;line-height:1.3;font-weight:600;margin:0}
 """
+_PRINTED = (
+    "@media print{body.body--dark{background:#fff!important;color:#22262b!important}"
+    ".q-layout,.q-page-container,.q-page{min-height:0!important}"
+    f".body--dark .explorer,.body--dark .hjsolve{{{LIGHT};--page:#fff}}"
+    ".body--dark .explorer :is(.q-field *,.q-item,.q-checkbox){color:#22262b!important}"
+    ".explorer .q-btn,.explorer .q-item__section--side{display:none}.explorer .portraits>*{break-inside:avoid}}"
+)
 _POINTER = ["pointerdown", "pointermove"]
 
 
@@ -85,7 +92,7 @@ class ExplorerPage:
         self._writing = False
         self._names: tuple[str, ...] = tuple(question.q)
         self._portraits: dict[str, tuple[Portrait, ui.interactive_image]] = {}
-        ui.add_css(NOTEBOOK_CSS + STYLE + _CSS)
+        ui.add_css(NOTEBOOK_CSS + STYLE + _CSS + _PRINTED)
         self.client = ui.context.client
         with ui.element("main").classes("explorer hjsolve"):
             with ui.element("section").classes("fields").props('aria-label="The system"'):

@@ -92,7 +92,7 @@ p math,li math{font-size:1.04em}td math{font-size:9.2pt}mfrac>*{math-depth:inher
 @bottom-center{content:counter(page) " / " counter(pages);font:8.5pt sans-serif;color:#444}}}
 """
 
-_LIGHT = (
+LIGHT = (
     "--paper:#fff;--ink:#22262b;--soft:#666b72;--rule:#d9d5cc;--blue:#2f5f8f;--red:#b8402a;--wash:#f3f1ec;"
     "--green:#2e7044;--amber:#8a6100"
 )
@@ -101,7 +101,7 @@ _DARK = (
     "--green:#7cc495;--amber:#e0b45c"
 )
 NOTEBOOK_CSS = (
-    f".hjsolve{{{_LIGHT};color:var(--ink);max-width:54rem;font:14px/1.5 system-ui,sans-serif}}"
+    f".hjsolve{{{LIGHT};color:var(--ink);max-width:54rem;font:14px/1.5 system-ui,sans-serif}}"
     f"[data-jp-theme-light=false] .hjsolve,.vscode-dark .hjsolve,[theme=dark] .hjsolve,"
     f".body--dark .hjsolve{{{_DARK}}}"
     """

@@ -133,10 +133,9 @@ def for_gyroscopic(system: System, pair: tuple[str, str]) -> str:
         return f"The terms linear in the velocities of {i} and {j} are no gradient. {words}"
     return (
         f"The terms linear in the velocities of {i} and {j} act like a magnetic field: they are not a gradient and "
-        f"cannot be shifted "
-        f"away. Change the gauge (add a total time derivative to L), or take coordinates in which the symmetry of "
-        f"the field makes "
-        f"one of them ignorable, e.g. polar angles about the field. {ALWAYS}"
+        "cannot be shifted away. Gauges that differ by a gradient are one system: "
+        'coordinates="find" looks for one in which a coordinate is ignorable. Or take coordinates in which '
+        f"the symmetry of the field makes one of them ignorable, e.g. polar angles about the field. {ALWAYS}"
     )
 
 
