@@ -22,7 +22,7 @@ from hjsolve.coordinates.charts.transform import Cartesian, chart_and_axes, web_
 from hjsolve.coordinates.charts.validity import valid_everywhere
 from hjsolve.coordinates.curved.sphere import OnSphere, charts_on_sphere
 from hjsolve.coordinates.find import cartesian_form, find_coordinates, sphere_below
-from hjsolve.coordinates.gauge import find_gauge
+from hjsolve.coordinates.gauge import field_in, find_gauge
 from hjsolve.coordinates.results import SeparableCoordinates, Vector, Web
 from hjsolve.coordinates.small_oscillations import normal_modes
 from hjsolve.coordinates.superintegrable import independent_integrals, modes_in_words, webs_in_words
@@ -155,12 +155,12 @@ def _found_in_space(system: System, why: str, refused: object, budget: float) ->
                 refused,
             )
     if any(a != 0 for a in linear_terms(system)):
-        chart = _in_another_gauge(system, why, budget)
+        chart = _in_another_gauge(system, why, budget) or _without_the_field(system, why, budget)
         if chart is not None:
             return chart
         raise NotSeparableError(
-            f"{why}, nor do straight ones, in any gauge in which some are ignorable; where T has terms linear in the "
-            "velocities no more is tried. Where all coefficients are constant, see gyroscopic_modes",
+            f"{why}, nor do straight ones, nor those in which it separates without the terms linear in the velocities, "
+            "in any gauge in which some are ignorable. Where all coefficients are constant, see gyroscopic_modes",
             refused,
         )
     if small_oscillations(system):
@@ -324,6 +324,39 @@ def _in_another_gauge(system: System, why: str, budget: float) -> Chart | None:
         system, found, replace(verdict, system=found), (sp.S.Zero,) * len(symbols), gauge.frame, symbols, symbols,
         tuple(masses.diagonal()), sp.S.One, {}, flat_map(system), linear=gauge.linear, gauge=gauge.function,
     )  # fmt: skip
+
+
+def _without_the_field(system: System, why: str, budget: float) -> Chart | None:
+    """Return coordinates in which a system separates with and without its terms linear in the velocities."""
+    linear = sp.Add(*(a * c.velocity for a, c in zip(linear_terms(system), system.coordinates, strict=True)))
+    domains = {c.name: c.domain.written(c.name) for c in system.coordinates}
+    plain = System(
+        domains, sp.expand(system.kinetic - linear), system.potential, {p.name: p for p in system.parameters},
+        title=system.title,
+    )  # fmt: skip
+    try:
+        webs, cartesian = find_coordinates(plain, special=False, budget=budget).webs, cartesian_form(plain)
+    except InvalidSystemError:
+        return None
+    for web in sorted((web for web in webs if web.kind != "cartesian"), key=_cost):
+        chart = _charted(web, f"{why}; {web.kind} coordinates do", cartesian=cartesian, budget=budget)
+        if chart is None:
+            continue
+        there = {system.coordinate(name).symbol: e for name, e in chart.transformation.items()}
+        try:
+            field = field_in(chart.system, there, system, seconds_left(budget))
+            verdict = None if field is None else separate(field[0], budget=seconds_left(budget))
+        except WorkLimitError:
+            raise SearchTimeError from None
+        if field is None or not isinstance(verdict, Separation):
+            continue
+        remark = f"momenta are less by the gradient of {field[2]}" if field[2] != 0 else ""
+        found = _there(system, chart.transformation, field[0])
+        return replace(
+            chart, original=system, system=found, separation=replace(verdict, system=found), outer=flat_map(system),
+            remark=_remarks(chart.remark, remark), linear=field[1], gauge=field[2],
+        )  # fmt: skip
+    return None
 
 
 def _modal(system: System, reason: str, budget: float) -> Chart:

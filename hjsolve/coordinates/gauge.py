@@ -10,7 +10,7 @@ Quantum Mechanics, §112).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
@@ -68,19 +68,60 @@ def find_gauge(system: System, budget: float) -> Gauge | None:
     for k in range(len(shifts)):
         if all(sp.simplify(field[k, other]) == 0 for other in commuting):
             commuting.append(k)
-    bounds: dict[sp.Symbol, tuple[None, None]] = dict.fromkeys(u, (None, None))
-    Λ = sp.S.Zero
-    for k in commuting:
-        own = Reader([*there, *field], bounds, Budget.seconds(budget))
-        slopes = [own.element(sp.diff(e, u[k])) for e in there]
-        part = antiderivative(own, sp.expand(closed_form_potential(own, u, slopes)), u[k])
+    own = Reader([*there, *field], dict.fromkeys(u, (None, None)), Budget.seconds(budget))
+    free = free_of(own, there, u, [u[k] for k in commuting])
+    return None if free is None else _gauge(system, frame, M, u, free[0], free[1], V.xreplace(at))
+
+
+def free_of(
+    reader: Reader, linear: Sequence[sp.Expr], u: Sequence[sp.Symbol], ignorable: Sequence[sp.Symbol]
+) -> tuple[list[sp.Expr], sp.Expr] | None:
+    """Return a(u) in a gauge without some coordinates, and Λ with (old) = (new) + ∇Λ; None where it is not found.
+
+    Args:
+        reader: of what depends on u.
+        linear: a(u).
+        u: all coordinates.
+        ignorable: coordinates on which F does not depend, and with F = 0 between them.
+    """
+    there, Λ = list(linear), sp.S.Zero
+    for s in ignorable:
+        slopes = [reader.element(sp.diff(e, s)) for e in there]
+        part = antiderivative(reader, sp.expand(closed_form_potential(reader, u, slopes)), s)
         if part.has(sp.Integral):
             return None
-        there = [shortest_form(own, own.element(e - sp.diff(part, s))) for e, s in zip(there, u, strict=True)]
+        there = [shortest_form(reader, reader.element(e - sp.diff(part, x))) for e, x in zip(there, u, strict=True)]
         Λ += part
-    if any(e.has(u[k]) for e in there for k in commuting):
+    return None if any(e.has(s) for e in there for s in ignorable) else (there, sp.expand(Λ))
+
+
+def field_in(chart: System, transformation: Mapping[sp.Symbol, sp.Expr], system: System, budget: float) -> (
+    tuple[System, tuple[sp.Expr, ...], sp.Expr] | None
+):  # fmt: skip
+    """Return a system with its terms linear in the velocities, in coordinates in which it separates without them.
+
+    Args:
+        chart: the system without these terms, in u.
+        transformation: x, the given coordinates → expression in u.
+        system: in x.
+        budget: seconds for exact arithmetic.
+
+    Returns:
+        The system in u, aₖ(u) and Λ(u) as in ``Gauge``; None where it depends on a coordinate that was ignorable.
+    """
+    u, x = [c.symbol for c in chart.coordinates], [c.symbol for c in system.coordinates]
+    J = sp.Matrix([transformation[s] for s in x]).jacobian(u)
+    a = [sp.simplify(e) for e in J.T * sp.Matrix([e.xreplace(dict(transformation)) for e in linear_terms(system)])]
+    F = [sp.simplify(sp.diff(a[j], u[i]) - sp.diff(a[i], u[j])) for i in range(len(u)) for j in range(i)]
+    ignorable = [s for s in u if not any(e.has(s) for e in (*mass_matrix(chart), chart.potential, *F))]
+    reader = Reader([*a, *F, chart.potential, *mass_matrix(chart)], domain_bounds(chart), Budget.seconds(budget))
+    free = free_of(reader, a, u, ignorable) if ignorable else None
+    if free is None:
         return None
-    return _gauge(system, frame, M, u, there, Λ, V.xreplace(at))
+    T = chart.kinetic + sp.Add(*(e * c.velocity for e, c in zip(free[0], chart.coordinates, strict=True)))
+    domains = {c.name: c.domain.written(c.name) for c in chart.coordinates}
+    found = System(domains, T, chart.potential, {p.name: p for p in chart.parameters}, title=chart.title)
+    return found, tuple(free[0]), free[1]
 
 
 def _shifts(functions: Sequence[sp.Expr], x: Sequence[sp.Symbol], reader: Reader) -> list[sp.Matrix]:

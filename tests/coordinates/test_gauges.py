@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import sympy as sp
 from mpmath import mp
 
 import hjsolve
@@ -100,6 +101,77 @@ def test_w_depends_on_the_gauge_and_is_not_given():
     assert motion.as_solved.characteristic_function(1).value
 
 
-def test_where_no_shift_leaves_the_forces_alone_it_is_said():
+@pytest.mark.parametrize(("gauge", "V"), [
+    (GAUGES["symmetric"], "x**4 + y**4"),
+    pytest.param(GAUGES["symmetric"], "-1/sqrt(x**2 + y**2 + z**2)", marks=pytest.mark.nightly),  # Zeeman, in space
+    ("x*dot(y)/sqrt(x**2 + y**2)", "(x**2 + y**2)**2 + z**2"),  # F = y²/ρ³
+])  # fmt: skip
+def test_where_nothing_leaves_the_forces_alone_it_is_said(gauge, V):
     with pytest.raises(hjsolve.NotSeparableError, match="in any gauge"):
-        hjsolve.solve(found(GAUGES["symmetric"], "x**4 + y**4"), coordinates="find")
+        hjsolve.solve(found(gauge, V), coordinates="find")
+
+
+ABOUT = {
+    "symmetric gauge": ("x*dot(y)/4 - y*dot(x)/4", "-E/sqrt(x**2 + y**2)", "xy", "polar"),
+    "Landau's gauge": ("-y*dot(x)/2", "-E/sqrt(x**2 + y**2)", "xy", "polar"),
+    "Fock and Darwin": ("x*dot(y)/2", "E*(x**2 + y**2)/2", "xy", "polar"),
+    "another centre": ("(x - 1)*dot(y)/2", "E*((x - 1)**2 + (y + 2)**2)**2 + z**2", "xyz", "circular cylinder"),
+    "another axis": ("x*dot(z)/2", "-E/sqrt(x**2 + z**2) + y**4", "xyz", "circular cylinder"),
+}
+
+
+@pytest.mark.nightly_cases("another centre", "another axis", "Fock and Darwin")
+@pytest.mark.parametrize("name", ABOUT)
+def test_a_field_along_the_axis_of_the_forces(name):
+    """Newton's law by differences of 40 digits: ẍ = F × ẋ − ∇V; the momentum about the axis, by hand, is the action."""
+    gauge, V, names, kind = ABOUT[name]
+    solution = hjsolve.solve(found(gauge, V, names), coordinates="find")
+    assert solution.chart.kind == kind
+    q, velocity = dict(zip(names, ("4/3", "1/5", "1/7"))), dict(zip(names, ("1/10", "9/10", "-3/10")))
+    motion = solution.motion(q=q, velocity=velocity, digits=50)
+    steps = motion.at(["1999999999999/1000000000000", 2, "2000000000001/1000000000000"])
+    system = solution.system_as_given
+    x, v = ([c.symbol for c in system.coordinates], [c.velocity for c in system.coordinates])
+    L = system.kinetic - system.potential.subs({"E": 1})
+    with mp.workdps(60):
+        at = {s: sp.Float(str(steps.q[c][1]), 60) for s, c in zip(x, names, strict=True)}
+        at |= {s: sp.Float(str(steps.velocity[c][1]), 60) for s, c in zip(v, names, strict=True)}
+        for k, c in enumerate(names):
+            force = sp.diff(L, x[k]) - sum(sp.diff(L, v[k], x[i]) * v[i] for i in range(len(names)))
+            law = mp.mpf(str(sp.N(force.subs({p.symbol: 1 for p in system.parameters}).subs(at), 60)))
+            place = [mp.mpf(str(e)) for e in steps.q[c]]
+            assert abs((place[2] - 2 * place[1] + place[0]) * mp.mpf(10) ** 24 - law) < 1e-20
+
+
+@pytest.mark.nightly
+def test_a_monopole_and_a_centre_typed_in_cartesian_coordinates():
+    """Dirac's a = g (x ẏ − y ẋ)/(r (r + z)): the motion is on a cone (Poincaré 1896); p_φ is conserved in any gauge."""
+    a = "(x*dot(y) - y*dot(x))/(x**2 + y**2 + z**2 + z*sqrt(x**2 + y**2 + z**2))/4"
+    solution = hjsolve.solve(found(a, "-1/sqrt(x**2 + y**2 + z**2)"), coordinates="find")
+    assert solution.chart.kind == "spherical"
+    motion = solution.motion(q={"x": 1, "y": "1/5", "z": "3/10"}, velocity={"x": "1/10", "y": "9/10", "z": "1/5"})
+    states = motion.at(np.linspace(0, 20, 9))
+    x, v = (np.array([group[c] for c in "xyz"], dtype=float) for group in (states.q, states.velocity))
+    cone = np.cross(x, v, axis=0) - x / np.linalg.norm(x, axis=0) / 4  # L − e g r̂, constant
+    assert np.allclose(cone, cone[:, :1], rtol=0, atol=1e-12)
+
+
+def test_the_map_of_a_motion_in_a_field_is_symplectic_in_the_users_momenta():
+    solution = hjsolve.solve(found("-y*dot(x)/2", "E*(x**2 + y**2)/2 + (x**2 + y**2)**2", "xy"), coordinates="find")
+    motion = solution.motion(q={"x": 1, "y": "1/5"}, velocity={"x": "1/3", "y": "1/2"})
+    M, Z = (
+        motion.transition_matrix(3.0).value,
+        np.block([[np.zeros((2, 2)), np.eye(2)], [-np.eye(2), np.zeros((2, 2))]]),
+    )
+    assert np.allclose(M.T @ Z @ M, Z, rtol=0, atol=1e-12)
+
+
+def test_motions_in_a_field_pass_the_axis():
+    """p about the axis is zero where ẏ = −x/4: an oscillator in the frame that turns with half the field's frequency."""
+    solution = hjsolve.solve(found("(x*dot(y) - y*dot(x))/4", "E*(x**2 + y**2)/2", "xy"), coordinates="find")
+    states = solution.motion(q={"x": 1, "y": 0}, velocity={"x": 0, "y": "-1/4"}).at([1.0, 7.3])
+    for m, t in enumerate((1.0, 7.3)):
+        with mp.workdps(30):
+            truth = mp.cos(mp.sqrt(mp.mpf(17) / 16) * t) * mp.expj(-mp.mpf(t) / 4)
+            for name, true in (("x", truth.real), ("y", truth.imag)):
+                assert abs(states.q[name][m] - true) <= states.error.q[name][m] <= 1e-12
