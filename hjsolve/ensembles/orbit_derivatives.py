@@ -23,7 +23,7 @@ from hjsolve.display.shown import Shown
 from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.engine.contour_integrals import Integrand, Seconds, along, turn
 from hjsolve.ensembles.engine.kernels.path_integrals import Paths
-from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model
+from hjsolve.ensembles.engine.lowered_solution import lowered_model, next_to_poles
 from hjsolve.ensembles.engine.paths_of_librations import ATTEMPTS, placed
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.programs_of_paths import path_programs
@@ -100,10 +100,10 @@ def ensemble_derivatives(
     batch = ensemble(solution, q, p, velocity, want=want, parameters=parameters, threads=threads)
     if batch.lazy:
         raise InvalidInputError("ensemble_derivatives: not of dask arrays; call it for each block")
-    return _derivatives(solution, batch, parameters or {})
+    return _derivatives(solution, batch, parameter_values(solution.system, parameters or {}))
 
 
-def _derivatives(solution: Solution, batch: Batch, given: Mapping[str, Any]) -> BatchDerivatives:
+def _derivatives(solution: Solution, batch: Batch, values: Mapping[sp.Symbol, sp.Expr]) -> BatchDerivatives:
     names, constants = list(solution.coordinates), list(solution.constants)
     n, count = len(constants), int(np.prod(batch.shape, dtype=int))
     κ = np.array([np.ravel(batch.constants[name]) for name in constants], dtype=float).reshape(n, count)
@@ -113,10 +113,12 @@ def _derivatives(solution: Solution, batch: Batch, given: Mapping[str, Any]) -> 
     dK, error, sizes = (np.zeros((n, n, n, count)) for _ in range(3))
     good = np.zeros(count, dtype=bool)
     good[open_] = True
-    values = parameter_values(solution.system, given)
-    model = lowered_model(solution, values)
+    near = next_to_poles(solution)
     for i, name in enumerate(names):
-        found = _coordinate((solution, model, values), name, batch, κ, open_)
+        found = _coordinate(solution, values, name, batch, κ, open_)
+        left = np.flatnonzero(~found.good)
+        if near is not None and len(left):
+            found.put(left, _coordinate(near, values, name, batch, κ, open_[left]))
         direction = np.sign(np.ravel(batch.actions[name])[open_])
         direction = np.where(direction == 0, 1.0, direction)
         K[i][:, open_], K_error[i][:, open_] = direction * found.first, found.first_error
@@ -131,10 +133,10 @@ def _derivatives(solution: Solution, batch: Batch, given: Mapping[str, Any]) -> 
 
 
 def _coordinate(
-    known_as: tuple[Solution, Model, Mapping[sp.Symbol, sp.Expr]], name: str, batch: Batch, κ: Reals, open_: Integers
+    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], name: str, batch: Batch, κ: Reals, open_: Integers
 ) -> Seconds:
     """Return the second derivatives of one action; good where they agree with it."""
-    solution, model, values = known_as
+    model = lowered_model(solution, values)
     uncertainty = [np.ravel(np.asarray(batch.error["constants"][c], dtype=float)) for c in solution.constants]
     programs = system_programs(model, kernels=False)
     k = next(k for k, c in enumerate(model.separated) if c.name == name)
@@ -177,8 +179,7 @@ def _keep(result: Seconds, done: Mask, some: Integers, found: Seconds, J: Reals,
         known = (found.error <= TOLERANCE * found.scale).all(axis=(0, 1))
         agrees = np.abs(found.action - J[some]) <= J_error[some] + _SAME * np.abs(J[some]) + 4 * found.action_error
     right = found.good & agrees & known & ~(result.left[some] <= found.left)
-    for own, new in zip(result, found, strict=True):
-        own[..., some[right]] = new[..., right]
+    result.put(some[right], Seconds(*(new[..., right] for new in found)))
     done[some] = result.good[some] & (result.left[some] <= _LITTLE)
     return agrees
 

@@ -24,6 +24,7 @@ FORMULAS = {
     "exponential and logarithm": sp.exp(-(z**2)) * sp.log(c + z**2) + sp.log(1 + z / 1000),
     "circular": sp.sin(3 * z) / sp.cos(z) + sp.tan(z / 2) - c / sp.sin(z) ** 2,
     "hyperbolic": sp.sinh(z) ** 2 - c / sp.cosh(z) + sp.tanh(z) + c / sp.sinh(z) ** 2,
+    "inverse and small": sp.asinh(z * (1 + 1 / (1 + z)) / 2) / z - sp.asinh(z) / z + sp.asin(z) / z,
     "inverse": sp.asinh(z) + sp.atan(z / 3) + sp.acosh(z + 4) + sp.atanh(z / 7) + sp.asin(z / 5) + sp.acos(z / 6),
 }
 

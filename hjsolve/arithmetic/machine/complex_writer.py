@@ -100,7 +100,7 @@ class ComplexWriter:
         a = self.writer
         if name == "neg":
             return self._negative(x)
-        if x.im is None and name not in {"sqrt", "log"}:
+        if x.im is None and name not in {"sqrt", "log", "log1p"}:
             return ComplexValue(a.unary(name, x.re))
         im = a.number(0.0) if x.im is None else x.im
         match name:
@@ -113,6 +113,8 @@ class ComplexWriter:
                 return ComplexValue(a.mul(size, a.unary("cos", im)), a.mul(size, a.unary("sin", im)))
             case "log":
                 return self._logarithm(x.re, im)
+            case "log1p":
+                return self._logarithm_next_to_one(x.re, im)
             case "sin" | "cos" | "sinh" | "cosh":
                 return self._wave(name, x.re, im)
             case _:
@@ -137,6 +139,15 @@ class ComplexWriter:
         square = a.add(a.mul(x, x), a.mul(y, y))
         half = a.unary("atan", a.div(y, a.add(a.unary("sqrt", square), x)))
         return ComplexValue(a.mul(a.number(0.5), a.unary("log", square)), a.mul(a.number(2.0), half))
+
+    def _logarithm_next_to_one(self, x: Value, y: Value) -> ComplexValue:
+        """½ log(1 + s) + i arg(1 + z) with s = x (2 + x) + y² and log(1 + s) = arsinh(s (1 + 1/(1 + s))/2)."""
+        a, one = self.writer, self.writer.number(1.0)
+        s = a.add(a.mul(x, a.add(a.number(2.0), x)), a.mul(y, y))
+        squared, w = a.add(one, s), a.add(one, x)
+        rise = a.unary("asinh", a.mul(a.mul(a.number(0.5), s), a.add(one, a.div(one, squared))))
+        half = a.unary("atan", a.div(y, a.add(a.unary("sqrt", squared), w)))
+        return ComplexValue(a.mul(a.number(0.5), rise), a.mul(a.number(2.0), half))
 
     def _wave(self, name: str, x: Value, y: Value) -> ComplexValue:
         a = self.writer
@@ -193,8 +204,9 @@ def composed(arithmetic: Any, name: str, z: Any) -> Any:
             return a.div(a.unary("sinh", z), a.unary("cosh", z))
         case "sech":
             return a.div(one, a.unary("cosh", z))
-        case "asinh":
-            return log(a.add(z, root(a.add(a.mul(z, z), one))))
+        case "asinh":  # z + √(1 + z²) is 1 + z + z²/(1 + √(1 + z²))
+            square = a.mul(z, z)
+            return a.unary("log1p", a.add(z, a.div(square, a.add(one, root(a.add(one, square))))))
         case "acosh":
             return log(a.add(z, a.mul(root(a.add(z, one)), root(a.sub(z, one)))))
         case "atanh":
@@ -259,6 +271,8 @@ class ComplexRunningError(RunningError[ComplexValue]):
             return WithErrorBound(self.plain.unary(name, x.value), x.error)
         if name == "abs":
             return WithErrorBound(AnalyticWriter(self.plain.writer).unary(name, x.value), x.error)
+        if name == "log1p":
+            return self._logarithm_next_to_one(x)
         if name not in {"exp", "log", "sin", "cos", "sinh", "cosh"}:
             found: WithErrorBound[ComplexValue] = composed(self, name, x)
             return found
@@ -272,3 +286,12 @@ class ComplexRunningError(RunningError[ComplexValue]):
         else:
             slope = value if name == "exp" else a.unary(slopes[name], x.value)
         return WithErrorBound(value, self._sum(self._part(slope, x.error), own))
+
+    def _logarithm_next_to_one(self, x: WithErrorBound[ComplexValue]) -> WithErrorBound[ComplexValue]:
+        """log(1 + z): s is rounded to parts of |z| (1 + |z|), which 1/|1 + z|² passes on."""
+        a, one = self.plain, self.plain.rational(1, 1)
+        value, size = a.unary("log1p", x.value), a.unary("abs", x.value)
+        below = a.add(one, x.value)
+        rounded = a.div(a.mul(size, a.add(one, size)), ComplexValue(a.square(below)))
+        own = a.add(self._scaled(value, self.own), self._scaled(rounded, self.own))
+        return WithErrorBound(value, self._sum(self._part(a.div(one, below), x.error), own))

@@ -61,6 +61,16 @@ class Seconds(NamedTuple):
     left: Reals
     good: Mask
 
+    def put(self, orbits: Integers, part: Seconds) -> None:
+        """Write what was found of some orbits.
+
+        Args:
+            orbits: which.
+            part: of these orbits.
+        """
+        for own, new in zip(self, part, strict=True):
+            own[..., orbits] = new
+
 
 class Integrand(NamedTuple):
     """p² of one coordinate.

@@ -11,7 +11,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.number_types import Integers
 from hjsolve.ensembles.engine.columns import QUANTITIES, Columns, blank, put
-from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model, model_next_to_poles
+from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model, next_to_poles
 from hjsolve.ensembles.engine.passes import TIMED, TOLERANCE, run_escapes, run_pass
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.starts import MomentumRule, Starts, from_velocities, given_momenta
@@ -91,10 +91,10 @@ class Engine:
         everything = np.arange(count)
         self._run_passes(columns, starts, everything, self.model)
         left = everything[columns.vague | (columns.status == UNDECIDED)]
-        near = model_next_to_poles(self.solution, self.values) if len(left) else None
+        near = next_to_poles(self.solution) if len(left) else None
         if near is not None:
             some = blank(self.names, len(left))
-            self._run_passes(some, starts.take(left), np.arange(len(left)), near)
+            self._run_passes(some, starts.take(left), np.arange(len(left)), lowered_model(near, self.values))
             solved = some.status == Status.OK
             put(columns, left[solved], some.take(solved))
         if escapes:

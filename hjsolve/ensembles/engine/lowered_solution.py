@@ -8,7 +8,7 @@ accuracy where q does not.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import lru_cache
 
@@ -104,31 +104,28 @@ class Model:
     exact: tuple[Fraction, ...]
 
 
-def model_next_to_poles(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Model | None:
-    """Lower a solution whose p² keeps its digits next to poles that cancel; None where it has none.
+def next_to_poles(solution: Solution) -> Solution | None:
+    """Return a solution whose p² keeps its digits next to poles that cancel; None where there are none.
 
     Args:
         solution: of the system.
-        values: every parameter → exact number.
     """
     squares = {
         name: without_removable_poles(F, solution.system.coordinate(name).symbol, near=True)
         for name, F in solution.momentum_squared.items()
     }
-    return lowered_model(solution, values, squares) if squares != dict(solution.momentum_squared) else None
+    same = all(F is solution.momentum_squared[name] for name, F in squares.items())
+    return None if same else replace(solution, momentum_squared=squares)
 
 
-def lowered_model(
-    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], squares: Mapping[str, sp.Expr] | None = None
-) -> Model:
+def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Model:
     """Lower a solution.
 
     Args:
         solution: of the system.
         values: every parameter → exact number.
-        squares: separated coordinate → p², where it is written in another form than the solution's.
     """
-    system, squares = solution.system, squares or solution.momentum_squared
+    system = solution.system
     parameters = [p.symbol for p in system.parameters]
     constants = [c.symbol for c in solution.constants.values()]
     start = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates] + parameters
@@ -139,7 +136,7 @@ def lowered_model(
     symbols, known = (tuple(constants), tuple(parameters)), tuple(values.items())
     separated = tuple(
         _separated(
-            system.coordinate(name), (squares[name], solution.shift[name] != 0), names.index(name),
+            system.coordinate(name), (solution.momentum_squared[name], solution.shift[name] != 0), names.index(name),
             symbols, known,
         )
         for name in solution.coordinates

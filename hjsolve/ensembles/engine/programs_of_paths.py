@@ -18,6 +18,7 @@ from hjsolve.arithmetic.running_error import WithErrorBound
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.lowered_solution import multiplied_out
 from hjsolve.ensembles.engine.program_parts import MADE, ParameterRows
+from hjsolve.formulas.removable_poles import without_removable_poles
 from hjsolve.lowering import lower, with_plain_exponents
 from hjsolve.solution.quadratures import Solution
 
@@ -50,6 +51,7 @@ def path_programs(solution: Solution, name: str, values: Mapping[sp.Symbol, sp.E
     """
     system, coordinate = solution.system, solution.system.coordinate(name)
     F = with_plain_exponents(solution.momentum_squared[name], values)
+    F = without_removable_poles(F, coordinate.symbol)
     constants = tuple(c.symbol for c in solution.constants.values())
     parameters = tuple(p.symbol for p in system.parameters)
     ends = (coordinate.domain.lower, 1), (coordinate.domain.upper, -1)
