@@ -179,7 +179,7 @@ def _keep(result: Seconds, done: Mask, some: Integers, found: Seconds, J: Reals,
         known = (found.error <= TOLERANCE * found.scale).all(axis=(0, 1))
         agrees = np.abs(found.action - J[some]) <= J_error[some] + _SAME * np.abs(J[some]) + 4 * found.action_error
     right = found.good & agrees & known & ~(result.left[some] <= found.left)
-    result.put(some[right], Seconds(*(new[..., right] for new in found)))
+    result.put(some[right], Seconds._make(new[..., right] for new in found))
     done[some] = result.good[some] & (result.left[some] <= _LITTLE)
     return agrees
 

@@ -156,3 +156,19 @@ def test_the_rounding_of_terms_that_cancel_is_in_the_claims():
                 truth = many.convert(exact.value[quantity][name][constant])
                 error = abs(many.mpf(float(column[0])) - truth)
                 assert error <= float(found.error[quantity][name][constant][0]) + 1e-25 * (1 + abs(truth))
+
+
+def test_nearly_radial_orbits_of_the_isochrone_typed_with_its_root_have_derivatives():
+    """Ω_r = (−2E)^{3/2} and ∂J_r/∂L = −(1 + L/√(L² + 4))/2 (Binney and Tremaine 3.226), down to l = 1e-12."""
+    kinetic = "(dot(r)**2 + r**2*dot(theta)**2)/2"
+    system = hjsolve.System({"r": "0 < r", "theta": "angle"}, kinetic, "-(sqrt(1+r**2)-1)/r**2")
+    l = np.array([1e-1, 1e-4, 1e-8, 1e-12])
+    found = hjsolve.ensemble_derivatives(system, q={"r": [1.0, 0.5, 2.0, 1.5], "theta": 0.1}, p={"r": 0.1, "theta": l})
+    assert set(found.status) == {"ok"}
+    E = np.asarray(found.batch.constants["E"])
+    for truth, group, c in (
+        (-3 * np.sqrt(-2 * E), "frequencies", "E"), (-(1 + l / np.hypot(l, 2)) / 2, "actions", "p_theta"),
+    ):  # fmt: skip
+        value, error = (np.asarray(x[group]["r"][c]) for x in (found.value, found.error))
+        assert (np.abs(value - truth) <= error + 1e-15 * np.abs(truth)).all()
+        assert (error <= 1e-10 * np.abs(truth)).all()

@@ -50,6 +50,40 @@ def test_kepler_orbits_are_where_keplers_equation_says_within_their_claims():
         assert batch.p["theta"][k] == L[k]
 
 
+def test_nearly_radial_kepler_orbits_are_where_keplers_equation_says_within_their_claims():
+    """J_r was shifted by a part of the largest p times the width, 1/l too much: below l = 1e-5 every state was lost."""
+    n = 24
+    random = np.random.default_rng(3)
+    J_r, L = random.uniform(0.3, 2, n), random.choice([-1.0, 1.0], n) * 10.0 ** random.uniform(-11, -1, n)
+    M, θ = random.uniform(0.3, 3, n) * random.choice([-1.0, 1.0], n), random.uniform(-3, 3, n)
+    batch = hjsolve.ensemble(
+        "kepler-planar", actions={"r": J_r, "theta": L}, angles={"r": M, "theta": θ}, want={"state"}, fallback=False
+    )
+    assert batch.status.tolist() == ["ok"] * n
+    for k in range(n):
+        r, p, azimuth = kepler(J_r[k], L[k], M[k], θ[k])
+        assert abs(batch.q["r"][k] - r) <= batch.error["q"]["r"][k] <= 1e-10 * r, k
+        assert abs(batch.p["r"][k] - p) <= batch.error["p"]["r"][k], k
+        assert apart(batch.q["theta"][k], azimuth) <= batch.error["q"]["theta"][k], k
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("V", ["-log(1+r)/r", "-(1-exp(-r))/r", "-(sqrt(1+r**2)-1)/r**2"])
+def test_states_of_nearly_radial_orbits_next_to_poles_that_cancel(V):
+    kinetic = "(dot(r)**2 + r**2*dot(theta)**2)/2"
+    solution = hjsolve.solve(hjsolve.System({"r": "0 < r", "theta": "angle"}, kinetic, V))
+    actions = {"r": [0.1, 0.12, 0.2, 0.1], "theta": [1e-3, 1e-6, 1e-9, 1e-12]}
+    angles = {"r": [0.4, -2.0, 3.1, 1.0], "theta": [0.1, 1.0, -1.0, 2.0]}
+    batch = hjsolve.ensemble(solution, actions=actions, angles=angles, fallback=False)
+    assert batch.status.tolist() == ["ok"] * 4
+    for k in range(4):
+        given = ({key: column[k] for key, column in group.items()} for group in (actions, angles))
+        state = solution.motion(**dict(zip(("actions", "angles"), given, strict=True))).at(0)
+        for name in ("r", "theta"):
+            far = apart(batch.q[name][k], state.q[name])
+            assert far <= batch.error["q"][name][k] + state.error.q[name], (k, name)
+
+
 def test_circles_rest_at_their_radius():
     batch = hjsolve.ensemble(
         "kepler-planar", actions={"r": 0, "theta": [1.0, -0.5, 3.0]}, angles={"theta": 0.25}, fallback=False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine import build
+from hjsolve.ensembles.engine.lowered_solution import next_to_poles
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.to_states.newton_on_actions import ROUNDS, SOON, Goals, Solved, constants_of_tori, newton_step
@@ -84,9 +85,11 @@ def states_of(task: InverseTask) -> FoundStates:
     found = FoundStates(q, p, dq, dp, np.full(n, Status.NOT_CONVERGED, dtype=np.int8), np.zeros(n, dtype=bool))
     finite = np.isfinite(task.actions).all(axis=0) & np.isfinite(task.angles).all(axis=0)
     found.status[~finite] = Status.NOT_FINITE
-    left = np.flatnonzero(finite)
-    for begin in range(0, len(left), _CHUNK):
-        _chunk(task, found, left[begin : begin + _CHUNK])
+    near = next_to_poles(task.solution)
+    for one in (task, *([] if near is None else [replace(task, solution=near)])):
+        left = np.flatnonzero(finite & (found.status != Status.OK))
+        for begin in range(0, len(left), _CHUNK):
+            _chunk(one, found, left[begin : begin + _CHUNK])
     if task.fallback:
         for k in np.flatnonzero(finite & (found.status != Status.OK)):
             _one(task, found, int(k))
@@ -206,7 +209,7 @@ def _written(
     spread = spread + FINER * np.einsum("kcn,cn->kn", np.abs(solved.actions.slopes[:, :, good]), np.abs(tori.values))
     spread = np.where(J == 0, 0.0, spread)
     angles = task.angles[own][:, index], task.angles[others][:, index]
-    states = states_at(angle_task, tori, frames, angles, spread)
+    states = states_at(angle_task, tori, frames, angles, (solved.actions.values[:, good], spread))
     rounding = 8 * EPS * np.abs(states.q)  # of q itself; a narrow motion may be hardly wider
     wide = np.where(frames.widths > 0, frames.widths, 1.0)
     fine = states.good & (states.q_errors - rounding <= _TOLERANCE * wide).all(axis=0)

@@ -32,7 +32,7 @@ from hjsolve.ensembles.to_states.short_arcs import (
     times,
     wrapped,
 )
-from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, squares
+from hjsolve.ensembles.to_states.tori import Tori, coordinate_at
 
 _TIMED = Modes(chords=False, kernels=True, oscillations=True, shifts=False)
 _ROUNDS, _LEAST_STEP = 60, 2.0**-30
@@ -184,7 +184,9 @@ def _resting_sums(one: CoordinateOfOrbits, rates: Reals) -> Sums:
     return sums
 
 
-def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, Reals], spread: Reals) -> StatesOnTori:
+def states_at(
+    task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, Reals], actions: tuple[Reals, Reals]
+) -> StatesOnTori:
     """Return the states of tori at angles.
 
     Args:
@@ -192,7 +194,7 @@ def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, 
         tori: of n orbits.
         frames: between what they move.
         angles: θ of the separated coordinates (separated, n) and of the ignorable angles (angles, n).
-        spread: bounds on what is not known of J, of the separated coordinates; shape (separated, n).
+        actions: J of the separated coordinates, and bounds on what is not known of them; shape (separated, n).
     """
     θ = wrapped(angles[0] * frames.directions)
     # θ of a rotation is 0 opposite to the slow place, of a libration at the lower turning point
@@ -213,7 +215,7 @@ def states_at(task: AngleTask, tori: Tori, frames: Frames, angles: tuple[Reals, 
         blur = np.where(between, _BLUR * EPS * np.abs(at.q) / frames.widths, 0.0)
         phases = times(np.abs(back), loose) + blur
         own = np.abs(at.moves) * phases, np.abs(at.forces) * phases
-        moved = _quotients(task, tori, frames, (φ, at, found, back), (spread, vague & (np.abs(θ) < _SMALL)))
+        moved = _quotients(task, tori, frames, (φ, at, found, back), (*actions, vague & (np.abs(θ) < _SMALL)))
         q_errors = own[0] + moved[0] + 2 * EPS * np.abs(at.q)
         P_errors = own[1] + moved[1] + 8 * EPS * np.abs(at.P)
         turned = wrapped(angles[1] - found.ignorable)
@@ -366,13 +368,13 @@ def _ignorable_rates(model: Model, found: AnglesFound, at: Placed, phases: Reals
 
 def _quotients(
     task: AngleTask, tori: Tori, frames: Frames, here: tuple[Reals, Placed, AnglesFound, Reals],
-    known: tuple[Reals, Mask],
+    known: tuple[Reals, Reals, Mask],
 ) -> tuple[Reals, Reals, Reals]:  # fmt: skip
     """Return what is not known of J moves of q, P and the ignorable angles, by difference quotients at fixed θ.
 
-    ``known`` are bounds on what is not known of J, and which angles are integrals from the turning point.
+    ``known`` are J, bounds on what is not known of them, and which angles are integrals from the turning point.
     """
-    (φ, at, found, back), (size, n), (spread, short) = here, tori.q.shape, known
+    (φ, at, found, back), (size, n), (J, spread, short) = here, tori.q.shape, known
     moved = [np.zeros((size, n)), np.zeros((size, n)), np.zeros((len(task.model.angles), n))]
     unknown = np.arange(size)
     inverse = found.inverse.transpose(0, 2, 1)  # ∂c/∂J
@@ -380,9 +382,8 @@ def _quotients(
         loose = np.flatnonzero((spread[k] > 0) & found.good & ~frames.resting[k])
         if not len(loose):
             continue
-        F = _action_sizes(task, tori.take(loose), k, frames.take(loose))
         change = np.zeros((size, len(loose)))
-        change[k] = _SHIFT * F
+        change[k] = _SHIFT * np.abs(J[k, loose])
         own = tori.take(loose).moved(unknown, times(inverse[loose], change))
         among = frames.take(loose)
         bases, widths = among.bases.copy(), among.widths.copy()
@@ -418,9 +419,3 @@ def _by_short_arcs(task: AngleTask, tori: Tori, frames: Frames, found: AnglesFou
 
 def _doubles(task: AngleTask, k: int, bases: Reals, side: int) -> Reals:
     return place(sides(task.model.separated[k])[side], bases[2 * side])
-
-
-def _action_sizes(task: AngleTask, tori: Tori, k: int, frames: Frames) -> Reals:
-    """About J: the largest p times the width, over 4; of a rotation p."""
-    root = np.sqrt(np.fmax(squares(coordinate_at(*task, tori, k)), 0))
-    return np.where(frames.rotating[k], root, 0.25 * root * frames.widths[k])
