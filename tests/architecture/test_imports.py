@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-LOOSE = {"__init__", "__main__", "_version", "arguments", "errors", "lowering", "precision"}
+LOOSE = {"__init__", "__main__", "_version", "arguments", "errors", "jax", "lowering", "precision"}
 
 
 def rooms() -> set[str]:
