@@ -53,6 +53,7 @@ def test_gradients_are_those_of_the_closed_forms(orbits, quantity):
             np.testing.assert_allclose(mine[c][:3], exact[c][:3], rtol=1e-11, atol=1e-14)
 
 
+@pytest.mark.nightly
 def test_jit_vmap_and_a_product_with_the_transposed_matrix(orbits):
     def row(x):
         found = orbits({"r": x[0], "theta": x[1]}, {"r": x[2], "theta": x[3]})
@@ -93,6 +94,7 @@ def test_what_has_no_derivatives_is_refused(orbits):
         jax.config.update("jax_enable_x64", True)
 
 
+@pytest.mark.nightly
 def test_without_jax_one_error_says_what_to_install():
     code = "import sys; sys.modules['jax'] = None; import hjsolve.jax"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

@@ -50,6 +50,7 @@ def test_kepler_orbits_are_where_keplers_equation_says_within_their_claims():
         assert batch.p["theta"][k] == L[k]
 
 
+@pytest.mark.nightly
 def test_nearly_radial_kepler_orbits_are_where_keplers_equation_says_within_their_claims():
     """J_r was shifted by a part of the largest p times the width, 1/l too much: below l = 1e-5 every state was lost."""
     n = 24

@@ -95,6 +95,7 @@ def nearly_radial(V):
     return q, p, hjsolve.ensemble(system, q=q, p=p, want={"actions", "frequencies"}, fallback=False)
 
 
+@pytest.mark.nightly
 def test_nearly_radial_orbits_of_the_isochrone_typed_with_its_root():
     q, p, batch = nearly_radial("-(sqrt(1+r**2)-1)/r**2")
     assert set(batch.status) == {"ok"}
