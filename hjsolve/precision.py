@@ -20,11 +20,14 @@ import os
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import mpmath
 from mpmath import libmp
 from mpmath.ctx_mp import MPContext
+
+if TYPE_CHECKING:
+    from hjsolve.arithmetic.number_types import Context, Mpc, Mpf, MpfMatrix
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -69,16 +72,16 @@ class _Precision(threading.local):
     """Working precision and rounding of the present thread, in the place of mpmath's list of the two."""
 
     def __init__(self) -> None:
-        self.pair: list[Any] = [_DOUBLE, libmp.round_nearest]
+        self.pair: list[int | str] = [_DOUBLE, libmp.round_nearest]
         self.dps = 15
 
-    def __iter__(self) -> Iterator[Any]:
+    def __iter__(self) -> Iterator[int | str]:
         return iter(self.pair)
 
-    def __getitem__(self, k: int) -> Any:
+    def __getitem__(self, k: int) -> int | str:
         return self.pair[k]
 
-    def __setitem__(self, k: int, value: Any) -> None:
+    def __setitem__(self, k: int, value: int | str) -> None:
         self.pair[k] = value
 
 
@@ -94,7 +97,7 @@ class ThreadContext(MPContext):
         return self._state
 
     @_prec_rounding.setter
-    def _prec_rounding(self, pair: list[Any]) -> None:
+    def _prec_rounding(self, pair: list[int | str]) -> None:
         self._state.pair[:] = pair
 
     @property
@@ -147,11 +150,11 @@ class FixedContext(MPContext):
         self.prec = libmp.dps_to_prec(digits)
 
     @classmethod
-    def _wrap_specfun(cls, name: str, f: Callable[..., Any], wrap: bool) -> None:  # noqa: ARG003 - mpmath's signature
+    def _wrap_specfun(cls, name: str, f: Callable[..., object], wrap: bool) -> None:  # noqa: ARG003 - mpmath's signature
         if name not in cls.__dict__:  # it is called again for every context that is made
             setattr(cls, name, _elsewhere(name))
 
-    def log(self, x: object, b: object = None) -> Any:
+    def log(self, x: object, b: object = None) -> Mpf:
         """Return the logarithm; the natural one raises no precision.
 
         Args:
@@ -160,7 +163,7 @@ class FixedContext(MPContext):
         """
         return self.ln(x) if b is None else _in_own_context(self, "log", (x, b), {})
 
-    def fprod(self, factors: Iterable[Any]) -> Any:
+    def fprod(self, factors: Iterable[object]) -> Mpf:
         """Return a product; mpmath's own writes the precision back that it never changed.
 
         Args:
@@ -172,8 +175,8 @@ class FixedContext(MPContext):
         return +product
 
 
-def _elsewhere(name: str) -> Callable[..., Any]:
-    def function(context: FixedContext, *args: Any, **named: Any) -> Any:
+def _elsewhere(name: str) -> Callable[..., object]:
+    def function(context: FixedContext, *args: object, **named: object) -> object:
         return _in_own_context(context, name, args, named)
 
     function.__name__ = name
@@ -189,7 +192,7 @@ for _name in _RAISING:
     setattr(FixedContext, _name, _elsewhere(_name))
 
 
-def _in_own_context(context: FixedContext, name: str, args: tuple[Any, ...], named: dict[str, Any]) -> Any:
+def _in_own_context(context: FixedContext, name: str, args: tuple[object, ...], named: dict[str, object]) -> Any:
     with mp.workprec(context.prec):
         return _moved(getattr(mp, name)(*(_moved(a, mp, context) for a in args), **named), context, mp)
 
@@ -217,7 +220,7 @@ for _constant in (libmp.pi_fixed, libmp.e_fixed, libmp.ln2_fixed, libmp.ln10_fix
 NUMBERS: dict[str, Any] = {n: getattr(mp, n) for n in dir(mp) if not n.startswith("_")}
 """What ``mp`` offers, by name."""
 
-NAMES: list[dict[str, Any] | str] = [NUMBERS, "mpmath"]
+NAMES: list[dict[str, object] | str] = [NUMBERS, "mpmath"]
 """The ``modules`` of ``sympy.lambdify`` for functions of ``mp`` numbers."""
 
 _made: dict[int, FixedContext] = {}
@@ -257,7 +260,7 @@ def for_the_user(x: Any) -> Any:
     return tuple(map(for_the_user, x)) if isinstance(x, tuple) else mpmath.mp.convert(x)
 
 
-def for_any_context(function: Callable[..., Any]) -> Callable[..., Any]:
+def for_any_context(function: Callable[..., _R]) -> Callable[..., _R]:
     """Let a function of ``mp`` numbers take the user's as well, at the user's precision.
 
     Args:
@@ -275,13 +278,13 @@ def for_any_context(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 # ------------------------------------------------------------------------------------------------ pickling
-def _reduced(x: Any) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+def _reduced(x: Mpf | Mpc) -> tuple[Callable[..., object], tuple[object, ...]]:
     """Return what a number is pickled as: the precision of its context, None of ``mp``, and its parts."""
     parts = (x._mpf_,) if hasattr(x, "_mpf_") else x._mpc_
     return _restored, (_bits(x.context), *(tuple(int(part) for part in number) for number in parts))
 
 
-def _reduced_matrix(matrix: Any) -> tuple[Callable[..., Any], tuple[int | None, list[list[Any]]]]:
+def _reduced_matrix(matrix: MpfMatrix) -> tuple[Callable[..., object], tuple[int | None, list[list[Mpf]]]]:
     return _restored_matrix, (_bits(matrix.ctx), matrix.tolist())
 
 
@@ -289,15 +292,15 @@ def _bits(context: MPContext) -> int | None:
     return None if context is mp else int(context.prec)
 
 
-def _home(bits: int | None) -> Any:
+def _home(bits: int | None) -> Context:
     return mp if bits is None else multiprecision(bits)
 
 
-def _restored_matrix(bits: int | None, rows: list[list[Any]]) -> Any:
+def _restored_matrix(bits: int | None, rows: list[list[Mpf]]) -> MpfMatrix:
     return _home(bits).matrix(rows)
 
 
-def _restored(bits: int | None, *parts: tuple[int, ...]) -> Any:
+def _restored(bits: int | None, *parts: tuple[int, ...]) -> Mpf | Mpc:
     context = _home(bits)
     numbers = tuple((sign, libmp.MPZ(whole), exponent, count) for sign, whole, exponent, count in parts)
     return context.make_mpf(numbers[0]) if len(parts) == 1 else context.make_mpc(numbers)

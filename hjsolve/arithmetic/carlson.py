@@ -8,7 +8,6 @@ What is outside the domain of a function is nan. An element does not depend on i
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +31,7 @@ def broadcast(*arguments: Numbers) -> list[Doubles]:
     return [np.array(a) for a in np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in arguments))]
 
 
-def _inside(value: Doubles, *conditions: Any) -> Doubles:
+def _inside(value: Doubles, *conditions: Elementwise) -> Doubles:
     return np.where(np.logical_and.reduce(conditions), value, np.nan)
 
 
@@ -40,7 +39,9 @@ Term = Callable[[Sequence[Elementwise], Sequence[Elementwise], Elementwise, Doub
 """(arguments, their roots, λ, 4⁻ⁿ) ↦ what the n-th duplication adds to the sum."""
 
 
-def duplicated(A: Elementwise, arguments: Sequence[Elementwise], tolerance: float, term: Term | None = None) -> Any:
+def duplicated(
+    A: Elementwise, arguments: Sequence[Elementwise], tolerance: float, term: Term | None = None
+) -> Elementwise:
     """Replace each x by (x + λ)/4, λ = √x√y + √x√z + √y√z, until all are near their mean (Carlson 1995, (2.18)–(2.26)).
 
     Args:

@@ -6,7 +6,7 @@ import operator
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from hjsolve.arithmetic import propagation
 from hjsolve.arithmetic.printed_digits import decimal, with_last_digits
@@ -14,6 +14,9 @@ from hjsolve.errors import InvalidInputError
 
 if TYPE_CHECKING:
     import numpy as np
+    import numpy.typing as npt
+
+    from hjsolve.arithmetic.number_types import Mpf
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -100,13 +103,13 @@ class Estimate:
     def __ge__(self, other: object) -> bool:
         return self._above(other, operator.ge)
 
-    def _below(self, other: object, compare: Callable[[Any, Any], bool]) -> bool:
+    def _below(self, other: object, compare: Callable[[float | Mpf, float | Mpf], bool]) -> bool:
         term = _term(other)
         if term is None:
             return NotImplemented
         return bool(compare(propagation.exact_ends((self.value, self.error))[1], propagation.exact_ends(term)[0]))
 
-    def _above(self, other: object, compare: Callable[[Any, Any], bool]) -> bool:
+    def _above(self, other: object, compare: Callable[[float | Mpf, float | Mpf], bool]) -> bool:
         term = _term(other)
         if term is None:
             return NotImplemented
@@ -164,7 +167,7 @@ class Estimate:
     def __rpow__(self, other: object) -> Estimate:
         return combined("power", other, self)
 
-    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+    def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
         """Return the value alone, for numpy: a double, or an object that keeps every digit."""
         import numpy as np
 
@@ -175,7 +178,7 @@ class Estimate:
 
         return of_estimates(Estimate, combined, ufunc, method, inputs, options)
 
-    def _sympy_(self) -> Any:
+    def _sympy_(self) -> NoReturn:
         """Decline to become sympy's number, which would lose the error: sympy's rationals then ask ``__radd__``."""
         raise sys.modules["sympy"].SympifyError("an Estimate; write its .value")
 

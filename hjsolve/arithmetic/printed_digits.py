@@ -6,13 +6,14 @@ As many digits are printed as the error leaves, and the interval that is printed
 from __future__ import annotations
 
 from decimal import ROUND_HALF_EVEN, ROUND_UP, Context, Decimal
-from typing import Any
+
+from hjsolve.arithmetic.number_types import Mpf
 
 WIDE = Context(prec=400)
 _SMALL, LARGE = -5, 7  # powers of ten between which a number is written without an exponent
 
 
-def decimal(value: Any) -> Decimal:
+def decimal(value: float | Mpf) -> Decimal:
     """Give a number its exact decimal value.
 
     Args:
@@ -50,7 +51,7 @@ def _last_place(error: Decimal) -> int:
     return error.adjusted() - (1 if error.as_tuple().digits[0] == 1 else 0)
 
 
-def shortest(value: Any, digits: int = 15) -> str:
+def shortest(value: float | Mpf, digits: int = 15) -> str:
     """Write a number that has no error: exactly if it is short, else to some digits.
 
     Args:
@@ -102,7 +103,7 @@ def scientific(value: Decimal) -> str:
     return f"{'-' if sign else ''}{mantissa}e{value.adjusted()}"
 
 
-def with_last_digits(value: Any, error: Any) -> tuple[str, int]:
+def with_last_digits(value: float | Mpf, error: float | Mpf) -> tuple[str, int]:
     """Write a number with its error in brackets, in units of the last digit: 7.4162987(3).
 
     Args:

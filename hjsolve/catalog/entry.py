@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from hjsolve.catalog import outside
 from hjsolve.display.shown import Shown
@@ -96,7 +95,7 @@ class Entry(Shown):
     initial: InitialData | None
     motions: Mapping[str, InitialData]
     effects: Mapping[str, Effect]
-    expect: Mapping[str, Any]
+    expect: Mapping[str, object]
     references: tuple[Reference, ...]
     cite: tuple[str, ...]
     book: tuple[str, ...]

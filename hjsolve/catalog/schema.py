@@ -11,7 +11,6 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
-from typing import Any
 
 from hjsolve.display.first_lines import MOST
 from hjsolve.display.visible_text import hidden_character
@@ -218,7 +217,7 @@ def unknown(given: Iterable[str], known: Iterable[str], where: str, what: str) -
         yield f'{where}: no {what} "{word}"{nearest(word, words) if count < MOST else ""}'
 
 
-def repeated(tables: list[Mapping[str, Any]], where: str) -> Iterator[str]:
+def repeated(tables: list[Mapping[str, object]], where: str) -> Iterator[str]:
     """Yield a fault for every name that stands in more than one table.
 
     Args:

@@ -11,7 +11,7 @@ from mpmath import libmp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.number_types import Mpf, Reals
+from hjsolve.arithmetic.number_types import Mask, Mpf, Reals
 from hjsolve.closed_form.complements import for_doubles
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.doubles import RootsOfPolynomial, place_test, region_test, roots_of
@@ -306,7 +306,7 @@ class _CompiledForm:
                 result[tuple(place)] = float(self.one([float(a[tuple(place)]) for a in places]))
         return result[()]
 
-    def _in_regions(self, places: Sequence[Any], good: Any) -> tuple[Any, Any]:
+    def _in_regions(self, places: Sequence[Reals], good: Mask) -> tuple[Mask, Mask]:
         """Return where the regions exist, or may exist, of those; and where that is not certain in doubles."""
         import numpy as np
 
@@ -341,12 +341,12 @@ class _CompiledForm:
             known.append(symbol)
         return found
 
-    def _root_arrays(self, places: Sequence[Any], shape: tuple[int, ...]) -> tuple[list[Any], Any]:
+    def _root_arrays(self, places: Sequence[Reals], shape: tuple[int, ...]) -> tuple[list[Reals], Mask]:
         """Return the values of the named symbols of the form, and where a root is not certain in doubles."""
         import numpy as np
 
-        known, table, unsure = list(places), dict[sp.Symbol, Any](), np.zeros(shape, dtype=bool)
-        solved = dict[int, Any]()
+        known, table, unsure = list(places), dict[sp.Symbol, Reals](), np.zeros(shape, dtype=bool)
+        solved = dict[int, tuple[Reals, Mask]]()
         for symbol, value in self.named:
             if isinstance(value, tuple):
                 polynomial, index = value

@@ -186,7 +186,7 @@ def _is_scene(options: Namespace) -> bool:
     return is_scene(options.system)
 
 
-def initial(options: Namespace) -> dict[str, Any] | None:
+def initial(options: Namespace) -> dict[str, object] | None:
     """Return initial data from the command line; None where there are none.
 
     Returns:
@@ -205,7 +205,7 @@ def initial(options: Namespace) -> dict[str, Any] | None:
 
     if not options.q or bool(options.velocity) == bool(options.momentum):
         raise InvalidInputError("a motion needs --q and one of --velocity and --momentum, for every coordinate")
-    data: dict[str, Any] = {"q": typed_values(options.q, "--q")}
+    data: dict[str, object] = {"q": typed_values(options.q, "--q")}
     if options.velocity:
         data["velocity"] = typed_values(options.velocity, "--velocity")
     else:
@@ -215,7 +215,7 @@ def initial(options: Namespace) -> dict[str, Any] | None:
     return data
 
 
-def own_motion(options: Namespace) -> dict[str, Any] | None:
+def own_motion(options: Namespace) -> dict[str, object] | None:
     """Return the entry's own motion where its parameters or effects are changed; None where it is taken as it is.
 
     Returns:

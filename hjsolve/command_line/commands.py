@@ -292,7 +292,7 @@ def cost_command(options: Namespace) -> int:
     refuse_unused(own if options.system is not None else {}, "they belong to a system of your own")
     changed = options.effect or options.parameter or options.q or options.velocity or options.momentum
     if options.system is None or options.coordinate or changed:
-        subject: Any = arguments_read.motion_meant(options, 15)
+        subject: object = arguments_read.motion_meant(options, 15)
     else:
         subject = arguments_read.located(options.system)
     measured(options, subject)
@@ -415,7 +415,7 @@ def _search(options: Namespace) -> int:
     return ANSWER if found else REFUSED
 
 
-def _status(verdict: Any) -> int:
+def _status(verdict: object) -> int:
     return {"Separation": ANSWER, "Obstruction": REFUSED, "Undecided": UNSETTLED}[type(verdict).__name__]
 
 

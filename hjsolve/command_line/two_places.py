@@ -6,7 +6,6 @@ import csv
 import json
 import sys
 from argparse import Namespace
-from typing import Any
 
 from hjsolve.arguments import whole
 from hjsolve.arithmetic.estimate import Estimate
@@ -78,11 +77,11 @@ def turns_from_text(text: str) -> list[int]:
         raise InvalidInputError(f'--turns "{text}": write 0:3 for 0 to 3 whole turns, or a list such as 0,2') from None
 
 
-def _written(x: Any) -> str:
+def _written(x: object) -> str:
     return repr(x) if isinstance(x, float) else str(x)
 
 
-def _plain(found: Connections) -> dict[str, Any]:
+def _plain(found: Connections) -> dict[str, object]:
     return {
         "motions": [_motion(c) for c in found],
         "continua": [{"statement": c.statement, "free": list(c.free), "turns": c.turns} for c in found.continua],
@@ -92,7 +91,7 @@ def _plain(found: Connections) -> dict[str, Any]:
     }
 
 
-def _motion(c: Connection) -> dict[str, Any]:
+def _motion(c: Connection) -> dict[str, object]:
     return {
         "turns": c.turns, "path": c.path, "S": _number(c.principal_function), "E": _number(c.energy),
         "conjugate_points": c.conjugate_points, "p0": {n: _number(e) for n, e in c.p0.items()},
@@ -100,6 +99,6 @@ def _motion(c: Connection) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _number(e: Estimate) -> dict[str, Any]:
+def _number(e: Estimate) -> dict[str, object]:
     value = e.value if isinstance(e.value, float) else str(e.value)
     return {"value": value, "error": float(short_bound(e.error))}

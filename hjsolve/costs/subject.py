@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import sympy as sp
 
@@ -20,7 +20,7 @@ from hjsolve.scenes import Scene, is_scene
 from hjsolve.scenes.question import InitialGroups, Times
 from hjsolve.solution.quadratures import Solution, solve
 
-Subject: TypeAlias = Scene | Motion | System | Solution | Mapping[str, Any] | str | Path
+Subject: TypeAlias = Scene | Motion | System | Solution | Mapping[str, object] | str | Path
 _WANT = ("turning_points", "actions", "frequencies", "periods", "trajectory")
 _COUNT, _CYCLES = 101, 10
 

@@ -61,7 +61,7 @@ class PageQuestion:
 
     def fragment(self) -> str:
         """Return the text after the # of the address that shows this question again."""
-        typed: dict[str, Any] = {
+        typed: dict[str, object] = {
             name: getattr(self, name) for name in _SHARED if getattr(self, name) != _defaults()[name]
         }
         text = json.dumps(typed, ensure_ascii=False, separators=(",", ":"), default=list)

@@ -7,10 +7,9 @@ from the linear equations of motion (``quadratic_flow``). Otherwise the refusal 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -18,7 +17,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import bits_for
-from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.arithmetic.number_types import AtTimes, Mpf, Numbers
 from hjsolve.display.shown import Shown
 from hjsolve.errors import NotSeparableError, required
 from hjsolve.extended.found_frames import find_frame
@@ -142,7 +141,7 @@ class QuadraticMotion(Shown):
         q, p, velocity = self._named(rows, shape)
         return State(t, q, p, velocity, {}, np.full(shape, "ok") if shape else "ok", uncertain)
 
-    def coefficients(self, t: object) -> tuple[Any, Any]:
+    def coefficients(self, t: object) -> tuple[AtTimes, AtTimes]:
         """Return A and B of S = ½ q·A q + B·q + C at a time, α = p(t0) constant: ∂S/∂q = A q + B.
 
         Args:
@@ -177,7 +176,7 @@ class QuadraticMotion(Shown):
             sizes.append([required(context).fsum(map(abs, row)) for row in numbers])
         return rates, sizes
 
-    def _named(self, values: Any, shape: tuple[int, ...]) -> Any:
+    def _named(self, values: Numbers, shape: tuple[int, ...]) -> Iterator[dict[str, AtTimes]]:
         names = [c.name for c in self.system.coordinates]
         columns = values.astype(float) if self.digits <= 15 else values
         found = [shaped(columns[:, k], shape) for k in range(columns.shape[1])]

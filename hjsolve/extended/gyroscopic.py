@@ -16,7 +16,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -24,7 +23,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import bits_for, multiprecision
-from hjsolve.arithmetic.number_types import Context, Mpf, MpfMatrix, Numbers
+from hjsolve.arithmetic.number_types import AtTimes, Context, Mpc, Mpf, MpfMatrix, Numbers
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError, MissingValueError
 from hjsolve.extended.linear_flow import Factor, LinearFlow, LinearPath, affine, flow_of, path_of
@@ -66,14 +65,14 @@ class LinearModes(Shown):
 
     system: System
     polynomial: sp.Expr
-    exponents: tuple[Any, ...]
-    ratios: tuple[Mapping[str, Any], ...]
+    exponents: tuple[Mpf | Mpc, ...]
+    ratios: tuple[Mapping[str, Mpf | Mpc], ...]
     stable: bool
     complete: bool
     frequencies: tuple[Mpf, ...]
     signs: tuple[int, ...]
     drifts: int
-    matrix: Any
+    matrix: MpfMatrix | None
     normal_form: System | None
     values: Mapping[sp.Symbol, sp.Expr]
     digits: int
@@ -97,7 +96,7 @@ class LinearModes(Shown):
             InvalidInputError: velocity and p are both given or both missing.
         """
         start = tuple(_canonical(self, q, velocity, p))
-        if self.normal_form is None:
+        if self.normal_form is None or self.matrix is None:
             return ModalMotion(self, start, None)
         context = multiprecision(_bits(self.digits))
         A, b = equations(self.system, self.values)
@@ -179,7 +178,7 @@ class ModalMotion(Shown):
         A, b = equations(self.modes.system, self.modes.values)
         return path_of(flow_of(affine(A, b)), [*self.start, sp.S.One], span, max(self.modes.digits, 15))
 
-    def _named(self, values: Numbers, shape: tuple[int, ...]) -> Iterator[dict[str, Any]]:
+    def _named(self, values: Numbers, shape: tuple[int, ...]) -> Iterator[dict[str, AtTimes]]:
         """Columns of q, p and velocity by coordinate, as doubles up to 15 digits, in the shape of the times."""
         names = [c.name for c in self.modes.system.coordinates]
         columns = values.astype(float) if self.modes.digits <= 15 else values
@@ -326,10 +325,10 @@ def is_stable(system: System, values: Mapping[sp.Symbol, sp.Expr]) -> bool:
     return imaginary and all(factor.block == 1 for _, factor in found)
 
 
-def _squares(flow: LinearFlow, bits: int) -> tuple[list[tuple[Any, Factor]], bool]:
+def _squares(flow: LinearFlow, bits: int) -> tuple[list[tuple[Mpc, Factor]], bool]:
     """λ² of the exponents, which come in pairs ±λ: each once, with its factor; and whether all λ are imaginary."""
     context = multiprecision(bits)
-    found: list[tuple[Any, Factor]] = []
+    found: list[tuple[Mpc, Factor]] = []
     for λ, factor in flow.exponents(bits):
         upper = context.im(λ) > 0 if abs(context.im(λ)) >= abs(context.re(λ)) else context.re(λ) > 0
         if λ == 0 or upper:
@@ -338,7 +337,7 @@ def _squares(flow: LinearFlow, bits: int) -> tuple[list[tuple[Any, Factor]], boo
     return sorted(found, key=lambda pair: abs(pair[0])), imaginary
 
 
-def _negative(s: Any, squares: list[Any], context: Context) -> bool:
+def _negative(s: Mpc, squares: list[Mpc], context: Context) -> bool:
     """Whether λ² is real and negative.
 
     The λ² are the simple roots of a real polynomial, so that one that is not real has its conjugate among them: an
@@ -354,9 +353,9 @@ def _ratios(
     Γ: sp.Matrix,
     K: sp.Matrix,
     values: Mapping[sp.Symbol, sp.Expr],
-    λ: Any,
+    λ: Mpf | Mpc,
     context: Context,
-) -> dict[str, Any]:
+) -> dict[str, Mpf | Mpc]:
     """A_i/A_1 of the amplitudes with M λ² A + Γ λ A + K A = 0: the cofactors of one row."""
     n = M.rows
     numbers = [[[to_bits(sp.sympify(X[i, j]).subs(values))(context.prec) for j in range(n)] for i in range(n)]
@@ -370,7 +369,7 @@ def _ratios(
     return {c.name: best[i] / best[0] for i, c in enumerate(system.coordinates)}
 
 
-def _cofactors(A: MpfMatrix, row: int, context: Context) -> list[Any]:
+def _cofactors(A: MpfMatrix, row: int, context: Context) -> list[Mpf]:
     n = A.rows
     found = []
     for j in range(n):
@@ -400,7 +399,7 @@ def _symplectic(n: int, context: Context) -> MpfMatrix:
 
 
 def _pairs(
-    spaces: list[tuple[Any, MpfMatrix]], ω: Mpf, context: Context
+    spaces: list[tuple[Mpc, MpfMatrix]], ω: Mpf, context: Context
 ) -> list[tuple[MpfMatrix, MpfMatrix, Mpf, int]]:
     """Return the columns of N that belong to one frequency, which may be repeated, with the sign of each mode's energy.
 
@@ -425,8 +424,7 @@ def _pairs(
     return found
 
 
-def _adjoint(matrix: Any) -> Any:
-    """Return the conjugate transpose; the type of mpmath's matrices does not know it."""
+def _adjoint(matrix: MpfMatrix) -> MpfMatrix:
     return matrix.H
 
 

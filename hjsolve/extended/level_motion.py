@@ -86,7 +86,7 @@ class LevelMotion(Shown):
         status = np.full(shape, "ok") if shape else "ok"
         return State(t, {name: q}, {name: p}, {name: v}, counts, status, bounds)
 
-    def _state(self, t: sp.Expr) -> tuple[Any, ...]:
+    def _state(self, t: sp.Expr) -> tuple[object, ...]:
         """(q, p, q̇, turns, errors of the first three)."""
         bits = self.rates.arithmetic.bits  # type: ignore[attr-defined]
         context = multiprecision(bits)

@@ -26,7 +26,7 @@ import sympy as sp
 from sympy.polys.matrices import DomainMatrix
 
 from hjsolve.arithmetic.floats import multiprecision
-from hjsolve.arithmetic.number_types import Context, Mpf, MpfMatrix
+from hjsolve.arithmetic.number_types import Context, Mpc, Mpf, MpfMatrix
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.initial_data import to_bits
 
@@ -61,7 +61,7 @@ class LinearFlow:
     matrix: sp.ImmutableMatrix
     factors: tuple[Factor, ...]
 
-    def exponents(self, bits: int) -> list[tuple[Any, Factor]]:
+    def exponents(self, bits: int) -> list[tuple[Mpc, Factor]]:
         """Return the roots of the characteristic polynomial in so many bits, each once, with its factor.
 
         Args:
@@ -70,7 +70,7 @@ class LinearFlow:
         context = multiprecision(bits)
         return [(context.mpc(λ), factor) for factor in self.factors for λ in _roots(factor.polynomial, context)]
 
-    def projections(self, bits: int) -> list[tuple[Any, MpfMatrix]]:
+    def projections(self, bits: int) -> list[tuple[Mpc, MpfMatrix]]:
         """Return for each exponent λ the projection V_{λ0} on its root space.
 
         Args:
@@ -129,13 +129,13 @@ def _at(f: sp.Poly, A: DomainMatrix) -> DomainMatrix:
     return found
 
 
-def _roots(f: sp.Poly, context: Context) -> list[Any]:
+def _roots(f: sp.Poly, context: Context) -> list[Mpc]:
     """Roots of a squarefree polynomial; 0 exactly."""
     coefficients = [context.convert(to_bits(c)(context.prec)) for c in f.all_coeffs()]
     if f.degree() == 1 and f.nth(0) == 0:
         return [context.mpc(0)]
     try:
-        found: list[Any] = context.polyroots(coefficients, maxsteps=400, extraprec=4 * context.prec)
+        found: list[Mpc] = context.polyroots(coefficients, maxsteps=400, extraprec=4 * context.prec)
     except context.NoConvergence:
         raise NotConvergedError("the characteristic equation has roots too close to tell apart") from None
     return found
@@ -143,7 +143,7 @@ def _roots(f: sp.Poly, context: Context) -> list[Any]:
 
 def _terms(
     flow: LinearFlow, A: MpfMatrix, start: MpfMatrix, context: Context
-) -> list[tuple[Any, list[MpfMatrix], list[Mpf]]]:
+) -> list[tuple[Mpc, list[MpfMatrix], list[Mpf]]]:
     """For each exponent λ: V_{λj} times the columns of ``start``, j < k_λ, and bounds on the sizes of V_{λj}."""
     roots, size = flow.exponents(context.prec), _size(A)
     found = []
@@ -165,7 +165,7 @@ def _terms(
     return found
 
 
-def _inverse_series(gaps: list[tuple[Any, int]], length: int, context: Context) -> list[Any]:
+def _inverse_series(gaps: list[tuple[Mpc, int]], length: int, context: Context) -> list[Mpc]:
     """Taylor coefficients of Π (d + s)^{−k} at s = 0."""
     series = [context.mpc(1)] + [context.mpc(0)] * (length - 1)
     for d, k in gaps:
@@ -196,7 +196,7 @@ class LinearPath:
         context: of the numbers.
     """
 
-    terms: list[tuple[Any, list[MpfMatrix]]]
+    terms: list[tuple[Mpc, list[MpfMatrix]]]
     sizes: list[tuple[list[Mpf], list[Mpf]]]
     start: Mpf
     scale: Mpf

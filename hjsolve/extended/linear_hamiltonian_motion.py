@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import sympy as sp
 
@@ -89,7 +88,7 @@ class LinearMotion(Shown):
         place, p, _, _ = self._reached(number(t, source="t"), bits, multiprecision(bits))
         return (place, p) if self.digits > _FLOAT_DIGITS else (float(place), float(p))
 
-    def _state(self, t: sp.Expr) -> tuple[Any, ...]:
+    def _state(self, t: sp.Expr) -> tuple[object, ...]:
         """(q, p, q̇, turns, status, errors of the first three)."""
         bits = bits_for(self.digits, _GUARD_BITS)
         context = multiprecision(bits)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import sympy as sp
 from sympy.core.function import ArgumentIndexError
 from sympy.core.sorting import ordered
@@ -83,7 +81,7 @@ class CarlsonRC(Printable):
             raise ArgumentIndexError(self, argindex)
         return (self - 1 / sp.sqrt(x) if argindex == 1 else sp.sqrt(x) / y - self) / (2 * (y - x))
 
-    def _eval_expand_func(self, **_: Any) -> sp.Expr:
+    def _eval_expand_func(self, **_: object) -> sp.Expr:
         x, y = self.args
         if not (x.is_nonnegative and y.is_positive):
             return self

@@ -7,12 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache, wraps
-from typing import Any
+from typing import TypeVar
 
 import mpmath
 import sympy as sp
 
 from hjsolve.precision import for_any_context, mp
+
+R = TypeVar("R")
+"""What a function has as its values."""
 
 _GUARD = 24
 _DOUBLINGS = 6
@@ -20,7 +23,7 @@ _REMEMBERED = 512
 """How many values are kept: sympy asks for those of one sum over and over while it looks for cancellation."""
 
 
-def remembered(function: Callable[..., Any]) -> Callable[..., Any]:
+def remembered(function: Callable[..., R]) -> Callable[..., R]:
     """Return a function of mpmath's numbers that keeps its last values, each with the precision it was worked out at.
 
     Args:
@@ -28,11 +31,11 @@ def remembered(function: Callable[..., Any]) -> Callable[..., Any]:
     """
 
     @lru_cache(_REMEMBERED, typed=True)
-    def at(_bits: int, *numbers: mpmath.mpf) -> Any:
+    def at(_bits: int, *numbers: mpmath.mpf) -> R:
         return function(*numbers)
 
     @wraps(function)
-    def now(*numbers: mpmath.mpf) -> Any:
+    def now(*numbers: mpmath.mpf) -> R:
         return at(mp.prec, *numbers)
 
     return now

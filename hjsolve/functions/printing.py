@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import mpmath
 import sympy as sp
 
 from hjsolve.functions.many_digits import evaluated
+
+if TYPE_CHECKING:
+    from sympy.printing.str import StrPrinter
 
 _FOURTH = {"sn": "[0]", "cn": "[1]", "dn": "[2]", "am": "[3]"}
 """scipy's ellipj gives four functions."""
@@ -40,7 +43,7 @@ class Printable(sp.Function):
         """Return the name of the function in every code: ``carlson_rf``, ``jacobi_sn``."""
         return f"carlson_{cls.letter.replace('_', '').lower()}" if "_" in cls.letter else f"jacobi_{cls.letter}"
 
-    def _latex(self, printer: Any, exp: str | None = None) -> str:
+    def _latex(self, printer: StrPrinter, exp: str | None = None) -> str:
         head, _, index = self.letter.partition("_")
         name = rf"{head}_{{{index}}}" if index else _LATEX.get(head, rf"\operatorname{{{head}}}")
         power = f"^{{{exp}}}" if exp is not None else ""
@@ -48,17 +51,17 @@ class Printable(sp.Function):
         inner = r"\middle| ".join(texts) if not index else ", ".join(texts)
         return rf"{name}{power}\left({inner}\right)"
 
-    def _called(self, printer: Any, name: str) -> str:
+    def _called(self, printer: StrPrinter, name: str) -> str:
         return f"{name}({', '.join(printer._print(argument) for argument in self.args)})"
 
-    def _mpmathcode(self, printer: Any) -> str:
+    def _mpmathcode(self, printer: StrPrinter) -> str:
         return self._called(printer, printer._module_format(f"{MANY_DIGITS}.{self.code_name()}"))
 
-    def _numpycode(self, printer: Any) -> str:
+    def _numpycode(self, printer: StrPrinter) -> str:
         if "SciPy" not in type(printer).__name__ or not self.scipy_name:
             return self._called(printer, printer._module_format(f"{self.doubles}.{self.code_name()}"))
         called = self._called(printer, printer._module_format(f"scipy.special.{self.scipy_name}"))
         return called + _FOURTH.get(self.letter, "")
 
-    def _ccode(self, printer: Any) -> str:
+    def _ccode(self, printer: StrPrinter) -> str:
         return self._called(printer, self.code_name())

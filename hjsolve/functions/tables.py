@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
-from typing import Any
 
 from hjsolve.errors import InvalidInputError
 from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
@@ -22,7 +21,7 @@ LEGENDRE = ("elliptic_k", "elliptic_f", "elliptic_e", "elliptic_pi")
 """sympy's names of Legendre's integrals."""
 
 
-def modules(backend: str) -> list[dict[str, Callable[..., Any]] | str]:
+def modules(backend: str) -> list[dict[str, Callable[..., object]] | str]:
     """Return what ``sympy.lambdify`` is given as ``modules`` so that every elliptic function has a value.
 
     Args:
@@ -51,11 +50,11 @@ def modules(backend: str) -> list[dict[str, Callable[..., Any]] | str]:
     raise InvalidInputError(f'modules: "numpy" or "mpmath" is needed, not {backend!r}')
 
 
-def own_modules() -> list[dict[str, Callable[..., Any]] | str]:
+def own_modules() -> list[dict[str, Callable[..., object]] | str]:
     """Return the table for ``sympy.lambdify`` of functions of ``precision.mp`` numbers, elliptic ones among them."""
     return [NUMBERS | _many_digits(), "mpmath"]
 
 
-def _many_digits() -> dict[str, Callable[..., Any]]:
+def _many_digits() -> dict[str, Callable[..., object]]:
     own = {f.__name__: f.value for f in _OWN}
     return own | dict(zip(LEGENDRE, (mp.ellipk, mp.ellipf, legendre_e, mp.ellippi), strict=True))

@@ -19,7 +19,7 @@ QUANTITIES = ("constants", "actions", "frequencies", "periods")
 
 
 def input_sensitivities(
-    again: Callable[[int, Mapping[str, Any]], Any], given: Mapping[str, Any]
+    again: Callable[[int, Mapping[str, object]], Any], given: Mapping[str, object]
 ) -> dict[str, dict[str, float]]:
     """Return how far each number can move when every float input moves by half a unit in its last place.
 

@@ -70,7 +70,7 @@ class Motion(ShownMotion):
     boundary_times: Mapping[str, Estimate]
     states: Callable[[], SeparatedMotion] | None = field(default=None, repr=False)
     given: Mapping[str, Any] = field(default_factory=dict, repr=False)
-    again: Callable[[int, Mapping[str, Any]], Motion] | None = field(default=None, repr=False)
+    again: Callable[[int, Mapping[str, object]], Motion] | None = field(default=None, repr=False)
 
     @property
     def solution(self) -> Solution:

@@ -122,7 +122,7 @@ class FourierSeries:
                 total += sum(abs(float(c) / k * float(wave(k * χ))) for k, c in enumerate(part, 1))
         return total
 
-    def combined(self, terms: list[tuple[Any, Any]]) -> FourierSeries:
+    def combined(self, terms: list[tuple[float | Mpf, FourierSeries]]) -> FourierSeries:
         """Return Σ wⱼ·seriesⱼ.
 
         Args:
@@ -131,7 +131,7 @@ class FourierSeries:
         floats = all(s.cosines.dtype == float for _, s in terms)
         length = max(len(s.cosines) for _, s in terms)
 
-        def total(parts: list[tuple[Any, Any]]) -> Numbers:
+        def total(parts: list[tuple[Any, Numbers]]) -> Numbers:
             result = np.zeros(length) if floats else np.array([0 * terms[0][0]] * length, dtype=object)
             for w, part in parts:
                 result[: len(part)] += (float(w) if floats else w) * part

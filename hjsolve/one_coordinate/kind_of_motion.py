@@ -39,7 +39,7 @@ def arithmetic_of(array: Numbers) -> Float64 | Multi:
     return Multi(cast("Mpf", array.flat[0]).context.prec) if array.size else Float64()
 
 
-def elementwise(function: Callable[..., Any], χ: Numbers, outputs: int) -> Any:
+def elementwise(function: Callable[..., object], χ: Numbers, outputs: int) -> Any:
     """Apply a function of a float array, or of one ``mpf`` to an object array.
 
     Args:

@@ -18,7 +18,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi, context_of
-from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numeric, Reals
+from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, Numeric, Reals
 from hjsolve.one_coordinate.chebyshev_panels import Panels, integrated_row
 from hjsolve.one_coordinate.kind_of_motion import Weights
 from hjsolve.one_coordinate.momentum_integral import swept
@@ -81,14 +81,14 @@ class PieceByPiece(Unstretched):
     even: ClassVar[bool] = True
     direction: ClassVar[int] = 1
 
-    def place(self, χ: Any, arithmetic: Float64 | Multi) -> Place:
+    def place(self, χ: Elementwise, arithmetic: Float64 | Multi) -> Place:
         n, pi = len(self.pieces), arithmetic.pi()
         folded = χ - 2 * pi * arithmetic.rint(χ / (2 * pi))
         step = pi / n
         if context_of(χ) is not None:
             k = min(int(abs(folded) / step), n - 1)
             below, above, speed = self._within(k, (abs(folded) - k * step) / step, step)
-            sign: Any = 1 if folded >= 0 else -1
+            sign: Elementwise = 1 if folded >= 0 else -1
         else:
             a = np.abs(folded)
             inside = np.clip((a / step).astype(int), 0, n - 1)
@@ -213,6 +213,6 @@ def _joined(pieces: list[SmoothPiece], panels: list[Panels], j: int, digits: int
     return PanelSeries(np.array(edges, dtype=object), _table(rows), _table(sums), panels[0].nodes, digits)
 
 
-def _table(rows: list[list[Mpf]]) -> Any:
+def _table(rows: list[list[Mpf]]) -> Numbers:
     longest = max(map(len, rows))
     return np.array([[*row, *[0 * row[0]] * (longest - len(row))] for row in rows], dtype=object)

@@ -9,7 +9,6 @@ from __future__ import annotations
 from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -101,7 +100,7 @@ class PanelSeries:
         rest = χ - 2 * np.pi * np.rint(χ / (2 * np.pi))
         return np.copysign(self._at(self.sums, 2, np.abs(rest)), rest) - float(self.mean) * rest
 
-    def combined(self, terms: list[tuple[Any, Any]]) -> PanelSeries:
+    def combined(self, terms: list[tuple[float | Mpf, PanelSeries]]) -> PanelSeries:
         """Return Σ wⱼ·seriesⱼ, all on the same panels."""
         rows, sums = (sum(w * getattr(s, part) for w, s in terms) for part in ("rows", "sums"))
         nodes, digits = max(s.nodes for _, s in terms), min(s.digits for _, s in terms)

@@ -73,7 +73,7 @@ class Material:
     entry: catalog.Entry | None = None
     summary: str = ""
     frame: Frame | None = None
-    initial: Mapping[str, Any] | None = None
+    initial: Mapping[str, object] | None = None
     failure: str = ""
     refused: ForbiddenMotionError | ForbiddenPlaceError | None = None
     clock: Mapping[str, float] = field(default_factory=dict)
@@ -82,7 +82,7 @@ class Material:
 def gather(
     subject: Subject,
     *,
-    initial: Mapping[str, Any] | None = None,
+    initial: Mapping[str, object] | None = None,
     motion: str = "default",
     digits: int = 15,
     budget: float = DEFAULT_BUDGET,
@@ -189,7 +189,7 @@ def _decided(
 
 
 def initial_of(
-    entry: catalog.Entry | None, given: Mapping[str, Any] | None, name: str
+    entry: catalog.Entry | None, given: Mapping[str, object] | None, name: str
 ) -> tuple[Mapping[str, Any] | None, str]:
     """Give the initial data to use, and what the catalog says about them: those given, else the entry's.
 

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from hjsolve import catalog
 from hjsolve.arguments import described, refuse_unused
@@ -112,7 +111,7 @@ def report(
     subject: Subject | Scene | LinearHamiltonian,
     path: str | Path,
     *,
-    initial: Mapping[str, Any] | None = None,
+    initial: Mapping[str, object] | None = None,
     motion: str = "default",
     digits: int = 15,
     cost: bool | float = False,
@@ -224,7 +223,7 @@ def save_hamiltonian(
     subject: LinearHamiltonian | str | Path,
     target: Path,
     *,
-    initial: Mapping[str, Any] | None,
+    initial: Mapping[str, object] | None,
     motion: str,
     digits: int,
     sheet: Sheet = PLAIN,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 from hjsolve.errors import required
 from hjsolve.motion.motion import Motion
@@ -27,7 +26,7 @@ class ArcMotion:
         self._leg: Leg | None = None
         self._motion: Motion | None = None
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return ArcMotion, self.given
 
     def leg(self) -> Leg:
@@ -81,14 +80,14 @@ class FreeMotions:
     """
 
     def __init__(self, scene: Question, solution: Solution):
-        self.scene, self.solution, self.known = scene, solution, dict[tuple[Any, ...], Motion]()
-        self._shared: dict[tuple[Any, ...], dict[str, Any]] = {}
+        self.scene, self.solution, self.known = scene, solution, dict[tuple[object, ...], Motion]()
+        self._shared: dict[tuple[object, ...], dict[str, object]] = {}
 
     def __call__(self, piece: FreeArc) -> Motion:
         """Return the free motion of a flight, of its own time zero."""
         return self._turned(piece, ())
 
-    def shared(self, piece: FreeArc, names: tuple[str, ...]) -> Mapping[str, Any]:
+    def shared(self, piece: FreeArc, names: tuple[str, ...]) -> Mapping[str, object]:
         """Quantities that are the same on all flights of the same signs: one table for them all.
 
         Args:

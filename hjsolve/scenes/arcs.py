@@ -18,6 +18,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import InvalidInputError, NotConvergedError, required
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import number_is_zero, read_initial_data, to_bits
@@ -119,7 +120,7 @@ def free_arcs(scene: Question, solution: Solution, first: Mapping[str, Any]) -> 
     digits = _digits(scene, horizon)
     turning = mirrors(solution) if any(e.kind == "wall" for e in scene.events) else None
     settling: Settling | None = None
-    happened: list[Any] = []
+    happened: list[Mpf] = []
     for _ in range(MOST_EVENTS):
         if not pending:
             return [*found, FreeArc(leg, None, ())], None
@@ -141,7 +142,7 @@ def free_arcs(scene: Question, solution: Solution, first: Mapping[str, Any]) -> 
     raise NotConvergedError(f"more than {MOST_EVENTS} events before the last time; shorten the scene")
 
 
-def _refuse_too_many(happened: list[Any], horizon: sp.Expr | None) -> None:
+def _refuse_too_many(happened: list[Mpf], horizon: sp.Expr | None) -> None:
     """Say early that there will be too many events, where they come evenly or ever later."""
     if len(happened) != _LOOK or horizon is None:
         return
@@ -153,7 +154,7 @@ def _refuse_too_many(happened: list[Any], horizon: sp.Expr | None) -> None:
         )
 
 
-def _refuse_rest_on_a_wall(scene: Question, solution: Solution, first: Mapping[str, Any]) -> None:
+def _refuse_rest_on_a_wall(scene: Question, solution: Solution, first: Mapping[str, object]) -> None:
     """Refuse a body at rest on a wall, and drawn away from there: nothing says on which side of it the body is."""
     walls = [e for e in scene.events if e.kind == "wall"]
     if not walls:

@@ -326,10 +326,10 @@ class Free:
         course = required(self.motion.separated.located[self.carrier[name]].course.cycle)
         return -2 * self.context.pi * self.context.convert(course.growth(constant_index(self.motion.separated, name)))
 
-    def state(self, now: Now) -> tuple[dict[str, Any], dict[str, Any], dict[str, int]]:
+    def state(self, now: Now) -> tuple[dict[str, sp.Expr | Mpf], dict[str, sp.Expr | Mpf], dict[str, int]]:
         """Positions, angles in (−π, π]; momenta; turns of the angles. Exact where constant, else in many digits."""
-        q: dict[str, Any] = {}
-        p: dict[str, Any] = {}
+        q: dict[str, sp.Expr | Mpf] = {}
+        p: dict[str, sp.Expr | Mpf] = {}
         turns: dict[str, int] = {}
         values, system = self.motion.initial.values, self.motion.solution.system
         for name in self.separated:

@@ -6,7 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.number_types import Integers, Numbers
 from hjsolve.arithmetic.work_counter import WorkCount
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
@@ -57,16 +61,16 @@ class Trajectory(Shown):
         errors: the rule behind ``error``.
     """
 
-    t: Any
+    t: Numbers
     q: Mapping[str, Any]
     p: Mapping[str, Any]
     velocity: Mapping[str, Any]
     turns: Mapping[str, Any]
-    status: Any
-    arc: Any
+    status: NDArray[np.generic]
+    arc: Integers
     errors: Callable[[], Errors]
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         numbers = (self.q, self.p, self.velocity, self.turns)
         return Trajectory, (self.t, *map(dict, numbers), self.status, self.arc, KnownErrors(self.error))
 
@@ -120,7 +124,7 @@ class Run(Shown):
     solution: Solution | None
     arcs: tuple[Arc, ...]
     trajectory: Trajectory | None
-    drift: Mapping[str, Any]
+    drift: Mapping[str, Numbers]
     work: WorkCount
     choice: Choice | None = None
     rest: Rest | None = None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 from hjsolve import arguments
 from hjsolve.catalog import schema, toml_file
@@ -110,7 +109,7 @@ def _system_faults(table: Toml) -> Iterator[str]:
         yield f"system: must be a catalog id, the path of a .toml file, or a table, not {system!r:.40}"
 
 
-def _time_faults(times: Any) -> Iterator[str]:
+def _time_faults(times: object) -> Iterator[str]:
     if isinstance(times, list):
         yield from _list_faults(times, "times")
     elif isinstance(times, Mapping):

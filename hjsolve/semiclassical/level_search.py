@@ -117,7 +117,7 @@ def _known(numbers: Mapping[str, object] | None, names: Sequence[str]) -> Iterat
         yield name, given
 
 
-def _whole(given: Any, name: str) -> tuple[int, ...]:
+def _whole(given: object, name: str) -> tuple[int, ...]:
     several = tuple(given) if isinstance(given, Iterable) and not isinstance(given, str) else (given,)
     return tuple(arguments.whole(n, f"numbers[{name}]") for n in several)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from hjsolve import arguments
 from hjsolve.display.progress import ProgressBar, Tally
@@ -43,7 +42,7 @@ class SweepResult(Shown):
 
 
 def sweep(
-    scene: Scene | str | Path | Mapping[str, Any],
+    scene: Scene | str | Path | Mapping[str, object],
     out: str | Path,
     *,
     threads: int | None = None,
@@ -126,7 +125,7 @@ def _on_failures(statuses: Mapping[str, int]) -> tuple[str, ...]:
     )
 
 
-def _checked_chunk(chunk: Any) -> int | None:
+def _checked_chunk(chunk: object) -> int | None:
     return None if chunk is None else arguments.whole(chunk, "chunk", 1)
 
 

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
 
 from hjsolve._version import __version__
 from hjsolve.catalog import schema
@@ -35,7 +34,7 @@ def sweep_digest(scene: Scene, table: str, chunk: int) -> dict[str, str]:
         [a.group, a.name, [str(v) for v in a.listed], str(a.start), str(a.stop), a.count, a.spacing] for a in sweep.axes
     ]
     effects = scene.table.get("effects", {})
-    content: dict[str, Any] = {
+    content: dict[str, object] = {
         "system": {key: scene.table.get(key) for key in sorted(set(schema.SYSTEM) - {"id", "title"})},
         "effects": [[name, effects.get(name)] for name in scene.effects],
         "parameters": dict(scene.parameters),

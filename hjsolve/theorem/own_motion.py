@@ -13,7 +13,7 @@ import random
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, cast
+from typing import cast
 
 import mpmath
 import sympy as sp
@@ -191,7 +191,7 @@ class _Along:
     def __init__(self, space: PhaseSpace, S: sp.Expr, alphas: tuple[sp.Symbol, ...], motion: Motion):
         self.space, self.alphas, self.motion = space, alphas, motion
         self.names = [c.name for c in space.subject.coordinates]
-        self._rows: dict[int, Callable[..., Any]] = {}
+        self._rows: dict[int, Callable[..., list[mpmath.mpf]]] = {}
         self.q = [q for q, _ in space.pairs]
         self.rates = [sp.Dummy(f"rate_{q}") for q in self.q]
         numbers = {s.name: value for s, value in motion.initial.values.items()}
@@ -213,7 +213,9 @@ class _Along:
         """Numbers at a time."""
         state = self.motion.at(t)
 
-        def pairs(values: Mapping[str, Any], errors: Mapping[str, Any]) -> tuple[tuple[mpmath.mpf, mpmath.mpf], ...]:
+        def pairs(
+            values: Mapping[str, object], errors: Mapping[str, object]
+        ) -> tuple[tuple[mpmath.mpf, mpmath.mpf], ...]:
             return tuple((mp.mpf(values[n]), mp.mpf(errors[n])) for n in self.names)
 
         error = state.error
@@ -222,18 +224,18 @@ class _Along:
         )
 
     @cached_property
-    def _momenta(self) -> Callable[..., list[Any]]:
+    def _momenta(self) -> Callable[..., list[mpmath.mpf]]:
         return sp.lambdify([self.space.time, *self.q, *self.alphas], self.slopes, NAMES)
 
     @cached_property
-    def _jacobian(self) -> Callable[..., Any]:
+    def _jacobian(self) -> Callable[..., list[list[mpmath.mpf]]]:
         return self._by(self.alphas)
 
     @cached_property
-    def _by_place(self) -> Callable[..., Any]:
+    def _by_place(self) -> Callable[..., list[list[mpmath.mpf]]]:
         return self._by(self.q)
 
-    def _by(self, symbols: Sequence[sp.Symbol]) -> Callable[..., Any]:
+    def _by(self, symbols: Sequence[sp.Symbol]) -> Callable[..., list[list[mpmath.mpf]]]:
         rows = sp.Matrix(self.slopes).jacobian(symbols).tolist()
         return sp.lambdify([self.space.time, *self.q, *self.alphas], rows, NAMES)
 
@@ -300,7 +302,7 @@ class _Along:
         size = mp.fsum(abs(c * v) for c, (v, _) in zip(slopes, held, strict=True))
         return float(abs(value)), float(error + size * mp.mpf(10) ** (10 - DIGITS))
 
-    def _with_slopes(self, k: int) -> Callable[..., Any]:
+    def _with_slopes(self, k: int) -> Callable[..., list[mpmath.mpf]]:
         if k not in self._rows:
             symbols, e = [*self.q, *self.rates, *self.alphas], self.equations[k]
             self._rows[k] = sp.lambdify([self.space.time, *symbols], [e, *(sp.diff(e, s) for s in symbols)], NAMES)

@@ -16,7 +16,7 @@ import numpy as np
 from hjsolve.arithmetic.error_free import TOO_MANY
 from hjsolve.arithmetic.number_types import Integers, Reals
 
-F = TypeVar("F", bound=Callable[..., Any])
+F = TypeVar("F", bound=Callable[..., object])
 
 _SPLITTER = 134217729.0
 _TURN = 2 * np.pi

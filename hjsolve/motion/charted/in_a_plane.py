@@ -32,7 +32,7 @@ from hjsolve.solution.quadratures import solve
 
 _WITH_FOCI = ("elliptic", "parabolic", "prolate", "rotational parabolic", "ellipsoidal", "paraboloidal")
 _SECONDS = 3.0
-Start = Mapping[str, Any]
+Start = Mapping[str, object]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -43,7 +43,7 @@ def start_charted(
         NotConvergedError: a turning point or an integral did not converge to the digits asked.
     """
     chart, parts = required(solution.chart), parts_of(want)
-    options: dict[str, Any] = {"t0": t0, "digits": digits, "certified": certified, "want": want}
+    options: dict[str, object] = {"t0": t0, "digits": digits, "certified": certified, "want": want}
     try:
         initial = carried(solution, chart, **given)
         within = motion_through_poles(solution, initial, t0, digits, parts, certified=certified)

@@ -30,10 +30,10 @@ class Bounded:
     """
 
     value: NDArray[Any]
-    error: NDArray[Any]
+    error: Reals
 
     @classmethod
-    def exact(cls, value: Any) -> Bounded:
+    def exact(cls, value: NDArray[Any]) -> Bounded:
         """Return numbers without an error.
 
         Args:
@@ -116,7 +116,7 @@ def inverse(matrix: Bounded, context: Context) -> Bounded:
     return Bounded(value, size @ matrix.error @ size)
 
 
-def converted(values: Any, context: Context) -> Any:
+def converted(values: object, context: Context) -> NDArray[np.object_]:
     """Return numbers in one precision.
 
     Args:

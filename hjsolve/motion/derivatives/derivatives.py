@@ -10,7 +10,7 @@ import numpy as np
 
 from hjsolve import arguments
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
-from hjsolve.arithmetic.number_types import Mpf, Numbers, Reals
+from hjsolve.arithmetic.number_types import AtTimes, Mpf, Numbers, Reals
 from hjsolve.errors import InvalidInputError, required
 from hjsolve.motion.derivative_values import DEPENDENT, NOT_ALONE, OK, REMARKS, SQUARE_ROOT, MotionDerivatives
 from hjsolve.motion.derivatives.along_branch import OpenVariations
@@ -52,12 +52,19 @@ class Inputs:
 @dataclass
 class _Collected:
     digits: int
-    value: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
-    error: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
+    value: dict[str, dict[str, dict[str, object]]] = field(default_factory=dict)
+    error: dict[str, dict[str, dict[str, object]]] = field(default_factory=dict)
     status: dict[str, dict[str, str]] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
 
-    def put(self, quantity: str, name: str, group: Inputs, rows: Sequence[Bounded | None], shape: Any = ()) -> None:
+    def put(
+        self,
+        quantity: str,
+        name: str,
+        group: Inputs,
+        rows: Sequence[Bounded | None],
+        shape: tuple[int, ...] | None = (),
+    ) -> None:
         """Keep the derivatives of one number (of a pair of them) by one group.
 
         Args:
@@ -71,7 +78,7 @@ class _Collected:
         self.status.setdefault(quantity, {}).setdefault(name, OK)
         for k, variable in enumerate(group.names):
             found = [(None, None) if row is None else self.rounded(row[..., k], shape) for row in rows]
-            pair: tuple[Any, ...] = found[0] if len(rows) == 1 else tuple(zip(*found, strict=True))
+            pair: tuple[object, ...] = found[0] if len(rows) == 1 else tuple(zip(*found, strict=True))
             values[variable], errors[variable] = pair
 
     def refuse(self, quantity: str, name: str, group: Inputs, status: str, pair: bool = False) -> None:
@@ -92,7 +99,7 @@ class _Collected:
         if remark not in self.remarks:
             self.remarks.append(remark)
 
-    def rounded(self, found: Bounded, shape: Any = ()) -> tuple[Any, Any]:
+    def rounded(self, found: Bounded, shape: tuple[int, ...] | None = ()) -> tuple[AtTimes, AtTimes]:
         """Return a number, or an array of the shape of the times, rounded to the digits asked, with its error.
 
         Args:

@@ -160,7 +160,7 @@ class UmbilicMotion(TransformedMotion):
     ) -> dict[str, Numbers]:
         """dq/dt; infinite at an umbilic, nan where the motion has ended."""
         names = list(q)
-        rows: dict[str, list[Any]] = {n: [] for n in names}
+        rows: dict[str, list[Mpf]] = {n: [] for n in names}
         for m in range(len(q[names[0]])):
             context = q[names[0]][m].context
             if any(q[n][m] != q[n][m] for n in names):

@@ -184,8 +184,8 @@ def start_on_torus(
 
 
 def _again(
-    solution: Solution, given: Mapping[str, Any], t0: object, parts: frozenset[str], digits: int,
-    change: Mapping[str, Any],
+    solution: Solution, given: Mapping[str, object], t0: object, parts: frozenset[str], digits: int,
+    change: Mapping[str, object],
 ) -> Motion:  # fmt: skip
     """Start a motion anew from what was given, with other digits or changed input."""
     return start_on_torus(solution, {**given, **change}, t0, digits, parts)

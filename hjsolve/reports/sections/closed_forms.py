@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import sympy as sp
 
@@ -158,7 +157,7 @@ class _Told:
         self.where, self.known = where, set[sp.Symbol]()
         self.letters, self.lettered = sp.numbered_symbols("u_", start=1, real=True), dict[sp.Expr, sp.Symbol]()
 
-    def shown(self, name: str, e: sp.Basic, write: Callable[[Any], Formula]) -> list[Block | _TooLong]:
+    def shown(self, name: str, e: sp.Basic, write: Callable[[sp.Basic], Formula]) -> list[Block | _TooLong]:
         """Return a formula, and what the quantities in it are."""
         found = (
             None
@@ -258,12 +257,12 @@ def _conditions(words: Text) -> tuple[Text, list[Formula]]:
     return tuple(kept), displayed
 
 
-def _fits(e: sp.Basic, write: Callable[[Any], Formula]) -> bool:
+def _fits(e: sp.Basic, write: Callable[[sp.Basic], Formula]) -> bool:
     """Return whether every piece of a formula that cannot be broken is narrow enough."""
     return width(narrowed(write(e).box)) <= _WIDEST
 
 
-def _shown(name: str, e: sp.Basic, write: Callable[[Any], Formula]) -> Formula | _TooLong:
+def _shown(name: str, e: sp.Basic, write: Callable[[sp.Basic], Formula]) -> Formula | _TooLong:
     """Return a definition; of one that takes more than a page its name."""
     return write(e) if sp.count_ops(e) <= LONGEST_SHOWN and _fits(e, write) else _TooLong(name)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.arithmetic.number_types import Mpc, Mpf
 from hjsolve.arithmetic.printed_digits import shortest
 from hjsolve.errors import InvalidInputError
 from hjsolve.extended.gyroscopic import LAMBDA, LinearModes
@@ -16,7 +16,7 @@ from hjsolve.mechanics.system import linear_terms
 from hjsolve.precision import mp
 from hjsolve.reports.document import Block, Formula, Inline, Mathematics, Number, Paragraph, Section, Table, Text
 from hjsolve.reports.formulas.from_sympy import box, falling_powers
-from hjsolve.reports.formulas.layout import Glyph, row
+from hjsolve.reports.formulas.layout import Box, Glyph, row
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.sections.prose import listed
 
@@ -24,7 +24,7 @@ _DIGITS, _TIMES = 10, (0, 1, 2, 3, 4)
 _λ = Glyph("λ")
 
 
-def linear_modes_section(modes: LinearModes, initial: Mapping[str, Any] | None = None) -> Section:
+def linear_modes_section(modes: LinearModes, initial: Mapping[str, object] | None = None) -> Section:
     """Write down the modes of a linear system.
 
     Args:
@@ -62,11 +62,11 @@ def linear_modes_answer(modes: LinearModes) -> Text:
     return (f"It does not separate in its coordinates, but it is linear, and solved by its modes. {_verdict(modes)}",)
 
 
-def _exponents(modes: LinearModes, coordinates: list[str], values: list[tuple[Any, sp.Expr]]) -> Table:
+def _exponents(modes: LinearModes, coordinates: list[str], values: list[tuple[Box, sp.Expr]]) -> Table:
     """Each λ once, with what it means and the amplitudes of the other coordinates over that of the first."""
     rows, signs = list[tuple[Text, ...]](), dict(zip(modes.frequencies, modes.signs, strict=True))
     others = coordinates[1:]
-    counted: list[Any] = []
+    counted: list[Mpf | Mpc] = []
     for λ, ratio in zip(modes.exponents[::2], modes.ratios[::2], strict=True):
         near = [μ for μ in counted if abs(μ - λ) <= abs(λ) * 1e-15]
         counted.append(λ)
@@ -91,7 +91,7 @@ def _plain(formula: Mathematics) -> str:
     return plain(formula.box)
 
 
-def _meaning(λ: Any, signs: Mapping[Mpf, int]) -> str:
+def _meaning(λ: Mpf | Mpc, signs: Mapping[Mpf, int]) -> str:
     if λ == 0:
         return "drift, or rest"
     if abs(λ.real) > abs(λ) * 1e-15:
@@ -125,7 +125,7 @@ def _stability(modes: LinearModes) -> Text:
 
 
 def _normal_form(modes: LinearModes) -> Formula:
-    terms: list[Any] = [Glyph("H"), Glyph("=", "operator")]
+    terms: list[Box] = [Glyph("H"), Glyph("=", "operator")]
     source = []
     for k, sign in enumerate(modes.signs, start=1):
         symbol = sp.Symbol(f"omega_{k}")

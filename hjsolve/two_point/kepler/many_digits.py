@@ -7,9 +7,9 @@ lose; T of an orbit without a full turn is (η³ F + 4λη)/2, F = 4/3 ₂F₁(3
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.arithmetic.number_types import Context, Mpf
 from hjsolve.errors import NotConvergedError
 from hjsolve.two_point.kepler.central_places import CentralPlaces
 
@@ -29,7 +29,7 @@ class ExactTransfer(NamedTuple):
         time: t.
     """
 
-    context: Any
+    context: Context
     places: CentralPlaces
     chord: Mpf
     s: Mpf
@@ -52,7 +52,7 @@ class ExactTransfer(NamedTuple):
         return self.context.sqrt(2 * self.attraction / self.s**3) * self.time
 
 
-def exact_transfer(context: Any, places: CentralPlaces, attraction: Mpf, mass: Mpf, time: Mpf) -> ExactTransfer:
+def exact_transfer(context: Context, places: CentralPlaces, attraction: Mpf, mass: Mpf, time: Mpf) -> ExactTransfer:
     """Return a transfer to many digits.
 
     Args:
@@ -67,7 +67,7 @@ def exact_transfer(context: Any, places: CentralPlaces, attraction: Mpf, mass: M
     return ExactTransfer(context, places, c, (r0 + r1 + c) / 2, attraction, mass, time)
 
 
-def time_exactly(context: Any, λ: Mpf, N: int, x: Mpf) -> Mpf:
+def time_exactly(context: Context, λ: Mpf, N: int, x: Mpf) -> Mpf:
     """Return T(x).
 
     Args:
@@ -132,7 +132,7 @@ def momenta_exactly(transfer: ExactTransfer, way: int, x: Mpf) -> list[Mpf]:
     return _combined(transfer.mass, radial, places.radial0, across, places.tangent0)
 
 
-def _combined(mass: Mpf, radial: Mpf, along: Sequence[Any], across: Mpf, around: Sequence[Any]) -> list[Mpf]:
+def _combined(mass: Mpf, radial: Mpf, along: Sequence[Mpf], across: Mpf, around: Sequence[Mpf]) -> list[Mpf]:
     return [mass * (radial * a + across * b) for a, b in zip(along, around, strict=True)]
 
 

@@ -13,8 +13,6 @@ which rises where (b − a) V′ ≤ 2(V − V_min). Signs beyond a place are pr
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import sympy as sp
 
@@ -96,7 +94,7 @@ def _signs(line: Line, sign: int, start: float, formula: sp.Expr) -> int:
 
 def _rises_at_end(line: Line, sign: int, c: float) -> bool:
     """Whether V rises and is convex from a place to the end of the domain."""
-    context: Any = multiprecision(BITS)
+    context = multiprecision(BITS)
     end = line.high if sign > 0 else line.low
     distance = abs(context.mpf(end) - context.mpf(c))
     return all(

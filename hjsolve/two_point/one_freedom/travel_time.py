@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -97,7 +97,7 @@ class Line:
             start: the place.
             E: the energy.
         """
-        context: Any = multiprecision(BITS)
+        context = multiprecision(BITS)
         end = context.mpf(self.high if sign > 0 else self.low)
         tape = lower([sp.Rational(E) - self.formulas[0]], [self.q])
         return sign_before(tape, [], end, sign, abs(end - context.mpf(start))) > 0

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -106,7 +105,7 @@ def reach(question: TwoPlaceQuestion, p: Reals, ends: Ends) -> _Reached:
     coordinates = question.system.coordinates
     if ends.index[0] < 0:
         raise NotConvergedError("the conjugate points along a motion could not be counted in doubles")
-    context: Any = multiprecision(int(3.33 * (question.digits + _EXTRA)) + 16)
+    context = multiprecision(int(3.33 * (question.digits + _EXTRA)) + 16)
     exact = [context.mpf(float(x)) for x in p]
     inverse = np.linalg.pinv(ends.position_by_momentum[0], rcond=1e-9)
     best: tuple[float, Motion, list[Mpf]] | None = None
