@@ -20,14 +20,11 @@ import os
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import mpmath
 from mpmath import libmp
 from mpmath.ctx_mp import MPContext
-
-if TYPE_CHECKING:
-    from hjsolve.arithmetic.number_types import Context, Mpc, Mpf, MpfMatrix
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -154,7 +151,7 @@ class FixedContext(MPContext):
         if name not in cls.__dict__:  # it is called again for every context that is made
             setattr(cls, name, _elsewhere(name))
 
-    def log(self, x: object, b: object = None) -> Mpf:
+    def log(self, x: object, b: object = None) -> mpmath.mpf:
         """Return the logarithm; the natural one raises no precision.
 
         Args:
@@ -163,7 +160,7 @@ class FixedContext(MPContext):
         """
         return self.ln(x) if b is None else _in_own_context(self, "log", (x, b), {})
 
-    def fprod(self, factors: Iterable[object]) -> Mpf:
+    def fprod(self, factors: Iterable[object]) -> mpmath.mpf:
         """Return a product; mpmath's own writes the precision back that it never changed.
 
         Args:
@@ -192,12 +189,12 @@ for _name in _RAISING:
     setattr(FixedContext, _name, _elsewhere(_name))
 
 
-def _in_own_context(context: FixedContext, name: str, args: tuple[object, ...], named: dict[str, object]) -> Any:
+def _in_own_context(context: FixedContext, name: str, args: tuple[object, ...], named: dict[str, object]) -> object:
     with mp.workprec(context.prec):
         return _moved(getattr(mp, name)(*(_moved(a, mp, context) for a in args), **named), context, mp)
 
 
-def _moved(x: Any, to: MPContext, home: MPContext) -> Any:
+def _moved(x: object, to: MPContext, home: MPContext) -> object:
     """Return a number, matrix, sequence or function of numbers of one context as that of another."""
     if hasattr(x, "_mpf_") or hasattr(x, "_mpc_"):
         return to.convert(x)
@@ -227,7 +224,7 @@ _made: dict[int, FixedContext] = {}
 _making = threading.Lock()
 
 
-def multiprecision(bits: int) -> Any:
+def multiprecision(bits: int) -> FixedContext:
     """Return the mpmath context of one fixed precision; the same one in every thread.
 
     Args:
@@ -251,7 +248,7 @@ def users_precision() -> Iterator[None]:
         yield
 
 
-def for_the_user(x: Any) -> Any:
+def for_the_user(x: object) -> Any:
     """Return a number of ``mp``, or a tuple of such numbers, as numbers of the user's ``mpmath.mp``.
 
     Args:
@@ -278,13 +275,13 @@ def for_any_context(function: Callable[..., _R]) -> Callable[..., _R]:
 
 
 # ------------------------------------------------------------------------------------------------ pickling
-def _reduced(x: Mpf | Mpc) -> tuple[Callable[..., object], tuple[object, ...]]:
+def _reduced(x: mpmath.mpf | mpmath.mpc) -> tuple[Callable[..., object], tuple[object, ...]]:
     """Return what a number is pickled as: the precision of its context, None of ``mp``, and its parts."""
     parts = (x._mpf_,) if hasattr(x, "_mpf_") else x._mpc_
     return _restored, (_bits(x.context), *(tuple(int(part) for part in number) for number in parts))
 
 
-def _reduced_matrix(matrix: MpfMatrix) -> tuple[Callable[..., object], tuple[int | None, list[list[Mpf]]]]:
+def _reduced_matrix(matrix: mpmath.matrix) -> tuple[Callable[..., object], tuple[int | None, list[list[mpmath.mpf]]]]:
     return _restored_matrix, (_bits(matrix.ctx), matrix.tolist())
 
 
@@ -292,15 +289,15 @@ def _bits(context: MPContext) -> int | None:
     return None if context is mp else int(context.prec)
 
 
-def _home(bits: int | None) -> Context:
+def _home(bits: int | None) -> MPContext:
     return mp if bits is None else multiprecision(bits)
 
 
-def _restored_matrix(bits: int | None, rows: list[list[Mpf]]) -> MpfMatrix:
+def _restored_matrix(bits: int | None, rows: list[list[mpmath.mpf]]) -> mpmath.matrix:
     return _home(bits).matrix(rows)
 
 
-def _restored(bits: int | None, *parts: tuple[int, ...]) -> Mpf | Mpc:
+def _restored(bits: int | None, *parts: tuple[int, ...]) -> mpmath.mpf | mpmath.mpc:
     context = _home(bits)
     numbers = tuple((sign, libmp.MPZ(whole), exponent, count) for sign, whole, exponent, count in parts)
     return context.make_mpf(numbers[0]) if len(parts) == 1 else context.make_mpc(numbers)

@@ -7,7 +7,6 @@ float enters.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import mpmath
 import sympy as sp
@@ -15,7 +14,7 @@ from mpmath import libmp
 
 from hjsolve.precision import mp
 
-Interval = tuple[Any, Any]
+Interval = tuple[sp.Expr, sp.Expr]
 
 
 class NoEnclosureError(ArithmeticError):

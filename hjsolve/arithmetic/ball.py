@@ -87,7 +87,7 @@ def working(bits: int) -> Iterator[None]:
 class Balls(ByOperators):
     """Real or complex ball arithmetic at Arb's current precision."""
 
-    quick: ClassVar[dict[str, Callable[[Any], Any]]] = {
+    quick: ClassVar[dict[str, Callable[[Ball], Ball]]] = {
         "neg": operator.neg, **{name: operator.methodcaller(name) for name in ("exp", "sin", "cos", "sinh", "cosh")}
     }  # fmt: skip
     """Functions that are entire: nothing has to be asked before."""

@@ -6,8 +6,11 @@ As many digits are printed as the error leaves, and the interval that is printed
 from __future__ import annotations
 
 from decimal import ROUND_HALF_EVEN, ROUND_UP, Context, Decimal
+from typing import TYPE_CHECKING
 
-from hjsolve.arithmetic.number_types import Mpf
+if TYPE_CHECKING:
+    from hjsolve.arithmetic.number_types import Mpf
+
 
 WIDE = Context(prec=400)
 _SMALL, LARGE = -5, 7  # powers of ten between which a number is written without an exponent

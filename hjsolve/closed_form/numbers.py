@@ -197,7 +197,7 @@ def at_example(form: NamedForms) -> dict[sp.Symbol, Mpf]:
     return many_digits(exact, _DIGITS_OF_EXAMPLE) | root_values(form, exact, _DIGITS_OF_EXAMPLE)
 
 
-def functions(form: NamedForms, module: str) -> dict[str, Callable[..., Any]]:
+def functions(form: NamedForms, module: str) -> dict[str, Callable[..., Mpf | Reals | float]]:
     """Functions of numbers; see ``RegimeForms.lambdify``.
 
     Args:
@@ -212,7 +212,7 @@ def functions(form: NamedForms, module: str) -> dict[str, Callable[..., Any]]:
     return {name: _function(form, expression, module) for name, expression in form.named().items()}
 
 
-def _function(form: NamedForms, expression: sp.Expr, module: str) -> Callable[..., Any]:
+def _function(form: NamedForms, expression: sp.Expr, module: str) -> Callable[..., Mpf | Reals | float]:
     compiled = _CompiledForm(form, expression, module)
 
     def function(**given: object) -> Mpf | Reals | float:

@@ -6,7 +6,7 @@ Derivatives are those of R_C and R_J (DLMF 19.18) by Cauchy and Riemann.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import mpmath
 import sympy as sp
@@ -17,6 +17,9 @@ from hjsolve.functions.carlson import CarlsonRD
 from hjsolve.functions.many_digits import remembered
 from hjsolve.functions.printing import Printable
 from hjsolve.precision import mp
+
+if TYPE_CHECKING:
+    from sympy.printing.str import StrPrinter
 
 Parts = tuple[sp.Expr, sp.Expr]
 """Real and imaginary part."""
@@ -94,7 +97,7 @@ class ComplexPole(Printable):
     def _by_argument(self, value: Parts, over: Parts) -> sp.Expr:
         return divided(value, over)[self.part]
 
-    def _latex(self, printer: Any, exp: str | None = None) -> str:
+    def _latex(self, printer: StrPrinter, exp: str | None = None) -> str:
         *first, a, b = self.args
         place = printer._print(a + sp.I * b)
         inner = ", ".join([*(printer._print(argument) for argument in first), place])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from hjsolve.reports.formulas.names import name_box
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from hjsolve.arithmetic.number_types import Reals
 
 _LETTERS = {"actions": "J", "frequencies": "Omega", "periods": "T", "angles": "w"}
 _VISIBLE = 300
@@ -71,7 +73,7 @@ def plotted_batch(batch: Batch, x: str | None, y: str | None, colour: str | None
     return ax
 
 
-def _error_bars(ax: Axes, values: list[Any], errors: list[Any]) -> None:
+def _error_bars(ax: Axes, values: list[Reals], errors: list[Reals]) -> None:
     """Draw the errors that can be seen."""
     seen = np.any([e * _VISIBLE > np.ptp(v) for v, e in zip(values, errors)], axis=0) & np.isfinite(errors).all(axis=0)
     seen &= np.any([e > 0 for e in errors], axis=0)

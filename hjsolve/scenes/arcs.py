@@ -85,8 +85,8 @@ class Change:
     motion: Motion
     time: sp.Expr
     events: tuple[Event, ...]
-    q: Mapping[str, Any]
-    p: Mapping[str, Any]
+    q: Mapping[str, sp.Expr | Mpf]
+    p: Mapping[str, sp.Expr | Mpf]
     turns: Turns
 
 
@@ -231,7 +231,7 @@ def _one_arc(solution: Solution, leg: Leg, pending: list[Pending], horizon: sp.E
     return Stretch([FreeArc(leg, time, events)], _later(motion, pending, happening, time), change)
 
 
-def _known(values: Mapping[str, Any], bounds: Mapping[str, Any]) -> dict[str, Any]:
+def _known(values: Mapping[str, Mpf], bounds: Mapping[str, Mpf]) -> dict[str, sp.Expr | Mpf]:
     """Return numbers of a state; what is no larger than its error is zero, as in a plane that the motion stays in."""
     return {name: sp.S.Zero if abs(x) <= bounds[name] else x for name, x in values.items()}
 

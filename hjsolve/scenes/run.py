@@ -131,13 +131,13 @@ def _arc(
     if _OWN.isdisjoint(names):
         return Arc(begins, ends, piece.events, turns, free_motions.shared(piece, tuple(names)), arc_motion)
 
-    def compute(name: str) -> Any:
+    def compute(name: str) -> object:
         return _quantity(scene, piece, name, arc_motion() if name in _OWN else free_motions.mirrored(piece))
 
     return Arc(begins, ends, piece.events, turns, OnDemand(tuple(names), compute), arc_motion)
 
 
-def _quantity(scene: Question, piece: FreeArc, name: str, motion: Motion) -> Any:
+def _quantity(scene: Question, piece: FreeArc, name: str, motion: Motion) -> object:
     if name == "angles":
         array = sampled(required(scene.times), scene.digits)
         return motion.angles(array[_mask(array, motion.t0, piece.ends)])

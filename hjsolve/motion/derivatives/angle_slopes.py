@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.motion.angles_along import phase_of_zero
@@ -86,8 +87,8 @@ def _laws(map_: ConstantsToState, Z: Bounded) -> tuple[Bounded, Bounded]:
         if isinstance(part, RestVariations):
             continue
         course: Any = part.course
-        start: Any = np.array([c.convert(course.start)], dtype=object)
-        begin: Any = np.array([c.convert(phase_of_zero(course, c, c.prec))], dtype=object)
+        start: NDArray[np.object_] = np.array([c.convert(course.start)], dtype=object)
+        begin: NDArray[np.object_] = np.array([c.convert(phase_of_zero(course, c, c.prec))], dtype=object)
         none = np.zeros(1, dtype=int)
         waves, offset = part.waves, np.array([0.0])  # type: ignore[union-attr]
         _, here = waves.at(start, start)
@@ -113,7 +114,7 @@ def _laws(map_: ConstantsToState, Z: Bounded) -> tuple[Bounded, Bounded]:
     return B, dB
 
 
-def _zero_by(part: Any, begin: Any) -> Bounded:
+def _zero_by(part: Any, begin: NDArray[np.object_]) -> Bounded:
     """How the place of angle zero moves: with the barrier opposite to it, or not at all."""
     c = part.context
     place = c.convert(part.course.place(converted(begin, c))[0][0])

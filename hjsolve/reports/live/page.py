@@ -7,10 +7,9 @@ import re
 from collections.abc import Mapping
 from html import escape
 from importlib import resources
-from typing import Any
 
 from hjsolve.motion.motion import Motion
-from hjsolve.reports.live.data import label, live_data
+from hjsolve.reports.live.data import Json, label, live_data
 from hjsolve.reports.live.neighbours import LONG_SERIES, OTHER_KIND, SAME
 from hjsolve.reports.live.ranges import INACCURATE, SliderRange
 from hjsolve.reports.live.tables import LiveTables, live_tables
@@ -69,7 +68,7 @@ def live_page(static: str, motion: Motion, asked: Mapping[str, tuple[float, floa
     return static.replace("</head>", head, 1).replace("<main>", f"<main>\n{block}", 1)
 
 
-def _controls(tables: LiveTables, data: Mapping[str, Any]) -> str:
+def _controls(tables: LiveTables, data: Json) -> str:
     sliders = "".join(_slider(k, s) for k, s in enumerate(data["sliders"]))
     named = [(str(k), escape(own["label"])) for k, own in enumerate(data["coordinates"])]
     boards = "".join(
@@ -124,7 +123,7 @@ def _of_coordinate(k: str, q: str) -> tuple[tuple[str, str], ...]:
     return (f"well-{k}", f"Effective potential {told}"), (f"phase-{k}", f"Phase plane {told}")
 
 
-def _of_map(drawn: Mapping[str, Any] | None) -> str:
+def _of_map(drawn: Json | None) -> str:
     """Return how the map is used and what its letters mean."""
     return escape(
         f"{_CHOOSE} On it, {'; '.join(drawn['kinds'])}." if drawn and drawn["kinds"] else _CHOOSE if drawn else ""
@@ -159,7 +158,7 @@ def _narrowed(tables: LiveTables) -> str:
     )
 
 
-def _slider(k: int, s: Mapping[str, Any]) -> str:
+def _slider(k: int, s: Json) -> str:
     begin = round(1000 * (s["value"] - s["low"]) / (s["high"] - s["low"]))
     return (
         f'<label><span>{_low(s["label"])}</span><input id="live-slider-{k}" type="range" min="0" max="1000" '

@@ -6,12 +6,13 @@ One text for doubles over arrays and for numbers of many digits: ``field`` is th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple
 
 from hjsolve.arithmetic.floats import Float64, Multi
+from hjsolve.arithmetic.number_types import N
 
 
-class CentralPlaces(NamedTuple):
+class CentralPlaces(NamedTuple, Generic[N]):
     """Two places in the plane of an orbit that runs counterclockwise, or about the normal q0 × q1 in space.
 
     Attributes:
@@ -21,14 +22,14 @@ class CentralPlaces(NamedTuple):
             velocity and of mass. The other way round has −tangent.
     """
 
-    r0: Any
-    r1: Any
-    half_sine: Any
-    half_cosine: Any
-    radial0: list[Any]
-    radial1: list[Any]
-    tangent0: list[Any]
-    tangent1: list[Any]
+    r0: N
+    r1: N
+    half_sine: N
+    half_cosine: N
+    radial0: list[N]
+    radial1: list[N]
+    tangent0: list[N]
+    tangent1: list[N]
 
 
 def geometry(kind: str, q0: Sequence[Any], q1: Sequence[Any], field: Float64 | Multi) -> CentralPlaces:
