@@ -19,6 +19,7 @@ from hjsolve.errors import InternalError, InvalidInputError, MissingExtraError, 
 
 if TYPE_CHECKING:
     from hjsolve.coordinates import NormalModes
+    from hjsolve.costs.subject import Subject
     from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
     from hjsolve.mechanics.system import System
     from hjsolve.reports.document import Section, Text
@@ -292,7 +293,7 @@ def cost_command(options: Namespace) -> int:
     refuse_unused(own if options.system is not None else {}, "they belong to a system of your own")
     changed = options.effect or options.parameter or options.q or options.velocity or options.momentum
     if options.system is None or options.coordinate or changed:
-        subject: object = arguments_read.motion_meant(options, 15)
+        subject: Subject = arguments_read.motion_meant(options, 15)
     else:
         subject = arguments_read.located(options.system)
     measured(options, subject)

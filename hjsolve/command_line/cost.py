@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 import sys
 from argparse import Namespace
-from typing import Any
+from typing import TYPE_CHECKING
 
 from hjsolve.display.progress import ProgressBar
 from hjsolve.errors import InvalidInputError
 
+if TYPE_CHECKING:
+    from hjsolve.costs.subject import Subject
 
-def measure_and_print(options: Namespace, subject: Any) -> None:
+
+def measure_and_print(options: Namespace, subject: Subject) -> None:
     """Measure, print the table, write what is asked.
 
     Args:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from types import ModuleType
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 import sympy as sp
@@ -31,6 +31,9 @@ from hjsolve.scenes.integrate import Numbers, numbers_of, slopes_of
 from hjsolve.scenes.question import Times
 from hjsolve.scenes.run import sampled
 from hjsolve.scenes.steps import Flow, integrate_steps
+
+if TYPE_CHECKING:
+    import heyoka
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 2.3e-14)
 
@@ -189,13 +192,13 @@ class _Symbols(ScalarFloat):
 
     library: ModuleType
 
-    def div(self, x: Any, y: Any) -> Any:
+    def div(self, x: heyoka.expression, y: heyoka.expression) -> heyoka.expression:
         return x / y
 
-    def power(self, x: Any, n: int) -> Any:
+    def power(self, x: heyoka.expression, n: int) -> heyoka.expression:
         return x ** float(n)
 
-    def unary(self, name: str, x: Any) -> Any:
+    def unary(self, name: str, x: heyoka.expression | float) -> heyoka.expression | float:
         if isinstance(x, float):
             return ScalarFloat().unary(name, x)
         return -x if name == "neg" else getattr(self.library, name)(x)

@@ -7,12 +7,12 @@ derivatives, which are worked out by a room above that of motions.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from types import ModuleType
 
-_LOADERS: dict[str, Callable[[], Any]] = {}
+_LOADERS: dict[str, Callable[[], ModuleType]] = {}
 
 
-def register(name: str, load: Callable[[], Any]) -> None:
+def register(name: str, load: Callable[[], ModuleType]) -> None:
     """Make a renderer known.
 
     Args:
@@ -22,7 +22,7 @@ def register(name: str, load: Callable[[], Any]) -> None:
     _LOADERS[name] = load
 
 
-def renderer(name: str) -> Any:
+def renderer(name: str) -> ModuleType:
     """Return a renderer: the module whose functions draw.
 
     Args:

@@ -200,7 +200,7 @@ def _rates(
     return tape.bind(Multi(bits), [to_bits(v)(bits) for v in values.values()])
 
 
-def _numbers(name: str, orbit: Orbit | None, E: Mpf, digits: int, bits: int) -> tuple[Any, ...]:
+def _numbers(name: str, orbit: Orbit | None, E: Mpf, digits: int, bits: int) -> tuple[Mapping[str, Any], ...]:
     """Kinds, constants, turning points, actions, periods and frequencies."""
     context = multiprecision(bits)
 

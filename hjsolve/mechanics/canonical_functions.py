@@ -6,7 +6,7 @@ q̇ᵢ = ∂H/∂pᵢ,   ṗᵢ = −∂H/∂qᵢ    (Greenwood (4-16), (4-17))
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -15,13 +15,15 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 
 MODULES = ("numpy", "mpmath")
+Y = TypeVar("Y")
+"""A state or states, [q…, p…], an array or a list; and their rate of change."""
 Signs = Mapping[sp.Symbol, sp.Expr]
 """Letters for signs, and what they stand for."""
 
 
 def right_hand_side(
     coordinates: Sequence[Coordinate], hamiltonian: sp.Expr, signs: Signs, module: str
-) -> Callable[[Any, Any], Any]:
+) -> Callable[[object, Y], Y]:
     """Return f(t, y), the rate of change of y.
 
     Args:
@@ -34,7 +36,7 @@ def right_hand_side(
     rates = [sp.diff(hamiltonian, p) for p in momenta] + [-sp.diff(hamiltonian, q) for q in places]
     compute = _function([*places, *momenta], [rate.xreplace(dict(signs)) for rate in rates], module)
 
-    def rate(t: Any, y: Any) -> Any:  # noqa: ARG001 - integrators give the time
+    def rate(t: object, y: Any) -> Any:  # noqa: ARG001 - integrators give the time
         found = compute(*y)
         if not hasattr(y, "shape"):
             return list(found)
@@ -59,12 +61,12 @@ def energy(
     return lambda y: compute(*y)[0] + 0 * y[0]
 
 
-def _function(symbols: Sequence[sp.Symbol], formulas: list[sp.Expr], module: str) -> Callable[..., Any]:
+def _function(symbols: Sequence[sp.Symbol], formulas: list[sp.Expr], module: str) -> Callable[..., Sequence[Any]]:
     if module not in MODULES:
         raise InvalidInputError(f'module: {module!r:.40} is not known; write "numpy" or "mpmath"')
     if any(formula.has(AppliedUndef) for formula in formulas):
         raise InvalidInputError("a function that is left undetermined has no values; write it out in T or V")
-    function: Callable[..., Any] = sp.lambdify(symbols, formulas, modules=module, cse=True)
+    function: Callable[..., Sequence[Any]] = sp.lambdify(symbols, formulas, modules=module, cse=True)
     return function
 
 

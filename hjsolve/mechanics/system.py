@@ -19,7 +19,7 @@ from hjsolve import arguments
 from hjsolve.display.shown import Shown, as_call, cut
 from hjsolve.errors import InvalidSystemError, MissingValueError
 from hjsolve.formulas.point_values import NoValueError, evaluate
-from hjsolve.mechanics.canonical_functions import energy, right_hand_side
+from hjsolve.mechanics.canonical_functions import Y, energy, right_hand_side
 from hjsolve.mechanics.closed_ends import check_closed_ends
 from hjsolve.mechanics.coordinates_and_parameters import (
     Coordinate,
@@ -225,9 +225,7 @@ class System(Shown):
                 return coordinate
         raise unknown_names(name, (c.name for c in self.coordinates), "coordinate")
 
-    def rhs(
-        self, parameters: Mapping[str, object] | None = None, *, module: str = "numpy"
-    ) -> Callable[[Any, Any], Any]:
+    def rhs(self, parameters: Mapping[str, object] | None = None, *, module: str = "numpy") -> Callable[[object, Y], Y]:
         """Return Hamilton's equations as a function f(t, y) for integrators, y = [q…, p…] as of ``State.as_array``.
 
         Args:

@@ -5,6 +5,7 @@ The parameter y of a chain runs through its parts, from k to k + 1 in the k-th; 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -72,7 +73,7 @@ class ChainMap:
 
     def distances(self, y: Numeric, arithmetic: Float64 | Multi) -> tuple[Numeric, Numeric | None, Numeric]:
         """Return x, the distance left to the end (None for infinity) and dx/dy."""
-        ahead: dict[EndMap, Any] = {}
+        ahead: dict[EndMap, tuple[Elementwise, Elementwise]] = {}
         for k, part in enumerate(self.maps):
             ahead[part] = (sum(p.length for p in self.maps[:k]), sum(p.length for p in self.maps[k + 1 :]))
 
@@ -97,7 +98,9 @@ class ChainMap:
                 return k + y
         return None
 
-    def _of_part(self, y: Any, answer: Any) -> tuple[Any, ...]:
+    def _of_part(
+        self, y: Elementwise, answer: Callable[[EndMap, Elementwise], tuple[Elementwise, ...]]
+    ) -> tuple[Elementwise, ...]:
         """Return what the part to which y belongs answers."""
         last = len(self.maps) - 1
         if context_of(y) is not None or not np.ndim(y):
@@ -158,7 +161,7 @@ def _joined(
         tables.append(swept(part, *asked) if momentum else part.panels(*asked, partly=partly and final))
     edges: list[Any] = [tables[0].edges[:1]]
     coefficients, sums = [], []
-    before: Any = 0
+    before: Elementwise = 0
     for k, table in enumerate(tables):
         own = table.edges[1:].copy()
         if k < len(tables) - 1:

@@ -150,7 +150,7 @@ class KinkedLibration(Periodic):
 
     def pace(self, weights: Weights, χ: Reals) -> Reals:
         """Return Σ wⱼ dGⱼ/dχ."""
-        found: Any = sum(w * self.rate(j, χ) for j, w in enumerate(weights) if w)
+        found: Elementwise = sum(w * self.rate(j, χ) for j, w in enumerate(weights) if w)
         return found
 
     def crowding(self, χ: Reals) -> Reals:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.number_types import Integers, Numbers
+from hjsolve.arithmetic.number_types import Counts, Integers, Numbers
 from hjsolve.arithmetic.work_counter import WorkCount
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
@@ -62,10 +62,10 @@ class Trajectory(Shown):
     """
 
     t: Numbers
-    q: Mapping[str, Any]
-    p: Mapping[str, Any]
-    velocity: Mapping[str, Any]
-    turns: Mapping[str, Any]
+    q: Mapping[str, Numbers]
+    p: Mapping[str, Numbers]
+    velocity: Mapping[str, Numbers]
+    turns: Mapping[str, Counts]
     status: NDArray[np.generic]
     arc: Integers
     errors: Callable[[], Errors]
@@ -79,7 +79,7 @@ class Trajectory(Shown):
         """Bounds on the errors of q, p and velocity, worked out when asked for."""
         return self.errors()
 
-    def unwrapped(self, name: str) -> Any:
+    def unwrapped(self, name: str) -> Numbers:
         """Return q with its whole turns.
 
         Args:

@@ -7,7 +7,8 @@ parts on their way. Either way a part is written once, because it is written her
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 from hjsolve.arithmetic.number_types import Columns
 from hjsolve.ensembles.task import EnsembleTask
@@ -15,6 +16,9 @@ from hjsolve.errors import ClusterError, InvalidInputError, MissingExtraError
 from hjsolve.sweeps.handing_out import HandingOut, UnfitWorker
 from hjsolve.sweeps.identity import code
 from hjsolve.sweeps.work import SweepWork, columns_of
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 _PATIENCE = 20.0
 """Seconds until a scheduler that does not answer, or has no worker, is given up."""
@@ -52,7 +56,7 @@ def on_cluster(work: SweepWork, scheduler: str) -> None:
             ) from error
 
 
-def _client(distributed: Any, scheduler: str) -> Any:
+def _client(distributed: ModuleType, scheduler: str) -> Client:
     import dask
 
     try:
@@ -64,7 +68,7 @@ def _client(distributed: Any, scheduler: str) -> Any:
         ) from error
 
 
-def _wait_for_workers(distributed: Any, client: Any, scheduler: str) -> None:
+def _wait_for_workers(distributed: ModuleType, client: Client, scheduler: str) -> None:
     try:
         client.wait_for_workers(1, timeout=_PATIENCE)
     except (TimeoutError, distributed.TimeoutError) as error:

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any
 
 import numpy as np
 
@@ -168,7 +167,7 @@ def tabulate(
         NotConvergedError: too many panels; a quantity is not smooth.
     """
     left, right = np.asarray(starts[:-1], dtype=float), np.asarray(starts[1:], dtype=float)
-    done: list[tuple[Any, Any, Any, Any]] = []
+    done: list[tuple[Reals, Reals, list[Reals], Reals]] = []
     tables: tuple[Reals, ...]
     while len(left):
         lengths, parts, good = _panels(left, right, growth, outputs, scales)

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.arithmetic.fourier import smooth
@@ -91,13 +92,13 @@ class CycleVariations:
         here, beside = (Slopes(*(part[..., k : k + m] for part in both)) for k in (0, m))
         return here.with_phase_errors(beside, errors.astype(float), _STEP)
 
-    def _functions(self, χ: Any, whole: Counts) -> Slopes:
+    def _functions(self, χ: NDArray[np.object_], whole: Counts) -> Slopes:
         context, course, π = self.context, self.course, self.context.pi
         q, p = course.place(χ)
-        full: Any = χ + 2 * π * whole.astype(object)
+        full: NDArray[np.object_] = χ + 2 * π * whole.astype(object)
         if course.rotates:
             q = q + course.length_of_turns(whole, q)
-        ratio: Any = course.ratio(χ) / course.radian**2  # without the rate of a phase ψ
+        ratio: NDArray[np.object_] = course.ratio(χ) / course.radian**2  # without the rate of a phase ψ
         lack = float(course.momentum.tail) * max(1.0, course.momentum.size)
         rate = np.array([self._rate(x) for x in χ], dtype=object)
         at = [self.rule.at(x) for x in q]

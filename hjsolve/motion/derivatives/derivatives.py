@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -314,7 +313,7 @@ def _turning(map_: ConstantsToState, i: int, name: str, group: Inputs, found: _C
         found.refuse("turning_points", name, group, SQUARE_ROOT, pair=True)
         return
     if isinstance(part, CycleVariations):
-        ends: Any = part.ends or (None, None)
+        ends: tuple[list[Mpf] | None, list[Mpf] | None] = part.ends or (None, None)
     else:
         ends = _open_ends(part)
     rows = [None if end is None else Bounded.exact(np.array(end, dtype=object)) @ group.by for end in ends]

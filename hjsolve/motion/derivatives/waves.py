@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.number_types import Numbers
@@ -38,7 +38,7 @@ class Waves:
         """Return all means."""
         return Bounded(self._means, self.lacks)
 
-    def at(self, χ: Any, full: Any) -> tuple[Bounded, Bounded]:
+    def at(self, χ: NDArray[np.object_], full: NDArray[np.object_]) -> tuple[Bounded, Bounded]:
         """Return all functions, and all their integrals from the phase 0, shape (series, m) each.
 
         Args:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -186,7 +185,7 @@ class UmbilicMotion(TransformedMotion):
         few = self.digits <= FLOAT_DIGITS
         unit = EPS if few else 10.0**-self.digits
         doubt = 10.0 ** -(max(self.digits, FLOAT_DIGITS) + _DOUBT) * (1 + float(required(self.arcs).longest()))
-        moved: dict[str, Any] = {n: doubt * np.abs(x.astype(float)) for n, x in v.items()}
+        moved: dict[str, Numbers] = {n: doubt * np.abs(x.astype(float)) for n, x in v.items()}
         near = np.sqrt(sum(x.astype(float) ** 2 for x in away.values()))
         exactly = {n: np.array([x == 0 for x in away[n]]) for n in q}
         size = {n: [np.abs(x.astype(float)) for x in (q[n], p[n], v[n])] for n in q}
@@ -196,7 +195,7 @@ class UmbilicMotion(TransformedMotion):
             momenta = {n: np.where(exactly[n], 0.0, size[n][1] * relative) + unit * size[n][1] for n in q}
             rates = {n: size[n][2] * (unit + relative) for n in q}
 
-        def group(table: Mapping[str, Any]) -> dict[str, AtTimes]:
+        def group(table: Mapping[str, Numbers]) -> dict[str, AtTimes]:
             return {n: shaped(x, shape) for n, x in table.items()}
 
         return Errors(group(places), group(momenta), group(rates))

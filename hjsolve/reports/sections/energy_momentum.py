@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from hjsolve.energy_momentum.energy_momentum_map import EnergyMomentumMap, energy_momentum_map
 from hjsolve.errors import HJSolveError
+from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Figures, Inline, Mathematics, Paragraph, Section
 from hjsolve.reports.drawings.energy_momentum_figure import figure_of_map
 from hjsolve.reports.formulas.names import name_box
@@ -13,7 +12,7 @@ from hjsolve.reports.formulas.names import name_box
 _FEWEST_CONSTANTS = 2
 
 
-def energy_momentum_section(motion: Any) -> Section | None:
+def energy_momentum_section(motion: Motion) -> Section | None:
     """Draw the map of a motion's system with the motion on it.
 
     Args:

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, Multi, multiprecision
-from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.arithmetic.number_types import Mpf, Reals
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.two_point.asked.answers import Completeness, Connection, Connections, Continuum
@@ -271,7 +270,7 @@ def _turned(connection: Connection) -> Continuum:
     )
 
 
-def _least(problems: Problems, least: Any) -> Estimate | None:
+def _least(problems: Problems, least: Reals) -> Estimate | None:
     """Return the least time of all lanes that were asked."""
     unit = problems.time / problems.wanted
     times = np.where(least > 0, least * unit, np.inf)
