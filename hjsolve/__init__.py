@@ -15,8 +15,6 @@ from hjsolve._version import __version__ as __version__
 from hjsolve.display import renderers as _renderers
 
 if TYPE_CHECKING:
-    from types import ModuleType
-
     from hjsolve import catalog as catalog
     from hjsolve import functions as functions
     from hjsolve.arithmetic.estimate import Estimate as Estimate
@@ -145,7 +143,7 @@ _MODULES = {"catalog": "catalog", "functions": "functions", "frames": "catalog.m
 __all__ = ["__version__", *sorted(_MODULES), *sorted(_HOMES)]  # noqa: PLE0604
 
 
-def _room(name: str) -> ModuleType:
+def _room(name: str) -> Any:
     return importlib.import_module(f"hjsolve.{name}")
 
 
