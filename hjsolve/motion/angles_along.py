@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import EPS, Multi, multiprecision
-from hjsolve.arithmetic.number_types import AtTimes, Context, Mpf, Numbers, Reals
+from hjsolve.arithmetic.number_types import Context, Mpf, Numbers, Reals
 from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.motion.characteristic import unit_of
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class AngleVariables(ByValue, Shown, Mapping[str, AtTimes]):
+class AngleVariables(ByValue, Shown, Mapping[str, Any]):
     """Angle variables at some times: a mapping from coordinates to their angles, and the errors of these.
 
     Attributes:
@@ -49,10 +49,10 @@ class AngleVariables(ByValue, Shown, Mapping[str, AtTimes]):
         error: coordinate → bound on its error modulo 2π, of the same shape.
     """
 
-    value: Mapping[str, AtTimes]
-    error: Mapping[str, AtTimes]
+    value: Mapping[str, Any]
+    error: Mapping[str, Any]
 
-    def __getitem__(self, name: str) -> AtTimes:
+    def __getitem__(self, name: str) -> Any:
         return self.value[name]
 
     def __iter__(self) -> Iterator[str]:

@@ -6,11 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.number_types import Counts, Integers, Numbers
 from hjsolve.arithmetic.work_counter import WorkCount
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
@@ -61,16 +57,16 @@ class Trajectory(Shown):
         errors: the rule behind ``error``.
     """
 
-    t: Numbers
-    q: Mapping[str, Numbers]
-    p: Mapping[str, Numbers]
-    velocity: Mapping[str, Numbers]
-    turns: Mapping[str, Counts]
-    status: NDArray[np.generic]
-    arc: Integers
+    t: Any
+    q: Mapping[str, Any]
+    p: Mapping[str, Any]
+    velocity: Mapping[str, Any]
+    turns: Mapping[str, Any]
+    status: Any
+    arc: Any
     errors: Callable[[], Errors]
 
-    def __reduce__(self) -> tuple[object, ...]:
+    def __reduce__(self) -> tuple[Any, ...]:
         numbers = (self.q, self.p, self.velocity, self.turns)
         return Trajectory, (self.t, *map(dict, numbers), self.status, self.arc, KnownErrors(self.error))
 
@@ -79,7 +75,7 @@ class Trajectory(Shown):
         """Bounds on the errors of q, p and velocity, worked out when asked for."""
         return self.errors()
 
-    def unwrapped(self, name: str) -> Numbers:
+    def unwrapped(self, name: str) -> Any:
         """Return q with its whole turns.
 
         Args:
@@ -124,7 +120,7 @@ class Run(Shown):
     solution: Solution | None
     arcs: tuple[Arc, ...]
     trajectory: Trajectory | None
-    drift: Mapping[str, Numbers]
+    drift: Mapping[str, Any]
     work: WorkCount
     choice: Choice | None = None
     rest: Rest | None = None
