@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.number_types import Mpf, Numbers
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.display.shown import Shown
 
 if TYPE_CHECKING:
     import numpy as np
+    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -23,8 +24,8 @@ class EstimateArray(Shown):
         error: absolute errors, never below the true ones unless the input itself was in doubt.
     """
 
-    value: Numbers
-    error: Numbers
+    value: NDArray[Any]
+    error: NDArray[Any]
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.number_types import Mpf, Reals
 from hjsolve.closed_form.named_quantities import written_out
 from hjsolve.closed_form.numbers import form_at_numbers, functions, wanted_form
 from hjsolve.closed_form.regime import Regime
@@ -124,7 +124,7 @@ class RegimeForms(Shown):
         """
         return form_at_numbers(self, name, values, digits)
 
-    def lambdify(self, module: str = "numpy") -> dict[str, Callable[..., Mpf | Reals | float]]:
+    def lambdify(self, module: str = "numpy") -> dict[str, Callable[..., Any]]:
         """Functions of numbers: of keyword arguments by the names of the symbols.
 
         Args:

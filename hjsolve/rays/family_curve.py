@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -13,9 +13,6 @@ from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.state import Errors, Placing, State
-
-if TYPE_CHECKING:
-    from hjsolve.arithmetic.number_types import AtTimes
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -51,7 +48,7 @@ class FamilyCurve(ByValue, Shown):
         return Errors(found.q, found.p, {}, self.placing.bounds(self._state(), found))
 
     @property
-    def place(self) -> dict[str, AtTimes]:
+    def place(self) -> dict[str, Any]:
         """Where the points are in space: x, y, z (those there are) → values of shape (n,).
 
         Raises:
