@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hjsolve.arithmetic.error_free import two_sum
+from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.ensembles.engine.constants import InitialConstants
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
-from hjsolve.ensembles.engine.programs import CoordinatePrograms, SystemPrograms
+from hjsolve.ensembles.engine.programs import CoordinatePrograms, SystemPrograms, sides
 
 
 @dataclass(frozen=True)
@@ -54,11 +55,25 @@ class CoordinateOfOrbits:
         Args:
             index: which.
         """
-        if len(index) == len(self.q):
+        if len(index) == len(self.q) and bool((index == np.arange(len(index))).all()):
             return self
         constants, low, uncertainty = (np.take(x, index, axis=1) for x in (self.constants, self.low, self.uncertainty))
         q, P = self.q[index], self.P[index]
         return replace(self, q=q, P=P, constants=constants, low=low, uncertainty=uncertainty)
+
+
+def squares(one: CoordinateOfOrbits, q: Reals) -> Reals:
+    """Return p² at places, from 32 digits.
+
+    Args:
+        one: the coordinate of n orbits.
+        q: places, shape (n,).
+    """
+    formula = sides(one.coordinate)[0]
+    s, e = two_sum(q, -formula.origin.high)
+    x = np.stack([formula.sign * s, formula.sign * (e - formula.origin.low)])
+    with np.errstate(all="ignore"):
+        return run_rows(one.programs.exact[0].squares, one.parameters, np.stack([*x, *one.constants, *one.low]))[0]
 
 
 def offset(formula: LoweredFormula, q: Reals) -> Reals:

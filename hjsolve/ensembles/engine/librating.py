@@ -27,6 +27,7 @@ from hjsolve.ensembles.engine.kernels.small_motions import small_ends
 from hjsolve.ensembles.engine.kernels.types import Modes, Motions, Sums, no_sums
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMaps, fitting, node_maps, views
+from hjsolve.ensembles.engine.nodes_about_crests import crests
 from hjsolve.ensembles.engine.programs import ExactPrograms, ViewPrograms, sides
 from hjsolve.ensembles.engine.programs_of_small_motions import SmallPrograms, has_slopes
 from hjsolve.ensembles.engine.proof_of_resolution import ResolutionProof, least_at_a_glance
@@ -97,16 +98,18 @@ def librations(one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bo
     narrow = np.flatnonzero(_smallness(one) > _SEEN_FROM_START)
     if len(narrow):
         _narrow(one.take(narrow), narrow, modes._replace(chords=modes.kernels, shifts=False), sums, found, places)
-    wide = np.flatnonzero(~sums.good)
+    wide, slow = np.flatnonzero(~sums.good), np.zeros(n, dtype=bool)
     if len(wide):
         some = one.take(wide)
         chords = all(view.relative is not None for view in some.programs.views)
-        part, motions = _wide(some, modes._replace(chords=chords, shifts=True))
+        part, motions, over = _wide(some, modes._replace(chords=chords, shifts=True))
+        slow[wide[over]] = True
         sums.put(wide, part)
         found.offsets[:, wide] = motions.lower, motions.upper
         if places:
             found.put(wide, *_told(some, motions.lower, motions.upper))
-    rough = np.flatnonzero(sums.good & rough_ones(sums, modes)) if exact else wide[:0]
+    # p² next to a crest that is passed slowly may have no digits in doubles
+    rough = np.flatnonzero(np.where(sums.good, rough_ones(sums, modes) if exact else False, slow))
     if len(rough):
         better, bases, slopes = _exactly(one.take(rough), modes)
         fine = np.flatnonzero(better.good)
@@ -147,8 +150,28 @@ def _walk(one: CoordinateOfOrbits, upper: int) -> SearchSide:
 
 
 # ------------------------------------------------------------------------------------------------- seen from the ends
-def _wide(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, Motions]:
-    """Integrate motions seen from zero, or from the ends of the domain; good only where this was enough."""
+def _over_crests(
+    one: CoordinateOfOrbits, motions: Motions, placed: Motions, known: tuple[Sums, Modes, _Halves]
+) -> Integers:
+    """Integrate motions that pass slowly over a crest, where other nodes were not enough; return which these are."""
+    sums, modes, programs = known
+    left = np.flatnonzero(~sums.good & (motions.width > 0))
+    if not len(left):
+        return left
+    found = crests(one.take(left), placed.lower[left], placed.width[left])
+    some = left[found.orbits]
+    if len(some):
+        first, none = node_maps().index(found.maps), np.zeros(len(some), dtype=np.int64)
+        own, where = (_taken(x, some)._replace(first=first, share=none, crest=found.places) for x in (motions, placed))
+        sums.put(some, _resolved(one.take(some), own, where, modes, programs))
+    return some
+
+
+def _wide(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, Motions, Integers]:
+    """Integrate motions seen from zero, or from the ends of the domain; good only where this was enough.
+
+    Also return which pass slowly over a crest.
+    """
     motions, ends = _between(one)
     below, above = one.programs.views
     sums = _resolved(one, motions, motions, modes, (below, above))
@@ -157,7 +180,8 @@ def _wide(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, Motions]:
         first, share = ends.take(again).maps(motions.width[again], alike=True)
         part = _taken(motions, again)._replace(first=first, share=share)
         sums.put(again, _resolved(one, part, part, modes, (below, above)))
-    return sums, motions
+    slow = _over_crests(one, motions, motions, (sums, modes, (below, above)))
+    return sums, motions, slow
 
 
 def _between(one: CoordinateOfOrbits) -> tuple[Motions, LibrationEnds]:
@@ -180,7 +204,7 @@ def _between(one: CoordinateOfOrbits) -> tuple[Motions, LibrationEnds]:
         momentum=one.P, left=distances[0], right=distances[1], width=width, lower=places[0], upper=places[1],
         homes=homes, signs=ends.signs, known=np.ascontiguousarray(one.constants.T),
         uncertainty=np.ascontiguousarray(one.uncertainty.T), first=first, least=np.zeros(n, dtype=np.int64),
-        share=share,
+        share=share, crest=np.ones(n),
     )  # fmt: skip
     return motions, ends
 
@@ -257,7 +281,9 @@ def _exactly(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, list[Reals], 
         uncertainty=np.ascontiguousarray(_in_doubles(one).T),
     )  # fmt: skip
     placed = placed._replace(width=motions.width, first=first, share=share)
-    sums = _resolved(one, motions, placed, modes._replace(chords=False, shifts=False), one.programs.exact)
+    modes = modes._replace(chords=False, shifts=False)
+    sums = _resolved(one, motions, placed, modes, one.programs.exact)
+    _over_crests(one, motions, placed, (sums, modes, one.programs.exact))
     return sums, bases, bends[:, 0]
 
 
@@ -335,6 +361,7 @@ def _small(one: CoordinateOfOrbits, modes: Modes, known: Reals, ends: Reals) -> 
         momentum=one.P, left=-low, right=high, width=width, lower=low, upper=high, homes=ends,
         signs=np.array([1.0, -1.0]), known=np.ascontiguousarray(known.T),
         uncertainty=np.ascontiguousarray(one.uncertainty.T), first=none, least=least, share=none,
+        crest=np.ones(len(width)),
     )  # fmt: skip
     some = np.flatnonzero((least < 0) & (width > 0))
     if len(some):

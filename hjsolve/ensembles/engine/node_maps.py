@@ -16,16 +16,16 @@ import numpy as np
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Elementwise, Integers, Mask, Reals
 from hjsolve.ensembles.engine import nodes
-from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
+from hjsolve.ensembles.engine.kernels.crowding import CREST, EVEN, WARPS
 from hjsolve.ensembles.engine.kernels.types import VECTOR, Strips, Tables
 from hjsolve.ensembles.engine.nodes import MOST_LEVEL
-from hjsolve.ensembles.engine.strips_of_analyticity import across, covered_strip, disks, squares
+from hjsolve.ensembles.engine.strips_of_analyticity import across, covered_strip, crest_disks, disks, squares
 
 COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128, 160, 192, 256, 320, 384, 512, 768, 1024)
 """Numbers of nodes: whole vectors of eight."""
 
-SAMPLES, STRETCHED_SAMPLES = 4, 12
-"""Places at which rounding errors are looked at, next to the middle."""
+SAMPLES, STRETCHED_SAMPLES, CREST_SAMPLES = 4, 12, 13
+"""Places at which rounding errors are looked at, next to the middle; one at a crest itself, where p² is least."""
 
 _WIDEST = COUNTS[-1]
 _FIRST = np.concatenate([[0], np.cumsum(COUNTS)])
@@ -43,7 +43,7 @@ class NodeMap(NamedTuple):
     """A map.
 
     Attributes:
-        node_map: place in the table of crowdings.
+        node_map: place in the table of crowdings; ``CREST`` for one about a crest, which has its level twice.
         lower, upper: logarithms to base 2 of 1 + ρ_d and 1 + ρ_c; their sum is even.
     """
 
@@ -59,7 +59,7 @@ class NodeMap(NamedTuple):
     @property
     def symmetry(self) -> int:
         """2 for an even motion, else 1."""
-        return 2 if self.node_map >= EVEN else 1
+        return 2 if EVEN <= self.node_map < CREST else 1
 
     def dividing(self, share: int) -> float:
         """(q − a)/(b − q) up to which a motion is seen from its lower end; see ``views``.
@@ -118,7 +118,7 @@ class NodeMaps:
         """Begin with the maps that stretch nothing, in the order of ``WARPS``."""
         self._lock = Lock()
         self._places: dict[NodeMap, int] = {}
-        self._by_kind = np.full((len(WARPS), 2 * MOST_LEVEL + 1, 2 * MOST_LEVEL + 1), -1, dtype=np.int64)
+        self._by_kind = np.full((len(WARPS) + 1, 2 * MOST_LEVEL + 1, 2 * MOST_LEVEL + 1), -1, dtype=np.int64)
         self.tables, none = _shared_tables(), np.empty(0)
         self.strips = Strips(none, none, none, none, np.full((3, 0, len(COUNTS)), -1))
         self._add([NodeMap(node_map) for node_map in range(len(WARPS))])
@@ -220,7 +220,7 @@ def _shared_tables() -> Tables:
 
 def _rows(key: NodeMap) -> dict[str, Elementwise]:
     """Return the rows of one map in the tables."""
-    samples = SAMPLES if key.level == 0 else STRETCHED_SAMPLES
+    samples = CREST_SAMPLES if key.node_map == CREST else SAMPLES if key.level == 0 else STRETCHED_SAMPLES
     parts = [nodes.equal_anomalies(count, key.symmetry * count) for count in COUNTS]
     share = np.pi / key.symmetry / (samples - 1 + 2 * _MARGIN)
     equal = np.array([(k + _MARGIN) * share for k in range(samples)])
@@ -230,17 +230,12 @@ def _rows(key: NodeMap) -> dict[str, Elementwise]:
         np.concatenate([*(part.high for part in parts), among]),
         np.concatenate([*(part.low for part in parts), 0.0 * among]),
     )
-    complement, quarter, sn2, cn2, derivative = nodes.libration_places(χ, key.level, key.node_map)
-    x, y = key.stretched(sn2, cn2)
-    d, c = 2.0**key.lower - 1, 2.0**key.upper - 1
-    if key.level:
-        derivative = (2 * quarter / np.pi * derivative) * np.sqrt(complement * (1 + c * y) * (1 + d * x))
-    root = derivative * np.sqrt(x * y)
-    places = np.zeros((4, STRETCHED_SAMPLES + len(farthest)))
+    known, x, y, root = _crest(key, χ) if key.node_map == CREST else _stretched(key, χ)
+    places = np.zeros((4, CREST_SAMPLES + len(farthest)))
     seen = np.stack([x, y, root, np.sin(χ.high) ** 2])[:, -len(among) :]
-    places[:, :samples], places[:, STRETCHED_SAMPLES:] = seen[:, :samples], seen[:, samples:]
+    places[:, :samples], places[:, CREST_SAMPLES:] = seen[:, :samples], seen[:, samples:]
     return {
-        "maps": np.array([*WARPS[key.node_map], quarter, complement, d, c, key.symmetry]),
+        "maps": np.array(known),
         "low": x[: -len(among)],
         "high": y[: -len(among)],
         "root": root[: -len(among)],
@@ -249,6 +244,26 @@ def _rows(key: NodeMap) -> dict[str, Elementwise]:
         "samples": np.array(samples),
         "spans": np.array([_spans(key, equal, share, *farthest[2 * share : 2 * share + 2]) for share in range(3)]),
     }
+
+
+_Placed = tuple[list[float], Reals, Reals, Reals]
+
+
+def _stretched(key: NodeMap, χ: Pair) -> _Placed:
+    """Return the row of ``Tables.maps``, and (q − a)/W, (b − q)/W and |dq/dχ|/W at some anomalies."""
+    complement, quarter, sn2, cn2, derivative = nodes.libration_places(χ, key.level, key.node_map)
+    x, y = key.stretched(sn2, cn2)
+    d, c = 2.0**key.lower - 1, 2.0**key.upper - 1
+    if key.level:
+        derivative = (2 * quarter / np.pi * derivative) * np.sqrt(complement * (1 + c * y) * (1 + d * x))
+    known = [*WARPS[key.node_map], quarter, complement, d, c, float(key.symmetry), 0.0]
+    return known, x, y, derivative * np.sqrt(x * y)
+
+
+def _crest(key: NodeMap, χ: Pair) -> _Placed:
+    """Return the same of nodes about a crest half way."""
+    complement, quarter, x, y, root = nodes.crest_places(χ, key.level)
+    return [0.0, 0.0, quarter, complement, 0.0, 0.0, 1.0, 1.0], x, y, root
 
 
 def _divided(key: NodeMap) -> tuple[Integers, Reals]:
@@ -286,6 +301,8 @@ def _spans(key: NodeMap, equal: Reals, share: int, below: float, above: float) -
 
 def _half_way(key: NodeMap, ratio: float) -> float:
     """χ where (q − a)/(b − q) has some value, nearly: doubles are enough."""
+    if key.node_map == CREST:
+        return 0.5 * np.pi
     χ = np.linspace(0.0, np.pi, 514)[1:-1]
     table = nodes.libration_nodes(COUNTS[0], key.level, key.node_map)
     x, y = key.stretched(*(square.real for square in squares(χ.astype(complex), table)))
@@ -297,8 +314,11 @@ def _disks(key: NodeMap, count: int) -> tuple[Reals, Reals, Reals, int]:
 
     An infinite radius says that the strip holds a pole of the map.
     """
-    table = nodes.libration_nodes(count, key.level, key.node_map)
-    low, high, radii = disks(covered_strip(table), 2.0**key.lower - 1)
+    if key.node_map == CREST:
+        low, high, radii = crest_disks(nodes.crest_nodes(count, key.level))
+    else:
+        table = nodes.libration_nodes(count, key.level, key.node_map)
+        low, high, radii = disks(covered_strip(table), 2.0**key.lower - 1)
     below = (low.real <= 0.5) | (key.symmetry == 2)
     order = np.argsort(~below, kind="stable")
     seen = np.where(below, low, high)[order]

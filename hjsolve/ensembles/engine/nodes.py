@@ -127,6 +127,34 @@ def _places(χ: Pair, level: int, node_map: int) -> tuple[float, float, Reals, R
 
 
 @cache
+def crest_nodes(count: int, level: int) -> Nodes:
+    """Return the nodes of half a period that crowd about a crest half way; k′² = 4^−level.
+
+    Args:
+        count: nodes in half a period.
+        level: l in k′² = 4^−l.
+    """
+    χ, quarter = equal_anomalies(count, count), float(_moduli(level)[1].high)
+    return Nodes(χ.high, 1, 4.0**-level, quarter, WARPS[0], lambda: crest_places(χ, level)[2:])
+
+
+def crest_places(χ: Pair, level: int) -> tuple[float, float, Reals, Reals, Reals]:
+    """Return k′² and K, and X = (1 − cn)/2, 1 − X and dX/dχ with cn of 2K χ/π: the nodes of ``nodes_about_crests``.
+
+    Args:
+        χ: in two doubles.
+        level: l in k′² = 4^−l.
+    """
+    D, half = DoubleDouble(), Pair(0.5, 0.0)
+    complement, quarter, sn, cn, dn = _functions(_twice(χ), level)
+    below = cn.high < 0
+    larger = D.mul(half, D.add(Pair(1.0, 0.0), _where(below, Pair(-cn.high, -cn.low), cn)))
+    smaller = D.div(D.mul(Pair(0.25, 0.0), D.mul(sn, sn)), larger)
+    root = D.mul(D.div(_moduli(level)[1], D.pi()), D.mul(sn, dn))
+    return complement, quarter, _where(below, larger, smaller).high, _where(below, smaller, larger).high, root.high
+
+
+@cache
 def rotation_nodes(count: int, level: int, slow: int = 1) -> Nodes:
     """Return the nodes of a whole turn; k′² = 4^−level.
 

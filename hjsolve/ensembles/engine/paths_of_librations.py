@@ -177,6 +177,7 @@ def placed(
     motions = Motions(
         momentum=0 * width, left=width, right=width, width=width, lower=offsets[0], upper=offsets[1], homes=offsets,
         signs=signs, known=np.zeros((n, 1)), uncertainty=np.zeros((n, 1)), first=maps, least=none, share=share,
+        crest=np.ones(n),
     )  # fmt: skip
     proof = ResolutionProof(node_maps(), motions, formulas[0].clearance, formulas[1].clearance)
     least = proof.least(np.arange(n), maps, np.stack([none, np.full(n, len(COUNTS))]))

@@ -93,7 +93,7 @@ class ResolutionProof:
             return least
         lower, W = self.motions.lower[left], self.motions.width[left]
         known = room(self.below, lower + 0.5 * self.motions.signs[0] * W, W)
-        todo, block = np.flatnonzero(W > 0), _FIRST
+        todo, block, last = np.flatnonzero(W > 0), _FIRST, np.empty(0, dtype=np.int64)
         while len(todo):
             low, high = (Clearances(*side.table()) for side in (self.below, self.above))  # type: ignore[misc]
             glances(self.motions, left, maps, todo, known, span, self.maps.strips, low, high, least)
@@ -102,8 +102,12 @@ class ResolutionProof:
             for map_, size in set(zip(maps[bare].tolist(), span[0, bare].tolist(), strict=True)):
                 self.maps.cover(map_, size)
             untold = todo[found == _UNTOLD][:block]
+            filled = untold * len(COUNTS) + span[0, untold]
+            if len(filled) and np.array_equal(filled, last):  # places on the edge of a cell, which roundings move
+                least[untold] = -1
+            last = filled
             self._fill(left[untold], maps[untold], span[0, untold])
-            todo = todo[(found == _UNTOLD) | (found == _NOT_COVERED)]
+            todo = todo[(least[todo] == _UNTOLD) | (least[todo] == _NOT_COVERED)]
             block *= 4
         return least
 
@@ -116,10 +120,18 @@ class ResolutionProof:
             count, below, start = strips.counts[:, code // len(COUNTS), code % len(COUNTS)]
             window, W = slice(start, start + count), motions.width[part, None]
             z = strips.along[window] + 1j * strips.away[window]
-            low.append((motions.lower[part, None] + W * _seen(z[:below], motions.signs[0])).ravel())
-            high.append((motions.upper[part, None] + W * _seen(z[below:], motions.signs[1])).ravel())
+            crest = motions.crest[part, None]
+            near, far = _moved(z[:below], crest), _moved(z[below:], 1 / crest)
+            low.append((motions.lower[part, None] + W * _seen(near, motions.signs[0])).ravel())
+            high.append((motions.upper[part, None] + W * _seen(far, motions.signs[1])).ravel())
         self.below.radius(np.concatenate(low))  # all at once: what a table costs is calls of numpy
         self.above.radius(np.concatenate(high))
+
+
+def _moved(z: Any, crest: Reals) -> Any:
+    """Take places along with the crest, as ``clearance_tables`` does; above the real axis."""
+    found = crest * z / (1 + (crest - 1) * z)
+    return found.real + 1j * np.abs(found.imag)
 
 
 def _seen(z: Any, sign: float) -> Any:

@@ -173,6 +173,32 @@ def disks(over: CoveredStrip, d: Reals | float) -> tuple[Complexes, Complexes, R
 
 
 @cache
+def crest_disks(table: Nodes) -> tuple[Complexes, Complexes, Reals]:
+    """Return disks that hold the rectangles of ``nodes_about_crests`` half way, as ``disks`` does.
+
+    Args:
+        table: of ``crest_nodes``.
+    """
+    a = half_width(len(table.χ), 1)
+    middles, corners = _rectangles(table, a, np.pi, _STRETCHED)
+    low, high = _halves(middles, table)
+    near, far = _halves(corners, table)
+    # the smaller one of both keeps the digits of small disks
+    apart = np.where(low.real[:, None] < 0.5, near - low[:, None], far - high[:, None])
+    inside = 2 * a * table.quarter / np.pi < _INSIDE * quarter_period(1 - table.complement, Float64())
+    return low, high, _CORNER_MARGIN * np.abs(apart).max(axis=1) if inside else np.full(len(low), np.inf)
+
+
+def _halves(χ: Complexes, table: Nodes) -> tuple[Complexes, Complexes]:
+    """(1 − cn)/2 and (1 + cn)/2 of 2K χ/π at complex anomalies."""
+    sn, cn, _ = _sines(2 * χ, table)
+    right = cn.real < 0
+    larger = 0.5 * (1 + np.where(right, -cn, cn))
+    smaller = 0.25 * sn * sn / larger
+    return np.where(right, larger, smaller), np.where(right, smaller, larger)
+
+
+@cache
 def covered_turn(table: Nodes, *, coarse: bool = False) -> CoveredTurn:
     """Return the strip over which functions are to be known for a table of nodes of rotations.
 

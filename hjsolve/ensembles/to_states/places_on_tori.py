@@ -14,12 +14,12 @@ from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.coordinate_of_orbits import offset
+from hjsolve.ensembles.engine.coordinate_of_orbits import offset, squares
 from hjsolve.ensembles.engine.kernels.types import Modes
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import SystemPrograms, sides
-from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, kernels, squares
+from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, kernels
 
 _PLACES = Modes(chords=False, kernels=False, oscillations=False, shifts=False)
 _PAIR_STEPS = 4
@@ -96,7 +96,7 @@ def frames_of(task: AngleTask, tori: Tori, directions: Reals, rotating: Mask, re
         if not len(some):
             continue
         own = tori.take(some)
-        F = squares(coordinate_at(*task, own, k))
+        F = squares(coordinate_at(*task, own, k), own.q[k])
         one = coordinate_at(*task, own, k, np.sqrt(np.fmax(F, 0)))
         _, found, _ = integrated(one, _PLACES, exact=True, places=True)
         bases[k][:, some] = refined(task, own, k, found.places)
@@ -188,7 +188,7 @@ def _on_turn(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> 
     one = coordinate_at(*task, tori._replace(q=_row(tori.q, k, q)), k)
     given = np.stack([offset(sides(one.coordinate)[0], q), *one.constants])
     with np.errstate(all="ignore"):
-        root = np.sqrt(squares(one))
+        root = np.sqrt(squares(one, q))
         _, slope, _ = run_rows(one.programs.views[0].bend, one.parameters, given)
         slope = slope * sides(one.coordinate)[0].sign
         return q, direction * root, direction, direction * slope / (2 * root) * direction, kernels(one) / root

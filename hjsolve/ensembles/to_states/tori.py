@@ -15,7 +15,7 @@ import numpy as np
 from hjsolve.arithmetic.error_free import two_sum
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place
+from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place, squares
 from hjsolve.ensembles.engine.kernels.types import Modes
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
@@ -116,19 +116,6 @@ def coordinate_at(
     )  # fmt: skip
 
 
-def squares(one: CoordinateOfOrbits) -> Reals:
-    """Return F at the places of a coordinate, from 32 digits.
-
-    Args:
-        one: the coordinate of n orbits.
-    """
-    formula = sides(one.coordinate)[0]
-    s, e = two_sum(one.q, -formula.origin.high)
-    x = np.stack([formula.sign * s, formula.sign * (e - formula.origin.low)])
-    with np.errstate(all="ignore"):
-        return run_rows(one.programs.exact[0].squares, one.parameters, np.stack([*x, *one.constants, *one.low]))[0]
-
-
 def tops(one: CoordinateOfOrbits) -> tuple[Reals, Reals]:
     """Return the maxima of F next to the places of a coordinate, and F″ there.
 
@@ -195,7 +182,7 @@ def actions_of(
         top, bend = tops(coordinate_at(model, programs, tori, k))
         q[k] = np.where(rotating[k], q[k], top)
         own = tori._replace(q=q)
-        F = squares(coordinate_at(model, programs, own, k))
+        F = squares(coordinate_at(model, programs, own, k), q[k])
         harmonic[k] = ~rotating[k] & (zero[k] | ~(F > 0)) & (bend < 0)
         some = np.flatnonzero(harmonic[k])
         if len(some):

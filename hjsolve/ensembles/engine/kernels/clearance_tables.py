@@ -6,6 +6,8 @@ Weideman, SIAM Review 56 (2014) 385, Theorem 3.1); the tables hold the disks tha
 
 from __future__ import annotations
 
+import numpy as np
+
 from hjsolve.arithmetic.machine.compiling import inlined, kernel
 from hjsolve.arithmetic.machine.intrinsics import as_bits
 from hjsolve.arithmetic.number_types import Integers, Reals
@@ -40,6 +42,24 @@ def _radius(re: float, im: float, table: Clearances) -> float:
 
 
 @inlined
+def _moved(along: float, away: float, spread: float, crest: float) -> tuple[float, float, float]:
+    """Take a disk z along with the crest: z′ = crest z/T, T = 1 + (crest − 1) z; infinite where T may vanish in it.
+
+    Two places are crest (z₂ − z₁)/(T₁ T₂) apart.
+    """
+    more = crest - 1.0
+    re, im = 1.0 + more * along, more * away
+    square = re * re + im * im
+    size = np.sqrt(square)
+    nearest = size - abs(more) * spread
+    if not nearest > 0.0:
+        return along, away, np.inf
+    x = crest * (along * re + away * im) / square
+    y = crest * (away * re - along * im) / square
+    return x, abs(y), crest * spread / (size * nearest)
+
+
+@inlined
 def _failing(motions: Motions, i: int, place: tuple[int, int], first: int, strips: Strips, low: Clearances,
              high: Clearances) -> int:  # fmt: skip
     """Return the first disk of a strip that is not known, from one of them on and around; ``count`` where all are.
@@ -48,16 +68,21 @@ def _failing(motions: Motions, i: int, place: tuple[int, int], first: int, strip
     """
     W, (m, size) = motions.width[i], place
     count, below, start = strips.counts[0, m, size], strips.counts[1, m, size], strips.counts[2, m, size]
-    j = first
+    j, crest = first, motions.crest[i]
     for _ in range(count):
         k = start + j
+        along, away, spread = strips.along[k], strips.away[k], strips.spread[k]
+        if crest != 1.0:
+            along, away, spread = _moved(along, away, spread, crest if j < below else 1.0 / crest)
+            if spread == np.inf:  # there is no place to look at
+                return j
         if j < below:
-            radius = _radius(motions.lower[i] + motions.signs[0] * W * strips.along[k], W * strips.away[k], low)
+            radius = _radius(motions.lower[i] + motions.signs[0] * W * along, W * away, low)
         else:
-            radius = _radius(motions.upper[i] + motions.signs[1] * W * strips.along[k], W * strips.away[k], high)
+            radius = _radius(motions.upper[i] + motions.signs[1] * W * along, W * away, high)
         if radius == 0.0:
             return -1
-        if not radius >= W * strips.spread[k]:
+        if not radius >= W * spread:
             return j
         j = j + 1 if j + 1 < count else 0
     return count

@@ -16,7 +16,7 @@ from hjsolve.arithmetic.machine.compiling import helper, inlined, kernel, reduci
 from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.ensembles.engine.kernels.midpoint_rule import dot, next_rule, rule, shifted_action
-from hjsolve.ensembles.engine.kernels.start_phase import phase, running_weights
+from hjsolve.ensembles.engine.kernels.start_phase import moved_by_crest, phase, running_weights
 from hjsolve.ensembles.engine.kernels.types import (
     BLOCK,
     FARTHEST,
@@ -95,7 +95,7 @@ def _tilt(g: Reals, low: Reals, slopes: Reals, n: int) -> float:
 
 @helper
 def _placed(lanes: Reals, at: int, end: tuple[float, float, float], W: float, places: Reals,
-            span: tuple[int, int, int], which: int, kernels: bool) -> int:  # fmt: skip
+            span: tuple[int, int, int], crest: float, which: int, kernels: bool) -> int:  # fmt: skip
     """Write into ``lanes``, from one on, where a view is looked at; return the first lane after them.
 
     Samples, the farthest place and the turning point; with kernels the former once more, the constants being certain.
@@ -103,25 +103,29 @@ def _placed(lanes: Reals, at: int, end: tuple[float, float, float], W: float, pl
     """
     (start, count, farthest), (b, s, h) = span, end
     tip = count + 1
+    near = crest if which == 0 else 1.0 / crest
     after = at + tip + 1 + (count + 1 if kernels else 0)
-    x, counted, ends, away = lanes[0, at:after], lanes[1, at:after], lanes[2, at:after], lanes[3, at:after]
+    where, counted, ends, away = lanes[0, at:after], lanes[1, at:after], lanes[2, at:after], lanes[3, at:after]
     roots, squares, blur = lanes[4, at:after], lanes[5, at:after], lanes[6, at:after]
     for g in range(after - at):
-        x[g], counted[g], ends[g], away[g] = b, 0.0, b, 0.0
+        where[g], counted[g], ends[g], away[g] = b, 0.0, b, 0.0
         roots[g], squares[g], blur[g] = 0.0, 0.0, _PLACE * abs(b)
     own, other = places[which], places[1 - which]
     for g in range(tip):
         place = start + g if g < count else farthest
         # counted from where F is anchored: q − h has digits of its own next to h
-        offset = s * W * own[place]
-        moved = offset if h == b else -s * W * other[place]
-        x[g], counted[g], away[g] = h + moved, 1.0, offset
+        x, y, root = own[place], other[place], places[2, place]
+        if crest != 1.0:
+            x, y, root = moved_by_crest(x, y, root, near)
+        offset = s * W * x
+        moved = offset if h == b else -s * W * y
+        where[g], counted[g], away[g] = h + moved, 1.0, offset
         blur[g] = _PLACE * max(abs(h + moved), abs(moved))
-        roots[g], squares[g] = W * places[2, place], places[3, place]
+        roots[g], squares[g] = W * root, places[3, place]
     if kernels:
         for g in range(tip):
             again = tip + 1 + g
-            x[again], away[again], blur[again] = x[g], away[g], blur[g]
+            where[again], away[again], blur[again] = where[g], away[g], blur[g]
     return after
 
 
@@ -224,7 +228,8 @@ def _samples(below: Side, above: Side, motions: Motions, count: int, tables: Tab
             b = motions.lower[i] if which == 0 else motions.upper[i]
             end = (b, motions.signs[which], motions.homes[which, i])
             lanes, W = work.lanes[which], motions.width[i]
-            after = _placed(lanes, begin, end, W, tables.places[m], span, which, modes.kernels)
+            crest = motions.crest[i]
+            after = _placed(lanes, begin, end, W, tables.places[m], span, crest, which, modes.kernels)
             _known(side.errors, 3, (begin, after), motions.known[i])
             _known(side.errors, 3 + known, (begin, after), motions.uncertainty[i, :constants])
             if modes.chords:
@@ -254,6 +259,14 @@ def _nodes(fill: MachineProgram, which: int, at: int, motions: Motions, i: int, 
     b, s, h = (motions.lower[i] if which == 0 else motions.upper[i]), motions.signs[which], motions.homes[which, i]
     distances, places = fill.registers[0, at:after], fill.registers[1, at:after]
     roots, ends = fill.registers[2, at:after], fill.registers[3, at:after]
+    if motions.crest[i] != 1.0:
+        crest = motions.crest[i] if which == 0 else 1.0 / motions.crest[i]
+        for j in range(n):
+            x, y, r = moved_by_crest(near[j], far[j], root[j], crest)
+            distances[j], roots[j], ends[j] = s * W * x, W * r, b
+            places[j] = b + s * W * x if h == b else h - s * W * y
+        _known(fill, 4, (at, after), motions.known[i])
+        return
     for j in range(n):
         distances[j] = s * W * near[j]
         roots[j] = W * root[j]

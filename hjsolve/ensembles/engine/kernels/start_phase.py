@@ -22,14 +22,31 @@ _CLOSE = 0.05  # part of the width, next to a turning point, where the momentum 
 
 
 @inlined
+def moved_by_crest(x: float, y: float, root: float, crest: float) -> tuple[float, float, float]:
+    """Take the middle to a crest, x/(1 − x) times ``crest``: the Möbius map of ``nodes_about_crests``.
+
+    Args:
+        x, y: distances from one end and from the other over W, x + y = 1.
+        root: |dx/dχ|.
+        crest: x/y where the middle is to be.
+    """
+    below = y + crest * x
+    return crest * x / below, y / below, crest / (below * below) * root
+
+
+@inlined
 def _derivative(χ: float, map_: Reals) -> float:
     s, c = sincos(χ)
     return 1.0 + map_[0] * c + map_[1] * (c * c - s * s)
 
 
 @inlined
-def _stretch(χ: float, x: float, y: float, map_: Reals) -> float:
+def _stretch(χ: float, x: float, y: float, map_: Reals, crest: float) -> float:
     """(dq/dχ)²/(W² x y)."""
+    if map_[7] == 1.0:
+        X, Y, size = _before_crest(x, y, crest)
+        dn2 = map_[3] + (1.0 - map_[3]) * (Y - X) * (Y - X)
+        return (2.0 * map_[2] / math.pi) ** 2 * dn2 * size * size / crest
     derivative = _derivative(χ, map_)
     if map_[3] == 1.0:
         return derivative * derivative
@@ -56,10 +73,21 @@ def elliptic(s: float, c: float, map_: Reals) -> float:
     return math.pi * s * R / map_[2]
 
 
+@inlined
+def _before_crest(x: float, y: float, crest: float) -> tuple[float, float, float]:
+    """Undo ``moved_by_crest``: X, Y = 1 − X, and x + crest y = crest/(Y + crest X)."""
+    total = x + crest * y
+    return x / total, crest * y / total, total
+
+
 @helper
-def _anomaly(x: float, y: float, map_: Reals) -> float:
+def _anomaly(x: float, y: float, map_: Reals, crest: float) -> float:
     """χ of a place. Halley's steps inside a bracket undo the crowding."""
     x, y = max(x, 0.0), max(y, 0.0)  # a start may lie beyond a turning point by its rounding
+    if map_[7] == 1.0:  # X = (1 − cn)/2, cn of 2K χ/π
+        X, Y, _ = _before_crest(x, y, crest)
+        half = 0.5 * elliptic(2.0 * np.sqrt(X * Y), abs(Y - X), map_)
+        return half if Y >= X else math.pi - half
     if map_[3] == 1.0:
         goal = 2.0 * math.atan2(np.sqrt(x), np.sqrt(y))
     else:
@@ -163,7 +191,7 @@ def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int
         chords: whether the rounding of F is known relatively.
     """
     m, size = place
-    map_, n, cosines = tables.maps[m], tables.counts[size], tables.cosines[tables.rows[size] :]
+    map_, n, cosines, crest = tables.maps[m], tables.counts[size], tables.cosines[tables.rows[size] :], motions.crest[i]
     weights, buffer = work.shares, work.buffer
     W, P, symmetry = motions.width[i], motions.momentum[i], map_[6]
     x, y = motions.left[i] / W, motions.right[i] / W
@@ -175,20 +203,27 @@ def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int
         blurred, high = rounding, low
     lower, upper = low * rounding, high * blurred
     δ = y * lower + x * upper
-    if min(x * (1.0 + map_[4]), y * (1.0 + map_[5])) < _CLOSE:  # beyond, a pole makes p² flat: it tells no place
+    near = min(x * (1.0 + map_[4]), y * (1.0 + map_[5]))
+    if map_[7] == 1.0:
+        low, _, _ = moved_by_crest(low, 1.0 - low, 0.0, crest)
+        high, _, _ = moved_by_crest(high, 1.0 - high, 0.0, 1.0 / crest)
+        lower, upper = low * rounding, high * blurred
+        X, Y, _ = _before_crest(max(x, 0.0), max(y, 0.0), crest)
+        near = min(X, Y)
+    if near < _CLOSE:  # beyond, a pole or a crest makes p² flat: it tells no place
         for _ in range(2 if map_[3] == 1.0 else 3):
-            χ = _anomaly(x, y, map_)
+            χ = _anomaly(x, y, map_, crest)
             _interpolation(weights, symmetry * χ, n, cosines)
             # P = √F with F = (q − a)(b − q) S, r and the map give S at χ: a fixed point, which few steps reach
             r = dot(buffer[1], weights, n)
-            small = (P * r / W) ** 2 / _stretch(χ, x, y, map_) / max(x, y)
+            small = (P * r / W) ** 2 / _stretch(χ, x, y, map_, crest) / max(x, y)
             x, y = (small, 1.0 - small) if x < y else (1.0 - small, small)
         δ = min(x * rounding, lower) if x < y else min(y * blurred, upper)
         δ += min(x, y) * (lower + upper)
-    χ = _anomaly(x, y, map_)
+    χ = _anomaly(x, y, map_, crest)
     _interpolation(weights, symmetry * χ, n, cosines)
     small, large = max(min(x, y), 0.0), max(x, y)
     # δχ = δq/(dq/dχ), and dq/dχ vanishes with √(x y) at a turning point
-    root = np.sqrt(max(_stretch(χ, x, y, map_) * large, 1e-300))
+    root = np.sqrt(max(_stretch(χ, x, y, map_, crest) * large, 1e-300))
     uncertainty = ((δ / np.sqrt(max(small, 1e-300)) if small > 0.0 else 0.0) + 4.0 * EPS * np.sqrt(small)) / root
     return (-χ if P < 0 else χ), 2.0 * uncertainty + 8.0 * EPS * math.pi

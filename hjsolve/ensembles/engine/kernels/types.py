@@ -27,7 +27,8 @@ class Tables(NamedTuple):
     """Nodes of all maps and sizes side by side, padded; see ``node_maps``.
 
     Attributes:
-        maps: γ₁, γ₂, K, k′², ρ_d, ρ_c and the symmetry of every map, shape (maps, 7).
+        maps: γ₁, γ₂, K, k′², ρ_d, ρ_c, the symmetry, and 1 for ``nodes_about_crests``, of every map,
+            shape (maps, 8).
         counts: numbers of nodes, shape (sizes,).
         first: the places of the first nodes of every size in the next three, shape (sizes + 1,).
         low, high: (q − a)/W and (b − q)/W at the nodes of all sizes in a row, shape (maps, nodes).
@@ -76,6 +77,7 @@ class Motions(NamedTuple):
         uncertainty: bounds on the errors of the constants, shape (n, constants).
         first, least: the map, and the size in the tables, to begin with; a negative size leaves the orbit out.
         share: how much is seen from below; see ``node_maps.views``.
+        crest: (q − a)/(b − q) at the crest about which nodes crowd, 1 where there is none.
     """
 
     momentum: Reals
@@ -91,6 +93,7 @@ class Motions(NamedTuple):
     first: Integers
     least: Integers
     share: Integers
+    crest: Reals
 
 
 class Sums(NamedTuple):

@@ -1,0 +1,83 @@
+"""Librations that pass slowly over a crest of the potential: where it is, and how nodes crowd about it.
+
+F = p² has a pair of zeros q_c ± iε next to the motion. With q = a + W x, x = sin²(φ/2), they lie on a circle, at ±φ_c
+± iδ, and a Möbius transformation x/(1 − x) = m X/(1 − X), m = (q_c − a)/(b − q_c), takes both to the middle of it,
+X = sin²(θ/2) with θ = ±π/2 ± iδ/sin φ_c. There
+
+    θ = am(2K χ/π | k²),   dθ/dχ = 2K/π dn,   dn = k′ at θ = π/2,
+
+moves nodes together as ``rotation_anomalies`` does about the slow place of a rotation: the pair of zeros is as far from
+the real χ as the poles of am where k′ is half its distance (DLMF 22.2.2, 22.16.1).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hjsolve.arithmetic.machine.over_rows import run_rows
+from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, place, squares
+from hjsolve.ensembles.engine.kernels.crowding import CREST
+from hjsolve.ensembles.engine.nodes import MOST_LEVEL
+from hjsolve.ensembles.engine.programs import sides
+
+_POINTS = 48
+_GRID = np.sin(np.pi * (np.arange(_POINTS) + 0.5) / (2 * _POINTS)) ** 2
+_NEWTON_STEPS = 8
+_FARTHEST_STEP = 0.1
+"""Newton's steps for the place of a crest, and the longest one, over the width of the motion."""
+_WIDE = 1.0
+"""Distance δ/sin φ_c of the zeros above which no crest is seen."""
+
+
+class Crests(NamedTuple):
+    """Motions that pass over a crest.
+
+    Attributes:
+        orbits: which they are, shape (n,).
+        maps: how their nodes are placed, as ``node_maps.NodeMaps.index`` takes it, shape (n, 3).
+        places: (q_c − a)/(b − q_c), shape (n,).
+    """
+
+    orbits: Integers
+    maps: Integers
+    places: Reals
+
+
+def crests(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> Crests:
+    """Find the crests that motions pass most slowly.
+
+    Args:
+        one: the coordinate of n orbits.
+        lower: the lower turning points, offsets in the view of the lower half.
+        width: b − a.
+    """
+    formula, code = sides(one.coordinate)[0], one.programs.views[0].bend
+    n, sign = len(width), formula.sign
+    with np.errstate(all="ignore"):
+        grid = lower[:, None] + sign * width[:, None] * _GRID
+        given = np.concatenate([grid.ravel()[None], np.repeat(one.constants, _POINTS, axis=1)])
+        values = run_rows(code, one.parameters, given)[0].reshape(n, _POINTS)
+        valley = np.zeros(values.shape, dtype=bool)
+        valley[:, 1:-1] = (values[:, 1:-1] <= values[:, :-2]) & (values[:, 1:-1] <= values[:, 2:])
+        orbit, point = np.nonzero(valley)
+        some = one.take(orbit)
+        x, W = grid[orbit, point], width[orbit]
+        fine = np.ones(len(orbit), dtype=bool)
+        for _ in range(_NEWTON_STEPS):
+            _, slope, bend = run_rows(code, one.parameters, np.stack([x, *some.constants]))
+            step = slope / bend
+            fine &= (bend > 0) & (np.abs(step) < _FARTHEST_STEP * W)
+            x = np.where(fine, x - step, x)
+        gap = np.sqrt(2 * squares(some, place(formula, x)) / bend)
+        low = sign * (x - lower[orbit]) / W
+        gap = gap / (2 * W * low * (1 - low))
+    fine &= (low > 0) & (low < 1) & (gap < _WIDE) & (gap > 0)
+    slowest = np.flatnonzero(fine)[np.argsort(gap[fine], kind="stable")]
+    orbits, first = np.unique(orbit[slowest], return_index=True)
+    chosen = slowest[first]
+    level = np.clip(np.rint(-np.log2(0.5 * gap[chosen])), 1, MOST_LEVEL).astype(np.int64)
+    maps = np.stack([np.full(len(level), CREST), level, level], axis=1)
+    return Crests(orbits, maps, low[chosen] / (1 - low[chosen]))
