@@ -55,6 +55,9 @@ _SMALL = 1e-13
 _RESTING = 2.0**-40
 """F′ at a place of rest, over what is not known of ½F″ and the size of q, that is no more than rounding."""
 
+_ROUGH = COUNTS.index(24), COUNTS.index(48)
+"""Sizes for rough integrals: of circular anomalies, and of stretched ones."""
+
 _Halves = tuple[ViewPrograms | SmallPrograms | ExactPrograms, ViewPrograms | SmallPrograms | ExactPrograms]
 
 
@@ -212,6 +215,9 @@ def _between(one: CoordinateOfOrbits) -> tuple[Motions, LibrationEnds]:
 def _resolved(one: CoordinateOfOrbits, motions: Motions, placed: Motions, modes: Modes, programs: _Halves) -> Sums:
     """Integrate with as many nodes as are proved to resolve every motion, which lies where ``placed`` says."""
     below, above = sides(one.coordinate)
+    if modes.rough:
+        motions.least[:] = np.where(motions.first < len(WARPS), *_ROUGH)
+        return _integrated(one, motions, modes, programs)
     proof, n = ResolutionProof(node_maps(), placed, below.clearance, above.clearance), len(motions.width)
     span = np.stack([np.zeros(n, dtype=np.int64), np.full(n, len(COUNTS))])
     least = proof.least(np.arange(n), motions.first, span)
@@ -355,7 +361,10 @@ def _small(one: CoordinateOfOrbits, modes: Modes, known: Reals, ends: Reals) -> 
     width = high - low
     with np.errstate(invalid="ignore"):
         middle = one.q + 0.5 * (low + high)
-        least = least_at_a_glance(maps, plain.clearance, tuple(one.constants), middle, width)
+        if modes.rough:
+            least = np.full(len(width), _ROUGH[0])
+        else:
+            least = least_at_a_glance(maps, plain.clearance, tuple(one.constants), middle, width)
     none = np.zeros(len(width), dtype=np.int64)
     motions = Motions(
         momentum=one.P, left=-low, right=high, width=width, lower=low, upper=high, homes=ends,

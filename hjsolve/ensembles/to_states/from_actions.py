@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine import build
-from hjsolve.ensembles.engine.lowered_solution import next_to_poles
+from hjsolve.ensembles.engine.lowered_solution import lowered_model, next_to_poles
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.to_states.newton_on_actions import ROUNDS, SOON, Goals, Solved, constants_of_tori, newton_step
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, frames_of
 from hjsolve.ensembles.to_states.seeds import Seeds, nearest, seeds_of
 from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
-from hjsolve.ensembles.to_states.tori import FINER, Tori
+from hjsolve.ensembles.to_states.tori import FINER, Actions, Tori
 from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.motion.tori.radicand_curve import curves_of
@@ -88,30 +87,45 @@ def states_of(task: InverseTask) -> FoundStates:
     near = next_to_poles(task.solution)
     for one in (task, *([] if near is None else [replace(task, solution=near)])):
         left = np.flatnonzero(finite & (found.status != Status.OK))
-        for begin in range(0, len(left), _CHUNK):
-            _chunk(one, found, left[begin : begin + _CHUNK])
+        ready = _ready(one, np.flatnonzero(finite)) if len(left) else None
+        if ready is not None:
+            for begin in range(0, len(left), _CHUNK):
+                _chunk(one, ready, found, left[begin : begin + _CHUNK])
     if task.fallback:
         for k in np.flatnonzero(finite & (found.status != Status.OK)):
             _one(task, found, int(k))
     return found
 
 
-def _chunk(task: InverseTask, found: FoundStates, index: Integers) -> None:
-    """Return the states of some orbits by the engine, as far as it goes."""
-    engine = build(
-        task.solution, frozenset({"actions", "constants", "turning_points"}), parameters=dict(task.parameters)
-    )
-    model, solution = engine.model, task.solution
-    if not model.separated or any(c.shifted for c in model.separated) or solution.system.kinks:
-        return
-    values = parameter_values(solution.system, task.parameters)
+class _Ready(NamedTuple):
+    """What all orbits share: the system, seeds, and the rows of the separated and of the ignorable coordinates."""
+
+    angles: AngleTask
+    seeds: Seeds
+    own: list[int]
+    others: list[int]
+
+
+def _ready(task: InverseTask, finite: Integers) -> _Ready | None:
+    """Prepare the engine; None for systems that it leaves to single motions."""
+    values = parameter_values(task.solution.system, task.parameters)
+    model = lowered_model(task.solution, values)
+    if not model.separated or any(c.shifted for c in model.separated) or task.solution.system.kinks:
+        return None
     rows = {name: k for k, name in enumerate(task.names)}
-    own = [rows[c.name] for c in model.separated]
-    others = [rows[name] for name in model.angles]
-    J, momenta = task.actions[own][:, index], task.actions[others][:, index]
-    seeds = seeds_of(engine, curves_of(solution, values, {}), (J, momenta))
+    own, others = [rows[c.name] for c in model.separated], [rows[name] for name in model.angles]
     programs = system_programs(model, kernels=True)
-    patterns = [tuple(bool(x) for x in column) for column in np.unique(seeds.rotating.T, axis=0)]
+    wanted = task.actions[:, finite]
+    seeds = seeds_of(model, programs, curves_of(task.solution, values, {}), (wanted[own], wanted[others]))
+    return _Ready(AngleTask(model, programs), seeds, own, others)
+
+
+def _chunk(task: InverseTask, ready: _Ready, found: FoundStates, index: Integers) -> None:
+    """Return the states of some orbits by the engine, as far as it goes."""
+    model, seeds = ready.angles.model, ready.seeds
+    J, momenta = task.actions[ready.own][:, index], task.actions[ready.others][:, index]
+    rotating = seeds.shells.rotations
+    patterns = [tuple(bool(x) for x in column) for column in np.unique(rotating.T, axis=0)]
     done = np.zeros(len(index), dtype=bool)
     for pattern in patterns:
         if not all(
@@ -121,8 +135,8 @@ def _chunk(task: InverseTask, found: FoundStates, index: Integers) -> None:
         some = np.flatnonzero(_possible(J, pattern))
         if not len(some):
             continue
-        mine = seeds.take((seeds.rotating == np.array(pattern)[:, None]).all(axis=0))
-        solved = _solved(AngleTask(model, programs), mine, (J[:, some], momenta[:, some]), pattern)
+        mine = seeds.take((rotating == np.array(pattern)[:, None]).all(axis=0))
+        solved = _solved(ready.angles, mine, (J[:, some], momenta[:, some]), pattern)
         twice = solved.good & done[some]
         if twice.any():
             raise InvalidInputError(
@@ -130,7 +144,7 @@ def _chunk(task: InverseTask, found: FoundStates, index: Integers) -> None:
                 'kinds={"…": "libration"}'
             )
         done[some[solved.good]] = True
-        _written(task, found, AngleTask(model, programs), (index[some], pattern), solved)
+        _written(task, found, ready.angles, (index[some], pattern), solved)
 
 
 def _word(rotates: bool) -> str:
@@ -153,8 +167,7 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern:
     unknown = np.array([j for j in range(len(model.constants)) if j not in places])
     goals = Goals(np.abs(J), rotating, np.abs(J).sum(axis=0) + np.abs(momenta).sum(axis=0), unknown)
     everything = np.concatenate([np.abs(J), np.abs(momenta)])
-    near = nearest(seeds.actions, everything)
-    begin = _begun(seeds.constants[:, near], seeds.places[:, near], momenta, places)
+    begin = _begun(seeds.tori, seeds.shells, nearest(seeds.actions, everything), (goals, momenta, places))
     solved = constants_of_tori(model, task.programs, begin, goals, SOON)
     for attempt in range(_AGAIN):
         lost, good = np.flatnonzero(~solved.good), np.flatnonzero(solved.good)
@@ -163,26 +176,23 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern:
         rounds, start = (ROUNDS if attempt == _AGAIN - 1 or not len(good) else SOON), begin.take(lost)
         if len(good):
             near = good[nearest(everything[:, good], everything[:, lost])]
-            start = _begun(solved.tori.values[:, near], solved.tori.q[:, near], momenta[:, lost], places)
-            start = _extrapolated(start, solved, near, goals.take(lost)) if attempt == 0 else start
+            start = _begun(solved.tori, solved.actions, near, (goals.take(lost), momenta[:, lost], places))
         solved.put(lost, constants_of_tori(model, task.programs, start, goals.take(lost), rounds))
     return solved
 
 
-def _extrapolated(begin: Tori, solved: Solved, near: Integers, goals: Goals) -> Tori:
-    """Move constants by J(α) to first order, where the actions are near those of the torus to begin with."""
-    slopes, there = solved.actions.slopes[:, :, near], solved.actions.values[:, near]
+def _begun(tori: Tori, actions: Actions, near: Integers, wanted: tuple[Goals, Reals, list[int]]) -> Tori:
+    """Constants by J(α) to first order from other tori, where the actions are near theirs; else theirs as they are."""
+    goals, momenta, places = wanted
+    values, there = tori.values[:, near], actions.values[:, near]
+    values[places] = momenta
+    slopes = actions.slopes[:, :, near]
     with np.errstate(all="ignore"):
-        moved = np.einsum("kcn,cn->kn", slopes, begin.values - solved.tori.values[:, near])
+        moved = np.einsum("kcn,cn->kn", slopes, values - tori.values[:, near])
         step = newton_step(slopes[:, goals.unknown], goals.actions - there - moved)
         fine = (np.abs(goals.actions - there) <= _NEAR * there).all(axis=0) & np.isfinite(step).all(axis=0)
-    return begin.moved(goals.unknown, np.where(fine, step, 0.0))
-
-
-def _begun(constants: Reals, q: Reals, momenta: Reals, places: list[int]) -> Tori:
-    values = constants.copy()
-    values[places] = momenta
-    return Tori(values, np.zeros_like(values), q.copy())
+    begun = Tori(values, np.zeros_like(values), tori.q[:, near])
+    return begun.moved(goals.unknown, np.where(fine, step, 0.0))
 
 
 def _written(

@@ -3,6 +3,9 @@
 It is the method of ``motion.tori.polish`` over arrays. Constants are held in two doubles, since near a circle or the
 energy of escape J depends on digits that one double has not. A step is halved until the largest relative residual
 falls; orbits that do not converge are left to the search of single motions.
+
+Residuals of full steps fall like rₖ₊₁ = κ rₖ² (Kelley, Iterative methods for linear and nonlinear equations (1995),
+§5.3), so that the last step need not be tried: what it leaves is foreseen from those before it, and counted.
 """
 
 from __future__ import annotations
@@ -15,7 +18,7 @@ from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import SystemPrograms
-from hjsolve.ensembles.to_states.tori import Actions, Tori, actions_of, no_actions
+from hjsolve.ensembles.to_states.tori import DOUBLES, EXACT, ROUGH, Actions, Tori, actions_of, no_actions
 
 ROUNDS, SOON = 60, 9
 """Evaluations of J; and those of orbits that have another start to try."""
@@ -26,7 +29,12 @@ _CLOSE, _FALLS = 8 * EPS, 0.25
 _FAR = 0.1
 """The part of the residual, or of the scale of all actions, by which small actions count far away."""
 _NEARLY = 1e-6
-"""Residual below which p² is taken to 32 digits."""
+"""Residual, as it is foreseen, below which p² is taken to 32 digits where doubles do not know it well."""
+_FORESEEN, _KNOWN = 16.0, (0.0, 1e-13, 1e-11)
+"""By how much what the last step leaves is taken larger than κ r²; and errors of J, rough, in doubles and to
+32 digits, up to which it is the last."""
+_ROUGHLY, _ROUGH_SHARE = 1e-7, 1.0
+"""Residual of rough integrals, and share of a step, below which they are left."""
 _SETTLED = 1e-10
 """Residual below which a step that makes nothing better ends the search."""
 _ACTION_OF_REST = 2.0**-80
@@ -100,25 +108,30 @@ def constants_of_tori(
     base = Tori(*(x.copy() for x in begin))
     trial, step = Tori(*(x.copy() for x in begin)), np.zeros((size, n))
     share, merit, left = np.ones(n), np.full(n, np.inf), np.full((size, n), np.inf)
-    best = no_actions(size, len(model.constants), n)
-    active, done = np.arange(n), np.zeros(n, dtype=bool)
+    best, how = no_actions(size, len(model.constants), n), np.full(n, ROUGH)
+    active, done, curve = np.arange(n), np.zeros(n, dtype=bool), np.full(n, np.inf)
     for _ in range(rounds):
         if not len(active):
             break
-        nearby = merit[active] < _NEARLY
-        found, seen = _both(model, programs, (trial, zero, goals.rotating), (active, nearby))
+        found, seen = _each(model, programs, (trial, zero, goals.rotating), (active, how[active]))
+        sure = how[active] > ROUGH
         with np.errstate(all="ignore"):
             residual = goals.actions[:, active] - found.values
             own = np.max(np.abs(residual) / weight[:, active], axis=0)
             # far away an action that is nearly zero counts by the size of all: else it would hold up the others
             floor = _FAR * np.fmin(left[:, active].max(axis=0), goals.scale[active])
             far, before = (np.max(np.abs(r) / (weight[:, active] + floor), axis=0) for r in (residual, left[:, active]))
+            full = (share[active] == 1.0) & (merit[active] < 1)
+            curve[active] = np.where(full, np.fmax(own / merit[active] ** 2, 1.0), curve[active])
+            after = curve[active] * own**2
+            known = (found.errors <= np.array(_KNOWN)[how[active]] * weight[:, active]).all(axis=0)
         # J of the harmonic libration is that of the motion only where it is to be zero
-        finished = found.good & (own <= _CLOSE) & ~(found.harmonic & ~zero[:, active]).any(axis=0)
+        finished = sure & found.good & (own <= _CLOSE) & ~(found.harmonic & ~zero[:, active]).any(axis=0)
         falls = 1 - _FALLS * share[active]
         better = found.good & ((own < falls * merit[active]) | (far < falls * before) | finished)
         # rounding is reached where a full step from nearby makes nothing better
-        settled = ~better & (share[active] == 1.0) & (merit[active] < _SETTLED)
+        settled = sure & ~better & (share[active] == 1.0) & (merit[active] < _SETTLED)
+        last = sure & better & ~finished & known & (_FORESEEN * after <= _CLOSE)
         here = active[better]
         for kept, new in zip(base, seen, strict=True):
             kept[:, here] = new[:, better]
@@ -128,8 +141,10 @@ def constants_of_tori(
         step[:, here] = newton_step(found.slopes[:, goals.unknown][:, :, better], residual[:, better])
         share[here] = 1.0
         share[active[~better]] *= 0.5
-        done[active[finished | settled]] = True
-        active = active[~finished & ~settled & (share[active] >= _LEAST_STEP)]
+        done[active[finished | settled | last]] = True
+        _stepped(base, best, goals.take(active[last]), (active[last], step[:, active[last]], after[last]))
+        _refined(how, merit, active, (share, own, after))
+        active = active[~finished & ~settled & ~last & (share[active] >= _LEAST_STEP)]
         moved = base.take(active).moved(goals.unknown, share[active] * step[:, active])
         for kept, new in zip(trial, moved, strict=True):
             kept[:, active] = new
@@ -137,18 +152,37 @@ def constants_of_tori(
     return Solved(base, best, finite)
 
 
-def _both(
-    model: Model, programs: SystemPrograms, given: tuple[Tori, Mask, Mask], which: tuple[Integers, Mask]
+def _stepped(base: Tori, best: Actions, goals: Goals, known: tuple[Integers, Reals, Reals]) -> None:
+    """Move tori by the last step, and count what it leaves."""
+    index, step, after = known
+    moved = base.take(index).moved(goals.unknown, step)
+    base.values[:, index], base.low[:, index] = moved.values, moved.low
+    best.values[:, index] = goals.actions
+    inexact = np.einsum("kcn,cn->kn", best.slope_errors[:, goals.unknown][:, :, index], np.abs(step))
+    best.errors[:, index] += _FORESEEN * after * goals.actions + inexact
+
+
+def _refined(how: Integers, merit: Reals, active: Integers, seen: tuple[Reals, Reals, Reals]) -> None:
+    """Choose how J is worked out next: rough integrals as long as they lead on, 32 digits where little is left."""
+    share, own, after = seen
+    rough = how[active] == ROUGH
+    through = active[rough & ((own < _ROUGHLY) | (share[active] < _ROUGH_SHARE))]
+    how[through], merit[through] = DOUBLES, np.inf
+    how[active[(how[active] > ROUGH) & (np.fmin(own, after) < _NEARLY)]] = EXACT
+
+
+def _each(
+    model: Model, programs: SystemPrograms, given: tuple[Tori, Mask, Mask], which: tuple[Integers, Integers]
 ) -> tuple[Actions, Tori]:
-    """Actions of some tori, with p² to 32 digits of those that are nearly there; of all of them the places inside."""
-    (trial, zero, rotating), (active, nearby) = given, which
+    """Actions of some tori, of each as it is to be worked out; of all of them the places inside."""
+    (trial, zero, rotating), (active, how) = given, which
     size, n, m = len(model.separated), len(active), len(model.constants)
     found, seen = no_actions(size, m, n), trial.take(active)
-    for exact in (False, True):
-        some = np.flatnonzero(nearby == exact)
+    for kind in (ROUGH, DOUBLES, EXACT):
+        some = np.flatnonzero(how == kind)
         if len(some):
             own = active[some]
-            part, places = actions_of(model, programs, trial.take(own), zero[:, own], rotating[:, own], exact=exact)
+            part, places = actions_of(model, programs, trial.take(own), zero[:, own], rotating[:, own], kind)
             for kept, new in zip(found, part, strict=True):
                 kept[..., some] = new
             seen.q[:, some] = places.q

@@ -6,12 +6,14 @@ itself. F = p² comes from 32 digits, seen from the nearer turning point, so tha
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import offset, squares
@@ -21,7 +23,7 @@ from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import SystemPrograms, sides
 from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, kernels
 
-_PLACES = Modes(chords=False, kernels=False, oscillations=False, shifts=False)
+_PLACES = Modes(chords=False, kernels=False, oscillations=False, shifts=False, rough=True)
 _PAIR_STEPS = 4
 """Steps of Newton's method for turning points in two doubles."""
 _TURNING, _NEXT = 1e-60, 1e-17
@@ -71,6 +73,7 @@ class Placed(NamedTuple):
         moves: dq/dφ.
         forces: dP/dφ.
         rates: kernels over P times dq/dφ.
+        rounding: what 32 digits of p² leave open of P: next to the turning points of the smallest motions p² has few.
     """
 
     q: Reals
@@ -78,6 +81,30 @@ class Placed(NamedTuple):
     moves: Reals
     forces: Reals
     rates: Reals
+    rounding: Reals
+
+    def take(self, index: Integers | Mask) -> Placed:
+        """Return those of some states.
+
+        Args:
+            index: which.
+        """
+        return Placed._make(x[..., index] for x in self)
+
+
+def blurred(frames: Frames, at: Placed) -> Reals:
+    """Return what the rounding of q to a double, and that of P, do to phases, shape (separated, n).
+
+    The engine reads phases off q, or next to a turning point off P: δφ = δq/W, or φ δP/P.
+
+    Args:
+        frames: between what n tori move.
+        at: states on them.
+    """
+    between = ~frames.rotating & ~frames.resting
+    with np.errstate(all="ignore"):
+        sines = 2 * np.abs(at.moves) / frames.widths
+        return np.where(between, EPS * np.abs(at.q) / frames.widths + sines * at.rounding / np.abs(at.P), 0.0)
 
 
 def frames_of(task: AngleTask, tori: Tori, directions: Reals, rotating: Mask, resting: Mask) -> Frames:
@@ -98,7 +125,7 @@ def frames_of(task: AngleTask, tori: Tori, directions: Reals, rotating: Mask, re
         own = tori.take(some)
         F = squares(coordinate_at(*task, own, k), own.q[k])
         one = coordinate_at(*task, own, k, np.sqrt(np.fmax(F, 0)))
-        _, found, _ = integrated(one, _PLACES, exact=True, places=True)
+        _, found, _ = integrated(one, _PLACES, exact=False, places=True)
         bases[k][:, some] = refined(task, own, k, found.places)
         widths[k, some] = width_of(task, k, bases[k][:, some])
         good[some] &= (F > 0) & (widths[k, some] > 0) & np.isfinite(bases[k][:, some]).all(axis=0)
@@ -139,7 +166,7 @@ def width_of(task: AngleTask, k: int, bases: Reals) -> Reals:
     return D.sub(ends[1], ends[0]).high
 
 
-def placed(task: AngleTask, tori: Tori, frames: Frames, φ: Reals) -> Placed:
+def placed(task: AngleTask, tori: Tori, frames: Frames, φ: Reals, *, exact: bool = True) -> Placed:
     """Return coordinates at phases.
 
     Args:
@@ -147,13 +174,15 @@ def placed(task: AngleTask, tori: Tori, frames: Frames, φ: Reals) -> Placed:
         tori: of n orbits.
         frames: between what they move.
         φ: phases, shape (separated, n).
+        exact: whether librations have p² from 32 digits; doubles do for searches.
     """
     size, n = φ.shape
     m = len(task.model.constants)
-    found = Placed._make((*(np.zeros((size, n)) for _ in range(4)), np.zeros((size, m, n))))
+    found = Placed._make((*(np.zeros((size, n)) for _ in range(4)), np.zeros((size, m, n)), np.zeros((size, n))))
     for k in range(size):
         stays, turns = frames.resting[k], frames.rotating[k]
-        for some, how in ((stays, _at_rest), (turns, _on_turn), (~stays & ~turns, _between)):
+        between = partial(_between, exact=exact)
+        for some, how in ((stays, _at_rest), (turns, _on_turn), (~stays & ~turns, between)):
             index = np.flatnonzero(some)
             if len(index):
                 part = how(task, tori.take(index), frames.take(index), k, φ[k, index])
@@ -162,7 +191,7 @@ def placed(task: AngleTask, tori: Tori, frames: Frames, φ: Reals) -> Placed:
     return found
 
 
-_Row = tuple[Reals, Reals, Reals, Reals, Reals]
+_Row = tuple[Reals, Reals, Reals, Reals, Reals, Reals]
 
 
 def _at_rest(task: AngleTask, tori: Tori, _: Frames, k: int, φ: Reals) -> _Row:
@@ -178,7 +207,7 @@ def _at_rest(task: AngleTask, tori: Tori, _: Frames, k: int, φ: Reals) -> _Row:
             q = q - slope / bend
     with np.errstate(all="ignore"):
         rates = kernels(one) / np.sqrt(-0.5 * bend)
-    return q, 0 * φ, 0 * φ, 0 * φ, rates
+    return q, 0 * φ, 0 * φ, 0 * φ, rates, 0 * φ
 
 
 def _on_turn(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
@@ -191,7 +220,8 @@ def _on_turn(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> 
         root = np.sqrt(squares(one, q))
         _, slope, _ = run_rows(one.programs.views[0].bend, one.parameters, given)
         slope = slope * sides(one.coordinate)[0].sign
-        return q, direction * root, direction, direction * slope / (2 * root) * direction, kernels(one) / root
+        forces = direction * slope / (2 * root) * direction
+        return q, direction * root, direction, forces, kernels(one) / root, 0 * φ
 
 
 def _row(rows: Reals, k: int, values: Reals) -> Reals:
@@ -200,13 +230,13 @@ def _row(rows: Reals, k: int, values: Reals) -> Reals:
     return changed
 
 
-def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
+def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals, *, exact: bool) -> _Row:
     """Return a coordinate between turning points, seen from the nearer one."""
     one, W, bases = coordinate_at(*task, tori, k), frames.widths[k], frames.bases[k]
     D, s, c = DoubleDouble(), np.sin(0.5 * φ), np.cos(0.5 * φ)
     lower = np.abs(s) <= np.abs(c)
     s, c = (np.where(np.abs(x) < _TURNING, np.copysign(_TURNING, x), x) for x in (s, c))
-    q, square, slope = np.empty_like(φ), np.empty_like(φ), np.empty_like(φ)
+    q, square, slope, noise = np.empty_like(φ), np.empty_like(φ), np.empty_like(φ), np.zeros_like(φ)
     weights = np.empty((len(one.constants), len(φ)))
     for side, formula in enumerate(sides(one.coordinate)):
         index = np.flatnonzero(lower if side == 0 else ~lower)
@@ -215,14 +245,21 @@ def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> 
         away = (1.0, -1.0)[side] * formula.sign
         d = W[index] * (s if side == 0 else c)[index] ** 2
         seen = np.fmax(d, _NEXT * W[index])
-        known = np.stack([*one.constants, *one.low, *bases])[:, index]
         zero = 0.0 * d
-        given = np.stack([away * seen, zero, zero + 1.0, zero, *known])
+        if exact:
+            code, known = one.programs.exact[side].fill, np.stack([*one.constants, *one.low, *bases])[:, index]
+            given = np.stack([away * seen, zero, zero + 1.0, zero, *known])
+        else:
+            code, end = one.programs.views[side].fill, bases[2 * side, index]
+            given = np.stack([away * seen, end + away * seen, zero + 1.0, end, *one.constants[:, index]])
         x = bases[2 * side, index] + away * d
         with np.errstate(all="ignore"):
-            _, r, F, *rates = run_rows(one.programs.exact[side].fill, one.parameters, given)
+            _, r, F, *rates = run_rows(code, one.parameters, given)
             slopes = run_rows(one.programs.views[side].slopes, one.parameters, np.stack([x, *one.constants[:, index]]))
             weights[:, index] = np.stack(rates) / r
+            if exact:
+                seen_at = np.stack([away * seen, zero, zero, *known, *one.uncertainty[:, index]])
+                noise[index] = run_rows(one.programs.exact[side].errors, one.parameters, seen_at)[0]
             square[index] = np.where(d < seen, F * (d / seen), F)  # linear next to the turning point
         slope[index] = formula.sign * slopes[1]
         base = D.add(Pair(*bases[2 * side : 2 * side + 2, index]), Pair(away * d, zero))
@@ -232,4 +269,5 @@ def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> 
         root = np.sqrt(square)
         moves = W * s * c  # dq/dφ = ½ W sin φ
         turns = np.abs(moves) / root  # finite at turning points
-        return q, np.where(s * c < 0, -1.0, 1.0) * root, moves, 0.5 * slope * turns, weights * turns
+        rounding = np.fmin(0.5 * noise / root, np.sqrt(noise))
+        return q, np.where(s * c < 0, -1.0, 1.0) * root, moves, 0.5 * slope * turns, weights * turns, rounding

@@ -12,8 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.engine import Engine
-from hjsolve.ensembles.engine.status import Status
+from hjsolve.ensembles.engine.constants import initial_constants
+from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
+from hjsolve.ensembles.engine.lowered_solution import Model
+from hjsolve.ensembles.engine.passes import integrated
+from hjsolve.ensembles.engine.programs import SystemPrograms
+from hjsolve.ensembles.engine.starts import Starts, given_momenta
+from hjsolve.ensembles.to_states.tori import ALONE, Actions, Tori
 from hjsolve.motion.tori.radicand_curve import RadicandCurve
 
 _SEEDS = 1500
@@ -29,22 +34,17 @@ _TOGETHER = 1 << 22
 
 
 class Seeds(NamedTuple):
-    """Tori; arrays (…, seeds).
+    """Tori with their actions.
 
     Attributes:
-        constants: of all names.
-        actions: of the separated coordinates, then of the ignorable angles; signed.
-        places: between the turning points of each separated coordinate.
-        rotating: which go round.
-        low, high: turning points, NaN of a rotation.
+        tori: constants, and places between the turning points.
+        shells: J of the separated coordinates without their signs, and ∂J/∂c.
+        actions: of the separated coordinates, then of the ignorable angles; signed, shape (…, seeds).
     """
 
-    constants: Reals
+    tori: Tori
+    shells: Actions
     actions: Reals
-    places: Reals
-    rotating: Mask
-    low: Reals
-    high: Reals
 
     def take(self, index: Integers | Mask) -> Seeds:
         """Return some of them.
@@ -52,18 +52,43 @@ class Seeds(NamedTuple):
         Args:
             index: which.
         """
-        return Seeds._make(x[:, index] for x in self)
+        return Seeds(self.tori.take(index), self.shells.take(index), self.actions[:, index])
 
 
-def seeds_of(engine: Engine, curves: Sequence[RadicandCurve], wanted: tuple[Reals, Reals]) -> Seeds:
+def seeds_of(
+    model: Model, programs: SystemPrograms, curves: Sequence[RadicandCurve], wanted: tuple[Reals, Reals]
+) -> Seeds:
     """Make the seeds of an ensemble.
 
     Args:
-        engine: that gives actions, constants and turning points.
+        model: the lowered solution.
+        programs: of the system.
         curves: p² of the separated coordinates, for the scales of their domains.
         wanted: actions of the separated coordinates and of the ignorable angles; shapes (separated, n), (angles, n).
     """
-    model, random = engine.model, np.random.default_rng(0)
+    start = initial_constants(model, programs, _drawn(model, curves, wanted))
+    seeds = len(start.q), start.q.shape[1]
+    sums, places, turned = [], start.q.copy(), np.zeros(seeds, dtype=bool)
+    for k in range(len(model.separated)):
+        one = CoordinateOfOrbits.of(model, programs, start, k)
+        total, found, turned[k] = integrated(one, ALONE, exact=False, places=True)
+        places[k] = np.where(turned[k], places[k], 0.5 * found.places.sum(axis=0))
+        sums.append(total)
+    values, errors = (np.stack([getattr(s, name) for s in sums]) for name in ("action", "action_error"))
+    slopes, slope_errors = (np.stack([getattr(s, name) for s in sums]) for name in ("means", "mean_errors"))
+    none = np.zeros(seeds, dtype=bool)
+    good = (
+        np.all([s.good for s in sums], axis=0) & np.isfinite(slopes).all(axis=(0, 1)) & np.isfinite(places).all(axis=0)
+    )
+    momenta = start.starts.p[[model.names.index(name) for name in model.angles]]
+    signed = np.concatenate([np.where(turned, np.sign(start.P), 1.0) * values, momenta])
+    shells = Actions(values, errors, slopes, slope_errors, none, good, turned)
+    return Seeds(Tori(start.values, start.low, places), shells, signed).take(np.flatnonzero(good))
+
+
+def _drawn(model: Model, curves: Sequence[RadicandCurve], wanted: tuple[Reals, Reals]) -> Starts:
+    """Draw states."""
+    random = np.random.default_rng(0)
     q, p = np.zeros((len(model.names), _SEEDS)), np.zeros((len(model.names), _SEEDS))
     drawn = random.integers(wanted[0].shape[1], size=_SEEDS)
     for k, (coordinate, curve) in enumerate(zip(model.separated, curves, strict=True)):
@@ -79,16 +104,7 @@ def seeds_of(engine: Engine, curves: Sequence[RadicandCurve], wanted: tuple[Real
             p[coordinate.index] = np.where(moving, wanted[0][k, drawn], 0.0)
     for k, name in enumerate(model.angles):
         p[model.names.index(name)] = wanted[1][k, drawn]
-    found = engine.run(dict(zip(model.names, q, strict=True)), dict(zip(model.names, p, strict=True)))
-    fine = np.flatnonzero(found.status == Status.OK)
-    names = [c.name for c in model.separated]
-    low, high = (np.stack([found.turning_points[f"{n}.{side}"] for n in names])[:, fine] for side in ("lower", "upper"))
-    actions = np.stack([found.actions[n] for n in (*names, *model.angles)])[:, fine]
-    constants = np.stack([found.constants[name] for name in model.constants])[:, fine]
-    rotating = np.isnan(low)
-    places = np.stack([q[c.index] for c in model.separated])[:, fine]
-    inner = np.where(rotating, places, 0.5 * (low + high))
-    return Seeds(constants, actions, inner, rotating, low, high)
+    return given_momenta(q, p)
 
 
 def nearest(seeds: Reals, wanted: Reals) -> Integers:

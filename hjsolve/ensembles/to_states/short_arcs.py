@@ -96,7 +96,7 @@ class AnglesByArcs(NamedTuple):
 
 
 def angles_by_arcs(
-    task: AngleTask, tori: Tori, frames: Frames, arcs: ShortArcs, φ: Reals, *, proved: bool
+    task: AngleTask, tori: Tori, frames: Frames, arcs: ShortArcs, φ: Reals, *, exact: bool, proved: bool = False
 ) -> AnglesByArcs:
     """Return angles at phases.
 
@@ -106,13 +106,14 @@ def angles_by_arcs(
         frames: between what they move.
         arcs: where integrals begin.
         φ: phases, shape (separated, n).
+        exact: whether p² is from 32 digits.
         proved: whether a second rule tells the error of the first; else bounds hold rounding only.
     """
-    more, sizes = _integrated(task, tori, frames, arcs.phases, φ, _MORE if proved else _NODES)
+    more, sizes = _integrated((task, tori, frames), arcs.phases, φ, _MORE if proved else _NODES, exact=exact)
     known, size = arcs.known, len(φ)
     errors = known.running_errors + _ROUNDING * (sizes + np.abs(known.running))
     if proved:
-        fewer, _ = _integrated(task, tori, frames, arcs.phases, φ, _NODES)
+        fewer, _ = _integrated((task, tori, frames), arcs.phases, φ, _NODES, exact=exact)
         errors = errors + np.abs(more - fewer)
     running, errors = (known.running + more).sum(axis=0), errors.sum(axis=0)
     θ = times(arcs.inverse, running[:size])
@@ -126,22 +127,23 @@ def angles_by_arcs(
 
 
 def _integrated(
-    task: AngleTask, tori: Tori, frames: Frames, begin: Reals, end: Reals, nodes: int
+    system: tuple[AngleTask, Tori, Frames], begin: Reals, end: Reals, nodes: int, *, exact: bool
 ) -> tuple[Reals, Reals]:
     """∫ kᵢⱼ/pᵢ dqᵢ from phases to phases, and that of the sizes; shape (separated, constants, n)."""
+    task, tori, frames = system
     x, weights = np.polynomial.legendre.leggauss(nodes)
     size, n = begin.shape
     half = 0.5 * (end - begin)
     φ = (0.5 * (end + begin) + half * x[:, None, None]).transpose(1, 0, 2).reshape(size, nodes * n)
     each = np.tile(np.arange(n), nodes)
-    rates = placed(task, tori.take(each), frames.take(each), φ).rates.reshape(size, -1, nodes, n)
+    rates = placed(task, tori.take(each), frames.take(each), φ, exact=exact).rates.reshape(size, -1, nodes, n)
     with np.errstate(all="ignore"):
         total, sizes = (np.einsum("k,ijkn->ijn", weights, r) for r in (rates, np.abs(rates)))
         return half[:, None] * total, np.abs(half[:, None]) * sizes
 
 
 def phases_by_arcs(
-    task: AngleTask, tori: Tori, frames: Frames, arcs: ShortArcs, given: tuple[Reals, Reals]
+    task: AngleTask, tori: Tori, frames: Frames, arcs: ShortArcs, given: tuple[Reals, Reals], *, exact: bool
 ) -> tuple[Reals, Mask]:
     """Find the phases with given angles from other phases, by Newton's method with steps that have to shrink.
 
@@ -151,6 +153,7 @@ def phases_by_arcs(
         frames: between what they move.
         arcs: where integrals begin.
         given: angles, and phases to begin with, shape (separated, n).
+        exact: whether p² is from 32 digits.
 
     Returns:
         Phases, and which of them are known to rounding.
@@ -163,7 +166,7 @@ def phases_by_arcs(
         if not len(active):
             break
         own, among, mine = tori.take(active), frames.take(active), arcs.take(active)
-        found = angles_by_arcs(task, own, among, mine, trial[:, active], proved=False)
+        found = angles_by_arcs(task, own, among, mine, trial[:, active], exact=exact)
         residual = wrapped(θ[:, active] - found.separated)
         with np.errstate(all="ignore"):
             # steps are compared by one matrix: angles of one orbit may differ in size by 1e15
@@ -171,7 +174,7 @@ def phases_by_arcs(
             better = np.asarray(seen < (1 - 0.25 * share[active]) * left[active]) if round_ else _finite(residual)
         here = active[better]
         base[:, here] = trial[:, here]
-        rates = placed(task, own.take(better), among.take(better), trial[:, here]).rates[:, :size]
+        rates = placed(task, own.take(better), among.take(better), trial[:, here], exact=exact).rates[:, :size]
         matrices[here] = inverses(arcs.inverse[here] @ rates.transpose(2, 1, 0))
         newton = times(matrices[here], residual[:, better])
         with np.errstate(all="ignore"):

@@ -27,7 +27,9 @@ _STRIDE = 0.5
 """Step uphill where F is convex, over the distance from zero, or over that on which its slope changes."""
 FINER = 2.0**-100
 """What two doubles leave open of a constant, relatively."""
-_ALONE = Modes(chords=False, kernels=True, oscillations=False, shifts=False)
+ALONE = Modes(chords=False, kernels=True, oscillations=False, shifts=False)
+ROUGH, DOUBLES, EXACT = range(3)
+"""How J is worked out: with few nodes and no errors; in doubles; with p² to 32 digits where doubles are not enough."""
 
 
 class Tori(NamedTuple):
@@ -68,7 +70,7 @@ class Actions(NamedTuple):
 
     Attributes:
         values, errors: J without its sign, and bounds on the errors.
-        slopes: ∂J/∂c, shape (separated, constants, n).
+        slopes, slope_errors: ∂J/∂c, and bounds on the errors, shape (separated, constants, n).
         harmonic: where J is that of the harmonic libration.
         good: where everything is known; shape (n,).
         rotations: which go round.
@@ -77,9 +79,18 @@ class Actions(NamedTuple):
     values: Reals
     errors: Reals
     slopes: Reals
+    slope_errors: Reals
     harmonic: Mask
     good: Mask
     rotations: Mask
+
+    def take(self, index: Integers | Mask) -> Actions:
+        """Return those of some tori.
+
+        Args:
+            index: which.
+        """
+        return Actions._make(x[..., index] for x in self)
 
 
 def no_actions(size: int, constants: int, count: int) -> Actions:
@@ -92,8 +103,8 @@ def no_actions(size: int, constants: int, count: int) -> Actions:
     """
     values, errors = (np.full((size, count), np.nan) for _ in range(2))
     harmonic, rotations = (np.zeros((size, count), dtype=bool) for _ in range(2))
-    slopes = np.full((size, constants, count), np.nan)
-    return Actions(values, errors, slopes, harmonic, np.zeros(count, dtype=bool), rotations)
+    slopes, slope_errors = (np.full((size, constants, count), np.nan) for _ in range(2))
+    return Actions(values, errors, slopes, slope_errors, harmonic, np.zeros(count, dtype=bool), rotations)
 
 
 def coordinate_at(
@@ -161,7 +172,7 @@ def _ends(one: CoordinateOfOrbits) -> tuple[float, float]:
 
 
 def actions_of(
-    model: Model, programs: SystemPrograms, tori: Tori, zero: Mask, rotating: Mask, *, exact: bool
+    model: Model, programs: SystemPrograms, tori: Tori, zero: Mask, rotating: Mask, how: int
 ) -> tuple[Actions, Tori]:
     """Work out the actions of tori, and places next to the maxima of F for them.
 
@@ -171,12 +182,14 @@ def actions_of(
         tori: of n orbits.
         zero: where J is to be zero, shape (separated, n).
         rotating: where a coordinate is to go round, shape (separated, n).
-        exact: whether p² is taken to 32 digits where doubles do not know it well.
+        how: ``ROUGH``, ``DOUBLES`` or ``EXACT``.
     """
     size, n = tori.q.shape
+    modes = ALONE._replace(rough=how == ROUGH)
     m = len(model.constants)
     values, errors = np.full((size, n), np.nan), np.zeros((size, n))
-    slopes, harmonic = np.full((size, m, n), np.nan), np.zeros((size, n), dtype=bool)
+    slopes, slope_errors = np.full((size, m, n), np.nan), np.zeros((size, m, n))
+    harmonic = np.zeros((size, n), dtype=bool)
     rotations, q = np.zeros((size, n), dtype=bool), tori.q.copy()
     for k in range(size):
         top, bend = tops(coordinate_at(model, programs, tori, k))
@@ -193,14 +206,14 @@ def actions_of(
         others = np.flatnonzero(~harmonic[k] & (F > 0))
         if len(others):
             one = coordinate_at(model, programs, own.take(others), k, np.sqrt(F[others]))
-            sums, _, turned = integrated(one, _ALONE, exact=exact, places=False)
+            sums, _, turned = integrated(one, modes, exact=how == EXACT, places=False)
             fine = sums.good & (turned == rotating[k, others])
             values[k, others] = np.where(fine, sums.action, np.nan)
             errors[k, others] = sums.action_error
-            slopes[k][:, others] = sums.means
+            slopes[k][:, others], slope_errors[k][:, others] = sums.means, sums.mean_errors
             rotations[k, others] = turned
     good = np.isfinite(values).all(axis=0) & np.isfinite(slopes).all(axis=(0, 1))
-    return Actions(values, errors, slopes, harmonic, good, rotations), tori._replace(q=q)
+    return Actions(values, errors, slopes, slope_errors, harmonic, good, rotations), tori._replace(q=q)
 
 
 def kernels(one: CoordinateOfOrbits) -> Reals:

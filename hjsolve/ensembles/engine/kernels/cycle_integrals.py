@@ -15,7 +15,7 @@ from hjsolve.arithmetic.floats import UNIT
 from hjsolve.arithmetic.machine.compiling import helper, inlined, kernel, reducing
 from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Reals
-from hjsolve.ensembles.engine.kernels.midpoint_rule import dot, next_rule, rule, shifted_action
+from hjsolve.ensembles.engine.kernels.midpoint_rule import dot, means, next_rule, rule, shifted_action
 from hjsolve.ensembles.engine.kernels.start_phase import moved_by_crest, phase, running_weights
 from hjsolve.ensembles.engine.kernels.types import (
     BLOCK,
@@ -326,7 +326,7 @@ def _finished(motions: Motions, i: int, t: int, tables: Tables, modes: Modes, re
     results.chosen[0, i], results.chosen[1, i] = size, m
     results.good[i], results.action[i], results.action_error[i] = True, found[0, 0], found[1, 0]
     if modes.kernels:
-        if modes.shifts or modes.chords:
+        if (modes.shifts or modes.chords) and not modes.rough:
             share, low, high = motions.share[i], work.residues[t, 0], work.residues[t, 1]
             steps = (low, high) if modes.shifts else (max(low, high), max(low, high))
             shaken = motions.uncertainty[i] if modes.shifts else steady
@@ -369,7 +369,11 @@ def integrals(below: Side, above: Side, motions: Motions, tables: Tables, modes:
                 count += 1
             orbit += 1
         # errors do not depend on the number of nodes: sampled once for all rules that an orbit tries
-        _samples(below, above, motions, count, tables, work, modes)
+        if modes.rough:
+            for t in range(count):
+                _cleared(work, t, tables.samples[motions.first[block[_ORBIT, t]]])
+        else:
+            _samples(below, above, motions, count, tables, work, modes)
         left = count
         for attempt in range(_TRIES):
             begin, kept = 0, 0
@@ -379,6 +383,10 @@ def integrals(below: Side, above: Side, motions: Motions, tables: Tables, modes:
                     t = block[_LEFT, at]
                     i, m, size = block[_ORBIT, t], block[_MAP, t], block[_SIZE, t]
                     _gathered(below, above, work, t, tables.counts[size], tables.split[m, size, motions.share[i]])
+                    if modes.rough:
+                        if means(work, tables.counts[size]):
+                            _finished(motions, i, t, tables, modes, results, work, steady)
+                        continue
                     more, crowded = rule(work, t, tables, size, modes, motions.first[i])
                     if more < 0.0:
                         _finished(motions, i, t, tables, modes, results, work, steady)

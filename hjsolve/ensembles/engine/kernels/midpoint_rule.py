@@ -221,6 +221,22 @@ def enough(tail: float, middle: float, rounding: float, scale: float, oscillatio
 
 
 @helper
+def means(work: Scratch, n: int) -> bool:
+    """Leave the means of the integrands in the buffer in ``found``, without errors; return whether they are finite.
+
+    Args:
+        work: with the buffer.
+        n: number of nodes.
+    """
+    buffer, found, fine = work.buffer, work.found, True
+    for k in range(buffer.shape[0] - 2):
+        mean = _between(buffer[0] if k == 0 else buffer[2 + k], 0, n) / n
+        found[0, k], found[1, k], found[2, k] = mean, 0.0, 0.0
+        fine = fine and math.isfinite(mean)
+    return fine
+
+
+@helper
 def rule(work: Scratch, t: int, tables: Tables, size: int, modes: Modes, first: int) -> tuple[float, int]:
     """Apply the rule of one size to the nodes in the buffer.
 

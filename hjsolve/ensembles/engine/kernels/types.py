@@ -259,12 +259,14 @@ class Modes(NamedTuple):
         kernels: ∂J/∂c are wanted.
         oscillations: the phase and the running integrals are, too.
         shifts: the errors of the constants are counted apart; not of small motions, where slopes have them.
+        rough: few nodes, and neither proofs nor errors: for the first steps of a search.
     """
 
     chords: bool
     kernels: bool
     oscillations: bool
     shifts: bool
+    rough: bool = False
 
 
 class Strips(NamedTuple):

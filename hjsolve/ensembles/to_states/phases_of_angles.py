@@ -1,0 +1,226 @@
+"""Phases of n states whose angles are given: damped Newton's method on θ(φ), from rough integrals to exact ones.
+
+Residuals of full steps fall like rₖ₊₁ = κ rₖ², as in ``newton_on_actions``, so that the last step need not be tried:
+what it leaves is foreseen from those before it, and counted. Where θ is small next to its rounding, integrals over
+short arcs take the place of the engine's (``short_arcs``).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at, ignorable_slopes, matrix_of
+from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, blurred, placed
+from hjsolve.ensembles.to_states.short_arcs import (
+    Integrals,
+    ShortArcs,
+    angles_by_arcs,
+    inverses,
+    phases_by_arcs,
+    times,
+    wrapped,
+)
+from hjsolve.ensembles.to_states.tori import DOUBLES, EXACT, ROUGH, Tori
+
+_ROUNDS, _LEAST_STEP = (12, 60, 16), 2.0**-30
+"""Evaluations of θ by integrals of each kind, and the share of a step below which an orbit is given up."""
+_LONGEST = 1.0
+"""Radians that a phase moves in one step, at most."""
+_CLOSE = 4e-15
+"""Residual of angles, radians, at which an orbit is done."""
+_NEARLY = 1e-8
+"""The same, as long as p² is in doubles."""
+_FORESEEN = 16.0
+"""By how much what the last step leaves is taken larger than κ r²."""
+SETTLED = 1e-9
+"""Residual below which a step that makes nothing better ends the search."""
+_STARTS = 8
+"""Phases next to either turning point from which Newton's method begins again."""
+_KNOWN, SMALL = 1e-11, 0.1
+"""Error of a phase above which angles below the second, radians, come from integrals over short arcs."""
+_TINY, _BEGIN = 1e-3, 0.3
+"""Angle, radians, below which arcs come first, and the phase at which they then begin."""
+
+Here = tuple[Reals, AnglesFound, Placed]
+"""Phases of states, their angles, and the states."""
+
+
+def phases_of(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -> tuple[Here, Mask]:
+    """Find the phases with given angles.
+
+    Args:
+        task: the system.
+        tori: of n orbits.
+        frames: between what they move.
+        θ: angles, shape (separated, n).
+        φ: phases to begin with; they are changed.
+
+    Returns:
+        Phases, angles and states there, and which angles the engine leaves open, so that short arcs gave them.
+    """
+    close = _close_to_ends(task, tori, frames, θ, φ)
+    rest, curve = np.flatnonzero(~close), np.full(θ.shape[1], np.inf)
+    if len(rest):
+        φ[:, rest], curve[rest] = _nearly(task, tori.take(rest), frames.take(rest), θ[:, rest], φ[:, rest])
+    φ, found, at, _ = _phases(task, tori, frames, (θ, φ, curve), EXACT)
+    vague = _vague(frames, (φ, found, at), θ)
+    return _by_arcs(task, tori, frames, (φ, found, at), (θ, vague)), vague
+
+
+def _close_to_ends(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -> Mask:
+    """Write the phases of small angles, by arcs alone; return which were found."""
+    found: Mask = frames.good & ~(frames.rotating | frames.resting).any(axis=0) & (np.abs(θ) < _TINY).any(axis=0)
+    some = np.flatnonzero(found)
+    if not len(some):
+        return found
+    own, among, goal = tori.take(some), frames.take(some), θ[:, some]
+    begin = np.where(np.abs(goal) < _TINY, np.copysign(_BEGIN, goal), φ[:, some])
+    engine = angles_at(task, own, among, placed(task, own, among, begin), DOUBLES)
+    arcs = ShortArcs.of(engine.integrals, engine.inverse, begin, np.abs(goal) < SMALL)
+    moved, known = phases_by_arcs(task, own, among, arcs, (goal, begin), exact=False)
+    φ[:, some[known]] = moved[:, known]
+    found[some[~known]] = False
+    return found
+
+
+def _nearly(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -> tuple[Reals, Reals]:
+    """Phases of angles, by rough integrals, in doubles where these do not lead there; and κ of ``_phases``."""
+    unknown = np.full(θ.shape[1], np.inf)
+    φ, found, _, curve = _phases(task, tori, frames, (θ, φ, unknown), ROUGH)
+    far = np.flatnonzero(frames.good & ~(np.abs(wrapped(θ - found.separated)).max(axis=0) < _NEARLY))
+    if len(far):
+        among = frames.take(far)
+        start = _nearest_start(task, tori.take(far), among, θ[:, far])
+        φ[:, far], _, _, curve[far] = _phases(task, tori.take(far), among, (θ[:, far], start, unknown[far]), DOUBLES)
+    return φ, curve
+
+
+def _vague(frames: Frames, here: Here, θ: Reals) -> Mask:
+    """Tell which phases the engine's angles leave open, of orbits that librate in all coordinates."""
+    _, found, at = here
+    with np.errstate(all="ignore"):
+        loose = np.abs(wrapped(θ - found.separated)) + found.errors
+        known = np.asarray(times(np.abs(inverses(matrix_of(found, at))), loose).max(axis=0) <= _KNOWN)
+    moving = ~(frames.rotating | frames.resting).any(axis=0) & found.good
+    vague: Mask = np.asarray(moving & ~known & (np.abs(θ) < SMALL).any(axis=0), dtype=bool)
+    return vague
+
+
+def _by_arcs(task: AngleTask, tori: Tori, frames: Frames, here: Here, which: tuple[Reals, Mask]) -> Here:
+    """Move vague states to their angles by integrals over short arcs."""
+    (φ, found, at), (θ, vague) = here, which
+    some = np.flatnonzero(vague)
+    if not len(some):
+        return here
+    own, among = tori.take(some), frames.take(some)
+    known = Integrals._make(x[..., some] for x in found.integrals)
+    arcs = ShortArcs.of(known, found.inverse[some], φ[:, some], np.abs(θ[:, some]) < SMALL)
+    moved = φ[:, some]
+    for exact in (False, True):
+        moved, _ = phases_by_arcs(task, own, among, arcs, (θ[:, some], moved), exact=exact)
+    better = angles_by_arcs(task, own, among, arcs, moved, exact=True, proved=True)
+    φ[:, some] = moved
+    for whole, part in zip(at, placed(task, own, among, moved), strict=True):
+        whole[..., some] = part
+    for name, part in better._asdict().items():
+        getattr(found, name)[..., some] = part
+    return φ, found, at
+
+
+def _phases(
+    task: AngleTask, tori: Tori, frames: Frames, given: tuple[Reals, Reals, Reals], how: int
+) -> tuple[Reals, AnglesFound, Placed, Reals]:
+    """Phases at which the separated coordinates have given angles, by damped Newton's method from other phases.
+
+    Residuals of full steps fall like rₖ₊₁ = κ rₖ², as those of ``newton_on_actions``; κ is given and returned.
+    """
+    (θ, base, curve), m, close = given, len(task.model.constants), _CLOSE if how == EXACT else _NEARLY
+    size, n = θ.shape
+    base, curve = base.copy(), curve.copy()
+    trial, step = base.copy(), np.zeros((size, n))
+    share, merit = np.ones(n), np.full(n, np.inf)
+    angles = len(task.model.angles)
+    shapes = (size, n), (size, n), (angles, n), (angles, n), (n, size, size)
+    integrals = Integrals._make(np.full((size, m, n), np.nan) for _ in range(4))
+    best = AnglesFound._make((*(np.full(shape, np.nan) for shape in shapes), integrals, np.zeros(n, dtype=bool)))
+    kept = Placed._make(
+        (*(np.full((size, n), np.nan) for _ in range(4)), np.full((size, m, n), np.nan), np.full((size, n), np.nan))
+    )
+    active = np.flatnonzero(frames.good)
+    for _ in range(_ROUNDS[how]):
+        if not len(active):
+            break
+        own, among = tori.take(active), frames.take(active)
+        at = placed(task, own, among, trial[:, active])
+        found = angles_at(task, own, among, at, how)
+        residual = wrapped(θ[:, active] - found.separated)
+        size_ = np.max(np.abs(residual), axis=0)
+        # what the engine's rounding leaves open of θ no step makes better, nor what that of q does, which it is given
+        with np.errstate(all="ignore"):
+            blur = times(np.abs(matrix_of(found, at)), blurred(among, at))
+        finished = found.good & (np.abs(residual) <= np.fmax(close, np.fmax(found.errors, blur))).all(axis=0)
+        better = found.good & ((size_ < (1 - 0.25 * share[active]) * merit[active]) | finished)
+        settled = ~better & (share[active] == 1.0) & (merit[active] < SETTLED)
+        with np.errstate(all="ignore"):
+            full = (share[active] == 1.0) & (merit[active] < 1)
+            curve[active] = np.where(full, np.fmax(size_ / merit[active] ** 2, 1.0), curve[active])
+            after = _FORESEEN * curve[active] * size_**2
+        last = better & ~finished & (after <= close) & (how == EXACT)
+        here = active[better]
+        base[:, here], merit[here] = trial[:, here], size_[better]
+        for whole, part in zip(kept, at, strict=True):
+            whole[..., here] = part[..., better]
+        best.put(here, found, better)
+        matrices = inverses(matrix_of(found, at)[better])
+        newton = times(matrices, residual[:, better])
+        with np.errstate(all="ignore"):
+            step[:, here], share[here] = newton, np.fmin(1.0, _LONGEST / np.max(np.abs(newton), axis=0))
+        share[active[~better]] *= 0.25
+        some = active[last]
+        if len(some):
+            base[:, some] += step[:, some]
+            _stepped(
+                task,
+                tori.take(some),
+                frames.take(some),
+                (best, kept),
+                (some, base[:, some], step[:, some], after[last]),
+            )
+        active = active[~finished & ~settled & ~last & (share[active] >= _LEAST_STEP)]
+        trial[:, active] = base[:, active] + share[active] * step[:, active]
+    return base, best, kept, curve
+
+
+def _stepped(
+    task: AngleTask, tori: Tori, frames: Frames, known: tuple[AnglesFound, Placed],
+    last: tuple[Integers, Reals, Reals, Reals],
+) -> None:  # fmt: skip
+    """Move states by the last step, by what θ and the running integrals change to first order; count the rest."""
+    (best, kept), (index, φ, step, after) = known, last
+    before, there = best.take(index), kept.take(index)
+    best.separated[:, index] += times(matrix_of(before, there), step)
+    best.ignorable[:, index] += np.einsum("ain,in->an", ignorable_slopes(task.model, before, there), step)
+    best.integrals.running[..., index] += there.rates * step[:, None]
+    for errors in (best.errors, best.ignorable_errors):
+        errors[:, index] += after
+    for whole, part in zip(kept, placed(task, tori, frames, φ), strict=True):
+        whole[..., index] = part
+
+
+def _nearest_start(task: AngleTask, tori: Tori, frames: Frames, θ: Reals) -> Reals:
+    """Return the phases next to turning points whose angles are nearest: for motions that hardly leave an end."""
+    best, merit = θ.copy(), np.full(θ.shape[1], np.inf)
+    for k in range(θ.shape[0]):
+        for upper in (False, True):
+            for power in range(1, _STARTS + 1):
+                φ = θ.copy()
+                near = np.pi * 2.0 ** -(1.5 * power)
+                φ[k] = np.copysign(np.pi - near if upper else near, θ[k])
+                at = placed(task, tori, frames, φ)
+                found = angles_at(task, tori, frames, at, DOUBLES)
+                with np.errstate(invalid="ignore"):
+                    away = np.abs(wrapped(θ - found.separated)).max(axis=0)
+                better = found.good & (away < merit) & ~frames.rotating[k]
+                best[:, better], merit[better] = φ[:, better], away[better]
+    return best
