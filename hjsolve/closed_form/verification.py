@@ -8,7 +8,7 @@ coordinate are verified together: they share the momentum, the nodes and the ell
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import mpmath
 import sympy as sp
@@ -24,18 +24,6 @@ from hjsolve.precision import mp
 DIGITS, GUARD = 40, 24
 _MOST, _NODES, _HALVINGS = 4096, 4, 9
 _PARTS = ("0.31", "0.52", "0.77")
-Values = Callable[[mpmath.mpf], list[mpmath.mpf]]
-
-
-def flaw(piece: CoordinateIntegrals, key: sp.Symbol, digits: int = DIGITS) -> str | None:
-    """Return what is wrong with an integral; None where it passes.
-
-    Args:
-        piece: the coordinate's integrals in a regime, with the sample they are tried at.
-        key: which of them.
-        digits: to which it is compared.
-    """
-    return flaws(piece, [key], digits).get(key)
 
 
 def flaws(piece: CoordinateIntegrals, keys: Sequence[sp.Symbol], digits: int = DIGITS) -> dict[sp.Symbol, str]:
