@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from threading import RLock
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,9 +19,6 @@ from hjsolve.arithmetic.machine.compiling import PLAIN, available
 from hjsolve.arithmetic.machine.loops import execute, loop_of
 from hjsolve.arithmetic.machine.operations import APART, NAMES, Instructions
 from hjsolve.arithmetic.number_types import Integers, Reals
-
-if TYPE_CHECKING:
-    from numba.core import types
 
 _ADDRESSES: Integers = np.zeros(len(NAMES), dtype=np.int64)
 """Of the operations that are compiled apart, by code, as far as programs needed them; 0 of the others."""
@@ -111,7 +108,7 @@ if available():
     _OPTIONS: Any = PLAIN | {"forceinline": True, "no_cfunc_wrapper": True}
 
     @overload(run, jit_options=_OPTIONS)
-    def _run_from_kernels(program: types.Type, n: types.Type) -> Callable[[MachineProgram, int], None]:  # noqa: ARG001
+    def _run_from_kernels(program: MachineProgram, n: int) -> Callable[[MachineProgram, int], None]:  # noqa: ARG001
         def called(program: MachineProgram, n: int) -> None:
             code, registers = program.code, program.registers
             call_machine(
