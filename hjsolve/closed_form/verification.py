@@ -193,12 +193,7 @@ def value_at(expression: sp.Expr, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmat
 
 
 def sample_numbers(piece: CoordinateIntegrals, digits: int = DIGITS + GUARD) -> dict[sp.Symbol, mpmath.mpf]:
-    """Return the parameters, constants and named roots of the sample as numbers.
-
-    Args:
-        piece: with the sample.
-        digits: of each.
-    """
+    """Return the parameters, constants and named roots of the sample as numbers."""
     numbers = many_digits(piece.sample.values, digits)
     with mp.workdps(digits + GUARD):
         if piece.start is not None:
@@ -215,11 +210,7 @@ def sample_numbers(piece: CoordinateIntegrals, digits: int = DIGITS + GUARD) -> 
 
 
 def sample_place(piece: CoordinateIntegrals) -> mpmath.mpf:
-    """Return where a coordinate is at the sample.
-
-    Args:
-        piece: of the coordinate.
-    """
+    """Return where a coordinate is at the sample."""
     place = piece.sample.places[piece.name]
     with mp.workdps(DIGITS + GUARD):
         return mp.mpf(int(place.p)) / int(place.q)

@@ -174,9 +174,6 @@ class _Search:
 def sphere_below(system: System) -> OnSphere | None:
     """Return the sphere that a natural system of two coordinates moves on; None where it does on none.
 
-    Args:
-        system: any.
-
     Raises:
         InvalidSystemError: the curvature is constant and negative, or the coordinates or V are not read here.
     """

@@ -70,12 +70,7 @@ def own(task: Task, method: str, digits: int) -> Trial:
 
 
 def result_of(scene: Scene, task: Task) -> Result:
-    """Run a scene and work out everything it wants, errors too.
-
-    Args:
-        scene: what is run.
-        task: what is asked of it.
-    """
+    """Run a scene and work out everything it wants, errors too."""
     with counted() as work:
         done = run_by_quadratures(scene, task.solution)
         states = {}

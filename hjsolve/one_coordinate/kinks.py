@@ -48,12 +48,7 @@ def cell_of(start: CoordinateStart, forward: int) -> int:
 
 
 def in_its_cell(start: CoordinateStart, k: int) -> CoordinateStart:
-    """Return the coordinate with the p² of one cell, which ends where that does.
-
-    Args:
-        start: the coordinate.
-        k: which cell.
-    """
+    """Return the coordinate with the p² of one cell, which ends where that does."""
     cell = start.cells[k]
     return replace(start, radicand=cell.radicand, lower=cell.lower, upper=cell.upper, cells=())
 

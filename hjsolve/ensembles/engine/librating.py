@@ -71,12 +71,7 @@ class TurningPoints:
     errors: Reals
 
     def put(self, index: Integers, places: Reals, errors: Reals) -> None:
-        """Write those of some orbits.
-
-        Args:
-            index: which.
-            places, errors: of these.
-        """
+        """Write those of some orbits."""
         self.places[:, index], self.errors[:, index] = places, errors
 
 
@@ -401,11 +396,7 @@ class LibrationEnds(NamedTuple):
     even: Mask
 
     def take(self, index: Integers) -> LibrationEnds:
-        """Return those of some motions.
-
-        Args:
-            index: which.
-        """
+        """Return those of some motions."""
         return self._replace(bends=self.bends[..., index], even=self.even[index])
 
     def maps(self, width: Reals, *, alike: bool = False) -> tuple[Integers, Integers]:

@@ -94,11 +94,7 @@ def _functions_at(χ: Pair, level: int, node_map: int) -> tuple[Reals, Reals, Re
 
 
 def series(count: int) -> Reals:
-    """Return cos kχ, 0 < k < count, at the nodes of half a period, shape (count − 1, count).
-
-    Args:
-        count: number of nodes.
-    """
+    """Return cos kχ, 0 < k < count, at the nodes of half a period, shape (count − 1, count)."""
     exact = (np.arange(1, count)[:, None] * (2 * np.arange(count) + 1)) % (4 * count)
     found: Reals = np.cos(exact * (np.pi / (2 * count)))
     return found

@@ -55,11 +55,7 @@ class Frames(NamedTuple):
     good: Mask
 
     def take(self, index: Integers | Mask) -> Frames:
-        """Return those of some tori.
-
-        Args:
-            index: which.
-        """
+        """Return those of some tori."""
         return Frames._make(x[..., index] for x in self)
 
 

@@ -47,11 +47,7 @@ class Seeds(NamedTuple):
     high: Reals
 
     def take(self, index: Integers | Mask) -> Seeds:
-        """Return some of them.
-
-        Args:
-            index: which.
-        """
+        """Return some of them."""
         return Seeds._make(x[:, index] for x in self)
 
 

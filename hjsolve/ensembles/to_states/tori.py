@@ -43,11 +43,7 @@ class Tori(NamedTuple):
     q: Reals
 
     def take(self, index: Integers | Mask) -> Tori:
-        """Return some of them.
-
-        Args:
-            index: which.
-        """
+        """Return some of them."""
         return Tori(*(x[:, index] for x in self))
 
     def moved(self, unknown: Integers, step: Reals) -> Tori:
@@ -217,11 +213,7 @@ def actions_of(
 
 
 def kernels(one: CoordinateOfOrbits) -> Reals:
-    """Return ½ ∂F/∂c at the places of a coordinate, shape (constants, n).
-
-    Args:
-        one: the coordinate of n orbits.
-    """
+    """Return ½ ∂F/∂c at the places of a coordinate, shape (constants, n)."""
     given = np.stack([one.q, *one.constants, *one.uncertainty])
     with np.errstate(all="ignore"):
         return np.split(run_rows(one.programs.small.kernels, one.parameters, given), 2)[0]

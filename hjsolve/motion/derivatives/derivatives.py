@@ -99,12 +99,7 @@ class _Collected:
             self.remarks.append(remark)
 
     def rounded(self, found: Bounded, shape: tuple[int, ...] | None = ()) -> tuple[AtTimes, AtTimes]:
-        """Return a number, or an array of the shape of the times, rounded to the digits asked, with its error.
-
-        Args:
-            found: the number.
-            shape: of the times.
-        """
+        """Return a number, or an array of the shape of the times, rounded to the digits asked, with its error."""
         value, error = np.asarray(found.value, dtype=object), SAFETY * np.asarray(found.error, dtype=float)
         if self.digits <= FLOAT_DIGITS:
             plain = value.astype(float)

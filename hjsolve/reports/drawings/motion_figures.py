@@ -290,11 +290,7 @@ def momenta_shown(
 
 # -------------------------------------------------------------------------------- words
 def is_angle(well: EffectivePotential) -> bool:
-    """Return whether a coordinate is marked in parts of π.
-
-    Args:
-        well: the coordinate.
-    """
+    """Return whether a coordinate is marked in parts of π."""
     width = well.window[1] - well.window[0]
     return well.periodic or abs(width - np.pi) < 1e-9
 

@@ -39,9 +39,6 @@ class Trace:
 def trace(motion: Motion) -> Trace:
     """Follow a motion over a time worth showing.
 
-    Args:
-        motion: a ``Motion``.
-
     Returns:
         Where it is.
     """
@@ -51,9 +48,6 @@ def trace(motion: Motion) -> Trace:
 
 def span(motion: Motion) -> tuple[float, float, bool]:
     """Choose the time to show: a few cycles of a bounded motion, the passage of an unbounded one.
-
-    Args:
-        motion: a ``Motion``.
 
     Returns:
         (start, stop, closed): closed is True where the motion repeats itself after the span.
@@ -114,9 +108,6 @@ def _gone(motion: Motion, name: str, state: State, start: float) -> bool:
 
 def times(motion: Motion) -> tuple[Array, bool]:
     """Sample the time shown densely enough for smooth curves.
-
-    Args:
-        motion: a ``Motion``.
 
     Returns:
         (times, closed).
@@ -254,11 +245,7 @@ def _sphere(motion: Motion, where: Embedding, t: Array, path: tuple[Array, ...],
 
 
 def time_box(motion: Motion) -> Box:
-    """Return the letter of the parameter of a motion.
-
-    Args:
-        motion: of any kind.
-    """
+    """Return the letter of the parameter of a motion."""
     return name_box(time_name(motion.solution.system))
 
 

@@ -61,9 +61,6 @@ class DrawingFrame:
 def square(frame: DrawingFrame) -> DrawingFrame:
     """Widen one range so that both axes have the same scale.
 
-    Args:
-        frame: any frame.
-
     Returns:
         A frame that shows at least as much, with equal scales.
     """
