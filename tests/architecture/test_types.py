@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import ast
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.support.sources import ROOT, tree_of
+
 MOST = {"ensembles": (160, 35), "elsewhere": (300, 28)}
 """Part of the package → uses of ``Any``, and functions that return it.
 
@@ -28,7 +28,7 @@ def trees(part: str) -> list[ast.Module]:
     files = sorted((ROOT / "hjsolve").rglob("*.py"))
     own = ROOT / "hjsolve" / "ensembles"
     inside = [path for path in files if (own in path.parents) == (part == "ensembles")]
-    return [ast.parse(path.read_text(encoding="utf-8")) for path in inside]
+    return [tree_of(path) for path in inside]
 
 
 @pytest.mark.nightly_cases("elsewhere")

@@ -77,6 +77,7 @@ def test_a_refused_system_has_its_obstruction_and_no_solution(name: str, documen
     assert not {"time-law", "motion", "numbers"} & set(keys)
 
 
+@pytest.mark.rotating(2)
 @pytest.mark.parametrize("name", SEPARABLE)
 def test_every_number_of_the_motion_stands_in_the_report_with_its_error(
     name: str, materials: dict[str, Material], documents: dict[str, Document]
