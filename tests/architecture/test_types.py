@@ -8,7 +8,7 @@ import pytest
 
 from tests.support.sources import ROOT, tree_of
 
-MOST = {"ensembles": (160, 35), "elsewhere": (300, 28)}
+MOST = {"ensembles": (150, 30), "elsewhere": (250, 24)}
 """Part of the package → uses of ``Any``, and functions that return it.
 
 What has a type of its own is in ``arithmetic/number_types.py``: arrays, numbers of many digits, what is told at times.
