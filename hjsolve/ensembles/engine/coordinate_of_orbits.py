@@ -49,7 +49,11 @@ class CoordinateOfOrbits:
         return CoordinateOfOrbits(model.separated[k], *known, q, P, start.values, start.low, start.uncertainty)
 
     def take(self, index: Integers) -> CoordinateOfOrbits:
-        """Return some of the orbits."""
+        """Return some of the orbits.
+
+        Args:
+            index: which.
+        """
         if len(index) == len(self.q):
             return self
         constants, low, uncertainty = (np.take(x, index, axis=1) for x in (self.constants, self.low, self.uncertainty))
