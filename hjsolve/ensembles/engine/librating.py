@@ -71,7 +71,12 @@ class TurningPoints:
     errors: Reals
 
     def put(self, index: Integers, places: Reals, errors: Reals) -> None:
-        """Write those of some orbits."""
+        """Write those of some orbits.
+
+        Args:
+            index: which.
+            places, errors: of these.
+        """
         self.places[:, index], self.errors[:, index] = places, errors
 
 
@@ -396,7 +401,11 @@ class LibrationEnds(NamedTuple):
     even: Mask
 
     def take(self, index: Integers) -> LibrationEnds:
-        """Return those of some motions."""
+        """Return those of some motions.
+
+        Args:
+            index: which.
+        """
         return self._replace(bends=self.bends[..., index], even=self.even[index])
 
     def maps(self, width: Reals, *, alike: bool = False) -> tuple[Integers, Integers]:

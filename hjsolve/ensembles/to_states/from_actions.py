@@ -73,6 +73,9 @@ class FoundStates:
 def states_of(task: InverseTask) -> FoundStates:
     """Return the states of n orbits.
 
+    Args:
+        task: what is wanted.
+
     Raises:
         InvalidInputError: a coordinate may librate or rotate with the same actions, and ``kinds`` does not say which.
     """

@@ -49,7 +49,11 @@ class Goals(NamedTuple):
     unknown: Integers
 
     def take(self, index: Integers) -> Goals:
-        """Return those of some orbits."""
+        """Return those of some orbits.
+
+        Args:
+            index: which.
+        """
         return Goals(self.actions[:, index], self.rotating[:, index], self.scale[index], self.unknown)
 
 

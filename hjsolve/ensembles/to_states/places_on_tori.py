@@ -55,7 +55,11 @@ class Frames(NamedTuple):
     good: Mask
 
     def take(self, index: Integers | Mask) -> Frames:
-        """Return those of some tori."""
+        """Return those of some tori.
+
+        Args:
+            index: which.
+        """
         return Frames._make(x[..., index] for x in self)
 
 

@@ -47,7 +47,11 @@ class Seeds(NamedTuple):
     high: Reals
 
     def take(self, index: Integers | Mask) -> Seeds:
-        """Return some of them."""
+        """Return some of them.
+
+        Args:
+            index: which.
+        """
         return Seeds._make(x[:, index] for x in self)
 
 

@@ -43,7 +43,11 @@ class Tori(NamedTuple):
     q: Reals
 
     def take(self, index: Integers | Mask) -> Tori:
-        """Return some of them."""
+        """Return some of them.
+
+        Args:
+            index: which.
+        """
         return Tori(*(x[:, index] for x in self))
 
     def moved(self, unknown: Integers, step: Reals) -> Tori:
@@ -213,7 +217,11 @@ def actions_of(
 
 
 def kernels(one: CoordinateOfOrbits) -> Reals:
-    """Return ½ ∂F/∂c at the places of a coordinate, shape (constants, n)."""
+    """Return ½ ∂F/∂c at the places of a coordinate, shape (constants, n).
+
+    Args:
+        one: the coordinate of n orbits.
+    """
     given = np.stack([one.q, *one.constants, *one.uncertainty])
     with np.errstate(all="ignore"):
         return np.split(run_rows(one.programs.small.kernels, one.parameters, given), 2)[0]
