@@ -47,15 +47,6 @@ class Sign:
         return {**self.values, **chosen}
 
 
-def sign_by(values: Mapping[sp.Symbol, sp.Expr]) -> Sign:
-    """Return a function that decides the sign of a constant from the values of its parameters.
-
-    Args:
-        values: parameter → default value.
-    """
-    return Sign(values)
-
-
 class TooHardError(ArithmeticError):
     """An exact frame would need the roots of an irreducible cubic, or a search has too many branches."""
 

@@ -90,7 +90,7 @@ def libration_nodes(count: int, level: int, node_map: int = 0) -> Nodes:
 
 
 def _functions_at(χ: Pair, level: int, node_map: int) -> tuple[Reals, Reals, Reals]:
-    return _places(χ, level, node_map)[2:]
+    return libration_places(χ, level, node_map)[2:]
 
 
 def series(count: int) -> Reals:
@@ -108,11 +108,6 @@ def libration_places(χ: Pair, level: int, node_map: int) -> tuple[float, float,
         level: l in k′² = 4^−l.
         node_map: place in the table of crowdings.
     """
-    return _places(χ, level, node_map)
-
-
-def _places(χ: Pair, level: int, node_map: int) -> tuple[float, float, Reals, Reals, Reals]:
-    """k′² and K; sn², cn² and π/K du/dχ at crowded anomalies."""
     D = DoubleDouble()
     γ, δ = (Pair(c, 0.0) for c in WARPS[node_map])
     turned, twice = D.unary("sin", χ), D.unary("sin", _twice(χ))
