@@ -390,7 +390,7 @@ LONG = {"neumann", "garnier", "triaxial-geodesics", "two-centres-space", "stark"
 """Reports whose map and wavefronts take seconds: whole ones at night."""
 
 
-@pytest.mark.rotating(10)
+@pytest.mark.rotating(6)
 @pytest.mark.parametrize(("name", "brief"), [
     *((name, name in LONG) for name in hjsolve.catalog.ids("separable")),
     *(pytest.param(name, False, marks=pytest.mark.nightly) for name in sorted(LONG)),
