@@ -21,6 +21,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.tape import Tape
+from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.orbit_derivatives import ensemble_derivatives
 from hjsolve.ensembles.orbits import ensemble as batch_of
 from hjsolve.errors import InvalidInputError, MissingExtraError
@@ -37,6 +38,7 @@ except ImportError as missing:
 _QUANTITIES = ("actions", "frequencies")
 Array = npt.NDArray[np.float64]
 Columns = Mapping[str, Any]
+Traced = tuple[jax.Array, ...]
 
 
 def ensemble(
@@ -114,7 +116,9 @@ def ensemble(
     return orbits
 
 
-def _slopes_of_constants(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Callable[[list[Array]], list[Any]]:
+def _slopes_of_constants(
+    solution: Solution, values: Mapping[sp.Symbol, sp.Expr]
+) -> Callable[[list[Array]], list[Array]]:
     """∂αⱼ/∂xₖ of x = (q, p), row by row."""
     coordinates = solution.system.coordinates
     x = [c.symbol for c in coordinates] + [c.momentum for c in coordinates]
@@ -128,17 +132,17 @@ class _Outside:
 
     def __init__(
         self, solution: Solution, names: tuple[str, ...], rows: tuple[tuple[str, str], ...], ask: dict[str, Any],
-        slopes: Callable[[list[Array]], list[Any]],
+        slopes: Callable[[list[Array]], list[Array]],
     ):  # fmt: skip
         self.solution, self.names, self.rows, self.ask, self.slopes = solution, names, rows, ask, slopes
 
-    def values(self, *x: Any) -> tuple[Array, ...]:
+    def values(self, *x: Array) -> tuple[Array, ...]:
         """Return the rows, their errors, and the codes."""
         q, p = self._given(x)
         want = {quantity for quantity, _ in self.rows}
         return self._columns(batch_of(self.solution, q, p, want=want, **self.ask))
 
-    def derivatives(self, *x: Any) -> tuple[Array, ...]:
+    def derivatives(self, *x: Array) -> tuple[Array, ...]:
         """Return the same, and ∂row/∂x, row by row."""
         q, p = self._given(x)
         found = ensemble_derivatives(self.solution, q, p, **self.ask)
@@ -151,12 +155,12 @@ class _Outside:
             slopes += list(sum(own[c] * part for c, part in zip(self.solution.constants, α, strict=True)))
         return (*self._columns(found.batch), *slopes)
 
-    def _given(self, x: tuple[Any, ...]) -> tuple[dict[str, Array], dict[str, Array]]:
+    def _given(self, x: tuple[Array, ...]) -> tuple[dict[str, Array], dict[str, Array]]:
         arrays = [np.asarray(e, dtype=float) for e in x]
         n = len(self.names)
         return dict(zip(self.names, arrays[:n], strict=True)), dict(zip(self.names, arrays[n:], strict=True))
 
-    def _columns(self, batch: Any) -> tuple[Array, ...]:
+    def _columns(self, batch: Batch) -> tuple[Array, ...]:
         values = [getattr(batch, quantity)[name] for quantity, name in self.rows]
         errors = [batch.error[quantity][name] for quantity, name in self.rows]
         columns = [np.asarray(e, dtype=float) for e in (*values, *errors)]
@@ -166,24 +170,26 @@ class _Outside:
 def _differentiable(outside: _Outside) -> Callable[..., Any]:
     m = len(outside.rows)
 
-    def call(function: Callable[..., tuple[Array, ...]], count: int, x: tuple[Any, ...]) -> Any:
+    def call(function: Callable[..., tuple[Array, ...]], count: int, x: Traced) -> Traced:
         like = (jax.ShapeDtypeStruct(x[0].shape, np.float64),) * count
         return jax.pure_callback(function, like, *x, vmap_method="broadcast_all")
 
-    def split(found: Any) -> Any:
+    def split(found: Traced) -> tuple[Traced, Traced, jax.Array]:
         return tuple(found[:m]), tuple(found[m : 2 * m]), found[2 * m]
 
     @jax.custom_jvp
-    def flat(*x: Any) -> Any:
+    def flat(*x: jax.Array) -> tuple[Traced, Traced, jax.Array]:
         return split(call(outside.values, 2 * m + 1, x))
 
     @flat.defjvp
-    def _(x: tuple[Any, ...], moved: tuple[Any, ...]) -> Any:
+    def _(x: Traced, moved: Traced) -> tuple[tuple[Traced, Traced, jax.Array], tuple[Traced, Traced, jax.Array]]:
         found = call(outside.derivatives, 2 * m + 1 + m * len(x), x)
         values, errors, codes = split(found)
         slopes, none = found[2 * m + 1 :], jax.numpy.zeros_like
         rates = tuple(
-            sum(slope * dx for slope, dx in zip(slopes[i * len(x) : (i + 1) * len(x)], moved, strict=True))
+            sum(
+                (slope * dx for slope, dx in zip(slopes[i * len(x) : (i + 1) * len(x)], moved, strict=True)), none(x[0])
+            )
             for i in range(m)
         )
         return (values, errors, codes), (rates, tuple(none(e) for e in errors), none(codes))

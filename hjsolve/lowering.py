@@ -44,9 +44,6 @@ def without_inverse_functions(expression: sp.Expr) -> sp.Expr:
     """Write 1/tan and cot as cos/sin, 1/cot as sin/cos, 1/sec as cos and 1/csc as sin.
 
     Where tan has a pole, 1/tan is regular and zero: a motion passes there, so its formula must not divide by infinity.
-
-    Args:
-        expression: any formula.
     """
     inverse = {sp.tan: lambda u: sp.cos(u) / sp.sin(u), sp.cot: sp.tan, sp.sec: sp.cos, sp.csc: sp.sin}
 
@@ -62,9 +59,6 @@ def spread_exponentials(e: sp.Expr) -> sp.Expr:
 
     (exp(x) − 1)²·exp(−2x) cannot be enclosed over a wide interval of x: both factors change by many orders.
     Each term of 1 − 2 exp(−x) + exp(−2x) can. What is free of exponentials is left as it stands.
-
-    Args:
-        e: any formula.
     """
     hidden: dict[sp.Dummy, sp.Expr] = {}
 

@@ -30,11 +30,7 @@ class AnalyticPiece:
     high: sp.Rational | None
 
     def places(self, count: int) -> Iterator[sp.Rational]:
-        """So many rational numbers inside, simple ones.
-
-        Args:
-            count: how many.
-        """
+        """So many rational numbers inside, simple ones."""
         low, high = self.low, self.high
         if low is None and high is None:
             yield from (sp.Integer(k - count // 2) + sp.Rational(1, 3) for k in range(count))

@@ -25,11 +25,7 @@ Factors = list[tuple[Element, int]]
 
 
 def factors_of(a: Poly) -> list[tuple[Poly, int]]:
-    """Irreducible factors where that is cheap, else the polynomial itself.
-
-    Args:
-        a: a polynomial.
-    """
+    """Irreducible factors where that is cheap, else the polynomial itself."""
     names = poly.generators(a)
     if len(a) <= 1 or len(a) > MAX_TERMS or len(names) > MAX_GENERATORS:
         return [(a, 1)]
@@ -64,11 +60,7 @@ def factored(expression: sp.Expr) -> sp.Expr:
 
 
 def irreducible(f: Element) -> Factors:
-    """Return the factors of a polynomial up to a constant, each prime to the others; irreducible where that is cheap.
-
-    Args:
-        f: a polynomial.
-    """
+    """Return the factors of a polynomial up to a constant, each prime to the others; irreducible where cheap."""
     if f.is_ground:
         return []
     for k in range(f.ring.ngens):

@@ -159,11 +159,7 @@ class Field:
         return Element(self, coefficient, a, exponents)
 
     def reduce(self, a: Poly) -> Poly:
-        """Return normal form of a polynomial modulo the relations.
-
-        Args:
-            a: a polynomial.
-        """
+        """Return normal form of a polynomial modulo the relations."""
         if not self._mask or not any(m & self._mask for m in a):
             return a
         for k in sorted(self._relations, reverse=True):
@@ -241,11 +237,7 @@ class Field:
         return tuple(found.items())
 
     def factored(self, x: Element) -> Element:
-        """Return the same element with its numerator moved into the factors.
-
-        Args:
-            x: an element.
-        """
+        """Return the same element with its numerator moved into the factors."""
         if len(x.numerator) <= 1:
             return x
         factors = dict(x.factors)
@@ -256,11 +248,7 @@ class Field:
     # arithmetic ------------------------------------------------------------------------------------------------------
 
     def product(self, elements: Sequence[Element]) -> Element:
-        """Product; numerators are multiplied out, factors stay factored.
-
-        Args:
-            elements: elements of the field.
-        """
+        """Product; numerators are multiplied out, factors stay factored."""
         coefficient, a = Fraction(1), {0: 1}
         factors: dict[int, int] = {}
         for x in elements:
@@ -294,11 +282,7 @@ class Field:
         return self._reduced_factors(y.coefficient**n, {0: 1}, {b: n * e for b, e in y.factors.items()})
 
     def total(self, elements: Iterable[Element]) -> Element:
-        """Return the sum over the common denominator; factors that all terms share are not expanded.
-
-        Args:
-            elements: elements of the field.
-        """
+        """Return the sum over the common denominator; factors that all terms share are not expanded."""
         terms = [x for x in elements if not x.is_zero]
         if not terms:
             return self.zero
@@ -318,11 +302,7 @@ class Field:
         return self.from_poly(numerator, Fraction(1, denominator), shared)
 
     def cancelled(self, x: Element) -> Element:
-        """Return the same element after dividing the numerator by the denominators that divide it exactly.
-
-        Args:
-            x: an element.
-        """
+        """Return the same element after dividing the numerator by the denominators that divide it exactly."""
         if len(x.numerator) <= 1:
             return x
         a, factors = x.numerator, dict(x.factors)
@@ -332,11 +312,7 @@ class Field:
         return self.from_poly(a, x.coefficient, factors)
 
     def expanded(self, x: Element) -> Element:
-        """Return the same element with its positive factors multiplied into the numerator.
-
-        Args:
-            x: an element.
-        """
+        """Return the same element with its positive factors multiplied into the numerator."""
         a, factors = x.numerator, {}
         for b, e in x.factors.items():
             if e > 0 and len(self.bases[b]) > 1:

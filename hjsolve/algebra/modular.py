@@ -37,11 +37,7 @@ class ModularPoint:
         self._powers: dict[tuple[int, int], int] = {}
 
     def value(self, k: int) -> int:
-        """Return the value of generator k.
-
-        Args:
-            k: number of the generator.
-        """
+        """Return the value of generator k."""
         if k not in self._values:
             self._draw(k)
         return self._values[k]
@@ -81,11 +77,7 @@ class ModularPoint:
         return root
 
     def poly(self, a: Poly) -> int:
-        """Return the value of a polynomial.
-
-        Args:
-            a: a polynomial.
-        """
+        """Return the value of a polynomial."""
         p, total, powers = self.prime, 0, self._powers
         for m, c in a.items():
             for pair in poly.exponents(m):
@@ -97,9 +89,6 @@ class ModularPoint:
 
     def element(self, x: Element) -> int:
         """Return the value of an element.
-
-        Args:
-            x: an element.
 
         Raises:
             ZeroDivisionError: a denominator vanishes at this point.
@@ -129,11 +118,7 @@ class Filter:
         self._seed = 0
 
     def vanishes(self, products: Products) -> bool | None:
-        """Return whether Σ Π Σ of the elements given vanishes at the points; None when no point could be found.
-
-        Args:
-            products: Σ Π Σ of elements.
-        """
+        """Return whether Σ Π Σ of the elements given vanishes at the points; None when no point could be found."""
         good = place = 0
         while good < self.points:
             if place == len(self._places):

@@ -65,9 +65,6 @@ class ModularJets:
     def element(self, x: Element) -> ModularJet:
         """Return the jet of an element.
 
-        Args:
-            x: an element.
-
         Raises:
             ZeroDivisionError: a generator or a factor vanishes at this point.
             NoRootError: a radicand has no root there.

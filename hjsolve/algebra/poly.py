@@ -85,9 +85,6 @@ class Budget:
     def charge(self, work: int) -> None:
         """Count ``work`` term products.
 
-        Args:
-            work: number of term products.
-
         Raises:
             WorkLimitError: too many at once, or the deadline is past.
         """
@@ -109,39 +106,22 @@ class Budget:
 
 
 def variable(k: int) -> Poly:
-    """Return generator number k as a polynomial.
-
-    Args:
-        k: number of the generator.
-    """
+    """Return generator number k as a polynomial."""
     return {1 << (BITS * k): 1}
 
 
 def constant(n: int) -> Poly:
-    """Return an integer as a polynomial.
-
-    Args:
-        n: an integer.
-    """
+    """Return an integer as a polynomial."""
     return {0: n} if n else {}
 
 
 def exponent(monomial: int, k: int) -> int:
-    """Exponent of generator k in a packed monomial.
-
-    Args:
-        monomial: packed exponents.
-        k: number of the generator.
-    """
+    """Exponent of generator k in a packed monomial."""
     return (monomial >> (BITS * k)) & FIELD
 
 
 def exponents(monomial: int) -> list[tuple[int, int]]:
-    """Pairs (generator, exponent) of a packed monomial, exponents positive.
-
-    Args:
-        monomial: packed.
-    """
+    """Pairs (generator, exponent) of a packed monomial, exponents positive."""
     found, k = [], 0
     while monomial:
         if e := monomial & FIELD:
@@ -222,11 +202,7 @@ def with_square(a: Poly, k: int, square: Poly, budget: Budget) -> Poly:
 
 
 def content(a: Poly) -> int:
-    """Return greatest common divisor of the coefficients, with the sign of the leading one; 0 for the zero polynomial.
-
-    Args:
-        a: a polynomial.
-    """
+    """Return the greatest common divisor of the coefficients, with the sign of the leading one; 0 for zero."""
     if not a:
         return 0
     g = 0
@@ -273,11 +249,7 @@ def divides(a: int, b: int, guard: int) -> bool:
 
 
 def guard_bits(generators: int) -> int:
-    """Return the guard mask for this many generators.
-
-    Args:
-        generators: how many.
-    """
+    """Return the guard mask for this many generators."""
     return sum(1 << (BITS * k + BITS - 1) for k in range(generators))
 
 
@@ -318,12 +290,7 @@ def exact_quotient(a: Poly, b: Poly, guard: int, budget: Budget) -> Poly | None:
 
 
 def value_modulo(a: Poly, n: int) -> int:
-    """Return the value modulo n at one fixed integer point; generator k is put to a number that depends on k only.
-
-    Args:
-        a: a polynomial.
-        n: an integer.
-    """
+    """Return the value modulo n at one fixed integer point; generator k is put to a number that depends on k only."""
     total = 0
     for m, c in a.items():
         for k, e in exponents(m):
@@ -333,11 +300,7 @@ def value_modulo(a: Poly, n: int) -> int:
 
 
 def value(a: Poly) -> int:
-    """Return the value at the same fixed integer point.
-
-    Args:
-        a: a polynomial.
-    """
+    """Return the value at the same fixed integer point."""
     total = 0
     for m, c in a.items():
         for k, e in exponents(m):
@@ -350,22 +313,13 @@ _POINT = (10007, 20021, 30047, 40093, 50129, 60161, 70199, 80231, 90281, 100343)
 
 
 def partial(a: Poly, k: int) -> Poly:
-    """∂a/∂(generator k).
-
-    Args:
-        a: a polynomial.
-        k: number of the generator.
-    """
+    """∂a/∂(generator k)."""
     unit = 1 << (BITS * k)
     return {m - unit: c * e for m, c in a.items() if (e := exponent(m, k))}
 
 
 def support(a: Poly) -> int:
-    """Packed monomial with a non-zero field for every generator that occurs in a.
-
-    Args:
-        a: a polynomial.
-    """
+    """Packed monomial with a non-zero field for every generator that occurs in a."""
     seen = 0
     for m in a:
         seen |= m
@@ -373,18 +327,10 @@ def support(a: Poly) -> int:
 
 
 def generators(a: Poly) -> list[int]:
-    """Return the indices of the generators that occur in a, ascending.
-
-    Args:
-        a: a polynomial.
-    """
+    """Return the indices of the generators that occur in a, ascending."""
     return [k for k, _ in exponents(support(a))]
 
 
 def key(a: Poly) -> tuple[tuple[int, int], ...]:
-    """Return a hashable form.
-
-    Args:
-        a: a polynomial.
-    """
+    """Return a hashable form."""
     return tuple(sorted(a.items()))

@@ -118,11 +118,7 @@ def _with_falling_exponentials(reader: Reader, x: Element) -> list[sp.Expr]:
 
 
 def length_of(x: sp.Expr) -> int:
-    """Operations in an expression; sympy's count_ops takes seconds where this takes milliseconds.
-
-    Args:
-        x: any expression.
-    """
+    """Operations in an expression; sympy's count_ops takes seconds where this takes milliseconds."""
     if not x.args:
         return _digits(x) - 1 if x.is_Rational else 0
     if x.is_Pow:

@@ -346,21 +346,13 @@ class Reader:
         return self._derivatives[k, symbol]
 
     def write(self, x: Element) -> sp.Expr:
-        """Return the element as a sympy expression: coefficient · factors · numerator, nothing expanded.
-
-        Args:
-            x: an element.
-        """
+        """Return the element as a sympy expression: coefficient · factors · numerator, nothing expanded."""
         c = sp.Rational(x.coefficient.numerator, x.coefficient.denominator)
         parts = [self.write_poly(self.field.bases[b]) ** e for b, e in sorted(x.factors.items())]
         return sp.Mul(c, *parts, self.write_poly(x.numerator))
 
     def write_poly(self, a: Poly) -> sp.Expr:
-        """Return a polynomial as a sympy expression.
-
-        Args:
-            a: a polynomial.
-        """
+        """Return a polynomial as a sympy expression."""
         generators = self.field.generators
         terms = (sp.Mul(c, *[generators[k].atom ** e for k, e in poly.exponents(m)]) for m, c in a.items())
         return sp.Add(*terms)

@@ -64,11 +64,7 @@ class TimeLimit:
             raise self._error(deadline[1])
 
     def seconds_left(self, most: float) -> float:
-        """Return the seconds that are left, at most so many, and none below zero.
-
-        Args:
-            most: seconds.
-        """
+        """Return the seconds that are left, at most so many, and none below zero."""
         deadline = self._deadline.get()
         return most if deadline is None else max(0.0, min(most, deadline[0] - self._clock()))
 

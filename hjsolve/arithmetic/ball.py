@@ -168,10 +168,6 @@ def _meets_cut(name: str, x: Ball) -> bool:
 
 
 def from_mpf(x: Mpf) -> flint.arb:
-    """Return an mpf as an exact ball.
-
-    Args:
-        x: an ``mpf``.
-    """
+    """Return an mpf as an exact ball."""
     sign, mantissa, exponent, _ = x._mpf_
     return flint.arb(flint.fmpz(int(-mantissa if sign else mantissa))) * flint.arb(2) ** int(exponent)

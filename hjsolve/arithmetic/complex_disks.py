@@ -56,12 +56,7 @@ class Disk(NamedTuple):
 
 
 def single(centre: complex, radius: float) -> Disk:
-    """Return the disk of one number: a scalar of numpy is an array without axes.
-
-    Args:
-        centre: of the disk.
-        radius: of the disk.
-    """
+    """Return the disk of one number: a scalar of numpy is an array without axes."""
     return Disk(np.complex128(centre), np.float64(radius))  # type: ignore[arg-type]
 
 
@@ -135,11 +130,7 @@ class Disks:
         return self.mul(x, self.inverse(y))
 
     def inverse(self, x: Disk) -> Disk:
-        """Return 1/x: the exact image of a disk is a disk.
-
-        Args:
-            x: a disk.
-        """
+        """Return 1/x: the exact image of a disk is a disk."""
         size = np.abs(x.centre)
         # 1/x has its centre at c̄/(|c|² − r²) and the radius r/(|c|² − r²)
         room = (size - x.radius) * (size + x.radius)
@@ -182,12 +173,7 @@ class Disks:
         return result
 
     def shifted(self, x: Disk, by: float) -> Disk:
-        """Return x + by.
-
-        Args:
-            x: a disk.
-            by: the number.
-        """
+        """Return x + by."""
         centre = x.centre + by
         return Disk(centre, x.radius + _UNIT * np.abs(centre))
 

@@ -42,11 +42,7 @@ class FirstDifferences(Generic[N]):
     offset: N
 
     def constant(self, value: N) -> FirstDifference[N]:
-        """Return a number that does not depend on q.
-
-        Args:
-            value: the number.
-        """
+        """Return a number that does not depend on q."""
         return FirstDifference(value, value)
 
     def variable(self, base: N, value: N) -> FirstDifference[N]:

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any, overload
+from typing import overload
 
 from hjsolve.arithmetic.floats import Float64, Multi
-from hjsolve.arithmetic.number_types import Mpf, Numeric, Reals
+from hjsolve.arithmetic.number_types import Mpf, N, Numeric, Reals
+from hjsolve.arithmetic.tape import Arithmetic
 
 
 @overload
@@ -42,7 +43,7 @@ def _means(complement: float | Mpf, arithmetic: Float64 | Multi) -> list[tuple[N
     return means((one, arithmetic.unary("sqrt", complement)), equal, arithmetic)
 
 
-def means(start: tuple[Any, Any], equal: Callable[[Any, Any], bool], arithmetic: Any) -> list[tuple[Any, Any]]:
+def means(start: tuple[N, N], equal: Callable[[N, N], bool], arithmetic: Arithmetic[N]) -> list[tuple[N, N]]:
     """Return arithmetic and geometric means in turn, to twice the digits to which the last but one are equal.
 
     Args:
@@ -57,7 +58,7 @@ def means(start: tuple[Any, Any], equal: Callable[[Any, Any], bool], arithmetic:
     return [*pairs, (arithmetic.mul(half, arithmetic.add(*pairs[-1])), pairs[-1][1])]
 
 
-def descended(u: Any, pairs: list[tuple[Any, Any]], arithmetic: Any) -> tuple[Any, Any, Any]:
+def descended(u: N, pairs: list[tuple[N, N]], arithmetic: Arithmetic[N]) -> tuple[N, N, N]:
     """Return sn, cn, dn for 0 < u ≤ K/2, where cn/sn is carried: it loses nothing for small u.
 
     Args:

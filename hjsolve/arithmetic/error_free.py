@@ -23,21 +23,13 @@ class Pair(NamedTuple):
 
 
 def split(x: Numeric) -> Pair:
-    """Round a many-digit number to two doubles.
-
-    Args:
-        x: of many digits.
-    """
+    """Round a many-digit number to two doubles."""
     high = float(x)
     return Pair(high, float(x - high))
 
 
 def exact(value: Fraction) -> Pair:
-    """Round a fraction to two doubles.
-
-    Args:
-        value: a fraction.
-    """
+    """Round a fraction to two doubles."""
     high = float(value)
     return Pair(high, float(value - Fraction(high)))
 

@@ -202,12 +202,7 @@ def _small_power(x: Elementwise, n: int) -> Elementwise:
 
 
 def bits_for(digits: int, guard: int) -> int:
-    """Return the bits of so many decimal digits (log₂ 10 < 3.33), and some to spare for what is lost on the way.
-
-    Args:
-        digits: decimal digits.
-        guard: bits to spare.
-    """
+    """Return the bits of so many decimal digits (log₂ 10 < 3.33), and some to spare for what is lost on the way."""
     return int(3.33 * digits) + guard
 
 

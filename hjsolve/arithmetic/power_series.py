@@ -30,11 +30,7 @@ class PowerSeriesArithmetic:
     order: int
 
     def variable(self, x: Mpf) -> Series:
-        """Return the series of the variable itself at a place.
-
-        Args:
-            x: the place.
-        """
+        """Return the series of the variable itself at a place."""
         return [x, self.plain.rational(1, 1), *self._zeros(self.order - 1)][: self.order + 1]
 
     def rational(self, numerator: int, denominator: int) -> Series:

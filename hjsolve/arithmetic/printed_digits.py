@@ -109,9 +109,6 @@ def scientific(value: Decimal) -> str:
 def with_last_digits(value: float | Mpf, error: float | Mpf) -> tuple[str, int]:
     """Write a number with its error in brackets, in units of the last digit: 7.4162987(3).
 
-    Args:
-        value, error: float or ``mpf``.
-
     Returns:
         The digits, and the power of ten they are to be multiplied by; 0 where none is needed.
     """

@@ -99,21 +99,13 @@ def exact_ends(term: Term) -> tuple[float, float] | Range:
 
 
 def meet(one: Term, other: Term) -> bool:
-    """Return whether value ± error of two have a number in common.
-
-    Args:
-        one, other: value and error.
-    """
+    """Return whether value ± error of two have a number in common."""
     (a, b), (c, d) = exact_ends(one), exact_ends(other)
     return bool(a <= d and c <= b)
 
 
 def short_bound(error: float | Mpf) -> str:
-    """Write an error with two digits, not below itself.
-
-    Args:
-        error: float or ``mpf``.
-    """
+    """Write an error with two digits, not below itself."""
     if not _finite(error) or not error:
         return repr(float(error))
     exact = decimal(error)

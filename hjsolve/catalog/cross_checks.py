@@ -76,11 +76,7 @@ def _numbers(table: Toml, where: str) -> Iterator[str]:
 
 
 def form_faults(table: Toml) -> Iterator[str]:
-    """Yield an entry gives T and V, or H(q, p) in their place; then its motions start from momenta.
-
-    Args:
-        table: of the entry.
-    """
+    """Yield an entry gives T and V, or H(q, p) in their place; then its motions start from momenta."""
     if "hamiltonian" not in table:
         return
     yield from (f"{key}: belongs to T and V; this entry gives H(q, p)" for key in _OF_ENERGIES if key in table)

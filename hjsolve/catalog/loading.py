@@ -86,7 +86,7 @@ def load(entry: str | Path, *, effects: Iterable[str] = ()) -> System:
         >>> [c.name for c in load("kepler-planar").coordinates]
         ['r', 'theta']
     """
-    table, source = _checked(entry)
+    table, source = read(entry)
     outside = refusals.refusal(table)
     if outside is not None:
         raise NotSeparableError(str(outside), outside)
@@ -96,18 +96,6 @@ def load(entry: str | Path, *, effects: Iterable[str] = ()) -> System:
                 f'{source}: "{name}" is a force that no T and V contain; use it in a scene with method = "integrate"'
             )
     return from_table(with_effects(table, names, source), source=source)
-
-
-def read(entry: str | Path) -> tuple[TomlTable, str]:
-    """Give the table of an entry as it stands in its file, its schema checked, and what it is called in errors.
-
-    Args:
-        entry: id, or path of a .toml file.
-
-    Raises:
-        CatalogError: as ``load``.
-    """
-    return _checked(entry)
 
 
 def describe(entry: str | Path) -> Entry:
@@ -122,14 +110,14 @@ def describe(entry: str | Path) -> Entry:
     Raises:
         CatalogError: as ``load``; here initial data, effects, motions and references are checked as well.
     """
-    table, source = _checked(entry)
+    table, source = read(entry)
     outside = refusals.refusal(table)
     built = None if outside else _built(table, source)
     problems = list(_entry_faults(table, built) if built else ())
     if problems:
         raise _refused(source, problems)
     tables = {"default": table["initial"]} if "initial" in table else {}
-    motions = {name: _initial(name, data) for name, data in {**tables, **table.get("motions", {})}.items()}
+    motions = {name: InitialData(name=name, **data) for name, data in {**tables, **table.get("motions", {})}.items()}
     expect = table.get("expect", {})
     return Entry(
         id=table["id"], title=table["title"], summary=table.get("summary", ""),
@@ -220,7 +208,7 @@ def hamiltonian(entry: str | Path) -> LinearHamiltonian | None:
         >>> hamiltonian("hamiltonian-q-plus-p").principal_function
         E*q - E*t - q**2/2
     """
-    table, source = _checked(entry)
+    table, source = read(entry)
     built = _built(table, source) if "hamiltonian" in table else None
     return built if isinstance(built, LinearHamiltonian) else None
 
@@ -304,7 +292,15 @@ def _kind(expect: Toml, outside: refusals.Refusal | None) -> str:
     return "unchecked" if not expect else "refused" if expect["verdict"] == "refused" else "separable"
 
 
-def _checked(entry: str | Path) -> tuple[TomlTable, str]:
+def read(entry: str | Path) -> tuple[TomlTable, str]:
+    """Give the table of an entry as it stands in its file, its schema checked, and what it is called in errors.
+
+    Args:
+        entry: id, or path of a .toml file.
+
+    Raises:
+        CatalogError: as ``load``.
+    """
     file, source = _locate(entry)
     table = toml_file.exact_table(file, source)
     keys = schema.optional(_ENTRY, "kinetic") if "hamiltonian" in table else _ENTRY
@@ -320,10 +316,6 @@ def _checked(entry: str | Path) -> tuple[TomlTable, str]:
 
 def _effects(table: Toml) -> dict[str, Effect]:
     return {name: Effect(name=name, **_frozen(effect)) for name, effect in table.get("effects", {}).items()}
-
-
-def _initial(name: str, table: Toml) -> InitialData:
-    return InitialData(name=name, **table)
 
 
 def _reference(table: Toml) -> Reference:

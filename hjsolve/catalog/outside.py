@@ -92,11 +92,7 @@ class Stated(Shown):
 
 
 def refusal(table: Toml) -> Refusal | None:
-    """Return the refusal of an entry that is not given by T and V; None for every other entry.
-
-    Args:
-        table: of the entry.
-    """
+    """Return the refusal of an entry that is not given by T and V; None for every other entry."""
     because = table.get("refused_because", {})
     if "kind" not in because or because["kind"] in _FOUND_BY_US or "kinetic" in table:
         return None
@@ -107,11 +103,7 @@ def refusal(table: Toml) -> Refusal | None:
 
 
 def constraints(table: Toml) -> tuple[Constraint, ...]:
-    """Return the constraints of an entry.
-
-    Args:
-        table: of the entry.
-    """
+    """Return the constraints of an entry."""
     given = table.get("constraint", [])
     return tuple(Constraint(**{**c, "coordinates": tuple(c.get("coordinates", ()))}) for c in given)
 
@@ -128,11 +120,7 @@ def stated(table: Toml) -> Stated | None:
 
 
 def outside_faults(table: Toml) -> Iterator[str]:
-    """Yield what is missing in an entry without T and V, one line each.
-
-    Args:
-        table: of the entry.
-    """
+    """Yield what is missing in an entry without T and V, one line each."""
     because = table.get("refused_because", {}).get("kind", "")
     if "kinetic" not in table and because in _FOUND_BY_US:
         yield f'kinetic: missing; an entry refused as "{because}" needs T, so that separate() can show it'

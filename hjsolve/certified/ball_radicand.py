@@ -36,11 +36,7 @@ class BallMomentumSquared:
     bits: int
 
     def rounded(self, bits: int) -> BallMomentumSquared:
-        """Return the same line for a low precision.
-
-        Args:
-            bits: of the balls.
-        """
+        """Return the same line for a low precision."""
         if self.bits <= _FINE:
             return self
         with working(bits):

@@ -113,11 +113,7 @@ def between_turns(near_lower: float, near_upper: float) -> AnomalyMap:
 
 
 def all_round(gap: float) -> AnomalyMap:
-    """Make the map of a rotation; ``gap`` is the distance of the complex zero of p² near χ = π from the real axis.
-
-    Args:
-        gap: that distance.
-    """
+    """Make the map of a rotation; ``gap`` is the distance of the complex zero of p² near χ = π from the real axis."""
     return AnomalyMap(0.0, math.asinh(2 / gap))
 
 
@@ -175,11 +171,7 @@ class CycleIntegrand:
         return required(self.lower), required(self.upper)
 
     def over(self, map_: AnomalyMap) -> CycleIntegrand:
-        """Return the same cycle with another map.
-
-        Args:
-            map_: the map.
-        """
+        """Return the same cycle with another map."""
         fold = self.fold if map_.lower == map_.upper else min(self.fold, 2)  # χ ↦ π − χ exchanges s and c
         return self if map_ == self.map else replace(self, map=map_, fold=fold)
 

@@ -76,16 +76,15 @@ def closed_forms(
         return forms_of_solution(workshop_of(solution, digits))
 
 
-def own_form(motion: Motion, *, digits: int = DIGITS, seconds: float | None = SECONDS) -> RegimeForms | None:
+def own_form(motion: Motion, *, seconds: float | None = SECONDS) -> RegimeForms | None:
     """Return the closed forms of a motion's own regime; None of one at rest.
 
     Args:
         motion: started, in any digits.
-        digits: to which the forms are compared with the quadratures.
         seconds: of processor time that may be spent; None for no limit.
     """
     with within_seconds(seconds):
-        return _own_form(workshop_of(motion.solution, digits), motion)
+        return _own_form(workshop_of(motion.solution, DIGITS), motion)
 
 
 def _own_form(shop: Workshop, motion: Motion) -> RegimeForms | None:

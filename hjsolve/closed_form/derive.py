@@ -145,10 +145,6 @@ def moved_to(known: CoordinateIntegrals, sample: Sample) -> CoordinateIntegrals:
     """Return a piece that was found with another motion of its regime, at this one.
 
     All pieces of a form share one motion.
-
-    Args:
-        known: the piece.
-        sample: the motion.
     """
     regions = [(curve, found) for curve, _ in known.regions if (found := root_interval_of(curve, sample)) is not None]
     return replace(known, sample=sample, region=regions[0][1] if regions else known.region, regions=regions)

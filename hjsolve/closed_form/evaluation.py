@@ -172,11 +172,7 @@ def number_of(expression: sp.Expr, numbers: Mapping[sp.Symbol, mpmath.mpf]) -> m
 
 @lru_cache(maxsize=2048)
 def evaluator(*expressions: sp.Expr) -> Evaluator:
-    """Return formulas made ready for numbers, kept for the next time.
-
-    Args:
-        *expressions: the formulas.
-    """
+    """Return formulas made ready for numbers, kept for the next time."""
     return Evaluator(expressions)
 
 

@@ -74,11 +74,7 @@ class EvenMap:
 
 
 def even_map(roots: NamedRoots) -> EvenMap | None:
-    """Return the map of an even P; None where there is none of these.
-
-    Args:
-        roots: of P.
-    """
+    """Return the map of an even P; None where there is none of these."""
     A = roots.leading
     squares = [sp.factor(sp.expand(r**2)) for r in roots.real]
     if len(squares) == 4 and roots.interval == (1, 2):

@@ -57,11 +57,7 @@ class _Split:
     back: dict[sp.Symbol, sp.Expr]
 
     def others(self, k: int) -> sp.Expr:
-        """Return the denominator without a factor.
-
-        Args:
-            k: its number.
-        """
+        """Return the denominator without a factor."""
         return self.constant * sp.Mul(*(f**n for j, (f, n) in enumerate(self.factors) if j != k))
 
 

@@ -93,11 +93,7 @@ class NamedQuantities:
             return number_of(explicit, numbers | {s: mp.mpf(k + 3) / 7 for k, s in enumerate(free)})
 
     def oriented(self, expression: sp.Expr) -> sp.Expr:
-        """Return a form with the greater one first in each difference of roots, as the regime orders them.
-
-        Args:
-            expression: of a form.
-        """
+        """Return a form with the greater one first in each difference of roots, as the regime orders them."""
         return expression.replace(lambda e: e.is_Mul or e.is_Pow, self._oriented)
 
     def _oriented(self, expression: sp.Expr) -> sp.Expr:
@@ -150,11 +146,7 @@ class NamedQuantities:
         return value.xreplace(here), value.xreplace(there).xreplace({q: start})
 
     def shortest(self, value: sp.Expr) -> sp.Expr:
-        """Return a constant in names or written by the constants, as it is shorter.
-
-        Args:
-            value: of constants.
-        """
+        """Return a constant in names or written by the constants, as it is shorter."""
         if longer_than(value, LONG_FACTOR * 4):
             return value
         return min((shortened_powers(sp.factor(e)) for e in (value, self.written_out(value))), key=sp.count_ops)

@@ -188,11 +188,7 @@ def root_values(
 
 
 def at_example(form: NamedForms) -> dict[sp.Symbol, Mpf]:
-    """Return the constants and the named quantities at the motion that a regime was found with.
-
-    Args:
-        form: of a regime.
-    """
+    """Return the constants and the named quantities at the motion that a regime was found with."""
     exact = dict(form.regime.example)
     return many_digits(exact, _DIGITS_OF_EXAMPLE) | root_values(form, exact, _DIGITS_OF_EXAMPLE)
 

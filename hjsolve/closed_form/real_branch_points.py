@@ -198,12 +198,7 @@ def elliptic_integral(
 def without_square(R: PartialFractions, way: LegendreMap, P: sp.Poly) -> tuple[PartialFractions, sp.Expr]:
     """R dx/√P of a quartic with 1/(x − d) in place of x², and a with d(a √P) the rest: a pole less of order two in s.
 
-        x² dx/√P = d(√P/(x − d))/A + ½ ((a + b + c + d) x − d (a + b + c − d) + (d − a)(d − b)(d − c)/(x − d)) dx/√P
-
-    Args:
-        R: in partial fractions.
-        way: the map.
-        P: the polynomial.
+    x² dx/√P = d(√P/(x − d))/A + ½ ((a + b + c + d) x − d (a + b + c − d) + (d − a)(d − b)(d − c)/(x − d)) dx/√P
     """
     weights = dict(R.powers)
     if way.b is FAR or way.d is FAR or P.degree() != 4 or 2 not in weights:

@@ -72,11 +72,7 @@ def _moves(solution: Solution, values: Mapping[sp.Symbol, sp.Expr], places: Mapp
 
 
 def near(value: sp.Expr) -> sp.Expr:
-    """Return a rational number within 1e-9 of a number; itself where it is one; nan where it is not real.
-
-    Args:
-        value: a real number.
-    """
+    """Return a rational number within 1e-9 of a number; itself where it is one; nan where it is not real."""
     if value.is_Rational:
         return value
     number = sp.N(value, 12)

@@ -76,11 +76,7 @@ class Signs:
 
 
 def sign_of_many_digits(value: mpmath.mpf) -> int:
-    """Return the sign of a number that is exact to more than 40 digits; 0 also of what is not real.
-
-    Args:
-        value: the number.
-    """
+    """Return the sign of a number that is exact to more than 40 digits; 0 also of what is not real."""
     if isinstance(value, mp.mpc) or mp.isnan(value):
         return 0
     return 0 if abs(value) < _NOTHING else 1 if value > 0 else -1

@@ -9,8 +9,6 @@ import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve, named_constants
 
-Stratum = Mapping[sp.Symbol, sp.Expr]
-
 
 def deciders(curve: MomentumCurve, constants: Iterable[sp.Symbol]) -> list[sp.Expr]:
     """Factors of the leading coefficient, the discriminant and the values of P at the ends that depend on constants.

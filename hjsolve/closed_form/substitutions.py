@@ -81,11 +81,7 @@ def known_substitutions(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -
 
 
 def extended_domain_ends(coordinate: Coordinate) -> tuple[sp.Expr, sp.Expr]:
-    """Return the ends of a domain as extended real numbers; one turn about zero of an angle.
-
-    Args:
-        coordinate: with the domain.
-    """
+    """Return the ends of a domain as extended real numbers; one turn about zero of an angle."""
     domain = coordinate.domain
     if domain.kind == "angle":
         return -sp.pi, sp.pi

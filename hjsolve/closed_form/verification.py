@@ -8,7 +8,7 @@ coordinate are verified together: they share the momentum, the nodes and the ell
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import mpmath
 import sympy as sp
@@ -24,18 +24,6 @@ from hjsolve.precision import mp
 DIGITS, GUARD = 40, 24
 _MOST, _NODES, _HALVINGS = 4096, 4, 9
 _PARTS = ("0.31", "0.52", "0.77")
-Values = Callable[[mpmath.mpf], list[mpmath.mpf]]
-
-
-def flaw(piece: CoordinateIntegrals, key: sp.Symbol, digits: int = DIGITS) -> str | None:
-    """Return what is wrong with an integral; None where it passes.
-
-    Args:
-        piece: the coordinate's integrals in a regime, with the sample they are tried at.
-        key: which of them.
-        digits: to which it is compared.
-    """
-    return flaws(piece, [key], digits).get(key)
 
 
 def flaws(piece: CoordinateIntegrals, keys: Sequence[sp.Symbol], digits: int = DIGITS) -> dict[sp.Symbol, str]:
@@ -205,12 +193,7 @@ def value_at(expression: sp.Expr, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmat
 
 
 def sample_numbers(piece: CoordinateIntegrals, digits: int = DIGITS + GUARD) -> dict[sp.Symbol, mpmath.mpf]:
-    """Return the parameters, constants and named roots of the sample as numbers.
-
-    Args:
-        piece: with the sample.
-        digits: of each.
-    """
+    """Return the parameters, constants and named roots of the sample as numbers."""
     numbers = many_digits(piece.sample.values, digits)
     with mp.workdps(digits + GUARD):
         if piece.start is not None:
@@ -227,11 +210,7 @@ def sample_numbers(piece: CoordinateIntegrals, digits: int = DIGITS + GUARD) -> 
 
 
 def sample_place(piece: CoordinateIntegrals) -> mpmath.mpf:
-    """Return where a coordinate is at the sample.
-
-    Args:
-        piece: of the coordinate.
-    """
+    """Return where a coordinate is at the sample."""
     place = piece.sample.places[piece.name]
     with mp.workdps(DIGITS + GUARD):
         return mp.mpf(int(place.p)) / int(place.q)

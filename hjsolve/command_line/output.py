@@ -19,11 +19,7 @@ class VisibleStream:
         self._failed: OSError | None = None
 
     def write(self, text: str) -> int:
-        """Write a text.
-
-        Args:
-            text: any.
-        """
+        """Write a text."""
         try:
             return self._stream.write(visible(text))
         except OSError as error:  # argparse would pass over it

@@ -28,7 +28,7 @@ from hjsolve.coordinates.killing.killing_tensors import (
 from hjsolve.coordinates.killing.special_parameters import exceptional_values
 from hjsolve.coordinates.results import Geometry, ParameterValues, SeparableCoordinates, Web
 from hjsolve.coordinates.webs.concircular_families import family
-from hjsolve.coordinates.webs.orthonormal_frames import sign_by, tidy_constant
+from hjsolve.coordinates.webs.orthonormal_frames import Sign, tidy_constant
 from hjsolve.coordinates.webs.plane import plane_webs
 from hjsolve.coordinates.webs.space import Potential, space_webs
 from hjsolve.errors import InvalidSystemError
@@ -174,15 +174,12 @@ class _Search:
 def sphere_below(system: System) -> OnSphere | None:
     """Return the sphere that a natural system of two coordinates moves on; None where it does on none.
 
-    Args:
-        system: any.
-
     Raises:
         InvalidSystemError: the curvature is constant and negative, or the coordinates or V are not read here.
     """
     if len(system.coordinates) != 2 or any(linear_terms(system)) or kinetic_rest(system) != 0:
         return None
-    sphere = sphere_of(system, sign_by(_sign_values(system)))
+    sphere = sphere_of(system, Sign(_sign_values(system)))
     return None if sphere is None else on_sphere(sphere, _sign_values(system))
 
 
@@ -279,7 +276,7 @@ def _combined(full: Kernel, basis: Sequence[sp.ImmutableMatrix]) -> tuple[sp.Imm
 
 def _geometries(reduced: Kernel, cartesian: Cartesian) -> list[Geometry]:
     """Return the webs, and in space also what splits off without leading to one."""
-    sign = sign_by(cartesian.values)
+    sign = Sign(cartesian.values)
     n = len(cartesian.X)
     tensors = family(reduced.vectors, n)
     if n == 2:

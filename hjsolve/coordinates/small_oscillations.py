@@ -17,7 +17,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve import arguments
-from hjsolve.coordinates.webs.orthonormal_frames import Sign, sign_by, tidy_constant
+from hjsolve.coordinates.webs.orthonormal_frames import Sign, tidy_constant
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.read import number
@@ -108,7 +108,7 @@ def normal_modes(
     system = system_of(system, "normal_modes")
     refuse_kinks(system.kinks, "normal_modes")
     quadratic = _quadratic(system, None if about is None else arguments.table(about, "about", '{"theta": 0}'))
-    sign = sign_by({p.symbol: p.value for p in system.parameters if p.value is not None})
+    sign = Sign({p.symbol: p.value for p in system.parameters if p.value is not None})
     columns = _columns(quadratic, sign)
     A = sp.ImmutableMatrix(sp.Matrix.hstack(*(sp.Matrix(v) for _, v, _ in columns)))
     modes = tuple(_mode(index, ω2, M, sign) for index, (ω2, _, M) in enumerate(columns))

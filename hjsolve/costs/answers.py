@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -77,12 +77,11 @@ class Ruler:
     sizes: Mapping[str, float]
     turning: frozenset[str]
 
-    def measure(self, numbers: Numbers, leave: Callable[[str], bool] = lambda _: False) -> Comparison:
+    def measure(self, numbers: Numbers) -> Comparison:
         """Compare.
 
         Args:
             numbers: of an answer.
-            leave: names to leave out.
 
         Returns:
             The worst; all None where nothing can be compared.
@@ -90,7 +89,7 @@ class Ruler:
         context = multiprecision(bits_for(self.digits, 64))
         claimed, error, held = list[float](), list[float](), list[bool]()
         for name, pairs in numbers.items():
-            if name not in self.truth or leave(name):
+            if name not in self.truth:
                 continue
             for (value, claim), truth in zip(pairs, self.truth[name]):
                 difference = abs(context.convert(value) - context.convert(truth))

@@ -95,9 +95,6 @@ def closed_trials(task: Task, levels: Sequence[int]) -> list[Trial]:
 def closed_form(task: Task) -> ClosedForm | None:
     """Find the closed form of the scene's kind of motion.
 
-    Args:
-        task: with the scene.
-
     Raises:
         CatalogError: the entry's table cannot be read.
     """

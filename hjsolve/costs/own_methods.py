@@ -25,13 +25,12 @@ class Result:
     count: int
 
 
-def own_trials(task: Task, levels: Sequence[int], *, proofs: bool = True) -> list[Trial]:
+def own_trials(task: Task, levels: Sequence[int]) -> list[Trial]:
     """Return the methods of hjsolve.
 
     Args:
         task: what is asked.
         levels: digits beyond double precision.
-        proofs: whether to prove numbers as well.
 
     Returns:
         ``float64`` at 15 digits, ``mpmath`` and ``certified`` at the levels; or ``integrate`` where the scene says so.
@@ -39,7 +38,7 @@ def own_trials(task: Task, levels: Sequence[int], *, proofs: bool = True) -> lis
     if task.solution is None:
         return [own(task, "integrate", digits) for digits in (4, 6, 8, 10, 12)]
     found = [own(task, "float64", 15), *(own(task, "mpmath", digits) for digits in levels)]
-    if proofs and set(task.scene.want) & {"constants", "turning_points", "actions", "frequencies", "periods"}:
+    if set(task.scene.want) & {"constants", "turning_points", "actions", "frequencies", "periods"}:
         found += [own(task, "certified", digits) for digits in (15, *levels)]
     return found
 
@@ -70,12 +69,7 @@ def own(task: Task, method: str, digits: int) -> Trial:
 
 
 def result_of(scene: Scene, task: Task) -> Result:
-    """Run a scene and work out everything it wants, errors too.
-
-    Args:
-        scene: what is run.
-        task: what is asked of it.
-    """
+    """Run a scene and work out everything it wants, errors too."""
     with counted() as work:
         done = run_by_quadratures(scene, task.solution)
         states = {}

@@ -53,9 +53,6 @@ Compute: TypeAlias = Callable[[Times | None, float], States]
 def rival_trials(task: Task) -> list[Trial]:
     """DOP853 and heyoka for the states a scene wants.
 
-    Args:
-        task: what is asked.
-
     Returns:
         One trial a tolerance; none where no states are wanted.
     """

@@ -126,9 +126,6 @@ _WORDS = {"ok": "", "too slow": "did not fit the budget"}
 def explanation(cost: Cost) -> list[str]:
     """Return what the table is about, in sentences.
 
-    Args:
-        cost: the table.
-
     Returns:
         One line a sentence.
     """

@@ -56,11 +56,7 @@ class Program:
         return self.series[-1]
 
     def fixed(self, value: Mpf) -> int:
-        """Round a number to a multiple of 2^−P.
-
-        Args:
-            value: mpf.
-        """
+        """Round a number to a multiple of 2^−P."""
         return int(self.plain.context.nint(self.plain.context.ldexp(value, self.bits)))
 
     def real(self, value: int) -> Mpf:

@@ -12,20 +12,13 @@ _HIDDEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u061c\u200e\u200f\u20
 
 
 def hidden_character(text: str) -> str:
-    """Return the first character that must not be shown as it stands, as an escape; nothing where there is none.
-
-    Args:
-        text: any.
-    """
+    """Return the first character that must not be shown as it stands, as an escape; nothing where there is none."""
     found = _HIDDEN.search(text)
     return _escape(found) if found else ""
 
 
 def visible(text: str) -> str:
     r"""Write such characters as escapes.
-
-    Args:
-        text: any.
 
     Example:
         >>> visible("a\x1b[31m")

@@ -102,9 +102,6 @@ def rests_at_ends(own: CoordinateKinds) -> list[tuple[float, float, float]]:
     """Return points (x, y) at which P² has a double zero at an end of the domain, and the place of that end.
 
     There N(end) is zero as a square of one constant, and the next power of t − end is zero too.
-
-    Args:
-        own: the coordinate.
     """
     if own.polynomial is None:
         return []

@@ -53,11 +53,7 @@ class AxialRoles:
 
 
 def axial_roles(solution: Solution) -> AxialRoles | None:
-    """Return the roles of the coordinates; None where the system is not known to be symmetric about the z axis.
-
-    Args:
-        solution: of any system.
-    """
+    """Return the roles of the coordinates; None where the system is not known to be symmetric about the z axis."""
     chart = solution.chart
     if chart is None:
         return _roles_as_given(solution)

@@ -22,11 +22,7 @@ SUFFIX = ".parquet"
 
 
 def axis_names(shape: tuple[int, ...]) -> tuple[str, ...]:
-    """Return the names of the axes of a batch: ``orbit``, or ``axis_0``, ``axis_1``, … where there are several.
-
-    Args:
-        shape: of the batch.
-    """
+    """Return the names of the axes of a batch: ``orbit``, or ``axis_0``, ``axis_1``, … where there are several."""
     return ("orbit",) if len(shape) == 1 else tuple(f"axis_{k}" for k in range(len(shape)))
 
 

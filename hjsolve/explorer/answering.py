@@ -179,7 +179,7 @@ def _answered(question: PageQuestion, system: System) -> PageAnswer:
     if solution is None and not isinstance(verdict, Separation):
         return _refused(question, verdict, search)
     solution = required(solution)
-    lead = _html(Paragraph(system_and_verdict.answer(solution.separation)))
+    lead = block_html(Paragraph(system_and_verdict.answer(solution.separation)))
     chart = chart_section(solution.chart) if solution.chart is not None else None
     details = _sections([chart, forms_section(solution.separation)])
     answer = PageAnswer("yes", lead, details, _sections(solution_sections(solution)))
@@ -209,9 +209,9 @@ def _solved(
 
 def _refused(question: PageQuestion, verdict: Obstruction | Undecided, search: str) -> PageAnswer:
     """Return the refusal, what the search for other coordinates answered, and the motion, integrated numerically."""
-    lead = _html(Paragraph(system_and_verdict.answer(verdict)))
+    lead = block_html(Paragraph(system_and_verdict.answer(verdict)))
     if search:
-        lead += "\n" + _html(Paragraph((search,)))
+        lead += "\n" + block_html(Paragraph((search,)))
     answer = PageAnswer(
         "open" if isinstance(verdict, Undecided) else "no", lead, _sections([obstruction.refusal_section(verdict)])
     )
@@ -222,7 +222,7 @@ def _refused(question: PageQuestion, verdict: Obstruction | Undecided, search: s
     except HJSolveError as error:
         return replace(answer, problem=_line(error))
     words = "The motion is not drawn here: a drawing needs two coordinates that are not ignorable."
-    return replace(answer, drawings=_html(Paragraph((words,))) if moving is None else _sections([moving]))
+    return replace(answer, drawings=block_html(Paragraph((words,))) if moving is None else _sections([moving]))
 
 
 def _start(question: PageQuestion) -> dict[str, dict[str, str]]:
@@ -241,7 +241,7 @@ def _moving(answer: PageAnswer, motion: Motion, *, draggable: bool) -> PageAnswe
         drawn = [orbit_paths.orbit(motion, trace, "orbit"), orbit_paths.history(motion, trace, "time")]
     except NotConvergedError as error:
         return replace(answer, problem=_line(error))
-    return replace(answer, drawings=_html(Figures((*curves, *(figure for figure in drawn if figure is not None)))))
+    return replace(answer, drawings=block_html(Figures((*curves, *(figure for figure in drawn if figure is not None)))))
 
 
 def _portrait(motion: Motion, name: str, *, draggable: bool) -> Portrait:
@@ -293,14 +293,10 @@ def _toml(value: object) -> str:
 
 
 # ------------------------------------------------------------------------------------------- HTML
-def _html(block: Block) -> str:
-    return block_html(block)
-
-
 def _sections(sections: Iterable[Section | None]) -> str:
     found = [section for section in sections if section is not None]
     titled: list[Block] = []
     for section in found:
         text: Text = (section.title,)
         titled += [*([Paragraph(text)] if len(found) > 1 else []), *section.blocks]
-    return "\n".join(map(_html, titled))
+    return "\n".join(map(block_html, titled))

@@ -52,9 +52,6 @@ def _say(record: logging.LogRecord, text: str) -> None:
 def bound_logs(names: Iterable[str] = LOGGERS) -> BoundedLog:
     """Bound some loggers together.
 
-    Args:
-        names: of the loggers.
-
     Returns:
         Their filter, for removal.
     """

@@ -24,11 +24,7 @@ _DOMAINS = {"line", "angle"}
 
 
 def lines_of(text: str) -> list[str]:
-    """Return the lines of a box; a semicolon ends one as well.
-
-    Args:
-        text: of the box.
-    """
+    """Return the lines of a box; a semicolon ends one as well."""
     return [line for line in text.replace(";", "\n").splitlines() if line.strip()]
 
 

@@ -50,11 +50,7 @@ class ChangeOfFrame(Shown):
         return {name: self.total_derivative(f) for name, f in self.place.items()}
 
     def total_derivative(self, f: sp.Expr) -> sp.Expr:
-        """d/dt of a function of Q and t along the motion.
-
-        Args:
-            f: in Q and t.
-        """
+        """d/dt of a function of Q and t along the motion."""
         return sp.diff(f, self.time) + sp.Add(*(sp.diff(f, c.symbol) * c.velocity for c in self.system.coordinates))
 
     def residual(self) -> sp.Expr:

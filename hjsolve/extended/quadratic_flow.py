@@ -133,11 +133,7 @@ class QuadraticFlow:
         return np.array([float(np.max(d.largest)) if bool(np.all(d.known)) else np.inf for d in disks])
 
     def scale(self, t: float) -> sp.Expr:
-        """Return a unit of momentum, √(k m) as a number: the root of |A_pq|/|A_qp| at a time.
-
-        Args:
-            t: the time.
-        """
+        """Return a unit of momentum, √(k m) as a number: the root of |A_pq|/|A_qp| at a time."""
         n = self.matrix.rows // 2
         A = np.array(self.matrix.subs(self.time, sp.Float(t)).evalf(8).tolist(), dtype=float)
         stiff, light = np.abs(A[n:, :n]).sum(), np.abs(A[:n, n:]).sum()

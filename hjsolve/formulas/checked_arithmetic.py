@@ -234,20 +234,12 @@ def call(name: str, argument: Node, fail: Fail) -> Node:
 
 
 def absolute_value(node: Node) -> Node:
-    """Return |a|, which only V may keep outside a real root; the parser refuses it elsewhere.
-
-    Args:
-        node: a.
-    """
+    """Return |a|, which only V may keep outside a real root; the parser refuses it elsewhere."""
     return node._replace(expression=sp.Abs(node.expression), value=None if node.value is None else abs(node.value))
 
 
 def sign_of(node: Node) -> Node:
-    """sign(a), which only V may keep.
-
-    Args:
-        node: a.
-    """
+    """sign(a), which only V may keep."""
     value = None if node.value is None else _CONTEXT.sign(node.value)
     return node._replace(expression=sp.sign(node.expression), value=value)
 
@@ -367,11 +359,7 @@ def _checked(node: Node, fail: Fail) -> Node:
 
 
 def has_absolute_value(expression: sp.Expr) -> bool:
-    """Return whether an absolute value occurs in it, other than in a real root such as (x**2)**(1/3) = |x|**(2/3).
-
-    Args:
-        expression: real.
-    """
+    """Return whether an absolute value occurs in it, other than in a real root such as (x**2)**(1/3) = |x|**(2/3)."""
     roots = {e: sp.S.One for e in expression.atoms(sp.Pow) if isinstance(e.base, sp.Abs) and e.exp.is_integer is False}
     return bool(expression.xreplace(roots).has(sp.Abs, sp.sign, sp.arg, sp.re, sp.im))
 

@@ -167,9 +167,6 @@ def legendre_e(*arguments: mpmath.mpf) -> mpmath.mpf:
 
     mpmath's complete integral loses as many digits as 1 − m has zeros: next to a separatrix it is wrong by 10⁻⁴⁴ at 60
     digits. This one adds positive terms, E = k′²(R_D(0, k′², 1) + R_D(0, 1, k′²))/3, DLMF 19.25.1.
-
-    Args:
-        arguments: m, or φ and m.
     """
     *φ, m = arguments
     complement = 1 - m

@@ -286,9 +286,6 @@ def check_name(name: object, role: str) -> None:
 def check_clashes(coordinates: list[str], parameters: list[str]) -> None:
     """Refuse a name that is declared twice, or that is the momentum of a coordinate.
 
-    Args:
-        coordinates, parameters: names as declared.
-
     Raises:
         InvalidSystemError: a name in both lists, or ``p_x`` next to a coordinate ``x``.
     """

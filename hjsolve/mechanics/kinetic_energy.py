@@ -242,11 +242,7 @@ def half_inverse_form(matrix: sp.ImmutableMatrix, vector: Sequence[sp.Expr]) -> 
 
 
 def short_reciprocal(expression: sp.Expr) -> sp.Expr:
-    """1/expression, without a fraction in the denominator where that is shorter.
-
-    Args:
-        expression: the denominator.
-    """
+    """1/expression, without a fraction in the denominator where that is shorter."""
     return _shortest([1 / expression, 1 / sp.together(expression)])
 
 

@@ -42,11 +42,7 @@ class Kink(Shown):
 
 
 def has_kinks(expression: sp.Expr) -> bool:
-    """Return whether a formula has absolute values, signs or pieces; a real root |u|^(p/q) alone is none.
-
-    Args:
-        expression: a formula.
-    """
+    """Return whether a formula has absolute values, signs or pieces; a real root |u|^(p/q) alone is none."""
     roots = {e: sp.S.One for e in expression.atoms(sp.Pow) if isinstance(e.base, sp.Abs) and e.exp.is_integer is False}
     return bool(expression.xreplace(roots).has(*_MADE_BY))
 

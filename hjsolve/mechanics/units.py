@@ -192,11 +192,7 @@ class UnitTable(Shown):
     free: tuple[str, ...]
 
     def powers(self, exponents: Exponents) -> Powers | None:
-        """Return the unit of a product of names, as factors; None where that of a name does not follow.
-
-        Args:
-            exponents: of names.
-        """
+        """Return the unit of a product of names, as factors; None where that of a name does not follow."""
         total: Exponents = _NONE
         for name, power in exponents.items():
             if name not in self.derived:
@@ -209,11 +205,7 @@ class UnitTable(Shown):
         return texts
 
     def undetermined(self, exponents: Exponents) -> str:
-        """Return the first name of a product whose unit does not follow.
-
-        Args:
-            exponents: of names.
-        """
+        """Return the first name of a product whose unit does not follow."""
         return next((name for name in self.free if name != ENERGY), next(iter(exponents)))
 
 
@@ -266,9 +258,6 @@ def unit_table(system: Posed, alike: tuple[tuple[sp.Expr, sp.Expr], ...] = (), a
 
 def check_units(system: Posed) -> None:
     """Refuse declared units that T and V cannot have, as far as that is seen without knowing what a unit is.
-
-    Args:
-        system: with the declared units.
 
     Raises:
         InvalidSystemError: an angle that is not in radians, or something that must be a pure number and has a unit.

@@ -233,11 +233,7 @@ def _outside_integrals(motion: SeparatedMotion, name: str) -> tuple[Mpf, float]:
 
 
 def lower_limits(motion: SeparatedMotion) -> dict[str, Estimate]:
-    """Return where the quadratures of ``betas`` begin; see ``Motion.lower_limits``.
-
-    Args:
-        motion: the motion.
-    """
+    """Return where the quadratures of ``betas`` begin; see ``Motion.lower_limits``."""
     result = {}
     for name, place in motion.located.items():
         course, bits = place.course, bits_for(motion.digits, 96)
@@ -254,11 +250,7 @@ def lower_limits(motion: SeparatedMotion) -> dict[str, Estimate]:
 
 
 def energy_of(motion: SeparatedMotion) -> sp.Expr:
-    """Return the exact value of E, the constant that goes with the time.
-
-    Args:
-        motion: with its constants.
-    """
+    """Return the exact value of E, the constant that goes with the time."""
     shell = motion.solution.separation.shell
     if motion.solution.coordinates:
         return motion.initial.constants[shell.energy.name]

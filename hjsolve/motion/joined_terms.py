@@ -21,12 +21,7 @@ _LONGEST = 400
 
 @lru_cache(maxsize=256)
 def by_half_angles(F: sp.Expr, q: sp.Symbol) -> sp.Expr:
-    """Write the fractions of a formula over sin²q by half angles where the two poles, q = 0 and π, differ.
-
-    Args:
-        F: any formula.
-        q: an angle.
-    """
+    """Write the fractions of a formula over sin²q by half angles where the two poles, q = 0 and π, differ."""
     terms = sp.Add.make_args(F)
     poles = [t for t in terms if any(b.has(q) and b.has(sp.sin, sp.cos) for b in _below(t))]
     if not poles or sum(sp.count_ops(t) for t in poles) > _LONGEST:

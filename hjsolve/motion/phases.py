@@ -39,23 +39,16 @@ class Phases:
     ended: Mask
 
 
-def phases_at(
-    motion: SeparatedMotion,
-    floats: Reals | None,
-    exact: Sequence[Callable[[int], Mpf]],
-    time: tuple[Reals, Reals] | None = None,
-) -> Phases:
-    """Solve Jacobi's equations at the times t (or at times relative to t₀ already).
+def phases_at(motion: SeparatedMotion, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]]) -> Phases:
+    """Solve Jacobi's equations at the times t.
 
     Args:
         motion: the one looked at.
         floats: t as a double array of shape (m,), where all times are finite floats; None otherwise.
         exact: rules that give each t in any number of binary digits.
-        time: t − t₀ as two doubles, where it is known already.
     """
     many = motion.digits > 15
-    relative_time, precise, bits = times_at(motion, floats, exact, doubles=time is None)
-    time = relative_time if time is None else time
+    time, precise, bits = times_at(motion, floats, exact)
     χ, whole, errors, ended = solve_phases(motion, within_doubles(time))
     for cycles in whole:
         whole_numbers(cycles)
@@ -67,7 +60,7 @@ def phases_at(
 
 
 def times_at(
-    motion: SeparatedMotion, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]], *, doubles: bool = True
+    motion: SeparatedMotion, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]]
 ) -> tuple[tuple[Reals, Reals], list[Mpf], int]:
     """Return t − t₀ as two doubles, in many digits (empty where doubles are enough), and the bits of these.
 
@@ -75,7 +68,6 @@ def times_at(
         motion: the one looked at.
         floats: t as a double array of shape (m,), where all times are finite floats; None otherwise.
         exact: rules that give each t in any number of binary digits.
-        doubles: whether the two doubles are wanted.
     """
     start = to_bits(motion.t0)
     many = motion.digits > 15
@@ -89,8 +81,6 @@ def times_at(
         bits += max(0, int(np.log2(min(largest * float(rate), 1e300) + 1.0)))
     rules = exact if floats is None else [_rule(x) for x in floats] if many else []
     precise = relative_exact(rules, start, bits) if rules else []
-    if not doubles:
-        return (np.zeros(0), np.zeros(0)), precise, bits
     return relative(floats, start) if floats is not None else halves(precise), precise, bits
 
 

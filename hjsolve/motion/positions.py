@@ -31,12 +31,7 @@ if TYPE_CHECKING:
 
 
 def constant_index(motion: SeparatedMotion, name: str) -> int:
-    """Return the place of an ignorable coordinate's momentum among the constants.
-
-    Args:
-        motion: with its constants.
-        name: of an ignorable coordinate.
-    """
+    """Return the place of an ignorable coordinate's momentum among the constants."""
     return list(motion.solution.constants).index(motion.solution.system.coordinate(name).momentum.name)
 
 

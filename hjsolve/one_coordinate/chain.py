@@ -177,7 +177,7 @@ def _joined(
     )
 
 
-def _padded(tables: list[Numbers]) -> Any:
+def _padded(tables: list[Numbers]) -> Numbers:
     longest = max(t.shape[2] for t in tables)
     wide = [np.concatenate([t, np.zeros((*t.shape[:2], longest - t.shape[2]), dtype=t.dtype)], axis=2) for t in tables]
     return np.concatenate(wide, axis=1)

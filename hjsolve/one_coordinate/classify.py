@@ -138,7 +138,9 @@ def _first_end(start: CoordinateStart, side: int, digits: int) -> End:
         if not beyond:
             raise
         nearest = min(beyond, key=lambda zero: abs(zero(1024) - q))
-        return first_end(replace(outward, reach=partial(_distance, start.place, nearest), turns=False), digits=digits)
+        return first_end(
+            replace(outward, reach=partial(kinks.distance, start.place, nearest), turns=False), digits=digits
+        )
 
 
 def _looks_multiple(start: CoordinateStart) -> bool:
@@ -164,15 +166,11 @@ def ray(start: CoordinateStart, side: int) -> Ray:
         return Ray(start.radicand, start.place, side, _turn, turns=True)
     if end is None:
         return Ray(start.radicand, start.place, side, None)
-    return Ray(start.radicand, start.place, side, partial(_distance, start.place, end))
+    return Ray(start.radicand, start.place, side, partial(kinks.distance, start.place, end))
 
 
 def _turn(bits: int) -> Mpf:
     return 2 * multiprecision(bits).pi
-
-
-def _distance(one: Number, other: Number, bits: int) -> Mpf:
-    return abs(other(bits) - one(bits))
 
 
 def at_rest(start: CoordinateStart, digits: int, *, sides: list[MomentumSquared] | None = None) -> Located:

@@ -166,11 +166,7 @@ def zero() -> FourierSeries:
 
 
 def constant_series(value: Mpf | float) -> FourierSeries:
-    """Return a constant function.
-
-    Args:
-        value: of the function.
-    """
+    """Return a constant function."""
     return FourierSeries(value, np.zeros(0), None, 1, 0.0)
 
 

@@ -55,11 +55,7 @@ class PieceMap:
         return self.length * y, self.length * z, self.length + 0 * y
 
     def share(self, q: Mpf) -> Mpf:
-        """Return y of a place.
-
-        Args:
-            q: the place.
-        """
+        """Return y of a place."""
         x = (q - self.lower) / self.length
         root: Mpf = x.context.sqrt(abs(x if self.turning < 0 else 1 - x)) if self.turning else x
         return 1 - root if self.turning > 0 else root

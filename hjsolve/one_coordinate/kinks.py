@@ -48,12 +48,7 @@ def cell_of(start: CoordinateStart, forward: int) -> int:
 
 
 def in_its_cell(start: CoordinateStart, k: int) -> CoordinateStart:
-    """Return the coordinate with the p² of one cell, which ends where that does.
-
-    Args:
-        start: the coordinate.
-        k: which cell.
-    """
+    """Return the coordinate with the p² of one cell, which ends where that does."""
     cell = start.cells[k]
     return replace(start, radicand=cell.radicand, lower=cell.lower, upper=cell.upper, cells=())
 
@@ -98,10 +93,10 @@ def reached(start: CoordinateStart, side: int, digits: int) -> Reached:
     while True:
         cell = start.cells[k]
         last = cell.upper if side > 0 else cell.lower
-        reach = None if last is None else partial(_distance, origin, last)
+        reach = None if last is None else partial(distance, origin, last)
         if reach is None or reach(_BITS) > 0:
             begin = origin if inner and origin is start.place else _inside(cell.radicand, origin, side, reach)
-            reach = None if last is None else partial(_distance, begin, last)
+            reach = None if last is None else partial(distance, begin, last)
             end = first_end(Ray(cell.radicand, begin, side, reach), digits=digits)
         else:
             end = End("boundary", origin)
@@ -174,7 +169,8 @@ def _rises(radicand: MomentumSquared, q: Mpf, side: int) -> int:
     return int(values[1].context.sign(values[1])) if values[0] * values[1] > 0 else 0
 
 
-def _distance(one: Number, other: Number, bits: int) -> Mpf:
+def distance(one: Number, other: Number, bits: int) -> Mpf:
+    """Return the distance of two places in so many bits."""
     return abs(other(bits) - one(bits))
 
 

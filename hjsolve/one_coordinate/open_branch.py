@@ -119,11 +119,7 @@ class Branch:
         return _panels(self, weights, power)
 
     def swept(self, weights: tuple[float, ...] | None, amount: float) -> Panels:
-        """Return panels of |P dq/dy| that reach as far as ``panels(weights, amount)``.
-
-        Args:
-            weights, amount: as of ``panels``.
-        """
+        """Return panels of |P dq/dy| that reach as far as ``panels(weights, amount)``."""
         return swept(self, weights, amount)
 
     def carries(self, j: int) -> bool:

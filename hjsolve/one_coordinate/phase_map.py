@@ -78,11 +78,7 @@ class Unstretched:
         return type(self)(**{name: v if isinstance(v, int) else float(v) for name, v in values.items()})
 
     def lowered(self, arithmetic: Multi) -> Self:
-        """Return the same with its constants rounded to fewer digits.
-
-        Args:
-            arithmetic: with fewer.
-        """
+        """Return the same with its constants rounded to fewer digits."""
         values = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
         numbers = {n: arithmetic.convert(v) for n, v in values.items() if not isinstance(v, int | float | None)}
         return replace(self, **numbers)  # type: ignore[type-var]

@@ -149,11 +149,7 @@ class Integrands:
         return [factor, *self.kernels[1].run(seen.q)]
 
     def factors(self, seen: ComplexPlace) -> tuple[Complexes, ...]:
-        """Return R at points in every available form; where terms cancel one of them may be nothing but rounding.
-
-        Args:
-            seen: complex places.
-        """
+        """Return R at points in every available form; where terms cancel one of them may be nothing but rounding."""
         return self.squared.methods(seen.q, seen.from_lower, seen.from_upper)
 
 
@@ -230,9 +226,6 @@ def obstacles(subject: Integrands) -> list[tuple[float, float]] | None:
     A square that cannot be decided and is small against its height is an obstacle; what lies straight above a square
     that is not decided either waits, and what lies above the cone over an obstacle is not looked at.
 
-    Args:
-        subject: the integrands.
-
     Returns:
         (Re χ, Im χ) of obstacles, the lowest first; None where they are too many, or one is as good as real.
     """
@@ -258,9 +251,6 @@ def obstacles(subject: Integrands) -> list[tuple[float, float]] | None:
 
 def rough_places(subject: Integrands) -> list[tuple[float, float]] | None:
     """Choose the obstacles that explain all others: what lies as high as half its distance from one of them is its.
-
-    Args:
-        subject: the integrands.
 
     Returns:
         (χₖ, δₖ), the distance from the real axis below 1; None where they are too many or cannot be told in doubles.

@@ -175,16 +175,6 @@ class Stretched:
         return replace(self, inner=self.inner.lowered(arithmetic))
 
 
-def lowered(anomaly: Inner | Stretched, arithmetic: Multi) -> Inner | Stretched:
-    """Round the constants of a map to fewer digits.
-
-    Args:
-        anomaly: with constants of many digits.
-        arithmetic: with fewer.
-    """
-    return anomaly.lowered(arithmetic)
-
-
 def stretched(inner: Inner, places: list[tuple[float, float]]) -> Stretched | None:
     """Make the phase that resolves rough places χₖ of width δₖ.
 

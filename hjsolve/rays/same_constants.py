@@ -347,9 +347,5 @@ def _ignorable(motion: SeparatedMotion, other: SeparatedSweep, name: str) -> Ign
 
 
 def momentum_shift(motion: Motion) -> sp.Expr:
-    """Return the sum of the shifts by which momenta differ from ∂W/∂q; 0 where there are none.
-
-    Args:
-        motion: any.
-    """
+    """Return the sum of the shifts by which momenta differ from ∂W/∂q; 0 where there are none."""
     return sum(motion.solution.shift.values(), sp.S.Zero)

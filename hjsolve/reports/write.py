@@ -184,9 +184,6 @@ def report(
 def refuse_live(live: bool) -> None:
     """Refuse a live report of what is not the motion of a system.
 
-    Args:
-        live: whether one is asked.
-
     Raises:
         InvalidInputError: it is.
     """

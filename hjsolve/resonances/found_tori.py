@@ -36,9 +36,6 @@ _GRID = 97
 def tori(asked: TorusQuestion) -> Motion | tuple[Motion, ...]:
     """Return the motions that are asked for: one, or several in the order of their unknowns.
 
-    Args:
-        asked: what is asked.
-
     Raises:
         InvalidInputError: none was found, with what was looked at; or all motions of a family meet the equations.
         NotConvergedError: a root is not proved.

@@ -38,9 +38,6 @@ _SAME = 1e-9
 def tori_by_newton(asked: TorusQuestion) -> list[Motion]:
     """Return the tori that were found, in the order of their first constant.
 
-    Args:
-        asked: what is asked.
-
     Raises:
         InvalidInputError: none was found.
     """

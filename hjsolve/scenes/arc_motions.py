@@ -88,12 +88,7 @@ class FreeMotions:
         return self._turned(piece, ())
 
     def shared(self, piece: FreeArc, names: tuple[str, ...]) -> Mapping[str, object]:
-        """Quantities that are the same on all flights of the same signs: one table for them all.
-
-        Args:
-            piece: the flight.
-            names: of the quantities.
-        """
+        """Quantities that are the same on all flights of the same signs: one table for them all."""
         motion = self.mirrored(piece)
         key = (id(motion), names)
         if key not in self._shared:
@@ -104,9 +99,6 @@ class FreeMotions:
         """Return the motion with momenta of the signs of the flight.
 
         What is the same along it is the same along that motion.
-
-        Args:
-            piece: the flight.
         """
         signs = signed(required(piece.free), required(piece.flight).signs)
         return self._turned(piece, tuple(name for name, sign in signs.items() if sign < 0))

@@ -20,11 +20,7 @@ _CHUNK, _LONGEST_WALK = 512, 400
 
 
 def bits_of(digits: int) -> int:
-    """Binary digits for decimal ones, with some to spare.
-
-    Args:
-        digits: decimal digits.
-    """
+    """Binary digits for decimal ones, with some to spare."""
     return bits_for(digits, 32)
 
 
@@ -153,9 +149,6 @@ def sharpened(motion: Motion, name: str, value: sp.Expr, time: Mpf) -> Mpf:
 
 def restart(motion: Motion) -> dict[str, Any]:
     """Return the arguments that start the same motion again.
-
-    Args:
-        motion: the one to start again.
 
     Returns:
         Keywords of ``Solution.motion``.

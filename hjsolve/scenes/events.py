@@ -115,11 +115,7 @@ def _restitution(table: Toml, where: str) -> sp.Expr:
 
 
 def once(events: Sequence[Event]) -> list[Event]:
-    """Events at one instant, in order; of several walls at one place the first one counts, so none undoes another.
-
-    Args:
-        events: all of one instant.
-    """
+    """Events at one instant, in order; of several walls at one place the first one counts, so none undoes another."""
     found: list[Event] = []
     for event in events:
         if event.kind != "wall" or all(e.kind != "wall" or e.coordinate != event.coordinate for e in found):

@@ -138,27 +138,15 @@ class Carried:
         return self.mean * χ + self.kernel.oscillation(χ)
 
     def angle(self, χ: Mpf) -> Mpf:
-        """Return the coordinate, with its whole turns, at a phase of the carrier.
-
-        Args:
-            χ: phase of the carrier.
-        """
+        """Return the coordinate, with its whole turns, at a phase of the carrier."""
         return self.begin - (self._integral(χ) - self.origin)
 
     def time_of(self, χ: Mpf) -> Mpf:
-        """Return the time of the free motion at a phase of the carrier, which has a clock of its own.
-
-        Args:
-            χ: phase of the carrier.
-        """
+        """Return the time of the free motion at a phase of the carrier, which has a clock of its own."""
         return (χ + self.clock.oscillation(χ) - self.start) / self.rate
 
     def near(self, time: Mpf) -> Mpf:
-        """Return the coordinate, with its whole turns, at a time of the free motion, to a few digits.
-
-        Args:
-            time: of the free motion.
-        """
+        """Return the coordinate, with its whole turns, at a time of the free motion, to a few digits."""
         period = self.times[-1] - self.times[0]
         whole = self.context.floor((time - self.times[0]) / period)
         return self.begin + whole * self.turn + float(np.interp(float(time - whole * period), self.times, self.grid))

@@ -79,9 +79,6 @@ def _started(scene: Question) -> None:
 def solved(scene: Question) -> Solution | None:
     """Solve the system of a scene; None where it is to be integrated.
 
-    Args:
-        scene: what is asked.
-
     Raises:
         NotSeparableError: it does not separate, or a force acts on it.
         MissingValueError: nothing says where the motion starts.

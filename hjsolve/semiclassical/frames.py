@@ -86,11 +86,7 @@ class ContinuedFrame:
         return all(circuit.fits(curve, c.low, c.high, c.kind == ROTATION) for circuit, curve, c in rows)
 
     def energy(self, torus: Torus) -> sp.Expr:
-        """Return E of a torus.
-
-        Args:
-            torus: one of this frame.
-        """
+        """Return E of a torus."""
         return torus.initial.constants[next(iter(self.solution.constants))]
 
     def shape(self, candidate: Candidate) -> tuple[int, ...]:

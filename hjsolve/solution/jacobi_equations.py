@@ -120,11 +120,7 @@ def orbit_equations_of(verdict: Separation, separated: Separated, taken: frozens
 
 
 def names_taken(verdict: Separation) -> frozenset[str]:
-    """Return the names that the symbols of a system have.
-
-    Args:
-        verdict: of the system.
-    """
+    """Return the names that the symbols of a system have."""
     symbols = set(verdict.system.symbols) | {c.symbol.name for c in verdict.constants.values()}
     return frozenset(symbols | {c.momentum.name for c in verdict.system.coordinates})
 

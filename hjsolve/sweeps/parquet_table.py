@@ -44,11 +44,7 @@ class ParquetTable:
         return int(self.ends[-1]) if len(self.ends) else 0
 
     def numeric(self, name: str) -> bool:
-        """Tell whether a column holds one real number a row.
-
-        Args:
-            name: of a column.
-        """
+        """Tell whether a column holds one real number a row."""
         kind = self.schema.field(name).type
         return bool(pa.types.is_integer(kind) or pa.types.is_floating(kind))
 

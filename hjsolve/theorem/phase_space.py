@@ -129,11 +129,7 @@ def _with_sign(parameter: sp.Symbol, value: sp.Expr | None) -> sp.Symbol:
 
 
 def without_integrals(expression: sp.Expr) -> tuple[sp.Expr, bool]:
-    """Return the expression with a letter for every integral, and whether there was one.
-
-    Args:
-        expression: any.
-    """
+    """Return the expression with a letter for every integral, and whether there was one."""
     letters: dict[sp.Basic, sp.Dummy] = {}
 
     def letter(node: sp.Basic) -> sp.Dummy:

@@ -125,9 +125,6 @@ def action_of(part: Coefficients, kind: int, q0: sp.Expr, q1: sp.Expr, t: sp.Exp
 def two_point_function(solution: Solution) -> TwoPointFunction:
     """Return S(q_0, q, t) of a system with linear forces; see ``Solution.two_point_function``.
 
-    Args:
-        solution: of the system.
-
     Raises:
         InvalidInputError: T and V are of another kind, or the sign of a constant of a spring is not declared.
         NotConvergedError: the proof was not finished in its time.

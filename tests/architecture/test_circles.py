@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.support.sources import ROOT, tree_of
+
 UPWARD = {
     ("hjsolve.solution.quadratures", "hjsolve.motion.charted.begin"),
     ("hjsolve.solution.quadratures", "hjsolve.motion.motion"),
@@ -41,12 +42,13 @@ def files() -> dict[str, Path]:
     return found
 
 
+@cache
 def home(base: str, name: str) -> str | None:
     """The file that ``from base import name`` takes a name from: through the rooms' own re-exports."""
     if f"{base}.{name}" in files():
         return f"{base}.{name}"
     if base in files() and files()[base].stem == "__init__":
-        for node in ast.walk(ast.parse(files()[base].read_text(encoding="utf-8"))):
+        for node in ast.walk(tree_of(files()[base])):
             if isinstance(node, ast.ImportFrom) and node.module and name in {a.asname or a.name for a in node.names}:
                 return home(node.module, name)
     return base if base in files() else None
@@ -60,7 +62,7 @@ def imports() -> dict[str, set[str]]:
         if path.stem != "__init__":
             taken = {
                 home(node.module, alias.name)
-                for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+                for node in ast.walk(tree_of(path))
                 if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("hjsolve")
                 for alias in node.names
             }

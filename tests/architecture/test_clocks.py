@@ -5,7 +5,9 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
-PACKAGE = Path(__file__).resolve().parents[2] / "hjsolve"
+from tests.support.sources import ROOT, tree_of
+
+PACKAGE = ROOT / "hjsolve"
 READS = {"monotonic", "perf_counter", "process_time", "thread_time", "time", "perf_counter_ns", "time_ns"}
 LIMITS = {
     "algebra/poly.py": "budgets of exact arithmetic: the user's seconds, and processor time of the thread",
@@ -30,7 +32,7 @@ def reads(path: Path) -> bool:
         path: of a module.
     """
     names = set()
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.ImportFrom) and node.module == "time":
             return True
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "time":

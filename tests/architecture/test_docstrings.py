@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import hjsolve
+from tests.support.sources import tree_of
 
 CALLABLES = [
     name
@@ -69,7 +70,7 @@ def defined(path: Path, name: str) -> bool:
     if path.is_dir():
         return (path / name).is_dir() or (path / f"{name}.py").exists() or defined(path / "__init__.py", name)
     found: set[str] = set()
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+    for node in tree_of(path).body:
         match node:
             case ast.FunctionDef() | ast.ClassDef():
                 found.add(node.name)

@@ -8,25 +8,19 @@ import subprocess
 import sys
 from collections import defaultdict
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 
 import pytest
 
 import hjsolve
 from hjsolve.errors import of_kind
+from tests.support.sources import ROOT, tree_of
 
-ROOT = Path(__file__).resolve().parents[2]
 SOURCES = sorted((ROOT / "hjsolve").rglob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 # the one place that runs a generated program: written from operation codes and numbers, see tests/ensembles/test_programs.py
 WRITTEN_BY_US = {"hjsolve/ensembles/engine/programs.py": {"exec", "compile"}}
-
-
-@cache
-def tree_of(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
 
 
 def named(path: Path) -> str:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import ast
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
-MOST = {"ensembles": (160, 35), "elsewhere": (300, 28)}
+from tests.support.sources import ROOT, tree_of
+
+MOST = {"ensembles": (150, 30), "elsewhere": (250, 24)}
 """Part of the package → uses of ``Any``, and functions that return it.
 
 What has a type of its own is in ``arithmetic/number_types.py``: arrays, numbers of many digits, what is told at times.
@@ -28,7 +28,7 @@ def trees(part: str) -> list[ast.Module]:
     files = sorted((ROOT / "hjsolve").rglob("*.py"))
     own = ROOT / "hjsolve" / "ensembles"
     inside = [path for path in files if (own in path.parents) == (part == "ensembles")]
-    return [ast.parse(path.read_text(encoding="utf-8")) for path in inside]
+    return [tree_of(path) for path in inside]
 
 
 @pytest.mark.nightly_cases("elsewhere")

@@ -39,6 +39,7 @@ def refusal(name):
     return str(hjsolve.solve(name))
 
 
+@pytest.mark.nightly
 def test_a_process_pool_hands_a_refusal_on_with_its_verdict():
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
         with pytest.raises(hjsolve.NotSeparableError) as caught:

@@ -11,11 +11,12 @@ import hjsolve
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.machine.writer import InstructionWriter
-from hjsolve.arithmetic.second_differences import SecondDifference, in_doubles
+from hjsolve.arithmetic.second_differences import SecondDifference
 from hjsolve.ensembles.engine.lowered_solution import lowered_model
 from hjsolve.ensembles.engine.programs import parameter_rows, sides, system_programs
 from hjsolve.ensembles.engine.programs_of_small_motions import has_slopes
 from hjsolve.motion.initial_data import parameter_values
+from tests.reference.second_differences import in_doubles
 
 
 def known(name: str, **values: object):

@@ -12,19 +12,19 @@ from hjsolve.separation.zero_test.interval_evaluation import Region
 from hjsolve.separation.zero_test.zero_test import Zero, free_region, is_zero
 from tests.support.book import Mechanics, exact, formula, mechanics
 from tests.support.book_table import REFUSED_ROWS, ROWS, entries_of
-from tests.support.entries import described
+from tests.support.entries import described, table
 from tests.support.pfaff import curvature, one_form
 
-ENTRIES = {name: described(name) for name in catalog.ids()}
-STATED = [n for n, e in ENTRIES.items() if e.stated and e.stated.kinetic]
-INTEGRATED = [n for n, e in ENTRIES.items() if e.constraints and e.system is not None]
-NONHOLONOMIC = [n for n, e in ENTRIES.items() if e.refusal and e.refusal.kind == "nonholonomic"]
+STATED = [n for n in catalog.ids() if table(n).get("stated", {}).get("kinetic")]
+CONSTRAINED = [n for n in catalog.ids() if "constraint" in table(n)]
+INTEGRATED = [n for n in CONSTRAINED if described(n).system is not None]
+NONHOLONOMIC = [n for n in CONSTRAINED if (r := described(n).refusal) and r.kind == "nonholonomic"]
 
 
 @pytest.mark.parametrize("name", STATED)
 def test_the_books_lagrangian_becomes_ours_under_the_map(name: str) -> None:
     """L_stated(map) = L_entry + dF/dt, exactly."""
-    stated, own = ENTRIES[name].stated, mechanics(name)
+    stated, own = described(name).stated, mechanics(name)
     assert stated is not None
     book = Mechanics(stated.kinetic, stated.potential, stated.coordinates)
     places = {n: own.of(stated.map[n]) for n in stated.coordinates}
@@ -39,7 +39,7 @@ def test_the_books_lagrangian_becomes_ours_under_the_map(name: str) -> None:
     if not difference.free_symbols:
         assert difference == 0
         return
-    system = ENTRIES[name].system
+    system = described(name).system
     assert system is not None
     region = Region({**free_region(difference).bounds, **domain_bounds(system)}, system.defaults)
     known = difference.xreplace({sp.Symbol(n): symbol for n, symbol in system.symbols.items()})
@@ -55,7 +55,7 @@ def forms(entry: Entry) -> list[list[sp.Expr]]:
 @pytest.mark.parametrize("name", INTEGRATED)
 def test_an_integrable_constraint_is_the_rate_of_its_integral(name: str) -> None:
     """Greenwood (1-20), (1-23): the test of integrability holds, and d(integral)/dt is the constraint itself."""
-    entry = ENTRIES[name]
+    entry = described(name)
     assert all(x == 0 for x in curvature(forms(entry), entry.constraints[0].coordinates))
     for c in entry.constraints:
         frame = Mechanics("0", "0", c.coordinates)
@@ -68,7 +68,7 @@ def test_an_integrable_constraint_is_the_rate_of_its_integral(name: str) -> None
 
 @pytest.mark.parametrize("name", NONHOLONOMIC)
 def test_a_nonholonomic_constraint_fails_the_test_of_integrability(name: str) -> None:
-    entry = ENTRIES[name]
+    entry = described(name)
     assert any(x != 0 for x in curvature(forms(entry), entry.constraints[0].coordinates))
 
 
@@ -77,12 +77,12 @@ def test_every_row_of_the_book_has_an_entry(row: str) -> None:
     found = entries_of(row)
     assert found, row
     if row in REFUSED_ROWS:
-        assert any(ENTRIES[n].kind in ("refused", "outside") for n in found)
+        assert any(described(n).kind in ("refused", "outside") for n in found)
 
 
-@pytest.mark.parametrize("name", [n for n, e in ENTRIES.items() if e.kind == "outside"])
+@pytest.mark.parametrize("name", catalog.ids("outside"))
 def test_a_refusal_without_t_and_v_shows_what_stands_in_the_way(name: str) -> None:
-    refusal = ENTRIES[name].refusal
+    refusal = described(name).refusal
     assert refusal is not None
     assert refusal.formulas
     with pytest.raises(NotSeparableError) as caught:

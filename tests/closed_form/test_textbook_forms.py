@@ -210,6 +210,7 @@ def test_the_pendulum_in_sn_am_and_its_separatrix() -> None:
     agrees_in_time(turning, "theta")
 
 
+@pytest.mark.nightly
 def test_the_spherical_pendulum_and_the_top_between_two_roots_of_a_cubic() -> None:
     t = sp.Symbol("t", real=True)
     _, form = _started("spherical-pendulum")
@@ -382,6 +383,7 @@ def test_ignorable_coordinates_in_time_over_many_turns(name: str, coordinates: t
             assert abs(float(got.value) - expected) <= 4e-12 * max(1, abs(expected)), (t, coordinate)
 
 
+@pytest.mark.nightly
 def test_reports_deny_no_form_that_exists() -> None:
     """(7-185), Sommerfeld's E(J), r(t) of a free particle: each was called without a form."""
     _, hyperbolic = _started("constant-proper-acceleration")

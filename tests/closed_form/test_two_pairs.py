@@ -73,6 +73,7 @@ def test_time_law_inverse_and_w_along_the_motion(name: str, t: str) -> None:
             assert abs(evaluated(form, f"inverse.{coordinate}", values) - values[coordinate]) < 1e-28
 
 
+@pytest.mark.nightly
 def test_numpy_and_c_text_of_such_a_form() -> None:
     motion, form = started("over a quartic")
     law = form.lambdify("numpy")["time_law"]

@@ -12,7 +12,7 @@ from hjsolve.coordinates.find import cartesian_form
 from hjsolve.coordinates.killing.killing_tensors import concircular_basis, kernel, killing_basis, killing_tensor
 from hjsolve.coordinates.results import Geometry
 from hjsolve.coordinates.webs.concircular_families import family
-from hjsolve.coordinates.webs.orthonormal_frames import sign_by
+from hjsolve.coordinates.webs.orthonormal_frames import Sign
 from hjsolve.coordinates.webs.plane import plane_webs
 from tests.support.coordinate_checks import PLANE, along, particle, points, same_motion
 
@@ -217,7 +217,7 @@ def test_undetermined_functions_are_generic() -> None:
     tensors = tuple(killing_tensor(M, x) for M in concircular_basis(2))
     central = kernel(f(sp.sqrt(x[0] ** 2 + x[1] ** 2)), x, tensors)
     assert central.dimension == 2
-    assert [web.kind for web in plane_webs(family(central.vectors, 2), sign_by({}))] == ["polar"]
+    assert [web.kind for web in plane_webs(family(central.vectors, 2), Sign({}))] == ["polar"]
     assert kernel(f(x[0]) + g(x[1]), x, tensors).dimension == 2
     assert kernel(f(x[0] + x[1] ** 2), x, tensors).dimension == 1
 

@@ -11,7 +11,7 @@ from hjsolve import System, find_coordinates
 from hjsolve.coordinates.charts.charts import CoordinateRange, chart
 from hjsolve.coordinates.killing.killing_tensors import concircular_basis, kernel, killing_basis, killing_tensor
 from hjsolve.coordinates.webs.concircular_families import family
-from hjsolve.coordinates.webs.orthonormal_frames import sign_by
+from hjsolve.coordinates.webs.orthonormal_frames import Sign
 from hjsolve.coordinates.webs.space import Potential, space_webs
 from tests.support.coordinate_checks import SPACE, along, particle, points, same_motion
 
@@ -203,7 +203,7 @@ def test_every_central_potential_has_seven_integrals_and_two_webs() -> None:
     assert kernel(V, x, killing_basis(x)).dimension == 7
     concircular = kernel(V, x, tuple(killing_tensor(M, x) for M in concircular_basis(3)))
     assert concircular.dimension == 2
-    webs = space_webs(family(concircular.vectors, 3), Potential(V, x, sign_by({})))
+    webs = space_webs(family(concircular.vectors, 3), Potential(V, x, Sign({})))
     assert {web.kind for web in webs} == {"conical", "spherical"}
 
 

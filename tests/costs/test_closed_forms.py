@@ -12,15 +12,16 @@ from hjsolve.costs.own_methods import own
 from hjsolve.costs.side_by_side import _places
 from hjsolve.costs.subject import scene_of
 from hjsolve.costs.trial import Task
+from tests.support.entries import kinds_of_motions, table
 
 pytestmark = pytest.mark.rotating_file(6)
 
-ENTRIES = [name for name in catalog.ids("separable") if catalog.read(name)[0].get("closed")]
+ENTRIES = [name for name in catalog.ids("separable") if table(name).get("closed")]
 MOTIONS = [
     (name, motion)
     for name in ENTRIES
-    for motion, data in catalog.describe(name).motions.items()
-    if any(table.get("kinds", data.kinds) == data.kinds for table in catalog.read(name)[0]["closed"])
+    for motion, kinds in kinds_of_motions(name).items()
+    if any(form.get("kinds", kinds) == kinds for form in table(name)["closed"])
 ]
 
 

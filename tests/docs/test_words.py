@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.support.sources import ROOT, tree_of
+
 REFUSED = {
     r"\b(could|can|may|might) (not )?be had\b|\bto be had\b": "is available, did not converge, can be computed",
     r"\b(are|is|was|were) had\b": "is computed, is available",
@@ -33,7 +34,7 @@ def _of_python(path: Path) -> str:
     """String literals (docstrings and messages among them; parts of an f-string joined) and comments of a file."""
     text = path.read_text(encoding="utf-8")
     found = [line.split("#", 1)[1] for line in text.splitlines() if line.lstrip().startswith("#")]
-    for node in ast.walk(ast.parse(text)):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
             found.append(node.value)
         elif isinstance(node, ast.JoinedStr):

@@ -40,7 +40,7 @@ def scattered(name: str, count: int, seed: int) -> dict[str, Any]:
     }
 
 
-@pytest.mark.nightly_cases("kuzmin-kutuzov")
+@pytest.mark.nightly_cases("kuzmin-kutuzov", "vinti")
 @pytest.mark.parametrize("name", ESCAPING)
 def test_what_is_proved_is_what_the_engine_of_single_motions_finds(name: str) -> None:
     starts = scattered(name, 30, 1)

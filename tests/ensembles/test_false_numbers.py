@@ -43,6 +43,7 @@ def test_an_eccentric_orbit_is_known_next_to_the_pole_however_far_its_other_end_
     _held(_kepler(r, p, momenta), r, p, momenta)
 
 
+@pytest.mark.nightly_cases("isochrone, all scales")
 @pytest.mark.rotating(4)
 @pytest.mark.parametrize("name", [name for name, field in FIELDS.items() if field.truth])
 def test_no_claim_is_smaller_than_its_error_in_fields_of_closed_form(name: str, request: pytest.FixtureRequest) -> None:

@@ -9,13 +9,12 @@ import hjsolve
 from hjsolve import catalog
 from tests.reference.forms import THOROUGH, form
 from tests.reference.regenerate import motions
+from tests.support.entries import described, kinds_of_motions
 
 GROUPS = {"period": "periods", "action": "actions", "frequency": "frequencies"}
 SAMPLE = ("pendulum", "kepler-planar", "spherical-pendulum")
 LIBRATIONS = [
-    name
-    for name in catalog.ids("separable")
-    if "libration" in getattr(catalog.describe(name).initial, "kinds", {}).values()
+    name for name in catalog.ids("separable") if "libration" in kinds_of_motions(name).get("default", {}).values()
 ]
 
 
@@ -25,7 +24,7 @@ LIBRATIONS = [
     [n if n in SAMPLE else pytest.param(n, marks=[pytest.mark.nightly, pytest.mark.timeout(0)]) for n in LIBRATIONS],
 )
 def test_thirty_and_a_hundred_digits_are_right_to_the_last(name):
-    entry = catalog.describe(name)
+    entry = described(name)
     solution = hjsolve.solve(entry.system)
     thirty, hundred = (solution.motion(**entry.initial.arguments, digits=d) for d in (30, 100))
     with mp.workdps(130):

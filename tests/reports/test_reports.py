@@ -31,9 +31,10 @@ from hjsolve.reports.formats.text import text_page
 from tests.support.reports import material, report_of
 
 T = TypeVar("T")
-SEPARABLE = [
-    "kepler-planar", "pendulum", "spherical-pendulum", "lagrange-top", "kepler-parabolic", "spherical-staeckel", "projectile",
-]  # fmt: skip
+QUICK = ("kepler-planar", "pendulum", "spherical-pendulum", "kepler-parabolic", "projectile")
+LARGE = ("lagrange-top", "spherical-staeckel")
+"""Their documents take 2.5 s each: at night."""
+SEPARABLE = [*QUICK, *(pytest.param(name, marks=pytest.mark.nightly) for name in LARGE)]
 REFUSED = ["henon-heiles", pytest.param("double-pendulum", marks=pytest.mark.nightly)]
 SECTIONS = ["system", "reduction", "test", "forms", "characteristic-function", "time-law", "closed-forms", "motion", "numbers", "how"]  # fmt: skip
 
@@ -246,7 +247,7 @@ def test_json_keeps_the_arrays_of_the_figures(documents: dict[str, Document]) ->
 
 # ------------------------------------------------------------------------------------------------ the drawings' numbers
 def test_the_effective_potential_meets_the_level_at_the_turning_points(materials: dict[str, Material]) -> None:
-    for name in SEPARABLE:
+    for name in (*QUICK, *LARGE):
         motion = materials[name].motion
         assert motion is not None
         for coordinate in motion.solution.coordinates:
@@ -260,7 +261,7 @@ def test_the_effective_potential_meets_the_level_at_the_turning_points(materials
 
 
 def test_p_squared_of_the_drawing_is_p_squared_of_the_solution(materials: dict[str, Material]) -> None:
-    for name in SEPARABLE:
+    for name in (*QUICK, *LARGE):
         motion = materials[name].motion
         assert motion is not None
         state = motion.at(float(motion.t0))
@@ -389,7 +390,7 @@ LONG = {"neumann", "garnier", "triaxial-geodesics", "two-centres-space", "stark"
 """Reports whose map and wavefronts take seconds: whole ones at night."""
 
 
-@pytest.mark.rotating(10)
+@pytest.mark.rotating(6)
 @pytest.mark.parametrize(("name", "brief"), [
     *((name, name in LONG) for name in hjsolve.catalog.ids("separable")),
     *(pytest.param(name, False, marks=pytest.mark.nightly) for name in sorted(LONG)),

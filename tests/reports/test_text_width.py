@@ -7,7 +7,7 @@ import hjsolve
 LONGEST = 100
 
 
-@pytest.mark.nightly_cases("kepler-spherical", "lagrange-top", "two-centres-space")
+@pytest.mark.nightly_cases("henon-heiles", "kepler-spherical", "lagrange-top", "two-centres-space")
 @pytest.mark.parametrize(
     "name", ["projectile", "henon-heiles", "kepler-spherical", "lagrange-top", "two-centres-space"]
 )

@@ -61,6 +61,7 @@ def test_both_frequencies_of_the_isochrone(isochrone):
             assert abs(abs(mp.mpf(constant.value)) - value) <= constant.error <= 1e-24
 
 
+@pytest.mark.nightly
 def test_a_ratio_is_proved_between_two_certified_motions(isochrone):
     motion = isochrone.torus(ratio={"r": 3, "theta": 2}, fixed={"E": "-1/5"}, certified=True)
     assert motion.frequencies["r"].certified

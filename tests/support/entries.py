@@ -18,6 +18,18 @@ from hjsolve.solution.quadratures import Solution, solve
 
 
 @functools.cache
+def table(name: str) -> dict[str, Any]:
+    """The entry as its file has it: lists of cases are made from it, so that collecting builds no system."""
+    return catalog.read(name)[0]
+
+
+def kinds_of_motions(name: str) -> dict[str, dict[str, str]]:
+    """Motion of an entry → the kind of motion of each coordinate, where the file says it."""
+    motions = {"default": table(name)["initial"]} if "initial" in table(name) else {}
+    return {motion: data.get("kinds", {}) for motion, data in (motions | table(name).get("motions", {})).items()}
+
+
+@functools.cache
 def described(name: str) -> Entry:
     """The entry, its system built without effects."""
     return catalog.describe(name)

@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from threading import local
-from typing import Any
 
 import numpy as np
 
-from hjsolve.arithmetic.machine.operations import APART, LENGTH
+from hjsolve.arithmetic.machine.operations import APART, LENGTH, Instructions
 from hjsolve.arithmetic.machine.run import MachineProgram, prepared, run
 from hjsolve.arithmetic.number_types import Integers, Reals
 
@@ -48,12 +47,12 @@ class MachineCode:
         return len(self.instructions)
 
     @cached_property
-    def instructions(self) -> Any:
+    def instructions(self) -> Instructions:
         """The instructions, int32, shape (instructions, ``LENGTH``)."""
         return _instructions(self.written)
 
     @cached_property
-    def _first(self) -> Any:
+    def _first(self) -> Instructions:
         return _instructions(self.once)
 
     @cached_property
@@ -111,5 +110,5 @@ def aligned(shape: tuple[int, ...]) -> Reals:
     return room[first : first + size].reshape(shape)
 
 
-def _instructions(written: bytes) -> Any:
+def _instructions(written: bytes) -> Instructions:
     return np.frombuffer(written, dtype=np.int32).reshape(-1, LENGTH).copy()

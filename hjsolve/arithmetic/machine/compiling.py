@@ -12,7 +12,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any, TypeVar
 
-F = TypeVar("F", bound=Callable[..., Any])
+F = TypeVar("F", bound=Callable[..., object])
 
 PLAIN: dict[str, Any] = {"error_model": "numpy", "nogil": True, "_nrt": False}
 """Without numba's memory: views of arrays are not counted, which would take as long as the arithmetic."""
@@ -45,7 +45,7 @@ def kernel(function: F) -> F:
     within = _compiled_within(function, fastmath={"contract"}, forceinline=True)
     by_address: Any = bundles.by_address
 
-    def entered(*arguments: Any) -> None:
+    def entered(*arguments: object) -> None:
         within(*by_address(arguments))
 
     entered.__name__, entered.__qualname__ = function.__name__, function.__qualname__
@@ -120,9 +120,8 @@ def _compiled_alone(function: F, **options: Any) -> F:
     """Compile a function once for all that call it, whatever their own options, and for Python too."""
     if not available():
         return function
-    from numba import njit
+    import numba
 
-    all_: dict[str, Any] = PLAIN | options | {"no_cfunc_wrapper": True}
-    made: Any = njit(**all_)(function)
-    kept: F = made
+    njit: Any = numba.njit
+    kept: F = njit(**PLAIN, **options, no_cfunc_wrapper=True)(function)
     return kept

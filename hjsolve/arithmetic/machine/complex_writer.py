@@ -8,12 +8,14 @@ those of the operations they are made of.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple, Protocol
 
 from hjsolve.arithmetic.floats import by_squaring
 from hjsolve.arithmetic.machine.elementary import ROUNDINGS
 from hjsolve.arithmetic.machine.writer import InstructionWriter, Value
+from hjsolve.arithmetic.number_types import N
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.arithmetic.tape import Arithmetic
 
 _PRODUCT, _QUOTIENT = 3, 7
 """Units of rounding: |fl(x·y) − x·y| ≤ √5 u |x y| (Brent, Percival and Zimmermann 2007); of a quotient |y|² has two,
@@ -95,6 +97,12 @@ class ComplexWriter:
         a = self.writer
         return ComplexValue(a.unary("neg", x.re), None if x.im is None else a.unary("neg", x.im))
 
+    def turned(self, x: ComplexValue, sign: int) -> ComplexValue:
+        """Write ±i x."""
+        a = self.writer
+        im = a.number(0.0) if x.im is None else x.im
+        return ComplexValue(a.unary("neg", im), x.re) if sign > 0 else ComplexValue(im, a.unary("neg", x.re))
+
     def unary(self, name: str, x: ComplexValue) -> ComplexValue:
         """Write a function of one variable; "abs" is the modulus, as bounds need it."""
         a = self.writer
@@ -118,8 +126,7 @@ class ComplexWriter:
             case "sin" | "cos" | "sinh" | "cosh":
                 return self._wave(name, x.re, im)
             case _:
-                found: ComplexValue = composed(self, name, x)
-                return found
+                return composed(self, name, x)
 
     def _root(self, x: Value, y: Value) -> ComplexValue:
         """√z = t + i y/2t, t = √((|z| + |x|)/2), or the two the other way round where x < 0."""
@@ -178,7 +185,15 @@ class AnalyticWriter(ComplexWriter):
         return self.mul(x, ComplexValue(sign))
 
 
-def composed(arithmetic: Any, name: str, z: Any) -> Any:
+class TurningArithmetic(Arithmetic[N], Protocol[N]):
+    """An arithmetic over complex numbers that turns them by a right angle."""
+
+    def turned(self, x: N, sign: int) -> N:
+        """Return ±i x."""
+        ...
+
+
+def composed(arithmetic: TurningArithmetic[N], name: str, z: N) -> N:
     """Write a function by exponentials, logarithms and roots.
 
     Args:
@@ -191,10 +206,10 @@ def composed(arithmetic: Any, name: str, z: Any) -> Any:
     """
     a, one, half = arithmetic, arithmetic.rational(1, 1), arithmetic.rational(1, 2)
 
-    def log(x: Any) -> Any:
+    def log(x: N) -> N:
         return a.unary("log", x)
 
-    def root(x: Any) -> Any:
+    def root(x: N) -> N:
         return a.unary("sqrt", x)
 
     match name:
@@ -212,21 +227,12 @@ def composed(arithmetic: Any, name: str, z: Any) -> Any:
         case "atanh":
             return a.mul(half, log(a.div(a.add(one, z), a.sub(one, z))))
         case "atan":
-            return _turned(a, composed(a, "atanh", _turned(a, z, 1)), -1)
+            return a.turned(composed(a, "atanh", a.turned(z, 1)), -1)
         case "asin":
-            return _turned(a, composed(a, "asinh", _turned(a, z, 1)), -1)
+            return a.turned(composed(a, "asinh", a.turned(z, 1)), -1)
         case "acos":
             return a.sub(a.mul(half, a.pi()), composed(a, "asin", z))
     raise ValueError(f"no complex formula for {name}")
-
-
-def _turned(arithmetic: Any, z: Any, sign: int) -> Any:
-    """±i z."""
-    if isinstance(z, WithErrorBound):
-        return WithErrorBound(_turned(arithmetic.plain, z.value, sign), z.error)
-    a = arithmetic.writer
-    im = a.number(0.0) if z.im is None else z.im
-    return ComplexValue(a.unary("neg", im), z.re) if sign > 0 else ComplexValue(im, a.unary("neg", z.re))
 
 
 @dataclass(frozen=True, slots=True)
@@ -274,8 +280,7 @@ class ComplexRunningError(RunningError[ComplexValue]):
         if name == "log1p":
             return self._logarithm_next_to_one(x)
         if name not in {"exp", "log", "sin", "cos", "sinh", "cosh"}:
-            found: WithErrorBound[ComplexValue] = composed(self, name, x)
-            return found
+            return composed(self, name, x)
         a = self.plain
         value = a.unary(name, x.value)
         slopes = {"sin": "cos", "cos": "sin", "sinh": "cosh", "cosh": "sinh"}
@@ -286,6 +291,10 @@ class ComplexRunningError(RunningError[ComplexValue]):
         else:
             slope = value if name == "exp" else a.unary(slopes[name], x.value)
         return WithErrorBound(value, self._sum(self._part(slope, x.error), own))
+
+    def turned(self, x: WithErrorBound[ComplexValue], sign: int) -> WithErrorBound[ComplexValue]:
+        """Return ±i x, which has the error of x."""
+        return WithErrorBound(self.plain.turned(x.value, sign), x.error)
 
     def _logarithm_next_to_one(self, x: WithErrorBound[ComplexValue]) -> WithErrorBound[ComplexValue]:
         """log(1 + z): s is rounded to parts of |z| (1 + |z|), which 1/|1 + z|² passes on."""

@@ -9,42 +9,66 @@ lanes are one step, over numpy's arrays.
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from math import isfinite
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from hjsolve.arithmetic.machine.compiling import available
+from hjsolve.arithmetic.machine.operations import Instructions
+from hjsolve.arithmetic.number_types import Elementwise, Reals
+
+if TYPE_CHECKING:
+    from llvmlite.ir import Value
+    from numba.core.base import BaseContext
+    from numba.core.typing.context import BaseContext as TypingContext
+    from numba.core.typing.templates import Signature
+
+    Values: TypeAlias = Sequence[Value]
+    """The arguments of a call, as LLVM has them."""
+    Typed: TypeAlias = tuple[Signature, Callable[..., Value]]
+    """What numba wants of an intrinsic: the types of a call, and what writes it."""
 
 if available():
     from llvmlite import ir
     from numba import extending, types
 
     intrinsic: Any = extending.intrinsic
+    """Kernels call what it makes with numbers, not with their types: neither is known to a type checker."""
     _FLOAT, _LONG, _INT = ir.DoubleType(), ir.IntType(64), ir.IntType(32)
     _FLOATS, _INTS, _LONGS = _FLOAT.as_pointer(), _INT.as_pointer(), _LONG.as_pointer()
     _MACHINE = ir.FunctionType(ir.VoidType(), [_LONGS, _INTS, _LONG, _FLOATS, _LONG, _LONG])
     _OPERATION = ir.FunctionType(ir.VoidType(), [_INTS, _FLOATS, _LONG, _LONG])
     _READ, _SCOPES = 4, 5
 
-    def _scopes(builder: Any, chosen: list[int]) -> Any:
+    def _scopes(builder: ir.IRBuilder, chosen: list[int]) -> ir.MDValue:
         """Metadata: a list of scopes, 0 … 3 of the registers filled, 4 of those read."""
         module = builder.module
         domain = module.add_metadata(["hjsolve"])
         return module.add_metadata([module.add_metadata([f"hjsolve {k}", domain]) for k in chosen])
 
-    def _marked(builder: Any, instruction: Any, scope: int) -> Any:
+    def _marked(builder: ir.IRBuilder, instruction: ir.Instruction, scope: int) -> ir.Instruction:
         instruction.set_metadata("alias.scope", _scopes(builder, [scope]))
         instruction.set_metadata("noalias", _scopes(builder, [k for k in range(_SCOPES) if k != scope]))
         return instruction
 
-    def _storing(scope: int) -> Any:
+    def _made_by(instruction: Callable[..., ir.Value], result: types.Type, *arguments: types.Type) -> Typed:
+        """Return the types of an intrinsic that is one instruction, and what writes it."""
+
+        def generate(_context: BaseContext, builder: ir.IRBuilder, _signature: Signature, given: Values) -> ir.Value:
+            return instruction(builder, *given)
+
+        return result(*arguments), generate
+
+    def _storing(scope: int) -> Callable[[Reals, int | np.int64, int | slice, Elementwise], None]:
         @intrinsic
-        def store(_context: Any, registers: Any, _row: Any, _lane: Any, _value: Any) -> Any:
-            def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-                registers, row, lane, value = arguments
+        def store(
+            _context: TypingContext, registers: types.Array, _row: types.Type, _lane: types.Type, _value: types.Type
+        ) -> Typed:
+            def generate(context: BaseContext, builder: ir.IRBuilder, _signature: Signature, given: Values) -> ir.Value:
+                registers, row, lane, value = given
                 _marked(builder, builder.store(value, builder.gep(registers, [builder.add(row, lane)])), scope)
                 return context.get_dummy_value()
 
@@ -56,58 +80,42 @@ if available():
     lanes: Any = range
 
     @intrinsic
-    def load(_context: Any, registers: Any, _row: Any, _lane: Any) -> Any:
+    def load(_context: TypingContext, registers: types.Array, _row: types.Type, _lane: types.Type) -> Typed:
         """Return a number of a register that an operation reads."""
 
-        def generate(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-            registers, row, lane = arguments
+        def read(builder: ir.IRBuilder, registers: ir.Value, row: ir.Value, lane: ir.Value) -> ir.Value:
             return _marked(builder, builder.load(builder.gep(registers, [builder.add(row, lane)])), _READ)
 
-        return types.float64(registers, types.int64, types.int64), generate
+        return _made_by(read, types.float64, registers, types.int64, types.int64)
 
     @intrinsic
-    def as_float(_context: Any, _integer: Any) -> Any:
+    def as_float(_context: TypingContext, _integer: types.Type) -> Typed:
         """Return the double with these bits."""
-
-        def generate(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-            return builder.bitcast(arguments[0], _FLOAT)
-
-        return types.float64(types.int64), generate
+        return _made_by(lambda builder, bits: builder.bitcast(bits, _FLOAT), types.float64, types.int64)
 
     @intrinsic
-    def as_bits(_context: Any, _number: Any) -> Any:
+    def as_bits(_context: TypingContext, _number: types.Type) -> Typed:
         """Return the bits of a double as an integer."""
-
-        def generate(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-            return builder.bitcast(arguments[0], _LONG)
-
-        return types.int64(types.float64), generate
+        return _made_by(lambda builder, x: builder.bitcast(x, _LONG), types.int64, types.float64)
 
     @intrinsic
-    def whole(_context: Any, _number: Any) -> Any:
+    def whole(_context: TypingContext, _number: types.Type) -> Typed:
         """Return a double that is whole as an integer; any integer where it is none."""
-
-        def generate(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-            return builder.fptosi(arguments[0], _LONG)
-
-        return types.int64(types.float64), generate
+        return _made_by(lambda builder, x: builder.fptosi(x, _LONG), types.int64, types.float64)
 
     @intrinsic
-    def fma(_context: Any, _a: Any, _b: Any, _c: Any) -> Any:
+    def fma(_context: TypingContext, _a: types.Type, _b: types.Type, _c: types.Type) -> Typed:
         """Return a·b + c, rounded once."""
-
-        def generate(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-            return builder.fma(*arguments)
-
-        return types.float64(types.float64, types.float64, types.float64), generate
+        return _made_by(lambda builder, *given: builder.fma(*given), types.float64, *[types.float64] * 3)
 
     @intrinsic
     def call_machine(
-        _context: Any, _entry: Any, _others: Any, _code: Any, _lines: Any, _registers: Any, _width: Any, _n: Any
-    ) -> Any:
+        _context: TypingContext, _entry: types.Type, _others: types.Type, _code: types.Type, _lines: types.Type,
+        _registers: types.Type, _width: types.Type, _n: types.Type,
+    ) -> Typed:  # fmt: skip
         """Call the machine by addresses: its own, and where those of the operations, the code and the registers lie."""
 
-        def generate(context: Any, builder: Any, _signature: Any, given: Any) -> Any:
+        def generate(context: BaseContext, builder: ir.IRBuilder, _signature: Signature, given: Values) -> ir.Value:
             entry, others, code, lines, registers, width, n = given
             places = ((others, _LONGS), (code, _INTS), (registers, _FLOATS))
             others, code, registers = (builder.inttoptr(place, kind) for place, kind in places)
@@ -119,11 +127,12 @@ if available():
 
     @intrinsic
     def call_operation(
-        _context: Any, others: Any, _operation: Any, code: Any, _line: Any, registers: Any, _width: Any, _n: Any
-    ) -> Any:
+        _context: TypingContext, others: types.Type, _operation: types.Type, code: types.Type, _line: types.Type,
+        registers: types.Type, _width: types.Type, _n: types.Type,
+    ) -> Typed:  # fmt: skip
         """Call an operation that is compiled apart."""
 
-        def generate(context: Any, builder: Any, _signature: Any, given: Any) -> Any:
+        def generate(context: BaseContext, builder: ir.IRBuilder, _signature: Signature, given: Values) -> ir.Value:
             others, operation, code, line, registers, width, n = given
             address = builder.load(builder.gep(others, [operation]))
             entry = builder.inttoptr(address, _OPERATION.as_pointer())
@@ -139,11 +148,11 @@ else:
         """Return the first n lanes as one."""
         return (slice(n),)
 
-    def load(registers: Any, row: int, lane: int | slice) -> Any:
+    def load(registers: Reals, row: int | np.int64, lane: int | slice) -> Elementwise:
         """Return a number of a register, or those of all lanes."""
         return registers[row:][lane]
 
-    def store0(registers: Any, row: int, lane: int | slice, value: Any) -> None:
+    def store0(registers: Reals, row: int | np.int64, lane: int | slice, value: Elementwise) -> None:
         """Fill a number of a register, or those of all lanes."""
         registers[row:][lane] = value
 
@@ -173,7 +182,8 @@ else:
             return a * b + c
 
     def call_operation(
-        others: dict[int, Callable[..., None]], operation: int, code: Any, line: int, registers: Any, width: int, n: int
-    ) -> None:
+        others: Mapping[int, Callable[..., None]], operation: int, code: Instructions, line: int, registers: Reals,
+        width: int, n: int,
+    ) -> None:  # fmt: skip
         """Call an operation that is compiled apart."""
         others[operation](code[line:], registers, width, n)

@@ -23,7 +23,13 @@ from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from numba.core.codegen import CPUCodegen
+    from numba.core.compiler import CompileResult
+    from numba.core.cpu import CPUContext
+    from numba.core.typing.templates import Signature
 
 _ROOM = Path(__file__).parent
 _ROOMS = (
@@ -36,7 +42,7 @@ _DIGEST = 32
 _SAID = "hjsolve: compiling its loops, once for this installation ('hjsolve setup' does it beforehand)\n"
 
 
-def keep(dispatcher: Any, function: Callable[..., Any]) -> None:
+def keep(dispatcher: Any, function: Callable[..., object]) -> None:
     """Let the machine code of a function stay on disk.
 
     Args:
@@ -107,12 +113,12 @@ class KeptCode:
         place = folder()
         return None if place is None else str(place)
 
-    def _path(self, signature: Any, codegen: Any) -> Path | None:
+    def _path(self, signature: Signature, codegen: CPUCodegen) -> Path | None:
         place = folder()
         key = sha256(repr((signature, codegen.magic_tuple())).encode()).hexdigest()[:16]
         return None if place is None else place / f"{self.name}-{key}"
 
-    def load_overload(self, signature: Any, context: Any) -> Any:
+    def load_overload(self, signature: Signature, context: CPUContext) -> CompileResult | None:
         """Return what numba compiled for a signature; None where it is not on disk, or not whole.
 
         Args:
@@ -129,7 +135,7 @@ class KeptCode:
             return None
         return CompileResult._rebuild(context, *pickle.loads(content))  # noqa: S301  ours: see _private
 
-    def save_overload(self, signature: Any, result: Any) -> None:
+    def save_overload(self, signature: Signature, result: Any) -> None:
         """Write what numba compiled for a signature, where that is possible.
 
         Args:

@@ -7,19 +7,27 @@ lie row after row of ``width`` lanes; no register is both read and filled by one
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import TypeAlias
 
 import numpy as np
 
 from hjsolve.arithmetic.machine import elementary, pairs
 from hjsolve.arithmetic.machine.intrinsics import call_operation, lanes, load, store0, store1, store2, store3
-from hjsolve.arithmetic.machine.operations import APART, LENGTH, NAMES, OPERATIONS
+from hjsolve.arithmetic.machine.operations import APART, LENGTH, NAMES, OPERATIONS, Instructions
+from hjsolve.arithmetic.number_types import Integers, Reals
+
+Loop: TypeAlias = Callable[[Instructions, Reals, int, int], None]
+"""Runs an instruction over the first n lanes of registers of a width: (instruction, registers, width, n)."""
+Addresses: TypeAlias = Mapping[int, Loop] | Integers
+"""Of the operations that are compiled apart, by code; the operations themselves where plain Python runs."""
 
 ADD, SUB, MUL, DIV, FMA, FMS, FNMA, ABSMUL, FMAABS, NEG, ABS, SQRT = (OPERATIONS[name].code for name in NAMES[:APART])
 
 
-def execute(others: Any, code: Any, lines: int, r: Any, width: int, n: int) -> None:  # noqa: C901  a table of operations
+def execute(  # noqa: C901  a table of operations
+    others: Addresses, code: Instructions, lines: int, r: Reals, width: int, n: int
+) -> None:
     """Run instructions over the first n lanes.
 
     Args:
@@ -74,8 +82,8 @@ def execute(others: Any, code: Any, lines: int, r: Any, width: int, n: int) -> N
 
 
 # ---------------------------------------------------------------------- loops by numbers of operands and of results
-def _one_to_one(function: Any) -> Callable[..., None]:
-    def loop(line: Any, r: Any, width: int, n: int) -> None:
+def _one_to_one(function: Callable[..., float]) -> Loop:
+    def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, a = np.int64(line[1]) * width, np.int64(line[5]) * width
         for j in range(n):
             store0(r, d, j, function(load(r, a, j)))
@@ -83,8 +91,8 @@ def _one_to_one(function: Any) -> Callable[..., None]:
     return loop
 
 
-def _one_to_two(function: Any) -> Callable[..., None]:
-    def loop(line: Any, r: Any, width: int, n: int) -> None:
+def _one_to_two(function: Callable[..., tuple[float, float]]) -> Loop:
+    def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, e, a = np.int64(line[1]) * width, np.int64(line[2]) * width, np.int64(line[5]) * width
         for j in range(n):
             u, v = function(load(r, a, j))
@@ -94,8 +102,8 @@ def _one_to_two(function: Any) -> Callable[..., None]:
     return loop
 
 
-def _two_to_one(function: Any) -> Callable[..., None]:
-    def loop(line: Any, r: Any, width: int, n: int) -> None:
+def _two_to_one(function: Callable[..., float]) -> Loop:
+    def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, a, b = np.int64(line[1]) * width, np.int64(line[5]) * width, np.int64(line[6]) * width
         for j in range(n):
             store0(r, d, j, function(load(r, a, j), load(r, b, j)))
@@ -103,8 +111,8 @@ def _two_to_one(function: Any) -> Callable[..., None]:
     return loop
 
 
-def _two_to_two(function: Any) -> Callable[..., None]:
-    def loop(line: Any, r: Any, width: int, n: int) -> None:
+def _two_to_two(function: Callable[..., tuple[float, float]]) -> Loop:
+    def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, e = np.int64(line[1]) * width, np.int64(line[2]) * width
         a, b = np.int64(line[5]) * width, np.int64(line[6]) * width
         for j in range(n):
@@ -115,8 +123,8 @@ def _two_to_two(function: Any) -> Callable[..., None]:
     return loop
 
 
-def _two_to_three(function: Any) -> Callable[..., None]:
-    def loop(line: Any, r: Any, width: int, n: int) -> None:
+def _two_to_three(function: Callable[..., tuple[float, float, float]]) -> Loop:
+    def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, e, f = np.int64(line[1]) * width, np.int64(line[2]) * width, np.int64(line[3]) * width
         a, b = np.int64(line[5]) * width, np.int64(line[6]) * width
         for j in range(n):
@@ -128,8 +136,8 @@ def _two_to_three(function: Any) -> Callable[..., None]:
     return loop
 
 
-def _two_to_four(function: Any) -> Callable[..., None]:
-    def loop(line: Any, r: Any, width: int, n: int) -> None:
+def _two_to_four(function: Callable[..., tuple[float, float, float, float]]) -> Loop:
+    def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, e = np.int64(line[1]) * width, np.int64(line[2]) * width
         f, g = np.int64(line[3]) * width, np.int64(line[4]) * width
         a, b = np.int64(line[5]) * width, np.int64(line[6]) * width
@@ -143,8 +151,8 @@ def _two_to_four(function: Any) -> Callable[..., None]:
     return loop
 
 
-def _four_to_two(function: Any) -> Callable[..., None]:
-    def loop(line: Any, r: Any, width: int, n: int) -> None:
+def _four_to_two(function: Callable[..., tuple[float, float]]) -> Loop:
+    def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, e = np.int64(line[1]) * width, np.int64(line[2]) * width
         a, b = np.int64(line[5]) * width, np.int64(line[6]) * width
         c, k = np.int64(line[7]) * width, np.int64(line[8]) * width
@@ -156,8 +164,8 @@ def _four_to_two(function: Any) -> Callable[..., None]:
     return loop
 
 
-def _six_to_four(function: Any) -> Callable[..., None]:
-    def loop(line: Any, r: Any, width: int, n: int) -> None:
+def _six_to_four(function: Callable[..., tuple[float, float, float, float]]) -> Loop:
+    def loop(line: Instructions, r: Reals, width: int, n: int) -> None:
         d, e = np.int64(line[1]) * width, np.int64(line[2]) * width
         f, g = np.int64(line[3]) * width, np.int64(line[4]) * width
         a, b = np.int64(line[5]) * width, np.int64(line[6]) * width
@@ -177,13 +185,13 @@ def _six_to_four(function: Any) -> Callable[..., None]:
     return loop
 
 
-_SHAPES = {
+_SHAPES: dict[tuple[int, int], Callable[..., Loop]] = {
     (1, 1): _one_to_one, (1, 2): _one_to_two, (2, 1): _two_to_one, (2, 2): _two_to_two, (2, 3): _two_to_three,
     (2, 4): _two_to_four, (4, 2): _four_to_two, (6, 4): _six_to_four,
 }  # fmt: skip
 
 
-def loop_of(name: str) -> Callable[..., None]:
+def loop_of(name: str) -> Loop:
     """Return the loop of an operation that is compiled apart.
 
     Args:

@@ -7,6 +7,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+Instructions = NDArray[np.int32]
+"""Instructions, one after the other or in rows of ``LENGTH``."""
+
 
 class MachineOperation(NamedTuple):
     """An operation: its code, and how many registers it reads and fills."""

@@ -98,21 +98,13 @@ def pair_div(x: float, x_low: float, y: float, y_low: float) -> Two:
 
 @exactly
 def pair_abs(x: float, x_low: float) -> Two:
-    """Return |x|.
-
-    Args:
-        x, x_low: a number.
-    """
+    """Return |x|."""
     return abs(x), (-x_low if x < 0.0 else x_low)
 
 
 @exactly
 def pair_sqrt(x: float, x_low: float) -> Two:
-    """Return the square root; nan where x is negative.
-
-    Args:
-        x, x_low: a number.
-    """
+    """Return the square root; nan where x is negative."""
     root = np.sqrt(x)
     p = root * root
     r, r_low = pair_add(x, x_low, -p, -fma(root, root, -p))
@@ -144,11 +136,7 @@ def _shrunk(x: float, x_low: float) -> tuple[float, float, float]:
 
 @exactly
 def pair_exp(x: float, x_low: float) -> Two:
-    """Return the exponential; 0 below −708, where doubles end, and infinity above 709.
-
-    Args:
-        x, x_low: a number.
-    """
+    """Return the exponential; 0 below −708, where doubles end, and infinity above 709."""
     y = min(max(x, -708.0), 709.0)
     m, low, size = _shrunk(y, x_low if y == x else 0.0)
     m, low = pair_add(m, low, 1.0, 0.0)
@@ -160,11 +148,7 @@ def pair_exp(x: float, x_low: float) -> Two:
 
 @exactly
 def pair_sinhcosh(x: float, x_low: float) -> Four:
-    """Return sinh x and cosh x, |x| ≤ 708; sinh with its relative accuracy for small x.
-
-    Args:
-        x, x_low: a number.
-    """
+    """Return sinh x and cosh x, |x| ≤ 708; sinh with its relative accuracy for small x."""
     y, y_low = pair_abs(x, x_low)
     m, low, size = _shrunk(y, y_low)
     e, e_low = pair_add(m, low, 1.0, 0.0)
@@ -264,22 +248,14 @@ def pair_tan(x: float, x_low: float) -> Two:
 
 @exactly
 def pair_tanh(x: float, x_low: float) -> Two:
-    """Return sinh x/cosh x.
-
-    Args:
-        x, x_low: a number.
-    """
+    """Return sinh x/cosh x."""
     s, s_low, c, c_low = pair_sinhcosh(x, x_low)
     return pair_div(s, s_low, c, c_low)
 
 
 @exactly
 def pair_sech(x: float, x_low: float) -> Two:
-    """Return 1/cosh x.
-
-    Args:
-        x, x_low: a number.
-    """
+    """Return 1/cosh x."""
     _, _, c, c_low = pair_sinhcosh(x, x_low)
     return pair_div(1.0, 0.0, c, c_low)
 
@@ -331,11 +307,7 @@ def pair_acos(x: float, x_low: float) -> Two:
 
 @exactly
 def pair_atan(x: float, x_low: float) -> Two:
-    """Return arctan.
-
-    Args:
-        x, x_low: a number.
-    """
+    """Return arctan."""
     guess = atan_(x)
     s, s_low, c, c_low = pair_sincos(guess, 0.0)
     p, low = pair_mul(x, x_low, c, c_low)
@@ -347,11 +319,7 @@ def pair_atan(x: float, x_low: float) -> Two:
 
 @exactly
 def pair_asinh(x: float, x_low: float) -> Two:
-    """Return arsinh.
-
-    Args:
-        x, x_low: a number.
-    """
+    """Return arsinh."""
     guess = asinh_(x)
     s, s_low, c, c_low = pair_sinhcosh(guess, 0.0)
     p, low = pair_add(x, x_low, -s, -s_low)

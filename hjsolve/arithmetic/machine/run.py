@@ -8,6 +8,7 @@ Kernels call the machine through its address: it is compiled once, and no kernel
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from threading import RLock
 from typing import Any, NamedTuple
@@ -16,7 +17,7 @@ import numpy as np
 
 from hjsolve.arithmetic.machine.compiling import PLAIN, available
 from hjsolve.arithmetic.machine.loops import execute, loop_of
-from hjsolve.arithmetic.machine.operations import APART, NAMES
+from hjsolve.arithmetic.machine.operations import APART, NAMES, Instructions
 from hjsolve.arithmetic.number_types import Integers, Reals
 
 _ADDRESSES: Integers = np.zeros(len(NAMES), dtype=np.int64)
@@ -37,7 +38,7 @@ class MachineProgram(NamedTuple):
 
     entry: int
     others: Integers
-    code: Any
+    code: Instructions
     registers: Reals
     outputs: Integers
 
@@ -107,8 +108,8 @@ if available():
     _OPTIONS: Any = PLAIN | {"forceinline": True, "no_cfunc_wrapper": True}
 
     @overload(run, jit_options=_OPTIONS)
-    def _run_from_kernels(program: Any, n: Any) -> Any:  # noqa: ARG001  their types
-        def called(program: Any, n: Any) -> Any:
+    def _run_from_kernels(program: MachineProgram, n: int) -> Callable[[MachineProgram, int], None]:  # noqa: ARG001
+        def called(program: MachineProgram, n: int) -> None:
             code, registers = program.code, program.registers
             call_machine(
                 program.entry, program.others.ctypes.data, code.ctypes.data, code.shape[0],

@@ -29,11 +29,7 @@ class CoordinateRange:
     periodic: bool = False
 
     def text(self, name: str) -> str:
-        """Return the domain as ``System`` wants it.
-
-        Args:
-            name: of the coordinate.
-        """
+        """Return the domain as ``System`` wants it."""
         if self.periodic:
             return "angle"
         if self.lower is None and self.upper is None:

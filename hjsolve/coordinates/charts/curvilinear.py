@@ -76,11 +76,7 @@ class CurvilinearMap(OuterMap):
         return [rate for rate, _ in pairs], [self.mass * p for _, p in pairs]
 
     def told(self, x: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
-        """Return the user's coordinates of a point, as formulas.
-
-        Args:
-            x: the point.
-        """
+        """Return the user's coordinates of a point, as formulas."""
         square = x[0] ** 2 + x[1] ** 2
         found = {AZIMUTH: sp.atan2(x[1], x[0]), FROM_AXIS: _root(square)}
         if len(x) == 3:
@@ -99,9 +95,6 @@ def _root(square: sp.Expr) -> sp.Expr:
 @cache
 def curvilinear_map(system: System) -> CurvilinearMap | None:
     """Return how a system given in polar, cylindrical or spherical coordinates is tied to x, y, z.
-
-    Args:
-        system: any.
 
     Returns:
         The map; None where T is not that of a particle in such coordinates with their whole domain.

@@ -41,12 +41,7 @@ class OuterMap:
     linear: Vector = field(default=(), kw_only=True)
 
     def rates(self, x: Sequence[sp.Expr], speed: Sequence[sp.Expr]) -> Rates:
-        """Return q̇ and p of a point and its velocity.
-
-        Args:
-            x: the point.
-            speed: its velocity.
-        """
+        """Return q̇ and p of a point and its velocity."""
         at = dict(zip(self.place, x, strict=True))
         a = [e.xreplace(at) for e in self.linear] or [sp.S.Zero] * len(speed)
         rows = zip(self.masses.tolist(), a, strict=True)

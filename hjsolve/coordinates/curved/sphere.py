@@ -20,7 +20,7 @@ from hjsolve.coordinates.charts.transform import Cartesian, domain_sign, remark_
 from hjsolve.coordinates.curved.embedding import NORMAL, Sphere, agree
 from hjsolve.coordinates.killing.killing_tensors import Kernel, kernel
 from hjsolve.coordinates.webs.expanded_potential import flattened
-from hjsolve.coordinates.webs.orthonormal_frames import sign_by
+from hjsolve.coordinates.webs.orthonormal_frames import Sign
 from hjsolve.coordinates.webs.spheres import rotation_tensors, sphere_webs
 from hjsolve.coordinates.webs.web import Geometry, Web
 from hjsolve.errors import InvalidSystemError
@@ -89,7 +89,7 @@ def webs_on_sphere(given: OnSphere, *, budget: float) -> tuple[list[Geometry], t
         budget: seconds that ``separate`` may take for one web.
     """
     whole = Geometry("sphere", _CENTRE, _AXES)
-    geometries = sphere_webs(whole, given.space.potential, NORMAL, sign_by(given.space.values))
+    geometries = sphere_webs(whole, given.space.potential, NORMAL, Sign(given.space.values))
     return geometries, tuple(_web(g, given, budget) for g in geometries if g.kind != "sphere")
 
 

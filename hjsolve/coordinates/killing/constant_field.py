@@ -65,21 +65,13 @@ class Ground:
         return numerator_alone(element) if self.numbers.is_QQ else element
 
     def restore(self, element: FieldElement) -> sp.Expr:
-        """Return the expression of a field element.
-
-        Args:
-            element: of ``field``.
-        """
+        """Return the expression of a field element."""
         expression = self.field.to_sympy(element)
         return expression.xreplace({dummy: constant for constant, dummy in self.opaque.items()})
 
 
 def numerator_alone(element: FieldElement) -> FieldElement:
-    """Return a quotient of polynomials whose denominator is 1 as a polynomial, which needs no cancelling.
-
-    Args:
-        element: of any field.
-    """
+    """Return a quotient of polynomials whose denominator is 1 as a polynomial, which needs no cancelling."""
     return element.numer if isinstance(element, FracElement) and element.denom == 1 else element
 
 

@@ -154,19 +154,11 @@ class PointAlgebra:
 
     # ---- arithmetic -------------------------------------------------------------------------------------------
     def constant(self, number: FieldElement) -> Element:
-        """Return an element of the field as one of the algebra.
-
-        Args:
-            number: an element of the field.
-        """
+        """Return an element of the field as one of the algebra."""
         return {(): number} if number else {}
 
     def add(self, a: Element, b: Element) -> Element:
-        """Return a + b.
-
-        Args:
-            a, b: elements of the algebra.
-        """
+        """Return a + b."""
         total = dict(a)
         for key, value in b.items():
             new = total.get(key, self.numbers.zero) + value
@@ -177,11 +169,7 @@ class PointAlgebra:
         return total
 
     def multiply(self, a: Element, b: Element) -> Element:
-        """Return a·b, reduced by g^q = ρ.
-
-        Args:
-            a, b: elements of the algebra.
-        """
+        """Return a·b, reduced by g^q = ρ."""
         check_time()
         total: Element = {}
         for (k1, v1), (k2, v2) in product(a.items(), b.items()):

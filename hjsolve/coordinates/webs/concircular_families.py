@@ -129,6 +129,10 @@ def small_values(count: int, most: int = 700) -> Iterator[tuple[sp.Expr, ...]]:
     yield from (tuple(map(sp.Integer, t)) for t in islice(tuples, most))
 
 
+_COMPARED = 10
+"""Members of a kind that are compared where none of them is simple."""
+
+
 @dataclass(frozen=True)
 class FamilyMember(Generic[Member]):
     """A member of a family and the parameter values it was found at."""
@@ -141,9 +145,7 @@ def representatives(
     choices: Callable[[tuple[sp.Expr, ...]], Member | None],
     count: int,
     kind: Callable[[Member], str],
-    wanted: int,
     cost: Callable[[Member], int],
-    enough: int = 10,
 ) -> dict[str, FamilyMember[Member]]:
     """Sample a family at small parameter values and keep the simplest member of each kind.
 
@@ -151,9 +153,7 @@ def representatives(
         choices: member at given values, or None where it does not exist.
         count: number of parameters.
         kind: kind of a member.
-        wanted: stop when so many kinds have been seen.
-        cost: simplicity; the smaller the better, below 10 good enough (rational constants only).
-        enough: members of every kind to look at before stopping.
+        cost: simplicity; the smaller the better, below 10 good enough (rational constants only). Else ten are compared.
 
     Raises:
         TooHardError: no member was found, and some were too hard to compute.
@@ -174,7 +174,7 @@ def representatives(
         seen[name] = seen.get(name, 0) + 1
         if name not in best or cost(member) < cost(best[name].member):
             best[name] = FamilyMember(member, values)
-        if len(best) >= wanted and all(seen[name] >= enough or cost(best[name].member) < 10 for name in best):
+        if best and all(seen[name] >= _COMPARED or cost(best[name].member) < 10 for name in best):
             break
     if hard and not best:
         raise TooHardError
@@ -198,8 +198,8 @@ def simplest_members(
         TooHardError: no member was found, and some were too hard to compute.
     """
     if in_numbers is not None:
-        for name, found in representatives(in_numbers, count, kind, 1, cost).items():
+        for name, found in representatives(in_numbers, count, kind, cost).items():
             member = choices(found.values)
             if member is not None and kind(member) == name:
                 return {name: FamilyMember(member, found.values)}
-    return representatives(choices, count, kind, 1, cost)
+    return representatives(choices, count, kind, cost)

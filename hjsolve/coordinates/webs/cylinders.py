@@ -71,7 +71,7 @@ def _cartesian(forms: Sequence[sp.Matrix], sign: Sign) -> list[Geometry]:
         return Geometry("cartesian", _ORIGIN, righted(axes[0], axes[1]))
 
     freedom = {1: 0, 2: 0, 3: 1, 5: 3}.get(len(forms), 0)
-    best = representatives(member, len(forms), lambda _: "cartesian", 1, lambda web: web.complexity)
+    best = representatives(member, len(forms), lambda _: "cartesian", lambda web: web.complexity)
     return [in_words(web, freedom, member) for web in best.values()]
 
 

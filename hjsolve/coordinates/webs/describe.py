@@ -9,7 +9,7 @@ import sympy as sp
 
 from hjsolve.coordinates.webs.concircular_families import FamilyMember
 from hjsolve.coordinates.webs.orthonormal_frames import TooHardError, scalar_product
-from hjsolve.coordinates.webs.web import Geometry, Vector
+from hjsolve.coordinates.webs.web import Geometry, Vector, point_text
 
 _PLACE = {"polar": "pole", "parabolic": "focus", "rotational parabolic": "focus", "parabolic cylinder": "focal line"}
 
@@ -48,7 +48,7 @@ def _describe(best: Geometry, members: Sequence[Geometry]) -> str:
     if best.kind != "cartesian":
         if one_focus:
             clauses.append(
-                f"one focus at {_text(shared[0])}, the other {_locus([_other(m, shared[0]) for m in members])}"
+                f"one focus at {point_text(shared[0])}, the other {_locus([_other(m, shared[0]) for m in members])}"
             )
         else:
             clauses.append(f"{place} {_locus([best.centre, *(m.centre for m in members)])}")
@@ -61,7 +61,7 @@ def _describe(best: Geometry, members: Sequence[Geometry]) -> str:
             else 2
         )
         fixed = all(_parallel(m.axes[index], best.axes[index]) for m in members)
-        clauses.append(f"axis along {_text(best.axes[index])}" if fixed else _directions(members, index))
+        clauses.append(f"axis along {point_text(best.axes[index])}" if fixed else _directions(members, index))
     if not one_focus and any(
         sp.simplify(m.lengths[key] - best.lengths[key]) != 0 for m in members for key in best.lengths
     ):
@@ -76,7 +76,7 @@ def _frames(best: Geometry, members: Sequence[Geometry]) -> str:
     kept = [axis for axis in best.axes if fixed(axis)]
     if len(kept) == len(best.axes):
         return "axes fixed"
-    return f"one axis along {_text(kept[0])}, the others turned about it" if kept else "axes in any directions"
+    return f"one axis along {point_text(kept[0])}, the others turned about it" if kept else "axes in any directions"
 
 
 def _directions(members: Sequence[Geometry], index: int) -> str:
@@ -85,11 +85,11 @@ def _directions(members: Sequence[Geometry], index: int) -> str:
         if not any(_parallel(member.axes[index], axis) for axis in different):
             different.append(member.axes[index])
     if len(different) == 2 and len(members) > 3 and scalar_product(different[0], different[1]) == 0:
-        return f"axis along {_text(different[0])} or {_text(different[1])}"
+        return f"axis along {point_text(different[0])} or {point_text(different[1])}"
     rank = sp.Matrix(different).rank(simplify=True)
     if rank < len(different[0]):
         normal = sp.Matrix(different).nullspace()[0]
-        return f"axis in any direction perpendicular to {_text(list(normal))}"
+        return f"axis in any direction perpendicular to {point_text(list(normal))}"
     return "axis in any direction"
 
 
@@ -103,19 +103,15 @@ def _locus(points: Sequence[Vector]) -> str:
     differences = sp.Matrix([[sp.simplify(a - b) for a, b in zip(p, first, strict=True)] for p in points])
     rank = differences.rank(simplify=True)
     if rank == 0:
-        return f"at {_text(first)}"
+        return f"at {point_text(first)}"
     if rank == len(first):
         return "anywhere"
     if rank == 1:
         direction = next(row for row in differences.tolist() if any(row))
         lead = next(c for c in direction if c != 0)
-        return f"on the line through {_text(first)} along {_text([sp.simplify(c / lead) for c in direction])}"
+        return f"on the line through {point_text(first)} along {point_text([sp.simplify(c / lead) for c in direction])}"
     normal = sp.Matrix(differences.rowspace()[0]).cross(sp.Matrix(differences.rowspace()[1]))
-    return f"in the plane through {_text(first)} perpendicular to {_text(list(normal))}"
-
-
-def _text(vector: Sequence[sp.Expr]) -> str:
-    return "(" + ", ".join(map(str, vector)) + ")"
+    return f"in the plane through {point_text(first)} perpendicular to {point_text(list(normal))}"
 
 
 def _same(a: Vector, b: Vector) -> bool:

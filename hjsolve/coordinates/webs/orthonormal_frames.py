@@ -47,15 +47,6 @@ class Sign:
         return {**self.values, **chosen}
 
 
-def sign_by(values: Mapping[sp.Symbol, sp.Expr]) -> Sign:
-    """Return a function that decides the sign of a constant from the values of its parameters.
-
-    Args:
-        values: parameter → default value.
-    """
-    return Sign(values)
-
-
 class TooHardError(ArithmeticError):
     """An exact frame would need the roots of an irreducible cubic, or a search has too many branches."""
 
@@ -165,18 +156,16 @@ def attempt(search: Callable[[], list[Geometry]]) -> list[Geometry]:
         return [Geometry("unresolved", (), ())]
 
 
-def perpendicular_frame(axis: Vector, first: Vector | None = None) -> tuple[Vector, Vector, Vector]:
-    """Return (e₁, e₂, axis), right-handed and orthonormal; e₁ along ``first`` if given, else as simple as possible.
+def perpendicular_frame(axis: Vector) -> tuple[Vector, Vector, Vector]:
+    """Return (e₁, e₂, axis), right-handed and orthonormal; e₁ is as simple as possible.
 
     Args:
         axis: unit vector in space.
-        first: unit vector perpendicular to it.
     """
-    if first is None:
-        candidates = [tuple(sp.Integer(int(i == j)) for j in range(3)) for i in range(3)]
-        first = next((c for c in candidates if scalar_product(c, axis) == 0), None) or unit(
-            (axis[1], -axis[0], sp.S.Zero) if axis[0] != 0 else (sp.S.Zero, axis[2], -axis[1])
-        )
+    candidates = [tuple(sp.Integer(int(i == j)) for j in range(3)) for i in range(3)]
+    first = next((c for c in candidates if scalar_product(c, axis) == 0), None) or unit(
+        (axis[1], -axis[0], sp.S.Zero) if axis[0] != 0 else (sp.S.Zero, axis[2], -axis[1])
+    )
     return first, cross(axis, first), axis
 
 

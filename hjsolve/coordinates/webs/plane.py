@@ -144,7 +144,7 @@ def _polar(family: Family, terms: Sequence[sp.MatrixBase], sign: Sign, lift: Lif
             found = classify(combination(family.central, terms, numbers, 2), sign)
             return None if found is None else lift(found)
 
-        best = representatives(member, len(piece.free), lambda _: "polar", 1, lambda g: g.complexity)
+        best = representatives(member, len(piece.free), lambda _: "polar", lambda g: g.complexity)
         if best:
             webs.append(in_words(best["polar"], len(piece.free), member))
     return webs

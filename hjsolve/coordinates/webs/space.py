@@ -230,7 +230,7 @@ def _sampled(member: Callable[[tuple[sp.Expr, ...]], Geometry | None], count: in
     if freedom == 0:
         only = member(tuple(sp.S.One for _ in range(count)))
         return [] if only is None else [only]
-    best = representatives(member, count, lambda g: g.kind, 1, lambda g: g.complexity)
+    best = representatives(member, count, lambda g: g.kind, lambda g: g.complexity)
     return [in_words(found, freedom, member) for found in best.values()]
 
 

@@ -98,19 +98,17 @@ def _classified(form: sp.Matrix, sphere: Geometry, sign: Sign) -> Geometry | Non
     return Geometry("conical", sphere.centre, righted(e1, e2), (), modulus)
 
 
-def _member(
-    basis: Sequence[sp.Matrix], numbers: Sequence[sp.Expr], sphere: Geometry, sign: Sign, kind: str
-) -> Geometry | None:
+def _member(basis: Sequence[sp.Matrix], numbers: Sequence[sp.Expr], sphere: Geometry, sign: Sign) -> Geometry | None:
     form = sum((c * f for c, f in zip(numbers, basis, strict=True)), sp.zeros(3, 3))
     web = _classified(form, sphere, sign)
-    return web if web is not None and web.kind == kind else None
+    return web if web is not None and web.kind == "conical" else None
 
 
 def _conical(basis: Sequence[sp.Matrix], sphere: Geometry, sign: Sign) -> list[Geometry]:
     def member(values: tuple[sp.Expr, ...]) -> Geometry | None:
-        return _member(basis, values, sphere, sign, "conical")
+        return _member(basis, values, sphere, sign)
 
-    best = representatives(member, len(basis), lambda g: g.kind, 1, lambda g: g.complexity)
+    best = representatives(member, len(basis), lambda g: g.kind, lambda g: g.complexity)
     return [in_words(best["conical"], len(basis) - 1, member)] if best else []
 
 
@@ -125,6 +123,6 @@ def _spherical(basis: Sequence[sp.Matrix], sphere: Geometry) -> list[Geometry]:
             axis = direction(piece, values)
             return None if axis is None else Geometry("spherical", sphere.centre, perpendicular_frame(axis))
 
-        best = representatives(member, len(piece.free), lambda _: "spherical", 1, lambda web: web.complexity)
+        best = representatives(member, len(piece.free), lambda _: "spherical", lambda web: web.complexity)
         webs += [in_words(found, len(piece.free) - 1, member) for found in best.values()]
     return webs

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -82,14 +82,15 @@ class Web(Shown):
 
     def __str__(self) -> str:
         """Return one line: the kind and where it is."""
-        where = f"{self.kind}, centre {_point(self.centre)}" if self.kind != "cartesian" else self.kind
-        parts = [where, f"axes {', '.join(map(_point, self.axes))}"]
+        where = f"{self.kind}, centre {point_text(self.centre)}" if self.kind != "cartesian" else self.kind
+        parts = [where, f"axes {', '.join(map(point_text, self.axes))}"]
         if self.foci:
-            parts.append(f"foci {', '.join(map(_point, self.foci))}")
+            parts.append(f"foci {', '.join(map(point_text, self.foci))}")
         if self.family:
             parts.append(f"one of a family with {self.freedom} free parameter{'s' * (self.freedom > 1)}: {self.family}")
         return "; ".join(parts)
 
 
-def _point(vector: Vector) -> str:
+def point_text(vector: Sequence[sp.Expr]) -> str:
+    """Write the components of a vector, in brackets."""
     return "(" + ", ".join(map(str, vector)) + ")"

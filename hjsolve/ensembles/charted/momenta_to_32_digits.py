@@ -67,11 +67,7 @@ class ChartFormulas(NamedTuple):
 
 
 def formulas_of(chart: ChartMap) -> ChartFormulas:
-    """Return the formulas of a map.
-
-    Args:
-        chart: the map.
-    """
+    """Return the formulas of a map."""
     parts = chart.model.separated
     return ChartFormulas(
         chart.step, chart.lifted, chart.model.rule, tuple(c.plain.squared for c in parts),
@@ -181,11 +177,7 @@ class Known(NamedTuple, Generic[N]):
 
 
 def parameter_values(chart: ChartMap) -> list[float]:
-    """Return the values of the parameters that ``known_values`` has written into a program.
-
-    Args:
-        chart: the map.
-    """
+    """Return the values of the parameters that ``known_values`` has written into a program."""
     return [
         value
         for high, low in (map(float, pair) for pair in (*chart.numbers, *chart.model.numbers))

@@ -40,9 +40,6 @@ class Columns:
     def group(self, quantity: str) -> Mapping[str, Reals]:
         """Return the columns of one of ``QUANTITIES``.
 
-        Args:
-            quantity: its name.
-
         Returns:
             Coordinate or constant → array of shape (n,).
         """

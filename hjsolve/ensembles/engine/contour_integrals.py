@@ -62,12 +62,7 @@ class Seconds(NamedTuple):
     good: Mask
 
     def put(self, orbits: Integers, part: Seconds) -> None:
-        """Write what was found of some orbits.
-
-        Args:
-            orbits: which.
-            part: of these orbits.
-        """
+        """Write what was found of some orbits."""
         for own, new in zip(self, part, strict=True):
             own[..., orbits] = new
 

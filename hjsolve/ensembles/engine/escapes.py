@@ -93,11 +93,7 @@ class EscapeRoute:
         return self.enclosed(index) + parameters
 
     def enclosed(self, index: Integers) -> list[Interval]:
-        """Return enclosures of the constants of some orbits.
-
-        Args:
-            index: which orbits.
-        """
+        """Return enclosures of the constants of some orbits."""
         pairs = zip(self.constants, self.uncertainty, strict=True)
         wide = [(c[index], e[index] + EPS * np.abs(c[index])) for c, e in pairs]
         return [Interval(c - e, c + e) for c, e in wide]

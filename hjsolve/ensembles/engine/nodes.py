@@ -90,15 +90,11 @@ def libration_nodes(count: int, level: int, node_map: int = 0) -> Nodes:
 
 
 def _functions_at(χ: Pair, level: int, node_map: int) -> tuple[Reals, Reals, Reals]:
-    return _places(χ, level, node_map)[2:]
+    return libration_places(χ, level, node_map)[2:]
 
 
 def series(count: int) -> Reals:
-    """Return cos kχ, 0 < k < count, at the nodes of half a period, shape (count − 1, count).
-
-    Args:
-        count: number of nodes.
-    """
+    """Return cos kχ, 0 < k < count, at the nodes of half a period, shape (count − 1, count)."""
     exact = (np.arange(1, count)[:, None] * (2 * np.arange(count) + 1)) % (4 * count)
     found: Reals = np.cos(exact * (np.pi / (2 * count)))
     return found
@@ -112,11 +108,6 @@ def libration_places(χ: Pair, level: int, node_map: int) -> tuple[float, float,
         level: l in k′² = 4^−l.
         node_map: place in the table of crowdings.
     """
-    return _places(χ, level, node_map)
-
-
-def _places(χ: Pair, level: int, node_map: int) -> tuple[float, float, Reals, Reals, Reals]:
-    """k′² and K; sn², cn² and π/K du/dχ at crowded anomalies."""
     D = DoubleDouble()
     γ, δ = (Pair(c, 0.0) for c in WARPS[node_map])
     turned, twice = D.unary("sin", χ), D.unary("sin", _twice(χ))

@@ -227,11 +227,7 @@ def _timed(
 
 
 def worst(columns: Columns) -> Reals:
-    """Return the largest claimed error of every orbit: relative (of angles to 10 radians); NaN for none.
-
-    Args:
-        columns: of n orbits.
-    """
+    """Return the largest claimed error of every orbit: relative (of angles to 10 radians); NaN for none."""
     largest = np.zeros(len(columns.status))
     for key, error in columns.error.items():
         quantity, name = key.split(".", 1)

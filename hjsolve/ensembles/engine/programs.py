@@ -30,11 +30,7 @@ _RELATIVE, FINER = 4 * UNIT, 2.0**-44
 
 
 def sides(coordinate: Separated) -> tuple[LoweredFormula, LoweredFormula]:
-    """Return the formulas by which the lower and the upper half of a motion are seen.
-
-    Args:
-        coordinate: the separated one.
-    """
+    """Return the formulas by which the lower and the upper half of a motion are seen."""
     return coordinate.lower or coordinate.plain, coordinate.upper or coordinate.plain
 
 

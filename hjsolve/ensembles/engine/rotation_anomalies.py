@@ -47,11 +47,7 @@ class SlowPlaces:
     least: Reals
 
     def take(self, index: Integers) -> SlowPlaces:
-        """Return those of some of the rotations.
-
-        Args:
-            index: which.
-        """
+        """Return those of some of the rotations."""
         return SlowPlaces(**{name: getattr(self, name)[index] for name in self.__dataclass_fields__})
 
 

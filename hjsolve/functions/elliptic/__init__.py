@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from hjsolve.functions.elliptic.branch_points import BranchPoints, NoForm, PartialFractions
 from hjsolve.functions.elliptic.carlson_forms import complete, incomplete
-from hjsolve.functions.elliptic.jacobi_forms import inverse, legendre_complete, legendre_incomplete
+from hjsolve.functions.elliptic.jacobi_forms import inverse
 from hjsolve.functions.elliptic.two_pairs import around, between, inverse_between
 
 __all__ = [
@@ -21,6 +21,4 @@ __all__ = [
     "incomplete",
     "inverse",
     "inverse_between",
-    "legendre_complete",
-    "legendre_incomplete",
 ]  # fmt: skip

@@ -41,20 +41,12 @@ class BranchPoints:
         return len(self.real) + 2 * len(self.pairs)
 
     def value(self, x: sp.Expr) -> sp.Expr:
-        """P(x).
-
-        Args:
-            x: a place.
-        """
+        """P(x)."""
         factors = [x - r for r in self.real] + [(x - α) ** 2 + β**2 for α, β in self.pairs]
         return sp.Mul(self.leading, *factors)
 
     def taylor(self, place: sp.Expr) -> list[sp.Expr]:
-        """Return the coefficients of P in powers of x − place; the first is exactly zero at a real root.
-
-        Args:
-            place: a real place.
-        """
+        """Return the coefficients of P in powers of x − place; the first is exactly zero at a real root."""
         coefficients: list[sp.Expr] = [self.leading]
         factors = [(place - r if place != r else sp.S.Zero, sp.S.One) for r in self.real]
         longer = [((place - α) ** 2 + β**2, 2 * (place - α), sp.S.One) for α, β in self.pairs]
@@ -67,11 +59,7 @@ class BranchPoints:
         return coefficients
 
     def slope(self, place: sp.Expr) -> sp.Expr:
-        """P′ at a real root, as a product.
-
-        Args:
-            place: one of ``real``.
-        """
+        """P′ at a real root, as a product."""
         factors = [place - r for r in self.real if r != place] + [(place - α) ** 2 + β**2 for α, β in self.pairs]
         return sp.Mul(self.leading, *factors)
 

@@ -116,12 +116,7 @@ def first_and_other_kinds(R: PartialFractions, path: IntegrationPath, kinds: Kin
 
 
 def whole_path(P: BranchPoints, interval: Interval) -> IntegrationPath:
-    """Return the path through the whole interval, from its lower end if that is a root.
-
-    Args:
-        P: the branch points.
-        interval: where.
-    """
+    """Return the path through the whole interval, from its lower end if that is a root."""
     lower, upper = interval
     start = "lower" if lower is not None else "upper"
     other = upper if lower is not None else lower

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hjsolve.arithmetic.number_types import Context, Mpf, Reals
+from hjsolve.arithmetic.number_types import Context, Reals
 from hjsolve.errors import NotConvergedError
 
 SAFETY = 2.0
@@ -125,12 +125,3 @@ def converted(values: object, context: Context) -> NDArray[np.object_]:
     """
     found: Any = np.frompyfunc(context.convert, 1, 1)(np.asarray(values, dtype=object))
     return found if isinstance(found, np.ndarray) else np.array(found, dtype=object)
-
-
-def largest(numbers: list[Mpf]) -> float:
-    """Return the greatest absolute value, 0 of none.
-
-    Args:
-        numbers: of many digits.
-    """
-    return max((abs(float(x)) for x in numbers), default=0.0)

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.number_types import Context, Counts, Mpf, Numbers, Reals
@@ -167,7 +168,7 @@ class ConstantsToState:
             rows.append(row)
         return rows[0], rows[1], Bounded(np.array(τ, dtype=object), np.array(2 * error * (abs(float(τ)) + 1)))
 
-    def _tops(self, part: Any) -> Any:
+    def _tops(self, part: Any) -> NDArray[Any]:
         """½ (max F)_jb."""
         n, count = len(self.variables.constants), self.variables.count
         return np.array([[part.top(j, b) / 2 for b in range(count)] for j in range(n)], dtype=object)

@@ -21,7 +21,7 @@ from hjsolve.motion.derivatives.canonical import ConstantsToState
 from hjsolve.motion.derivatives.in_users_coordinates import UsersCoordinates, users_coordinates
 from hjsolve.motion.derivatives.integrals import MeanMatrix, action_by, has_means, mean_matrix
 from hjsolve.motion.derivatives.preparation import prepared
-from hjsolve.motion.derivatives.transition import matrices, start_in_users_coordinates, transition_matrix
+from hjsolve.motion.derivatives.transition import exactly, matrices, start_in_users_coordinates, transition_matrix
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
@@ -99,12 +99,7 @@ class _Collected:
             self.remarks.append(remark)
 
     def rounded(self, found: Bounded, shape: tuple[int, ...] | None = ()) -> tuple[AtTimes, AtTimes]:
-        """Return a number, or an array of the shape of the times, rounded to the digits asked, with its error.
-
-        Args:
-            found: the number.
-            shape: of the times.
-        """
+        """Return a number, or an array of the shape of the times, rounded to the digits asked, with its error."""
         value, error = np.asarray(found.value, dtype=object), SAFETY * np.asarray(found.error, dtype=float)
         if self.digits <= FLOAT_DIGITS:
             plain = value.astype(float)
@@ -340,7 +335,7 @@ def _angles(
         return
     shape, floats, exact = _times(motion, t)
     c, bits = map_.context, map_.context.prec
-    rules = exact if floats is None else [_exactly(float(x)) for x in floats]
+    rules = exact if floats is None else [exactly(float(x)) for x in floats]
     gone = [c.convert(rule(bits)) - to_bits(map_.source.t0)(bits) for rule in rules]
     rows = angles_by(map_, means)
     for name in motion.frequencies:
@@ -355,10 +350,6 @@ def _angles(
             begin, slope = rows[name] @ group.by_frame, rate @ group.by
             grown = [Bounded(slope.value * x, slope.error * abs(float(x))) for x in gone]
             found.put("angles", name, group, [stacked([begin + g for g in grown])], shape)
-
-
-def _exactly(x: float) -> Callable[[int], Mpf]:
-    return lambda bits: multiprecision(bits).mpf(x)
 
 
 def _state(

@@ -166,7 +166,7 @@ def _all_ignorable(
         return np.array(table, dtype=object).reshape(len(momenta), len(by))
 
     n = len(momenta)
-    rules = exact if floats is None else [_exactly(float(x)) for x in floats]
+    rules = exact if floats is None else [exactly(float(x)) for x in floats]
     times = [context.convert(rule(bits)) - to_bits(source.t0)(bits) for rule in rules]
     main = np.full((len(times), 2 * n, 2 * n), context.mpf(0), dtype=object)
     by = np.full((len(times), 2 * n, len(symbols)), context.mpf(0), dtype=object)
@@ -177,7 +177,8 @@ def _all_ignorable(
     return Bounded.exact(main), Bounded.exact(by)
 
 
-def _exactly(x: float) -> Callable[[int], Mpf]:
+def exactly(x: float) -> Callable[[int], Mpf]:
+    """Return the rule of a double: its value in any number of bits."""
     return lambda bits: multiprecision(bits).mpf(x)
 
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
-from hjsolve.arithmetic.number_types import AtTimes, Elementwise, Reals
+from hjsolve.arithmetic.number_types import AtTimes, Elementwise, Reals, Truth
 from hjsolve.errors import ForbiddenPlaceError, InvalidInputError, NotConvergedError, NotSeparableError
 from hjsolve.motion import quantities
 from hjsolve.motion.exact_numbers import to_bits
@@ -258,7 +257,7 @@ def _either_side(begin: sp.Expr, odd: Elementwise, like: Elementwise) -> AtTimes
     low = start if many else float(start)
     high = _principal(low + π, π)
     low = _principal(low, π)
-    side: AtTimes = np.where(odd, high, low) if np.shape(odd) else (high if odd else low)
+    side: Elementwise = np.where(odd, high, low) if np.shape(odd) else (high if odd else low)
     return side
 
 
@@ -274,11 +273,11 @@ def _half_a_turn_on(angle: Elementwise, odd: Elementwise) -> tuple[Elementwise, 
     return angle + np.where(odd, np.where(over, -π, π), 0 * π), over.astype(np.int64)
 
 
-def _principal(angle: Any, π: Any) -> Any:
+def _principal(angle: Elementwise, π: Elementwise) -> Elementwise:
     return angle - 2 * π if angle > π else angle
 
 
-def _fold(fold: Fold, initial: Initial, s: Any) -> tuple[Any, Any]:
+def _fold(fold: Fold, initial: Initial, s: Elementwise) -> tuple[Elementwise, Truth]:
     """Return the given coordinate, and where it was reached through an odd number of poles."""
     low, high = (None if end is None else _number(end, initial, s) for end in (fold.lower, fold.upper))
     if low is not None and high is not None:  # s is an angle in (−π, π]
@@ -288,12 +287,12 @@ def _fold(fold: Fold, initial: Initial, s: Any) -> tuple[Any, Any]:
         far = np.where(inside > high, inside - turn, np.where(inside < low, inside + turn, inside))
         turned = below | above
         return (far if np.shape(s) else far.item()), turned
-    end: Any = low if low is not None else high
+    end: Elementwise = low if low is not None else high
     turned = s < end if low is not None else s > end
     return (np.where(turned, 2 * end - s, s) if np.shape(s) else (2 * end - s if turned else s)), turned
 
 
-def _number(end: sp.Expr, initial: Initial, like: Any) -> Any:
+def _number(end: sp.Expr, initial: Initial, like: Elementwise) -> Elementwise:
     bits = next((x.context.prec for x in np.ravel(np.asarray(like, dtype=object)) if hasattr(x, "context")), 0)
     value = to_bits(end.subs(initial.values))(bits or 64)
     return value if bits else float(value)

@@ -109,11 +109,7 @@ def following(arc: UmbilicArc, paths: tuple[Path, Path], corner: Corner) -> Umbi
 
 
 def reversed_arc(arc: UmbilicArc) -> UmbilicArc:
-    """Return the same arc in the other direction of time.
-
-    Args:
-        arc: any.
-    """
+    """Return the same arc in the other direction of time."""
     return UmbilicArc(arc.turned(arc.rest), None if arc.level is None else -arc.level, -arc.offset, arc.rest)
 
 
@@ -234,18 +230,11 @@ class Arcs:
         return end - begin
 
     def smallest(self, t: Mpf) -> Mpf:
-        """Return a time that is nothing beside another one.
-
-        Args:
-            t: the other one.
-        """
+        """Return a time that is nothing beside another one."""
         return t.context.ldexp(1 + abs(t), -self.paths[0].bits // 3)
 
     def at(self, t: Mpf) -> tuple[int, UmbilicArc] | None:
         """Return the number of the arc that holds a time, counted from the first, and the arc; None where it has ended.
-
-        Args:
-            t: a time.
 
         Raises:
             NotConvergedError: there are too many arcs before.

@@ -32,11 +32,7 @@ _LEAST = 2.0**-200
 
 
 def work_bits(digits: int) -> int:
-    """Return the binary digits of the arithmetic.
-
-    Args:
-        digits: asked.
-    """
+    """Return the binary digits of the arithmetic."""
     return bits_for(max(digits, FLOAT_DIGITS) + SPARE, _BUFFER)
 
 

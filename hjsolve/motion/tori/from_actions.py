@@ -224,11 +224,7 @@ def _shift(solution: Solution, values: Mapping[sp.Symbol, sp.Expr], name: str) -
 
 
 def wanted_of(asked: AskedTorus) -> Wanted:
-    """Return the actions in doubles, as the search takes them.
-
-    Args:
-        asked: the actions.
-    """
+    """Return the actions in doubles, as the search takes them."""
     solution, constants, J = asked.solution, asked.constants, asked.actions
     names = list(solution.constants)
     shifts = [float(_shift(solution, asked.values, name)) for name in solution.coordinates]

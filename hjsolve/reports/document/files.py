@@ -97,9 +97,6 @@ def replace(target: Path, content: str | bytes) -> None:
 def readable_errors(target: Path) -> Iterator[None]:
     """Turn an error of the operating system into one line about the file.
 
-    Args:
-        target: the file.
-
     Raises:
         InvalidInputError: the file cannot be written, or its name cannot be used.
     """

@@ -42,9 +42,6 @@ class Embedding:
 def embedding(system: System) -> Embedding:
     """Recognise where a system lives.
 
-    Args:
-        system: the system.
-
     Returns:
         The embedding; ``coordinates`` where T is none of the familiar forms.
     """
@@ -69,12 +66,7 @@ def _agrees(found: Embedding, system: System) -> bool:
 
 
 def usual_place(where: Embedding, system: System) -> tuple[sp.Expr, ...]:
-    """Return the place of a system's point, one formula in its coordinates for each axis.
-
-    Args:
-        where: of ``embedding``.
-        system: the same.
-    """
+    """Return the place of a system's point, one formula in its coordinates for each axis."""
     q = [system.coordinate(name).symbol for name in where.names]
     match where.kind:
         case "place":

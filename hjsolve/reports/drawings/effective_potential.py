@@ -151,9 +151,6 @@ def _direction(solution: Solution, coordinate: Coordinate, exact: Mapping[sp.Sym
 def exact_values_of(motion: Motion) -> dict[sp.Symbol, sp.Expr]:
     """Give every symbol of a motion its exact value: parameters, initial place, constants.
 
-    Args:
-        motion: a ``Motion``.
-
     Returns:
         symbol → exact number.
     """
@@ -185,9 +182,6 @@ def _level(
 
 def readable_quotient(expression: sp.Expr) -> sp.Expr:
     """Expand a quotient and cancel term by term, as an effective potential is read; many terms as one fraction.
-
-    Args:
-        expression: any expression.
 
     Returns:
         An equal expression.

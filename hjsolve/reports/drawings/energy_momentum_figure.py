@@ -46,11 +46,7 @@ class MapGrid:
 
 
 def map_grid(found: EnergyMomentumMap) -> MapGrid | None:
-    """Classify the grid that is drawn; None where each point would take too long.
-
-    Args:
-        found: the map.
-    """
+    """Classify the grid that is drawn; None where each point would take too long."""
     if any(own.polynomial is None for own in found.coordinates):
         return None
     x, y, numbers, regions = found.grid(_ACROSS, _UP)
@@ -111,11 +107,7 @@ def figure_of_map(found: EnergyMomentumMap, key: str, *, actions: bool = True) -
 
 
 def kinds_by_letter(grid: MapGrid) -> list[str]:
-    """Return what each letter of a map means, names of coordinates as in a line of text: ``A: θ librates``.
-
-    Args:
-        grid: of the map.
-    """
+    """Return what each letter of a map means, names of coordinates as in a line of text: ``A: θ librates``."""
     return [f"{chr(65 + k)}: {in_line(region)}" for k, region in enumerate(grid.regions)]
 
 
@@ -185,11 +177,7 @@ def _line(found: EnergyMomentumMap, grid: MapGrid | None, frame: svg.DrawingFram
 
 
 def action_values(found: EnergyMomentumMap) -> tuple[Array, Array, dict[str, Array]]:
-    """Return actions on a coarse grid: x, y, coordinate → J.
-
-    Args:
-        found: the map.
-    """
+    """Return actions on a coarse grid: x, y, coordinate → J."""
     x, y = (low + (high - low) * (np.arange(n) + 0.5) / n for (low, high), n in zip(found.window, _COARSE))
     X, Y = (v.ravel() for v in np.meshgrid(x, y))
     values = {own.name: drawn_actions(own, X, Y).reshape(len(y), len(x)) for own in found.coordinates}
@@ -198,12 +186,7 @@ def action_values(found: EnergyMomentumMap) -> tuple[Array, Array, dict[str, Arr
 
 
 def action_lines(found: EnergyMomentumMap, frame: svg.DrawingFrame) -> list[str]:
-    """Draw the lines of equal action of every coordinate.
-
-    Args:
-        found: the map.
-        frame: where.
-    """
+    """Draw the lines of equal action of every coordinate."""
     x, y, values = action_values(found)
     parts = []
     for J in values.values():

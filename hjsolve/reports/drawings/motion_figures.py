@@ -105,7 +105,11 @@ def effective_potential(well: EffectivePotential, key: str, *, several: bool, pl
     )
     svg_text = svg.assemble(frame, key, title, description, below, inside, above)
     return Figure(
-        svg_text, title, description, caption, {well.name: _list(q), "potential": _list(V), "level": [well.level]}
+        svg_text,
+        title,
+        description,
+        caption,
+        {well.name: svg.finite(q), "potential": svg.finite(V), "level": [well.level]},
     )
 
 
@@ -156,7 +160,7 @@ def phase_portrait(well: EffectivePotential, key: str) -> Figure:
         title,
         description,
         caption,
-        {well.name: _list(q), f"p_{well.name}": _list(p)},
+        {well.name: svg.finite(q), f"p_{well.name}": svg.finite(p)},
     )
 
 
@@ -290,11 +294,7 @@ def momenta_shown(
 
 # -------------------------------------------------------------------------------- words
 def is_angle(well: EffectivePotential) -> bool:
-    """Return whether a coordinate is marked in parts of π.
-
-    Args:
-        well: the coordinate.
-    """
+    """Return whether a coordinate is marked in parts of π."""
     width = well.window[1] - well.window[0]
     return well.periodic or abs(width - np.pi) < 1e-9
 
@@ -319,7 +319,3 @@ def _area_words(well: EffectivePotential) -> Text:
         if well.kind == "libration"
         else ()
     )
-
-
-def _list(values: Array) -> list[float]:
-    return [float(v) for v in values if np.isfinite(v)]

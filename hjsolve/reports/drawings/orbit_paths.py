@@ -39,9 +39,6 @@ class Trace:
 def trace(motion: Motion) -> Trace:
     """Follow a motion over a time worth showing.
 
-    Args:
-        motion: a ``Motion``.
-
     Returns:
         Where it is.
     """
@@ -51,9 +48,6 @@ def trace(motion: Motion) -> Trace:
 
 def span(motion: Motion) -> tuple[float, float, bool]:
     """Choose the time to show: a few cycles of a bounded motion, the passage of an unbounded one.
-
-    Args:
-        motion: a ``Motion``.
 
     Returns:
         (start, stop, closed): closed is True where the motion repeats itself after the span.
@@ -114,9 +108,6 @@ def _gone(motion: Motion, name: str, state: State, start: float) -> bool:
 
 def times(motion: Motion) -> tuple[Array, bool]:
     """Sample the time shown densely enough for smooth curves.
-
-    Args:
-        motion: a ``Motion``.
 
     Returns:
         (times, closed).
@@ -183,7 +174,7 @@ def _plane(motion: Motion, where: Embedding, t: Array, path: tuple[Array, ...], 
         title,
         description,
         _caption(motion, t, closed, cut < len(t)),
-        {where.axes[0]: _list(x), where.axes[1]: _list(y)},
+        {where.axes[0]: svg.finite(x), where.axes[1]: svg.finite(y)},
     )
 
 
@@ -211,7 +202,7 @@ def _space(motion: Motion, where: Embedding, t: Array, path: tuple[Array, ...], 
         "Orbit",
         description,
         _caption(motion, t, closed, cut < len(t)),
-        dict(zip(where.axes, map(_list, path))),
+        dict(zip(where.axes, map(svg.finite, path))),
     )
 
 
@@ -249,16 +240,12 @@ def _sphere(motion: Motion, where: Embedding, t: Array, path: tuple[Array, ...],
         "Orbit on the sphere",
         description,
         _caption(motion, t, closed, cut < len(t), sphere=True),
-        dict(zip(where.axes, map(_list, path))),
+        dict(zip(where.axes, map(svg.finite, path))),
     )
 
 
 def time_box(motion: Motion) -> Box:
-    """Return the letter of the parameter of a motion.
-
-    Args:
-        motion: of any kind.
-    """
+    """Return the letter of the parameter of a motion."""
     return name_box(time_name(motion.solution.system))
 
 
@@ -291,7 +278,7 @@ def history(motion: Motion, trace: Trace, key: str) -> Figure:
     shown = trace.t[keep]
     whole = 360.0 if len(names) > 1 else 320.0
     band = (whole - 40.0 - 30.0 * len(names)) / len(names)
-    parts_below, parts_inside, data = [], [], {time_name(motion.solution.system): _list(shown)}
+    parts_below, parts_inside, data = [], [], {time_name(motion.solution.system): svg.finite(shown)}
     for i, name in enumerate(names):
         values = np.asarray(trace.state.unwrapped(name), float)[keep]
         top = 28.0 + i * (band + 30.0)
@@ -304,7 +291,7 @@ def history(motion: Motion, trace: Trace, key: str) -> Figure:
         )
         parts_below.append(_band_axes(frame, name, time_box(motion), last=i == len(names) - 1))
         parts_inside.append(svg.curve(frame, shown, values, "motion"))
-        data[name] = _list(values)
+        data[name] = svg.finite(values)
     own = time_name(motion.solution.system) == "t"
     title = "The coordinates against time" if own else "The coordinates along the path"
     across = "time" if own else "the parameter of the path"
@@ -334,7 +321,3 @@ def few_cycles(motion: Motion, t: Array) -> slice:
 
 def _band_axes(frame: svg.DrawingFrame, name: str, time: Box, *, last: bool) -> str:
     return svg.axes(frame, svg.label(time) if last else "", svg.label(name_box(name)), numbers=last)
-
-
-def _list(values: Array) -> list[float]:
-    return [float(v) for v in values if np.isfinite(v)]

@@ -17,6 +17,11 @@ from hjsolve.reports.formulas.one_line_text import plain
 Array = NDArray[np.float64]
 
 
+def finite(values: Array) -> list[float]:
+    """Return the finite ones of some numbers, as a figure's data hold them."""
+    return [float(v) for v in values if isfinite(v)]
+
+
 @dataclass(frozen=True)
 class DrawingFrame:
     """A rectangle of the plane shown in a rectangle of the drawing.
@@ -60,9 +65,6 @@ class DrawingFrame:
 
 def square(frame: DrawingFrame) -> DrawingFrame:
     """Widen one range so that both axes have the same scale.
-
-    Args:
-        frame: any frame.
 
     Returns:
         A frame that shows at least as much, with equal scales.

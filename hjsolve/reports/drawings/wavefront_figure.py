@@ -107,7 +107,7 @@ def figure_of_wavefronts(family: Wavefronts, key: str) -> Figure | None:
         f"cross them at right angles, and {len(family.caustics)} caustics."
     )
     text = svg.assemble(frame, key, title, description, [svg.axes(frame, *names)], inside, [here])
-    data = {f"front.{k}.{n}": _finite(v) for k, c in enumerate(family.fronts) for n, v in c.q.items()}
+    data = {f"front.{k}.{n}": svg.finite(v) for k, c in enumerate(family.fronts) for n, v in c.q.items()}
     return Figure(text, title, description, _caption(family), data)
 
 
@@ -144,7 +144,3 @@ def _caption(family: Wavefronts) -> Text:
         "Blue: ", W, " = const at equal steps, faint on the other sheets of ", W,
         ". Red: orbits with the same constants, where they cross the blue lines at right angles", caustics,
     )  # fmt: skip
-
-
-def _finite(values: Array) -> list[float]:
-    return [float(v) for v in values if np.isfinite(v)]

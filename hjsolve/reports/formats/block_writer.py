@@ -31,19 +31,11 @@ class PieceWriter(ABC):
     """Goes through the pieces of a sentence."""
 
     def text(self, text: Text) -> str:
-        """Write a sentence.
-
-        Args:
-            text: its pieces.
-        """
+        """Write a sentence."""
         return "".join(map(self.piece, text))
 
     def piece(self, piece: Inline) -> str:
-        """Write one piece of a sentence.
-
-        Args:
-            piece: of any kind.
-        """
+        """Write one piece of a sentence."""
         match piece:
             case str():
                 return self.words(piece)
@@ -92,11 +84,7 @@ class PieceWriter(ABC):
 
     @abstractmethod
     def strong(self, text: str) -> str:
-        """Write words that carry the answer.
-
-        Args:
-            text: the words.
-        """
+        """Write words that carry the answer."""
 
     @abstractmethod
     def digits(self, text: str) -> str:
@@ -111,11 +99,7 @@ class BlockWriter(ABC, Generic[W]):
     """Goes through the blocks of a document."""
 
     def block(self, block: Block) -> W:
-        """Write one block.
-
-        Args:
-            block: of any kind.
-        """
+        """Write one block."""
         match block:
             case Paragraph(text):
                 return self.paragraph(text)

@@ -23,9 +23,6 @@ _REACHED = 'tabindex="0" role="group"'
 def html_page(document: Document) -> str:
     """Write a document as HTML.
 
-    Args:
-        document: the document.
-
     Returns:
         The whole file; valid as HTML and well-formed as XML after the first line.
     """
@@ -66,9 +63,6 @@ def _section(section: Section) -> str:
 
 def block_html(block: Block) -> str:
     """Write one block.
-
-    Args:
-        block: the block.
 
     Returns:
         Its HTML, for a page that has the style sheet.

@@ -20,9 +20,6 @@ JsonTable: TypeAlias = Mapping[str, object]
 def json_text(document: Document) -> str:
     """Write a document as JSON.
 
-    Args:
-        document: the document.
-
     Returns:
         ``{"title", "id", "answer", "sections": {key: {"title", "blocks"}}}``, indented.
     """

@@ -63,9 +63,6 @@ _SIGNS = {"yes": r"$\surd$ ", "no": r"$\times$ ", "open": "? "}
 def tex(document: Document) -> str:
     """Write a document as LaTeX.
 
-    Args:
-        document: the document.
-
     Returns:
         A file that pdflatex takes.
     """

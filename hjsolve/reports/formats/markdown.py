@@ -17,9 +17,6 @@ _SPECIAL = str.maketrans({letter: f"\\{letter}" for letter in "\\`*_[]<>|$#"})
 def markdown_page(document: Document) -> str:
     """Write a document as Markdown.
 
-    Args:
-        document: the document.
-
     Returns:
         The whole file, for readers that know ``$…$`` (GitHub, Pandoc, Jupyter, most editors).
     """

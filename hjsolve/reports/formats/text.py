@@ -22,9 +22,6 @@ _BREAKS = re.compile(r",  ?| (?=[+−=])|(?<=[)]) (?=[(√])|; ")
 def text_page(document: Document) -> str:
     """Write a document as text.
 
-    Args:
-        document: the document.
-
     Returns:
         The whole text, lines of at most 100 letters except where a formula has no place to break it.
     """
@@ -35,9 +32,6 @@ def text_page(document: Document) -> str:
 
 def section_text(section: Section) -> str:
     """Write one section.
-
-    Args:
-        section: the section.
 
     Returns:
         Its title, underlined, and its text.

@@ -326,9 +326,6 @@ def _under_root(base: sp.Expr) -> Box:
 def on_a_line(inner: Box) -> Box:
     """Set a formula that shall not grow in height, such as an exponent: with slashes where it has fractions.
 
-    Args:
-        inner: its box.
-
     Returns:
         The flat box.
     """

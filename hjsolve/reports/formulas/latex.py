@@ -145,9 +145,6 @@ def _definite(box: Definite) -> str:
 def escape(text: str) -> str:
     """Escape prose for LaTeX.
 
-    Args:
-        text: any text.
-
     Returns:
         The text with LaTeX's special characters made harmless.
     """

@@ -112,9 +112,6 @@ def row(*items: Box) -> Box:
 def width(box: Box) -> float:
     """Estimate how wide a box is, in letters; good enough to decide where a line must break.
 
-    Args:
-        box: any box.
-
     Returns:
         The width, in widths of an average letter.
     """

@@ -43,11 +43,7 @@ def bounds_of(subject: Neighbours, sliders: Sequence[SliderRange], page: Page, m
 
 
 def sizes_of(subject: Neighbours) -> dict[str, float]:
-    """Return how far each coordinate and momentum of the motion given goes; of an ignorable angle one radian.
-
-    Args:
-        subject: with the motion.
-    """
+    """Return how far each coordinate and momentum of the motion given goes; of an ignorable angle one radian."""
     motion, sizes = subject.motion, {}
     exact, _ = subject.series(subject.value[None, :])
     own = PageMotion(subject.coordinates, subject.ignorable, {key: v[0] for key, v in exact.items()})

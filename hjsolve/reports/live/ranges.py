@@ -57,12 +57,12 @@ def slider_ranges(
     Raises:
         InvalidInputError: nothing can be changed.
     """
-    kept = tuple(s for s in subject.sliders if _first(_with(subject, (s,)), asked) is not None)
+    kept = tuple(s for s in subject.sliders if _first(replace(subject, sliders=(s,)), asked) is not None)
     for name in asked:
         if name not in kept:
             raise InvalidInputError(f"live: {name} cannot change here without changing the kind of motion")
     reach = None
-    while kept and (reach := _first(_with(subject, kept), asked)) is None:
+    while kept and (reach := _first(replace(subject, sliders=kept), asked)) is None:
         kept = kept[1:] if kept[0] not in asked else kept[:-1]
     if reach is None:
         raise InvalidInputError(
@@ -70,7 +70,7 @@ def slider_ranges(
         )
     if lost := [name for name in asked if name not in kept]:
         raise InvalidInputError(f"live: {', '.join(lost)} cannot change together with {', '.join(kept)}; ask for fewer")
-    found = _with(subject, kept)
+    found = replace(subject, sliders=kept)
     why: dict[tuple[int, int], Mapping[str, int]] = {}
     for group in ([s for s in kept if s in asked], [s for s in kept if s not in asked]):
         why |= _grow(found, reach, [kept.index(s) for s in group], asked)
@@ -104,10 +104,6 @@ def shrunk(ranges: Sequence[SliderRange], fraction: float) -> tuple[SliderRange,
         )
         for s in ranges
     )
-
-
-def _with(subject: Neighbours, sliders: tuple[str, ...]) -> Neighbours:
-    return replace(subject, sliders=sliders)
 
 
 def _first(subject: Neighbours, asked: Mapping[str, tuple[float, float] | None]) -> Array | None:

@@ -15,9 +15,6 @@ _FEWEST_CONSTANTS = 2
 def energy_momentum_section(motion: Motion) -> Section | None:
     """Draw the map of a motion's system with the motion on it.
 
-    Args:
-        motion: a ``Motion``.
-
     Returns:
         The section; None for systems with one constant, and where no map could be drawn.
     """

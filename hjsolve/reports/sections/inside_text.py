@@ -203,12 +203,7 @@ class _Reader:
 
 
 def several(name: str, names: Collection[str]) -> list[str]:
-    """Return the coordinates that a letter has as indices, ``E_x_y``; none where that is not what the word is.
-
-    Args:
-        name: the word.
-        names: of the coordinates.
-    """
+    """Return the coordinates that a letter has as indices, ``E_x_y``; none where that is not what the word is."""
     letter, *indices = name.split("_")
     return indices if len(letter) == 1 and indices and all(index in names for index in indices) else []
 

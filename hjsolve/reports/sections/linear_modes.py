@@ -21,7 +21,6 @@ from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.sections.prose import listed
 
 _DIGITS, _TIMES = 10, (0, 1, 2, 3, 4)
-_λ = Glyph("λ")
 
 
 def linear_modes_section(modes: LinearModes, initial: Mapping[str, object] | None = None) -> Section:
@@ -51,15 +50,6 @@ def linear_modes_section(modes: LinearModes, initial: Mapping[str, object] | Non
     if initial is not None and {"q"} < initial.keys() <= {"q", "velocity", "p"}:
         blocks.append(_motion(modes, initial, coordinates))
     return Section("linear-modes", "Its modes", tuple(blocks))
-
-
-def linear_modes_answer(modes: LinearModes) -> Text:
-    """Say in one sentence that the system is solved all the same.
-
-    Args:
-        modes: of the system.
-    """
-    return (f"It does not separate in its coordinates, but it is linear, and solved by its modes. {_verdict(modes)}",)
 
 
 def _exponents(modes: LinearModes, coordinates: list[str], values: list[tuple[Box, sp.Expr]]) -> Table:
@@ -183,4 +173,4 @@ def _complex(value: Any) -> str:
     return f"{shortest(real, _DIGITS).replace('-', '−')} {'+' if imag > 0 else '−'} {words}"
 
 
-__all__ = ["linear_modes_answer", "linear_modes_section"]
+__all__ = ["linear_modes_section"]

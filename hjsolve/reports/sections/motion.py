@@ -149,9 +149,6 @@ def _number(estimate: Estimate | None) -> Text:
 def numbers_section(motion: Motion) -> Section:
     """Give constants, actions, frequencies, periods and boundary times, each with its error.
 
-    Args:
-        motion: a ``Motion``.
-
     Returns:
         The section.
     """

@@ -136,10 +136,6 @@ def _named(text: str, names: Collection[str]) -> list[Inline]:
 def domain_text(domain: Domain, name: str) -> Text:
     """Say where a coordinate may go.
 
-    Args:
-        domain: its domain.
-        name: its name.
-
     Returns:
         Such as "0 < r" or "angle, period 2π".
     """
@@ -174,9 +170,6 @@ def listed(names: tuple[str, ...] | list[str], word: str = "and") -> Text:
 
 def typeset(text: str) -> str:
     """Write the plain powers and products of units and remarks properly: ``kg*m^2/s^2`` as kg·m²/s².
-
-    Args:
-        text: a unit or a remark.
 
     Returns:
         The same with raised digits and centred dots.

@@ -24,9 +24,6 @@ def frequency_relations(motion: Motion) -> tuple[str, ...]:
     That they hold to the digits known proves nothing of other motions; that there are some does the number of integrals
     (``coordinates/superintegrable.py``).
 
-    Args:
-        motion: any.
-
     Returns:
         Each in words; none where the frequencies are too uncertain to tell.
     """

@@ -46,9 +46,6 @@ _TITLES = {
 def scene_document(run: Run) -> Document:
     """Write the report of a scene that has been run.
 
-    Args:
-        run: from ``Scene.run``.
-
     Returns:
         The document, the same for every format.
     """

@@ -22,9 +22,6 @@ from hjsolve.solution.quadratures import Solution
 def forms_section(verdict: Separation) -> Section | None:
     """Show the Stäckel matrix and the Liouville functions, of the full system and of the shell.
 
-    Args:
-        verdict: a separation.
-
     Returns:
         The section; None where there is nothing to show.
     """
@@ -129,9 +126,6 @@ def _liouville(form: Liouville, whose: _Whose) -> list[Block]:
 # ------------------------------------------------------------------------------------------------ the solution
 def solution_sections(solution: Solution) -> list[Section]:
     """Give W with the momenta and constants, the time law, and the orbit equations.
-
-    Args:
-        solution: the solution.
 
     Returns:
         Three sections; the time law is missing where every coordinate is ignorable.

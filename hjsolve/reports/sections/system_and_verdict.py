@@ -128,11 +128,7 @@ def system_section(
 
 
 def eliminated_blocks(system: System) -> list[Block]:
-    """Say how the coordinates that constraints eliminated follow from those that are left; empty without constraints.
-
-    Args:
-        system: the system.
-    """
+    """Say how the coordinates that constraints eliminated follow from the others; empty without constraints."""
     if not system.eliminated:
         return []
     names = [c.name for c in system.coordinates]
@@ -260,9 +256,6 @@ _LEFT = {"Stäckel matrix": "Φ", "Stäckel column": "ψ"}
 def reduction_section(verdict: Separation | Obstruction | Undecided) -> Section | None:
     """Tell how the system was reduced to its energy shell; None where it never had one.
 
-    Args:
-        verdict: any verdict.
-
     Returns:
         The section, or None.
     """
@@ -300,9 +293,6 @@ def evidence_section(verdict: Separation | Obstruction | Undecided, *, lead: boo
 
 def answer(verdict: Separation | Obstruction | Undecided) -> Text:
     """Say the verdict in a sentence or two.
-
-    Args:
-        verdict: any verdict.
 
     Returns:
         The sentence in pieces.

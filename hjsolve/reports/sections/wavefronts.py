@@ -16,9 +16,6 @@ _COUNTS = {1: (16, 10), 2: (12, 6)}
 def wavefront_section(motion: Motion) -> Section | None:
     """Draw the family of a motion.
 
-    Args:
-        motion: of any kind.
-
     Returns:
         The section; None where two coordinates do not lie in a plane, or no family could be computed in a short time.
     """

@@ -61,12 +61,7 @@ def enclose_condition(
 
 
 def has_jets(x: sp.Expr, pair: tuple[sp.Symbol, sp.Symbol]) -> bool:
-    """Whether every function of an expression that depends on two coordinates has a jet; if not, no point has one.
-
-    Args:
-        x: the expression.
-        pair: symbols of the coordinates.
-    """
+    """Whether every function of an expression that depends on two coordinates has a jet; if not, no point has one."""
     return all(f.func in _KNOWN or not _moves(f, pair) for f in x.atoms(sp.Function))
 
 

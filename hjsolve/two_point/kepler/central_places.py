@@ -6,10 +6,10 @@ One text for doubles over arrays and for numbers of many digits: ``field`` is th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Generic, NamedTuple
+from typing import Generic, NamedTuple
 
 from hjsolve.arithmetic.floats import Float64, Multi
-from hjsolve.arithmetic.number_types import N
+from hjsolve.arithmetic.number_types import N, Numeric
 
 
 class CentralPlaces(NamedTuple, Generic[N]):
@@ -32,7 +32,7 @@ class CentralPlaces(NamedTuple, Generic[N]):
     tangent1: list[N]
 
 
-def geometry(kind: str, q0: Sequence[Any], q1: Sequence[Any], field: Float64 | Multi) -> CentralPlaces:
+def geometry(kind: str, q0: Sequence[Numeric], q1: Sequence[Numeric], field: Float64 | Multi) -> CentralPlaces:
     """Return the geometry of two places.
 
     Args:
@@ -50,15 +50,15 @@ def geometry(kind: str, q0: Sequence[Any], q1: Sequence[Any], field: Float64 | M
         return CentralPlaces(r0, r1, flip * sine, flip * cosine, radial, radial, *turned)
     if kind == "spherical":
         return _spherical(q0, q1, field)
-    radii = [field.unary("sqrt", sum(x * x for x in q)) for q in (q0, q1)]
+    radii = [field.unary("sqrt", _total([x * x for x in q])) for q in (q0, q1)]
     u0, u1 = ([x / r for x in q] for q, r in zip((q0, q1), radii, strict=True))
     return _between(radii, u0, u1, field)
 
 
-def _between(radii: Sequence[Any], u0: list[Any], u1: list[Any], field: Float64 | Multi) -> CentralPlaces:
+def _between(radii: Sequence[Numeric], u0: list[Numeric], u1: list[Numeric], field: Float64 | Multi) -> CentralPlaces:
     """From unit vectors: sin(θ/2) = |u₁ − u₀|/2 and cos(θ/2) = |u₁ + u₀|/2 up to 180°."""
-    sine = field.unary("sqrt", sum((b - a) ** 2 for a, b in zip(u0, u1, strict=True))) / 2
-    cosine = field.unary("sqrt", sum((b + a) ** 2 for a, b in zip(u0, u1, strict=True))) / 2
+    sine = field.unary("sqrt", _total([(b - a) ** 2 for a, b in zip(u0, u1, strict=True)])) / 2
+    cosine = field.unary("sqrt", _total([(b + a) ** 2 for a, b in zip(u0, u1, strict=True)])) / 2
     if len(u0) == 2:
         cross = u0[0] * u1[1] - u0[1] * u1[0]
         cosine = field.where(cross < 0, -cosine, cosine)
@@ -67,7 +67,7 @@ def _between(radii: Sequence[Any], u0: list[Any], u1: list[Any], field: Float64 
     return CentralPlaces(radii[0], radii[1], sine, cosine, u0, u1, _cross(normal, u0), _cross(normal, u1))
 
 
-def _spherical(q0: Sequence[Any], q1: Sequence[Any], field: Float64 | Multi) -> CentralPlaces:
+def _spherical(q0: Sequence[Numeric], q1: Sequence[Numeric], field: Float64 | Multi) -> CentralPlaces:
     """p_r = m ṙ, p_θ = m r v·e_θ, p_φ = m r sin θ v·e_φ."""
     frames = []
     for r, theta, phi in (q0, q1):
@@ -83,15 +83,22 @@ def _spherical(q0: Sequence[Any], q1: Sequence[Any], field: Float64 | Multi) -> 
     )
 
 
-def _cross(a: list[Any], b: list[Any]) -> list[Any]:
+def _cross(a: list[Numeric], b: list[Numeric]) -> list[Numeric]:
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
-def _dot(a: list[Any], b: list[Any]) -> Any:
-    return sum(x * y for x, y in zip(a, b, strict=True))
+def _dot(a: list[Numeric], b: list[Numeric]) -> Numeric:
+    return _total([x * y for x, y in zip(a, b, strict=True)])
 
 
-def _unit(a: list[Any], field: Float64 | Multi) -> list[Any]:
+def _total(terms: list[Numeric]) -> Numeric:
+    total, *others = terms
+    for term in others:
+        total = total + term
+    return total
+
+
+def _unit(a: list[Numeric], field: Float64 | Multi) -> list[Numeric]:
     """Return a vector over its length; itself where that is zero."""
     size = field.unary("sqrt", _dot(a, a))
     return [x / field.where(size == 0, 1 + 0 * size, size) for x in a]

@@ -50,11 +50,7 @@ class _Goal:
 
 
 def shell_of(question: TwoPlaceQuestion) -> LineShell | None:
-    """Return V, μ and the shift of a system of one coordinate whose P² is linear in E; None for another.
-
-    Args:
-        question: what is asked.
-    """
+    """Return V, μ and the shift of a system of one coordinate whose P² is linear in E; None for another."""
     solution = question.solution
     if solution.chart is not None or len(solution.system.coordinates) != 1 or len(solution.coordinates) != 1:
         return None

@@ -118,11 +118,7 @@ class Line:
         return found
 
     def value(self, q: float) -> Span:
-        """Enclose V at a place.
-
-        Args:
-            q: the place.
-        """
+        """Enclose V at a place."""
         V = self.over(np.array([q]), np.array([q]), 1)[0]
         return Span(float(V.low[0]), float(V.high[0]))
 

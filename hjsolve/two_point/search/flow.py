@@ -90,11 +90,7 @@ class Ends:
     reached: Mask
 
     def column(self, i: int) -> Ends:
-        """Return one start alone.
-
-        Args:
-            i: which.
-        """
+        """Return one start alone."""
         one = slice(i, i + 1)
         return Ends(
             self.q[:, one], self.p[:, one], self.position_by_momentum[one], self.momentum_by_momentum[one],
