@@ -23,11 +23,13 @@ UPWARD = {
     ("hjsolve.solution.quadratures", "hjsolve.resonances.found_tori"),
     ("hjsolve.solution.quadratures", "hjsolve.resonances.double_zeros"),
     ("hjsolve.mechanics.system", "hjsolve.coordinates.constraints"),
+    ("hjsolve.motion.motion", "hjsolve.motion.in_units"),
 }
 """``Solution.motion``, ``two_point``, ``torus`` and ``separatrices`` call up, and name what they give: solving loads no numerical library.
 
 ``solve`` calls up where T or V holds the time: a frame is looked for, in which the system is solved again.
 ``System(constraints=…)`` calls up: whether a constraint is integrable is for the zero test to prove.
+``Motion.to_units`` calls up, and names what it gives: a motion without units needs none of it.
 """
 Graph = Mapping[str, set[str]]
 

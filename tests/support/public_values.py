@@ -14,6 +14,7 @@ import pint
 import hjsolve
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
+PUBLIC = (hjsolve.Estimate, hjsolve.EstimateArray, hjsolve.Measured, hjsolve.BatchDerivatives)
 MACHINERY = ("arithmetic.", "one_coordinate.", "time_law.", "certified.", "algebra.", "ensembles.")
 """Rooms whose values are parts of a computation, but for ``Estimate``; those of ensembles have texts of their own."""
 
@@ -32,6 +33,11 @@ def made(folder: Path) -> dict[str, Any]:
         "sweep": {"q": {"r": ["1", "1.1"], "theta": "0"}, "p": {"r": "0", "theta": "1.1"}},
     }  # fmt: skip
     scene = hjsolve.Scene.load(SCENES / "precessing-ellipse.toml")
+    oscillator = hjsolve.System({"x": "line"}, "m/2*dot(x)**2", "k/2*x**2", {"m": 1, "k": 1})
+    complete, wrong = (
+        hjsolve.verify(oscillator, W=f"integral(sqrt(2*m*E {sign} m*k*x**2), x)", constants="E") for sign in "-+"
+    )
+    orbits = {"q": {"r": [1, 2.0], "theta": [0, 0.0]}, "p": {"r": [0, 0.0], "theta": [1, 1.0]}}
     return {
         "closed forms": hjsolve.closed_forms(kepler)[0],
         "estimates": motion.characteristic_function([1, 2]),
@@ -58,7 +64,11 @@ def made(folder: Path) -> dict[str, Any]:
         "fronts": (fronts := hjsolve.wavefronts(motion, fronts=3, orbits=2)), "front": fronts.fronts[0],
         "scene": scene, "run": scene.run(), "rest": hjsolve.Scene.load(SCENES / "ball-that-stays.toml").run(),
         "cost": hjsolve.cost("kepler-planar", seconds=1), "sweep": hjsolve.sweep(sweep, folder / "out"),
-        "batch": hjsolve.ensemble("kepler-planar", q={"r": [1, 2.0], "theta": [0, 0.0]}, p={"r": [0, 0.0], "theta": [1, 1.0]}),
+        "batch": hjsolve.ensemble(kepler, **orbits), "derivatives of a batch": hjsolve.ensemble_derivatives(kepler, **orbits),
+        "derivatives": motion.derivatives(), "complete integral": complete, "flaw": wrong,
+        "own motion": complete.along(solve(oscillator).motion(q={"x": "0.3"}, velocity={"x": "1"})),
+        "canonical map": hjsolve.canonical({"Q": "p", "P": "-q"}), "proof": hjsolve.is_integral("p_theta", load("kepler-planar")),
+        "impact": hjsolve.impact(hjsolve.System({"x": "line"}, "dot(x)**2/2", 0), q={"x": 0}, velocity={"x": -1}, constraints=["dot(x) = 0"]),
     }  # fmt: skip
 
 
@@ -78,7 +88,7 @@ def reached(values: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             waiting += [(f"{path}[{i}]", item) for i, item in enumerate(value[:4])]
         kind = type(value)
         where = kind.__module__.removeprefix("hjsolve.")
-        inside = where.startswith(MACHINERY) and kind not in (hjsolve.Estimate, hjsolve.EstimateArray, hjsolve.Measured)
+        inside = where.startswith(MACHINERY) and kind not in PUBLIC
         if kind.__module__ == where or callable(value) or inside:
             continue
         if path in values or kind not in seen:
