@@ -207,7 +207,7 @@ def test_two_centres_told_in_the_plane():
     for k in range(4):
         pair = []
         for sign in (1, -1):
-            moved = [x + sign * h * (i == k) for i, x in enumerate(begin)]
+            moved = [x + sign * h * int(i == k) for i, x in enumerate(begin)]
             pair.append(end(dict(zip("xy", moved[:2], strict=True)), dict(zip("xy", moved[2:], strict=True))))
         columns.append(
             [(many.convert(a) - many.convert(b)) * many.mpf(10) ** 14 / 2 for a, b in zip(*pair, strict=True)]
