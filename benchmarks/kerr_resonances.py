@@ -112,7 +112,9 @@ def cases(count: int, seed: int) -> list[Case]:
         exact = [mp.mpf(y.numerator) / y.denominator for y in (a, p, e, x)]
         there = quotient(*exact, started(*exact))
         least = Fraction(mp.nstr(there, 20))
-        ratio = next(r for n in range(1, 5000) if abs((r := least.limit_denominator(n)) / least - 1) < Fraction(1, 1000))
+        ratio = next(
+            r for n in range(1, 5000) if abs((r := least.limit_denominator(n)) / least - 1) < Fraction(1, 1000)
+        )
         unknown = "p" if k % 4 or not k else ("e", "x")[k // 4 % 2]
         found.append(Case(a, {"p": p, "e": e, "x": x}, unknown, ratio))
     return found
@@ -164,7 +166,9 @@ def main() -> None:
             if max(off[:2]) > 1e-12 or k % 20 == 0:
                 told = f"off by {off[0]:.1e}, {off[1]:.1e} by closed forms, {off[2]:.3e} beyond the separatrix"
                 print(f"{k}: {case.words()}: {told}, {seconds[-1]:.1f} s", flush=True)
-    print(f"{len(seconds) - len(missed)} of {len(seconds)} found ({len(own)} tori), digits={chosen.digits}; missed {missed}")
+    print(
+        f"{len(seconds) - len(missed)} of {len(seconds)} found ({len(own)} tori), digits={chosen.digits}; missed {missed}"
+    )
     print(f"ratio off by at most {max(own):.1e}, by closed forms in 40 digits {max(closed):.1e}")
     print(f"p beyond the separatrix by {min(rooms):.2e} to {max(rooms):.2e}; {np.median(seconds):.1f} s each (median)")
 
