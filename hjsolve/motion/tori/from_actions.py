@@ -29,7 +29,7 @@ from hjsolve.motion.tori.angles_given import started_at
 from hjsolve.motion.tori.polish import Goal, Torus, polished
 from hjsolve.motion.tori.proved import proved_torus
 from hjsolve.motion.tori.radicand_curve import RadicandCurve, curves_of
-from hjsolve.motion.tori.search import Candidate, Meant, Wanted, candidates
+from hjsolve.motion.tori.search import ActionRange, Candidate, Meant, Wanted, action_ranges, candidates
 from hjsolve.solution.quadratures import Solution
 from hjsolve.time_law.torus import torus_equations
 
@@ -152,7 +152,7 @@ def motion_on_torus(
     left = _left(solution, asked.curves, list(candidates_of(asked, kinds)), (q or {}, kinds))
     tori = tori_of(asked, left)
     if not tori:
-        raise InvalidInputError(_no_torus(J))
+        raise InvalidInputError(_no_torus(asked))
     if len(tori) > 1:
         words = "; ".join(sorted(_in_words(asked.curves, candidate) for candidate, _ in tori))
         raise InvalidInputError(f"actions: several tori have them; choose one by q={{…}} or kinds={{…}}: {words}")
@@ -331,9 +331,21 @@ def _in_words(curves: Sequence[RadicandCurve], candidate: Candidate) -> str:
     return ", ".join(parts)
 
 
-def _no_torus(J: Mapping[str, sp.Expr]) -> str:
-    words = ", ".join(f"{name} {float(to_bits(x)(64)):.6g}" for name, x in J.items())
-    return (
-        f"actions: no bounded motion with {words} was found; librations need J >= 0, and a separatrix or the "
-        "energy of escape may limit J"
-    )
+def _no_torus(asked: AskedTorus) -> str:
+    words = ", ".join(f"{name} {float(to_bits(x)(64)):.6g}" for name, x in asked.actions.items())
+    ranges = action_ranges(asked.solution, asked.values, asked.curves, wanted_of(asked))
+    if not ranges:
+        return (
+            f"actions: no bounded motion with {words} was found; librations need J >= 0, and a separatrix or the "
+            "energy of escape may limit J"
+        )
+    name = asked.curves[0].name
+    told = "; ".join(sorted({_range_in_words(name, one) for one in ranges}))
+    return f"actions: no bounded motion with {words} was found; librations need J >= 0; there are about {told}"
+
+
+def _range_in_words(name: str, one: ActionRange) -> str:
+    J = f"abs(J_{name})" if one.kind == "rotation" else f"J_{name}"
+    most = "on" if np.isinf(one.most) else f"to {one.most:.3g}"
+    extent = "" if one.kind == "rotation" or np.isinf(one.most) else f" within {one.low:.3g} and {one.high:.3g}"
+    return f"{one.kind}s with {J} from {one.least:.3g} {most}{extent}"
