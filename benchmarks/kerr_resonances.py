@@ -2,9 +2,9 @@
 
     python -m benchmarks.kerr_resonances [200] [--seed 1] [--digits 30] [--only 3,17]
 
-Spin to 0.998, e from 0.05 to 0.8, any inclination; p − p_s of the separatrix from 1e-10 to 10, even in its logarithm (the
-first of all is at 1e-10 itself). The ratio asked is the simplest within a thousandth of the ratio there, which closed
-forms give: a part in a thousand of it moves p − p_s by some per cent. The unknown is p, of every fourth case e or x.
+Spin to 0.998, e from 0.05 to 0.8, any inclination; p − p_s of the separatrix from 1e-10 to 10, even in its logarithm
+(the first of all is at 1e-10 itself). The ratio asked is the simplest within a thousandth of the ratio there, which
+closed forms give: a part in a thousand of it moves p − p_s by some per cent. The unknown is p, of every fourth case e or x.
 
 What is found is held against elliptic integrals in 40 digits that have nothing in common with hjsolve: E and L from
 R(r₁) = R(r₂) = 0 (Carter, Physical Review 174 (1968) 1559, (64)) by Newton's method, Mino's frequencies by Fujita and
@@ -166,9 +166,8 @@ def main() -> None:
             if max(off[:2]) > 1e-12 or k % 20 == 0:
                 told = f"off by {off[0]:.1e}, {off[1]:.1e} by closed forms, {off[2]:.3e} beyond the separatrix"
                 print(f"{k}: {case.words()}: {told}, {seconds[-1]:.1f} s", flush=True)
-    print(
-        f"{len(seconds) - len(missed)} of {len(seconds)} found ({len(own)} tori), digits={chosen.digits}; missed {missed}"
-    )
+    told = f"({len(own)} tori), digits={chosen.digits}; missed {missed}"
+    print(f"{len(seconds) - len(missed)} of {len(seconds)} found {told}")
     print(f"ratio off by at most {max(own):.1e}, by closed forms in 40 digits {max(closed):.1e}")
     print(f"p beyond the separatrix by {min(rooms):.2e} to {max(rooms):.2e}; {np.median(seconds):.1f} s each (median)")
 
