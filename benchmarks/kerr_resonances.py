@@ -4,7 +4,8 @@
 
 Spin to 0.998, e from 0.05 to 0.8, any inclination; p − p_s of the separatrix from 1e-10 to 10, even in its logarithm
 (the first of all is at 1e-10 itself). The ratio asked is the simplest within a thousandth of the ratio there, which
-closed forms give: a part in a thousand of it moves p − p_s by some per cent. The unknown is p, of every fourth case e or x.
+closed forms give: a part in a thousand of it moves p − p_s by some per cent. The unknown is p, of every fourth case e
+or x.
 
 What is found is held against elliptic integrals in 40 digits that have nothing in common with hjsolve: E and L from
 R(r₁) = R(r₂) = 0 (Carter, Physical Review 174 (1968) 1559, (64)) by Newton's method, Mino's frequencies by Fujita and
