@@ -151,7 +151,7 @@ def rounded(
     motion: SeparatedMotion, digits: int, cycles: Mapping[str, CycleIntegrand],
     balls: tuple[Mapping[str, flint.arb], Mapping[str, flint.arb], Mapping[str, list[flint.arb]]],
 ) -> Enclosed:  # fmt: skip
-    """Return the numbers of a motion from balls.
+    """Return what is enclosed of a motion from balls, rounded.
 
     Args:
         motion: the motion.
