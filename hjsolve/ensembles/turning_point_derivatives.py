@@ -7,7 +7,7 @@ ends of the motion grow like √J, and have no derivative: the motion is at rest
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,12 +42,14 @@ def ends_by_constants(
         ends: lower and upper turning points, shape (2, n), and bounds on their errors.
         constants: κ, shape (k, n), and bounds on their errors.
     """
-    plain = Float64()
+    plain: Any = Float64()
     q, κ = ends[0], constants[0][:, None, :]
-    x = Jet(WithErrorBound(q, ends[1]), WithErrorBound(np.float64(1.0)))
-    known = [Jet(WithErrorBound(v, e)) for v, e in zip(κ, constants[1][:, None, :], strict=True)]
+    x: Jet[WithErrorBound[Any]] = Jet(WithErrorBound(q, ends[1]), WithErrorBound(np.float64(1.0)))
+    known: list[Jet[WithErrorBound[Any]]] = [
+        Jet(WithErrorBound(v, e)) for v, e in zip(κ, constants[1][:, None, :], strict=True)
+    ]
     known += [Jet(WithErrorBound(np.float64(high), np.float64(abs(low) + EPS * abs(low)))) for high, low in parameters]
-    arithmetic = Jets(RunningError(plain))
+    arithmetic: Jets[WithErrorBound[Any]] = Jets(RunningError(plain))
     with np.errstate(all="ignore"):
         F, *kernels = formula.full.run(arithmetic, [x, *known])
         zero = WithErrorBound(np.zeros(q.shape), np.zeros(q.shape))
