@@ -174,7 +174,7 @@ def certified() -> None:
                 radicands = {"theta": motion.separated.located["theta"].course.radicand}
                 line = proof.lines(radicands, motion.initial, solution, work)["theta"]
                 with working(work):
-                    cycle = proof._cycle(motion.separated, "theta", line)
+                    cycle = proof.cycle_of(motion.separated, "theta", line)
                     return processor(lambda: certified_means(cycle, int(3.33 * digits) + 12))[0]
 
             rows = []

@@ -61,7 +61,7 @@ def conditions(
     shape = _common_shape(arrays)
     places = {name: array for (group, name), array in arrays.items() if group == "q"}
     speeds = {name: array for (group, name), array in arrays.items() if group == kind}
-    return InitialConditions(kind, places, speeds, shape, any(_is_dask(array) for array in arrays.values()))
+    return InitialConditions(kind, places, speeds, shape, any(is_dask(array) for array in arrays.values()))
 
 
 def arrays_of(
@@ -74,10 +74,10 @@ def arrays_of(
         names: that are known.
 
     Returns:
-        The same as float64 arrays, and the shape that they broadcast to.
+        The same as float64 arrays, numpy or dask, and the shape that they broadcast to.
 
     Raises:
-        InvalidInputError: another name, no real numbers, dask arrays, shapes that do not match.
+        InvalidInputError: another name, no real numbers, shapes that do not match.
         MissingValueError: a name without values in the first group.
     """
     arrays = {}
@@ -89,8 +89,6 @@ def arrays_of(
         for name, value in given.items():
             if name not in names:
                 raise InvalidInputError(f"{what}: {name!r} has none in this solution; known are {', '.join(names)}")
-            if _is_dask(value):
-                raise InvalidInputError(f"{what}[{name}]: is a dask array; call compute() on it, or map its blocks")
             arrays[what, name] = _doubles(value, f"{what}[{name}]")
         if k == 0 and (missing := [name for name in names if name not in given]):
             raise MissingValueError(f"{what}: no values for {', '.join(missing)}; all of {', '.join(names)} are needed")
@@ -135,7 +133,7 @@ def _complete(system: System, given: Any, what: str) -> dict[str, Any]:
 
 def _doubles(value: Any, source: str) -> Any:
     """Return the values as float64; a number written as text or Fraction is rounded to the nearest double."""
-    if _is_dask(value):
+    if is_dask(value):
         if any(np.isnan(size) for size in value.shape):
             raise InvalidInputError(f"{source}: has blocks of unknown size; call its compute_chunk_sizes() first")
         return _checked_kind(value, source).astype(np.float64)
@@ -190,7 +188,12 @@ def _common_shape(arrays: Mapping[tuple[str, str], Any]) -> tuple[int, ...]:
         raise InvalidInputError(f"ensemble: shapes do not match: {shapes}; they must broadcast to one shape") from error
 
 
-def _is_dask(value: Any) -> bool:
+def is_dask(value: Any) -> bool:
+    """Return whether something is a dask array.
+
+    Args:
+        value: anything.
+    """
     return hasattr(value, "dask") and hasattr(value, "map_blocks")
 
 
@@ -198,4 +201,4 @@ def _kind(value: Any) -> str:
     return f"a {type(value).__name__}"
 
 
-__all__ = ["InitialConditions", "arrays_of", "conditions"]
+__all__ = ["InitialConditions", "arrays_of", "conditions", "is_dask"]

@@ -27,10 +27,13 @@ from hjsolve.ensembles.engine.lowered_solution import lowered_model, next_to_pol
 from hjsolve.ensembles.engine.paths_of_librations import ATTEMPTS, placed
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.programs_of_paths import path_programs
+from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.orbits import ensemble
+from hjsolve.ensembles.turning_point_derivatives import ends_by_constants, periods_by_constants
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.system import System
+from hjsolve.motion.derivative_values import REMARKS, SQUARE_ROOT
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.solution.quadratures import Solution, solve
 
@@ -40,27 +43,47 @@ _SAME = 1e-10
 """How well J and Ω must agree."""
 _LITTLE = 1e-12
 """What steps may leave open, over the terms of the sum, without another path being tried."""
+_ASYMPTOTIC = (
+    "frequencies: an orbit is on a separatrix: its frequencies are 0 and go to 0 next to it like 1/ln, so they have no "
+    "derivative; J and the constants of the motion are regular variables there, and so are q and p"
+)
 TOLERANCE = 1e-10
 """Largest claimed error of an orbit that is ``ok``, relative to the terms that it is the sum of."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class BatchDerivatives(ByValue, Shown):
-    """Derivatives of the actions and frequencies of many orbits by the constants of the motion.
+    """Derivatives of the actions, frequencies, periods and turning points of many orbits by the constants.
 
     Attributes:
-        value: ``actions`` or ``frequencies`` → coordinate → constant → array of the shape of the initial conditions;
-            nan where the status is not ``ok``.
+        value: ``actions``, ``frequencies``, ``periods`` or ``turning_points`` → coordinate → constant → array of the
+            shape of the initial conditions, of turning points a pair (lower, upper) of them; nan where the status is
+            not ``ok``.
         error: bounds on their errors, of the same shape.
         status: ``ok``; ``not_converged`` where no path was found on which the integrals agree with the ensemble's, as
             next to a separatrix (``Motion.derivatives`` has more digits); else what the ensemble says of the orbit.
+        ends: coordinate → status of its turning points: that of the orbit, or ``square_root`` where the coordinate is
+            at rest, its J = 0, or next to it: they grow like √J. A coordinate that goes round has none, and ``ok``.
         batch: constants, actions, frequencies and turning points of the orbits.
     """
 
     value: Mapping[str, Mapping[str, Mapping[str, Any]]]
     error: Mapping[str, Mapping[str, Mapping[str, Any]]]
     status: Any
+    ends: Mapping[str, Any]
     batch: Batch
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """A sentence for each reason why some derivatives do not exist, and which variables are regular there."""
+        found = [
+            f"turning_points: {REMARKS[SQUARE_ROOT].format(name=name)}"
+            for name, words in self.ends.items()
+            if np.any(words == SQUARE_ROOT)
+        ]
+        if np.any(self.status == Status.ASYMPTOTIC.word):
+            found.append(_ASYMPTOTIC)
+        return tuple(found)
 
 
 def ensemble_derivatives(
@@ -72,7 +95,7 @@ def ensemble_derivatives(
     parameters: Mapping[str, Any] | None = None,
     threads: int | None = None,
 ) -> BatchDerivatives:
-    """Differentiate the actions and frequencies of many orbits by the constants of the motion.
+    """Differentiate actions, frequencies, periods and turning points of many orbits by the constants of the motion.
 
     Args:
         system: a system, its solution, or a catalog id or path of a .toml entry.
@@ -129,7 +152,7 @@ def _derivatives(solution: Solution, batch: Batch, values: Mapping[sp.Symbol, sp
     for row, c in enumerate(others, len(names)):
         K[row] = 0.0
         K[row, constants.index(c.momentum.name)] = 1.0
-    return _collected(solution, batch, (K, K_error, dK, error, sizes), good, status)
+    return _collected((solution, values), batch, (K, K_error, dK, error, sizes), good, status)
 
 
 def _coordinate(
@@ -185,9 +208,11 @@ def _keep(result: Seconds, done: Mask, some: Integers, found: Seconds, J: Reals,
 
 
 def _collected(
-    solution: Solution, batch: Batch, found: tuple[Reals, Reals, Reals, Reals, Reals], good: Mask, status: Any
-) -> BatchDerivatives:
-    """∂J/∂α and ∂Ω/∂α with their errors, the frequencies checked."""
+    what: tuple[Solution, Mapping[sp.Symbol, sp.Expr]], batch: Batch,
+    found: tuple[Reals, Reals, Reals, Reals, Reals], good: Mask, status: Any,
+) -> BatchDerivatives:  # fmt: skip
+    """∂J/∂α and ∂Ω/∂α with their errors, the frequencies checked, and what follows from them."""
+    solution, values = what
     K, K_error, dK, error, sizes = found
     constants, names = list(solution.constants), list(solution.coordinates)
     order = names + [c.name for c in solution.system.coordinates if c.name not in names]
@@ -218,8 +243,8 @@ def _collected(
     def shaped(x: Reals) -> Reals:
         return np.where(good, x, np.nan).reshape(batch.shape)
 
-    value: dict[str, Any] = {"actions": {}, "frequencies": {}}
-    errors: dict[str, Any] = {"actions": {}, "frequencies": {}}
+    value: dict[str, Any] = {"actions": {}, "frequencies": {}, "periods": {}}
+    errors: dict[str, Any] = {"actions": {}, "frequencies": {}, "periods": {}}
     for i, name in enumerate(order):
         if name in batch.actions:
             value["actions"][name] = {c: shaped(K[i, j]) for j, c in enumerate(constants)}
@@ -228,7 +253,40 @@ def _collected(
         if name in batch.frequencies:
             value["frequencies"][name] = {c: shaped(dΩ[:, i, j]) for j, c in enumerate(constants)}
             errors["frequencies"][name] = {c: shaped(bound[:, i, j]) for j, c in enumerate(constants)}
-    return BatchDerivatives(value, errors, status.reshape(batch.shape), batch)
+            own = np.ravel(batch.frequencies[name]), np.ravel(batch.error["frequencies"][name])
+            periods = [periods_by_constants(own, (dΩ[:, i, j], bound[:, i, j])) for j in range(n)]
+            value["periods"][name] = {c: shaped(x) for c, (x, _) in zip(constants, periods, strict=True)}
+            errors["periods"][name] = {c: shaped(x) for c, (_, x) in zip(constants, periods, strict=True)}
+    value["turning_points"], errors["turning_points"], ends = _ends(solution, values, batch, good, status)
+    return BatchDerivatives(value, errors, status.reshape(batch.shape), ends, batch)
+
+
+def _ends(
+    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], batch: Batch, good: Mask, status: Any
+) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """∂q/∂α of the turning points, their errors, and the statuses of them."""
+    model, constants = lowered_model(solution, values), list(solution.constants)
+    κ, unsure = (
+        np.stack([np.ravel(np.asarray(table[c], dtype=float)) for c in constants])
+        for table in (batch.constants, batch.error["constants"])
+    )
+    value: dict[str, Any] = {}
+    errors: dict[str, Any] = {}
+    statuses: dict[str, Any] = {}
+    for coordinate in model.separated:
+        name = coordinate.name
+        places, open_ = (
+            np.stack([np.ravel(np.asarray(end, dtype=float)) for end in table[name]])
+            for table in (batch.turning_points, batch.error["turning_points"])
+        )
+        found = ends_by_constants(coordinate.plain, model.numbers, (places, open_), (κ, unsure))
+        lost = good & (np.isfinite(places) & np.isnan(found.value).any(axis=0)).any(axis=0)
+        fine = good & ~lost
+        statuses[name] = np.where(lost, SQUARE_ROOT, status).reshape(batch.shape)
+        for table, rows in ((value, found.value), (errors, found.error)):
+            kept = np.where(fine, rows, np.nan).reshape(len(constants), 2, *batch.shape)
+            table[name] = {c: (kept[j, 0], kept[j, 1]) for j, c in enumerate(constants)}
+    return value, errors, statuses
 
 
 def _check(batch: Batch, order: Iterable[str], Ω: Reals, spread: Reals, good: Mask) -> None:

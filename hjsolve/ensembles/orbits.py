@@ -64,7 +64,7 @@ def ensemble(
         velocity: every coordinate → velocity. A system in x, y, z that is symmetric about z takes columns of stars
             as well: q with R and z, velocity with vR, vT and vz; the azimuth is 0.
         actions: instead of q, p and velocity: every coordinate that has an action → array of J; the result is the state
-            with these actions, ``batch.q["r"]`` and ``batch.p["r"]``, at
+            with these actions, ``batch.q["r"]`` and ``batch.p["r"]`` (lazy from dask arrays, as with q), at
         angles: the same names → angle variables in radians; 0 where left out.
         kinds: with actions, separated coordinate → libration or rotation, where both have the same actions.
         want: ``state`` with actions, else of

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from hjsolve import arguments
 from hjsolve.ensembles.batch import Batch
-from hjsolve.ensembles.initial_conditions import arrays_of
+from hjsolve.ensembles.compute import Columns
+from hjsolve.ensembles.initial_conditions import arrays_of, is_dask
 from hjsolve.ensembles.layout import ERROR, RECOMPUTED, STATUS, Layout
 from hjsolve.ensembles.to_states.from_actions import InverseTask, states_of
 from hjsolve.errors import InvalidInputError
@@ -31,7 +33,8 @@ def batch_of_states(
 
     Args:
         solution: of the system.
-        actions: every coordinate that has one → array of J, any shape; arrays broadcast.
+        actions: every coordinate that has one → array of J, any shape; arrays broadcast. Dask arrays make the result
+            lazy, one task a block.
         angles: the same names → θ in radians; 0 where left out.
         kinds: separated coordinate → libration or rotation, of all orbits.
         want: ``"state"`` or None.
@@ -39,7 +42,7 @@ def batch_of_states(
         fallback: whether what the engine hands back goes to single motions.
 
     Raises:
-        InvalidInputError: an unknown name, arrays of no real numbers, lazy ones, found coordinates, something else
+        InvalidInputError: an unknown name, arrays of no real numbers, found coordinates, something else
             wanted, or a coordinate that may librate or rotate with the same actions.
         MissingValueError: an action or a parameter without a value.
     """
@@ -61,19 +64,26 @@ def batch_of_states(
                 f"{', '.join(_KINDS)} are needed"
             )
     parameter_values(solution.system, dict(parameters or {}))
-    n = math.prod(shape)
+    lazy = any(is_dask(array) for group in given.values() for array in group.values())
+    inputs = [given[group].get(name, np.zeros(())) for group in ("actions", "angles") for name in names]
+    coordinates = tuple(c.name for c in solution.system.coordinates)
+    layout = Layout({"q": coordinates, "p": coordinates}, solution if solution.system.declared_units else None)
+    none = np.empty((len(names), 0))
+    task = InverseTask(solution, tuple(names), none, none, chosen, dict(parameters or {}), fallback)
+    if lazy:
+        from hjsolve.ensembles.dask_blocks import by_blocks
 
-    def rows(group: str) -> Any:
-        return np.stack([np.broadcast_to(given[group].get(name, 0.0), shape).reshape(n) for name in names])
-
-    task = InverseTask(
-        solution, tuple(names), rows("actions"), rows("angles"), chosen, dict(parameters or {}), fallback
-    )  # fmt: skip
-    with shared_libraries:
-        found = states_of(task)
-    columns: dict[str, Any] = {STATUS: found.status, RECOMPUTED: found.recomputed}
-    for name in found.q:
-        columns |= {f"q.{name}": found.q[name], f"p.{name}": found.p[name]}
-        columns |= {f"{ERROR}q.{name}": found.q_errors[name], f"{ERROR}p.{name}": found.p_errors[name]}
-    layout = Layout({"q": tuple(found.q), "p": tuple(found.p)}, solution if solution.system.declared_units else None)
+        return by_blocks(partial(_columns, task), inputs, layout, shape)
+    columns = _columns(task, [np.broadcast_to(array, shape).reshape(-1) for array in inputs])
     return Batch({name: column.reshape(shape) for name, column in columns.items()}, layout, shape)
+
+
+def _columns(task: InverseTask, inputs: list[Any]) -> Columns:
+    """Return the columns of orbits from their actions and, after these, their angles; each of shape (n,)."""
+    half = len(inputs) // 2
+    with shared_libraries:
+        found = states_of(replace(task, actions=np.stack(inputs[:half]), angles=np.stack(inputs[half:])))
+    columns: Columns = {STATUS: found.status, RECOMPUTED: found.recomputed}
+    columns |= {f"q.{name}": x for name, x in found.q.items()} | {f"p.{name}": x for name, x in found.p.items()}
+    columns |= {f"{ERROR}q.{name}": x for name, x in found.q_errors.items()}
+    return columns | {f"{ERROR}p.{name}": x for name, x in found.p_errors.items()}

@@ -101,16 +101,7 @@ def enclosed_numbers(motion: SeparatedMotion, digits: int, known: Mapping[str, B
         InvalidInputError: a coordinate neither librates nor rotates; that is not certified yet.
         NotConvergedError: an enclosure stayed wider than asked.
     """
-    unfit = [
-        (name, course.kind) for name, place in motion.located.items() if (course := place.course).cycle is None
-    ] + [
-        (name, "rotation along a line") for name, place in motion.located.items()
-        if place.course.rotates and motion.solution.system.coordinate(name).domain.kind != "angle"
-    ]  # fmt: skip
-    if unfit:
-        raise InvalidInputError(
-            f"certified=True encloses librations and rotations of angles; {unfit[0][0]} is in {unfit[0][1]}"
-        )
+    refuse_unfit(motion)
     work = work_bits(digits)
     for _ in range(6):
         try:
@@ -124,23 +115,63 @@ def enclosed_numbers(motion: SeparatedMotion, digits: int, known: Mapping[str, B
         return _enclose(motion, digits, known)
 
 
+def refuse_unfit(motion: SeparatedMotion) -> None:
+    """Check that every coordinate librates, or is an angle that rotates.
+
+    Args:
+        motion: the motion, computed without proof.
+
+    Raises:
+        InvalidInputError: another kind, which is not certified yet.
+    """
+    unfit = [
+        (name, course.kind) for name, place in motion.located.items() if (course := place.course).cycle is None
+    ] + [
+        (name, "rotation along a line") for name, place in motion.located.items()
+        if place.course.rotates and motion.solution.system.coordinate(name).domain.kind != "angle"
+    ]  # fmt: skip
+    if unfit:
+        raise InvalidInputError(
+            f"certified=True encloses librations and rotations of angles; {unfit[0][0]} is in {unfit[0][1]}"
+        )
+
+
 def _enclose(motion: SeparatedMotion, digits: int, known: Mapping[str, BallMomentumSquared]) -> Enclosed:
-    cycles = {name: _cycle(motion, name, line) for name, line in known.items()}
+    cycles = {name: cycle_of(motion, name, line) for name, line in known.items()}
     constants = {name: exact_ball(value) for name, value in motion.initial.constants.items()}
     bits = bits_for(digits, 12)
-    ends = {n: (f.lower, f.upper) for n, f in cycles.items() if f.lower is not None and f.upper is not None}
     found = {n: dict(zip(f.wanted, certified_means(f, bits), strict=True)) for n, f in cycles.items() if f.wanted}
     count = len(motion.solution.constants)
     growths = {n: [row.get(j, flint.arb(0)) for j in range(count)] for n, row in found.items()}
     actions = _actions(motion, found) if "action" in motion.parts else {}
-    frequencies = _frequencies(motion, growths) if growths and "time" in motion.parts else {}
+    return rounded(motion, digits, cycles, (constants, actions, growths if "time" in motion.parts else {}))
 
-    def rounded(balls: Mapping[str, flint.arb]) -> dict[str, Estimate]:
-        return {key: estimate(value, digits) for key, value in balls.items()}
+
+def rounded(
+    motion: SeparatedMotion, digits: int, cycles: Mapping[str, CycleIntegrand],
+    balls: tuple[Mapping[str, flint.arb], Mapping[str, flint.arb], Mapping[str, list[flint.arb]]],
+) -> Enclosed:  # fmt: skip
+    """Return what is enclosed of a motion from balls, rounded.
+
+    Args:
+        motion: the motion.
+        digits: relative digits wanted.
+        cycles: separated coordinate → its integrands.
+        balls: constants, actions, and the growths of Jacobi's integrals of every separated coordinate.
+
+    Raises:
+        NotConvergedError: a ball is wider than the digits asked.
+    """
+    constants, actions, growths = balls
+    ends = {n: (f.lower, f.upper) for n, f in cycles.items() if f.lower is not None and f.upper is not None}
+    frequencies = _frequencies(motion, growths) if growths else {}
+
+    def told(values: Mapping[str, flint.arb]) -> dict[str, Estimate]:
+        return {key: estimate(value, digits) for key, value in values.items()}
 
     periods = {n: 2 * flint.arb.pi() / abs(f) for n, f in frequencies.items() if not f.contains(0)}
     pairs = {n: (estimate(a, digits), estimate(b, digits)) for n, (a, b) in ends.items()}
-    return Enclosed(rounded(constants), pairs, rounded(actions), rounded(frequencies), rounded(periods))
+    return Enclosed(told(constants), pairs, told(actions), told(frequencies), told(periods))
 
 
 def exact_ball(value: sp.Expr) -> flint.arb:
@@ -177,8 +208,17 @@ def proved_libration(
     return Located(Periodic("libration", anomaly, empty, zero(), None, context.zero, begin.radicand), *ends)
 
 
-def _cycle(motion: SeparatedMotion, name: str, line: BallMomentumSquared) -> CycleIntegrand:
-    """Prove the turning points and set up the integrands of one coordinate."""
+def cycle_of(motion: SeparatedMotion, name: str, line: BallMomentumSquared) -> CycleIntegrand:
+    """Prove the turning points and set up the integrands of one coordinate.
+
+    Args:
+        motion: computed without proof.
+        name: of the coordinate.
+        line: its p² in balls.
+
+    Raises:
+        NotConvergedError: a turning point is not proved to be one.
+    """
     solution, course = motion.solution, motion.located[name].course.cycle
     course = required(course)
     anomaly = course.anomaly

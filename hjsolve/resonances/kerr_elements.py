@@ -108,9 +108,8 @@ def _slopes(a: Mpf, x: Mpf, r: Mpf) -> tuple[Mpf, Mpf, Mpf, Mpf]:
     )  # fmt: skip
 
 
-def _room(a: Mpf, p: Mpf, e: Mpf, x: Mpf, bits: int) -> Mpf:
+def _room(found: KerrConstants, a: Mpf, p: Mpf, e: Mpf) -> Mpf:
     """Return r₂ − r₃, the pericentre less the next root of the radial polynomial."""
-    found = kerr_constants(a, p, e, x, bits)
     free = 1 - found.energy**2
     r1, r2 = p / (1 - e), p / (1 + e)
     total, product = 2 / free - r1 - r2, a**2 * found.carter / (free * r1 * r2)
@@ -132,11 +131,15 @@ def separatrix_in_bits(a: Mpf, e: Mpf, x: Mpf, bits: int) -> Mpf:
     if e == 0:  # the innermost stable circle: r₁, r₂ and r₃ meet, r₂ − r₃ still changes its sign
         e = context.mpf(0)
     high, step = context.mpf(_FARTHEST), context.mpf(_STEP)
-    above = _room(a, high, e, x, bits)
+
+    def room(p: Mpf) -> Mpf:
+        return _room(kerr_constants(a, p, e, x, bits), a, p, e)
+
+    above = room(high)
     while True:
         low = 1 + (high - 1) * step
         try:
-            below = _room(a, low, e, x, bits)
+            below = room(low)
         except InvalidInputError:
             step = (1 + step) / 2
             continue
@@ -144,9 +147,7 @@ def separatrix_in_bits(a: Mpf, e: Mpf, x: Mpf, bits: int) -> Mpf:
             break
         high, above = low, below
     least = context.mpf(2) ** (8 - bits)
-    return interpolated_root(
-        lambda p: _room(a, p, e, x, bits), (low, high), (below, above), lambda _, room: abs(room) <= least
-    )
+    return interpolated_root(room, (low, high), (below, above), lambda _, left: abs(left) <= least)
 
 
 def separatrix(a: object, e: object, x: object, *, digits: int = 15) -> Estimate:
@@ -209,11 +210,17 @@ class KerrFamily:
         Args:
             u: value of the unknown.
             bits: working precision.
+
+        Raises:
+            InvalidInputError: no geodesic has the elements, or p is not beyond the separatrix.
         """
         context = multiprecision(bits)
         known = {name: value(bits) for name, value in self.held.items()} | {self.unknown: context.convert(u)}
         M, a = to_bits(self.mass)(bits), to_bits(self.spin)(bits)
-        found = kerr_constants(a / M, known["p"], known["e"], known["x"], bits)
+        elements = a / M, known["p"], known["e"], known["x"]
+        found = kerr_constants(*elements, bits)
+        if not _room(found, *elements[:3]) > 0:  # p/(1 + e) is then the lower end of no motion up to p/(1 − e)
+            raise InvalidInputError(_nothing(*elements[1:]))
         E, L, Q = found.energy, found.angular_momentum * M, found.carter * M**2
         half = context.mpf(1) / 2
         return {"E": -half, "alpha_2": half * (Q + (a * E) ** 2 + L**2), "p_t": -E, "p_phi": L}

@@ -107,7 +107,7 @@ def cycle(name, motion, map_=None, bits=200):
     radicands = {name: motion.separated.located[name].course.radicand}
     line = certified.lines(radicands, motion.initial, motion.solution, bits)[name]
     with ball.working(bits):
-        made = certified._cycle(motion.separated, name, line)
+        made = certified.cycle_of(motion.separated, name, line)
         return made if map_ is None else made.over(map_)
 
 

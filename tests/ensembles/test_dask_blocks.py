@@ -78,3 +78,39 @@ def test_blocks_of_unknown_size_and_complex_blocks_are_refused_at_the_door() -> 
         hjsolve.ensemble("kepler-planar", q={"r": r[r > 1], "theta": 0}, p=P)
     with pytest.raises(hjsolve.InvalidInputError, match=r"q\[r\]: must hold real numbers, not complex128"):
         hjsolve.ensemble("kepler-planar", q={"r": r.astype(complex), "theta": 0}, p=P)
+
+
+def test_states_from_actions_are_lazy_and_those_of_each_block_bit_for_bit() -> None:
+    J = np.linspace(0.05, 0.6, 6).reshape(2, 3)
+    J[1, 1] = np.nan
+    given: dict[str, Any] = {"r": da.from_array(J, chunks=(1, 2)), "theta": 1.1}
+    angles = {"theta": da.from_array(np.linspace(0, 3, 3), chunks=3)}
+    lazy = hjsolve.ensemble("kepler-planar", actions=given, angles=angles)
+    assert lazy.lazy
+    assert lazy.q["r"].chunks == lazy.error["p"]["r"].chunks == ((1, 1), (2, 1))
+    found = lazy.compute(scheduler="threads")
+    assert found.status.tolist() == [["ok"] * 3, ["ok", "not_finite", "ok"]]
+    for part in ((slice(0, 1), slice(0, 2)), (slice(1, 2), slice(2, 3))):
+        θ = np.linspace(0, 3, 3)[part[1]]
+        plain = hjsolve.ensemble("kepler-planar", actions={"r": J[part], "theta": 1.1}, angles={"theta": θ})
+        assert found.columns.keys() == plain.columns.keys()
+        for name, column in plain.columns.items():
+            assert lazy.columns[name].dtype == column.dtype
+            assert found.columns[name][part].tobytes() == column.tobytes(), name
+
+
+def test_states_from_actions_are_not_computed_before_they_are_asked_for() -> None:
+    J = da.zeros((4, 6), chunks=(2, 3)).map_blocks(untouchable, dtype=float, meta=np.empty((0, 0)))
+    batch = hjsolve.ensemble("kepler-planar", actions={"r": J, "theta": 1})
+    assert batch.q["r"].shape == batch.status.shape == (4, 6)
+    with pytest.raises(AssertionError, match="was computed"):
+        batch.q["r"].compute(scheduler="synchronous")
+
+
+def test_a_task_of_states_can_be_sent_to_other_processes() -> None:
+    import pickle
+
+    batch = hjsolve.ensemble("kepler-planar", actions={"r": da.from_array([0.1, 0.2], chunks=1), "theta": 1})
+    again = pickle.loads(pickle.dumps(batch.q["r"]))
+    r = hjsolve.ensemble("kepler-planar", actions={"r": [0.1, 0.2], "theta": 1}).q["r"]
+    assert again.compute(scheduler="synchronous").tolist() == r.tolist()

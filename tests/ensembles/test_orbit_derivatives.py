@@ -172,3 +172,46 @@ def test_nearly_radial_orbits_of_the_isochrone_typed_with_its_root_have_derivati
         value, error = (np.asarray(x[group]["r"][c]) for x in (found.value, found.error))
         assert (np.abs(value - truth) <= error + 1e-15 * np.abs(truth)).all()
         assert (error <= 1e-10 * np.abs(truth)).all()
+
+
+def test_periods_and_turning_points_of_kepler_in_closed_form():
+    """T = 2π (−2E)^(−3/2); r = (1 ∓ e)/(−2E), e² = 1 + 2EL²: from the doubles that were given."""
+    q, p = kepler_orbits(30, 2)
+    found = hjsolve.ensemble_derivatives("kepler-planar", q=q, p=p)
+    assert (found.ends["r"] == "ok").all()
+    for k in range(30):
+        r, pr, L = (many.mpf(float(x[k])) for x in (q["r"], p["r"], p["theta"]))
+        E = (pr**2 + (L / r) ** 2) / 2 - 1 / r
+
+        def end(E, L, side):
+            return (1 + side * many.sqrt(1 + 2 * E * L**2)) / (-2 * E)
+
+        truth = {("periods", "E"): 6 * many.pi * (-2 * E) ** many.mpf("-2.5"), ("periods", "p_theta"): many.mpf(0)}
+        for (quantity, constant), exact in truth.items():
+            value, error = (table[quantity]["r"][constant][k] for table in (found.value, found.error))
+            assert abs(many.mpf(float(value)) - exact) <= error
+            assert error <= 1e-8 * (abs(exact) or truth["periods", "E"] * abs(E / L))
+        for i, side in enumerate((-1, 1)):
+            for constant, exact in (
+                ("E", many.diff(lambda x, side=side, L=L: end(x, L, side), E, h=many.mpf(10) ** -20)),
+                ("p_theta", many.diff(lambda x, side=side, E=E: end(E, x, side), L, h=many.mpf(10) ** -20)),
+            ):
+                value, error = (table["turning_points"]["r"][constant][i][k] for table in (found.value, found.error))
+                assert abs(many.mpf(float(value)) - exact) <= error + abs(exact) * many.mpf(10) ** -18
+                assert error <= 1e-3 * abs(exact)
+
+
+def test_where_a_derivative_does_not_exist_a_status_says_so():
+    circle = hjsolve.ensemble_derivatives(
+        "kepler-planar", q={"r": [1.0, 1.0], "theta": 0}, p={"r": 0, "theta": [1.0, 1.2]}
+    )
+    assert circle.status.tolist() == ["ok", "ok"]
+    assert circle.ends["r"].tolist() == ["square_root", "ok"]
+    assert np.isnan(circle.value["turning_points"]["r"]["E"][0][0])
+    assert np.isfinite(circle.value["periods"]["r"]["E"]).all()
+    assert len(circle.remarks) == 1
+    assert "like √J" in circle.remarks[0]
+    pendulum = System({"x": "angle"}, "dot(x)**2/2", "-cos(x)")
+    separatrix = hjsolve.ensemble_derivatives(pendulum, q={"x": [0.0, 0.0]}, p={"x": [2.0, 1.0]})
+    assert separatrix.status.tolist() == ["asymptotic", "ok"]
+    assert "on a separatrix" in separatrix.remarks[0]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from mpmath import mp
@@ -144,9 +146,60 @@ def test_found_coordinates_are_refused():
         hjsolve.solve(plane, coordinates="find").motion(actions={"r": 1, "phi": 1})
 
 
+def line(V, *more):
+    names = ("x", *more)
+    T = " + ".join(f"dot({n})**2" for n in names)
+    return hjsolve.solve(hjsolve.System(dict.fromkeys(names, "line"), f"({T})/2", V))
+
+
+DOUBLE, TRIPLE, CUBIC = "x**4/4 - x**2/2", "x**2*(x**2 - 1)**2", "x**2/2 - x**3/3"
+
+
+@pytest.mark.parametrize(
+    ("V", "J", "least_and_most"),
+    [
+        # areas at the barrier: of a well 4/3, of a side well √3/2·4√2/9, of the middle one twice that; of the cubic 6/5
+        (DOUBLE, "0.3", [2 / (3 * np.pi), 4 / (3 * np.pi)]),
+        pytest.param(DOUBLE, "-1", [2 / (3 * np.pi), 4 / (3 * np.pi)], marks=pytest.mark.nightly),
+        pytest.param(CUBIC, "1", [3 / (5 * np.pi)], marks=pytest.mark.nightly),
+        pytest.param(TRIPLE, "0.2", [0.06498, 0.12995, 0.2599], marks=pytest.mark.nightly),
+    ],
+)
+def test_actions_that_no_torus_has_are_refused_with_the_range(V, J, least_and_most):
+    with pytest.raises(hjsolve.InvalidInputError, match="there are about") as refused:
+        line(V).motion(actions={"x": J})
+    told = {float(x) for x in re.findall(r"(?:from|to) ([0-9.]+)", str(refused.value))} - {0.0}
+    np.testing.assert_allclose(sorted(told), least_and_most, rtol=1e-2, atol=0)
+
+
 def test_no_pendulum_rotates_slower_than_on_its_separatrix():
-    with pytest.raises(hjsolve.InvalidInputError, match="separatrix"):
+    with pytest.raises(hjsolve.InvalidInputError, match=r"to 7\.98 .*rotations with abs\(J_theta\) from 3\.99 on"):
         entries.solved("pendulum").motion(actions={"theta": "3.98"}, kinds={"theta": "rotation"})
+
+
+@pytest.mark.nightly
+def test_all_wells_are_listed_and_each_is_chosen_by_a_place_in_it():
+    triple = line(TRIPLE)
+    with pytest.raises(hjsolve.InvalidInputError, match="several tori") as refused:
+        triple.motion(actions={"x": "0.01"})
+    assert str(refused.value).count("x libration") == 3
+    for place in (-1, 0, 1):
+        lower, upper = triple.motion(actions={"x": "0.01"}, q={"x": place}).turning_points["x"]
+        assert lower.value < place < upper.value
+    with pytest.raises(hjsolve.InvalidInputError, match="no torus with these actions is there"):
+        triple.motion(actions={"x": "0.01"}, q={"x": "0.5"})
+
+
+@pytest.mark.nightly
+def test_wells_of_two_coordinates_are_all_listed():
+    plane = line(f"{DOUBLE} + y**2*(y**2 - 1)**2", "y")
+    J = {"x": "0.05", "y": "0.01"}
+    for hint, count in (({}, 6), ({"x": 1}, 3), ({"y": 0}, 2)):
+        with pytest.raises(hjsolve.InvalidInputError, match="several tori") as refused:
+            plane.motion(actions=J, q=hint)
+        assert str(refused.value).count("y libration") == count
+    points = plane.motion(actions=J, q={"x": -1, "y": 1}).turning_points
+    assert points["x"][1].value < 0 < points["y"][0].value
 
 
 NOT_FOUND = {

@@ -80,7 +80,8 @@ def start(solution: Solution, given: StartGiven) -> Motion:
     """
     if given.actions is not None:
         others = ("velocity", "p", "constants", "signs")
-        unused = {name: getattr(given, name) is not None for name in others} | {"certified": given.certified}
+        unused = {name: getattr(given, name) is not None for name in others}
+        arguments.refuse_other(given.certified, bool, "certified", "True or False is needed")
         arguments.refuse_unused(unused, "actions={…} and angles={…} give the motion")
         return _on_torus(solution, given)
     unused = {"angles": given.angles is not None, "kinds": given.kinds is not None}
@@ -186,7 +187,8 @@ def _on_torus(solution: Solution, given: StartGiven) -> Motion:
     parts, digits = parts_of(_words(given.want)), arguments.digits(given.digits)
     parameters = in_units(solution.system, given.parameters, "parameters")
     torus = {"actions": given.actions, "angles": given.angles, "q": given.q, "kinds": given.kinds}
-    return start_on_torus(solution, {**torus, "parameters": parameters}, given.t0, digits, parts)
+    data = {**torus, "parameters": parameters}
+    return start_on_torus(solution, data, given.t0, digits, parts, certified=given.certified)
 
 
 def _again(solution: Solution, given: StartGiven, digits: int, change: Mapping[str, Any]) -> Motion:

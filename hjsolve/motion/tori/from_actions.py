@@ -27,8 +27,9 @@ from hjsolve.motion.separated import SeparatedMotion, turning_points
 from hjsolve.motion.starting import motion_of, started
 from hjsolve.motion.tori.angles_given import started_at
 from hjsolve.motion.tori.polish import Goal, Torus, polished
+from hjsolve.motion.tori.proved import proved_torus
 from hjsolve.motion.tori.radicand_curve import RadicandCurve, curves_of
-from hjsolve.motion.tori.search import Candidate, Meant, Wanted, candidates
+from hjsolve.motion.tori.search import ActionRange, Candidate, Meant, Wanted, action_ranges, candidates
 from hjsolve.solution.quadratures import Solution
 from hjsolve.time_law.torus import torus_equations
 
@@ -113,7 +114,7 @@ def tori_of(asked: AskedTorus, found: Iterable[Candidate]) -> list[tuple[Candida
 
 def motion_on_torus(
     solution: Solution, *, actions: Values, angles: Values | None, q: Values | None, kinds: Values | None,
-    parameters: Values | None, t0: object, digits: int, parts: frozenset[str],
+    parameters: Values | None, t0: object, digits: int, parts: frozenset[str], certified: bool = False,
 ) -> Motion:  # fmt: skip
     """Start a motion from its actions and the angles at t₀.
 
@@ -127,6 +128,7 @@ def motion_on_torus(
         t0: time of the angles.
         digits: relative digits wanted, at least 15.
         parts: what is integrated.
+        certified: whether constants, turning points, frequencies and periods are proved.
 
     Raises:
         InvalidInputError: no torus has these actions, or several have; a name that is not known.
@@ -144,28 +146,37 @@ def motion_on_torus(
     exact_t0 = number(t0, source="t0")
     if not solution.coordinates:
         values = {**asked.values, **{c.symbol: θ[c.name] for c in solution.system.coordinates}}
-        return started(solution, Initial(values, asked.constants, asked.exact), exact_t0, digits, parts)
+        initial = Initial(values, asked.constants, asked.exact)
+        return started(solution, initial, exact_t0, digits, parts, certified=certified)
     kinds = _kinds_given(solution, kinds)
     left = _left(solution, asked.curves, list(candidates_of(asked, kinds)), (q or {}, kinds))
     tori = tori_of(asked, left)
     if not tori:
-        raise InvalidInputError(_no_torus(J))
+        raise InvalidInputError(_no_torus(asked))
     if len(tori) > 1:
         words = "; ".join(sorted(_in_words(asked.curves, candidate) for candidate, _ in tori))
         raise InvalidInputError(f"actions: several tori have them; choose one by q={{…}} or kinds={{…}}: {words}")
-    torus = tori[0][1]
+    candidate, torus = tori[0]
     courses = [stays for place in torus.located.values() if (stays := place.course.bounded) is not None]
     equations = torus_equations(courses, bits_for(digits, 128))
     motion = SeparatedMotion(
         solution, torus.initial, exact_t0, digits, asked.parts, torus.located, equations,
         turning_points(torus.located, digits), quantities.frequencies(solution, torus.initial, equations, digits),
     )  # fmt: skip
-    return motion_of(started_at(motion, θ))
+    result = motion_of(started_at(motion, θ))
+    if not certified:
+        return result
+    proved = proved_torus(motion, _goal(asked, candidate), J, asked.curves, digits)
+    return replace(
+        result, constants=proved.constants, turning_points=proved.turning_points, actions=proved.actions,
+        frequencies=proved.frequencies, periods=proved.periods,
+    )  # fmt: skip
 
 
 def start_on_torus(
-    solution: Solution, given: Mapping[str, Any], t0: object, digits: int, parts: frozenset[str]
-) -> Motion:
+    solution: Solution, given: Mapping[str, Any], t0: object, digits: int, parts: frozenset[str], *,
+    certified: bool = False,
+) -> Motion:  # fmt: skip
     """Start a motion from actions and angles, and keep what was given.
 
     Args:
@@ -174,12 +185,15 @@ def start_on_torus(
         t0: time of the angles.
         digits: relative digits wanted.
         parts: what is integrated.
+        certified: as of ``motion_on_torus``.
 
     Raises:
         InvalidInputError, MissingValueError, NotConvergedError: as of ``motion_on_torus``.
     """
     kept = {name: None if group is None else dict(group) for name, group in given.items()}
-    motion = motion_on_torus(solution, **given, t0=t0, digits=max(digits, FLOAT_DIGITS), parts=parts)
+    motion = motion_on_torus(
+        solution, **given, t0=t0, digits=max(digits, FLOAT_DIGITS), parts=parts, certified=certified
+    )
     return replace(motion, given=kept, again=partial(_again, solution, kept, t0, parts))
 
 
@@ -313,9 +327,21 @@ def _in_words(curves: Sequence[RadicandCurve], candidate: Candidate) -> str:
     return ", ".join(parts)
 
 
-def _no_torus(J: Mapping[str, sp.Expr]) -> str:
-    words = ", ".join(f"{name} {float(to_bits(x)(64)):.6g}" for name, x in J.items())
-    return (
-        f"actions: no bounded motion with {words} was found; librations need J >= 0, and a separatrix or the "
-        "energy of escape may limit J"
-    )
+def _no_torus(asked: AskedTorus) -> str:
+    words = ", ".join(f"{name} {float(to_bits(x)(64)):.6g}" for name, x in asked.actions.items())
+    ranges = action_ranges(asked.solution, asked.values, asked.curves, wanted_of(asked))
+    if not ranges:
+        return (
+            f"actions: no bounded motion with {words} was found; librations need J >= 0, and a separatrix or the "
+            "energy of escape may limit J"
+        )
+    name = asked.curves[0].name
+    told = "; ".join(sorted({_range_in_words(name, one) for one in ranges}))
+    return f"actions: no bounded motion with {words} was found; librations need J >= 0; there are about {told}"
+
+
+def _range_in_words(name: str, one: ActionRange) -> str:
+    J = f"abs(J_{name})" if one.kind == "rotation" else f"J_{name}"
+    most = "on" if np.isinf(one.most) else f"to {one.most:.3g}"
+    extent = "" if one.kind == "rotation" or np.isinf(one.most) else f" within {one.low:.3g} and {one.high:.3g}"
+    return f"{one.kind}s with {J} from {one.least:.3g} {most}{extent}"

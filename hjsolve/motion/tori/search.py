@@ -27,6 +27,8 @@ _FAMILIES, _ATTEMPTS = 24, (0, 1, 3, 7, 15, 31)
 """How many families are looked at, and from which samples of each, the nearest first, Newton's method begins."""
 _WELLS = 4
 """How many wells of one family are looked for."""
+_AROUND, _FINE = 10.0, 4000
+"""How far beyond the action asked ranges of actions are looked at, and nodes of the actions at their ends."""
 _STEPS, _HALVINGS, _CLOSE = 60, 8, 1e-11
 """Steps of Newton's method and halvings of each, and the relative residual at which it ends."""
 
@@ -384,3 +386,106 @@ def _meets_an_end(curve: RadicandCurve, constants: Reals) -> bool:
     ends = [(grid[0], curve.lower, curve.walls[0]), (grid[-1], curve.upper, curve.walls[1])]
     places = np.array([q for q, end, wall in ends if np.isfinite(end) and not wall])
     return bool(len(places)) and bool(np.any(curve.value(places[None, :], constants[:, :, None]) > 0))
+
+
+@dataclass(frozen=True)
+class ActionRange:
+    """Between which values J of one coordinate lies, over the tori of one family.
+
+    Attributes:
+        kind: libration or rotation.
+        low, high: where the coordinate moves on the outermost of them seen; a turn of a rotation.
+        least, most: of abs(J); infinite where no end of the family was seen.
+    """
+
+    kind: str
+    low: float
+    high: float
+    least: float
+    most: float
+
+
+def action_ranges(
+    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], curves: Sequence[RadicandCurve], wanted: Wanted
+) -> tuple[ActionRange, ...]:
+    """Return between which values the action of the only separated coordinate lies, family by family.
+
+    The ends of a family lie between a sample of it and the next one that is none of it; there they are bisected.
+    None where several coordinates are separated: the range of one action depends on the others.
+
+    Args:
+        solution: what is solved.
+        values: symbol → exact number, for parameters and the momenta of ignorable coordinates.
+        curves: p² of the separated coordinates.
+        wanted: actions that were asked.
+    """
+    if len(curves) != 1:
+        return ()
+    samples = _sampled(solution, values, curves, wanted)
+    table, unknown = _runs(curves[0], samples.constants, samples.positions[0]), int(wanted.unknown[0])
+    E = samples.constants[unknown]
+    allowed = np.flatnonzero(table.bounded & np.isfinite(E) & np.isfinite(table.action))
+    if not len(allowed):
+        return ()
+    # far out the samples of the coordinate lie too wide apart to tell wells from one another
+    near = _AROUND * max(wanted.scale, float(np.quantile(table.action[allowed], 0.25)))
+    allowed = allowed[table.action[allowed] <= near]
+    allowed = allowed[np.linspace(0, len(allowed) - 1, min(len(allowed), _SAMPLES)).astype(int)]
+    families = _families(curves, [table], allowed)
+    found = []
+    for family in np.unique(families):
+        own = allowed[families == family]
+        ends = []
+        for side in (-1, 1):
+            last = own[np.argmax(side * E[own])]
+            beyond = E[np.isfinite(E) & (side * E > side * E[last])]
+            ends.append(_action_at_the_end(curves[0], samples, int(last), unknown, beyond, side))
+        s = own[np.argmax(E[own])]
+        kind = "rotation" if table.round[s] else "libration"
+        least = 0.0 if kind == "libration" and table.maxima[s] == 1 else min(ends)  # it ends at the bottom of its well
+        most = max(ends) if max(ends) <= near else np.inf
+        found.append(ActionRange(kind, float(table.low[s]), float(table.high[s]), least, most))
+    return tuple(found)
+
+
+def _action_at_the_end(
+    curve: RadicandCurve, samples: _Samples, last: int, unknown: int, beyond: Reals, side: int
+) -> float:
+    """Return J where a family ends beyond one of its samples; infinite where no end was seen.
+
+    Args:
+        curve: p².
+        samples: of phase space.
+        last: sample of the family with the extreme unknown.
+        unknown: position of the unknown constant.
+        beyond: values of it past that sample, of others.
+        side: in which direction, ±1.
+    """
+    κ = samples.constants[:, last].copy()
+    own = _runs(curve, κ[:, None], samples.positions[0][last : last + 1])
+    grid = curve.samples()
+    inside = float(κ[unknown])
+    low, high = float(own.low[0]), float(own.high[0])
+    if not len(beyond):
+        return np.inf if side > 0 else 0.0
+    outside = float(side * np.min(side * beyond))
+    for _ in range(_STEPS):
+        middle = (inside + outside) / 2
+        trial = κ.copy()
+        trial[unknown] = middle
+        within = np.where((grid >= low) & (grid <= high), np.nan_to_num(curve.value(grid, trial), nan=-np.inf), -np.inf)
+        at = np.array([int(np.clip(np.argmax(within), 1, len(grid) - 2))])
+        run = _runs(curve, trial[:, None], at)
+        if run.bounded[0] and run.round[0] == own.round[0] and run.maxima[0] == own.maxima[0]:
+            inside, low, high = middle, float(run.low[0]), float(run.high[0])
+        else:
+            outside = middle
+    κ[unknown] = inside
+    if own.round[0]:
+        low, high = float(grid[0]), float(grid[0]) + curve.turn
+    # next to a barrier: between samples that are outside, whatever lies beyond the barrier
+    χ = (np.arange(_FINE) + 0.5) * np.pi / _FINE
+    q = (low + high) / 2 - (high - low) / 2 * np.cos(χ)
+    p = np.sqrt(np.maximum(np.nan_to_num(curve.value(q, κ)), 0))
+    J = float(np.mean(p * np.sin(χ))) * (high - low) / 2
+    return J / 2 if own.round[0] else J

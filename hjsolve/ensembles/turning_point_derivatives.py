@@ -1,0 +1,86 @@
+"""How turning points of many orbits move with the constants of the motion, and periods with the frequencies.
+
+A turning point is a zero of F(q; κ) = p², so ∂q/∂κⱼ = −F_κⱼ/F_q = −2 kⱼ/F_q with the kernels kⱼ = ½ ∂F/∂κⱼ. Both are
+evaluated with their running error, that of the place and of the constants included. Where F_q is not known from 0 the
+ends of the motion grow like √J, and have no derivative: the motion is at rest, or at the top of a barrier.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.floats import EPS, Float64
+from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.number_types import Reals
+from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
+
+_SAFETY = 2.0
+"""For the terms of second order that running errors leave out."""
+_KNOWN = 1e-3
+"""Largest part of a derivative that its error may be."""
+
+
+class EndSlopes(NamedTuple):
+    """∂q/∂κⱼ of the turning points of one coordinate, shape (k, 2, n); NaN where there is none."""
+
+    value: Reals
+    error: Reals
+
+
+def ends_by_constants(
+    formula: LoweredFormula, parameters: tuple[Pair, ...], ends: tuple[Reals, Reals], constants: tuple[Reals, Reals]
+) -> EndSlopes:
+    """Differentiate the turning points of one coordinate.
+
+    Args:
+        formula: p² and its kernels as functions of q.
+        parameters: of the system, in two doubles.
+        ends: lower and upper turning points, shape (2, n), and bounds on their errors.
+        constants: κ, shape (k, n), and bounds on their errors.
+    """
+    plain: Any = Float64()
+    q, κ = ends[0], constants[0][:, None, :]
+    x: Jet[WithErrorBound[Any]] = Jet(WithErrorBound(q, ends[1]), WithErrorBound(np.float64(1.0)))
+    known: list[Jet[WithErrorBound[Any]]] = [
+        Jet(WithErrorBound(v, e)) for v, e in zip(κ, constants[1][:, None, :], strict=True)
+    ]
+    known += [Jet(WithErrorBound(np.float64(high), np.float64(abs(low) + EPS * abs(low)))) for high, low in parameters]
+    arithmetic: Jets[WithErrorBound[Any]] = Jets(RunningError(plain))
+    with np.errstate(all="ignore"):
+        F, *kernels = formula.full.run(arithmetic, [x, *known])
+        zero = WithErrorBound(np.zeros(q.shape), np.zeros(q.shape))
+        slope, slope_error = _both(F[1] if F[1] is not None else zero, q)
+        value, error = np.full((len(κ), *q.shape), np.nan), np.full((len(κ), *q.shape), np.nan)
+        for j, kernel in enumerate(kernels):
+            k, k_error = _both(kernel[0], q)
+            value[j] = -2 * k / slope
+            error[j] = _SAFETY * (2 * k_error + np.abs(value[j]) * slope_error) / np.abs(slope) + 4 * EPS * abs(
+                value[j]
+            )
+        good = slope_error < _KNOWN * np.abs(slope)
+    return EndSlopes(np.where(good, value, np.nan), np.where(good, error, np.nan))
+
+
+def _both(x: WithErrorBound[Reals], like: Reals) -> tuple[Reals, Reals]:
+    error = np.float64(0.0) if x.error is None else x.error
+    return np.broadcast_to(x.value, like.shape), np.broadcast_to(error, like.shape)
+
+
+def periods_by_constants(Ω: tuple[Reals, Reals], slopes: tuple[Reals, Reals]) -> tuple[Reals, Reals]:
+    """Return ∂T/∂α = −(T/Ω) ∂Ω/∂α with its error, T = 2π/|Ω|.
+
+    Args:
+        Ω: frequencies, shape (n,), and bounds on their errors.
+        slopes: ∂Ω/∂α, shape (n,), and bounds on their errors.
+    """
+    with np.errstate(all="ignore"):
+        rate = 2 * np.pi / np.abs(Ω[0])
+        value = -rate / Ω[0] * slopes[0]
+        off = Ω[1] / np.abs(Ω[0])
+        error = rate / np.abs(Ω[0]) * slopes[1] + np.abs(value) * (2 * off / (1 - off) ** 2 + 8 * EPS)
+        error = error / (1 - off) ** 2
+    return value, np.where(off < 1, error, np.inf)
