@@ -23,7 +23,7 @@ from hjsolve.ensembles.to_states.short_arcs import (
 )
 from hjsolve.ensembles.to_states.tori import DOUBLES, EXACT, ROUGH, Tori
 
-_ROUNDS, _LEAST_STEP = (12, 60, 16), 2.0**-30
+_ROUNDS, _LEAST_STEP = (24, 60, 16), 2.0**-30
 """Evaluations of θ by integrals of each kind, and the share of a step below which an orbit is given up."""
 _LONGEST = 1.0
 """Radians that a phase moves in one step, at most."""
@@ -121,7 +121,7 @@ def _by_arcs(task: AngleTask, tori: Tori, frames: Frames, here: Here, which: tup
         moved, _ = phases_by_arcs(task, own, among, arcs, (θ[:, some], moved), exact=exact)
     better = angles_by_arcs(task, own, among, arcs, moved, exact=True, proved=True)
     φ[:, some] = moved
-    for whole, part in zip(at, placed(task, own, among, moved), strict=True):
+    for whole, part in zip(at, placed(task, own, among, moved, bounds=True), strict=True):
         whole[..., some] = part
     for name, part in better._asdict().items():
         getattr(found, name)[..., some] = part
@@ -152,7 +152,7 @@ def _phases(
         if not len(active):
             break
         own, among = tori.take(active), frames.take(active)
-        at = placed(task, own, among, trial[:, active])
+        at = placed(task, own, among, trial[:, active], bounds=how == EXACT)
         found = angles_at(task, own, among, at, how)
         residual = wrapped(θ[:, active] - found.separated)
         size_ = np.max(np.abs(residual), axis=0)
@@ -204,7 +204,7 @@ def _stepped(
     best.integrals.running[..., index] += there.rates * step[:, None]
     for errors in (best.errors, best.ignorable_errors):
         errors[:, index] += after
-    for whole, part in zip(kept, placed(task, tori, frames, φ), strict=True):
+    for whole, part in zip(kept, placed(task, tori, frames, φ, bounds=True), strict=True):
         whole[..., index] = part
 
 

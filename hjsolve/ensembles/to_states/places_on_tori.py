@@ -166,7 +166,9 @@ def width_of(task: AngleTask, k: int, bases: Reals) -> Reals:
     return D.sub(ends[1], ends[0]).high
 
 
-def placed(task: AngleTask, tori: Tori, frames: Frames, φ: Reals, *, exact: bool = True) -> Placed:
+def placed(
+    task: AngleTask, tori: Tori, frames: Frames, φ: Reals, *, exact: bool = True, bounds: bool = False
+) -> Placed:
     """Return coordinates at phases.
 
     Args:
@@ -175,13 +177,14 @@ def placed(task: AngleTask, tori: Tori, frames: Frames, φ: Reals, *, exact: boo
         frames: between what they move.
         φ: phases, shape (separated, n).
         exact: whether librations have p² from 32 digits; doubles do for searches.
+        bounds: whether what that leaves open of P is worked out, too.
     """
     size, n = φ.shape
     m = len(task.model.constants)
     found = Placed._make((*(np.zeros((size, n)) for _ in range(4)), np.zeros((size, m, n)), np.zeros((size, n))))
     for k in range(size):
         stays, turns = frames.resting[k], frames.rotating[k]
-        between = partial(_between, exact=exact)
+        between = partial(_between, exact=exact, bounds=bounds)
         for some, how in ((stays, _at_rest), (turns, _on_turn), (~stays & ~turns, between)):
             index = np.flatnonzero(some)
             if len(index):
@@ -230,7 +233,7 @@ def _row(rows: Reals, k: int, values: Reals) -> Reals:
     return changed
 
 
-def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals, *, exact: bool) -> _Row:
+def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals, *, exact: bool, bounds: bool) -> _Row:
     """Return a coordinate between turning points, seen from the nearer one."""
     one, W, bases = coordinate_at(*task, tori, k), frames.widths[k], frames.bases[k]
     D, s, c = DoubleDouble(), np.sin(0.5 * φ), np.cos(0.5 * φ)
@@ -257,7 +260,7 @@ def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals, *, 
             _, r, F, *rates = run_rows(code, one.parameters, given)
             slopes = run_rows(one.programs.views[side].slopes, one.parameters, np.stack([x, *one.constants[:, index]]))
             weights[:, index] = np.stack(rates) / r
-            if exact:
+            if bounds:
                 seen_at = np.stack([away * seen, zero, zero, *known, *one.uncertainty[:, index]])
                 noise[index] = run_rows(one.programs.exact[side].errors, one.parameters, seen_at)[0]
             square[index] = np.where(d < seen, F * (d / seen), F)  # linear next to the turning point
