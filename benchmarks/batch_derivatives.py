@@ -186,8 +186,8 @@ def truths(solution: Any, V: Term, start: dict[str, dict[str, float]], ends: tup
 def judged(start: dict[str, dict[str, float]], truth: Any, k: int, found: Any) -> tuple[list[str], float]:
     """Claims that do not hold for one motion, and its largest error of ∂Ω/∂α over |Ω/α| and the derivative itself."""
     broken, worst = [], 0.0
-    for quantity, names in found.value.items():
-        for name, constants in names.items():
+    for quantity in truth:
+        for name, constants in found.value[quantity].items():
             for constant, column in constants.items():
                 true = number.convert(truth[quantity][name][constant])
                 error = abs(number.mpf(float(column[k])) - true)
