@@ -8,6 +8,7 @@ from dataclasses import replace
 import sympy as sp
 
 from hjsolve.closed_form.along_motion import along_the_motion
+from hjsolve.closed_form.common_factors import with_common_factors
 from hjsolve.closed_form.common_parameter import others_in_parameter
 from hjsolve.closed_form.curves import W
 from hjsolve.closed_form.elliptic_inverses import in_moduli
@@ -61,7 +62,10 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
         return {name: parted(in_moduli(value, names, of_roots=True)) for name, value in group.items()}
 
     def parted(value: sp.Expr) -> sp.Expr:
-        return names.oriented(settled(made, names.with_named_parts(settled(made, value))))
+        return in_factors(names.with_named_parts(settled(made, value)))
+
+    def in_factors(value: sp.Expr) -> sp.Expr:
+        return names.oriented(with_common_factors(settled(made, value)))
 
     def written(group: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:
         return plain({name: shortened_powers(value.xreplace(short)) for name, value in group.items()})
@@ -83,7 +87,7 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
     for symbol in set(where) - names.roots:
         if symbol.name.startswith(("Omega_", "J_")):
             where[symbol] = in_moduli(sp.sympify(where[symbol]), names, of_roots=True)
-    where = names.kept(form.named().values(), lambda e: names.oriented(settled(made, shortened_powers(e))))
+    where = names.kept(form.named().values(), lambda e: in_factors(shortened_powers(e)))
     return replace(form, where=where)
 
 
