@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import mpmath
@@ -14,7 +15,7 @@ from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Mask, Mpf, Reals
 from hjsolve.closed_form.complements import for_doubles
 from hjsolve.closed_form.curves import MomentumCurve
-from hjsolve.closed_form.doubles import RootsOfPolynomial, place_test, region_test, roots_of
+from hjsolve.closed_form.doubles import PlaceTest, RegionTest, RootsOfPolynomial, place_test, region_test, roots_of
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
@@ -230,7 +231,7 @@ def _exactly(value: object) -> Mpf:
 
 
 class _CompiledForm:
-    """A form and the conditions of its regime, compiled for numbers."""
+    """A form and the conditions of its regime, each compiled for numbers when it is first asked for."""
 
     def __init__(self, form: NamedForms, expression: sp.Expr, module: str):
         made, where = form.regime, form.where
@@ -245,15 +246,46 @@ class _CompiledForm:
         self.symbols = sorted(held, key=str)
         self.names = tuple(s.name for s in self.symbols)
         self.defaults = {p.name: p.value for p in form.solution.system.parameters if p.value is not None}
-        self.numpy = module == "numpy"
-        known = modules(module) if self.numpy else own_modules()
-        self.plain = sp.lambdify([*self.symbols, *self.roots], expression, modules=known, cse=True)
-        self.tests = [sp.lambdify(self.symbols, sign * e, modules=known) for e, sign in made.conditions.items()]
-        self.equal = [sp.lambdify(self.symbols, c - e, modules=known) for c, e in made.special.items()]
-        self.placed = curves_held(form, plain)
-        self.inside = [place_test(c, r, s, self.symbols) for c, r, s in self.placed] if self.numpy else []
-        self.regions = [region_test(c, r, self.symbols) for c, r in self.curves] if self.numpy else []
-        self.named = self._definitions() if self.roots and self.numpy else []
+        self.numpy, self.expression, self.held = module == "numpy", expression, plain
+
+    @cached_property
+    def plain(self) -> Callable[..., Any]:
+        """The form itself."""
+        return self._compiled(self.expression, *self.roots)
+
+    @cached_property
+    def tests(self) -> list[Callable[..., Any]]:
+        """What is positive in the regime."""
+        return [self._compiled(sign * e) for e, sign in self.form.regime.conditions.items()]
+
+    @cached_property
+    def equal(self) -> list[Callable[..., Any]]:
+        """What is zero in the regime."""
+        return [self._compiled(c - e) for c, e in self.form.regime.special.items()]
+
+    @cached_property
+    def placed(self) -> list[tuple[MomentumCurve, RootInterval, sp.Symbol]]:
+        """The curves of coordinates and lower limits of the form."""
+        return curves_held(self.form, self.held)
+
+    @cached_property
+    def inside(self) -> list[PlaceTest | None]:
+        """Whether places are of the motion."""
+        return [place_test(c, r, s, self.symbols) for c, r, s in self.placed]
+
+    @cached_property
+    def regions(self) -> list[RegionTest | None]:
+        """Whether the regions exist."""
+        return [region_test(c, r, self.symbols) for c, r in self.curves]
+
+    @cached_property
+    def named(self) -> list[tuple[sp.Symbol, Any]]:
+        """What the form rests on."""
+        return self._definitions() if self.roots else []
+
+    def _compiled(self, expression: sp.Expr, *more: sp.Symbol) -> Callable[..., Any]:
+        known = modules("numpy") if self.numpy else own_modules()
+        return sp.lambdify([*self.symbols, *more], expression, modules=known, cse=expression is self.expression)
 
     def values(self, given: Mapping[str, object]) -> list[object]:
         """Return the arguments in order."""
@@ -324,10 +356,10 @@ class _CompiledForm:
         return good, unsure
 
     def _definitions(self) -> list[tuple[sp.Symbol, Any]]:
-        """Every symbol that ``where`` defines with its value for arrays, in order; of a root: polynomial and index."""
+        """Return what the form rests on, with its value for arrays, in order; of a root: polynomial and index."""
         known, found = list(self.symbols), list[tuple[sp.Symbol, Any]]()
         polynomials = dict[sp.Poly, RootsOfPolynomial]()
-        for symbol, meaning in self.form.where.items():
+        for symbol, meaning in needed_names(self.roots, self.form.where)[0].items():
             definition = meaning[0] if isinstance(meaning, tuple) else meaning
             held = definition.free_symbols - ({definition.gen} if isinstance(definition, sp.Poly) else set())
             if not held <= set(known):
