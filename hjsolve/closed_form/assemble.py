@@ -234,6 +234,8 @@ def _size(name: str, rate: sp.Expr, own: CoordinateIntegrals | None, made: Regim
 
 def _cycle(own: CoordinateIntegrals, key: sp.Symbol) -> sp.Expr | WhyNot:
     """∮ N dq/P over a full cycle, or why there is no form."""
+    if key in own.cycles and own.cycles[key].cycle is not None:
+        return own.cycles[key].cycle
     if key in own.why_not:
         return own.why_not[key]
     if key not in own.integrals:

@@ -134,9 +134,9 @@ def _piece(
     if made is None:
         return None
     try:
-        made.refuse(flaws(made, list(made.integrals), shop.digits))
+        made.refuse(flaws(made, [*made.integrals, *made.cycles], shop.digits))
     except OutOfTimeError as error:
-        made.refuse(dict.fromkeys(made.integrals, f"not verified: {error}"))
+        made.refuse(dict.fromkeys([*made.integrals, *made.cycles], f"not verified: {error}"))
     shop.pieces[key].append(made)
     return made
 

@@ -49,15 +49,19 @@ def flaws(piece: CoordinateIntegrals, keys: Sequence[sp.Symbol], digits: int = D
     found, left = dict[sp.Symbol, str](), dict[int, list[sp.Symbol]]()
     for key in keys:
         check_time()
-        integral = piece.integrals[key]
+        integral = _integral(piece, key)
         if integral.law is not None and integral.law.residual(integral.rational) != 0:
             found[key] = "not verified: its derivative was not proved to be the integrand"
             continue
         left.setdefault(id(integral.curve), []).append(key)
     for own in left.values():
         with mp.workdps(digits + GUARD):
-            found |= _Trial(piece, piece.integrals[own[0]].curve, own, digits).flaws()
+            found |= _Trial(piece, _integral(piece, own[0]).curve, own, digits).flaws()
     return found
+
+
+def _integral(piece: CoordinateIntegrals, key: sp.Symbol) -> PieceIntegral:
+    return piece.integrals[key] if key in piece.integrals else piece.cycles[key]
 
 
 class _Trial:
@@ -65,7 +69,7 @@ class _Trial:
 
     def __init__(self, piece: CoordinateIntegrals, curve: MomentumCurve, keys: list[sp.Symbol], digits: int):
         self.piece, self.curve, self.keys, self.digits = piece, curve, keys, digits
-        self.integrals = [piece.integrals[key] for key in keys]
+        self.integrals = [_integral(piece, key) for key in keys]
         self.region = next(r for c, r in piece.regions if c is curve)
         q, self.numbers = curve.coordinate.symbol, sample_numbers(piece, digits + GUARD)
         bare = Evaluator([curve.substitution_square, *(i.numerator for i in self.integrals)])
@@ -79,6 +83,11 @@ class _Trial:
         return [N / root for N in numerators]
 
     def flaws(self) -> dict[sp.Symbol, str]:
+        """Return what is wrong with antiderivatives, and with values over cycles."""
+        found = {} if all(integral.value is sp.nan for integral in self.integrals) else self._antiderivatives()
+        return found | self._cycles([key for key in self.keys if key not in found])
+
+    def _antiderivatives(self) -> dict[sp.Symbol, str]:
         low, high = monotone_span(self.piece, self.integrals[0])
         places = [low + (high - low) * mp.mpf(part) for part in _PARTS]
         found = dict[sp.Symbol, str]()
@@ -95,7 +104,7 @@ class _Trial:
             size = max(abs(begin), abs(end), abs(expected[k]))
             if not self._close(end - begin, expected[k], size):
                 found[key] = f"not verified: it is {_few(end - begin)} where the quadrature is {_few(expected[k])}"
-        return found | self._cycles([key for key in self.keys if key not in found])
+        return found
 
     def _close(self, one: mpmath.mpf, other: mpmath.mpf, size: mpmath.mpf) -> bool:
         one = _real(one)
@@ -133,11 +142,11 @@ class _Trial:
 
     def _cycles(self, keys: list[sp.Symbol]) -> dict[sp.Symbol, str]:
         """Return what is wrong with integrals over cycles."""
-        keys = [key for key in keys if self.piece.integrals[key].cycle is not None]
+        keys = [key for key in keys if _integral(self.piece, key).cycle is not None]
         if not keys:
             return {}
         found = dict[sp.Symbol, str]()
-        given = Evaluator([self.piece.integrals[key].cycle for key in keys]).at(self.numbers)
+        given = Evaluator([_integral(self.piece, key).cycle for key in keys]).at(self.numbers)
         expected = self._around()
         for key, got in zip(keys, given, strict=True):
             value, size = expected[self.keys.index(key)]
