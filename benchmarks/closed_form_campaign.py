@@ -86,8 +86,9 @@ def _integrals(entry: str, shop: Workshop, sample: Sample) -> Iterator[Tried]:
         own = _piece(shop, name, curves, {}, sample)
         if own is None:
             continue
-        found = flaws(own, list(own.integrals), DIGITS)
-        for key in own.integrals:
+        held = list(own.integrals | own.cycles)
+        found = flaws(own, held, DIGITS)
+        for key in held:
             yield Tried(entry, f"{name}: {key}", math.nan, found.get(key, ""))
 
 
