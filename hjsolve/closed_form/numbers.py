@@ -57,7 +57,7 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
     refuse_outside(form, exact)
     refuse_places(form, exact)
     working = 2 * (digits + _GUARD)
-    table = many_digits(exact, working) | root_values(form, exact, working)
+    table = many_digits(exact, working) | root_values(form, exact, working, expression.free_symbols)
     with mp.workdps(digits + _GUARD):
         near = number_of(expression, table)
     with mp.workdps(working):
@@ -166,7 +166,7 @@ def _exact(form: NamedForms, expression: sp.Expr, values: Mapping[str, object]) 
 
 
 def root_values(
-    form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr], digits: int
+    form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr], digits: int, wanted: Iterable[sp.Symbol] | None = None
 ) -> dict[sp.Symbol, mpmath.mpf]:  # fmt: skip
     """Return the values of the symbols that ``where`` defines, as far as what they rest on is known.
 
@@ -174,28 +174,33 @@ def root_values(
         form: of a regime.
         exact: symbol → exact value.
         digits: to which roots are found.
+        wanted: symbols whose values, and those of what they rest on, are enough; None for all.
     """
     known = many_digits(exact, digits)
+    where = needed_names(form.where if wanted is None else wanted, form.where)[0]
     with mp.workdps(digits):
-        for symbol, meaning in form.where.items():
-            if not needed_names([symbol], form.where)[1] <= set(exact):
+        for symbol, meaning in where.items():
+            held = {s for c in meaning[0].all_coeffs() for s in c.free_symbols} if isinstance(meaning, tuple) else None
+            if not (meaning.free_symbols if held is None else held) <= known.keys():
                 continue
             if isinstance(meaning, tuple):
                 polynomial, index = meaning
                 known[symbol] = ordered_real_roots(polynomial, known, digits)[index]
             else:
                 known[symbol] = mp.re(number_of(meaning, known))
-    return {symbol: known[symbol] for symbol in form.where if symbol in known}
+    return {symbol: known[symbol] for symbol in where if symbol in known}
 
 
-def at_example(form: NamedForms) -> dict[sp.Symbol, Mpf]:
-    """Return the constants and the named quantities at the motion that a regime was found with.
+def at_example(form: NamedForms, wanted: Iterable[sp.Symbol]) -> dict[sp.Symbol, Mpf]:
+    """Return the constants, the named roots and some named quantities at the motion that a regime was found with.
 
     Args:
         form: of a regime.
+        wanted: symbols of what is to be arranged.
     """
     exact = dict(form.regime.example)
-    return many_digits(exact, _DIGITS_OF_EXAMPLE) | root_values(form, exact, _DIGITS_OF_EXAMPLE)
+    roots = (s for s, meaning in form.where.items() if isinstance(meaning, tuple))
+    return many_digits(exact, _DIGITS_OF_EXAMPLE) | root_values(form, exact, _DIGITS_OF_EXAMPLE, (*roots, *wanted))
 
 
 def functions(form: NamedForms, module: str) -> dict[str, Callable[..., Mpf | Reals | float]]:
@@ -236,7 +241,7 @@ class _CompiledForm:
     def __init__(self, form: NamedForms, expression: sp.Expr, module: str):
         made, where = form.regime, form.where
         if module == "numpy":
-            expression = for_doubles(expression, where, at_example(form))
+            expression = for_doubles(expression, where, at_example(form, expression.free_symbols))
         self.form, self.roots = form, [s for s in expression.free_symbols if s in where]
         self.curves = [(c, r) for c, r in made.regions if c.degree > 2]
         plain = needed_names(expression.free_symbols, where)[1]
@@ -304,7 +309,7 @@ class _CompiledForm:
         if not self.roots:
             return self.plain(*numbers)
         exact = {s: sp.sympify(v) for s, v in zip(self.symbols, numbers, strict=True)}
-        table = root_values(self.form, exact, mp.dps + 5)
+        table = root_values(self.form, exact, mp.dps + 5, self.roots)
         kind = float if self.numpy else mp.mpmathify
         return self.plain(*numbers, *(kind(table[s]) for s in self.roots))
 
