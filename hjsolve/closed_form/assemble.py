@@ -21,7 +21,7 @@ from hjsolve.closed_form.names_of_regime import in_named_rates, names_of
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
 from hjsolve.closed_form.tidy import LONGEST, collected, elliptic, longer_than, plain_roots, shortened_powers
-from hjsolve.closed_form.why_not import NotFound, OfCoordinate, WhyNot
+from hjsolve.closed_form.why_not import Contains, NotFound, OfCoordinate, WhyNot
 from hjsolve.closed_form.workshop import Stratum, Workshop
 
 Integrals = Mapping[str, CoordinateIntegrals]
@@ -54,6 +54,7 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
     parametric = parametric_formulas(shop, pieces, special, names)
     parametric |= others_in_parameter(shop, pieces, special, parametric, names)
     anomaly = along_the_motion(shop, pieces, names, inverse, why_not)
+    _with_reasons(why_not)
     energy = solved_for_energy(shop, numbers["actions"], made, names, why_not)
 
     short = names.short_rates()
@@ -89,6 +90,13 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
             where[symbol] = in_moduli(sp.sympify(where[symbol]), names, of_roots=True)
     where = names.kept(form.named().values(), lambda e: in_factors(shortened_powers(e)))
     return replace(form, where=where)
+
+
+def _with_reasons(why_not: dict[str, WhyNot]) -> None:
+    """Give what contains another coordinate's q(t) the reason of that, which may have been found later."""
+    for name, reason in why_not.items():
+        if isinstance(reason, Contains) and reason.reason is None:
+            why_not[name] = replace(reason, reason=why_not.get(f"inverse.{reason.other.removesuffix('(t)')}"))
 
 
 class _Closing:

@@ -9,8 +9,8 @@ import sympy as sp
 
 from hjsolve.closed_form.tidy import elliptic, longer_than, operations
 
-LONGEST = 80
-"""Operations of a sum, or of a quotient, that is factored: sympy's factorization of longer ones may take seconds."""
+LONGEST, LONGEST_PART = 80, 40
+"""Operations of a sum or a quotient, and of a part of a sum, that is factored: longer ones may take sympy seconds."""
 _TERMS = 3
 """The fewest terms that are bracketed within a longer sum."""
 _SAVED = 4
@@ -88,6 +88,8 @@ def _brackets(total: sp.Expr, symbol: sp.Symbol) -> Iterator[sp.Expr]:
 @lru_cache(maxsize=4096)
 def _bracket(part: sp.Expr) -> sp.Expr:
     """Return a sum as a product, where that is much shorter or its factors are sums; a minus sign moves inside."""
+    if longer_than(part, LONGEST_PART):
+        return part
     made = sp.factor(part)
     sums = [f for f in sp.Mul.make_args(made) if f.as_base_exp()[0].is_Add and f.as_base_exp()[1].is_Integer]
     saved = operations(part) - operations(made)
