@@ -180,8 +180,8 @@ def root_values(
     where = needed_names(form.where if wanted is None else wanted, form.where)[0]
     with mp.workdps(digits):
         for symbol, meaning in where.items():
-            held = {s for c in meaning[0].all_coeffs() for s in c.free_symbols} if isinstance(meaning, tuple) else None
-            if not (meaning.free_symbols if held is None else held) <= known.keys():
+            rests_on = sp.Tuple(*meaning[0].all_coeffs()) if isinstance(meaning, tuple) else meaning
+            if not rests_on.free_symbols <= known.keys():
                 continue
             if isinstance(meaning, tuple):
                 polynomial, index = meaning

@@ -215,7 +215,7 @@ def piece(
                 made.why_not.setdefault(key, error.why)
         if done:
             made.add(done, task)
-            made.cycles |= {key: found for key in missing if (found := task.only_a_cycle(key, numerators[key]))}
+            made.cycles |= {key: own for key in missing if (own := task.only_a_cycle(key, numerators[key]))}
     return made if made.region is not None else None
 
 
