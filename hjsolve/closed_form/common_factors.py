@@ -42,7 +42,8 @@ def _power(power: sp.Pow) -> sp.Expr:
     content, rest = base.as_coeff_Mul()
     if base is power.base or content < 0:
         return power
-    return min(power, content**power.exp * rest**power.exp, key=sp.count_ops)
+    made = content**power.exp * rest**power.exp
+    return min(power, made, key=lambda e: sp.count_ops(e) + operations(e))  # sympy does not count a quotient twice
 
 
 @lru_cache(maxsize=4096)
