@@ -68,11 +68,17 @@ def tried(entry: str, motions: int, seed: int) -> Iterator[Tried]:
     """
     solution = hjsolve.solve(entry)
     shop, forms = workshop_of(solution), closed_forms(solution)
+    numbers = [(form, _numbers(form)) for form in forms if not form.regime.special]
     for sample in samples(solution, motions, seed, {}):
         yield from _integrals(entry, shop, sample)
-        form = next((f for f in forms if not f.regime.special and f.regime.holds(sample.values)), None)
-        if form is not None:
-            yield from _doubles(entry, form, sample)
+        found = next((pair for pair in numbers if pair[0].regime.holds(sample.values)), None)
+        if found is not None:
+            yield from _doubles(entry, *found, sample)
+
+
+def _numbers(form: RegimeForms) -> dict[str, Any]:
+    """Return the periods, actions and frequencies in doubles, compiled once for all motions of a regime."""
+    return {name: function for name, function in form.lambdify("numpy").items() if name.startswith(NUMBERS)}
 
 
 def _integrals(entry: str, shop: Workshop, sample: Sample) -> Iterator[Tried]:
@@ -80,18 +86,16 @@ def _integrals(entry: str, shop: Workshop, sample: Sample) -> Iterator[Tried]:
         own = _piece(shop, name, curves, {}, sample)
         if own is None:
             continue
-        found = flaws(own, list(own.integrals), DIGITS)
-        for key in own.integrals:
+        held = list(own.integrals | own.cycles)
+        found = flaws(own, held, DIGITS)
+        for key in held:
             yield Tried(entry, f"{name}: {key}", math.nan, found.get(key, ""))
 
 
-def _doubles(entry: str, form: RegimeForms, sample: Sample) -> Iterator[Tried]:
+def _doubles(entry: str, form: RegimeForms, functions: dict[str, Any], sample: Sample) -> Iterator[Tried]:
     """Periods, actions and frequencies at the doubles nearest to the constants of a motion."""
     given = {s.name: float(value) for s, value in sample.values.items()}
-    functions = form.lambdify("numpy")
     for name, function in functions.items():
-        if not name.startswith(NUMBERS):
-            continue
         arguments = {n: given[n] for n in function.names}
         got = float(function(**arguments))
         if math.isnan(got):

@@ -8,6 +8,7 @@ from dataclasses import replace
 import sympy as sp
 
 from hjsolve.closed_form.along_motion import along_the_motion
+from hjsolve.closed_form.common_factors import with_common_factors
 from hjsolve.closed_form.common_parameter import others_in_parameter
 from hjsolve.closed_form.curves import W
 from hjsolve.closed_form.elliptic_inverses import in_moduli
@@ -20,7 +21,7 @@ from hjsolve.closed_form.names_of_regime import in_named_rates, names_of
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
 from hjsolve.closed_form.tidy import LONGEST, collected, elliptic, longer_than, plain_roots, shortened_powers
-from hjsolve.closed_form.why_not import NotFound, OfCoordinate, WhyNot
+from hjsolve.closed_form.why_not import Contains, NotFound, OfCoordinate, WhyNot
 from hjsolve.closed_form.workshop import Stratum, Workshop
 
 Integrals = Mapping[str, CoordinateIntegrals]
@@ -53,6 +54,7 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
     parametric = parametric_formulas(shop, pieces, special, names)
     parametric |= others_in_parameter(shop, pieces, special, parametric, names)
     anomaly = along_the_motion(shop, pieces, names, inverse, why_not)
+    _with_reasons(why_not)
     energy = solved_for_energy(shop, numbers["actions"], made, names, why_not)
 
     short = names.short_rates()
@@ -61,7 +63,10 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
         return {name: parted(in_moduli(value, names, of_roots=True)) for name, value in group.items()}
 
     def parted(value: sp.Expr) -> sp.Expr:
-        return names.oriented(settled(made, names.with_named_parts(settled(made, value))))
+        return in_factors(names.with_named_parts(settled(made, value)))
+
+    def in_factors(value: sp.Expr) -> sp.Expr:
+        return names.oriented(with_common_factors(settled(made, value)))
 
     def written(group: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:
         return plain({name: shortened_powers(value.xreplace(short)) for name, value in group.items()})
@@ -83,8 +88,15 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
     for symbol in set(where) - names.roots:
         if symbol.name.startswith(("Omega_", "J_")):
             where[symbol] = in_moduli(sp.sympify(where[symbol]), names, of_roots=True)
-    where = names.kept(form.named().values(), lambda e: names.oriented(settled(made, shortened_powers(e))))
+    where = names.kept(form.named().values(), lambda e: in_factors(shortened_powers(e)))
     return replace(form, where=where)
+
+
+def _with_reasons(why_not: dict[str, WhyNot]) -> None:
+    """Give what contains another coordinate's q(t) the reason of that, which may have been found later."""
+    for name, reason in why_not.items():
+        if isinstance(reason, Contains) and reason.reason is None:
+            why_not[name] = replace(reason, reason=why_not.get(f"inverse.{reason.other.removesuffix('(t)')}"))
 
 
 class _Closing:
@@ -230,6 +242,8 @@ def _size(name: str, rate: sp.Expr, own: CoordinateIntegrals | None, made: Regim
 
 def _cycle(own: CoordinateIntegrals, key: sp.Symbol) -> sp.Expr | WhyNot:
     """∮ N dq/P over a full cycle, or why there is no form."""
+    if key in own.cycles and own.cycles[key].cycle is not None:
+        return own.cycles[key].cycle
     if key in own.why_not:
         return own.why_not[key]
     if key not in own.integrals:

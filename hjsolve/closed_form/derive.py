@@ -133,10 +133,11 @@ def _piece(
     made = piece(name, numerators, own, sample, prefix, shop.solution.lower_limits[name])
     if made is None:
         return None
+    held = list(made.integrals | made.cycles)
     try:
-        made.refuse(flaws(made, list(made.integrals), shop.digits))
+        made.refuse(flaws(made, held, shop.digits))
     except OutOfTimeError as error:
-        made.refuse(dict.fromkeys(made.integrals, f"not verified: {error}"))
+        made.refuse(dict.fromkeys(held, f"not verified: {error}"))
     shop.pieces[key].append(made)
     return made
 

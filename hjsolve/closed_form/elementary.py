@@ -215,6 +215,41 @@ def elementary_antiderivative(
     return Antiderivative(x, P.as_expr(), algebraic, tuple(terms))
 
 
+def cycle_past_complex_poles(
+    R: sp.Expr, P: sp.Poly, signs: Signs, side_of: Callable[[sp.Expr], int]
+) -> sp.Expr:  # fmt: skip
+    """∫ R dx/√P from root to root of P = Ax² + Bx + C, A < 0, where R has simple poles z = p ± iq as well.
+
+    ∫ dx/((x − z) √P) = −π/s with s² = −P(z), Im s > 0 for q > 0. With −P(z) = U + iV and M = √(U² + V²) that is
+    s = V/(2h) + ih, h² = (M − U)/2, all real; (Kx + L)/((x − p)² + q²) has the residue K/2 − i (Kp + L)/(2q) at z.
+
+    Args:
+        R: rational in the variable.
+        P: of degree 2, squarefree.
+        signs: decides between the real forms, and keeps what it decided.
+        side_of: r ↦ the sign of x − r on the piece.
+
+    Raises:
+        NoFormError: R has no such poles, or others that are multiple.
+    """
+    (x,) = P.gens
+    parts = partial_fractions(reduced(R, P)[1], x, signs)
+    if not parts.complex_poles or P.degree() != 2:
+        raise NoFormError("the integrand has no simple poles at complex places")
+    pairs = sp.Add(*(sp.cancel((K * x + L) / ((x - p) ** 2 + q**2)) for p, q, K, L in parts.complex_poles))
+    whole = elementary_antiderivative(sp.cancel(sp.together(R - pairs)), P, signs, side_of).complete()
+    if whole is None:
+        raise NoFormError("the motion is not between two roots")
+    for p, q, K, L in parts.complex_poles:
+        turned = sp.expand(P.as_expr().subs(x, p + sp.I * q))
+        V = sp.factor(-turned.coeff(sp.I))
+        U = sp.factor(-(turned - turned.coeff(sp.I) * sp.I))
+        M = sp.sqrt(sp.factor(sp.expand(U**2 + V**2)))
+        h = sp.sqrt(sp.factor_terms((M - U) / 2))
+        whole -= sp.pi / M * (K * V / (2 * h) - sp.factor((K * p + L) / q) * h)
+    return whole
+
+
 def _in_pairs(terms: list[tuple[sp.Expr, BasicIntegral]], signs: Signs) -> list[tuple[sp.Expr, BasicIntegral]]:
     """Poles at ±r with opposite weights as one integral, where P is even, the motion between them and an arcsine."""
     poles = [(w, one) for w, one in terms if one.place is not None]

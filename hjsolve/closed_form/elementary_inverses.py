@@ -10,6 +10,7 @@ from __future__ import annotations
 import sympy as sp
 
 from hjsolve.closed_form.elementary import Antiderivative, BasicIntegral, positive_root
+from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase, sign_of_factors
 from hjsolve.closed_form.pieces import monotone_inverse
 from hjsolve.closed_form.tidy import shortened_powers, square_root
@@ -98,6 +99,43 @@ def power_inverse(law: Antiderivative, amount: sp.Expr, begin: sp.Expr, names: N
     argument = Phase(names, amount, sp.S.One, start, even=True).argument
     size = sp.factor(sp.cancel(c**2 * sp.Abs(B)))
     return sign_of_factors(B) * ((argument**2) ** sp.Rational(1, 2 * k + 1) * size ** sp.Rational(-1, 2 * k + 1))
+
+
+def cubic_inverse(law: Antiderivative, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities) -> sp.Expr | None:
+    """Return the x at which (a x + b) √(Bx + C) has a value: a cubic α y³ + β y in the root y = √(Bx + C).
+
+    Along a motion the cubic is monotone in y, which is negative after the turning point. With 3 α s² = |β| and
+    w = 2 |β| s/3 its root is y = 2 s sinh(⅓ arsinh(v/w)) where α β > 0, y = 2 s sin(⅓ arcsin(v/w)) with |y| < s where
+    α β < 0 (Viète), and a cube root where β = 0.
+
+    Args:
+        law: the integral, algebraic, deg P = 1, deg a = 1.
+        amount: the value.
+        begin: the place, an x.
+        names: of the quantities of the form.
+
+    Returns:
+        The place; None of any other integral, and where α β < 0 and |y| > s.
+    """
+    x = law.x
+    B, C = sp.Poly(law.polynomial, x).all_coeffs()
+    if not law.algebraic.is_polynomial(x) or sp.degree(law.algebraic, x) != 1:
+        return None
+    slope, constant = sp.Poly(law.algebraic, x).all_coeffs()
+    α, β = sp.factor(slope / B), sp.factor(sp.cancel(constant - slope * C / B))
+    y_0 = positive_root(B * begin + C)
+    if β == 0:
+        cube = Phase(names, amount, sp.S.One, α * y_0**3, even=True).argument
+        return ((cube**2 / α**2) ** sp.Rational(1, 3) - C) / B
+    ratio, numbers = sp.factor(β / (3 * α)), names.numbers | names.located
+    growing = number_of(ratio, numbers) > 0
+    s = names.named("s", square_root(ratio if growing else -ratio), short=SHORT, positive=True)
+    if not growing and number_of(names.written_out(y_0 - s), numbers) > 0:
+        return None
+    function, inverse = (sp.sinh, sp.asinh) if growing else (sp.sin, sp.asin)
+    level = 3 * (α * y_0**3 + β * y_0) / (2 * β * s)
+    third = inverse(Phase(names, amount, 3 / (2 * β * s), level, even=True).argument) / 3
+    return (4 * s**2 * function(third) ** 2 - C) / B
 
 
 def square_root_inverse(

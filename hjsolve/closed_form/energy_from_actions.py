@@ -125,9 +125,20 @@ def _solved(
         if not plain.is_rational_function(z):
             return None
         found = [back.subs(z, root) for root in _roots(sp.numer(sp.together(plain - J)), z)]
+    elif (power := _power_of(action, unknown)) is not None:
+        found = [side * (J / action.subs(unknown, side)) ** (1 / power) for side in (1, -1)]
     elif len(bases) == 2:
         found = _of_two_roots(action - J, sorted(radicals, key=sp.default_sort_key), unknown)
     return _right_one(found, names, actions, named, unknown)
+
+
+def _power_of(action: sp.Expr, unknown: sp.Symbol) -> sp.Expr | None:
+    """Return s of J = K Eˢ, a product of powers of multiples of E; None of another J."""
+    factors = [f.as_base_exp() for f in sp.Mul.make_args(action) if f.has(unknown)]
+    if any(sp.cancel(base / unknown).has(unknown) for base, _ in factors):
+        return None
+    total = sp.Add(*(power for _, power in factors))
+    return total if total.is_Rational and total != 0 else None
 
 
 def _of_two_roots(equation: sp.Expr, radicals: list[sp.Pow], unknown: sp.Symbol) -> list[sp.Expr]:

@@ -10,6 +10,7 @@ import sympy as sp
 from hjsolve.closed_form.elementary import Antiderivative, positive_root
 from hjsolve.closed_form.elementary_inverses import (
     accelerated,
+    cubic_inverse,
     elementary_inverse,
     power_inverse,
     separatrix_inverse,
@@ -270,11 +271,10 @@ def _algebraic(
     if P.degree() == 2 and not law.algebraic.has(law.x):
         x = square_root_inverse(law, own_side(own, integral), value, s.place.subs(q, start), names)
         return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start, names, others)
-    x = (
-        power_inverse(law, value, s.place.subs(q, start), names)
-        if P.degree() == 1 and law.algebraic.has(law.x)
-        else None
-    )
+    x = None
+    if P.degree() == 1 and law.algebraic.has(law.x):
+        begin = s.place.subs(q, start)
+        x = power_inverse(law, value, begin, names) or cubic_inverse(law, value, begin, names)
     if x is not None:
         return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start, names, others)
     if P.degree() != 1 or law.algebraic.has(law.x):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import mpmath
@@ -14,7 +15,7 @@ from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Mask, Mpf, Reals
 from hjsolve.closed_form.complements import for_doubles
 from hjsolve.closed_form.curves import MomentumCurve
-from hjsolve.closed_form.doubles import RootsOfPolynomial, place_test, region_test, roots_of
+from hjsolve.closed_form.doubles import PlaceTest, RegionTest, RootsOfPolynomial, place_test, region_test, roots_of
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
@@ -56,7 +57,7 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
     refuse_outside(form, exact)
     refuse_places(form, exact)
     working = 2 * (digits + _GUARD)
-    table = many_digits(exact, working) | root_values(form, exact, working)
+    table = many_digits(exact, working) | root_values(form, exact, working, expression.free_symbols)
     with mp.workdps(digits + _GUARD):
         near = number_of(expression, table)
     with mp.workdps(working):
@@ -165,7 +166,7 @@ def _exact(form: NamedForms, expression: sp.Expr, values: Mapping[str, object]) 
 
 
 def root_values(
-    form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr], digits: int
+    form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr], digits: int, wanted: Iterable[sp.Symbol] | None = None
 ) -> dict[sp.Symbol, mpmath.mpf]:  # fmt: skip
     """Return the values of the symbols that ``where`` defines, as far as what they rest on is known.
 
@@ -173,24 +174,33 @@ def root_values(
         form: of a regime.
         exact: symbol → exact value.
         digits: to which roots are found.
+        wanted: symbols whose values, and those of what they rest on, are enough; None for all.
     """
     known = many_digits(exact, digits)
+    where = needed_names(form.where if wanted is None else wanted, form.where)[0]
     with mp.workdps(digits):
-        for symbol, meaning in form.where.items():
-            if not needed_names([symbol], form.where)[1] <= set(exact):
+        for symbol, meaning in where.items():
+            rests_on = sp.Tuple(*meaning[0].all_coeffs()) if isinstance(meaning, tuple) else meaning
+            if not rests_on.free_symbols <= known.keys():
                 continue
             if isinstance(meaning, tuple):
                 polynomial, index = meaning
                 known[symbol] = ordered_real_roots(polynomial, known, digits)[index]
             else:
                 known[symbol] = mp.re(number_of(meaning, known))
-    return {symbol: known[symbol] for symbol in form.where if symbol in known}
+    return {symbol: known[symbol] for symbol in where if symbol in known}
 
 
-def at_example(form: NamedForms) -> dict[sp.Symbol, Mpf]:
-    """Return the constants and the named quantities at the motion that a regime was found with."""
+def at_example(form: NamedForms, wanted: Iterable[sp.Symbol]) -> dict[sp.Symbol, Mpf]:
+    """Return the constants, the named roots and some named quantities at the motion that a regime was found with.
+
+    Args:
+        form: of a regime.
+        wanted: symbols of what is to be arranged.
+    """
     exact = dict(form.regime.example)
-    return many_digits(exact, _DIGITS_OF_EXAMPLE) | root_values(form, exact, _DIGITS_OF_EXAMPLE)
+    roots = (s for s, meaning in form.where.items() if isinstance(meaning, tuple))
+    return many_digits(exact, _DIGITS_OF_EXAMPLE) | root_values(form, exact, _DIGITS_OF_EXAMPLE, (*roots, *wanted))
 
 
 def functions(form: NamedForms, module: str) -> dict[str, Callable[..., Mpf | Reals | float]]:
@@ -226,12 +236,12 @@ def _exactly(value: object) -> Mpf:
 
 
 class _CompiledForm:
-    """A form and the conditions of its regime, compiled for numbers."""
+    """A form and the conditions of its regime, each compiled for numbers when it is first asked for."""
 
     def __init__(self, form: NamedForms, expression: sp.Expr, module: str):
         made, where = form.regime, form.where
         if module == "numpy":
-            expression = for_doubles(expression, where, at_example(form))
+            expression = for_doubles(expression, where, at_example(form, expression.free_symbols))
         self.form, self.roots = form, [s for s in expression.free_symbols if s in where]
         self.curves = [(c, r) for c, r in made.regions if c.degree > 2]
         plain = needed_names(expression.free_symbols, where)[1]
@@ -241,15 +251,46 @@ class _CompiledForm:
         self.symbols = sorted(held, key=str)
         self.names = tuple(s.name for s in self.symbols)
         self.defaults = {p.name: p.value for p in form.solution.system.parameters if p.value is not None}
-        self.numpy = module == "numpy"
-        known = modules(module) if self.numpy else own_modules()
-        self.plain = sp.lambdify([*self.symbols, *self.roots], expression, modules=known, cse=True)
-        self.tests = [sp.lambdify(self.symbols, sign * e, modules=known) for e, sign in made.conditions.items()]
-        self.equal = [sp.lambdify(self.symbols, c - e, modules=known) for c, e in made.special.items()]
-        self.placed = curves_held(form, plain)
-        self.inside = [place_test(c, r, s, self.symbols) for c, r, s in self.placed] if self.numpy else []
-        self.regions = [region_test(c, r, self.symbols) for c, r in self.curves] if self.numpy else []
-        self.named = self._definitions() if self.roots and self.numpy else []
+        self.numpy, self.expression, self.held = module == "numpy", expression, plain
+
+    @cached_property
+    def plain(self) -> Callable[..., Any]:
+        """The form itself."""
+        return self._compiled(self.expression, *self.roots)
+
+    @cached_property
+    def tests(self) -> list[Callable[..., Any]]:
+        """What is positive in the regime."""
+        return [self._compiled(sign * e) for e, sign in self.form.regime.conditions.items()]
+
+    @cached_property
+    def equal(self) -> list[Callable[..., Any]]:
+        """What is zero in the regime."""
+        return [self._compiled(c - e) for c, e in self.form.regime.special.items()]
+
+    @cached_property
+    def placed(self) -> list[tuple[MomentumCurve, RootInterval, sp.Symbol]]:
+        """The curves of coordinates and lower limits of the form."""
+        return curves_held(self.form, self.held)
+
+    @cached_property
+    def inside(self) -> list[PlaceTest | None]:
+        """Whether places are of the motion."""
+        return [place_test(c, r, s, self.symbols) for c, r, s in self.placed]
+
+    @cached_property
+    def regions(self) -> list[RegionTest | None]:
+        """Whether the regions exist."""
+        return [region_test(c, r, self.symbols) for c, r in self.curves]
+
+    @cached_property
+    def named(self) -> list[tuple[sp.Symbol, Any]]:
+        """What the form rests on."""
+        return self._definitions() if self.roots else []
+
+    def _compiled(self, expression: sp.Expr, *more: sp.Symbol) -> Callable[..., Any]:
+        known = modules("numpy") if self.numpy else own_modules()
+        return sp.lambdify([*self.symbols, *more], expression, modules=known, cse=expression is self.expression)
 
     def values(self, given: Mapping[str, object]) -> list[object]:
         """Return the arguments in order."""
@@ -268,7 +309,7 @@ class _CompiledForm:
         if not self.roots:
             return self.plain(*numbers)
         exact = {s: sp.sympify(v) for s, v in zip(self.symbols, numbers, strict=True)}
-        table = root_values(self.form, exact, mp.dps + 5)
+        table = root_values(self.form, exact, mp.dps + 5, self.roots)
         kind = float if self.numpy else mp.mpmathify
         return self.plain(*numbers, *(kind(table[s]) for s in self.roots))
 
@@ -320,10 +361,10 @@ class _CompiledForm:
         return good, unsure
 
     def _definitions(self) -> list[tuple[sp.Symbol, Any]]:
-        """Every symbol that ``where`` defines with its value for arrays, in order; of a root: polynomial and index."""
+        """Return what the form rests on, with its value for arrays, in order; of a root: polynomial and index."""
         known, found = list(self.symbols), list[tuple[sp.Symbol, Any]]()
         polynomials = dict[sp.Poly, RootsOfPolynomial]()
-        for symbol, meaning in self.form.where.items():
+        for symbol, meaning in needed_names(self.roots, self.form.where)[0].items():
             definition = meaning[0] if isinstance(meaning, tuple) else meaning
             held = definition.free_symbols - ({definition.gen} if isinstance(definition, sp.Poly) else set())
             if not held <= set(known):

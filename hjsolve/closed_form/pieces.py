@@ -10,7 +10,12 @@ import sympy as sp
 from hjsolve.closed_form.branch_points import NamedRoots, named_roots
 from hjsolve.closed_form.carlson import CarlsonMap, carlson_integral, carlson_map, pairs_map
 from hjsolve.closed_form.curves import MomentumCurve, W
-from hjsolve.closed_form.elementary import Antiderivative, elementary_antiderivative, positive_root
+from hjsolve.closed_form.elementary import (
+    Antiderivative,
+    cycle_past_complex_poles,
+    elementary_antiderivative,
+    positive_root,
+)
 from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
 from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.involutions import why_no_form
@@ -20,7 +25,13 @@ from hjsolve.closed_form.reduction import reduced
 from hjsolve.closed_form.regions import RootInterval, root_interval_of
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
-from hjsolve.closed_form.square_curves import SquareCurve, between_the_roots_of_a_power, reduces, square_curve
+from hjsolve.closed_form.square_curves import (
+    SquareCurve,
+    between_the_roots_of_a_power,
+    reduces,
+    roots_of_a_power,
+    square_curve,
+)
 from hjsolve.closed_form.strata import deciders
 from hjsolve.closed_form.substitutions import Substitution
 from hjsolve.closed_form.tidy import longer_than
@@ -43,7 +54,7 @@ class PieceIntegral:
 
     Attributes:
         numerator: N(q).
-        value: the antiderivative as a function of q.
+        value: the antiderivative as a function of q; nan where only the cycle has a form.
         cycle: over a full cycle; None where the motion has none, or where there is no form of it.
         rational: R(x) of ∫ R dx/√P.
         law: the elementary antiderivative in x; None of an elliptic one.
@@ -74,6 +85,7 @@ class CoordinateIntegrals:
         regions: all curves used, with the region on each.
         conditions: expression in the constants → its sign.
         integrals: W or a constant → its integral; no key where the coordinate does not contribute.
+        cycles: W or a constant → an integral of which only the value over a cycle has a form.
         roots: the real roots of P of the first curve, ascending; None where they have no names.
         why_not: W or a constant → why there is no form.
         where: named symbol → what it is.
@@ -88,6 +100,7 @@ class CoordinateIntegrals:
     regions: list[tuple[MomentumCurve, RootInterval]] = field(default_factory=list)
     conditions: dict[sp.Expr, int] = field(default_factory=dict)
     integrals: dict[sp.Symbol, PieceIntegral] = field(default_factory=dict)
+    cycles: dict[sp.Symbol, PieceIntegral] = field(default_factory=dict)
     roots: tuple[sp.Expr, ...] | None = None
     why_not: dict[sp.Symbol, WhyNot] = field(default_factory=dict)
     where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]] = field(default_factory=dict)
@@ -123,6 +136,29 @@ class CoordinateIntegrals:
             if roots is not None:
                 self.where |= {s: meaning for s, meaning in roots.where.items() if s in held | _inside(roots)}
 
+    def add_cycles(self, curve: MomentumCurve, region: RootInterval, signs: Signs) -> None:
+        """Take over the values over cycles on a curve of a high degree, where Euler's integral gives them.
+
+        Args:
+            curve: of more than the fourth degree.
+            region: where the motion is.
+            signs: of the sample.
+        """
+        ends = roots_of_a_power(curve)
+        if self.regions or ends is None or region.kind != "libration":
+            return
+        for key, numerator in self.numerators.items():
+            R = rational_factor(curve, region, signs, key)
+            cycle = between_the_roots_of_a_power(R, curve)
+            if cycle is None:
+                return
+            turned = 2 * cycle * (1 if curve.substitution.increasing else -1)
+            self.cycles[key] = PieceIntegral(numerator, sp.nan, turned, R, None, curve)
+        for c in (curve.polynomial.LC(), curve.polynomial.coeff_monomial(1)):
+            signs.sign(sp.factor(c))
+        self.regions, self.roots = [(curve, region)], ends
+        self.conditions |= signs.decided
+
     def refuse(self, flaws: Mapping[sp.Symbol, str]) -> None:
         """Take integrals out that failed.
 
@@ -130,6 +166,7 @@ class CoordinateIntegrals:
             flaws: W or a constant → what is wrong with it.
         """
         self.integrals = {key: value for key, value in self.integrals.items() if key not in flaws}
+        self.cycles = {key: value for key, value in self.cycles.items() if key not in flaws}
         self.why_not |= {key: NotFound(flaw) for key, flaw in flaws.items()}
 
 
@@ -167,6 +204,7 @@ def piece(
             )  # roots of another P: other names
         except NoFormError as error:
             made.why_not |= {key: error.why for key in missing if key not in made.why_not}
+            made.add_cycles(curve, region, signs)
             continue
         done = dict[sp.Symbol, PieceIntegral]()
         for key in missing:
@@ -177,6 +215,7 @@ def piece(
                 made.why_not.setdefault(key, error.why)
         if done:
             made.add(done, task)
+            made.cycles |= {key: own for key in missing if (own := task.only_a_cycle(key, numerators[key]))}
     return made if made.region is not None else None
 
 
@@ -203,7 +242,7 @@ class _Task:
     def integral(self, key: sp.Symbol, numerator: sp.Expr) -> PieceIntegral:
         """∫ N dq/√P² = ε ∫ N dx/(S √P)."""
         curve, s, region = self.curve, self.curve.substitution, self.region
-        R = self.rational(key)
+        R = rational_factor(curve, region, self.signs, key)
         cyclic, way = region.kind in ("libration", "rotation"), None
         law: Antiderivative | None = None
         if self.roots is not None:
@@ -224,11 +263,18 @@ class _Task:
         first = None if R.has(curve.x) or self.squared is not None else R
         return PieceIntegral(numerator, value, cycle, R, law, curve, first, way)
 
-    def rational(self, key: sp.Symbol) -> sp.Expr:
-        """R(x) of an integral ∫ R dx/√P on this curve."""
-        return sp.cancel(
-            sp.together(self.region.orientation(self.signs) * self.curve.numerator(key) / self.curve.square)
-        )
+    def only_a_cycle(self, key: sp.Symbol, numerator: sp.Expr) -> PieceIntegral | None:
+        """Return an integral with poles at complex places, of which only the value over a libration has a form here."""
+        curve, region = self.curve, self.region
+        if self.roots is not None or region.kind != "libration":
+            return None
+        R = rational_factor(curve, region, self.signs, key)
+        try:
+            whole = cycle_past_complex_poles(R, curve.polynomial, self.signs, self.side)
+        except NoFormError:
+            return None
+        cycle = 2 * whole * (1 if curve.substitution.increasing else -1)
+        return PieceIntegral(numerator, sp.nan, cycle, R, None, curve)
 
     def _reduced_elliptic(
         self, R: sp.Expr, *, cyclic: bool
@@ -321,6 +367,18 @@ class _Task:
                 if sp.count_ops(decider) <= LONGEST_CONDITION:
                     self.signs.sign(decider)
         return self.signs.decided | self.region.conditions(self.signs)
+
+
+def rational_factor(curve: MomentumCurve, region: RootInterval, signs: Signs, key: sp.Symbol) -> sp.Expr:
+    """R(x) of an integral ∫ N dq/√P² = ∫ R dx/√P on a curve.
+
+    Args:
+        curve: the curve.
+        region: where the motion is.
+        signs: of the sample.
+        key: W or a constant.
+    """
+    return sp.cancel(sp.together(region.orientation(signs) * curve.numerator(key) / curve.square))
 
 
 def _edges(a: sp.Expr, P: sp.Poly, s: Substitution, squared: SquareCurve | None) -> sp.Expr:

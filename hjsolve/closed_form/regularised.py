@@ -35,7 +35,7 @@ from hjsolve.closed_form.even_curves import EvenMap, even_integral
 from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities
 from hjsolve.closed_form.no_form import NoFormError
-from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monotone_inverse
+from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monotone_inverse, rational_factor
 from hjsolve.closed_form.real_branch_points import LegendreIntegrals, LegendreMap, elliptic_integral, without_square
 from hjsolve.closed_form.reduction import reduced
 from hjsolve.closed_form.regime import plain_relation
@@ -77,9 +77,7 @@ class Regularised:
         raise NotImplementedError
 
     def _rational(self, key: sp.Symbol) -> sp.Expr:
-        return sp.cancel(
-            sp.together(self.region.orientation(self.signs) * self.curve.numerator(key) / self.curve.square)
-        )
+        return rational_factor(self.curve, self.region, self.signs, key)
 
     def integral(self, key: sp.Symbol) -> sp.Expr:
         """∫ ∂p/∂c dq as a function of ξ.

@@ -45,7 +45,7 @@ def source(form: NamedForms, language: str) -> str:
     mark = "#" if language == "python" else "//"
     head = [f"{mark} {form.solution.system.id or 'closed forms'}: {form.regime.words}"]
     head += [f"{mark} {symbol}: {_meaning(meaning)}" for symbol, meaning in form.where.items()]
-    example = at_example(form)
+    example = at_example(form, form.where)
     named = {name: for_doubles(e, form.where, example) for name, e in form.named().items()}
     defined = needed_names({s for e in named.values() for s in e.free_symbols}, form.where)[0].values()
     every = sp.Tuple(*named.values(), *(e for e in defined if not isinstance(e, tuple)))

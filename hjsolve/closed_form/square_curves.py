@@ -122,16 +122,29 @@ def between_the_roots_of_a_power(R: sp.Expr, curve: MomentumCurve) -> sp.Expr | 
     Returns:
         The integral; None of another P, or of an R with poles.
     """
-    P, x, n = curve.polynomial, curve.x, curve.degree
-    a, b = P.coeff_monomial(1), -P.LC()
-    if n % 2 or P.as_expr() != a - b * x**n or a == 0 or not R.is_polynomial(x):
+    P, x, n, ends = curve.polynomial, curve.x, curve.degree, roots_of_a_power(curve)
+    if ends is None or not R.is_polynomial(x):
         return None
-    total, r = sp.S.Zero, sp.Pow(sp.factor(a / b), sp.Rational(1, n))
+    total, r, a = sp.S.Zero, ends[1], P.coeff_monomial(1)
     for (k,), c in sp.Poly(R, x).terms():
         if k % 2 == 0:
             first, whole = sp.Rational(k % n + 1, n), k // n  # by Γ(s + 1) = s Γ(s), so that terms of one period join
             total += c * r ** (k + 1) * sp.rf(first, whole) / sp.rf(first + sp.S.Half, whole) * _beta(first)
     return 2 * sp.factor_terms(sp.expand(total)) / (n * sp.sqrt(a))
+
+
+def roots_of_a_power(curve: MomentumCurve) -> tuple[sp.Expr, sp.Expr] | None:
+    """Return the real roots ± (a/b)^(1/n) of P = a − b xⁿ, n even; None of another P.
+
+    Args:
+        curve: of P.
+    """
+    P, n = curve.polynomial, curve.degree
+    a, b = P.coeff_monomial(1), -P.LC()
+    if n % 2 or a == 0 or P.as_expr() != a - b * curve.x**n:
+        return None
+    r = sp.Pow(sp.factor(a / b), sp.Rational(1, n))
+    return -r, r
 
 
 def _beta(s: sp.Rational) -> sp.Expr:

@@ -3,7 +3,7 @@
 With G(x) = φ′(q)², every integral of a separated solution is ∫ N dq/√P² = ∫ N dx/√(P² G): rational in x but for one
 square root, where both P² and G are rational in x. Candidates: q, q², 1/q, √(q² + c), and of sines, hyperbolic
 sines and exponentials of multiples of one argument κq: cos, sin, tan of the half, sin of the half shifted, cosh, sinh,
-tanh, exp; q^(1/n), and e^u with q = a sinh u. Each is used only where it is monotone on the whole domain of the
+tanh, exp; (q + c)^(1/n), and e^u with q = a sinh u. Each is used only where it is monotone on the whole domain of the
 coordinate, or on a turn of an angle, or of a line on which P² is periodic. Where the sign of κ is open, each sign is a
 case of its own.
 """
@@ -172,18 +172,24 @@ def _with_root_on_a_line(
 def _rational_powers(
     square: sp.Expr, q: sp.Symbol, powers: list[sp.Expr], lower: sp.Expr, upper: sp.Expr, x: sp.Symbol
 ) -> Iterator[Substitution]:  # fmt: skip
-    """Fractional powers of multiples of q > 0: x = q^(1/n)."""
-    factors = {power: sp.cancel(power.base / q) for power in powers}
-    if not lower.is_nonnegative or any(f.has(q) or not p.exp.is_Rational for p, f in factors.items()):
+    """Fractional powers of multiples of q + c > 0: x = (q + c)^(1/n)."""
+    base = powers[0].base
+    linear = base.is_polynomial(q) and sp.degree(base, q) == 1 and all(p.exp.is_Rational for p in powers)
+    if lower is -sp.oo or not linear:
         return
+    shift = sp.cancel(base.subs(q, 0) / sp.diff(base, q))
+    factors, start = {power: sp.cancel(power.base / (q + shift)) for power in powers}, lower + shift
     n = sp.ilcm(1, *(int(p.exp.q) for p in powers))
-    if n == 1:
+    if n == 1 or start.is_negative or any(f.has(q) for f in factors.values()):
         return
     y = sp.Dummy("y", positive=True)
-    function = square.xreplace({p: f**p.exp * y ** (n * p.exp) for p, f in factors.items()}).subs(q, y**n).subs(y, x)
-    high = sp.oo if upper is sp.oo else upper ** sp.Rational(1, n)
-    slope = (x ** (1 - n) / n) ** 2
-    yield Substitution(x, q ** sp.Rational(1, n), x**n, slope, function, lower ** sp.Rational(1, n), high, True)
+    table = {p: f**p.exp * y ** (n * p.exp) for p, f in factors.items()}
+    function = square.xreplace(table).subs(q, y**n - shift).subs(y, x)
+    low, high = (sp.oo if end is sp.oo else (end + shift) ** sp.Rational(1, n) for end in (lower, upper))
+    yield Substitution(
+        x, (q + shift) ** sp.Rational(1, n), x**n - shift, (x ** (1 - n) / n) ** 2, function, low, high, True,
+        condition=sp.S.One if start.is_nonnegative else start,
+    )  # fmt: skip
 
 
 # -------------------------------------------------------------------------------------------- circular functions

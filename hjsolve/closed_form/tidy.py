@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import sympy as sp
@@ -38,18 +39,28 @@ def elliptic(expression: sp.Expr) -> bool:
 
 
 def longer_than(expression: sp.Expr, limit: int) -> bool:
-    """Return whether a formula has more operations than a limit; sympy's count looks at every sign, and takes seconds.
+    """Return whether a formula has more operations than a limit.
 
     Args:
         expression: of a form.
         limit: of operations.
+    """
+    return operations(expression, limit) > limit
+
+
+def operations(expression: sp.Expr, limit: float = math.inf) -> int:
+    """Return how many operations a formula has; sympy's count looks at every sign, and takes seconds.
+
+    Args:
+        expression: of a form.
+        limit: beyond which they are not counted.
     """
     count, waiting = 0, [expression]
     while waiting and count <= limit:
         one = waiting.pop()
         count += max(len(one.args) - 1, 1) if one.args else 0
         waiting.extend(one.args)
-    return count > limit
+    return count
 
 
 def multiplied_out(expression: sp.Expr) -> sp.Expr:

@@ -8,13 +8,12 @@ coordinate are verified together: they share the momentum, the nodes and the ell
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import mpmath
 import sympy as sp
 from mpmath.calculus.quadrature import GaussLegendre
 
-from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.evaluation import Evaluator, many_digits, number_of
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral
 from hjsolve.closed_form.regions import RootInterval, ordered_real_roots, place_of_rest
@@ -34,26 +33,30 @@ def flaws(piece: CoordinateIntegrals, keys: Sequence[sp.Symbol], digits: int = D
         keys: which of them.
         digits: to which they are compared.
     """
-    found, left = dict[sp.Symbol, str](), dict[int, list[sp.Symbol]]()
-    for key in keys:
+    found, left = dict[sp.Symbol, str](), dict[int, dict[sp.Symbol, PieceIntegral]]()
+    for key, integral in _held(piece, keys):
         check_time()
-        integral = piece.integrals[key]
         if integral.law is not None and integral.law.residual(integral.rational) != 0:
             found[key] = "not verified: its derivative was not proved to be the integrand"
             continue
-        left.setdefault(id(integral.curve), []).append(key)
+        left.setdefault(id(integral.curve), {})[key] = integral
     for own in left.values():
         with mp.workdps(digits + GUARD):
-            found |= _Trial(piece, piece.integrals[own[0]].curve, own, digits).flaws()
+            found |= _Trial(piece, own, digits).flaws()
     return found
+
+
+def _held(piece: CoordinateIntegrals, keys: Sequence[sp.Symbol]) -> list[tuple[sp.Symbol, PieceIntegral]]:
+    """Return the integrals of keys, and those of which only the cycle has a form, perhaps on another curve."""
+    return [(key, own[key]) for own in (piece.integrals, piece.cycles) for key in keys if key in own]
 
 
 class _Trial:
     """The integrals of one curve, at the sample."""
 
-    def __init__(self, piece: CoordinateIntegrals, curve: MomentumCurve, keys: list[sp.Symbol], digits: int):
-        self.piece, self.curve, self.keys, self.digits = piece, curve, keys, digits
-        self.integrals = [piece.integrals[key] for key in keys]
+    def __init__(self, piece: CoordinateIntegrals, own: Mapping[sp.Symbol, PieceIntegral], digits: int):
+        self.piece, self.keys, self.integrals, self.digits = piece, list(own), list(own.values()), digits
+        self.curve = curve = self.integrals[0].curve
         self.region = next(r for c, r in piece.regions if c is curve)
         q, self.numbers = curve.coordinate.symbol, sample_numbers(piece, digits + GUARD)
         bare = Evaluator([curve.substitution_square, *(i.numerator for i in self.integrals)])
@@ -67,14 +70,22 @@ class _Trial:
         return [N / root for N in numerators]
 
     def flaws(self) -> dict[sp.Symbol, str]:
+        """Return what is wrong with antiderivatives, and with values over cycles."""
+        found = self._antiderivatives([k for k, own in enumerate(self.integrals) if own.value is not sp.nan])
+        kept = [k for k, own in enumerate(self.integrals) if self.keys[k] not in found and own.cycle is not None]
+        return found | self._cycles(kept)
+
+    def _antiderivatives(self, wanted: list[int]) -> dict[sp.Symbol, str]:
+        if not wanted:
+            return {}
         low, high = monotone_span(self.piece, self.integrals[0])
         places = [low + (high - low) * mp.mpf(part) for part in _PARTS]
         found = dict[sp.Symbol, str]()
         integrands = [self.integrands(place) for place in places]
         forms = [self.forms(place) for place in places]
         expected = self._between(places[0], places[2])
-        for k, key in enumerate(self.keys):
-            size = max(abs(values[k]) for values in integrands)
+        for k in wanted:
+            key, size = self.keys[k], max(abs(values[k]) for values in integrands)
             slopes = [values[len(self.keys) + k] for values in forms]
             if not all(self._close(s, f[k], size) for s, f in zip(slopes, integrands, strict=True)):
                 found[key] = "not verified: its derivative is not the integrand at a place tried"
@@ -83,7 +94,7 @@ class _Trial:
             size = max(abs(begin), abs(end), abs(expected[k]))
             if not self._close(end - begin, expected[k], size):
                 found[key] = f"not verified: it is {_few(end - begin)} where the quadrature is {_few(expected[k])}"
-        return found | self._cycles([key for key in self.keys if key not in found])
+        return found
 
     def _close(self, one: mpmath.mpf, other: mpmath.mpf, size: mpmath.mpf) -> bool:
         one = _real(one)
@@ -119,18 +130,17 @@ class _Trial:
         tiny = mp.mpf(10) ** (-self.digits - 2)
         return not mp.isfinite(once) or bool(abs(once - twice) <= (abs(twice) + abs(once)) * tiny)
 
-    def _cycles(self, keys: list[sp.Symbol]) -> dict[sp.Symbol, str]:
+    def _cycles(self, wanted: list[int]) -> dict[sp.Symbol, str]:
         """Return what is wrong with integrals over cycles."""
-        keys = [key for key in keys if self.piece.integrals[key].cycle is not None]
-        if not keys:
+        if not wanted:
             return {}
         found = dict[sp.Symbol, str]()
-        given = Evaluator([self.piece.integrals[key].cycle for key in keys]).at(self.numbers)
+        given = Evaluator([self.integrals[k].cycle for k in wanted]).at(self.numbers)
         expected = self._around()
-        for key, got in zip(keys, given, strict=True):
-            value, size = expected[self.keys.index(key)]
+        for k, got in zip(wanted, given, strict=True):
+            value, size = expected[k]
             if not self._close(got, value, size):
-                found[key] = f"not verified: a cycle gives {_few(got)}, the quadrature {_few(value)}"
+                found[self.keys[k]] = f"not verified: a cycle gives {_few(got)}, the quadrature {_few(value)}"
         return found
 
     def _around(self) -> list[tuple[mpmath.mpf, mpmath.mpf]]:

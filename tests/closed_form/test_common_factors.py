@@ -1,0 +1,45 @@
+"""Common factors leave radicands, denominators and quotients, and nothing changes its value."""
+
+from __future__ import annotations
+
+import pytest
+import sympy as sp
+
+import hjsolve
+from hjsolve.closed_form.closed_forms import own_form
+from hjsolve.closed_form.common_factors import with_common_factors
+from hjsolve.closed_form.tidy import operations
+
+a, b, c, E, p = sp.symbols("a b c E p", real=True)
+m, n = sp.symbols("m n", positive=True)
+
+CASES = (
+    (sp.sqrt(2 * E * m**2 + 3 * E * m * n + E * n**2), sp.sqrt(E * (m + n) * (2 * m + n))),
+    (sp.sqrt(a**2 - 2 * a * b + b**2 - c), sp.sqrt((a - b) ** 2 - c)),
+    ((m**2 - n**2) / (m - n), m + n),
+    (1 / sp.Add(2 * m, 2 * n), 1 / (m + n) / 2),
+    (sp.asin(a / sp.sqrt(4 * E**2 * b**2 + 4 * E * b * c + c**2 + p)), sp.asin(a / sp.sqrt((2 * E * b + c) ** 2 + p))),
+)
+AS_BEFORE = (sp.sqrt(2 * E * m - p**2), sp.sqrt(1 - a**2 / b**2), sp.sqrt(E - a / m - b / m), a * b + a * c)
+
+
+@pytest.mark.parametrize(("typed", "wanted"), CASES)
+def test_common_factors_are_taken_out(typed, wanted):
+    made = with_common_factors(typed)
+    assert operations(made) <= operations(wanted) < operations(typed)
+    at = {a: 2, b: sp.Rational(1, 3), c: sp.Rational(1, 7), E: 5, p: sp.Rational(1, 2), m: 3, n: 2}
+    assert abs(sp.N((made - typed).subs(at), 30)) < 1e-25
+
+
+@pytest.mark.parametrize("typed", AS_BEFORE)
+def test_what_is_not_shorter_in_factors_stays(typed):
+    assert with_common_factors(typed) == typed
+
+
+def test_a_block_on_a_wedge_is_printed_with_its_masses_in_factors():
+    motion = next(iter(hjsolve.catalog.describe("block-on-wedge").motions.values())).arguments
+    form = own_form(hjsolve.solve("block-on-wedge").motion(**motion))
+    m1, m2 = (next(s for s in form.time_law.rhs.free_symbols if s.name == name) for name in ("m1", "m2"))
+    sums = {e.base for e in form.time_law.rhs.atoms(sp.Pow)}
+    assert {m1 + m2, 2 * m1 + m2} <= sums
+    assert sp.count_ops(form.time_law.rhs) < 60
