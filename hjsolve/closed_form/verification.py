@@ -8,7 +8,7 @@ coordinate are verified together: they share the momentum, the nodes and the ell
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import mpmath
 import sympy as sp

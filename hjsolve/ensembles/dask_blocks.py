@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.number_types import Reals
 from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.compute import Columns, compute_columns, dtypes
 from hjsolve.ensembles.initial_conditions import InitialConditions
@@ -15,7 +16,7 @@ from hjsolve.ensembles.layout import Layout
 from hjsolve.ensembles.task import EnsembleTask
 from hjsolve.errors import MissingExtraError
 
-BlockOfOrbits = Callable[[list[Any]], Columns]
+BlockOfOrbits = Callable[[list[Reals]], Columns]
 """Inputs of the orbits of one block, arrays of shape (n,), ↦ all of their columns."""
 
 
@@ -35,7 +36,7 @@ def lazily(task: EnsembleTask, layout: Layout, given: InitialConditions) -> Batc
     return by_blocks(partial(_orbits, task), arrays, layout, given.shape)
 
 
-def _orbits(task: EnsembleTask, inputs: list[Any]) -> Columns:
+def _orbits(task: EnsembleTask, inputs: list[Reals]) -> Columns:
     half = len(inputs) // 2
     return compute_columns(task, inputs[:half], inputs[half:], threads=1)
 

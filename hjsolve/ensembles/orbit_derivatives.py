@@ -51,6 +51,10 @@ TOLERANCE = 1e-10
 """Largest claimed error of an orbit that is ``ok``, relative to the terms that it is the sum of."""
 
 
+_Groups = dict[str, Any]
+"""Quantity or name → what belongs to it, down to columns."""
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class BatchDerivatives(ByValue, Shown):
     """Derivatives of the actions, frequencies, periods and turning points of many orbits by the constants.
@@ -243,8 +247,8 @@ def _collected(
     def shaped(x: Reals) -> Reals:
         return np.where(good, x, np.nan).reshape(batch.shape)
 
-    value: dict[str, Any] = {"actions": {}, "frequencies": {}, "periods": {}}
-    errors: dict[str, Any] = {"actions": {}, "frequencies": {}, "periods": {}}
+    value: _Groups = {"actions": {}, "frequencies": {}, "periods": {}}
+    errors: _Groups = {"actions": {}, "frequencies": {}, "periods": {}}
     for i, name in enumerate(order):
         if name in batch.actions:
             value["actions"][name] = {c: shaped(K[i, j]) for j, c in enumerate(constants)}
@@ -263,16 +267,16 @@ def _collected(
 
 def _ends(
     solution: Solution, values: Mapping[sp.Symbol, sp.Expr], batch: Batch, good: Mask, status: Any
-) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+) -> tuple[_Groups, _Groups, _Groups]:
     """∂q/∂α of the turning points, their errors, and the statuses of them."""
     model, constants = lowered_model(solution, values), list(solution.constants)
     κ, unsure = (
         np.stack([np.ravel(np.asarray(table[c], dtype=float)) for c in constants])
         for table in (batch.constants, batch.error["constants"])
     )
-    value: dict[str, Any] = {}
-    errors: dict[str, Any] = {}
-    statuses: dict[str, Any] = {}
+    value: _Groups = {}
+    errors: _Groups = {}
+    statuses: _Groups = {}
     for coordinate in model.separated:
         name = coordinate.name
         places, open_ = (

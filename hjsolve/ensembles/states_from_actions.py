@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve import arguments
+from hjsolve.arithmetic.number_types import Reals
 from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.compute import Columns
 from hjsolve.ensembles.initial_conditions import arrays_of, is_dask
@@ -78,7 +79,7 @@ def batch_of_states(
     return Batch({name: column.reshape(shape) for name, column in columns.items()}, layout, shape)
 
 
-def _columns(task: InverseTask, inputs: list[Any]) -> Columns:
+def _columns(task: InverseTask, inputs: list[Reals]) -> Columns:
     """Return the columns of orbits from their actions and, after these, their angles; each of shape (n,)."""
     half = len(inputs) // 2
     with shared_libraries:

@@ -14,11 +14,10 @@ does so over several nodes, and the integrands, which go like S^(±½), then hav
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.arithmetic.number_types import Complexes, Integers, Reals
 from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.ensembles.engine.kernels.clearance_tables import glances
 from hjsolve.ensembles.engine.kernels.types import Clearances, Motions
@@ -128,11 +127,11 @@ class ResolutionProof:
         self.above.radius(np.concatenate(high))
 
 
-def _moved(z: Any, crest: Reals) -> Any:
+def _moved(z: Complexes, crest: Reals) -> Complexes:
     """Take places along with the crest, as ``clearance_tables`` does; above the real axis."""
-    found = crest * z / (1 + (crest - 1) * z)
-    return found.real + 1j * np.abs(found.imag)
+    found: Complexes = crest * z / (1 + (crest - 1) * z)
+    return np.asarray(found.real + 1j * np.abs(found.imag))
 
 
-def _seen(z: Any, sign: float) -> Any:
-    return sign * z.real + 1j * z.imag
+def _seen(z: Complexes, sign: float) -> Complexes:
+    return np.asarray(sign * z.real + 1j * z.imag)
