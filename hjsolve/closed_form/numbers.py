@@ -235,6 +235,10 @@ def _exactly(value: object) -> Mpf:
     return mp.mpmathify(read_number(value, source="value") if isinstance(value, str) else value)
 
 
+_Compiled = Callable[..., Any]
+"""A function of numbers or arrays."""
+
+
 class _CompiledForm:
     """A form and the conditions of its regime, each compiled for numbers when it is first asked for."""
 
@@ -254,17 +258,17 @@ class _CompiledForm:
         self.numpy, self.expression, self.held = module == "numpy", expression, plain
 
     @cached_property
-    def plain(self) -> Callable[..., Any]:
+    def plain(self) -> _Compiled:
         """The form itself."""
         return self._compiled(self.expression, *self.roots)
 
     @cached_property
-    def tests(self) -> list[Callable[..., Any]]:
+    def tests(self) -> list[_Compiled]:
         """What is positive in the regime."""
         return [self._compiled(sign * e) for e, sign in self.form.regime.conditions.items()]
 
     @cached_property
-    def equal(self) -> list[Callable[..., Any]]:
+    def equal(self) -> list[_Compiled]:
         """What is zero in the regime."""
         return [self._compiled(c - e) for c, e in self.form.regime.special.items()]
 
@@ -288,7 +292,7 @@ class _CompiledForm:
         """What the form rests on."""
         return self._definitions() if self.roots else []
 
-    def _compiled(self, expression: sp.Expr, *more: sp.Symbol) -> Callable[..., Any]:
+    def _compiled(self, expression: sp.Expr, *more: sp.Symbol) -> _Compiled:
         known = modules("numpy") if self.numpy else own_modules()
         return sp.lambdify([*self.symbols, *more], expression, modules=known, cse=expression is self.expression)
 
