@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import random
 import re
 import shutil
@@ -13,7 +14,6 @@ import pytest
 import sympy as sp
 
 from hjsolve.closed_form.forms import RegimeForms
-from hjsolve.closed_form.named_quantities import needed_names
 from tests.support.entries import forms
 
 pytestmark = pytest.mark.rotating_file(4)
@@ -40,17 +40,18 @@ def _places(form: RegimeForms, count: int) -> Iterator[dict[sp.Symbol, sp.Expr]]
 
 def _cases(form: RegimeForms) -> list[tuple[str, list[sp.Symbol], list[float], float]]:
     """Function, its arguments, their values, and the value of the form there to 25 digits."""
-    cases = []
+    cases, space = [], dict[str, object]()
+    exec(form.code("python"), space)  # what is arranged for doubles may rest on more roots than the form
     for at in _places(form, 2):
         for name in form.named():
             expression = form.written_out(name)
             if name.startswith(("inverse", "orbit.")):
                 free = sorted(expression.free_symbols - set(at), key=str)
                 at = at | {s: sp.Rational(k + 1, 19) for k, s in enumerate(free)}
-            plain = {s: e for s, e in form.where.items() if not isinstance(e, tuple)}
-            arguments = sorted(needed_names(form.named()[name].free_symbols, plain)[1], key=lambda s: s.name)
-            if not set(arguments) <= set(at):
+            names, own = {s.name: s for s in at}, inspect.signature(space[name.replace(".", "_")]).parameters  # type: ignore[arg-type]
+            if not set(own) <= set(names):
                 continue
+            arguments = [names[argument] for argument in own]
             given = {s: sp.Float(sp.N(at[s], 20), 17) for s in arguments}
             exact = sp.N(expression.xreplace({s: sp.Rational(float(v)) for s, v in given.items()}), 25)
             if exact.is_real:
