@@ -3,7 +3,8 @@
     python -m benchmarks.two_places --problems 50
 
 A random motion of each system gives q0, q1 and T, so that one answer is known. Each motion found is run once more by an
-integrator that shares nothing with hjsolve (DOP853 of scipy, tolerance 1e-12), and must end at q1.
+integrator that shares nothing with hjsolve (DOP853 of scipy), and must end at q1, within 1e-7 and ten times what its
+end moves by between the tolerances 1e-11 and 1e-13: next to a centre the integrator itself loses digits.
 """
 
 from __future__ import annotations
@@ -106,17 +107,22 @@ def _campaign(name, solution, ranges, speed, times, problems, seed) -> None:
         size = max(abs(x) for x in p0.values())
         hit = any(all(abs(c.p0[n].value - p0[n]) < 1e-6 * size for n in p0) for c in answer)
         found, missed = found + hit, missed + (not hit)
+        if not hit:
+            print(name, "missed:", q0, velocity, T, "found", len(answer), answer.complete.statement, file=sys.stderr)
         for c in answer:
             y0 = [*q0.values(), *(float(c.p0[n].value) for n in q0)]
-            end = solve_ivp(rhs, (0, T), y0, method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+            end, rough = (
+                solve_ivp(rhs, (0, T), y0, method="DOP853", rtol=r, atol=r / 10).y[:, -1] for r in (1e-13, 1e-11)
+            )
             off = np.array([end[i] - q1[n] for i, n in enumerate(q0)])
             angle = np.array([k.domain.kind == "angle" for k in system.coordinates])
             off = np.where(angle, off - 2 * np.pi * np.rint(off / (2 * np.pi)), off)
             error = float(np.max(np.abs(off)))
-            worst = max(worst, error)
-            wrong += error > 1e-7
+            unsure = 10 * float(np.max(np.abs(end - rough)[: len(q0)]))
+            worst = max(worst, error if unsure < 1e-7 else 0.0)
+            wrong += error > 1e-7 + unsure
     row = {"system": name, "problems": problems, "known motion found": found, "missed": missed, "refused": refused,
-           "motions": motions, "wrong": wrong, "worst end point by DOP853": worst,
+           "motions": motions, "wrong": wrong, "worst end point where DOP853 is sure of it": worst,
            "seconds each": round(spent / max(problems, 1), 2)}  # fmt: skip
     print(json.dumps(row), flush=True)
 

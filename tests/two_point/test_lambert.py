@@ -10,7 +10,9 @@ import pytest
 
 import hjsolve
 from hjsolve.errors import InvalidInputError
-from hjsolve.two_point.search.flow import VariedFlow, followed
+from hjsolve.scenes.extrapolated_flow import PARTS
+from hjsolve.two_point.asked.question import read_question
+from hjsolve.two_point.search.flow import RegularFlow
 
 MP = mpmath.mp.clone()
 MP.dps = 40
@@ -153,25 +155,29 @@ def test_the_motion_runs_from_one_place_to_the_other_and_has_the_same_S():
         assert c.motion.constants["E"].agrees(c.energy)
 
 
+def passed(solution, connections, **asked):
+    """Conjugate points along connections, by their variations."""
+    question, values = read_question(solution, parameters=None, digits=15, **asked)
+    flow = RegularFlow(question, values)
+    p = np.array([[float(e.value) for e in c.p0.values()] for c in connections]).T
+    return flow.run(p, tolerance=1e-12, parts=PARTS, count=True).index.tolist()
+
+
 @pytest.mark.parametrize("turns", [0, pytest.param(range(1, 4), marks=pytest.mark.nightly)])
 def test_conjugate_points_are_those_that_the_variations_pass(turns):
-    system = hjsolve.catalog.load("kepler-planar")
-    for c in kepler().two_point(q0={"r": 1, "theta": 0}, q1={"r": 1.3, "theta": 3}, time=45, turns=turns):
-        p = np.array([[e.value] for e in c.p0.values()])
-        assert (
-            followed(VariedFlow(system, system.defaults), np.array([[1.0], [0.0]]), p, 45.0).index[0]
-            == c.conjugate_points
-        )
+    asked = {"q0": {"r": 1, "theta": 0}, "q1": {"r": 1.3, "theta": 3}, "time": 45, "turns": turns}
+    found = kepler().two_point(**asked)
+    assert passed(kepler(), found, **asked) == [c.conjugate_points for c in found]
 
 
 @pytest.mark.nightly
 def test_conjugate_points_in_space_count_the_half_turns_too():
-    system = hjsolve.catalog.load("kepler-spherical")
+    solution = hjsolve.solve(hjsolve.catalog.load("kepler-spherical"))
     q0, q1 = {"r": 1, "theta": "1.2", "phi": 0}, {"r": 2, "theta": 1, "phi": 1}
-    for c in hjsolve.solve(system).two_point(q0=q0, q1=q1, time=20, turns=range(2)):
-        p = np.array([[e.value] for e in c.p0.values()])
-        start = np.array([[1.0], [1.2], [0.0]])
-        assert followed(VariedFlow(system, system.defaults), start, p, 20.0).index[0] == c.conjugate_points
+    asked = {"q0": q0, "q1": q1, "time": 20, "turns": range(2)}
+    found = solution.two_point(**asked)
+    assert passed(solution, found, **asked) == [c.conjugate_points for c in found]
+    for c in found:
         state = c.motion.at(20)
         assert abs(state.q["r"] - 2) < 1e-13
         assert abs(state.q["phi"] - 1) < 1e-13

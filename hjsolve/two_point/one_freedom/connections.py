@@ -21,7 +21,6 @@ from hjsolve.two_point.asked.question import TwoPlaceQuestion
 from hjsolve.two_point.one_freedom.line_branches import LineBranch, branches
 from hjsolve.two_point.one_freedom.proved_search import EnergyProof, IsolatedEnergy, TravelTimes, all_energies
 from hjsolve.two_point.one_freedom.travel_time import Line
-from hjsolve.two_point.search.flow import VariedFlow
 from hjsolve.two_point.search.searched import connection_of, reach
 from hjsolve.two_point.search.shooting import solved_from
 
@@ -137,7 +136,6 @@ def _refined(
 ) -> tuple[list[Connection], list[tuple[float, float]]]:
     """Return Connections from energies; and the intervals whose motion could not be run to q1."""
     coordinate = question.system.coordinates[0]
-    flow = VariedFlow(question.system, values)
     at = {**values, coordinate.symbol: question.q0[coordinate.name]}
     V, μ, shift = (float(sp.N(e.subs(at), 20)) for e in (shell.potential, shell.weight, shell.shift))
     connections: list[Connection] = []
@@ -145,7 +143,7 @@ def _refined(
     for goal, energy in found:
         P = energy.branch.sign * 2 * μ * np.sqrt(max(energy.value - V, 0.0))
         try:
-            p, ends = solved_from(question, flow, np.array([P - shift]), goal.target)
+            p, ends = solved_from(question, values, np.array([P - shift]), goal.target)
             connection = connection_of(question, reach(question, p, ends), energy.branch.path, energy.branch.turns)
         except HJSolveError:
             lost.append((energy.low, energy.high))

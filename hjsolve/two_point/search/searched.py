@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import sympy as sp
@@ -18,27 +19,36 @@ from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.two_point.asked.answers import Completeness, Connection, Connections, Continuum
 from hjsolve.two_point.asked.question import TwoPlaceQuestion
-from hjsolve.two_point.asked.verified import difference, end_point
-from hjsolve.two_point.search.flow import Ends, VariedFlow
+from hjsolve.two_point.asked.verified import difference, end_point, started
+from hjsolve.two_point.search.flow import Ends
 from hjsolve.two_point.search.shooting import MomentumZero, SearchResult, search
 
 _PASSES = 6
+_LEFT, _SURE = 1e-3, 0.05
+"""What a step of Newton's method leaves of a miss at most, its derivatives being known to more digits than that; and
+which part of what the end point is allowed to be off is small enough."""
 _EXTRA = 12
 """Decimal digits that momenta have beyond those of the motion."""
 
 
 @dataclass(frozen=True)
 class _Reached:
-    """A motion that ends at q1, and what it was refined with.
+    """Momenta that lead to q1, and the motion by quadratures next to theirs: one step of Newton's method away.
 
     Attributes:
-        motion: the motion.
-        p: momenta at q0 to many digits.
+        motion: that ends next to q1.
+        p: momenta at q0 to many digits, after the step.
+        step: what the step took from its momenta, shape (n,).
+        miss: where it ends, minus q1, shape (n,).
+        rest: how far from q1 the momenta may lead, the error of the motion itself aside, shape (n,).
         ends: of the flow, with its variations.
     """
 
     motion: Motion
     p: Mapping[str, Mpf]
+    step: Reals
+    miss: Reals
+    rest: Reals
     ends: Ends
 
 
@@ -54,8 +64,7 @@ def joined_by_search(question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.E
         NotConvergedError: no motion could be followed for the time asked.
     """
     refuse_kinks(question.system.kinks, "two_point")
-    flow = VariedFlow(question.system, values)
-    found = search(question, flow)
+    found = search(question, values)
     connections: list[Connection] = []
     continua: list[Continuum] = []
     lost = 0
@@ -92,7 +101,9 @@ def _stated(question: TwoPlaceQuestion, found: SearchResult, lost: int) -> Compl
 
 
 def reach(question: TwoPlaceQuestion, p: Reals, ends: Ends) -> _Reached:
-    """Refine momenta with motions by quadratures until they end at q1.
+    """Refine momenta by Newton's method on motions by quadratures.
+
+    The last step is not run again where it is sure to leave less of the miss than errors and roundings allow.
 
     Args:
         question: what is asked.
@@ -108,65 +119,71 @@ def reach(question: TwoPlaceQuestion, p: Reals, ends: Ends) -> _Reached:
     context = multiprecision(int(3.33 * (question.digits + _EXTRA)) + 16)
     exact = [context.mpf(float(x)) for x in p]
     inverse = np.linalg.pinv(ends.position_by_momentum[0], rcond=1e-9)
-    best: tuple[float, Motion, list[Mpf]] | None = None
+    best: _Reached | None = None
+    least = np.inf
     for _ in range(_PASSES):
         momenta = {c.name: x for c, x in zip(coordinates, exact, strict=True)}
         motion = question.solution.motion(
             q=dict(question.q0), p=momenta, parameters=dict(question.given), digits=question.digits
         )
-        miss, allowed = end_point(question, motion)
-        worst = max(miss[c.name] / allowed[c.name] if miss[c.name] else 0.0 for c in coordinates)
-        if not np.isfinite(worst):
+        allowed = end_point(question, motion)[1]
+        miss, room = _miss(question, motion), np.array([allowed[c.name] for c in coordinates])
+        step = inverse @ miss
+        with np.errstate(all="ignore"):
+            worst = float(np.max(np.where(miss != 0, np.abs(miss) / room, 0.0)))
+        if not worst < least:
             break
-        if best is not None and worst >= best[0]:
+        exact = [x - context.mpf(float(d)) for x, d in zip(exact, step, strict=True)]
+        least, best = worst, _Reached(motion, dict(zip(momenta, exact, strict=True)), step, miss, _LEFT * miss, ends)
+        if worst * _LEFT <= _SURE:
             break
-        best = (worst, motion, exact)
-        state = motion.at(question.time)
-        apart = np.array(
-            [difference(state, c.name, question.q1[c.name], angle=c.domain.kind == "angle", digits=question.digits)
-             for c in coordinates]
-        )  # fmt: skip
-        if worst <= 0.05:
-            break
-        exact = [x - context.mpf(float(d)) for x, d in zip(exact, inverse @ apart, strict=True)]
-    if best is None or not best[0] <= 1:
-        raise NotConvergedError("a motion that the search found does not end at q1 by quadratures")
-    return _Reached(best[1], {c.name: x for c, x in zip(coordinates, best[2], strict=True)}, ends)
+    if best is not None and least <= max(1.0, _SURE / _LEFT):
+        return best
+    raise NotConvergedError("a motion that the search found does not end at q1 by quadratures")
+
+
+def _miss(question: TwoPlaceQuestion, motion: Motion) -> Reals:
+    """Return where a motion ends, minus q1; shape (n,)."""
+    state = motion.at(question.time)
+    return np.array(
+        [difference(state, c.name, question.q1[c.name], angle=c.domain.kind == "angle", digits=question.digits)
+         for c in question.system.coordinates]
+    )  # fmt: skip
 
 
 def connection_of(
     question: TwoPlaceQuestion, reached: _Reached, path: str = "", turns: int | None = None
 ) -> Connection:
-    """Return how a motion that ends at q1 is reported.
+    """Return how the motion to q1 is reported.
 
-    S is that of the motion with −∂S/∂q1 · (what it misses) added; momenta err by the error of the end point through
-    the inverse of ∂q/∂p0.
+    What the motion next to it misses is added to first order: to S as −∂S/∂q1 of it, to p1 as ∂p1/∂p0 of the step.
+    Momenta err by the error of the end point through the inverse of ∂q/∂p0.
 
     Args:
         question: what is asked.
-        reached: the motion.
+        reached: the momenta, and the motion.
         path: in words.
         turns: whole turns; None to count them.
     """
     coordinates, motion, ends = question.system.coordinates, reached.motion, reached.ends
-    state = motion.at(question.time)
-    miss = np.array(
-        [difference(state, c.name, question.q1[c.name], angle=c.domain.kind == "angle", digits=question.digits)
-         for c in coordinates]
-    )  # fmt: skip
-    off = np.abs(miss) + np.array([float(state.error.q[c.name]) for c in coordinates])
+    state, miss = motion.at(question.time), reached.miss
+    off = np.abs(reached.rest) + np.array([float(state.error.q[c.name]) for c in coordinates])
     inverse = np.abs(np.linalg.pinv(ends.position_by_momentum[0], rcond=1e-9))
     p0_error = inverse @ off
     p1_error = np.abs(ends.momentum_by_momentum[0]) @ p0_error
     p0 = {c.name: _value(reached.p[c.name], question.digits, e) for c, e in zip(coordinates, p0_error, strict=True)}
+    shift = ends.momentum_by_momentum[0] @ reached.step
     p1 = {
-        c.name: Estimate(state.p[c.name], 2 * e + float(state.error.p[c.name]) + EPS * abs(float(state.p[c.name])))
-        for c, e in zip(coordinates, p1_error, strict=True)
+        c.name: Estimate(
+            state.p[c.name] - float(d), 2 * e + float(state.error.p[c.name]) + EPS * abs(float(state.p[c.name]))
+        )
+        for c, e, d in zip(coordinates, p1_error, shift, strict=True)
     }
     S = motion.principal_function(question.time)
     slopes = np.array([float(state.p[c.name]) for c in coordinates])
     correction = -float(slopes @ miss)
-    S_error = float(S.error) + abs(correction) + float(np.abs(slopes) @ off) + 4 * EPS * abs(float(S.value))
+    bend = float(np.abs(miss) @ np.abs(shift))
+    S_error = float(S.error) + bend + float(np.abs(slopes) @ off) + 4 * EPS * abs(float(S.value))
     sweep = _sweep(question, ends)
     turns = turns_of(question, ends) if turns is None else turns
     return Connection(
@@ -178,19 +195,8 @@ def connection_of(
         principal_function=Estimate(S.value + correction, S_error),
         conjugate_points=int(ends.index[0]),
         sweep=sweep,
-        begin=_Known(motion),
+        begin=partial(started, question, reached.p),
     )
-
-
-@dataclass(frozen=True)
-class _Known:
-    """A motion that is there already."""
-
-    motion: Motion
-
-    def __call__(self) -> Motion:
-        """Return it."""
-        return self.motion
 
 
 def _value(x: Mpf, digits: int, error: float) -> Estimate:

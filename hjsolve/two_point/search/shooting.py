@@ -8,23 +8,27 @@ zero is not a point: it is followed along the null directions, and if it goes on
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import sympy as sp
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.errors import NotConvergedError
-from hjsolve.motion.initial_data import to_bits
+from hjsolve.scenes.extrapolated_flow import PARTS
 from hjsolve.two_point.asked.question import TwoPlaceQuestion
-from hjsolve.two_point.search.flow import Ends, VariedFlow, followed
+from hjsolve.two_point.search.flow import Ends, RegularFlow
 
-_STARTS = {1: 60, 2: 200}
-_MOST_STARTS = 320
+_STARTS = {1: 60, 2: 800}
+_MOST_STARTS = 1280
 _STEPS, _LEAST_FACTOR, _LONGEST = 30, 1 / 128, 0.5
 _FAST, _COARSE, _LONG_ENOUGH = (2, 4, 6), 1e-5, 250
 """Parts of the extrapolation, relative error of a step and most steps while zeros are looked for."""
 _EXACT, _FINER = (2, 4, 6, 8), 1e-10
 """The same while they are refined."""
+_LAST = 1e-14
+"""Relative error of a step, of full order, in the last step of Newton's method."""
 _FOUND, _SOLVED, _RANK, _SAME = 1e-3, 1e-7, 1e-5, 1e-3
 """Misses at which a zero is taken to be found and solved, the singular value that counts as zero, and how near two
 zeros are one; in units of the speed looked for."""
@@ -65,17 +69,14 @@ class SearchResult:
 class _Target:
     """The miss at q1 as a function of u, in units of velocity."""
 
-    def __init__(self, question: TwoPlaceQuestion, flow: VariedFlow):
-        self.flow, self.time = flow, float(to_bits(question.time)(64))
-        coordinates = question.system.coordinates
-        self.q0, self.q1 = (
-            np.array([float(to_bits(q[c.name])(64)) for c in coordinates]) for q in (question.q0, question.q1)
-        )
-        self.angle = np.array([c.domain.kind == "angle" for c in coordinates])
-        inverse = flow.kinetic_form(self.q0)
+    def __init__(self, question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr]):
+        self.flow = flow = RegularFlow(question, values)
+        self.n, self.time, self.q0, self.q1 = flow.n, flow.time, flow.q0, flow.q1
+        self.angle = np.array([c.domain.kind == "angle" for c in question.system.coordinates])
+        inverse = flow.inverse_masses()
         self.L = np.linalg.cholesky(inverse)
         self.back = np.linalg.inv(self.L)
-        drift = flow.velocity(self.q0[:, None], np.zeros((flow.n, 1)))[:, 0]
+        drift = flow.energy_and_rates(self.q0[:, None], np.zeros((self.n, 1)))[1][:, 0]
         self.centre = -np.linalg.solve(inverse, drift)
 
     def momenta(self, u: Reals) -> Reals:
@@ -95,21 +96,38 @@ class _Target:
         turned = r - 2 * np.pi * np.rint(r / (2 * np.pi))
         return np.where(self.angle[:, None], turned, r)
 
-    def miss(self, u: Reals, *, exact: bool = False) -> tuple[Reals, Reals, Mask, Ends]:
+    def miss(self, u: Reals, *, exact: bool = False) -> tuple[Reals, Reals, Mask]:
         """Return the miss (n, m) and its derivative (m, n, n), and which starts came to the end.
 
         Args:
             u: shape (n, m).
             exact: whether zeros are refined.
         """
-        q0 = np.repeat(self.q0[:, None], u.shape[1], axis=1)
         if exact:
-            ends = self.flow.run(q0, self.momenta(u), self.time, tolerance=_FINER, parts=_EXACT)
+            ends = self.flow.run(self.momenta(u), tolerance=_FINER, parts=_EXACT)
         else:
-            ends = self.flow.run(q0, self.momenta(u), self.time, tolerance=_COARSE, parts=_FAST, most=_LONG_ENOUGH)
+            ends = self.flow.run(self.momenta(u), tolerance=_COARSE, parts=_FAST, most=_LONG_ENOUGH)
+        return (*self._in_units(ends), ends.reached)
+
+    def _in_units(self, ends: Ends) -> tuple[Reals, Reals]:
         y = self.back @ self.wrapped(ends.q - self.q1[:, None]) / self.time
-        slope = self.back @ ends.position_by_momentum @ self.back.T / self.time
-        return y, slope, ends.reached, ends
+        return y, self.back @ ends.position_by_momentum @ self.back.T / self.time
+
+    def followed(self, u: Reals, alone: Mask) -> tuple[Reals, Ends]:
+        """Take a last step with all digits of doubles, and count the conjugate points along the motions.
+
+        Args:
+            u: shape (n, m).
+            alone: which are zeros that do not go on; the others stay where they are.
+
+        Returns:
+            Momenta, shape (n, m), and the ends.
+        """
+        ends = self.flow.run(self.momenta(u), tolerance=_LAST, parts=PARTS, count=True)
+        y, slope = self._in_units(ends)
+        moved = alone & ends.reached
+        step = _solved(np.where(moved[:, None, None], slope, 0.0), np.where(moved, y, 0.0))
+        return self.momenta(u - step), ends
 
     @property
     def scale(self) -> float:
@@ -120,26 +138,27 @@ class _Target:
     def _work(self, q: Reals) -> float:
         """Σ |q ∂V/∂q|, what a force may do over a length of the size of q; half a turn for an angle."""
         length = np.where(self.angle, np.pi, np.abs(q) + np.abs(self.q1 - self.q0))
-        return float(np.sum(np.abs(self.flow.force(q)) * length))
+        force = self.flow.energy_and_rates(q[:, None], np.zeros((self.n, 1)))[2][:, 0]
+        return float(np.sum(np.abs(force) * length))
 
 
-def search(question: TwoPlaceQuestion, flow: VariedFlow) -> SearchResult:
+def search(question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr]) -> SearchResult:
     """Search for initial momenta that lead to q1 in the time.
 
     Args:
         question: what is asked.
-        flow: of the system.
+        values: symbol → exact number, of the parameters.
 
     Raises:
         NotConvergedError: no start came to its end.
     """
-    target = _Target(question, flow)
+    target = _Target(question, values)
     turn = 2 * np.pi * (max(question.turns) + 1) * target.angle
     round_ = float(np.linalg.norm(target.back @ turn)) / target.time if target.angle.any() else 0.0
     scale = target.scale
     largest = 2 * scale + (round_ if np.any(turn) else 0.0)
-    count = _STARTS.get(flow.n, _MOST_STARTS)
-    u = _ball(flow.n, count) * largest
+    count = _STARTS.get(target.n, _MOST_STARTS)
+    u = _ball(target.n, count) * largest
     near = _newton(target, u, scale)
     return SearchResult(tuple(_refined(target, near, scale)), count, largest**2 / 2)
 
@@ -153,7 +172,7 @@ def _ball(n: int, count: int) -> Reals:
 def _newton(target: _Target, u: Reals, scale: float) -> Reals:
     """Newton's method on every start, with halved steps; what is near a zero, shape (n, number of zeros)."""
     n, m = u.shape
-    y, slope, reached, _ = target.miss(u)
+    y, slope, reached = target.miss(u)
     if not reached.any():
         raise NotConvergedError("no motion from q0 could be followed for the time asked: each meets a singularity")
     size = np.where(reached, np.linalg.norm(y, axis=0), np.inf)
@@ -171,7 +190,7 @@ def _newton(target: _Target, u: Reals, scale: float) -> Reals:
         cap = _LONGEST * (np.linalg.norm(u[:, live], axis=0) + scale)
         step = step * np.minimum(1, cap / np.maximum(length, 1e-300)) * factor[live]
         trial = u[:, live] + step
-        y_new, slope_new, reached, _ = target.miss(trial)
+        y_new, slope_new, reached = target.miss(trial)
         size_new = np.where(reached, np.linalg.norm(y_new, axis=0), np.inf)
         better = size_new < size[live] * (1 - factor[live] / 8)
         taken = live[better]
@@ -210,7 +229,7 @@ def _refined(target: _Target, u: Reals, scale: float) -> list[MomentumZero]:
     if not u.shape[1]:
         return []
     for _ in range(_REFINED):
-        y, slope, reached, _ = target.miss(u, exact=True)
+        y, slope, reached = target.miss(u, exact=True)
         size = np.where(reached, np.linalg.norm(y, axis=0), np.inf)
         if np.all((size <= _SOLVED * scale) | ~reached):
             break
@@ -225,8 +244,7 @@ def _refined(target: _Target, u: Reals, scale: float) -> list[MomentumZero]:
             continue
         kept.append((int(k), _dimension(target, u[:, k], slope[k], null, scale) if null else 0))
     chosen = [k for k, _ in kept]
-    p = target.momenta(u[:, chosen])
-    ends = followed(target.flow, np.repeat(target.q0[:, None], len(chosen), axis=1), p, target.time)
+    p, ends = target.followed(u[:, chosen], np.array([free == 0 for _, free in kept], dtype=bool))
     return [MomentumZero(p[:, i], free, ends.column(i)) for i, (_, free) in enumerate(kept) if ends.reached[i]]
 
 
@@ -246,7 +264,7 @@ def _dimension(target: _Target, u: Reals, slope: Reals, null: int, scale: float)
     for direction in directions:
         moved: Reals = np.asarray(u + length * direction, dtype=float)
         for _ in range(8):
-            y, J, reached, _ = target.miss(moved[:, None], exact=True)
+            y, J, reached = target.miss(moved[:, None], exact=True)
             if not reached[0]:
                 break
             if np.linalg.norm(y) <= _SOLVED * scale:
@@ -257,13 +275,13 @@ def _dimension(target: _Target, u: Reals, slope: Reals, null: int, scale: float)
 
 
 def solved_from(
-    question: TwoPlaceQuestion, flow: VariedFlow, p: Reals, image: float | None = None
+    question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr], p: Reals, image: float | None = None
 ) -> tuple[Reals, Ends]:
     """Solve for the momenta of one motion from momenta near them.
 
     Args:
         question: what is asked.
-        flow: of the system.
+        values: symbol → exact number, of the parameters.
         p: shape (n,).
         image: for one angle, which image of q1 is meant.
 
@@ -273,12 +291,12 @@ def solved_from(
     Raises:
         NotConvergedError: Newton's method does not lead to q1.
     """
-    target = _Target(question, flow)
+    target = _Target(question, values)
     if image is not None:
         target.q1, target.angle = np.array([image]), np.array([False])
     u: Reals = np.asarray((target.L.T @ (p - target.centre))[:, None], dtype=float)
     scale = max(target.scale, float(np.linalg.norm(u)))
-    y, slope, reached, _ = target.miss(u, exact=True)
+    y, slope, reached = target.miss(u, exact=True)
     size = float(np.linalg.norm(y))
     for _ in range(_PATIENT):
         if not reached[0] or size <= _SOLVED * 1e-2 * scale:
@@ -286,7 +304,7 @@ def solved_from(
         step, factor = _solved(slope, y), 1.0
         y_new, slope_new = y, slope
         while factor > _LEAST_FACTOR:
-            y_new, slope_new, reached_new, _ = target.miss(u - factor * step, exact=True)
+            y_new, slope_new, reached_new = target.miss(u - factor * step, exact=True)
             if reached_new[0] and np.linalg.norm(y_new) < size:
                 break
             factor /= 2
@@ -295,6 +313,5 @@ def solved_from(
         u, y, slope, size = np.asarray(u - factor * step, dtype=float), y_new, slope_new, float(np.linalg.norm(y_new))
     if not size <= _SOLVED * scale:
         raise NotConvergedError("Newton's method on the initial momenta does not lead to q1")
-    p = target.momenta(u)
-    ends = followed(flow, target.q0[:, None], p, target.time)
+    p, ends = target.followed(u, np.array([True]))
     return p[:, 0], ends
