@@ -21,6 +21,7 @@ from collections.abc import Mapping
 import mpmath
 import sympy as sp
 
+from hjsolve.closed_form.connected_integrals import connected
 from hjsolve.closed_form.evaluation import number_of
 from hjsolve.functions import CarlsonRD, CarlsonRF, CarlsonRJ
 
@@ -38,11 +39,15 @@ def for_doubles(expression: sp.Expr, where: Where, example: Mapping[sp.Symbol, m
         example: symbol → its value at a motion of the regime, of constants and of names: signs and order are its.
     """
     roots = {s: value for s, value in example.items() if isinstance(where.get(s), tuple)}
-    return _by_gaps(_by_complements(expression, where, example), where, roots)
+    gathered = connected(expression, where, example)
+    return _by_gaps(_by_complements(gathered, where, example), where, roots)
 
 
 def _by_gaps(expression: sp.Expr, where: Where, roots: Mapping[sp.Symbol, mpmath.mpf]) -> sp.Expr:
-    """Write c − x as a quotient where all other roots of P lie beyond x, seen from c, and P(c) is one term."""
+    """Write c − x as a quotient where P(c) is one term and no root between c and x can be.
+
+    A root across c may come nearer to it than x: there the difference is the better one, at each motion anew.
+    """
     defined = {s: e for s, e in where.items() if isinstance(e, sp.Expr)}
     while held := {s: e for s, e in defined.items() if s in expression.free_symbols and _gaps(e, where, roots)}:
         expression = expression.xreplace(held)
@@ -63,8 +68,11 @@ def _gaps(expression: sp.Expr, where: Where, roots: Mapping[sp.Symbol, mpmath.mp
         value = sp.factor(P.as_expr().subs(P.gen, c))
         if value.is_Add or value == 0 or len(others) != P.degree() - 1 or not all(s in roots for s in others):
             continue
-        if all((roots[s] - roots[x]) * (roots[x] - c) > 0 for s in others):  # no root can come nearer to c
-            found[gap] = -sign * value / (P.LC() * sp.Mul(*(c - s for s in others)))
+        quotient = -sign * value / (P.LC() * sp.Mul(*(c - s for s in others)))
+        across = [s for s in others if (roots[s] - c) * (roots[x] - c) < 0]
+        if all((roots[s] - roots[x]) * (roots[x] - c) > 0 for s in others if s not in across):
+            nearer = [x + s < 2 * c if roots[s] > c else x + s > 2 * c for s in across]
+            found[gap] = sp.Piecewise((gap, sp.Or(*nearer)), (quotient, True)) if nearer else quotient
     return found
 
 
