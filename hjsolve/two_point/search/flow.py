@@ -11,10 +11,7 @@ With the motion run its variations by p0, E's among them. At one time, z = (Q, P
 
     (B, D) = ∂z/∂p0 = δz − z' δt/g,   (B, D)' = ∂z'/∂z (B, D) + ∂z'/∂E δE − z' (∂g/∂Q B)/g,
 
-and q is a function of Q alone. The frame (B, D) is Lagrangian, so U = (D + iB)(D − iB)⁻¹ is unitary; its eigenvalues
-pass 1 where q is conjugate to q0, all in one direction where T is positive definite. With φ_j their arguments in
-[0, 2π) and Φ that of det U, followed continuously from 0, the number of conjugate points is (Φ − Σ φ_j)/2π, each
-counted with its multiplicity (Arnold, Functional Analysis and its Applications 1 (1967) 1).
+and q is a function of Q alone. The argument of det U of ``conjugate_points.py`` is one more variable of the flow.
 
 What leaves two_point is not taken from here: it is run by quadratures to its end (``searched.py``).
 """
@@ -37,13 +34,14 @@ from hjsolve.motion.initial_data import to_bits
 from hjsolve.scenes.extrapolated_flow import extrapolated
 from hjsolve.solution.quadratures import Solution
 from hjsolve.two_point.asked.question import TwoPlaceQuestion
+from hjsolve.two_point.search.conjugate_points import ConjugatePoints
 
 _MOST_STEPS = 4000
 _SHORTEST = 1e-15
 """Step of t, in units of T, below which a motion is given up: it meets a singularity."""
 _SAFETY, _SHRINK, _GROW = 0.8, 0.1, 4.0
-_ARGUMENT, _WHOLE = 1e-5, 0.05
-"""Error of the argument of det U in one step, in radians; and how far a count may be from a whole number."""
+_ARGUMENT = 1e-5
+"""Error of the argument of det U in one step, in radians."""
 _ENERGY = sp.Dummy("E")
 _ARRIVED = 1e-9
 """How far from T the time may be at the end, in units of T: from there on along the tangent, the square is rounding."""
@@ -265,11 +263,11 @@ class RegularFlow:
             live = live[~lost[live] & ~there[live]]
         return self._arrived(state, orbits, reversals, there & ~lost, counter)
 
-    def _counter(self, state: Reals, orbits: _Orbits) -> _Conjugates:
+    def _counter(self, state: Reals, orbits: _Orbits) -> ConjugatePoints:
         """Return units in which B is about the identity after the time."""
         rates, matrix = self._linearised(state[:, :1], orbits.take(np.zeros(1, dtype=int)))
         masses = matrix[0, : self.n, self.n : 2 * self.n] / rates[-1]
-        return _Conjugates(np.linalg.inv(np.linalg.cholesky(masses)) / np.sqrt(self.time))
+        return ConjugatePoints(np.linalg.inv(np.linalg.cholesky(masses)) / np.sqrt(self.time))
 
     def _begun(self, p: Reals) -> Reals:
         """Q, P and t, their variations by p0, and the argument of det U, in rows; shape ((2n + 1)(n + 1) + 1, m)."""
@@ -295,7 +293,7 @@ class RegularFlow:
             matrix[:, i, j] = row
         return np.stack([row + 0 * state[0] for row in rows[:count]]), matrix
 
-    def _slopes(self, state: Reals, orbits: _Orbits, counter: _Conjugates | None) -> Reals:
+    def _slopes(self, state: Reals, orbits: _Orbits, counter: ConjugatePoints | None) -> Reals:
         """Return the rate of change of a state."""
         m, count = state.shape[1], 2 * self.n + 1
         rates, matrix = self._linearised(state, orbits)
@@ -331,7 +329,7 @@ class RegularFlow:
         return np.where(np.abs(h) < step, h, step), g
 
     def _arrived(
-        self, state: Reals, orbits: _Orbits, reversals: Integers, reached: Mask, counter: _Conjugates | None
+        self, state: Reals, orbits: _Orbits, reversals: Integers, reached: Mask, counter: ConjugatePoints | None
     ) -> Ends:
         n = self.n
         rates, varied = self._linearised(state, orbits)[0], self._varied(state)
@@ -347,49 +345,6 @@ class RegularFlow:
         fine = np.isfinite(q).all(axis=0) & np.isfinite(B).all(axis=(1, 2)) & np.isfinite(D).all(axis=(1, 2))
         index = np.full(state.shape[1], -1) if counter is None else counter.index(frame, state[-1])
         return Ends(q, B, D, reversals, index, reached & fine)
-
-
-@dataclass(frozen=True)
-class _Conjugates:
-    """How det U turns.
-
-    Attributes:
-        scale: A of q = A⁻¹ x, units in which B is about the identity after the time: A M⁻¹ Aᵀ = 1/time.
-    """
-
-    scale: Reals
-
-    def _scaled(self, frame: Reals) -> tuple[Reals, Reals]:
-        """B and D in these units, of frames of shape (m, 2n, n)."""
-        A, back, n = self.scale, np.linalg.inv(self.scale), len(self.scale)
-        return A @ frame[:, :n] @ A.T, back.T @ frame[:, n:] @ A.T
-
-    def rate(self, frame: Reals, rates: Reals) -> Reals:
-        """Return (arg det U)' = 2 Im tr((D + iB)⁻¹ (D' + iB')), shape (m,).
-
-        Args:
-            frame, rates: B and D, and how they change; shape (m, 2n, n).
-        """
-        (B, D), (B_rate, D_rate) = self._scaled(frame), self._scaled(rates)
-        try:
-            return 2 * np.trace(np.linalg.solve(D + 1j * B, D_rate + 1j * B_rate), axis1=1, axis2=2).imag
-        except np.linalg.LinAlgError:
-            return np.full(B.shape[0], np.nan)
-
-    def index(self, frame: Reals, argument: Reals) -> Integers:
-        """Return how many conjugate points are passed; −1 where doubles do not decide them.
-
-        Args:
-            frame: B and D at the end, shape (m, 2n, n).
-            argument: of det U, from 0 at the start; shape (m,).
-        """
-        B, D = self._scaled(frame)
-        known = np.isfinite(B).all(axis=(1, 2)) & np.isfinite(D).all(axis=(1, 2)) & np.isfinite(argument)
-        B, D = (np.where(known[:, None, None], x, np.eye(len(self.scale))) for x in (B, D))
-        phases = np.angle(np.linalg.eigvals((D + 1j * B) @ np.linalg.inv(D - 1j * B))) % (2 * np.pi)
-        turns = np.where(known, argument - np.sum(phases, axis=1), np.nan) / (2 * np.pi)
-        with np.errstate(invalid="ignore"):
-            return np.where(np.abs(turns - np.rint(turns)) < _WHOLE, np.rint(turns), -1).astype(int)
 
 
 def _grown(h: Reals, ratio: Reals, parts: tuple[int, ...]) -> Reals:
