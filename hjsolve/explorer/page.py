@@ -49,7 +49,9 @@ _PRINTED = (
     ".q-layout,.q-page-container,.q-page{min-height:0!important}"
     f".body--dark .explorer,.body--dark .hjsolve{{{LIGHT};--page:#fff}}"
     ".body--dark .explorer :is(.q-field *,.q-item,.q-checkbox){color:#22262b!important}"
-    ".explorer .q-btn,.explorer .q-item__section--side{display:none}.explorer .portraits>*{break-inside:avoid}}"
+    ".explorer .q-btn,.explorer .q-item__section--side,.explorer .q-expansion-item--collapsed{display:none}"
+    ".nicegui-error-popup,.q-loading-bar,.q-notify{display:none!important}.explorer{padding:0}"
+    ".explorer .portraits>*{break-inside:avoid}}"
 )
 _POINTER = ["pointerdown", "pointermove"]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import os
 import re
 import subprocess
@@ -232,3 +233,10 @@ def test_it_is_dark_where_the_browser_is(page: Page) -> None:
     assert ink > 500 > 150 > paper
     ink, paper = turned("light")
     assert ink < 200
+
+
+@pytest.mark.nightly
+def test_printed_it_fills_two_pages_and_no_empty_one(page: Page) -> None:
+    until(lambda: page.energy() < 0, "the motion of the double well")
+    printed = page.driver.execute_cdp_cmd("Page.printToPDF", {"paperWidth": 8.27, "paperHeight": 11.69})
+    assert len(re.findall(rb"/Type\s*/Page\b", base64.b64decode(printed["data"]))) == 2
