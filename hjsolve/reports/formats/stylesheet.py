@@ -69,7 +69,7 @@ table.stack th,table.stack td{padding:.1rem 0;overflow-wrap:anywhere;white-space
 table.stack td::before{content:attr(data-label);
 display:inline-block;min-width:7.2rem;padding-right:.6rem;font-size:.8rem;color:var(--soft)}
 table.stack td:empty{display:none}}
-@media (max-width:34rem){body{padding:1.5rem 1rem 3rem;font-size:1rem}
+@media (max-width:34rem){body{padding:1.5rem 1rem 3rem;font-size:1rem}td math{font-size:.9em}
 .formula{padding-left:.3rem;flex-wrap:wrap;gap:.1rem}
 .formula .scroll{flex-basis:100%}.tag{max-width:none;text-align:left}th,td{padding-right:.9rem}}
 @media print{:root{--paper:#fff;--ink:#000;--soft:#444;--rule:#bbb;--blue:#1d4e7e;--red:#a3301c;

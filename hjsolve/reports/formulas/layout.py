@@ -109,6 +109,10 @@ def row(*items: Box) -> Box:
     return flat[0] if len(flat) == 1 else RowBox(tuple(flat))
 
 
+_SPACE_ABOUT = {"=": 1.2, "+": 1.2, "−": 1.2, ",": 0.6}
+"""Room beside an operator, in letters."""
+
+
 def width(box: Box) -> float:
     """Estimate how wide a box is, in letters; good enough to decide where a line must break.
 
@@ -117,7 +121,7 @@ def width(box: Box) -> float:
     """
     match box:
         case Glyph(text, kind):
-            return len(text) + (1.2 if kind == "operator" and text in "=+−" else 0.1)
+            return len(text) + (_SPACE_ABOUT.get(text, 0.1) if kind == "operator" else 0.1)
         case RowBox(items):
             return sum(width(item) for item in items)
         case Fraction(top, bottom):
