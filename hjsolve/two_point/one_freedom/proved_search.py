@@ -20,9 +20,11 @@ from hjsolve.two_point.one_freedom.line_branches import LineBranch
 from hjsolve.two_point.one_freedom.travel_time import Line, Segment, Span, across, outward
 
 _COARSE, _FINE, _FINEST = 96, 384, 1536
-_SMALLEST, _HALVINGS = 2.0**-34, 44
+_SMALLEST = 2.0**-22
 _DOUBLINGS = 60
 _CELLS_AT_MOST = 4000
+_WIDER = (0.0, *(4.0**k for k in range(20)))
+"""How much wider, in its own width, an interval is made that halving does not decide."""
 
 
 @dataclass(frozen=True)
@@ -150,24 +152,58 @@ def isolate(times: TravelTimes, branch: LineBranch, T: float, scale: float, proo
         top = scale * 2.0**_DOUBLINGS**0.5
         proof.undecided.append((times.energy(top), np.inf))
     edges = [0.0, *(scale * 2.0**k for k in range(-34, 200) if scale * 2.0**k < top), top]
-    stack = list(pairwise(edges))
+    stack, open_ = list(pairwise(edges)), list[tuple[float, float]]()
     for _ in range(_CELLS_AT_MOST):
         if not stack:
-            return
+            break
         s = stack.pop()
-        verdict = _judged(times, branch, T, s, proof)
-        if verdict == "split":
+        if _judged(times, branch, T, s, proof) == "split":
             if s[1] - s[0] <= _SMALLEST * max(s[1], scale):
-                proof.undecided.append((times.energy(s[0]), times.energy(s[1])))
+                open_.append(s)
                 continue
             middle = (s[0] + s[1]) / 2
             stack += [(s[0], middle), (middle, s[1])]
-    proof.undecided += [(times.energy(a), times.energy(b)) for a, b in stack]
+    for s in _joined(open_ + stack):
+        if not _decided_wider(times, branch, T, s, proof):
+            proof.undecided.append((times.energy(s[0]), times.energy(s[1])))
 
 
-def _judged(times: TravelTimes, branch: LineBranch, T: float, s: tuple[float, float], proof: EnergyProof) -> str:
+def _joined(intervals: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Return the unions of intervals that touch."""
+    found = list[tuple[float, float]]()
+    for low, high in sorted(intervals):
+        if found and low <= found[-1][1]:
+            found[-1] = found[-1][0], max(found[-1][1], high)
+        else:
+            found.append((low, high))
+    return found
+
+
+def _decided_wider(
+    times: TravelTimes, branch: LineBranch, T: float, s: tuple[float, float], proof: EnergyProof
+) -> bool:
+    """Decide an interval that halving came down to, with finer enclosures.
+
+    Where an end of the halves fell on an energy that is sought, a wider interval has ends at which the time differs
+    from T by more than its enclosure.
+    """
+    for times_wider in _WIDER:
+        more = times_wider * (s[1] - s[0])
+        wide = max(s[0] - more, 0.0), s[1] + more
+        low, high = (times.energy(x) for x in wide)
+        if any(e.branch == branch and e.low < high and low < e.high for e in proof.energies):
+            return False
+        if _judged(times, branch, T, wide, proof, (_FINE, _FINEST)) != "split":
+            return True
+    return False
+
+
+def _judged(
+    times: TravelTimes, branch: LineBranch, T: float, s: tuple[float, float], proof: EnergyProof,
+    counts: tuple[int, ...] = (_COARSE, _FINE),
+) -> str:  # fmt: skip
     """Discard an interval, keep its one energy, or ask to split it."""
-    for count in (_COARSE, _FINE):
+    for count in counts:
         time, slope, there = total(branch, times.segments(s, count))
         if there is False or time.low > T:
             if there is not False and np.isfinite(time.low):
