@@ -131,7 +131,8 @@ def _in_time(system: System, budget: float, *, find: bool = False, solved: bool 
     from hjsolve.extended.explicit_time import solve_in_time
     from hjsolve.reports.formats.text import wrapped
     from hjsolve.reports.sections import solution as quadratures
-    from hjsolve.reports.sections.moving_frame import frame_section, quadratic_section
+    from hjsolve.reports.sections.moving_frame import frame_section
+    from hjsolve.reports.sections.quadratic import quadratic_section
     from hjsolve.solution.quadratures import AS_GIVEN, FIND
 
     try:
@@ -141,7 +142,7 @@ def _in_time(system: System, budget: float, *, find: bool = False, solved: bool 
         print(f"\n{wrapped((str(error) + '.',))}")
         return REFUSED
     if found.frame is None or found.solution is None:
-        _print(system, [quadratic_section(found.system)], ("H is of second degree in q and p, so S is in q.",))
+        _print(system, [quadratic_section(system)], ("H is of second degree in q and p, so S is in q.",))
         return ANSWER
     sections: list[Section | None] = [frame_section(found.frame, found.solution if solved else None)]
     sections += quadratures.solution_sections(found.solution) if solved else []
@@ -267,7 +268,8 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
     with ProgressBar() as progress:
         sliders = arguments_read.sliders(options)
         told = {"live": options.live, "sliders": sliders, "brief": options.brief, "sheet": sheet}
-        return _status(material.verdict), save(material, target, options.cost, progress, **told)
+        status = ANSWER if material.quadratic else _status(material.verdict)
+        return status, save(material, target, options.cost, progress, **told)
 
 
 def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:
