@@ -21,7 +21,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, InvalidSystemError
-from hjsolve.extended.lasting import constrained, momenta_in, place_in
+from hjsolve.extended.lasting import Exact, constrained, momenta_in, place_in
 from hjsolve.formulas.read import number, parse
 from hjsolve.mechanics.kinetic_energy import degree, velocity_coefficients
 from hjsolve.mechanics.subjects import system_of
@@ -107,15 +107,16 @@ class Impact(Shown):
             raise InvalidSystemError("next_arc: the constraints must keep what meets them, restitution 0")
         change = constrained(self.system, self.forms.texts)
         left = change.system
-        here = {change.time: sp.S.Zero} | dict(self.values) | {c.symbol: self.q[c.name] for c in self.system.coordinates}
-        told = place_in(change, here, clean)
+        here = {change.time: sp.S.Zero} | dict(self.values)
+        here |= {c.symbol: self.q[c.name] for c in self.system.coordinates}
+        told = place_in(change, here, Exact())
         told |= {c.momentum: self.p[c.name] for c in self.system.coordinates}
-        P = momenta_in(change, told, clean)
+        P = momenta_in(change, told, Exact())
         told |= {c.momentum: P[c.name] for c in left.coordinates}
         return left, {
             "q": {c.name: told[c.symbol] for c in left.coordinates},
             "velocity": {name: clean(f.xreplace(told)) for name, f in velocities(left).items()},
-            "parameters": {p.name: told[p.symbol] for p in left.parameters if p.symbol in told and p.symbol != left.time},
+            "parameters": {p.name: told[p.symbol] for p in left.parameters if p.symbol != left.time},
         }
 
 
@@ -173,7 +174,7 @@ def impact(
     forms = read_forms(system, constraints, restitution, "constraints")
     for number_of, g in enumerate(forms.levels, start=1):
         if g is not None and clean(g.xreplace(at)) != 0:
-            raise InvalidInputError(f"constraints[{number_of}]: does not hold at this place; give the place of the impact")
+            raise InvalidInputError(f"constraints[{number_of}]: does not hold here; give the place of the impact")
     λ, change = impulses(system, forms, at)
     before = {name: clean(formula.subs(at)) for name, formula in velocities(system).items()}
     faster = sp.simplify(inverse_mass_matrix(system).subs(at)) * sp.Matrix(change)
@@ -221,9 +222,8 @@ def read_forms(system: System, constraints: object, restitution: object, source:
         if levels[-1] is not None:
             form = sp.Add(*(sp.diff(form, c.symbol) * c.velocity for c in system.coordinates))
         if len(sides) > 2 or degree(form, frozenset(speeds)) != 1:
-            raise InvalidInputError(
-                f"{source}[{place}]: an equation of the coordinates, or linear in the velocities, is needed, not {text[:60]}"
-            )
+            needed = "an equation of the coordinates, or linear in the velocities, is needed"
+            raise InvalidInputError(f"{source}[{place}]: {needed}, not {text[:60]}")
         found = velocity_coefficients(sp.expand(form), speeds)
         rows.append(tuple(found.get((i,), sp.S.Zero) for i in range(len(speeds))))
         right.append(-found.get((), sp.S.Zero))

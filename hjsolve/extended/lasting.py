@@ -8,16 +8,40 @@ first degree, and the constants of integration from the place at t₁.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
+from typing import Protocol
 
 import sympy as sp
 
 from hjsolve.errors import InvalidSystemError
 from hjsolve.extended.change_of_frame import ChangeOfFrame
 from hjsolve.mechanics.system import System
+from hjsolve.motion.initial_data import clean
 
 _TIME = sp.Symbol("t", real=True)
 Numbers = Mapping[sp.Symbol, sp.Expr]
+
+
+class Short(Protocol):
+    """How numbers are written, and when one is zero."""
+
+    def __call__(self, x: sp.Expr) -> sp.Expr:
+        """Return a number in its shortest form."""
+
+    def without(self, x: sp.Expr, terms: Iterable[sp.Expr]) -> sp.Expr:
+        """Return the number; 0 where it is a rounding error of the terms that it is the sum of."""
+
+
+class Exact:
+    """Exact numbers."""
+
+    def __call__(self, x: sp.Expr) -> sp.Expr:
+        """Return a number expanded; 0 where it is zero."""
+        return clean(x)
+
+    def without(self, x: sp.Expr, _terms: Iterable[sp.Expr]) -> sp.Expr:
+        """Return the same: nothing is rounded."""
+        return clean(x)
 
 
 def constrained(system: System, texts: Iterable[str]) -> ChangeOfFrame:
@@ -53,13 +77,13 @@ def through(change: ChangeOfFrame, frame: ChangeOfFrame) -> ChangeOfFrame:
     return ChangeOfFrame(frame.system, change.original, place, frame.gauge, frame.time)
 
 
-def place_in(change: ChangeOfFrame, at: Numbers, short: Callable[[sp.Expr], sp.Expr]) -> dict[sp.Symbol, sp.Expr]:
+def place_in(change: ChangeOfFrame, at: Numbers, short: Short) -> dict[sp.Symbol, sp.Expr]:
     """Return coordinates and parameters of the system that is left, where the old coordinates are known.
 
     Args:
-        change: of ``constrained``.
+        change: of ``constrained``, or one that went through a frame.
         at: old coordinates, parameters and the time, as numbers.
-        short: a number in its shortest form, 0 where it is zero.
+        short: how numbers are written.
 
     Raises:
         InvalidSystemError: the place does not satisfy the constraints, or was not written in the new coordinates.
@@ -75,17 +99,21 @@ def place_in(change: ChangeOfFrame, at: Numbers, short: Callable[[sp.Expr], sp.E
             raise InvalidSystemError("next_arc: the place was not written in the coordinates that are left")
         told[found[0]] = found[1]
         unknown.discard(found[0])
-    if any(short(e.xreplace(told)) != 0 for e in equations):
-        raise InvalidSystemError("next_arc: the place does not satisfy the constraints")
+    for c in change.original.coordinates:
+        f = change.place[c.name].xreplace(told)
+        sizes = [f, at[c.symbol], *(told[q.symbol] for q in change.system.coordinates)]
+        if short.without(f - at[c.symbol], sizes) != 0:
+            raise InvalidSystemError("next_arc: the place does not satisfy the constraints")
     return told
 
 
 def _one(
-    unknown: sp.Symbol, equations: list[sp.Expr], others: set[sp.Symbol], short: Callable[[sp.Expr], sp.Expr]
+    unknown: sp.Symbol, equations: list[sp.Expr], others: set[sp.Symbol], short: Short
 ) -> tuple[sp.Symbol, sp.Expr] | None:
-    """An unknown from the equations that hold no other one: linear in it, or in its cosine and sine."""
+    """Return an unknown from equations that hold no other one: linear in it, or in its cosine and sine."""
     C, S = sp.Dummy("C"), sp.Dummy("S")
-    own = [e.xreplace({sp.cos(unknown): C, sp.sin(unknown): S}) for e in equations if e.free_symbols & others == {unknown}]
+    circle = {sp.cos(unknown): C, sp.sin(unknown): S}
+    own = [e.xreplace(circle) for e in equations if e.free_symbols & others == {unknown}]
     values: dict[sp.Symbol, sp.Expr] = {}
     for letter in (unknown, C, S):
         for e in own:
@@ -99,16 +127,21 @@ def _one(
     return (unknown, short(sp.acos(values[C]))) if C in values else None
 
 
-def momenta_in(change: ChangeOfFrame, at: Numbers, short: Callable[[sp.Expr], sp.Expr]) -> dict[str, sp.Expr]:
+def momenta_in(change: ChangeOfFrame, at: Numbers, short: Short) -> dict[str, sp.Expr]:
     """Return P = (∂f/∂Q)ᵀ p − ∂Λ/∂Q.
 
     Args:
         change: with both systems.
         at: old momenta, new coordinates, parameters and the time, as numbers.
-        short: a number in its shortest form, 0 where it is zero.
+        short: how numbers are written.
     """
-    found = change.new_momenta()
-    return {c.name: short(found[c.momentum].xreplace(dict(at))) for c in change.system.coordinates}
+    old = [(at[c.momentum], change.place[c.name]) for c in change.original.coordinates]
+    found: dict[str, sp.Expr] = {}
+    for Q in change.system.coordinates:
+        terms = [p * sp.diff(f, Q.symbol).xreplace(dict(at)) for p, f in old]
+        terms.append(-sp.diff(change.gauge, Q.symbol).xreplace(dict(at)))
+        found[Q.name] = short.without(sp.Add(*terms), terms)
+    return found
 
 
-__all__ = ["constrained", "momenta_in", "place_in", "through"]
+__all__ = ["Exact", "Short", "constrained", "momenta_in", "place_in", "through"]

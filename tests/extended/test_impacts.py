@@ -103,7 +103,7 @@ def test_a_string_that_becomes_taut_makes_a_pendulum() -> None:
     assert data["velocity"]["theta"] == sp.Rational(-20, 25)
     assert data["q"]["theta"] == sp.atan(sp.Rational(4, 3))
     assert hjsolve.solve(system).motion(**data).constants["E"].value == float(hit.kinetic) == 16
-    with pytest.raises(hjsolve.InvalidInputError, match="does not hold at this place"):
+    with pytest.raises(hjsolve.InvalidInputError, match="does not hold here"):
         hjsolve.impact(ball, q={"x": 3, "y": 3}, **call)
 
 
