@@ -12,7 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 from hjsolve.arguments import refuse_unused
 from hjsolve.command_line import arguments_read
+from hjsolve.command_line.theorem_commands import bracket_command as bracket_command
 from hjsolve.command_line.theorem_commands import canonical_command as canonical_command
+from hjsolve.command_line.theorem_commands import impact_command as impact_command
+from hjsolve.command_line.theorem_commands import integral_command as integral_command
+from hjsolve.command_line.theorem_commands import own_coordinates
 from hjsolve.command_line.theorem_commands import verify_command as verify_command
 from hjsolve.command_line.time_allowed import within
 from hjsolve.errors import InternalError, InvalidInputError, MissingExtraError, NotSeparableError, required
@@ -167,6 +171,15 @@ def coordinates_command(options: Namespace) -> int:
     from hjsolve.reports.sections import coordinates as webs
 
     system = arguments_read.system(options)
+    if options.place or options.new:
+        from hjsolve.reports.sections.system_and_verdict import answer
+        from hjsolve.separation import separate
+
+        changed, section = own_coordinates(options, system)
+        verdict = separate(changed)
+        _print(changed, [section], answer(verdict))
+        print(f"\nTo go on with it:\n{webs.command(changed)}")
+        return _status(verdict)
     modes = _modes(system)
     if modes is not None and len(system.coordinates) not in {2, 3}:
         _print(system, [webs.modes_section(modes)], webs.modes_answer(modes))
