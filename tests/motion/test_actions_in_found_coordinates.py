@@ -32,7 +32,7 @@ def test_actions_and_angles_of_a_motion_give_it_back(name: str) -> None:
     coordinates, T, V = FIELDS[name]
     solution = hjsolve.solve(hjsolve.System(coordinates, T, V), coordinates="find")
     q = dict(zip(coordinates, ("0.3", "1.2", "0.2"), strict=False))
-    motion = solution.motion(q=q, velocity=dict(zip(coordinates, ("0.1", "0.4", "0.2"), strict=False)))
+    motion = solution.motion(q=q, velocity=dict(zip(coordinates, ("0.2", "0.4", "0.1"), strict=False)))
     actions = {n: x.value for n, x in motion.actions.items()}
     angles = {n: float(np.asarray(x)) for n, x in motion.angles(0).items()}
     kinds = {n: k for n, k in motion.kinds.items() if n in solution.coordinates}
