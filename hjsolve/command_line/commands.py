@@ -47,6 +47,7 @@ def _check(options: Namespace) -> int:
     from hjsolve.reports.formats.text import wrapped
     from hjsolve.reports.sections import obstruction, system_and_verdict
     from hjsolve.reports.sections import solution as quadratures
+    from hjsolve.reports.sections.equations import equations_section
     from hjsolve.separation import Separation, separate
 
     if (problem := arguments_read.given_hamiltonian(options)) is not None:
@@ -61,6 +62,7 @@ def _check(options: Namespace) -> int:
     verdict = separate(system, budget=options.budget)
     evidence = system_and_verdict.evidence_section(verdict, lead=False)
     sections: list[Section | None] = [
+        equations_section(system),
         arguments_read.frame(options),
         system_and_verdict.reduction_section(verdict),
         evidence,
@@ -92,6 +94,7 @@ def solve_command(options: Namespace) -> int:
     from hjsolve.reports.sections import obstruction, system_and_verdict
     from hjsolve.reports.sections import solution as quadratures
     from hjsolve.reports.sections.chart import chart_section
+    from hjsolve.reports.sections.equations import equations_section
     from hjsolve.reports.sections.laws import laws_section
     from hjsolve.separation import Separation, separate
     from hjsolve.solution.quadratures import solve
@@ -112,6 +115,7 @@ def solve_command(options: Namespace) -> int:
             solved.system,
             [
                 *(() if solved.chart is None else (chart_section(solved.chart),)),
+                equations_section(solved.system),
                 *(_closed(solved) if options.closed else ()),
                 arguments_read.frame(options, solved),
                 *quadratures.solution_sections(solved),

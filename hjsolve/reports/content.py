@@ -36,6 +36,7 @@ from hjsolve.reports.sections import solution as quadratures
 from hjsolve.reports.sections.chart import chart_section
 from hjsolve.reports.sections.closed_forms import closed_form_report
 from hjsolve.reports.sections.energy_momentum import energy_momentum_section
+from hjsolve.reports.sections.equations import equations_section
 from hjsolve.reports.sections.laws import laws_section
 from hjsolve.reports.sections.linear_modes import linear_modes_section
 from hjsolve.reports.sections.literature import literature_section
@@ -251,6 +252,7 @@ def _document(material: Material, letters: Mapping[sp.Expr, sp.Symbol], *, brief
         system_and_verdict.system_section(
             system, entry.meanings if entry else {}, entry.summary if entry else "", letters
         ),
+        equations_section(system),
         frame_section(material.frame, material.solution) if material.frame is not None else None,
         system_and_verdict.reduction_section(verdict),
         system_and_verdict.evidence_section(verdict),
