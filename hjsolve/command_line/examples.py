@@ -49,6 +49,13 @@ examples:
 examples:
   hjsolve integral kepler-planar --of p_theta --of "p_r**2/2 + p_theta**2/(2*r**2) - 1/r"
   hjsolve integral --coordinate "x: line" -T "dot(x)**2/2" -V "x**2/2" --of "atan(x/p_x) - t" --of H""",
+    "action": """\
+examples:
+  hjsolve action --coordinate "y: line" -T "dot(y)**2/2" -V "10*y" --path "y = -5*t" --between 0:1
+  hjsolve action kepler-planar --path "r = 1 + t/10" --path "theta = t" --between 0:2 --digits 30""",
+    "loop": """\
+examples:
+  hjsolve loop pendulum --q "theta=1 + sin(s)/5" --momentum "theta=cos(s)/5" --times 0:10:6""",
     "impact": """\
 examples:
   hjsolve impact --coordinate "q1: line" --coordinate "q2: line" -T "2*dot(q1)**2 + dot(q2)**2/3" \\

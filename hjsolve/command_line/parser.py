@@ -62,6 +62,8 @@ def command_parser() -> argparse.ArgumentParser:
     _add_bracket(kinds)
     _add_integral(kinds)
     _add_canonical(kinds)
+    _add_action(kinds)
+    _add_loop(kinds)
     _add_impact(kinds)
     _add_motion(kinds)
     _add_two_point(kinds)
@@ -140,8 +142,9 @@ def _add_verify(kinds: _Commands) -> None:
     _system_arguments(verify)
     verify.add_argument("-W", metavar="FORMULA", help="Hamilton's characteristic function W(q, constants)")
     verify.add_argument("-S", metavar="FORMULA", help="Hamilton's principal function S(q, constants, t), in place of W")
+    verify.add_argument("--F4", metavar="FORMULA", help="a function of the momenta, F4(p, constants), in place of W")
     _constant_argument(verify)
-    verify.add_argument("--energy", metavar="FORMULA", help="with -W, the energy in the constants (default: E)")
+    verify.add_argument("--energy", metavar="FORMULA", help="with -W or --F4, the energy in the constants (default: E)")
     _budget_argument(verify, "for each proof")
     _json_argument(verify)
     _motion_arguments(verify)
@@ -169,6 +172,35 @@ def _add_integral(kinds: _Commands) -> None:
     _system_arguments(command)
     _of_argument(command)
     _budget_argument(command, "for each proof")
+    _json_argument(command)
+
+
+def _add_action(kinds: _Commands) -> None:
+    about = f"Compute Hamilton's integral of L dt along a path that you type; it need not be a motion.\n\n{_SYSTEMS}"
+    command = _add(kinds, "action", "the integral of L dt along a path", about)
+    _system_arguments(command)
+    command.add_argument(
+        "--path", action="append", default=[], metavar="EQUATION", help='e.g. "x = t**2" (repeat, one for each)'
+    )
+    command.add_argument("--between", metavar="T:T", help="the first and the last time, e.g. 0:1")
+    command.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the value (default 15)")
+    _json_argument(command)
+
+
+def _add_loop(kinds: _Commands) -> None:
+    about = (
+        "Follow a closed curve of states q(s), p(s), 0 <= s <= 2*pi, and print the integral of p dq along it at\n"
+        "several times: it stays, as Poincare proved. Status 1: the values do not agree within their errors.\n\n"
+        + _SYSTEMS
+    )
+    command = _add(kinds, "loop", "the integral of p dq along a closed curve as it moves", about)
+    _system_arguments(command)
+    _find_argument(command)
+    for option, what in (("--q", "coordinates"), ("--momentum", "momenta")):
+        command.add_argument(
+            option, action="append", default=[], metavar="NAME=FORMULA", help=f"{what} of the curve, e.g. x=cos(s)"
+        )
+    command.add_argument("--times", default="0,1", metavar="TIMES", help="start:stop:count, or a list (default 0,1)")
     _json_argument(command)
 
 

@@ -34,11 +34,11 @@ def verify_command(options: Namespace) -> int:
     """
     from hjsolve.theorem.complete_integral import CompleteIntegral, verify
 
-    if (options.W is None) == (options.S is None):
-        raise InvalidInputError('verify: give -W "W(q, constants)" or -S "S(q, constants, t)", one of them')
+    given = {name: f for name in ("W", "S", "F4") if (f := getattr(options, name)) is not None}
+    if len(given) != 1:
+        raise InvalidInputError('verify: give -W "W(q, constants)", -S "S(q, constants, t)" or --F4, one of them')
     if not options.constant:
         raise InvalidInputError('verify: name the constants of the formula, e.g. --constant E --constant "a: 0 < a"')
-    given = {"W": options.W} if options.W is not None else {"S": options.S}
     answer = verify(
         _subject(options), **given,
         constants=_domains(options.constant, "--constant"), energy=options.energy, budget=options.budget,
@@ -145,6 +145,61 @@ def impact_command(options: Namespace) -> int:
     from hjsolve.reports.sections.impacts import impact_section
 
     return _sections(impact_section(hit, later))
+
+
+def action_command(options: Namespace) -> int:
+    """Compute the integral of L dt along a path.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        The exit status, 0.
+
+    Raises:
+        InvalidInputError: no path, or no times.
+    """
+    from hjsolve.reports.sections.integrals_of_paths import action_section
+    from hjsolve.theorem.action_along_path import action_integral
+
+    first, colon, last = (options.between or "").partition(":")
+    if not options.path or not (first and colon and last):
+        raise InvalidInputError('action: give a path and times, e.g. --path "x = t**2" --between 0:1')
+    path = dict(_equation(text, "--path", "x = t**2") for text in options.path)
+    found = action_integral(arguments_read.system(options), path, between=(first, last), digits=options.digits)
+    return _json(found) if options.json else _sections(action_section(found))
+
+
+def loop_command(options: Namespace) -> int:
+    """Compute the integral of p dq along a closed curve as it moves.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        The exit status: 0 where the values agree, 1 where they do not.
+
+    Raises:
+        InvalidInputError: no curve.
+    """
+    from hjsolve.command_line.motion_tables import times_from_text
+    from hjsolve.mechanics.typed_texts import typed_values
+    from hjsolve.reports.sections.integrals_of_paths import loop_section
+    from hjsolve.solution.quadratures import solve
+    from hjsolve.theorem.loop_integrals import loop_integral
+
+    if not options.q or not options.momentum:
+        raise InvalidInputError('loop: give a closed curve, e.g. --q "x=cos(s)" --momentum "x=sin(s)"')
+    solution = solve(arguments_read.system(options), "find" if options.find else "as given")
+    found = loop_integral(
+        solution, q=typed_values(options.q, "--q"), p=typed_values(options.momentum, "--momentum"),
+        times=times_from_text(options.times, 15),
+    )  # fmt: skip
+    if options.json:
+        _json({name: getattr(found, name).tolist() for name in ("times", "value", "error")})
+    else:
+        _sections(loop_section(found))
+    return 0 if found else 1
 
 
 def own_coordinates(options: Namespace, system: System) -> tuple[System, Section]:

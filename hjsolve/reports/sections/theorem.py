@@ -45,8 +45,9 @@ def complete_integral_section(answer: CompleteIntegral) -> Section:
         formula(Glyph("S"), answer.principal_function, "Greenwood (5-52)"),
         Paragraph(("the determinant of ∂²S/∂q ∂α is not identically zero, so that the constants are independent:",)),
         Formula(box(answer.determinant), str(answer.determinant), "Greenwood (5-48)"),
-        Paragraph(("The momenta:",)),
+        Paragraph(("The momenta:" if answer.momenta else "The places, q = −∂F₄/∂p:",)),
         *(formula(name_box(f"p_{name}"), p, "Greenwood (5-50)") for name, p in answer.momenta.items()),
+        *(formula(name_box(name), q, "Greenwood (6-57)") for name, q in answer.places.items()),
         Paragraph(("Jacobi's equations, which give the motion:",)),
         *(equation(relation, "Greenwood (5-54)") for relation in answer.equations.values()),
     ]
