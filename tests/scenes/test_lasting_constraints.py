@@ -313,3 +313,13 @@ def test_the_command_line_prints_states_and_budgets(tmp_path: Any, capsys: pytes
     shown = capsys.readouterr().out
     assert "The impacts" in shown
     assert "The system after the constraint" in shown
+
+
+def test_an_impact_after_a_wall_that_moves_counts_the_velocity_of_the_wall() -> None:
+    """With x' = 1/3 by the wall, x' - y' = 0 makes y' = 1/3."""
+    scene = scene_of("a wall starts and stays", ["2", "5/2"])
+    scene["events"] = [*scene["events"], {"kind": "impact", "at": {"t": "2"}, "constraints": ["dot(x) - dot(y) = 0"]}]
+    run = hjsolve.Scene.load(scene).run()
+    assert [float(run.trajectory.velocity[n][0]) for n in "xy"] == pytest.approx([1 / 3, 1 / 3], abs=1e-14)
+    assert len(run.arcs) == 3
+    assert max(map(abs, run.impacts[1].residual.values())) < mpf(10) ** -30
