@@ -64,8 +64,8 @@ def _check(options: Namespace) -> int:
     verdict = separate(system, budget=options.budget)
     evidence = system_and_verdict.evidence_section(verdict, lead=False)
     sections: list[Section | None] = [
-        equations_section(system),
         arguments_read.frame(options),
+        equations_section(system),
         system_and_verdict.reduction_section(verdict),
         evidence,
     ]

@@ -252,8 +252,8 @@ def _document(material: Material, letters: Mapping[sp.Expr, sp.Symbol], *, brief
         system_and_verdict.system_section(
             system, entry.meanings if entry else {}, entry.summary if entry else "", letters
         ),
-        equations_section(system),
         frame_section(material.frame, material.solution) if material.frame is not None else None,
+        equations_section(system),
         system_and_verdict.reduction_section(verdict),
         system_and_verdict.evidence_section(verdict),
     ]
