@@ -104,6 +104,8 @@ SEE_ALSO = {
     "separatrix": "Solution.torus Solution.separatrices",
     "impact": "change_coordinates Scene",
     "involution": "is_integral poisson_bracket",
+    "action_integral": "jacobi_metric verify",
+    "loop_integral": "canonical is_integral",
     "jacobi_metric": "solve verify",
     "Status": "Batch",
     "sweep": "ensemble Scene SweepResult",

@@ -85,6 +85,8 @@ if TYPE_CHECKING:
     from hjsolve.solution.quadratures import solve as solve
     from hjsolve.sweeps import SweepResult as SweepResult
     from hjsolve.sweeps import sweep as sweep
+    from hjsolve.theorem.action_along_path import PathAction as PathAction
+    from hjsolve.theorem.action_along_path import action_integral as action_integral
     from hjsolve.theorem.answers import Flaw as Flaw
     from hjsolve.theorem.answers import Proof as Proof
     from hjsolve.theorem.canonical_maps import CanonicalMap as CanonicalMap
@@ -94,6 +96,8 @@ if TYPE_CHECKING:
     from hjsolve.theorem.integrals import involution as involution
     from hjsolve.theorem.integrals import is_integral as is_integral
     from hjsolve.theorem.integrals import poisson_bracket as poisson_bracket
+    from hjsolve.theorem.loop_integrals import LoopIntegral as LoopIntegral
+    from hjsolve.theorem.loop_integrals import loop_integral as loop_integral
     from hjsolve.theorem.own_motion import OwnMotion as OwnMotion
 
 _PUBLIC = {
@@ -128,7 +132,9 @@ _PUBLIC = {
     "theorem.canonical_maps": "canonical CanonicalMap",
     "theorem.complete_integral": "verify CompleteIntegral",
     "theorem.own_motion": "OwnMotion",
+    "theorem.action_along_path": "PathAction action_integral",
     "theorem.integrals": "involution is_integral poisson_bracket",
+    "theorem.loop_integrals": "LoopIntegral loop_integral",
     "scenes": "Scene",
     "extended.gyroscopic": "gyroscopic_modes",
     "extended.impacts": "impact Impact",

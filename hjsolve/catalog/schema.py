@@ -26,7 +26,7 @@ QUANTITY = re.compile(
 _WORDS = {
     "text": "a text", "texts": "a list of texts", "number": "a number, best as a text such as \"1.2\"",
     "numbers": "a table of numbers", "formulas": "a table of texts", "matrix": "a list of rows of texts",
-    "table": "a table", "tables": "a list of tables", "named": "a table of tables",
+    "flag": "true or false", "table": "a table", "tables": "a list of tables", "named": "a table of tables",
 }  # fmt: skip
 
 
@@ -178,6 +178,8 @@ def _fits(value: object, kind: str) -> bool:
             return isinstance(value, str)
         case "number":
             return _is_number(value)
+        case "flag":
+            return isinstance(value, bool)
         case "texts":
             return isinstance(value, list) and all(isinstance(item, str) for item in value)
         case "matrix":

@@ -12,7 +12,7 @@ from hjsolve.closed_form.common_factors import with_common_factors
 from hjsolve.closed_form.common_parameter import others_in_parameter
 from hjsolve.closed_form.curves import W
 from hjsolve.closed_form.elliptic_inverses import in_moduli
-from hjsolve.closed_form.energy_from_actions import solved_for_energy
+from hjsolve.closed_form.energy_from_actions import solved_for_constants
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.inverses import inverse_forms, orbit_formulas, parametric_formulas
 from hjsolve.closed_form.involutions import why_no_form
@@ -55,7 +55,7 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
     parametric |= others_in_parameter(shop, pieces, special, parametric, names)
     anomaly = along_the_motion(shop, pieces, names, inverse, why_not)
     _with_reasons(why_not)
-    energy = solved_for_energy(shop, numbers["actions"], made, names, why_not)
+    constants = solved_for_constants(shop, numbers["actions"], made, names, why_not)
 
     short = names.short_rates()
 
@@ -82,8 +82,8 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
         {name: relation(equation) for name, equation in equations.items()},
         None if function is None else closed(function), _turning_points(pieces, made),
         written(numbers["periods"]), written(numbers["actions"]), written(numbers["frequencies"]),
-        written(numbers["mean_velocities"]), plain(inverse), plain(orbit), plain(parametric), plain(anomaly), energy,
-        where, why_not,
+        written(numbers["mean_velocities"]), plain(inverse), plain(orbit), plain(parametric), plain(anomaly),
+        constants.get(shop.constants[0].name), where, why_not, constants,
     )  # fmt: skip
     for symbol in set(where) - names.roots:
         if symbol.name.startswith(("Omega_", "J_")):

@@ -1,4 +1,4 @@
-"""H(J): the energy as a function of the actions, where the actions can be solved for the constants one by one."""
+"""H(J), α(J): the constants as functions of the actions, where J(E, α) can be solved for them one by one."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ MOST_OPERATIONS = 120
 _DIGITS, _AGREE = 60, 40
 
 
-def solved_for_energy(
+def solved_for_constants(
     shop: Workshop, actions: Mapping[str, sp.Expr], made: Regime, names: NamedQuantities, why_not: dict[str, WhyNot]
-) -> sp.Expr | None:  # fmt: skip
+) -> dict[str, sp.Expr]:  # fmt: skip
     """Solve J_i(E, α, c) one constant after the other, as far as each equation holds only one that is not known.
 
     Args:
@@ -32,11 +32,12 @@ def solved_for_energy(
         why_not: gets the reason where there is none.
 
     Returns:
-        E in terms of symbols J_<coordinate>; None where it was not found, or a coordinate has no action.
+        Constant → its formula in symbols J_<coordinate>, E first; empty where E was not found, or a coordinate has
+        no action.
     """
     constants, system = shop.constants, shop.solution.system
     if made.special or any(c.name not in actions for c in system.coordinates):
-        return None
+        return {}
     named = {c.name: sp.Symbol(f"J_{c.name}", real=True) for c in system.coordinates}
     actions = {name: settled(made, names.written_out(action)) for name, action in actions.items()}
     known, left = dict[sp.Symbol, sp.Expr](), dict(actions)
@@ -44,19 +45,23 @@ def solved_for_energy(
         step = _next(left, known, constants) or _linear(left, known, constants)
         if step is None:
             why_not["energy"] = NotFound(_unsolved(left, constants))
-            return None
+            return {}
         name, unknown = step
         solved = _solved(left.pop(name).xreplace(known), named[name], unknown, names, actions, named)
         if solved is None:
             why_not["energy"] = NotFound(_unsolved({name: actions[name]}, [unknown]))
-            return None
+            return {}
         known = {c: e.xreplace({unknown: solved}) for c, e in known.items()} | {unknown: solved.xreplace(known)}
-    energy = known.get(constants[0])
-    if energy is None:
-        return None
-    energy = sp.factor(energy) if energy.is_rational_function() else energy
+    if constants[0] not in known:
+        return {}
     positive = {named[n]: sp.Dummy(positive=True) for n, kind in made.kinds.items() if kind == "libration"}
-    return settled(made, energy.xreplace(positive)).xreplace({d: J for J, d in positive.items()})
+    found: dict[str, sp.Expr] = {}
+    for constant in constants:
+        if (value := known.get(constant)) is not None:
+            value = sp.factor(value) if value.is_rational_function() else value
+            back = {d: J for J, d in positive.items()}
+            found[constant.name] = settled(made, value.xreplace(positive)).xreplace(back)
+    return found
 
 
 def _linear(

@@ -45,6 +45,8 @@ class RegimeForms(Shown):
         energy: E as a function of the actions J_<name>; None where it was not solved for.
         where: symbol → its definition: an expression, or (polynomial, index of the real root).
         why_not: quantity → why there is no form of it: a proof as data, or what was not found (``why_not.py``).
+        constants_of_actions: constant of the motion → its formula in the actions J_<name>; empty where ``energy`` is
+            None.
     """
 
     solution: Solution = field(repr=False)
@@ -64,6 +66,27 @@ class RegimeForms(Shown):
     energy: sp.Expr | None
     where: Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
     why_not: Mapping[str, WhyNot]
+    constants_of_actions: Mapping[str, sp.Expr] = field(default_factory=dict)
+
+    @property
+    def function_of_actions(self) -> sp.Expr | None:
+        """W(q, J), which generates the map to angles and actions (6-85); None where W or the constants have no form."""
+        constants = self.solution.constants
+        if self.characteristic_function is None or any(n not in self.constants_of_actions for n in constants):
+            return None
+        librating = [name for name, kind in self.regime.kinds.items() if kind == "libration"]
+        positive = {sp.Symbol(f"J_{name}", real=True): sp.Dummy(positive=True) for name in librating}
+        put = {c.symbol: self.constants_of_actions[n].xreplace(positive) for n, c in constants.items()}
+        W = self.written_out("characteristic_function").xreplace(put)
+        return W.xreplace({d: J for J, d in positive.items()})
+
+    @property
+    def angle_variables(self) -> dict[str, sp.Expr]:
+        """Coordinate → w = ∂W(q, J)/∂J (6-88), in radians, which grows by Ω a unit of time; empty without W(q, J)."""
+        W = self.function_of_actions
+        if W is None:
+            return {}
+        return {name: sp.diff(W, sp.Symbol(f"J_{name}", real=True)) for name in self.actions}
 
     def named(self) -> dict[str, sp.Expr]:
         """Return every form that is a function, by name: ``time_law``, ``periods.r``, ``inverse.x``….

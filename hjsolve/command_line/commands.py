@@ -12,7 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 from hjsolve.arguments import refuse_unused
 from hjsolve.command_line import arguments_read
+from hjsolve.command_line.theorem_commands import action_command as action_command
+from hjsolve.command_line.theorem_commands import bracket_command as bracket_command
 from hjsolve.command_line.theorem_commands import canonical_command as canonical_command
+from hjsolve.command_line.theorem_commands import impact_command as impact_command
+from hjsolve.command_line.theorem_commands import integral_command as integral_command
+from hjsolve.command_line.theorem_commands import loop_command as loop_command
+from hjsolve.command_line.theorem_commands import own_coordinates
 from hjsolve.command_line.theorem_commands import verify_command as verify_command
 from hjsolve.command_line.time_allowed import within
 from hjsolve.errors import InternalError, InvalidInputError, MissingExtraError, NotSeparableError, required
@@ -43,6 +49,7 @@ def _check(options: Namespace) -> int:
     from hjsolve.reports.formats.text import wrapped
     from hjsolve.reports.sections import obstruction, system_and_verdict
     from hjsolve.reports.sections import solution as quadratures
+    from hjsolve.reports.sections.equations import equations_section
     from hjsolve.separation import Separation, separate
 
     if (problem := arguments_read.given_hamiltonian(options)) is not None:
@@ -58,6 +65,7 @@ def _check(options: Namespace) -> int:
     evidence = system_and_verdict.evidence_section(verdict, lead=False)
     sections: list[Section | None] = [
         arguments_read.frame(options),
+        equations_section(system),
         system_and_verdict.reduction_section(verdict),
         evidence,
     ]
@@ -88,6 +96,7 @@ def solve_command(options: Namespace) -> int:
     from hjsolve.reports.sections import obstruction, system_and_verdict
     from hjsolve.reports.sections import solution as quadratures
     from hjsolve.reports.sections.chart import chart_section
+    from hjsolve.reports.sections.equations import equations_section
     from hjsolve.reports.sections.laws import laws_section
     from hjsolve.separation import Separation, separate
     from hjsolve.solution.quadratures import solve
@@ -108,6 +117,7 @@ def solve_command(options: Namespace) -> int:
             solved.system,
             [
                 *(() if solved.chart is None else (chart_section(solved.chart),)),
+                equations_section(solved.system),
                 *(_closed(solved) if options.closed else ()),
                 arguments_read.frame(options, solved),
                 *quadratures.solution_sections(solved),
@@ -131,7 +141,8 @@ def _in_time(system: System, budget: float, *, find: bool = False, solved: bool 
     from hjsolve.extended.explicit_time import solve_in_time
     from hjsolve.reports.formats.text import wrapped
     from hjsolve.reports.sections import solution as quadratures
-    from hjsolve.reports.sections.moving_frame import frame_section, quadratic_section
+    from hjsolve.reports.sections.moving_frame import frame_section
+    from hjsolve.reports.sections.quadratic import quadratic_section
     from hjsolve.solution.quadratures import AS_GIVEN, FIND
 
     try:
@@ -141,7 +152,7 @@ def _in_time(system: System, budget: float, *, find: bool = False, solved: bool 
         print(f"\n{wrapped((str(error) + '.',))}")
         return REFUSED
     if found.frame is None or found.solution is None:
-        _print(system, [quadratic_section(found.system)], ("H is of second degree in q and p, so S is in q.",))
+        _print(system, [quadratic_section(system)], ("H is of second degree in q and p, so S is in q.",))
         return ANSWER
     sections: list[Section | None] = [frame_section(found.frame, found.solution if solved else None)]
     sections += quadratures.solution_sections(found.solution) if solved else []
@@ -166,6 +177,15 @@ def coordinates_command(options: Namespace) -> int:
     from hjsolve.reports.sections import coordinates as webs
 
     system = arguments_read.system(options)
+    if options.place or options.new:
+        from hjsolve.reports.sections.system_and_verdict import answer
+        from hjsolve.separation import separate
+
+        changed, section = own_coordinates(options, system)
+        verdict = separate(changed)
+        _print(changed, [section], answer(verdict))
+        print(f"\nTo go on with it:\n{webs.command(changed)}")
+        return _status(verdict)
     modes = _modes(system)
     if modes is not None and len(system.coordinates) not in {2, 3}:
         _print(system, [webs.modes_section(modes)], webs.modes_answer(modes))
@@ -267,7 +287,8 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
     with ProgressBar() as progress:
         sliders = arguments_read.sliders(options)
         told = {"live": options.live, "sliders": sliders, "brief": options.brief, "sheet": sheet}
-        return _status(material.verdict), save(material, target, options.cost, progress, **told)
+        status = ANSWER if material.quadratic else _status(material.verdict)
+        return status, save(material, target, options.cost, progress, **told)
 
 
 def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:

@@ -6,6 +6,7 @@ import argparse
 from typing import NoReturn, TypeAlias
 
 from hjsolve._version import __version__
+from hjsolve.command_line.examples import EXAMPLES
 from hjsolve.errors import InvalidInputError
 
 _ABOUT = """\
@@ -24,102 +25,6 @@ exit status:
   1  the system does not separate in these coordinates (the answer is the obstruction)
   2  bad input: one line says what, where, and what to write instead
   3  undecided, or a number that did not converge"""
-
-_EXAMPLES = {
-    "": """\
-examples:
-  hjsolve check kepler-planar                   does it separate, and why
-  hjsolve solve lagrange-top                    W, momenta, time law, orbit equations
-  hjsolve coordinates henon-heiles              in which coordinates would it separate
-  hjsolve motion kepler-planar --times 0:15:31  its numbers, and where it is at these times
-  hjsolve two-point pendulum --from theta=0 --to theta=1 --time 2   the motions that join two places
-  hjsolve report kepler-planar -o kepler.html   all of that, a motion with drawings, and numbers
-  hjsolve explore kepler-planar                 a page on this machine: type, drag, read (extra explore)
-  hjsolve cost kepler-planar                    what accuracy costs in time, measured
-  hjsolve verify pendulum -S "…" --constant E   is this a complete integral of it?
-  hjsolve catalog                               what is in the catalog""",
-    "check": """\
-examples:
-  hjsolve check spherical-pendulum
-  hjsolve check my-system.toml
-  hjsolve check --coordinate "r: 0 < r" --coordinate "theta: angle" \\
-      --kinetic "m/2*(dot(r)**2 + r**2*dot(theta)**2)" --potential "-k/r" --parameter m=1 --parameter k=1""",
-    "solve": """\
-examples:
-  hjsolve solve kepler-spherical
-  hjsolve solve --coordinate "x: line" -T "m/2*dot(x)**2" -V "m*w**2/2*x**2" --parameter m=1 --parameter w=2""",
-    "verify": """\
-examples:
-  hjsolve verify kepler-planar -W "p*theta + integral(sqrt(2*m*(E + k/r) - p**2/r**2), r)" --constant E --constant p
-  hjsolve verify --coordinate "x: line" -T "dot(x)**2/2" -V "x**2/2" --constant a \\
-      -S "((x**2 + a**2)*cos(t) - 2*x*a)/(2*sin(t))"
-  hjsolve verify vertical-fall -W "integral(sqrt(2*m*(a - m*g*y)), y)" --constant a --energy a""",
-    "canonical": """\
-examples:
-  hjsolve canonical "Q = atan(q/p)" "P = (q**2 + p**2)/2" --domain "p: 0 < p"
-  hjsolve canonical "Q = a*q" "P = b*p" --constant a --constant b
-  hjsolve canonical --generating "F2 = (P + m*v)*(q - v*t)" --constant m --constant v --hamiltonian "p**2/(2*m)"
-  hjsolve canonical "Q1 = q1 - q2" "Q2 = q2" "P1 = p1" "P2 = p1 + p2" --pair "q1: p1" --pair "q2: p2" """,
-    "coordinates": """\
-examples:
-  hjsolve coordinates henon-heiles
-  hjsolve coordinates --coordinate "x: line" --coordinate "y: line" \\
-      -T "(dot(x)**2 + dot(y)**2)/2" -V "-1/sqrt((x - 1)**2 + y**2) - 2/sqrt((x + 1)**2 + y**2)"
-  hjsolve coordinates --coordinate "x: line" --coordinate "y: line" \\
-      -T "m*(dot(x)**2 + dot(y)**2)/2" -V "k*(x**2 + y**2 + (x - y)**2)/2" --parameter m --parameter k""",
-    "motion": """\
-examples:
-  hjsolve motion kepler-planar                                      its numbers: kinds, turning points, periods, …
-  hjsolve motion kepler-planar --times 0:15:31 > orbit.csv          31 times from 0 to 15
-  hjsolve motion pendulum --q theta=3.1 --velocity theta=0 --times 0,1/2,1 --digits 30 --json
-  hjsolve motion --coordinate "x: line" -T "dot(x)**2/2" -V "x**4/4" --q x=1 --velocity x=0 --times 0:10:101""",
-    "two-point": """\
-examples:
-  hjsolve two-point kepler-planar --from r=1 theta=0 --to r=2 theta=pi/2 --time 30 --turns 0:2
-  hjsolve two-point pendulum --from theta=0.3 --to theta=1 --time 2 --turns 0:1 --json
-  hjsolve two-point --coordinate "x: line" -T "dot(x)**2/2" -V "x**2/2" --from x=1 --to x=0 --time 1""",
-    "report": """\
-examples:
-  hjsolve report kepler-planar -o kepler.html
-  hjsolve report kepler-planar --live -o live.html
-  hjsolve report kepler-planar -o hyperbola.html --motion hyperbolic
-  hjsolve report kepler-planar -o - --format md | less
-  hjsolve report pendulum -o swing.md --q theta=3.1 --velocity theta=0 --parameter g=1.62
-  hjsolve report --coordinate "x: line" -T "dot(x)**2/2" -V "x**4/4" --q x=1 --velocity x=0 -o quartic.html""",
-    "cost": """\
-examples:
-  hjsolve cost kepler-planar
-  hjsolve cost pendulum --motion rotation --digits 20,40,80 --seconds 120
-  hjsolve cost scenes/precessing-ellipse.toml -o cost.html      with the figure
-  hjsolve cost lagrange-top -o cost.svg                         the figure alone
-  hjsolve cost --coordinate "x: line" -T "dot(x)**2/2" -V "x**4/4" --q x=1 --velocity x=0""",
-    "sweep": """\
-examples:
-  hjsolve sweep orbits.toml -o orbits.parquet                      on all cores; rerun it to resume
-  hjsolve sweep orbits.toml -o orbits.parquet --verify             are all parts what was written?
-  hjsolve sweep orbits.toml -o orbits.parquet --scheduler tcp://10.0.0.1:8786
-                                 where `dask scheduler` runs, and `dask worker tcp://10.0.0.1:8786` on many machines""",
-    "explore": """\
-examples:
-  hjsolve explore                               begin with a double well
-  hjsolve explore spherical-pendulum
-  hjsolve explore scene.toml --port 8080 --no-browser""",
-    "completion": """\
-examples:
-  hjsolve completion bash > ~/.local/share/bash-completion/completions/hjsolve
-  hjsolve completion zsh > "${fpath[1]}/_hjsolve"
-  hjsolve completion fish > ~/.config/fish/completions/hjsolve.fish""",
-    "setup": """\
-examples:
-  hjsolve setup        after installing, or in a recipe that builds an image""",
-    "catalog": """\
-examples:
-  hjsolve catalog                       list all entries
-  hjsolve catalog --kind refused        those that are refused; also --separable, --book C28
-  hjsolve catalog search "black hole"   entries that speak of it
-  hjsolve catalog show kepler-planar    one entry: T, V, parameters, motions, effects, literature
-  hjsolve catalog check my-system.toml  what is wrong with a file of your own""",
-}
 
 
 class _Parser(argparse.ArgumentParser):
@@ -143,7 +48,7 @@ def command_parser() -> argparse.ArgumentParser:
         prog="hjsolve",
         allow_abbrev=False,
         description=_ABOUT,
-        epilog=f"{_EXAMPLES['']}\n\n{_STATUS}",
+        epilog=f"{EXAMPLES['']}\n\n{_STATUS}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     top.add_argument("--version", action="version", version=f"hjsolve {__version__}")
@@ -154,7 +59,12 @@ def command_parser() -> argparse.ArgumentParser:
     _add_solve(kinds)
     _add_coordinates(kinds)
     _add_verify(kinds)
+    _add_bracket(kinds)
+    _add_integral(kinds)
     _add_canonical(kinds)
+    _add_action(kinds)
+    _add_loop(kinds)
+    _add_impact(kinds)
     _add_motion(kinds)
     _add_two_point(kinds)
     _add_report(kinds)
@@ -173,7 +83,7 @@ def _add(kinds: _Commands, name: str, summary: str, about: str) -> argparse.Argu
         help=summary,
         allow_abbrev=False,
         description=about,
-        epilog=f"{_EXAMPLES[name]}\n\n{_STATUS}",
+        epilog=f"{EXAMPLES[name]}\n\n{_STATUS}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
 
@@ -211,6 +121,14 @@ def _add_coordinates(kinds: _Commands) -> None:
     )
     coordinates = _add(kinds, "coordinates", "in which coordinates does it separate?", about)
     _system_arguments(coordinates)
+    own = coordinates.add_argument_group("coordinates of your own, in place of a search")
+    own.add_argument(
+        "--place", action="append", default=[], metavar="EQUATION",
+        help='an old coordinate in the new ones, e.g. "x = r*cos(phi)" (repeat, one for each)',
+    )  # fmt: skip
+    own.add_argument(
+        "--new", action="append", default=[], metavar='"NAME: DOMAIN"', help='e.g. "r: 0 < r", "phi: angle" (repeat)'
+    )
 
 
 def _add_verify(kinds: _Commands) -> None:
@@ -224,9 +142,96 @@ def _add_verify(kinds: _Commands) -> None:
     _system_arguments(verify)
     verify.add_argument("-W", metavar="FORMULA", help="Hamilton's characteristic function W(q, constants)")
     verify.add_argument("-S", metavar="FORMULA", help="Hamilton's principal function S(q, constants, t), in place of W")
+    verify.add_argument("--F4", metavar="FORMULA", help="a function of the momenta, F4(p, constants), in place of W")
     _constant_argument(verify)
-    verify.add_argument("--energy", metavar="FORMULA", help="with -W, the energy in the constants (default: E)")
+    verify.add_argument("--energy", metavar="FORMULA", help="with -W or --F4, the energy in the constants (default: E)")
     _budget_argument(verify, "for each proof")
+    _json_argument(verify)
+    _motion_arguments(verify)
+
+
+def _add_bracket(kinds: _Commands) -> None:
+    about = (
+        "Print the Poisson brackets of every two of several functions of coordinates, momenta p_q or velocities,\n"
+        f"and t; H is the Hamiltonian. Status 0: all of them are proved to vanish, or are written down.\n\n{_SYSTEMS}"
+    )
+    command = _add(kinds, "bracket", "Poisson brackets of functions", about)
+    _system_arguments(command)
+    _of_argument(command)
+    _budget_argument(command, "for each proof")
+    _json_argument(command)
+
+
+def _add_integral(kinds: _Commands) -> None:
+    about = (
+        "Decide whether functions of coordinates, momenta p_q or velocities, and t are constant along every motion,\n"
+        "(f, H) + df/dt = 0; of several integrals, whether they are in involution. Status 1: one of them is not, with\n"
+        f"a witness. Status 3: neither was proved.\n\n{_SYSTEMS}"
+    )
+    command = _add(kinds, "integral", "is this an integral of the motion?", about)
+    _system_arguments(command)
+    _of_argument(command)
+    _budget_argument(command, "for each proof")
+    _json_argument(command)
+
+
+def _add_action(kinds: _Commands) -> None:
+    about = f"Compute Hamilton's integral of L dt along a path that you type; it need not be a motion.\n\n{_SYSTEMS}"
+    command = _add(kinds, "action", "the integral of L dt along a path", about)
+    _system_arguments(command)
+    command.add_argument(
+        "--path", action="append", default=[], metavar="EQUATION", help='e.g. "x = t**2" (repeat, one for each)'
+    )
+    command.add_argument("--between", metavar="T:T", help="the first and the last time, e.g. 0:1")
+    command.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the value (default 15)")
+    _json_argument(command)
+
+
+def _add_loop(kinds: _Commands) -> None:
+    about = (
+        "Follow a closed curve of states q(s), p(s), 0 <= s <= 2*pi, and print the integral of p dq along it at\n"
+        "several times: it stays, as Poincare proved. Status 1: the values do not agree within their errors.\n\n"
+        + _SYSTEMS
+    )
+    command = _add(kinds, "loop", "the integral of p dq along a closed curve as it moves", about)
+    _system_arguments(command)
+    _find_argument(command)
+    for option, what in (("--q", "coordinates"), ("--momentum", "momenta")):
+        command.add_argument(
+            option, action="append", default=[], metavar="NAME=FORMULA", help=f"{what} of the curve, e.g. x=cos(s)"
+        )
+    command.add_argument("--times", default="0,1", metavar="TIMES", help="start:stop:count, or a list (default 0,1)")
+    _json_argument(command)
+
+
+def _add_impact(kinds: _Commands) -> None:
+    about = (
+        "Compute what constraints that appear at an instant do to the velocities, by impulses that nobody gives:\n"
+        "velocities and momenta before and after, impulses, energies, and the budgets; and the system in which the\n"
+        f"constraints last. All of it is exact.\n\n{_SYSTEMS}"
+    )
+    command = _add(kinds, "impact", "an impact with an unknown impulse", about)
+    _system_arguments(command)
+    _motion_arguments(command)
+    command.add_argument(
+        "--meets", action="append", default=[], metavar="EQUATION",
+        help='what holds just after, e.g. "dot(y) = 0" or "x**2 + y**2 = 1" (repeat)',
+    )  # fmt: skip
+    command.add_argument(
+        "--restitution", action="append", default=[], metavar="E",
+        help="from 0 (default: nothing bounces back) to 1, one for all or one for each",
+    )  # fmt: skip
+    _json_argument(command)
+
+
+def _of_argument(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--of", action="append", default=[], metavar="FORMULA", help="a function, e.g. p_theta or H (repeat)"
+    )
+
+
+def _json_argument(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--json", action="store_true", help="the answer as one JSON object")
 
 
 def _add_canonical(kinds: _Commands) -> None:
@@ -255,6 +260,7 @@ def _add_canonical(kinds: _Commands) -> None:
         "--new", action="append", default=[], metavar='"Q: P"', help="with --generating, the new pairs (repeat)"
     )
     _budget_argument(canonical, "for each proof")
+    _json_argument(canonical)
 
 
 def _constant_argument(command: argparse.ArgumentParser) -> None:

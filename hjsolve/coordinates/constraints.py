@@ -76,7 +76,8 @@ def without_constraints(system: System, constraints: Iterable[str]) -> System:
     levels, constants = list[tuple[str, sp.Expr]](), list[Parameter]()
     for source, f in _integrals(first, [form for form in forms if any(a != 0 for a in form[1])]):
         name = free_name(f"c_{len(constants) + 1}", first.symbols)
-        constants.append(parameter(name, meaning=f"constant of integration of {source}"))
+        sign = "positive" if domain_bounds(first).get(f) == (0, None) else "real"  # f is a coordinate that stays
+        constants.append(parameter(name, assume=sign, meaning=f"constant of integration of {source}"))
         levels.append((source, f - constants[-1].symbol))
     second, later = _reduced(first, levels, constants)
     onward = dict(zip([c.symbol for c in first.coordinates], later, strict=True))

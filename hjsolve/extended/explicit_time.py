@@ -20,10 +20,11 @@ from hjsolve.arithmetic.floats import bits_for
 from hjsolve.arithmetic.number_types import AtTimes, Mpf, Numbers
 from hjsolve.display.shown import Shown
 from hjsolve.errors import NotSeparableError, required
+from hjsolve.extended.coefficients_of_action import PrincipalCoefficients, principal_coefficients
 from hjsolve.extended.found_frames import find_frame
 from hjsolve.extended.moving_frame import Frame
 from hjsolve.extended.moving_frame_motion import FramedMotion, start_framed_motion
-from hjsolve.extended.quadratic_flow import QuadraticFlow
+from hjsolve.extended.quadratic_flow import QuadraticFlow, with_action
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System, hamiltonian, momenta
 from hjsolve.motion.initial_data import complete_numbers, one_of_velocity_and_p, parameter_values
@@ -96,6 +97,7 @@ class QuadraticMotion(Shown):
         start: q and p at t0, exact.
         t0: the initial time, exact.
         digits: of the numbers.
+        rest: H₀(t), H where q and p are 0.
     """
 
     system: System
@@ -103,6 +105,7 @@ class QuadraticMotion(Shown):
     start: tuple[sp.Expr, ...]
     t0: sp.Expr
     digits: int
+    rest: sp.Expr
 
     @property
     def kinds(self) -> Mapping[str, str]:
@@ -141,26 +144,26 @@ class QuadraticMotion(Shown):
         q, p, velocity = self._named(rows, shape)
         return State(t, q, p, velocity, {}, np.full(shape, "ok") if shape else "ok", uncertain)
 
-    def coefficients(self, t: object) -> tuple[AtTimes, AtTimes]:
-        """Return A and B of S = ½ q·A q + B·q + C at a time, α = p(t0) constant: ∂S/∂q = A q + B.
+    def coefficients(self, t: object) -> PrincipalCoefficients:
+        """Return A, B and C of S = ½ q·A q + B·q + C at a time, α = p(t0) constant: ∂S/∂q = A q + B and S(q, t0) = α·q.
 
         Args:
-            t: one time, at which det ∂q/∂q(t0) is not 0 (else the time is conjugate to t0 and S does not exist).
+            t: one time, at which det ∂q/∂q(t0) is not 0.
 
-        Returns:
-            A, an ``mpmath`` matrix of shape (n, n), symmetric; B of shape (n, 1).
+        Raises:
+            NotConvergedError: the time is conjugate to t0: det ∂q/∂q(t0) is 0, and S is not finite.
         """
-        n = len(self.system.coordinates)
-        zero, one = [sp.S.Zero] * (2 * n), sp.eye(2 * n)
-        alpha = [*[sp.S.Zero] * n, *self.start[n:]]
-        columns = [list(one.row(k)) for k in range(n)]
-        found, _ = self.flow.integrate([alpha, zero, *columns], self.t0, [number(t, source="t")], max(self.digits, 15))
-        moved, rest, *bases = found[0]
-        context = moved[0].context
-        Q = context.matrix([[z[i] - rest[i] for z in bases] for i in range(n)])
-        P = context.matrix([[z[n + i] - rest[n + i] for z in bases] for i in range(n)])
-        A = P * Q**-1
-        return A, context.matrix(moved[n:]) - A * context.matrix(moved[:n])
+        n, moment = len(self.system.coordinates), number(t, source="t")
+        flow = with_action(self.flow, self.rest)
+        zero = [sp.S.Zero] * (n + 1)
+        alpha, still = [*zero, *self.start[n:], sp.S.One], [*zero, *zero[:n], sp.S.One]
+        columns = [[sp.S.One if j == k else x for j, x in enumerate(still)] for k in range(n)]
+
+        def followed(digits: int) -> tuple[list[list[Mpf]], Mpf]:
+            (states,), (bound,) = flow.integrate([alpha, still, *columns], self.t0, [moment], digits)
+            return states, bound
+
+        return principal_coefficients(t, n, followed, max(self.digits, 15))
 
     def _speeds(self, times: list[sp.Expr], states: list[list[Mpf]]) -> tuple[list[list[Mpf]], list[list[Mpf]]]:
         """q̇ = ∂H/∂p at the times, and by how much an error of the state is enlarged in it."""
@@ -254,7 +257,9 @@ def _quadratic_motion(
         rates = {name: formula.subs(at) for name, formula in momenta(system).items()}
     z = (*places.values(), *(rates[c.name] for c in system.coordinates))
     numbers = QuadraticFlow(flow.matrix.subs(fixed), flow.force.subs(fixed), flow.time)
-    return QuadraticMotion(system, numbers, tuple(map(sp.sympify, z)), start, digits)
+    nowhere = {x: 0 for c in system.coordinates for x in (c.symbol, c.momentum)}
+    rest = hamiltonian(system).subs(nowhere).subs(fixed)
+    return QuadraticMotion(system, numbers, tuple(map(sp.sympify, z)), start, digits, rest)
 
 
 __all__ = ["QuadraticMotion", "SolutionInTime", "solve_in_time"]

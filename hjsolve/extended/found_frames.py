@@ -91,16 +91,16 @@ def _start(system: System, new: Mapping[str, str]) -> _Posed:
 
 
 def _without_gauge(system: System, posed: _Posed, Q: list[sp.Symbol], speeds: list[sp.Symbol]) -> _Posed:
-    """Linear terms a_i(q_i, t) q̇_i are d/dt of Λ = Σ ∫ a_i dq_i but for −∂Λ/∂t, which joins V."""
+    """Linear terms a_i(q_i, t) q̇_i are d/dt of Λ = Σ ∫ a_i dq_i but for −∂Λ/∂t, which joins V as T₀ does."""
     rest = dict.fromkeys(speeds, sp.S.Zero)
     a = [sp.diff(posed.kinetic, v).subs(rest) for v in speeds]
     alone = all(not x.free_symbols & (set(Q) - {q}) for x, q in zip(a, Q, strict=True))
-    if not any(a) or not alone:
+    T0, t = posed.kinetic.subs(rest), required(system.time)
+    if (not any(a) and T0 == 0) or not alone:
         return posed
     Λ = sp.Add(*(sp.integrate(x, q) for x, q in zip(a, Q, strict=True)))
     if Λ.has(sp.Integral):
         return posed
-    T0, t = posed.kinetic.subs(rest), required(system.time)
     Λ += T0 * t if not T0.free_symbols & {*Q, t} else 0  # a constant joins the gauge, not V
     T2 = sp.expand(posed.kinetic - T0 - sp.Add(*(x * v for x, v in zip(a, speeds, strict=True))))
     V = posed.potential - T0 + sp.diff(Λ, t)

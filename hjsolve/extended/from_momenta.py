@@ -15,6 +15,7 @@ import sympy as sp
 
 from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.read import parse
+from hjsolve.mechanics.coordinates_and_parameters import clock_of
 from hjsolve.mechanics.system import Parameter, System, parameter
 
 _OTHERS = (
@@ -42,6 +43,8 @@ def system_from_momenta(
     if H.is_polynomial(*momenta):
         W, b, V = _parts(H, momenta)
         return System(dict(coordinates), _kinetic(W, velocities - b), V, parameters, title=title, id=id_)
+    if any(s.name == "t" for s in H.free_symbols) and "t" not in shape.symbols:
+        raise InvalidSystemError("hamiltonian: with the time t only H of second degree in the momenta is taken")
     names, _, _ = _relativistic(H, momenta, shape)
     positive = {p.name: _assumed(p, names) for p in shape.parameters}
     shape, H, momenta = _read(hamiltonian, coordinates, positive)
@@ -60,7 +63,8 @@ def _read(
         raise InvalidSystemError(f"hamiltonian: {taken[0]} is the momentum; rename the coordinate or parameter")
     if re.search(r"\bp\b", str(hamiltonian)) and "p" not in shape.symbols:
         raise InvalidSystemError(f"hamiltonian: of several coordinates the momenta are {', '.join(names)}, not p")
-    H = parse(hamiltonian, {**shape.symbols, **names}, source="hamiltonian")
+    clock = {c.name: c.symbol for c in clock_of((hamiltonian,), shape.symbols)}
+    H = parse(hamiltonian, {**shape.symbols, **names, **clock}, source="hamiltonian")
     if missing := [name for name, p in names.items() if not H.has(p)]:
         raise InvalidSystemError(f"hamiltonian: there is no {missing[0]} in it; leave out the coordinate")
     return shape, H, list(names.values())

@@ -21,6 +21,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, InvalidSystemError
+from hjsolve.extended.lasting import Exact, constrained, momenta_in, place_in
 from hjsolve.formulas.read import number, parse
 from hjsolve.mechanics.kinetic_energy import degree, velocity_coefficients
 from hjsolve.mechanics.subjects import system_of
@@ -37,6 +38,7 @@ class ImpactForms:
 
     Attributes:
         texts: as they were written.
+        levels: by constraint g(q), where it was written as g(q) = 0, a = ∂g/∂q; else None.
         rows: a, by constraint the coefficient of each velocity.
         speeds: v, by constraint.
         restitution: e, by constraint.
@@ -46,6 +48,7 @@ class ImpactForms:
     rows: tuple[tuple[sp.Expr, ...], ...]
     speeds: tuple[sp.Expr, ...]
     restitution: tuple[sp.Expr, ...]
+    levels: tuple[sp.Expr | None, ...] = ()
 
 
 @dataclass(frozen=True, repr=False)
@@ -92,50 +95,29 @@ class Impact(Shown):
     def next_arc(self) -> tuple[System, dict[str, dict[str, sp.Expr]]]:
         """Return the system in which the constraints last, fewer coordinates, and its initial data.
 
+        Where a constraint moves, the system may hold the time; it passes 0 at the impact.
+
         Returns:
             The system and ``q``, ``velocity``, ``parameters`` for ``Solution.motion``.
 
         Raises:
-            InvalidSystemError: a constraint that moves, bounces or is not integrable does not last so.
+            InvalidSystemError: a constraint that bounces or is not integrable does not last so.
         """
-        if any(v != 0 for v in self.forms.speeds) or any(e != 0 for e in self.forms.restitution):
-            raise InvalidSystemError("next_arc: the constraints must rest and keep what meets them, v = 0 and e = 0")
-        domains = {c.name: c.domain.written(c.name) for c in self.system.coordinates}
-        left = System(
-            domains, self.system.kinetic, self.system.potential, {p.name: p for p in self.system.parameters},
-            constraints=self.forms.texts, title=self.system.title,
-        )  # fmt: skip
-        here = {s: self.q[s.name] for s in self.system.symbols.values() if s.name in self.q} | dict(self.values)
-        told = {s: here[self.system.symbols[s.name]] for s in left.symbols.values() if s.name in self.system.symbols}
-        added = [p.symbol for p in left.parameters if p.name not in self.system.symbols]
-        new = [c.symbol for c in left.coordinates if c.name not in self.q]
-        equations = [f.subs(told) - self.q[name] for name, f in left.eliminated]
-        found = sp.solve(equations, [*added, *new], dict=True) if added or new else [{}]
-        if len(found) != 1:
-            raise InvalidSystemError("next_arc: the place was not written in the coordinates that are left")
-        told |= found[0]
-        rates = {c.name: self.velocity[c.name] for c in left.coordinates if c.name in self.velocity}
-        for c in left.coordinates:
-            if c.name not in rates:
-                rates[c.name] = _rate(left, c.velocity, told, self.velocity)
+        if any(e != 0 for e in self.forms.restitution):
+            raise InvalidSystemError("next_arc: the constraints must keep what meets them, restitution 0")
+        change = constrained(self.system, self.forms.texts)
+        left = change.system
+        here = {change.time: sp.S.Zero} | dict(self.values)
+        here |= {c.symbol: self.q[c.name] for c in self.system.coordinates}
+        told = place_in(change, here, Exact())
+        told |= {c.momentum: self.p[c.name] for c in self.system.coordinates}
+        P = momenta_in(change, told, Exact())
+        told |= {c.momentum: P[c.name] for c in left.coordinates}
         return left, {
-            "q": {c.name: told[c.symbol] for c in left.coordinates}, "velocity": rates,
-            "parameters": {p.name: told[p.symbol] for p in left.parameters if p.symbol in told},
-        }  # fmt: skip
-
-
-def _rate(
-    left: System, speed: sp.Symbol, told: Mapping[sp.Symbol, sp.Expr], velocity: Mapping[str, sp.Expr]
-) -> sp.Expr:
-    """Return the velocity of a new coordinate from those of the old ones, which are functions of the new ones."""
-    for name, f in left.eliminated:
-        terms = [(c, sp.diff(f, c.symbol).subs(told)) for c in left.coordinates]
-        own = next(slope for c, slope in terms if c.velocity == speed)
-        others = [c.name for c, slope in terms if slope != 0 and c.velocity != speed and c.name not in velocity]
-        if own != 0 and not others:
-            rest = sp.Add(*(slope * velocity[c.name] for c, slope in terms if c.velocity != speed and slope != 0))
-            return clean((velocity[name] - rest) / own)
-    raise InvalidSystemError("next_arc: the velocity was not written in the coordinates that are left")
+            "q": {c.name: told[c.symbol] for c in left.coordinates},
+            "velocity": {name: clean(f.xreplace(told)) for name, f in velocities(left).items()},
+            "parameters": {p.name: told[p.symbol] for p in left.parameters if p.symbol != left.time},
+        }
 
 
 @one_at_a_time
@@ -152,8 +134,9 @@ def impact(
         velocity: just before, every coordinate; or
         p: the momenta just before.
         constraints: equations linear in the velocities that hold just after, such as ``dot(y) - l*cos(theta)*dot(theta)
-            = 0``; with ``dot(x) = v0`` the constraint moves. The normal of a smooth floor alone is sliding, normal and
-            tangent are sticking.
+            = 0``; with ``dot(x) = v0`` the constraint moves. Or an equation of the coordinates that holds at the place,
+            ``x**2 + y**2 = l**2`` of a string that becomes taut. The normal of a smooth floor alone is sliding, normal
+            and tangent are sticking.
         restitution: e from 0 (nothing bounces back) to 1 (elastic): the part of the speed against a constraint that is
             left, turned round; one number, or a sequence with one for each constraint.
         parameters: values that differ from the defaults.
@@ -189,6 +172,9 @@ def impact(
         rates = {name: clean(formula.subs(at)) for name, formula in momenta(system).items()}
     at |= {c.momentum: rates[c.name] for c in system.coordinates}
     forms = read_forms(system, constraints, restitution, "constraints")
+    for number_of, g in enumerate(forms.levels, start=1):
+        if g is not None and clean(g.xreplace(at)) != 0:
+            raise InvalidInputError(f"constraints[{number_of}]: does not hold here; give the place of the impact")
     λ, change = impulses(system, forms, at)
     before = {name: clean(formula.subs(at)) for name, formula in velocities(system).items()}
     faster = sp.simplify(inverse_mass_matrix(system).subs(at)) * sp.Matrix(change)
@@ -226,16 +212,18 @@ def read_forms(system: System, constraints: object, restitution: object, source:
     if not texts or not all(isinstance(x, str) for x in texts):
         raise InvalidInputError(f'{source}: equations as texts are needed, such as ["dot(y) = 0"]')
     speeds = [c.velocity for c in system.coordinates]
-    rows, right = [], []
+    rows, right, levels = [], [], list[sp.Expr | None]()
     for place, text in enumerate(texts, start=1):
         sides = text.split("=")
         known = {c.name: c.velocity for c in system.coordinates}
         read = [parse(x, system.symbols, velocities=known, source=f"{source}[{place}]") for x in sides[:2]]
         form = read[0] - (read[1] if len(read) == 2 else 0)
+        levels.append(form if degree(form, frozenset(speeds)) == 0 else None)
+        if levels[-1] is not None:
+            form = sp.Add(*(sp.diff(form, c.symbol) * c.velocity for c in system.coordinates))
         if len(sides) > 2 or degree(form, frozenset(speeds)) != 1:
-            raise InvalidInputError(
-                f"{source}[{place}]: an equation linear in the velocities is needed, not {text[:60]}"
-            )
+            needed = "an equation of the coordinates, or linear in the velocities, is needed"
+            raise InvalidInputError(f"{source}[{place}]: {needed}, not {text[:60]}")
         found = velocity_coefficients(sp.expand(form), speeds)
         rows.append(tuple(found.get((i,), sp.S.Zero) for i in range(len(speeds))))
         right.append(-found.get((), sp.S.Zero))
@@ -245,7 +233,7 @@ def read_forms(system: System, constraints: object, restitution: object, source:
     e = tuple(number(x, source="restitution") for x in given)
     if any(x.is_negative or (x - 1).is_positive for x in e):
         raise InvalidInputError("restitution: must be from 0 (nothing bounces back) to 1 (elastic)")
-    return ImpactForms(texts, tuple(rows), tuple(right), e)
+    return ImpactForms(texts, tuple(rows), tuple(right), e, tuple(levels))
 
 
 def impulses(

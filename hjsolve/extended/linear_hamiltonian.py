@@ -24,6 +24,7 @@ from hjsolve.errors import InvalidSystemError
 from hjsolve.extended.from_momenta import system_from_momenta
 from hjsolve.extended.one_freedom import LinearInMomentum, NonlinearInMomentum
 from hjsolve.formulas.read import parse
+from hjsolve.mechanics.coordinates_and_parameters import clock_of
 from hjsolve.mechanics.periodicity import is_periodic
 from hjsolve.mechanics.system import System
 from hjsolve.precision import one_at_a_time
@@ -127,7 +128,8 @@ def from_hamiltonian(
 
     Args:
         hamiltonian: H. Of one coordinate any function of it and of its momentum; of several a polynomial of second
-            degree in the momenta, or V + sqrt(m**2*c**4 + c**2*(…)) with parameters m and c of any names.
+            degree in the momenta, or V + sqrt(m**2*c**4 + c**2*(…)) with parameters m and c of any names. With the
+            time t of second degree in the momenta.
         coordinates: name → domain.
         parameters: name → value, as for ``System``.
         title: for display.
@@ -156,9 +158,12 @@ def from_hamiltonian(
         raise InvalidSystemError(f"H(q, p): {min(taken)} is the momentum; rename the coordinate or parameter")
     shape = System(coordinates, f"dot({name})**2/2", "0", parameters)
     q = shape.coordinate(name)
-    H = parse(hamiltonian, {**shape.symbols, "p": q.momentum, f"p_{name}": q.momentum}, source="hamiltonian")
+    clock = {c.name: c.symbol for c in clock_of((hamiltonian,), shape.symbols)}
+    H = parse(hamiltonian, {**shape.symbols, **clock, "p": q.momentum, f"p_{name}": q.momentum}, source="hamiltonian")
     if not H.has(q.momentum):
         raise InvalidSystemError("H(q, p): there is no p in it")
+    if clock and not (H.is_polynomial(q.momentum) and sp.degree(H, q.momentum) == 2):
+        raise InvalidSystemError("H(q, p, t): with the time t only H of second degree in p is taken")
     if not H.is_polynomial(q.momentum) or sp.degree(H, q.momentum) not in (1, 2):
         numbers = {s.symbol: s.value for s in shape.parameters if s.value is not None}
         if domain == "angle" and not (is_periodic(H, q.symbol) or is_periodic(H.xreplace(numbers), q.symbol)):

@@ -52,9 +52,33 @@ class FramedMotion(Shown):
         Args:
             t: a time or an array of times.
         """
-        state = self.motion.at(t)
+        carried = CarriedOver(self.frame, self.motion.initial.values, self.motion.digits)
+        return carried.state(self.motion.at(t), t)
+
+
+@dataclass(frozen=True, eq=False)
+class CarriedOver:
+    """States of the coordinates Q of a frame, carried over to q = f(Q, t), with errors.
+
+    Attributes:
+        frame: the change.
+        values: of the parameters, exact.
+        digits: of the states.
+    """
+
+    frame: ChangeOfFrame
+    values: Mapping[sp.Symbol, sp.Expr]
+    digits: int
+
+    def state(self, state: State, t: object) -> State:
+        """Return the state in q; angles not counted in turns.
+
+        Args:
+            state: in Q.
+            t: its times.
+        """
         shape = np.shape(state.status)
-        times = _numbers(t, self.motion.digits)
+        times = _numbers(t, self.digits)
         old = self.frame.original.coordinates
         speeds = self.frame.velocity
         places = {o.symbol: self.frame.place[o.name] for o in old} | {o.velocity: speeds[o.name] for o in old}
@@ -78,12 +102,12 @@ class FramedMotion(Shown):
         variables = [c.symbol for c in coordinates] + [c.velocity for c in coordinates] + [self.frame.time]
         told = [*(state.unwrapped(c.name) for c in coordinates), *(state.velocity[c.name] for c in coordinates), times]
         arrays = [np.ravel(np.asarray(a)) for a in told]
-        fixed = {s: v for s, v in self.motion.initial.values.items() if s not in variables}
+        fixed = {s: v for s, v in self.values.items() if s not in variables}
         tape = lower([formula], [*variables, *fixed])
-        if self.motion.digits <= 15:
+        if self.digits <= 15:
             rough = [float(to_bits(v)(64)) for v in fixed.values()]
             return np.broadcast_to(tape.run(Float64(), [*arrays, *rough])[0], times.shape)
-        bits = bits_for(self.motion.digits, 64)
+        bits = bits_for(self.digits, 64)
         numbers = [to_bits(v)(bits) for v in fixed.values()]
         rows = zip(*arrays, strict=True)
         found = [tape.run(Multi(bits), [*(Multi(bits).convert(x) for x in row), *numbers])[0] for row in rows]
@@ -91,7 +115,7 @@ class FramedMotion(Shown):
 
     def _bound(self, formula: sp.Expr, value: Numbers, state: State, times: Numbers) -> Numbers:
         """Return the errors of Q and Q̇ carried over to first order, doubled, and the rounding of the formula."""
-        total = 16 * 10.0 ** -max(self.motion.digits, 15) * (np.abs(value) + self._size(formula, state, times))
+        total = 16 * 10.0 ** -max(self.digits, 15) * (np.abs(value) + self._size(formula, state, times))
         for c in self.frame.system.coordinates:
             for symbol, error in ((c.symbol, state.error.q[c.name]), (c.velocity, state.error.velocity[c.name])):
                 slope = sp.diff(formula, symbol)

@@ -13,7 +13,11 @@ need not be known in closed form to be exact (Greenwood P6-13 and Ex 2-5 are dri
 
     A = P_q Q_q⁻¹,   B = Q_q⁻ᵀ α + g_p − A g_q,   ∂S/∂q = A q + B
 
-with Q_q, P_q the derivatives of q(t) and p(t) by q(t₀), g the motion from z = 0, and α = p(t₀) constant.
+with Q_q, P_q the derivatives of q(t) and p(t) by q(t₀), g the motion from z = 0, and α = p(t₀) constant. C is the
+action of the motion g_α from q(t₀) = 0 less ½ q·Aq + B·q at its place. H = H₂ + h·z + H₀, sorted by degree in z, has
+p·q̇ − H = ½ d(p·q)/dt − ½ h·z − H₀, so that one more linear equation gives it:
+
+    C = w − ½ q·B along g_α,   ẇ = −½ h(t)·z − H₀(t),   w(t₀) = 0
 """
 
 from __future__ import annotations
@@ -141,6 +145,22 @@ class QuadraticFlow:
         return sp.Rational(str(float(f"{np.sqrt(stiff / light):.2g}"))) if known else sp.S.One
 
 
+def with_action(flow: QuadraticFlow, rest: sp.Expr) -> QuadraticFlow:
+    """Return the flow of (q, w, p, 1) with ẇ = −½ h·z − H₀: w + ½ (p·q − p₀·q₀) is the action ∫ p·q̇ − H dt.
+
+    Args:
+        flow: of (q, p), with the slope h of H at z = 0 as its force: b = J h.
+        rest: H₀(t).
+    """
+    m, n = flow.matrix.rows, flow.matrix.rows // 2
+    h = [*(-flow.force[n:, :]), *flow.force[:n, :]]
+    order = [*range(n), m, *range(n, m), m + 1]
+    A = sp.zeros(m + 2, m + 2)
+    A[:m, :m], A[:m, m + 1] = flow.matrix, flow.force
+    A[m, :m], A[m, m + 1] = -sp.Matrix([h]) / 2, -rest
+    return QuadraticFlow(A[order, :][:, order].as_immutable(), sp.zeros(m + 2, 1).as_immutable(), flow.time)
+
+
 class _Walk:
     """The states at one time, carried from step to step with a bound on their error."""
 
@@ -212,4 +232,4 @@ class _Walk:
         return list(self._tape.run(arithmetic, [arithmetic.variable(self._t)]))
 
 
-__all__ = ["QuadraticFlow"]
+__all__ = ["QuadraticFlow", "with_action"]

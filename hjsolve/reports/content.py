@@ -20,8 +20,9 @@ from hjsolve.errors import (
     InvalidInputError,
     NotConvergedError,
     NotSeparableError,
+    of_kind,
 )
-from hjsolve.extended.explicit_time import SolutionInTime, solve_in_time
+from hjsolve.extended.explicit_time import QuadraticMotion, SolutionInTime, solve_in_time
 from hjsolve.extended.gyroscopic import linear_modes_of
 from hjsolve.extended.moving_frame import Frame
 from hjsolve.mechanics.system import System
@@ -35,11 +36,13 @@ from hjsolve.reports.sections import solution as quadratures
 from hjsolve.reports.sections.chart import chart_section
 from hjsolve.reports.sections.closed_forms import closed_form_report
 from hjsolve.reports.sections.energy_momentum import energy_momentum_section
+from hjsolve.reports.sections.equations import equations_section
 from hjsolve.reports.sections.laws import laws_section
 from hjsolve.reports.sections.linear_modes import linear_modes_section
 from hjsolve.reports.sections.literature import literature_section
 from hjsolve.reports.sections.moving_frame import frame_section
 from hjsolve.reports.sections.prose import heading
+from hjsolve.reports.sections.quadratic import quadratic_section
 from hjsolve.reports.sections.refused_motion import other_coordinates, section_of_refused_motion
 from hjsolve.reports.sections.wavefronts import wavefront_section
 from hjsolve.separation import DEFAULT_BUDGET, Obstruction, Separation, Undecided, separate
@@ -64,6 +67,8 @@ class Material:
         initial: of a motion of a system that is not solved; None where none is known.
         failure: why no motion could be started; empty where it could, or none was asked.
         refused: what is wrong with the initial data; None where they give a motion.
+        quadratic: whether T or V holds the time, and S is of second degree.
+        driven: the motion of such a system; None where no initial data are known.
         clock: part → seconds.
     """
 
@@ -76,6 +81,8 @@ class Material:
     initial: Mapping[str, object] | None = None
     failure: str = ""
     refused: ForbiddenMotionError | ForbiddenPlaceError | None = None
+    quadratic: bool = False
+    driven: QuadraticMotion | None = None
     clock: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -120,7 +127,11 @@ def gather(
             if entry.system is None:
                 raise NotSeparableError(str(entry.refusal), entry.refusal)
             subject = entry.system
-        found = _in_a_frame(subject, budget)
+        found = _in_time(subject, budget)
+        if found is not None and found.solution is None:
+            data, _ = initial_of(None, initial, motion)
+            driven = of_kind(found.motion(**data, digits=digits), QuadraticMotion) if data else None
+            return Material(_decided(subject, clock, budget)[0], quadratic=True, driven=driven, clock=clock)
         verdict, solution = _decided(subject if found is None else found.solution, clock, budget)
         entry = entry or catalog.entry_of(verdict.system)
         if isinstance(verdict, Separation) and solution is None:
@@ -155,21 +166,13 @@ def told(error: NotConvergedError) -> str:
     return f"{' '.join(str(error).split())}{reached}"
 
 
-def _in_a_frame(subject: object, budget: float) -> SolutionInTime | None:
-    """Return the solution of a system whose T or V holds the time, in the frame found; None of any other system.
+def _in_time(subject: object, budget: float) -> SolutionInTime | None:
+    """Return the solution of a system whose T or V holds the time; None of any other system.
 
     Raises:
-        NotSeparableError: no frame was found, or only a principal function of second degree, which has no quadratures.
+        NotSeparableError: no frame was found, and H is not of second degree.
     """
-    if not isinstance(subject, System) or subject.time is None:
-        return None
-    found = solve_in_time(subject, budget)
-    if found.frame is None:
-        raise NotSeparableError(
-            "report: T or V holds the time, and no frame without it was found; S is of second degree in the "
-            "coordinates, and hjsolve.solve gives its motions", None,
-        )  # fmt: skip
-    return found
+    return solve_in_time(subject, budget) if isinstance(subject, System) and subject.time is not None else None
 
 
 def _decided(
@@ -250,10 +253,13 @@ def _document(material: Material, letters: Mapping[sp.Expr, sp.Symbol], *, brief
             system, entry.meanings if entry else {}, entry.summary if entry else "", letters
         ),
         frame_section(material.frame, material.solution) if material.frame is not None else None,
+        equations_section(system),
         system_and_verdict.reduction_section(verdict),
         system_and_verdict.evidence_section(verdict),
     ]
-    if isinstance(verdict, Separation):
+    if material.quadratic:
+        sections.append(_timed(clock, "coefficients of S", lambda: quadratic_section(system, material.driven)))
+    elif isinstance(verdict, Separation):
         sections.append(quadratures.forms_section(verdict))
     else:
         sections.append(obstruction.refusal_section(verdict))

@@ -23,8 +23,9 @@ from hjsolve.errors import InvalidInputError, NotConvergedError, required
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import number_is_zero, read_initial_data, to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.scenes.crossing import as_rational, bits_of, crossings
+from hjsolve.scenes.crossing import as_rational, bits_of, crossings, surface_crossings
 from hjsolve.scenes.events import Event, Pending, changed, once
+from hjsolve.scenes.impact_budgets import ImpactBudget, budgets
 from hjsolve.scenes.question import Question
 from hjsolve.scenes.reflecting_walls import Mirrors, mirrors
 from hjsolve.scenes.reflections import Flight, Free
@@ -99,7 +100,28 @@ class Stretch:
     change: Change | None
 
 
-def free_arcs(scene: Question, solution: Solution, first: Mapping[str, Any]) -> tuple[list[FreeArc], Rest | None]:
+@dataclass(frozen=True, eq=False)
+class FollowedArcs:
+    """How far a motion was followed.
+
+    Attributes:
+        arcs: in order, one where nothing happens.
+        rest: how the scene ended early, if a wall keeps the body.
+        impacts: what each impact did, in order.
+        leg: the state from which it goes on under a constraint that lasts; None where there is none.
+        pending: what is still to come then.
+        digits: of the states at events.
+    """
+
+    arcs: list[FreeArc]
+    rest: Rest | None = None
+    impacts: tuple[ImpactBudget, ...] = ()
+    leg: Leg | None = None
+    pending: tuple[Pending, ...] = ()
+    digits: int = 15
+
+
+def free_arcs(scene: Question, solution: Solution, first: Mapping[str, Any]) -> FollowedArcs:
     """Follow the motion from event to event.
 
     Args:
@@ -108,7 +130,7 @@ def free_arcs(scene: Question, solution: Solution, first: Mapping[str, Any]) -> 
         first: the arguments of the first motion.
 
     Returns:
-        The arcs in order, one where nothing happens; and how the scene ended early, if a wall keeps the body.
+        The arcs, up to a constraint that lasts.
 
     Raises:
         NotConvergedError: an event without a definite time, or more than ``MOST_EVENTS`` of them.
@@ -121,15 +143,19 @@ def free_arcs(scene: Question, solution: Solution, first: Mapping[str, Any]) -> 
     turning = mirrors(solution) if any(e.kind == "wall" for e in scene.events) else None
     settling: Settling | None = None
     happened: list[Mpf] = []
+    impacts = list[ImpactBudget]()
     for _ in range(MOST_EVENTS):
         if not pending:
-            return [*found, FreeArc(leg, None, ())], None
+            return FollowedArcs([*found, FreeArc(leg, None, ())], None, tuple(impacts))
         stretch = _flown(solution, leg, pending, horizon, digits, turning)
         stretch = stretch or _one_arc(solution, leg, pending, horizon, digits)
         found, change, pending = found + stretch.pieces, stretch.change, stretch.pending
         if change is None:
-            return found, None
-        leg = _after(change, leg.turns)
+            return FollowedArcs(found, None, tuple(impacts))
+        before, leg = change, _after(change, leg.turns)
+        impacts += budgets(before.motion, before.time, once(before.events), before.q, before.p, leg.arguments["p"])
+        if any(e.lasts for e in before.events):
+            return FollowedArcs(found, None, tuple(impacts), leg, tuple(pending), digits)
         happened.append(to_bits(change.time)(64))
         _refuse_too_many(happened, horizon)
         if all(e.elastic or e.kind != "wall" for e in once(change.events)):
@@ -138,7 +164,7 @@ def free_arcs(scene: Question, solution: Solution, first: Mapping[str, Any]) -> 
         settling = settling or Settling(scene, change.motion.initial.values, digits)
         rest = settling.landed(change.events, change.time, leg.arguments, _side(change), pending)
         if rest is not None:
-            return _ended(found, leg, rest), rest
+            return FollowedArcs(_ended(found, leg, rest), rest, tuple(impacts))
     raise NotConvergedError(f"more than {MOST_EVENTS} events before the last time; shorten the scene")
 
 
@@ -254,6 +280,9 @@ def _time(motion: Motion, pending: Pending, horizon: sp.Expr | None) -> sp.Expr 
     event = pending.event
     if event.time is not None:
         return event.time
+    if event.surface is not None:
+        time = next(surface_crossings(motion, event.surface, horizon), None)
+        return None if time is None else as_rational(time, motion.digits)
     time = next(crossings(motion, required(event.coordinate), required(event.value), horizon, pending.left), None)
     return None if time is None else as_rational(time, motion.digits)
 

@@ -8,13 +8,15 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from hjsolve.arithmetic.floats import bits_for, multiprecision
+from hjsolve.arithmetic.floats import Float64, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Reals
 from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.errors import NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
+from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
+from hjsolve.motion.state import State
 
 _CHUNK, _LONGEST_WALK = 512, 400
 
@@ -86,6 +88,83 @@ def _walked(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None) 
             yield context.convert(float(_halved(level, times[k], times[k + 1], levels[k]))), context.mpf(1)
         if np.isnan(quick.at(float(times[-1])).q[name]):
             return
+
+
+def surface_crossings(motion: Motion, surface: sp.Expr, horizon: sp.Expr | None) -> Iterator[Mpf]:
+    """Give the times at which a motion passes the surface g(q) = 0 after the start, one after the other.
+
+    Args:
+        motion: at least as many digits as the times shall have.
+        surface: g, of coordinates and parameters.
+        horizon: the last time of interest; None for no limit.
+
+    Yields:
+        Times as ``mpf``.
+    """
+    quick = motion.solution.motion(**restart(motion), digits=15, want={"trajectory"})
+    function = _OnSurface(motion, surface)
+    start, context = to_bits(motion.t0)(bits_of(motion.digits)), multiprecision(bits_of(motion.digits))
+    tolerance = context.mpf(10) ** (8 - motion.digits) * max(1, abs(start))
+
+    def level(times: Reals) -> Reals:
+        return (function.level(quick.at(times)) >= 0).astype(float)
+
+    for times in _paces(quick, float(start), None if horizon is None else float(to_bits(horizon)(64))):
+        levels = level(times)
+        for k in np.nonzero(np.diff(levels))[0]:
+            guess = context.convert(float(_halved(level, times[k], times[k + 1], levels[k])))
+            time = function.sharpened(guess)
+            if horizon is not None and time > to_bits(horizon)(bits_of(motion.digits)):
+                return
+            if time - start > tolerance:
+                yield time
+        if not np.isfinite(function.level(quick.at(np.array([times[-1]])))).all():
+            return
+
+
+class _OnSurface:
+    """g(q) along a motion, in doubles and in all its digits.
+
+    Args:
+        motion: in the coordinates of g.
+        surface: g.
+    """
+
+    def __init__(self, motion: Motion, surface: sp.Expr):
+        system = motion.solution.system_as_given
+        self._names = [c.name for c in system.coordinates]
+        self._motion, variables = motion, [c.symbol for c in system.coordinates]
+        fixed = {s: v for s, v in motion.initial.values.items() if s in surface.free_symbols and s not in variables}
+        self._value = lower([surface.xreplace(fixed)], variables)
+        self._slopes = lower([sp.diff(surface.xreplace(fixed), s) for s in variables], variables)
+
+    def level(self, state: State) -> Reals:
+        """Return g in doubles."""
+        places = [np.asarray(state.unwrapped(name), dtype=float) for name in self._names]
+        with np.errstate(all="ignore"):
+            return np.broadcast_to(self._value.run(Float64(), places)[0], places[0].shape)
+
+    def sharpened(self, time: Mpf) -> Mpf:
+        """Newton's method on g(q(t)) = 0, q from the motion in all its digits."""
+        digits = self._motion.digits
+        bits = bits_of(digits)
+        context, last = multiprecision(bits), multiprecision(bits).inf
+        goal = context.mpf(10) ** (5 - digits)
+        for _ in range(12):
+            state = self._motion.at(time)
+            places = [context.convert(state.unwrapped(name)) for name in self._names]
+            speed = context.fdot(
+                zip(self._slopes.run(Multi(bits), places), [context.convert(state.velocity[n]) for n in self._names],
+                    strict=True)
+            )  # fmt: skip
+            if not speed:
+                break
+            step = self._value.run(Multi(bits), places)[0] / speed
+            time -= step
+            if abs(step) <= goal * max(1, abs(time)) or (abs(step) >= last and abs(step) <= 1000 * goal):
+                return time
+            last = abs(step)
+        raise NotConvergedError("the motion touches the surface and does not pass it; the event has no definite time")
 
 
 def _paces(motion: Motion, start: float, horizon: float | None) -> Iterator[Reals]:

@@ -19,7 +19,7 @@ from hjsolve.catalog.toml_file import Toml
 from hjsolve.display.shown import Shown
 from hjsolve.errors import CatalogError, InvalidInputError, required
 from hjsolve.extended.impacts import ImpactForms, impulses, read_forms
-from hjsolve.formulas.read import number
+from hjsolve.formulas.read import number, parse
 from hjsolve.mechanics.system import System, inverse_mass_matrix, linear_terms, mass_matrix, momenta, velocities
 
 Momenta = dict[str, sp.Expr]
@@ -38,6 +38,8 @@ class Event(Shown):
         momentum, velocity: the jumps of an impulse, by coordinate, exact.
         restitution: of a wall or an impact, the part of the speed against it that is left, exact, from 0 to 1.
         forms: of an impact, the constraints that appear.
+        surface: of an impact, g(q) that is 0 where it happens; None for a time or a coordinate.
+        lasts: of an impact, whether its constraints go on to hold.
     """
 
     kind: str
@@ -50,6 +52,8 @@ class Event(Shown):
     velocity: Mapping[str, sp.Expr] | None = None
     restitution: sp.Expr = sp.S.One
     forms: ImpactForms | None = None
+    surface: sp.Expr | None = None
+    lasts: bool = False
 
     @property
     def elastic(self) -> bool:
@@ -59,6 +63,7 @@ class Event(Shown):
     def __str__(self) -> str:
         """Say what happens, and where or when."""
         place = f"t = {self.time}" if self.coordinate is None else f"{self.coordinate} = {self.value}"
+        place = place if self.surface is None else f"{self.surface} = 0"
         return f"{self.name} at {place}"
 
 
@@ -88,6 +93,9 @@ def read_event(table: Toml, system: System, where: str) -> Event:
         for name in used:
             if name not in names:
                 raise CatalogError(f'{where}.{key}: no coordinate "{name}"{nearest(name, names)}')
+    surface = parse(at["surface"], system.symbols, source=f"{where}.at.surface") if "surface" in at else None
+    if surface is not None and not surface.free_symbols & {c.symbol for c in system.coordinates}:
+        raise CatalogError(f"{where}.at.surface: holds no coordinate; write a formula that is 0 where it happens")
     event = Event(
         kind=table["kind"], name=table.get("name", table["kind"]),
         time=number(at["t"], source=f"{where}.at.t") if "t" in at else None,
@@ -96,8 +104,10 @@ def read_event(table: Toml, system: System, where: str) -> Event:
         momentum=_jumps(table, "momentum", where), velocity=_jumps(table, "velocity", where),
         restitution=_restitution(table, where),
         forms=None if table["kind"] != "impact" else read_forms(
-            system, table["constraints"], table.get("restitution", 0), f"{where}.constraints"
+            system, table.get("constraints") or [f"{at['surface']} = 0"], table.get("restitution", 0),
+            f"{where}.constraints",
         ),
+        surface=surface, lasts=table.get("lasts", False),
     )  # fmt: skip
     if event.coordinate is not None and event.value is not None:
         domain = system.coordinate(event.coordinate).domain
@@ -153,7 +163,8 @@ def changed(event: Event, system: System, values: Mapping[sp.Symbol, sp.Expr]) -
         _, pushed = impulses(system, event.forms, values)
         return {name: sp.expand(p + pushed[i]) for i, (name, p) in enumerate(before.items())}
     if event.momentum is not None:
-        return {name: sp.expand(p + event.momentum.get(name, 0)) for name, p in before.items()}
+        jump = {name: sp.sympify(x).xreplace(dict(values)) for name, x in event.momentum.items()}
+        return {name: sp.expand(p + jump.get(name, sp.S.Zero)) for name, p in before.items()}
     jumps = sp.Matrix([(event.velocity or {}).get(name, 0) for name in names])
     if system.relativity is not None:
         return _faster(event, system, values)

@@ -28,12 +28,14 @@ class Times:
     Attributes:
         listed: exact times; empty where they are evenly spaced.
         start, stop, count: of the spacing, both ends included.
+        doubles: the listed times, where they are some of those of a spacing in double precision.
     """
 
     listed: tuple[sp.Expr, ...] = ()
     start: sp.Expr = sp.S.Zero
     stop: sp.Expr = sp.S.Zero
     count: int = 0
+    doubles: tuple[float, ...] = ()
 
     def exact(self) -> list[sp.Expr]:
         """Return every time as an exact number."""

@@ -129,6 +129,8 @@ class Free:
         Args:
             events: all that may happen.
         """
+        if any(e.surface is not None for e in events):
+            return False
         for place in self.motion.separated.located.values():
             if any(place.course.ends(side) in {"boundary", "fall"} for side in (1, -1)):
                 return False

@@ -13,6 +13,7 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, KnownErrors, State
 from hjsolve.scenes.events import Event
+from hjsolve.scenes.impact_budgets import ImpactBudget
 from hjsolve.scenes.question import Question
 from hjsolve.scenes.resting_contact import Rest
 from hjsolve.solution.quadratures import Solution
@@ -114,6 +115,9 @@ class Run(Shown):
         work: evaluations of p², of kernels, and of places, all that the run needed.
         choice: which method was chosen, and why.
         rest: how the scene ended before its last time, if a wall that takes energy keeps the body.
+        impacts: what each impact did, with the budgets of momentum and energy; in the coordinates of its arc.
+        lasting: the run in the coordinates that a constraint that lasts has left; its arcs and states are those of this
+            run too, the states in the coordinates of this one.
     """
 
     scene: Question
@@ -124,6 +128,8 @@ class Run(Shown):
     work: WorkCount
     choice: Choice | None = None
     rest: Rest | None = None
+    impacts: tuple[ImpactBudget, ...] = ()
+    lasting: Run | None = None
 
     def quantity(self, name: str, arc: int = 0) -> Any:
         """Return a wanted quantity of one arc, as in ``Motion``.

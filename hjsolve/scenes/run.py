@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,18 +10,19 @@ import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.number_types import Mask, Mpf, Numbers
+from hjsolve.arithmetic.number_types import Integers, Mask, Mpf, Numbers
 from hjsolve.arithmetic.work_counter import counted
 from hjsolve.errors import InvalidInputError, MissingValueError, NotSeparableError, required
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.tabulated import OnDemand
 from hjsolve.scenes.arc_motions import ArcMotion, FreeMotions, TurnsBefore
-from hjsolve.scenes.arcs import FreeArc, free_arcs
+from hjsolve.scenes.arcs import FollowedArcs, FreeArc, free_arcs
 from hjsolve.scenes.crossing import bits_of
 from hjsolve.scenes.force_refusal import dissipative, force_words
+from hjsolve.scenes.lasting_constraints import afterwards, carried_back, joined
 from hjsolve.scenes.orbits import orbit_table
-from hjsolve.scenes.question import Question
+from hjsolve.scenes.question import Question, Times
 from hjsolve.scenes.results import Arc, Choice, Run, Trajectory
 from hjsolve.scenes.trajectory import belongings, sampled, trajectory_of
 from hjsolve.solution.quadratures import Solution, solve
@@ -53,18 +55,60 @@ def run_by_quadratures(scene: Question, solution: Solution | None = None) -> Run
     if scene.certified and scene.events:
         raise InvalidInputError("proofs end at an event: the state there is computed, not proved; leave certified out")
     with counted() as work:
-        found, rest = free_arcs(scene, solution, first_arguments(scene))
-        free_motions = FreeMotions(scene, solution)
-        busy = np.zeros(len(found) + 1, dtype=bool)
-        if scene.times is not None and {"trajectory", "angles"} & set(scene.want):
-            busy[belongings(sampled(scene.times, scene.digits), found, rest)] = True
-        last = None if rest is None else rest.time
-        arcs = tuple(
-            _arc(scene, solution, piece, bool(timed), free_motions, last if piece is found[-1] else None)
-            for piece, timed in zip(found, busy, strict=False)
-        )
-        path = trajectory_of(scene, arcs, found, rest, free_motions) if "trajectory" in scene.want else None
-    return Run(scene, solution, arcs, path, {}, work, rest=rest)
+        followed = free_arcs(scene, solution, first_arguments(scene))
+        if followed.leg is None:
+            arcs, path = _computed(scene, solution, followed)
+            return Run(scene, solution, arcs, path, {}, work, rest=followed.rest, impacts=followed.impacts)
+        places, (before, later) = _parted(scene, followed)
+        after = afterwards(scene, followed, later)
+        arcs, path = _computed(_at_times(scene, before), solution, followed)
+        lasting = run_by_quadratures(_at_times(after.question, later), after.solution)
+        states = None
+        if "trajectory" in scene.want:
+            gone_on = None if lasting.trajectory is None else carried_back(after, lasting.trajectory, scene.digits)
+            states = joined(path, gone_on, places, len(arcs))
+    return Run(
+        scene, solution, (*arcs, *lasting.arcs), states, {}, work, rest=lasting.rest,
+        impacts=(*followed.impacts, *lasting.impacts), lasting=lasting,
+    )  # fmt: skip
+
+
+def _computed(scene: Question, solution: Solution, followed: FollowedArcs) -> tuple[tuple[Arc, ...], Trajectory | None]:
+    """Return the arcs with what is wanted of each, and the states."""
+    found, rest = followed.arcs, followed.rest
+    free_motions = FreeMotions(scene, solution)
+    busy = np.zeros(len(found) + 1, dtype=bool)
+    if scene.times is not None and {"trajectory", "angles"} & set(scene.want):
+        busy[belongings(sampled(scene.times, scene.digits), found, rest)] = True
+    last = None if rest is None else rest.time
+    arcs = tuple(
+        _arc(scene, solution, piece, bool(timed), free_motions, last if piece is found[-1] else None)
+        for piece, timed in zip(found, busy, strict=False)
+    )
+    return arcs, trajectory_of(scene, arcs, found, rest, free_motions) if "trajectory" in scene.want else None
+
+
+def _parted(scene: Question, followed: FollowedArcs) -> tuple[list[Integers], list[Times | None]]:
+    """Return the places and the times before and after the last event, where a constraint begins that lasts."""
+    if scene.times is None:
+        return [np.zeros(0, dtype=int)] * 2, [None, None]
+    times = sampled(scene.times, scene.digits)
+    early = belongings(times, followed.arcs, None) < len(followed.arcs)
+    places = [np.nonzero(early)[0], np.nonzero(~early)[0]]
+    return places, [_some(times[place]) for place in places]
+
+
+def _some(times: Numbers) -> Times | None:
+    if not len(times):
+        return None
+    doubles = tuple(map(float, times)) if times.dtype == float else ()
+    return Times(tuple(map(sp.Rational, doubles)) if doubles else tuple(times), doubles=doubles)
+
+
+def _at_times(scene: Question, times: Times | None) -> Question:
+    """Return the scene at other times; without states where there are none."""
+    want = scene.want if times is not None else tuple(w for w in scene.want if w not in _TIMED)
+    return replace(scene, times=times, want=want)
 
 
 def _started(scene: Question) -> None:

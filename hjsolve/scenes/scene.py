@@ -300,6 +300,9 @@ def _integrated_faults(scene: Scene) -> Iterator[str]:
         if event.kind == "wall" and not event.elastic:
             cure = "bounces that accumulate need quadratures; an integrated wall is elastic"
             yield f"events[{place}].restitution: {cure}"
+        if event.lasts or event.surface is not None:
+            cure = "leave method out, or give the impact a time or a coordinate and no lasts"
+            yield f"events[{place}]: an impact at a surface, or one that lasts, needs quadratures; {cure}"
 
 
 def _found_faults(scene: Scene) -> Iterator[str]:

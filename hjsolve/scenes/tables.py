@@ -23,9 +23,9 @@ WANTED = (
 _TEXT, _NUMBERS = Key("text"), Key("numbers")
 _EVENT = {
     "kind": Key("text", True, choices=("impulse", "wall", "impact")), "at": Key("table", True, keys={
-        "t": Key("number"), "coordinate": _TEXT, "value": Key("number"), "passage": Key("number")}),
+        "t": Key("number"), "coordinate": _TEXT, "value": Key("number"), "passage": Key("number"), "surface": _TEXT}),
     "momentum": _NUMBERS, "velocity": _NUMBERS, "restitution": Key("number"), "surface": _TEXT, "name": _TEXT,
-    "constraints": Key("texts"),
+    "constraints": Key("texts"), "lasts": Key("flag"),
 }  # fmt: skip
 _TIMES = {"start": Key("number", True), "stop": Key("number", True), "count": Key("number", True)}
 SCENE = {
@@ -131,9 +131,28 @@ def _list_faults(values: object, where: str) -> Iterator[str]:
 
 
 def _event_faults(event: Toml, where: str) -> Iterator[str]:
+    yield from _at_faults(event, where)
+    if event.get("kind") == "impulse":
+        if ("momentum" in event) == ("velocity" in event):
+            yield f"{where}: an impulse gives momentum or velocity, the jump of one of the two"
+        yield from (f"{where}.{key}: belongs to a wall" for key in ("restitution", "surface") if key in event)
+    elif event.get("kind") == "wall":
+        yield from _wall_faults(event, where)
+    elif event.get("kind") == "impact":
+        yield from _impact_faults(event, where)
+    if event.get("kind") in ("impulse", "wall"):
+        yield from (f'{where}.{key}: belongs to kind = "impact"' for key in ("constraints", "lasts") if key in event)
+
+
+def _at_faults(event: Toml, where: str) -> Iterator[str]:
     at = event.get("at")
     if isinstance(at, Mapping):
-        if ("t" in at) == ("coordinate" in at):
+        if "surface" in at and event.get("kind") == "impact":
+            if len(at) > 1:
+                yield f"{where}.at: a surface alone says where; leave the other keys out"
+        elif "surface" in at:
+            yield f"{where}.at.surface: belongs to an impact; an impulse or a wall stands at a coordinate and its value"
+        elif ("t" in at) == ("coordinate" in at):
             yield f"{where}.at: give a time t, or a coordinate with its value"
         elif ("coordinate" in at) != ("value" in at):
             yield f"{where}.at: coordinate and value belong together"
@@ -144,19 +163,16 @@ def _event_faults(event: Toml, where: str) -> Iterator[str]:
             yield f"{where}.at.passage: must be {which}, not {passage}"
         if passage is not None and "coordinate" not in at:
             yield f"{where}.at.passage: belongs to a coordinate and its value; at a time t there is one event"
-    if event.get("kind") == "impulse":
-        if ("momentum" in event) == ("velocity" in event):
-            yield f"{where}: an impulse gives momentum or velocity, the jump of one of the two"
-        yield from (f"{where}.{key}: belongs to a wall" for key in ("restitution", "surface") if key in event)
-    elif event.get("kind") == "wall":
-        yield from _wall_faults(event, where)
-    elif event.get("kind") == "impact":
-        others = ("momentum", "velocity", "surface")
-        yield from (f"{where}.{key}: an impact says its constraints, not the jump" for key in others if key in event)
-        if not event.get("constraints"):
-            yield f'{where}.constraints: missing; write what holds just after, such as ["dot(y) = 0"]'
-    if event.get("kind") in ("impulse", "wall") and "constraints" in event:
-        yield f'{where}.constraints: belongs to kind = "impact"'
+
+
+def _impact_faults(event: Toml, where: str) -> Iterator[str]:
+    at = event.get("at")
+    others = ("momentum", "velocity", "surface")
+    yield from (f"{where}.{key}: an impact says its constraints, not the jump" for key in others if key in event)
+    if not event.get("constraints") and not (isinstance(at, Mapping) and "surface" in at):
+        yield f'{where}.constraints: missing; write what holds just after, such as ["dot(y) = 0"]'
+    if event.get("lasts") and event.get("restitution", 0) not in (0, "0"):
+        yield f"{where}.restitution: a constraint that lasts keeps what meets it; leave restitution or lasts out"
 
 
 def _wall_faults(event: Toml, where: str) -> Iterator[str]:

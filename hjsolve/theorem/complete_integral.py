@@ -1,6 +1,7 @@
 """verify(): is this W or S a complete integral of the Hamilton–Jacobi equation?
 
     ∂S/∂t + H(q, ∂S/∂q) = 0 (5-52),  H(q, ∂W/∂q) = E (5-69),  det(∂²S/∂q∂α) ≠ 0 (5-48)
+    H(−∂F₄/∂p, p) = E,  det(∂²F₄/∂p∂α) ≠ 0 (6-57), (6-83): the same in the momenta
 
 By Jacobi's theorem (5-53)–(5-62) the motion then follows from −β = ∂S/∂α and p = ∂S/∂q. No integral is evaluated:
 residual and determinant hold derivatives of the function alone.
@@ -9,7 +10,7 @@ residual and determinant hold derivatives of the function alone.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import cast
 
@@ -42,6 +43,7 @@ class CompleteIntegral(Shown):
         residual: the left side of (5-52), as it follows from the formula; proved to vanish.
         determinant: det(∂²S/∂q_i∂α_j) (5-48), rows and columns as declared; proved not to vanish identically.
         momenta: coordinate → p = ∂S/∂q (5-50).
+        places: coordinate → q = −∂F₄/∂p (6-57) where F₄ was given, in place of ``momenta``; else empty.
         equations: constant → Jacobi's equation −β = ∂S/∂α (5-54); of the energy t − β_E = ∂W/∂E (5-71).
     """
 
@@ -53,6 +55,7 @@ class CompleteIntegral(Shown):
     determinant: sp.Expr
     momenta: Mapping[str, sp.Expr]
     equations: Mapping[str, sp.Eq]
+    places: Mapping[str, sp.Expr] = field(default_factory=dict)
 
     def constants_in(self, solution: Solution, *, budget: float = BUDGET) -> dict[str, sp.Expr | Flaw | Undecided]:
         """Return hjsolve's constants of the motion as functions of these: c(q, ∂S/∂q), where it holds no q and no t.
@@ -72,6 +75,7 @@ class CompleteIntegral(Shown):
         References:
             Greenwood, Classical Dynamics (1977), (5-50).
         """
+        self._refuse_momenta("constants_in")
         space = phase_space_of(self.system, "constants_in")
         return own_motion.constants_in(space, self.principal_function, self._alphas(), solution, budget)
 
@@ -94,8 +98,13 @@ class CompleteIntegral(Shown):
         References:
             Greenwood, Classical Dynamics (1977), (5-50), (5-54).
         """
+        self._refuse_momenta("along")
         space = phase_space_of(self.system, "along")
         return own_motion.along(space, self.principal_function, self._alphas(), motion, times)
+
+    def _refuse_momenta(self, verb: str) -> None:
+        if self.places:
+            raise InvalidInputError(f"{verb}: F4 is a function of the momenta; give W(q, …) in its place")
 
     def _alphas(self) -> tuple[sp.Symbol, ...]:
         held = {s.name: s for s in self.principal_function.free_symbols}
@@ -113,6 +122,7 @@ def verify(
     *,
     W: object = None,
     S: object = None,
+    F4: object = None,
     constants: str | Sequence[object] | Mapping[str, str],
     energy: object = None,
     budget: float = BUDGET,
@@ -124,9 +134,10 @@ def verify(
         W: Hamilton's characteristic function W(q, α), as text or sympy expression. In a text ``integral(f, q)`` is an
             antiderivative over q and ``integral(f, q, a)`` the integral from a to q; sympy's ``Integral`` is accepted.
         S: Hamilton's principal function S(q, α, t), in place of W.
+        F4: a function of the momenta ``p_q`` and the constants, F₄(p, α), in place of W.
         constants: the names of the constants α, one for each coordinate, ``("E", "alpha")`` or ``"E, alpha"``; or
             name → domain where the formula holds on one side only, ``{"alpha": "0 < alpha"}``.
-        energy: with W, the energy as a function of the constants; by default the constant ``E``.
+        energy: with W or F4, the energy as a function of the constants; by default the constant ``E``.
         budget: seconds for each zero test.
 
     Returns:
@@ -134,7 +145,7 @@ def verify(
         ``Undecided``: neither was proved.
 
     Raises:
-        InvalidInputError: W and S or neither; a constant too many; no energy.
+        InvalidInputError: not one of W, S and F4; a constant too many; no energy.
         ExpressionError: the formula cannot be read.
 
     Example:
@@ -147,11 +158,12 @@ def verify(
     References:
         Greenwood, Classical Dynamics (1977), (5-48)–(5-54), (5-65)–(5-72).
     """
-    if (W is None) == (S is None):
-        raise InvalidInputError("verify: give W=… or S=…, one of them")
+    if sum(f is not None for f in (W, S, F4)) != 1:
+        raise InvalidInputError("verify: give W=…, S=… or F4=…, one of them")
     space, seconds = phase_space_of(system, "verify"), arguments.seconds(budget, "budget")
     momenta = {p.name for _, p in space.pairs}
-    known = {name: symbol for name, symbol in space.symbols.items() if name not in momenta}
+    unused = momenta if F4 is None else {q.name for q, _ in space.pairs}
+    known = {name: symbol for name, symbol in space.symbols.items() if name not in unused}
     alphas, ranges = new_names(constants, known, "constants")
     space = replace(space, bounds={**space.bounds, **ranges})
     if len(alphas) > len(space.pairs):
@@ -165,7 +177,9 @@ def verify(
             raise InvalidInputError("energy: it belongs to W; S holds it itself")
         return _decide(space, read_formula(S, names, "S"), alphas, None, seconds)
     timeless = {name: symbol for name, symbol in names.items() if symbol != space.time}
-    E = _energy(energy, alphas, timeless, [q for q, _ in space.pairs])
+    E = _energy(energy, alphas, timeless, [x for pair in space.pairs for x in pair])
+    if F4 is not None:
+        return _decide(space, read_formula(F4, timeless, "F4") - E * space.time, alphas, E, seconds, in_momenta=True)
     return _decide(space, read_formula(W, timeless, "W") - E * space.time, alphas, E, seconds)
 
 
@@ -187,18 +201,23 @@ def _energy(
 
 
 def _decide(
-    space: PhaseSpace, S: sp.Expr, alphas: Mapping[str, sp.Symbol], E: sp.Expr | None, seconds: float
-) -> CompleteIntegral | Flaw | Undecided:
-    slopes = {p: sp.diff(S, q) for q, p in space.pairs}
+    space: PhaseSpace, S: sp.Expr, alphas: Mapping[str, sp.Symbol], E: sp.Expr | None, seconds: float, *,
+    in_momenta: bool = False,
+) -> CompleteIntegral | Flaw | Undecided:  # fmt: skip
+    if in_momenta:
+        slopes = {q: -sp.diff(S, p) for q, p in space.pairs}
+    else:
+        slopes = {p: sp.diff(S, q) for q, p in space.pairs}
     residual = sp.diff(S, space.time) + space.hamiltonian.xreplace(slopes)
     equation = "dS/dt + H(q, dS/dq) = 0 fails" if E is None else "H(q, dW/dq) = E fails"
+    equation = "H(-dF4/dp, p) = E fails" if in_momenta else equation
     wrong = space.proved_zero(residual, "equation", equation, seconds)
     if wrong is not None:
         return wrong
     if len(alphas) < len(space.pairs):
         missing = f"a complete integral of {len(space.pairs)} coordinates has as many constants; here are {len(alphas)}"
         return Flaw("constants", missing, sp.S.Zero)
-    matrix = sp.Matrix([[sp.diff(slopes[p], α) for α in alphas.values()] for _, p in space.pairs])
+    matrix = sp.Matrix([[sp.diff(slope, α) for α in alphas.values()] for slope in slopes.values()])
     determinant = matrix.det(method="berkowitz")
     plain, integrals = without_integrals(determinant)
     answer = space.vanishes(plain, seconds)
@@ -210,8 +229,9 @@ def _decide(
     coordinates = [c.name for c in space.subject.coordinates]
     momenta = dict(zip(coordinates, slopes.values(), strict=True))
     equations = {name: _jacobi(S, α, E, space.time) for name, α in alphas.items()}
+    places, momenta = (momenta, {}) if in_momenta else ({}, momenta)
     return CompleteIntegral(
-        cast("Subject", space.subject), S, tuple(alphas), E, residual, determinant, momenta, equations
+        cast("Subject", space.subject), S, tuple(alphas), E, residual, determinant, momenta, equations, places
     )
 
 

@@ -30,6 +30,16 @@ DOORS = {
     "torus: between": lambda value: hjsolve.solve("pendulum").torus(frequencies={"theta": 99}, between=value),
     "torus: kinds": lambda value: hjsolve.solve("pendulum").torus(frequencies={"theta": 99}, kinds=value),
     "separatrices: fixed": lambda value: hjsolve.solve("kepler-planar").separatrices(fixed=value),
+    "action_integral": lambda value: hjsolve.action_integral(value, {"r": "1", "theta": "t"}, between=(0, 1)),
+    "action_integral: path": lambda value: hjsolve.action_integral("kepler-planar", value, between=(0, 1)),
+    "action_integral: between": lambda value: hjsolve.action_integral(
+        "kepler-planar", {"r": "1", "theta": "t"}, between=value
+    ),
+    "loop_integral": lambda value: hjsolve.loop_integral(value, q={}, p={}),
+    "loop_integral: q": lambda value: hjsolve.loop_integral(SOLUTION, q=value, p={"r": "0", "theta": "1"}),
+    "loop_integral: most": lambda value: hjsolve.loop_integral(
+        SOLUTION, q={"r": "1", "theta": "s"}, p={"r": "0", "theta": "1"}, most=value
+    ),
     "separatrix": lambda value: hjsolve.separatrix(value, 0, 1),
     "from_hamiltonian: coordinates": lambda value: hjsolve.from_hamiltonian("p", value),
     "catalog.load": hjsolve.catalog.load,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 from hjsolve.command_line.main import main
@@ -68,3 +70,71 @@ def test_a_typed_map_is_proved_canonical_or_refuted(
     assert main(["canonical", *arguments]) == status
     out, error = capsys.readouterr()
     assert all(word in out + error for word in words)
+
+
+PLANE = ["--coordinate", "x: line", "--coordinate", "y: line", "-T", "(dot(x)**2 + dot(y)**2)/2"]
+KEPLER_PLANE = [*PLANE, "-V", "-1/sqrt(x**2 + y**2)"]
+RHOMBUS = ["--coordinate", "q1: line", "--coordinate", "q2: line", "-T", "2*dot(q1)**2 + dot(q2)**2/3"]
+HIT = ["--q", "q1=0", "q2=0", "--velocity", "q1=-1", "q2=0", "--meets", "dot(q1) - dot(q2)/2 = 0"]
+PARABOLIC = ["--place", "x = (u**2 - v**2)/2", "--place", "y = u*v", "--new", "u: 0 < u", "--new", "v: line"]
+POLAR = ["--place", "x = r*cos(phi)", "--place", "y = r*sin(phi)", "--new", "phi: angle"]
+LENZ = "p_y*(x*p_y - y*p_x) - x/sqrt(x**2 + y**2)"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "words"),
+    [
+        (["bracket", *PLANE, "--of", "p_x", "--of", "x*p_y - y*p_x"], 0, ["(6-212)", "−p_y"]),
+        (["bracket", "spherical-pendulum", "--of", "H", "--of", "p_phi"], 0, ["0"]),
+        (["bracket", "hamiltonian-q-plus-p", "--of", "q", "--of", "H"], 0, ["1"]),
+        (["bracket", *PLANE, "--of", "p_x"], 2, ["two functions"]),
+        (["integral", *KEPLER_PLANE, "--of", LENZ], 0, ["an integral of the motion"]),
+        (["integral", *KEPLER_PLANE, "--of", LENZ, "--of", "x*p_y - y*p_x"], 0, ["not in involution"]),
+        (["integral", "kepler-planar", "--of", "p_theta", "--of", "H"], 0, ["they are in involution"]),
+        (["integral", "kepler-planar", "--of", "p_theta", "--of", "p_r"], 1, ["not an integral", "A witness"]),
+        (["integral", "--coordinate", "x: line", "-T", "dot(x)**2/2", "-V", "x**2/2", "--of", "atan(x/p_x) - t"], 0, []),
+        (["integral", "kepler-planar"], 2, ["--of p_theta"]),
+        (["impact", *RHOMBUS, *HIT], 0, ["−3/5", "−6/5", "lost 4/5", "8/5", "c₁ + ½ q₂"]),
+        (["impact", *RHOMBUS, *HIT, "--restitution", "1"], 0, ["lost 0", "Both are balanced"]),
+        (["impact", *PLANE, "--q", "x=3", "y=4", "--velocity", "x=5", "y=0", "--meets", "x**2 + y**2 = 25"], 0,
+         ["16/5", "−12/5", "lost 9/2"]),
+        (["impact", *RHOMBUS, *HIT[:-2]], 2, ["--meets"]),
+        (["impact", *RHOMBUS, *HIT[-2:]], 2, ["--q and --velocity"]),
+        (["impact", *RHOMBUS, *HIT, "--restitution", "2"], 2, ["from 0"]),
+        (["coordinates", *KEPLER_PLANE, *PARABOLIC], 0, ["Separates in u and v", "keeps its sign", "hjsolve solve"]),
+        (["coordinates", *KEPLER_PLANE, *POLAR, "--new", "r: -1 < r"], 2, ["changes its sign"]),
+        (["coordinates", *KEPLER_PLANE, "--place", "x"], 2, ["not an equation"]),
+    ],
+)  # fmt: skip
+def test_the_other_tools_of_the_theorem(
+    arguments: list[str], status: int, words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments) == status
+    out, error = capsys.readouterr()
+    assert all(word in out + error for word in words)
+    assert (out == "") == (status == 2)
+
+
+@pytest.mark.parametrize(("W", "status"), [("sqrt(2*E - x**2)", 0), ("sqrt(2*E + x**2)", 1)])
+def test_a_complete_integral_is_compared_with_a_motion(W: str, status: int, capsys: pytest.CaptureFixture[str]) -> None:
+    given = [*OSCILLATOR, "-W", f"integral({W}, x)", "--constant", "E", "--q", "x=3/10", "--velocity", "x=1"]
+    assert main(given) == status
+    assert ("agree with the motion" in capsys.readouterr().out) == (status == 0)
+
+
+def test_answers_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+    """What is printed is one object, exact numbers as text."""
+    assert main(["impact", *RHOMBUS, *HIT, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["impact"]["velocity"] == {"q1": "-3/5", "q2": "-6/5"}
+    assert found["next_arc"][0]["eliminated"] == {"q1": "c_1 + q2/2"}
+    assert found["budget"] == {"q1": "0", "q2": "0", "energy": "0"}
+    assert main(["integral", "kepler-planar", "--of", "p_r", "--json"]) == 1
+    flaw = json.loads(capsys.readouterr().out)["integrals"]["p_r"]
+    assert (flaw["kind"], flaw["witness"]["point"]["r"]) == ("Flaw", "3/2")
+    assert main([*OSCILLATOR, "-W", "integral(sqrt(2*E - x**2), x)", "--constant", "E", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["answer"]["determinant"] == "1/sqrt(2*E - x**2)"
+    assert main(["canonical", "Q = a*q", "P = b*p", "--constant", "a", "--constant", "b", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["answer"]["valence"] == "a*b"
+    assert main(["bracket", *PLANE, "--of", "x", "--of", "p_x", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == [{"f": "x", "g": "p_x", "bracket": "1"}]

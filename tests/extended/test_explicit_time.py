@@ -106,13 +106,75 @@ def test_the_coefficients_of_s_give_the_momenta_of_every_motion_with_these_const
     system = hjsolve.System(*QUADRATIC["two, coupled in time"])
     solution = hjsolve.solve(system)
     alpha = {"x": "1/2", "y": "-1/3"}
-    A, B = solution.motion(q={"x": 0, "y": 0}, p=alpha, digits=20).coefficients("3/4")
+    S = solution.motion(q={"x": 0, "y": 0}, p=alpha, digits=20).coefficients("3/4")
+    A, B = S.A, S.B
     assert abs(A[0, 1] - A[1, 0]) < mpf(10) ** -18
     for place in ({"x": 0, "y": 1}, {"x": "7/3", "y": "-2"}, {"x": "-1/2", "y": "1/5"}):
         state = solution.motion(q=place, p=alpha, digits=20).at("3/4")
         for i, name in enumerate("xy"):
             slope = A[i, 0] * state.q["x"] + A[i, 1] * state.q["y"] + B[i]
             assert abs(slope - state.p[name]) < mpf(10) ** -17
+
+
+def riccati(system: hjsolve.System, alpha: list[str], t0: str, t: str) -> list[Any]:
+    """A, B and C at a time from dS/dt + H(q, dS/dq, t) = 0, sorted by powers of q, integrated in 25 digits."""
+    n = len(system.coordinates)
+    q, S = [c.symbol for c in system.coordinates], sp.Dummy("S")
+    a = sp.Matrix(n, n, lambda i, j: sp.Symbol(f"a{min(i, j)}{max(i, j)}"))
+    b, Q = sp.Matrix([sp.Symbol(f"b{i}") for i in range(n)]), sp.Matrix(q)
+    slope = dict(zip((c.momentum for c in system.coordinates), a * Q + b, strict=True))
+    H = sp.Poly(sp.expand(hamiltonian(system).subs(slope)), *q)
+    rates = [-sp.diff(H.as_expr(), q[i], q[j]) for i in range(n) for j in range(i, n)]
+    rates += [-sp.diff(H.as_expr(), x).subs(dict.fromkeys(q, 0)) for x in q] + [-H.as_expr().subs(dict.fromkeys(q, 0))]
+    unknown = [a[i, j] for i in range(n) for j in range(i, n)] + list(b) + [S]
+    function = sp.lambdify([system.time, unknown], rates, "mpmath")
+    start = [mpf(0)] * (n * (n + 1) // 2) + [mpf(sp.Rational(x).p) / sp.Rational(x).q for x in alpha] + [mpf(0)]
+    return list(mp.odefun(lambda s, y: function(s, y), mpf(t0), start, tol=mpf(10) ** -22)(mpf(t)))
+
+
+FORCED = {
+    "forced, with a constant of the gauge": (LINE, "dot(x)**2/2", "x**2/2 - x*sin(2*t)/(1 + t**2) + t**2/7", {}),
+    "a rope that shortens": QUADRATIC["a rope that shortens"],
+    "two, coupled in time": QUADRATIC["two, coupled in time"],
+    "a velocity term that moves": (LINE, "dot(x)**2/2 + cos(3*t)*dot(x)/(2 + t)", "(1 + t/5)*x**2/2 - x", {}),
+}
+
+
+@pytest.mark.nightly_cases("a rope that shortens", "two, coupled in time")
+@pytest.mark.parametrize("name", FORCED)
+def test_a_b_and_c_solve_the_riccati_equations_within_their_errors(name: str) -> None:
+    """Of S = q A q/2 + B q + C with S(q, t0) = alpha q; the digits asked are reached."""
+    system = hjsolve.System(*FORCED[name])
+    names = [c.name for c in system.coordinates]
+    alpha, n = ["1/2", "-1/3"][: len(names)], len(names)
+    with mp.workdps(30):
+        expected = riccati(system, alpha, "0.25", "0.75")  # before the first conjugate time
+        for digits in (15, 20):
+            motion = hjsolve.solve(system).motion(
+                q=dict.fromkeys(names, 7), p=dict(zip(names, alpha, strict=True)), t0="1/4", digits=digits
+            )
+            S = motion.coefficients("3/4")
+            found = [S.A[i, j] for i in range(n) for j in range(i, n)]
+            unit = mpf(10) ** (1 - digits)
+            for x, e in zip(found, expected, strict=False):
+                assert abs(x - e) <= mpf(S.error_A) + mpf(10) ** -20
+            for x, e in zip(S.B, expected[len(found) :], strict=False):
+                assert abs(x - e) <= mpf(S.error_B) + mpf(10) ** -20
+            assert abs(S.C.value - expected[-1]) <= mpf(S.C.error) + mpf(10) ** -20
+            assert max(S.error_A, S.error_B, S.C.error) <= 3 * unit * max(map(abs, expected))
+
+
+def test_at_a_conjugate_time_s_is_not_finite() -> None:
+    """With p(t0) constant the trajectories of an oscillator meet a quarter of a period later."""
+    system = hjsolve.System(*FORCED["forced, with a constant of the gauge"])
+    motion = hjsolve.solve(system).motion(q={"x": 1}, p={"x": "7/10"})
+    with pytest.raises(hjsolve.NotConvergedError, match="conjugate"):
+        motion.coefficients("pi/2")
+    near = "1.5707963267948966"
+    S = motion.coefficients(near)
+    with mp.workdps(40):
+        assert abs(S.A[0, 0] + mp.tan(mpf(near))) <= S.error_A <= 10  # A = -tan t, 5.2e16 here
+    assert motion.coefficients(0).A[0, 0] == 0
 
 
 @pytest.mark.parametrize("name", list(CASES)[:3])
@@ -216,3 +278,12 @@ def test_the_bound_of_the_taylor_series_holds_where_few_digits_are_carried() -> 
         with mp.workdps(40):
             error = max(abs(mpf(a) - mpf(e)) for a, e in zip(rough.states()[0], exact, strict=True))
             assert 0 < error <= mpf(rough.error)
+
+
+@pytest.mark.nightly
+def test_a_report_prints_the_coefficients_of_s(capsys: pytest.CaptureFixture[str]) -> None:
+    mathieu = ["--coordinate", "x: line", "-T", "dot(x)**2/2", "-V", "(2 + cos(t))*x**2/2"]
+    assert main(["report", *mathieu, "--q", "x=1", "--velocity", "x=0", "-o", "-", "--brief"]) == 0
+    shown = capsys.readouterr().out
+    assert "A principal function of second degree" in shown
+    assert "11.70270635" in shown

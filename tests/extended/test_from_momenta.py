@@ -69,3 +69,23 @@ def test_the_command_line_takes_h_itself(capsys):
     assert "hjsolve.from_hamiltonian" in capsys.readouterr().err
     assert main(["check", "--hamiltonian", "p**2"]) == 2
     assert "needs --coordinate" in capsys.readouterr().err
+
+
+def test_h_may_hold_the_time_where_it_is_of_second_degree_in_the_momenta() -> None:
+    """Ex 6-9 and P6-13 given by H: the frame is found as it is for T and V; the driven one is solved by a quadratic S."""
+    anchor = hjsolve.from_hamiltonian("p**2/(2*m) + k*(t - q)**2/2", {"q": "line"}, {"m": 1, "k": 1})
+    assert hjsolve.solve(anchor).kind == "frame"
+    posed = hjsolve.System({"q": "line"}, "m/2*dot(q)**2", "k*(t - q)**2/2", {"m": 1, "k": 1})
+    given = {"q": {"q": "0.3"}, "velocity": {"q": "0.4"}, "t0": "1/2"}
+    found, expected = (hjsolve.solve(s).motion(**given).at(2) for s in (anchor, posed))
+    assert abs(found.q["q"] - expected.q["q"]) <= found.error.q["q"] + expected.error.q["q"]
+    two = hjsolve.from_hamiltonian(
+        "(p_x**2 + p_y**2)/2 + (2 + cos(t))*x**2 + y**2/2 + x*y*t", {"x": "line", "y": "line"}
+    )
+    assert hjsolve.solve(two).kind == "quadratic"
+    for H in ("p**4 + q*t", "q*p + t*p", "exp(p) + t"):
+        with pytest.raises(hjsolve.InvalidSystemError, match="with the time"):
+            hjsolve.from_hamiltonian(H, {"q": "line"})
+    root = "V*t + sqrt(m**2*c**4 + c**2*(p_x**2 + p_y**2))"
+    with pytest.raises(hjsolve.InvalidSystemError, match="with the time"):
+        hjsolve.from_hamiltonian(root, {"x": "line", "y": "line"}, {"V": 1, "m": 1, "c": 1})

@@ -113,6 +113,16 @@ BOOK = {
          "coordinates": {"x": "px", "y": "py"}, "domains": {"x": "0 < x", "y": "0 < y"}},
         {}, ("F1",), "0",
     ),
+    "a logarithm (Goldstein 9-8)": Map(
+        {"map": {"Q": "log(sin(p)/q)", "P": "q*cos(p)/sin(p)"}, "domains": {"q": "0 < q", "p": QUARTER}},
+        {"F1": "q*asin(q*exp(Q)) + sqrt(exp(-2*Q) - q**2)"}, (), "0",
+    ),
+    "an orthogonal point transformation": Map(
+        {"generating": {"F2": "P1*(3*q1 + 4*q2)/5 + P2*(-4*q1 + 3*q2)/5"}, "coordinates": {"q1": "p1", "q2": "p2"},
+         "new": {"Q1": "P1", "Q2": "P2"}, "hamiltonian": "(p1**2 + p2**2)/2 + q1"},
+        {"F2": "P1*(3*q1 + 4*q2)/5 + P2*(-4*q1 + 3*q2)/5"}, ("F1", "F4"), "0",
+        "(P1**2 + P2**2)/2 + (3*Q1 - 4*Q2)/5",
+    ),
 }  # fmt: skip
 QUICK = ("Ex 6-5, a frame that moves", "Ex 6-9, a moving anchor", "Ex 6-10", "P6-11, turning axes")
 

@@ -214,3 +214,45 @@ def test_a_lower_limit_and_sympys_integral() -> None:
     x, xi, E, m, k = sp.symbols("x xi E m k")
     W = sp.Integral(sp.sqrt(2 * m * E - m * k * xi**2), (xi, sp.sqrt(2 * E / k), x))
     assert isinstance(hjsolve.verify(OSCILLATOR, W=W, constants="E"), hjsolve.CompleteIntegral)
+
+
+MOMENTA = {
+    "fall": (FALL, "p_y**3/(6*m**2*g) - E*p_y/(m*g)", "E", ("- E", "+ E")),
+    "oscillator, P6-8": (UNIT_OSCILLATOR, "-integral(sqrt(2*E - p_x**2), p_x)", "E", ("- p_x", "+ p_x")),
+    "projectile": (PROJECTILE, "p_y**3/(6*m**2*g) + p_x**2*p_y/(2*m**2*g) - E*p_y/(m*g) - a*p_x", "E, a",
+                   ("+ p_x**2", "- p_x**2")),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["fall", "oscillator, P6-8"])
+def test_a_complete_integral_in_the_momenta(name: str) -> None:
+    """H(-dF4/dp, p) = E (6-83); q = -dF4/dp along a motion that is computed without it."""
+    system, F4, constants, sign = MOMENTA[name]
+    answer = hjsolve.verify(system, F4=F4, constants=constants)
+    assert isinstance(answer, hjsolve.CompleteIntegral), str(answer)
+    assert answer.momenta == {}
+    wrong = hjsolve.verify(system, F4=F4.replace(*sign), constants=constants)
+    assert isinstance(wrong, hjsolve.Flaw)
+    assert wrong.part == "equation"
+    assert wrong.witness.excludes_zero
+    coordinate = _first(system)
+    motion = hjsolve.solve(system).motion(q={coordinate: "1/3"}, velocity={coordinate: "1/2"})
+    (place,) = answer.places.values()
+    for t in (0, 0.3):
+        state = motion.at(t)
+        known = {"E": motion.constants["E"].value, f"p_{coordinate}": state.p[coordinate]}
+        known |= {p.name: p.value for p in system.parameters}
+        value = float(place.subs({s: known[s.name] for s in place.free_symbols}))
+        assert abs(value - state.q[coordinate]) < 1e-13
+    with pytest.raises(hjsolve.InvalidInputError, match="function of the momenta"):
+        answer.along(motion)
+
+
+def test_a_projectile_in_the_momenta() -> None:
+    """x = a - p_x p_y/(m**2 g): with p_x constant and p_y = -m g t the place at the top is the constant a."""
+    system, F4, constants, _ = MOMENTA["projectile"]
+    answer = hjsolve.verify(system, F4=F4, constants=constants)
+    assert isinstance(answer, hjsolve.CompleteIntegral)
+    assert sp.simplify(answer.determinant**2 * system.symbols["g"] ** 2 * system.symbols["m"] ** 2) == 1
+    with pytest.raises(hjsolve.InvalidInputError, match="one of them"):
+        hjsolve.verify(system, F4="p_x", W="x", constants=constants)

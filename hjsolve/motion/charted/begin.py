@@ -19,7 +19,7 @@ from hjsolve.formulas.read import number
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.quantities_given import in_units
 from hjsolve.mechanics.system import kinetic_rest, mass_matrix
-from hjsolve.motion.charted.starting import start_charted
+from hjsolve.motion.charted.starting import in_users_coordinates, start_charted
 from hjsolve.motion.initial_data import (
     all_exact,
     clean,
@@ -178,17 +178,16 @@ def _in_found_coordinates(solution: Solution, given: StartGiven) -> Motion:
 
 
 def _on_torus(solution: Solution, given: StartGiven) -> Motion:
-    """Start a motion from actions and angles, those of the separated coordinates."""
-    if solution.chart is not None:
-        raise InvalidInputError(
-            "actions: not with coordinates that were found; solve the system in its separated coordinates, "
-            "solution.system, instead"
-        )
+    """Start a motion from actions and angles, those of the separated coordinates; told in the user's."""
     parts, digits = parts_of(_words(given.want)), arguments.digits(given.digits)
     parameters = in_units(solution.system, given.parameters, "parameters")
     torus = {"actions": given.actions, "angles": given.angles, "q": given.q, "kinds": given.kinds}
     data = {**torus, "parameters": parameters}
-    return start_on_torus(solution, data, given.t0, digits, parts, certified=given.certified)
+    motion = start_on_torus(solution, data, given.t0, digits, parts, certified=given.certified)
+    if solution.chart is None:
+        return motion
+    again = partial(_again, solution, replace(given, certified=False))
+    return replace(in_users_coordinates(solution.chart, motion, parts), given=motion.given, again=again)
 
 
 def _again(solution: Solution, given: StartGiven, digits: int, change: Mapping[str, Any]) -> Motion:

@@ -52,7 +52,7 @@ def start_charted(
         if elsewhere is None:
             raise
         return elsewhere
-    motion = _in_users_coordinates(chart, within, parts)
+    motion = in_users_coordinates(chart, within, parts)
     if "asymptotic" in motion.kinds.values():
         return motion_in_a_plane(chart, given, **options) or motion
     return motion
@@ -76,8 +76,14 @@ def _at_a_focus(
     return ChartedMotion.of(within)
 
 
-def _in_users_coordinates(chart: Chart, within: Motion, parts: frozenset[str]) -> ChartedMotion:
-    """Return a motion in the separated coordinates, told in the user's; it ends where it collides with a focus."""
+def in_users_coordinates(chart: Chart, within: Motion, parts: frozenset[str]) -> ChartedMotion:
+    """Return a motion in the separated coordinates, told in the user's; it ends where it collides with a focus.
+
+    Args:
+        chart: how the coordinates are tied to the user's.
+        within: the motion in the separated coordinates.
+        parts: what is integrated.
+    """
     motion = ChartedMotion.of(within)
     found = collision_times(chart, within) if "time" in parts else None
     if found is None:

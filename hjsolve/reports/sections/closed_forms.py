@@ -28,6 +28,8 @@ from hjsolve.reports.sections.solution import source_of_equation
 from hjsolve.reports.sections.system_and_verdict import IN_A_CELL, equation, formula, math
 from hjsolve.solution.quadratures import Solution
 
+_MOST_OPERATIONS = 90
+"""Of W in the actions: beyond, it fills a page."""
 _GROUPS = {"periods": "Period", "frequencies": "Frequency", "actions": "Action", "mean_velocities": "Mean velocity"}
 _MOST_REGIMES = 3
 LONGEST_SHOWN = 400
@@ -118,6 +120,7 @@ def _section(form: RegimeForms, number: int) -> Section:
         blocks += told.shown("characteristic_function", W, lambda e: formula(Glyph("W"), e, "Greenwood (5-65)"))
     if form.energy is not None:
         blocks += told.shown("energy", form.energy, partial(formula, name_box("E")))
+    blocks += _in_actions(form)
     numbers = [(group, q, e) for group in _GROUPS for q, e in getattr(form, group).items()]
     narrow = [one for one in numbers if width(display(one[2], IN_A_CELL)) <= _WIDEST_CELL]
     if narrow:
@@ -144,6 +147,18 @@ def _section(form: RegimeForms, number: int) -> Section:
     suffix = f"-{number}" if number else ""
     title = f"Closed forms, regime {number}" if number else "Closed forms"
     return Section(f"closed-forms{suffix}", title, tuple(shown))
+
+
+def _in_actions(form: RegimeForms) -> list[Block]:
+    """Write down the constants and W in the actions, where W is short enough."""
+    others = {name: e for name, e in form.constants_of_actions.items() if name in form.solution.constants}
+    rest = list(others.items())[1:]  # E has a line of its own
+    shown: list[Block] = [formula(name_box(name), e) for name, e in rest if not e.is_Symbol]
+    W = form.function_of_actions
+    if W is not None and sp.count_ops(W) <= _MOST_OPERATIONS:
+        words = "In the actions, W generates the map to angles and actions; the angles are w = ∂W/∂J (6-88):"
+        shown += [Paragraph((words,)), formula(Glyph("W"), W, "Greenwood (6-85)")]
+    return shown
 
 
 class _Told:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hjsolve.extended.moving_frame import Frame
-from hjsolve.mechanics.system import System, hamiltonian
+from hjsolve.mechanics.system import hamiltonian
 from hjsolve.reports.document import Block, Paragraph, Section
 from hjsolve.reports.formulas.layout import Glyph
 from hjsolve.reports.formulas.names import name_box
@@ -40,20 +40,3 @@ def frame_section(frame: Frame, solution: Solution | None) -> Section:
             formula(Glyph("S"), frame.principal_function(solution)),
         ]
     return Section("frame", "The system as posed, and its frame", tuple(blocks))
-
-
-def quadratic_section(system: System) -> Section:
-    """Tell that S is of second degree in q, and what its coefficients follow from.
-
-    Args:
-        system: whose H is of second degree in q and p, with coefficients that hold the time.
-    """
-    blocks: list[Block] = [
-        Paragraph(("H is of second degree in the coordinates and momenta, with coefficients that hold the time:",)),
-        formula(Glyph("H"), hamiltonian(system), "Greenwood (4-109)"),
-        Paragraph((
-            "The Hamilton-Jacobi equation is solved by S = ½ q·A q + B·q + C. A, B and C are functions of the time; "
-            "they follow from the linear equations of motion, and are integrated by Taylor series with a proved error.",
-        )),
-    ]  # fmt: skip
-    return Section("quadratic", "A principal function of second degree", tuple(blocks))

@@ -7,7 +7,7 @@ from collections.abc import Collection
 
 from hjsolve.extended.one_freedom import LinearInMomentum
 from hjsolve.mechanics.system import Domain, System
-from hjsolve.reports.document import Code, Inline, Mathematics, Text
+from hjsolve.reports.document import Block, Code, Formula, Inline, Mathematics, Paragraph, Text
 from hjsolve.reports.formulas.from_sympy import box
 from hjsolve.reports.formulas.layout import Box, Fence, Fraction, Glyph, Script, row
 from hjsolve.reports.formulas.names import GREEK, name_box
@@ -44,6 +44,50 @@ def _liouville_sums() -> tuple[Inline, ...]:
         Mathematics(row(Glyph("T"), Glyph("=", "operator"), kinetic)), " and ",
         Mathematics(row(Glyph("V"), Glyph("=", "operator"), Fraction(row(sums, v), row(sums, f)))),
     )  # fmt: skip
+
+
+def _conditions() -> dict[str, Box]:
+    """Return the conditions of Levi-Civita, as they are tested.
+
+    S_ij(f) = ∂ᵢ∂ⱼf − (∂ᵢ ln gʲʲ) ∂ⱼf − (∂ⱼ ln gⁱⁱ) ∂ᵢf;  L_ij = Hⁱ Hʲ H_ij + Hᵢ Hⱼ Hⁱʲ − Hⁱ Hⱼ H_iʲ − Hᵢ Hʲ H_jⁱ.
+    """
+    equals, plus, minus, d = (Glyph(x, "operator") for x in ("=", "+", "−", "∂"))
+
+    def H(sub: str = "", sup: str = "") -> Box:
+        return Script(Glyph("H"), Glyph(sub) if sub else None, Glyph(sup) if sup else None)
+
+    def slope(i: str, *of: Box) -> Box:
+        return row(Script(d, Glyph(i)), *of)
+
+    f, ln = Glyph("f"), Glyph("ln ", "text")
+    g = {i: Script(Glyph("g"), sup=Glyph(i * 2)) for i in "ij"}
+    curvature = row(
+        _pair("S"), Fence(f), equals, slope("i"), slope("j", f), minus, Fence(slope("i", ln, g["j"])), slope("j", f),
+        minus, Fence(slope("j", ln, g["i"])), slope("i", f),
+    )  # fmt: skip
+    general = row(
+        _pair("L"), equals, H(sup="i"), H(sup="j"), H(sub="ij"), plus, H(sub="i"), H(sub="j"), H(sup="ij"), minus,
+        H(sup="i"), H(sub="j"), H(sub="i", sup="j"), minus, H(sub="i"), H(sup="j"), H(sub="j", sup="i"),
+    )  # fmt: skip
+    return {"S_ij": curvature, "L_ij": general}
+
+
+def condition_formulas(text: str) -> tuple[Block, ...]:
+    """Write out the conditions of Levi-Civita that an argument speaks of.
+
+    Args:
+        text: of its steps.
+    """
+    written = {
+        "S_ij": "S_ij(f) = d_i d_j f - (d_i ln g^jj) d_j f - (d_j ln g^ii) d_i f",
+        "L_ij": "L_ij = H^i H^j H_ij + H_i H_j H^ij - H^i H_j H_i^j - H_i H^j H_j^i",
+    }
+    found: list[Block] = [Formula(shape, written[name]) for name, shape in _conditions().items() if name in text]
+    if found:
+        words = "Upper indices of H are derivatives by momenta, lower ones by coordinates." if "L_ij" in text else ""
+        found.insert(0, Paragraph(("Written out:",)))
+        found += [Paragraph((words,))] if words else []
+    return tuple(found)
 
 
 _TYPESET: dict[str, tuple[Inline, ...]] = {

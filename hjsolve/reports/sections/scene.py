@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hjsolve.arithmetic.printed_digits import shortest
 from hjsolve.errors import required
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.reports.document import (
@@ -22,19 +23,21 @@ from hjsolve.reports.document import (
 )  # fmt: skip
 from hjsolve.reports.drawings import svg
 from hjsolve.reports.drawings.effective_potential import Array
+from hjsolve.reports.formulas.layout import Glyph
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import spoken
 from hjsolve.reports.sections import solution, system_and_verdict
 from hjsolve.reports.sections.chart import chart_section
 from hjsolve.reports.sections.prose import typeset_prose
 from hjsolve.reports.sections.rounded_numbers import bound, quantity
+from hjsolve.reports.sections.system_and_verdict import formula
 from hjsolve.scenes import Run
 
 _METHODS = {
     "float64": "double precision", "mpmath": "multiple precision (mpmath)", "certified": "ball arithmetic (certified)",
     "integrate": "an integrator",
 }  # fmt: skip
-_MOST_ROWS = 24
+_MOST_ROWS, _IMPACT_DIGITS = 24, 10
 _TITLES = {
     "constants": "Constants of the motion", "turning_points": "Turning points", "actions": "Actions",
     "periods": "Periods", "frequencies": "Frequencies, in radians per unit time",
@@ -55,7 +58,8 @@ def scene_document(run: Run) -> Document:
         if run.solution.chart is not None:
             sections.append(chart_section(run.solution.chart))
         sections += [solution.forms_section(run.solution.separation), *solution.solution_sections(run.solution)]
-        sections.append(_numbers(run))
+        sections += _afterwards(run)
+        sections += [_impacts(run), _numbers(run)]
         lead = system_and_verdict.answer(run.solution.separation)
         verdict = "yes"
     else:
@@ -93,6 +97,53 @@ def _arcs(run: Run) -> Table:
         rows.append(((str(k),), (quantity(arc.begins),), ended, (what,)))
     caption = "Smooth arcs: Hamilton-Jacobi holds on each, the constants are computed anew at every event"
     return Table((("Arc",), ("From",), ("To",), ("Ends with",)), tuple(rows), caption + _cut(len(run.arcs)))
+
+
+def _afterwards(run: Run) -> list[Section | None]:
+    """Write down the systems after constraints that last, and their solutions."""
+    lasting = run.lasting
+    if lasting is None or lasting.solution is None:
+        return []
+    system, solved = lasting.scene.system, lasting.solution
+    blocks: list[Block] = [
+        Paragraph(("The constraint takes coordinates away. In those that are left the energies are",)),
+        formula(Glyph("T"), system.kinetic), formula(Glyph("V"), system.potential),
+        *(formula(name_box(name), f) for name, f in system.eliminated),
+    ]  # fmt: skip
+    if solved.chart is not None:
+        blocks += chart_section(solved.chart).blocks
+    blocks.append(Paragraph((*system_and_verdict.answer(solved.separation),)))
+    for section in solution.solution_sections(solved):
+        blocks += section.blocks
+    return [Section("after-constraint", "The system after the constraint", tuple(blocks)), *_afterwards(lasting)]
+
+
+def _impacts(run: Run) -> Section | None:
+    """Write down what each impact did, and what is left of its budgets."""
+    if not run.impacts:
+        return None
+    blocks: list[Block] = []
+    for hit in run.impacts[:_MOST_ROWS]:
+        columns = (hit.velocity_before, hit.velocity, hit.momentum_before, hit.momentum, hit.impulse)
+        rows: list[tuple[Text, ...]] = []
+        for n in hit.velocity:
+            cells: list[Text] = [(Number(shortest(x[n], _IMPACT_DIGITS)),) for x in columns]
+            rows.append(((Mathematics(name_box(n)),), *cells, (bound(float(abs(hit.residual[n]))),)))
+        head: tuple[Text, ...] = (
+            ("Coordinate",), ("Velocity before",), ("after",), ("Momentum before",), ("after",), ("Impulse",),
+            ("Left over",),
+        )  # fmt: skip
+        blocks += [
+            Paragraph((f"{hit.event}, at t = ", Number(shortest(hit.time, _IMPACT_DIGITS)), ":")),
+            Table(head, tuple(rows), "Momentum, Δp = aᵀλ (3-42)"),
+            Paragraph((
+                "Kinetic energy before ", Number(shortest(hit.kinetic_before, _IMPACT_DIGITS)), ", after ",
+                Number(shortest(hit.kinetic, _IMPACT_DIGITS)), ", lost ",
+                Number(shortest(hit.energy_lost, _IMPACT_DIGITS)),
+                "; of ΔT = ½ ∑Q̂ (q̇ + q̇′) is left over ", bound(float(abs(hit.residual["energy"]))), ".",
+            )),
+        ]  # fmt: skip
+    return Section("impacts", "The impacts", tuple(blocks))
 
 
 def _cut(count: int) -> str:

@@ -28,7 +28,7 @@ from hjsolve.reports.formulas.from_sympy import box, constants_outside, contract
 from hjsolve.reports.formulas.layout import Box, Fraction, Glyph, Script, row
 from hjsolve.reports.formulas.line_breaks import LINE, broken, display
 from hjsolve.reports.formulas.names import name_box
-from hjsolve.reports.sections.prose import domain_text, listed, typeset, typeset_prose
+from hjsolve.reports.sections.prose import condition_formulas, domain_text, listed, typeset, typeset_prose
 from hjsolve.reports.sections.rounded_numbers import terminating
 from hjsolve.separation import Obstruction, Separation, Undecided
 from hjsolve.separation.zero_test.zero_test import Zero, is_zero
@@ -288,6 +288,7 @@ def evidence_section(verdict: Separation | Obstruction | Undecided, *, lead: boo
     blocks: tuple[Block, ...] = (Paragraph(answer(verdict)),) if lead else ()
     if rest:
         blocks += (steps_block(rest, verdict.system),)
+        blocks += condition_formulas(" ".join(step.explanation for step in rest))
     return Section("test", "Does it separate?", blocks) if blocks else None
 
 

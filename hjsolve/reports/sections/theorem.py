@@ -6,15 +6,29 @@ from collections.abc import Mapping
 
 import sympy as sp
 
-from hjsolve.reports.document import Block, Formula, Mathematics, Note, Paragraph, Section, Strong, Table, Text
+from hjsolve.reports.document import (
+    Block,
+    Code,
+    Formula,
+    Mathematics,
+    Note,
+    Number,
+    Paragraph,
+    Section,
+    Strong,
+    Table,
+    Text,
+)
 from hjsolve.reports.formulas.from_sympy import box
 from hjsolve.reports.formulas.layout import Box, Glyph, Script
 from hjsolve.reports.formulas.names import name_box
+from hjsolve.reports.sections.rounded_numbers import quantity
 from hjsolve.reports.sections.system_and_verdict import equation, formula, math
 from hjsolve.separation import Undecided
-from hjsolve.theorem.answers import Flaw
+from hjsolve.theorem.answers import Flaw, Proof
 from hjsolve.theorem.canonical_maps import CanonicalMap
 from hjsolve.theorem.complete_integral import CompleteIntegral
+from hjsolve.theorem.own_motion import OwnMotion
 
 _FUNCTIONS = ("F1", "F2", "F3", "F4")
 _EQUATIONS = {"F1": "(6-18)", "F2": "(6-46)", "F3": "(6-52)", "F4": "(6-57)"}
@@ -31,8 +45,9 @@ def complete_integral_section(answer: CompleteIntegral) -> Section:
         formula(Glyph("S"), answer.principal_function, "Greenwood (5-52)"),
         Paragraph(("the determinant of ∂²S/∂q ∂α is not identically zero, so that the constants are independent:",)),
         Formula(box(answer.determinant), str(answer.determinant), "Greenwood (5-48)"),
-        Paragraph(("The momenta:",)),
+        Paragraph(("The momenta:" if answer.momenta else "The places, q = −∂F₄/∂p:",)),
         *(formula(name_box(f"p_{name}"), p, "Greenwood (5-50)") for name, p in answer.momenta.items()),
+        *(formula(name_box(name), q, "Greenwood (6-57)") for name, q in answer.places.items()),
         Paragraph(("Jacobi's equations, which give the motion:",)),
         *(equation(relation, "Greenwood (5-54)") for relation in answer.equations.values()),
     ]
@@ -69,6 +84,83 @@ def canonical_section(answer: CanonicalMap) -> Section:
         blocks += [Paragraph(("The map moves; the new Hamiltonian is K = μH + k with",)),
                    formula(Glyph("k"), answer.added_hamiltonian, "Greenwood (6-26)")]  # fmt: skip
     return Section("canonical", "A canonical map", tuple(blocks))
+
+
+def brackets_section(brackets: Mapping[tuple[str, str], sp.Expr]) -> Section:
+    """Write down Poisson brackets.
+
+    Args:
+        brackets: the two functions, as they were typed → their bracket.
+    """
+    rows = tuple(((Code(f),), (Code(g),), (math(value),)) for (f, g), value in brackets.items())
+    table = Table((("f",), ("g",), ("(f, g)",)), rows, "Poisson brackets, Greenwood (6-212)")
+    return Section("brackets", "Brackets", (table,))
+
+
+def integrals_section(
+    answers: Mapping[str, Proof | Flaw | Undecided], together: Proof | Flaw | Undecided | None = None
+) -> Section:
+    """Say of functions whether they are integrals of the motion, (f, H) + ∂f/∂t = 0.
+
+    Args:
+        answers: function, as it was typed → what was decided.
+        together: whether they are in involution; None where that was not asked.
+    """
+    words = {"Proof": "an integral of the motion", "Flaw": "not an integral", "Undecided": "not decided"}
+    rows = tuple(((Code(f),), (words[type(a).__name__],)) for f, a in answers.items())
+    blocks: list[Block] = [Table((("f",), ("Is it?",)), rows, "(f, H) + ∂f/∂t = 0, Greenwood (6-235)")]
+    for f, a in answers.items():
+        if isinstance(a, Flaw) and a.witness is not None:
+            blocks += [
+                Paragraph((Code(f), " changes at the rate",)), Formula(box(a.residual), str(a.residual)),
+                Note(_witness(a.witness.point, a.witness.lower, a.witness.upper)),
+            ]  # fmt: skip
+        elif isinstance(a, Undecided):
+            blocks += [Paragraph((Code(f), ":")), *undecided_section(a).blocks]
+    if together is not None:
+        told = {
+            "Proof": "Every two of them have the bracket 0: they are in involution (6-236).",
+            "Flaw": f"They are not in involution: {getattr(together, 'statement', '')}.",
+            "Undecided": "Whether they are in involution was not decided.",
+        }
+        blocks.append(Paragraph((told[type(together).__name__],)))
+    return Section("integrals", "Integrals of the motion", tuple(blocks))
+
+
+def own_coordinates_section(place: Mapping[str, str]) -> Section:
+    """Say what was proved about coordinates that were typed.
+
+    Args:
+        place: old coordinate → its formula in the new ones, as it was typed.
+    """
+    rows = tuple(((Mathematics(name_box(q)),), (Code(f),)) for q, f in place.items())
+    words = (
+        "The Jacobian |∂q/∂Q| keeps its sign on the whole domain of the new coordinates, and the old ones stay in "
+        "theirs. Both are proved."
+    )
+    blocks: tuple[Block, ...] = (Table((("q",), ("f(Q)",)), rows), Paragraph((words,)))
+    return Section("your-coordinates", "Coordinates of your own", blocks)
+
+
+def own_motion_section(answer: OwnMotion | Undecided) -> Section:
+    """Say how a complete integral compares with the motion that quadratures give.
+
+    Args:
+        answer: of ``CompleteIntegral.along``.
+    """
+    title = "Your constants, and the motion"
+    if isinstance(answer, Undecided):
+        return Section("own-motion", title, undecided_section(answer).blocks)
+    constants = tuple(((Mathematics(name_box(n)),), (quantity(x),)) for n, x in answer.constants.items())
+    rows = tuple(
+        ((Mathematics(name_box(n)),), (Number(f"{x:.2g}"),), (Number(f"{answer.errors[n]:.2g}"),))
+        for n, x in answer.deviations.items()
+    )
+    head: tuple[Text, ...] = (("Of",), ("Deviation",), ("Explained by errors",))
+    return Section("own-motion", title, (
+        Paragraph((str(answer),)), Table((("Constant",), ("Value",)), constants, "From p = ∂S/∂q, (5-50)"),
+        Table(head, rows, "Jacobi's equations (5-54) along the motion"),
+    ))  # fmt: skip
 
 
 def flaw_section(answer: Flaw) -> Section:
@@ -139,6 +231,6 @@ def _witness(point: Mapping[str, object], lower: sp.Expr, upper: sp.Expr) -> Tex
 
 
 __all__ = [
-    "canonical_section", "complete_integral_section", "flaw_section", "theorem_answer", "theorem_section",
-    "undecided_section",
+    "brackets_section", "canonical_section", "complete_integral_section", "flaw_section", "integrals_section",
+    "own_coordinates_section", "own_motion_section", "theorem_answer", "theorem_section", "undecided_section",
 ]  # fmt: skip
