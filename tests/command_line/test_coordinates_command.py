@@ -112,7 +112,7 @@ def test_a_positive_parameter_as_a_pivot_is_no_fault() -> None:
 def test_solve_and_report_go_on_in_the_coordinates_found(capsys: Capture, tmp_path: Path) -> None:
     assert main(["solve", "--find", *PLANE, "-V", TWO_CENTRES, "--parameter", "m=2"]) == 0
     out = capsys.readouterr().out
-    for line in ("Coordinates found: elliptic", "T = ½ m (ẋ² + ẏ²)", "the only web", "x = (3/2) sin ν sinh μ"):
+    for line in ("Coordinates found: elliptic", "T = ½ m (ẋ² + ẏ²)", "the only web", "x = 2 + (3/2) sin ν sinh μ"):
         assert line in out
     start = ["--q", "x=0.3", "--q", "y=0.4", "--velocity", "x=0", "--velocity", "y=0.1"]
     target = tmp_path / "found.md"

@@ -76,3 +76,18 @@ def test_a_motion_from_actions_is_started_anew_in_the_users_coordinates() -> Non
         solution.motion(actions={"x": 1, "y": 1})
     with pytest.raises(hjsolve.InvalidInputError, match="actions="):
         solution.motion(actions={"r": 1, "theta": 1}, velocity={"x": 1, "y": 1})
+
+
+def test_tori_about_either_of_two_centres_are_both_told_and_a_place_chooses() -> None:
+    """Newton's method went downhill into the deeper well, and the torus about the other centre was never seen."""
+    coordinates, T, V = FIELDS["two centres"]
+    solution = hjsolve.solve(hjsolve.System(coordinates, T, V), coordinates="find")
+    motion = solution.motion(q={"x": "0.7", "y": "0.9"}, velocity={"x": "0.1", "y": "0.5"})
+    actions = {n: x.value for n, x in motion.actions.items()}
+    with pytest.raises(hjsolve.InvalidInputError, match=r"several tori .* nu libration from -1.07.* to 1.07"):
+        solution.motion(actions=actions)
+    found = solution.motion(actions=actions, q={"x": "0.7", "y": "0.9"})
+    for name, constant in motion.constants.items():
+        assert abs(found.constants[name].value - constant.value) <= 1e-13 * abs(constant.value)
+    other = solution.motion(actions=actions, q={"x": -1, "y": "0.3"})
+    assert other.constants["E"].value < 2 * motion.constants["E"].value

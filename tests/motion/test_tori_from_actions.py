@@ -140,12 +140,6 @@ def test_bad_input_names_what_is_wrong(arguments, words):
         entries.solved("kepler-planar").motion(**arguments)
 
 
-def test_found_coordinates_are_refused():
-    plane = hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "-1/sqrt(x**2 + y**2)")
-    with pytest.raises(hjsolve.InvalidInputError, match="coordinates that were found"):
-        hjsolve.solve(plane, coordinates="find").motion(actions={"r": 1, "phi": 1})
-
-
 def line(V, *more):
     names = ("x", *more)
     T = " + ".join(f"dot({n})**2" for n in names)

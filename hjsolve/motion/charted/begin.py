@@ -19,6 +19,7 @@ from hjsolve.formulas.read import number
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.quantities_given import in_units
 from hjsolve.mechanics.system import kinetic_rest, mass_matrix
+from hjsolve.motion.charted.initial_map import carried
 from hjsolve.motion.charted.starting import in_users_coordinates, start_charted
 from hjsolve.motion.initial_data import (
     all_exact,
@@ -181,13 +182,24 @@ def _on_torus(solution: Solution, given: StartGiven) -> Motion:
     """Start a motion from actions and angles, those of the separated coordinates; told in the user's."""
     parts, digits = parts_of(_words(given.want)), arguments.digits(given.digits)
     parameters = in_units(solution.system, given.parameters, "parameters")
-    torus = {"actions": given.actions, "angles": given.angles, "q": given.q, "kinds": given.kinds}
+    well = _well(solution, given)
+    torus = {"actions": given.actions, "angles": given.angles, "q": well, "kinds": given.kinds}
     data = {**torus, "parameters": parameters}
     motion = start_on_torus(solution, data, given.t0, digits, parts, certified=given.certified)
     if solution.chart is None:
         return motion
     again = partial(_again, solution, replace(given, certified=False))
     return replace(in_users_coordinates(solution.chart, motion, parts), given=motion.given, again=again)
+
+
+def _well(solution: Solution, given: StartGiven) -> Mapping[str, object] | None:
+    """Return a place in the well that is meant, in the coordinates that separate; the user's are carried there."""
+    chart, q = solution.chart, given.q
+    if chart is None or q is None or not set(q) & {c.name for c in chart.original.coordinates}:
+        return q
+    resting = {c.name: 0 for c in chart.original.coordinates}
+    there = carried(solution, chart, q=q, velocity=None, p=resting, parameters=given.parameters)
+    return {c.name: there.values[c.symbol] for c in solution.system.coordinates}
 
 
 def _again(solution: Solution, given: StartGiven, digits: int, change: Mapping[str, Any]) -> Motion:

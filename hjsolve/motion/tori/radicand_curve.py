@@ -232,7 +232,10 @@ def _harmonic(curve: RadicandCurve, κ: Reals, top: float) -> Cycle | None:
 
 
 def place_of_maximum(curve: RadicandCurve, κ: Reals, low: float, high: float) -> float:
-    """Return the maximum of p² in an interval and next to it; any place inside where p² has none."""
+    """Return the maximum of p² in an interval, or uphill from there; any place inside where p² has none.
+
+    Uphill only: next to the interval p² may be greater on the flank of another well, whose cycles are another family.
+    """
     margin = (high - low) / 2 or 1e-3 * max(abs(low), 1e-3)
     first, last = max(low - margin, (low + curve.lower) / 2), min(high + margin, (high + curve.upper) / 2)
     if curve.turn:
@@ -242,7 +245,12 @@ def place_of_maximum(curve: RadicandCurve, κ: Reals, low: float, high: float) -
     values = curve.value(q, κ)
     if not np.isfinite(values).any():
         return (low + high) / 2
-    best = int(np.nanargmax(np.where(np.isfinite(values), values, np.nan)))
+    values = np.where(np.isfinite(values), values, -np.inf)
+    within = (q >= low) & (q <= high) & (values > -np.inf)
+    best = int(np.argmax(np.where(within, values, -np.inf) if within.any() else values))
+    for step in (-1, 1):
+        while 0 <= best + step < len(q) and values[best + step] > values[best]:
+            best += step
     top = float(q[best])
     bottom, ceiling = float(q[max(best - 2, 0)]), float(q[min(best + 2, len(q) - 1)])
     for _ in range(30):
