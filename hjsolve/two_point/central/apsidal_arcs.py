@@ -61,7 +61,8 @@ def _middle(x: Interval) -> Interval:
 def _from(x: Interval, middle: Interval) -> Interval:
     """x − its middle."""
     return Interval(
-        np.minimum(np.asarray(x.low) - middle.low, 0) * (1 + _EPS), np.maximum(np.asarray(x.high) - middle.low, 0) * (1 + _EPS)
+        np.minimum(np.asarray(x.low) - middle.low, 0) * (1 + _EPS),
+        np.maximum(np.asarray(x.high) - middle.low, 0) * (1 + _EPS),
     )
 
 
@@ -208,6 +209,18 @@ def energies_of(P: SquarePotential, boxes: ApsidalBoxes) -> Interval:
     return _orbit(P, boxes).ends.plain
 
 
+def constants_of(P: SquarePotential, boxes: ApsidalBoxes) -> tuple[float, float]:
+    """Return E and λ² of one pair (x, y), in the middle of their enclosures.
+
+    Args:
+        P: u V.
+        boxes: the pair.
+    """
+    orbit = _orbit(P, boxes)
+    E, λ2 = _middle(orbit.ends.plain), _middle(orbit.λ2)
+    return float(np.asarray(E.low)[0, 0]), float(np.asarray(λ2.low)[0, 0])
+
+
 def _triple(P: SquarePotential, orbit: _Orbit, u: Interval) -> Triple:
     """Enclose G and its slopes at places of the orbit; shape (b, cells)."""
     p, a, width = orbit.p, orbit.a, orbit.width
@@ -346,8 +359,8 @@ def _columns(orbit: _Orbit, arcs: tuple[_Stretch, ...], *, anomaly: bool) -> _Co
 
 
 def _rates(
-    boxes: ApsidalBoxes, orbit: _Orbit, T: Triple, at: _Columns, *, anomaly: bool
-) -> tuple[Interval, Interval, tuple[Interval, Interval]]:
+    boxes: ApsidalBoxes, orbit: _Orbit, T: Triple, at: _Columns, *, anomaly: bool, slopes: bool
+) -> tuple[Interval, Interval, tuple[Interval, ...]]:
     """K or h; its rate by θ or ν; and by x and y. Where G may be zero it is bounded from below alone."""
     with np.errstate(all="ignore"):
         value = Interval(
@@ -365,13 +378,15 @@ def _rates(
         relative_p = mul(_HALF, div(orbit.excess_p, orbit.excess))
         relative_a = mul(_HALF, sub(div(orbit.excess_a, orbit.excess), div(_ONE, orbit.a)))
     by_angle = mul(mul(value, turn), _negative(div(T.u, double)))
-    slopes = []
+    if not slopes:
+        return value, by_angle, ()
+    found = []
     for z, own, moved, relative in (
         (mul(_exact(-2.0), boxes.x), T.p, by_p, relative_p),
         (mul(_TWO, boxes.y), T.a, by_a, relative_a),
     ):
-        slopes.append(mul(mul(value, z), sub(relative, div(add(own, mul(T.u, moved)), double))))
-    return value, by_angle, (slopes[0], slopes[1])
+        found.append(mul(mul(value, z), sub(relative, div(add(own, mul(T.u, moved)), double))))
+    return value, by_angle, (found[0], found[1])
 
 
 def _taken(x: Interval, columns: slice) -> Interval:
@@ -391,23 +406,25 @@ class _Found(NamedTuple):
     """Of the three arcs, shape (b, 1) each: the integral, and its slopes by x and y; and where G has a sign."""
 
     values: list[Interval]
-    slopes: list[tuple[Interval, Interval]]
+    slopes: list[tuple[Interval, ...]]
     positive: Mask
     negative: Mask
 
 
-def _integrals(P: SquarePotential, boxes: ApsidalBoxes, orbit: _Orbit, count: int, *, anomaly: bool) -> _Found:
+def _integrals(
+    P: SquarePotential, boxes: ApsidalBoxes, orbit: _Orbit, count: int, *, anomaly: bool, slopes: bool
+) -> _Found:
     """∫ K dθ or ∫ h dν over the arcs."""
     arcs = _stretches(boxes, orbit, count, anomaly=anomaly)
     at = _columns(orbit, arcs, anomaly=anomaly)
     places = [_exact(np.full_like(boxes.x.low, u)) for u in (boxes.u_low, boxes.u_high)]
     T = _triple(P, orbit, at.u)
-    value, by_angle, by_xy = _rates(boxes, orbit, T, at, anomaly=anomaly)
+    value, by_angle, by_xy = _rates(boxes, orbit, T, at, anomaly=anomaly, slopes=slopes)
     ends = []
-    for u in places:
+    for u in places if slopes else ():
         still = _Columns(u, _exact(0.0), _exact(0.0))
-        ends.append(_rates(boxes, orbit, _triple(P, orbit, u), still, anomaly=anomaly)[0])
-    values, slopes = [], []
+        ends.append(_rates(boxes, orbit, _triple(P, orbit, u), still, anomaly=anomaly, slopes=False)[0])
+    values, found = [], []
     for k, arc in enumerate(arcs):
         cells, middles = (slice(n * count, (n + 1) * count) for n in (k, k + 3))
         width = mul(arc.length, sub(_exact(arc.parts[:, 1:]), _exact(arc.parts[:, :-1])))
@@ -418,7 +435,7 @@ def _integrals(P: SquarePotential, boxes: ApsidalBoxes, orbit: _Orbit, count: in
         by_middle = add(mul(_taken(value, middles), width), Interval(-off, off))
         values.append(_sum(_meet(mul(_taken(value, cells), width), by_middle)))
         totals = []
-        for j in (0, 1):
+        for j in (0, 1) if slopes else ():
             total = _sum(mul(_taken(by_xy[j], cells), width))
             if k != INNER:
                 upper = arc.begin if k == OUTER else arc.end
@@ -427,20 +444,21 @@ def _integrals(P: SquarePotential, boxes: ApsidalBoxes, orbit: _Orbit, count: in
                 lower_ = arc.end if k == INNER else arc.begin
                 total = add(total, mul(_exact(1.0 if k == INNER else -1.0), mul(ends[0], lower_[1 + j])))
             totals.append(total)
-        slopes.append((totals[0], totals[1]))
-    return _Found(values, slopes, np.all(T.G.low > 0, axis=1), np.any(T.G.high < 0, axis=1))
+        found.append(tuple(totals))
+    return _Found(values, found, np.all(T.G.low > 0, axis=1), np.any(T.G.high < 0, axis=1))
 
 
-def apsidal_arcs(P: SquarePotential, boxes: ApsidalBoxes, count: int) -> Arcs:
-    """Enclose the arcs of some boxes, in the order of ``radial_arcs``, with slopes by x and y.
+def apsidal_arcs(P: SquarePotential, boxes: ApsidalBoxes, count: int, *, slopes: bool) -> Arcs:
+    """Enclose the arcs of some boxes, in the order of ``radial_arcs``.
 
     Args:
         P: u V.
         boxes: of (x, y).
         count: of cells of an arc.
+        slopes: by x and y, whether they are wanted.
     """
     orbit = _orbit(P, boxes)
-    found = [_integrals(P, boxes, orbit, count, anomaly=anomaly) for anomaly in (False, True)]
+    found = [_integrals(P, boxes, orbit, count, anomaly=anomaly, slopes=slopes) for anomaly in (False, True)]
     λ_low, λ_high = (np.asarray(x)[:, 0] for x in orbit.λ2)
     bounded = found[0].positive & found[1].positive & (λ_low > 0)
     never = found[0].negative | found[1].negative | (λ_high < 0)
@@ -460,4 +478,7 @@ def apsidal_arcs(P: SquarePotential, boxes: ApsidalBoxes, count: int) -> Arcs:
                 slope_high[i, j, k] = np.where(bounded, slope.high[:, 0], np.inf)
     there = np.broadcast_to(np.where(never, -1, np.where(bounded, 1, 0)), (3, b)).copy()
     most = np.sqrt(np.maximum(λ_high, 0)) * (1 + _EPS)
-    return Arcs(Interval(low, high), Interval(slope_low, slope_high), there, most, np.ones(b, dtype=bool))
+    sloped = Interval(slope_low, slope_high) if slopes else None
+    fastest, slowest = (np.asarray(x)[:, 0] for x in (orbit.p.low, orbit.a.high))
+    rate = Interval(np.sqrt(np.maximum(λ_low, 0)) / slowest * (1 - 4 * _EPS), most / fastest * (1 + 4 * _EPS))
+    return Arcs(Interval(low, high), sloped, there, most, np.ones(b, dtype=bool), rate)

@@ -18,9 +18,15 @@ import numpy as np
 
 from hjsolve.arithmetic.interval import Interval
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.two_point.central.apsidal_arcs import ApsidalBoxes, SquarePotential, apsidal_arcs, energies_of
+from hjsolve.two_point.central.apsidal_arcs import (
+    ApsidalBoxes,
+    SquarePotential,
+    apsidal_arcs,
+    constants_of,
+    energies_of,
+)
 from hjsolve.two_point.central.radial_arcs import Arcs, Boxes, arcs_of
-from hjsolve.two_point.central.radial_grid import RadialGrid
+from hjsolve.two_point.central.radial_grid import RadialGrid, RadialPotential
 from hjsolve.two_point.one_freedom.line_branches import LineBranch
 
 _BATCH = 48
@@ -29,11 +35,13 @@ _SMALLEST = 2.0**-16
 """Parts of its own size at which a box is left undecided."""
 _LEVELS = (0.12, 0.02, 0.004)
 """Relative sizes of boxes below which finer cells are taken."""
+_UNTESTED = 0.3
+"""Relative size of boxes of (x, y) above which enclosures say too little to pay."""
 _AT_OUTER, _AT_INNER, _APSIDAL = range(3)
 """Charts: (s, λ) with r_j the outer or the inner distance, and (x, y)."""
-_APSIDAL_CELLS = (24, 48, 96, 256)
-_NEWTON = 4
-_INCLUDED = (16.0, 8.0, 4.0, 2.0, 1.0)
+_APSIDAL_CELLS = (36, 48, 96, 256)
+_NEWTON, _PASSES = 4, 6
+_INCLUDED = (128.0, 64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.0)
 """How many times the box in which it was found the box is that a solution has to itself."""
 
 
@@ -41,6 +49,7 @@ class RadialProblem(NamedTuple):
     """What is to be joined.
 
     Attributes:
+        potential: V.
         grids: coarse, medium and fine cells of r, which end at the farthest distance from which a mass can return in time.
         square: u V.
         nearest: u below which there is no pericentre with more angular momentum than the least.
@@ -53,6 +62,7 @@ class RadialProblem(NamedTuple):
         unturned: whether nothing turns outwards from that energy on.
     """
 
+    potential: RadialPotential
     grids: tuple[RadialGrid, ...]
     square: SquarePotential
     nearest: float
@@ -182,7 +192,7 @@ def _arcs(problem: RadialProblem, queue: _Queue, level: int, *, slopes: bool, ce
     if queue.chart[0] == _APSIDAL:
         low, high = grid.r[[grid.inner, grid.outer]] ** 2
         boxes = ApsidalBoxes(first, second, float(low), float(high))
-        return apsidal_arcs(problem.square, boxes, _APSIDAL_CELLS[level])
+        return apsidal_arcs(problem.square, boxes, _APSIDAL_CELLS[level], slopes=slopes)
     bound = np.where(queue.chart == _AT_INNER, grid.inner, grid.outer)
     return arcs_of(grid, Boxes(first, second, bound), slopes=slopes)
 
@@ -195,6 +205,10 @@ def _judged(problem: RadialProblem, queue: _Queue, proof: RadialProof) -> _Queue
     largest = np.max(_sizes(problem, queue), axis=1)
     levels = np.sum(largest[:, None] <= np.array(_LEVELS), axis=1)
     left = []
+    untested = (queue.chart == _APSIDAL) & (largest > _UNTESTED)
+    if np.any(untested):
+        left.append(_halved(problem, queue.part(untested), np.full((int(np.sum(untested)), 2), np.nan), proof))
+        queue, levels = queue.part(~untested), levels[~untested]
     for apsidal in (False, True):
         for level in range(len(_LEVELS) + 1):
             part = queue.part(((queue.chart == _APSIDAL) == apsidal) & (levels == level))
@@ -292,17 +306,19 @@ def _paths(problem: RadialProblem, arcs: Arcs) -> _Paths:
 
 def _tested(problem: RadialProblem, level: int, queue: _Queue, proof: RadialProof) -> tuple[_Queue, Reals]:
     """Discard paths; and return what is left, with how much each side of a box adds to the widths."""
-    natural = _arcs(problem, queue, level, slopes=False)
+    natural = _arcs(problem, queue, level, slopes=bool(queue.chart[0] == _APSIDAL))
     alive = queue.alive & _possible(problem, _paths(problem, natural))
     alive &= ~_isolated(queue, proof)
     alive &= ~_elsewhere(problem, queue, natural)[:, None, None]
+    swept = [np.asarray(end)[:, None] * problem.time for end in natural.rate]
+    alive &= ((swept[0] * (1 - 1e-14) <= problem.angles) & (swept[1] * (1 + 1e-14) >= problem.angles))[:, None, :]
     keep = np.any(alive, axis=(1, 2))
     queue = _Queue(queue.corners, queue.chart, alive).part(keep)
     if not len(queue.chart):
         return queue, np.zeros((0, 2))
     known = natural.slopes is not None
     over = _paths(problem, natural.part(keep) if known else _arcs(problem, queue, level, slopes=True))
-    middle = _paths(problem, _arcs(problem, queue, max(level, 1), slopes=False, centres=True))
+    middle = _paths(problem, _arcs(problem, queue, level, slopes=False, centres=True))
     test = _linear_test(problem, queue, over, middle)
     alive = queue.alive & test.possible
     wanted = alive & test.regular & test.near
@@ -452,3 +468,46 @@ def _halved(problem: RadialProblem, queue: _Queue, spread: Reals, proof: RadialP
 def _leave(problem: RadialProblem, queue: _Queue, proof: RadialProof) -> None:
     low, high = _energies(problem, queue)
     proof.undecided += [(float(a), float(b)) for a, b in zip(low, high, strict=True)]
+
+
+def energy_and_momentum(problem: RadialProblem, chart: int, at: tuple[float, float]) -> tuple[float, float]:
+    """Return E and λ of parameters.
+
+    Args:
+        problem: what is joined.
+        chart: of the parameters.
+        at: their values.
+    """
+    first, second = (Interval(np.array([[x]]), np.array([[x]])) for x in at)
+    grid = problem.grids[0]
+    if chart == _APSIDAL:
+        low, high = grid.r[[grid.inner, grid.outer]] ** 2
+        E, λ2 = constants_of(problem.square, ApsidalBoxes(first, second, float(low), float(high)))
+        return float(E), float(np.sqrt(max(λ2, 0.0)))
+    node = grid.inner if chart == _AT_INNER else grid.outer
+    V = float(np.asarray(grid.at_nodes.V.low)[node])
+    return V + at[0] ** 2 + (at[1] / grid.r[node]) ** 2, at[1]
+
+
+def is_solved_by(problem: RadialProblem, motion: IsolatedMotion, E: float, λ: float) -> bool:
+    """Whether a motion with these constants is the one that was isolated: its parameters are in its box.
+
+    Args:
+        problem: what is joined.
+        motion: the box.
+        E, λ: of the motion.
+    """
+    x = np.array(motion.at)
+    for _ in range(_PASSES):
+        here = np.array(energy_and_momentum(problem, motion.chart, (float(x[0]), float(x[1]))))
+        steps = 1e-6 * np.maximum(x, 1e-3)
+        columns = []
+        for k in (0, 1):
+            moved = x.copy()
+            moved[k] += steps[k]
+            columns.append(
+                (np.array(energy_and_momentum(problem, motion.chart, (moved[0], moved[1]))) - here) / steps[k]
+            )
+        x = np.maximum(x + np.linalg.lstsq(np.array(columns).T, np.array([E, λ]) - here, rcond=None)[0], 0.0)
+    slack = 1e-7 * (1 + np.abs(x))
+    return bool(np.all((x >= np.array(motion.low) - slack) & (x <= np.array(motion.high) + slack)))

@@ -59,6 +59,7 @@ class Arcs:
         there: 1 where the arc exists (has a turning point) all over the box, −1 where nowhere, 0 undecided; (3, b).
         momentum_high: bound on λ from above, shape (b,).
         returns: whether every motion turns before the last node, shape (b,).
+        rate: of the angle by the time in these units, λ/r², over all of the motions; shape (b,).
     """
 
     values: Interval
@@ -66,6 +67,7 @@ class Arcs:
     there: Integers
     momentum_high: Reals
     returns: Mask
+    rate: Interval
 
     def part(self, kept: Mask) -> Arcs:
         """Return those of some boxes.
@@ -78,7 +80,8 @@ class Arcs:
             for x in (self.values, self.slopes)
         )
         assert values is not None
-        return Arcs(values, slopes, self.there[:, kept], self.momentum_high[kept], self.returns[kept])
+        rate = Interval(np.asarray(self.rate.low)[kept], np.asarray(self.rate.high)[kept])
+        return Arcs(values, slopes, self.there[:, kept], self.momentum_high[kept], self.returns[kept], rate)
 
 
 class _Fields(NamedTuple):
@@ -144,7 +147,9 @@ def _fields(grid: RadialGrid, boxes: Boxes) -> _Fields:
     own = mul(FIELD.power(_point(rj), 2), s2)
     own_tangent = mul(own, _inverse_square(boxes.λ))
     square = Interval(np.where(there, own.low, square.low), np.where(there, own.high, square.high))
-    tangent2 = Interval(np.where(there, own_tangent.low, tangent2.low), np.where(there, own_tangent.high, tangent2.high))
+    tangent2 = Interval(
+        np.where(there, own_tangent.low, tangent2.low), np.where(there, own_tangent.high, tangent2.high)
+    )
     # the centre itself: every motion with L ≠ 0 turns before it, if V is known there
     known = grid.centre is not None
     for x in (square, tangent2):
@@ -177,7 +182,9 @@ def _radii(r: Reals, rj: Reals) -> tuple[Interval, Interval]:
     return r2, FIELD.div(ρ, FIELD.power(_point(rj), 2))
 
 
-def _with_coefficients(grid: RadialGrid, E: Interval, known: tuple[Interval, Interval, Interval, Interval, Interval]) -> _Fields:
+def _with_coefficients(
+    grid: RadialGrid, E: Interval, known: tuple[Interval, Interval, Interval, Interval, Interval]
+) -> _Fields:
     σ, φ, square, inside, middle = known
     mul, add, sub, div = FIELD.mul, FIELD.add, FIELD.sub, FIELD.div
     V, W1, W2 = (_column(x) for x in grid.over_cells)
@@ -229,13 +236,13 @@ def _reaches(grid: RadialGrid, F: _Fields) -> tuple[_Reach, _Reach, _Reach]:
     sure = F.plain | (F.rising & (first | (cells == grid.inner))) | (F.falling & (last | (cells + 1 == grid.outer)))
     barred = np.any((high[:, 1:-1] < 0) & (cells[:, 1:] > grid.inner) & (cells[:, 1:] < grid.outer), axis=1)
     all_sure = np.all(sure | ~direct, axis=1)
-    between = _Reach(
-        np.broadcast_to(direct, sure.shape), np.where(barred, -1, np.where(all_sure, 1, 0)), direct & sure
-    )
+    between = _Reach(np.broadcast_to(direct, sure.shape), np.where(barred, -1, np.where(all_sure, 1, 0)), direct & sure)
     sure = F.plain | (F.rising & (first | (cells == grid.outer))) | (F.falling & last)
     outer = _turning(sure[:, grid.outer :], F.falling[:, grid.outer :], high[:, grid.outer + 1 :] < 0)
     sure = F.plain | (F.falling & (last | (cells + 1 == grid.inner))) | (F.rising & first)
-    inner = _turning(sure[:, : grid.inner][:, ::-1], F.rising[:, : grid.inner][:, ::-1], high[:, : grid.inner][:, ::-1] < 0)
+    inner = _turning(
+        sure[:, : grid.inner][:, ::-1], F.rising[:, : grid.inner][:, ::-1], high[:, : grid.inner][:, ::-1] < 0
+    )
     out = [np.zeros(sure.shape, dtype=bool) for _ in range(4)]
     out[0][:, grid.outer :], out[1][:, grid.outer :] = outer.active, outer.passed
     out[2][:, : grid.inner], out[3][:, : grid.inner] = inner.active[:, ::-1], inner.passed[:, ::-1]
@@ -381,9 +388,7 @@ def _plain(grid: RadialGrid, boxes: Boxes, F: _Fields) -> _Plain:
     cube = FIELD.power(σ, 3)
     less = div(mul(width, r), cube)
     by_s = mul(mul(s, less), FIELD.power(r, 2)), mul(mul(s, λ), less)
-    by_λ = mul(mul(λ, ρ), less), sub(
-        div(mul(mul(FIELD.power(λ, 2), ρ), width), mul(r, cube)), div(width, mul(r, σ))
-    )
+    by_λ = mul(mul(λ, ρ), less), sub(div(mul(mul(FIELD.power(λ, 2), ρ), width), mul(r, cube)), div(width, mul(r, σ)))
     negative = tuple(tuple(Interval(-x.high, -x.low) for x in pair) for pair in (by_s, by_λ))
     return _Plain(values, (negative[0], negative[1]))  # type: ignore[arg-type]
 
@@ -435,7 +440,8 @@ def arcs_of(grid: RadialGrid, boxes: Boxes, *, slopes: bool) -> Arcs:
     there = np.stack([reach.there for reach in reaches])
     found = _slopes(grid, boxes, F, plain, reaches) if slopes else None
     returns = np.any(np.asarray(F.square.high)[:, grid.outer + 1 :] < 0, axis=1)
-    return Arcs(Interval(low, high), found, there, np.asarray(boxes.λ.high)[:, 0], returns)
+    unknown = Interval(np.zeros(count), np.full(count, np.inf))
+    return Arcs(Interval(low, high), found, there, np.asarray(boxes.λ.high)[:, 0], returns, unknown)
 
 
 def _slopes(

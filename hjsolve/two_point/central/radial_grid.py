@@ -133,9 +133,7 @@ class RadialPotential:
         """Bounds on r V′ up to a distance, a little wider than its limit and its value there."""
         spread = 4 * (abs(float(here.first.low[0]) - limit) + abs(float(here.first.high[0]) - limit)) + 1e-12
         low, high = sp.Rational(limit - spread), sp.Rational(limit + spread)
-        inside = (
-            self._sign(self.formulas[1] - low, distance) > 0 and self._sign(self.formulas[1] - high, distance) < 0
-        )
+        inside = self._sign(self.formulas[1] - low, distance) > 0 and self._sign(self.formulas[1] - high, distance) < 0
         return (float(low), float(high)) if inside else None
 
     def _bounded_potential(self, limit: float, here: float, drop: float, distance: float) -> float | None:
@@ -149,6 +147,23 @@ class RadialPotential:
         context = multiprecision(256)
         tape = lower([sp.expand(formula)], [self.r])
         return sign_before(tape, [], context.mpf(0), -1, context.mpf(distance))
+
+    def is_above(self, E: float, distance: float) -> bool:
+        """Whether V exceeds an energy between the centre and a distance, proved.
+
+        Args:
+            E: the energy.
+            distance: from the centre.
+        """
+        return self._sign(self.V - sp.Rational(E), distance) > 0
+
+    def virial_is_negative(self, distance: float) -> bool:
+        """Whether 2V + r V′ < 0 between the centre and a distance, proved.
+
+        Args:
+            distance: from the centre.
+        """
+        return self._sign(2 * self.V + self.formulas[1], distance) < 0
 
     def never_turned_beyond(self, distance: float, E: float) -> bool:
         """Whether r²(E − V) rises with r from a distance on, for this energy and all above it: nothing turns there.
@@ -226,9 +241,7 @@ def innermost(distance: float) -> float:
 
 def _led(profile: Profile) -> Profile:
     """Put a first column that says nothing before a profile: that of the centre, or of the cell next to it."""
-    return Profile(
-        *(Interval(np.concatenate([[-np.inf], x.low]), np.concatenate([[np.inf], x.high])) for x in profile)
-    )
+    return Profile(*(Interval(np.concatenate([[-np.inf], x.low]), np.concatenate([[np.inf], x.high])) for x in profile))
 
 
 def _geometric(low: float, high: float, ratio: float) -> Reals:
