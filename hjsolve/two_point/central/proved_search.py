@@ -30,7 +30,7 @@ from hjsolve.two_point.central.radial_grid import RadialGrid, RadialPotential
 from hjsolve.two_point.one_freedom.line_branches import LineBranch
 
 _BATCH = 48
-_MOST_BOXES = 40_000
+_MOST_BOXES = 12_000
 _SMALLEST = 2.0**-16
 """Parts of its own size at which a box is left undecided."""
 _LEVELS = (0.12, 0.02, 0.004)
@@ -41,8 +41,10 @@ _AT_OUTER, _AT_INNER, _APSIDAL = range(3)
 """Charts: (s, λ) with r_j the outer or the inner distance, and (x, y)."""
 _APSIDAL_CELLS = (36, 48, 96, 256)
 _NEWTON, _PASSES = 4, 6
-_INCLUDED = (128.0, 64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.0)
-"""How many times the box in which it was found the box is that a solution has to itself."""
+_INCLUDED = (0.2, 0.1, 0.05, 0.025, 0.012, 0.006, 0.003, 0.001, 0.0003, 0.0001)
+"""Relative sizes of the box that a solution has to itself: the largest that serves is taken."""
+_FAR = 0.15
+"""How far from a box its solution is looked for, as a relative size."""
 
 
 class RadialProblem(NamedTuple):
@@ -59,7 +61,8 @@ class RadialProblem(NamedTuple):
         branches: radial paths.
         beyond: more periods than this one no branch has.
         top: an energy from which on no path without the outer arc is so slow.
-        unturned: whether nothing turns outwards from that energy on.
+        highest: an energy that no path with the outer arc exceeds.
+        settled: whether that is proved; else energies above the top are not decided.
     """
 
     potential: RadialPotential
@@ -72,7 +75,8 @@ class RadialProblem(NamedTuple):
     branches: tuple[LineBranch, ...]
     beyond: int
     top: float
-    unturned: bool
+    highest: float
+    settled: bool
 
 
 @dataclass(frozen=True)
@@ -132,7 +136,7 @@ def all_motions(problem: RadialProblem) -> RadialProof:
     Args:
         problem: what is joined.
     """
-    proof = RadialProof()
+    proof = RadialProof(high=not problem.settled)
     queue = _first_boxes(problem)
     while len(queue.chart):
         if proof.boxes > _MOST_BOXES:
@@ -149,19 +153,22 @@ def _first_boxes(problem: RadialProblem) -> _Queue:
     grid = problem.grids[0]
     radii = grid.r[[grid.inner, grid.outer]]
     V_low, V_high = (np.array([end[grid.inner], end[grid.outer]]) for end in grid.at_nodes.V)
-    most_s = np.sqrt(max(problem.top - float(np.max(V_low)), 0.0)) * (1 + 1e-12)
-    most_λ = float(np.max(radii * np.sqrt(np.maximum(problem.top - V_low, 0.0)))) * (1 + 1e-12)
     cut = _cut(radii, (V_low + V_high) / 2)
     every = np.ones((len(problem.branches) + 1, len(problem.angles)), dtype=bool)
     inward = every & np.array([b.upper == 0 for b in problem.branches] + [False])[:, None]
     boxes, charts, alive = [], [], []
-    for low, high, chart in ((0.0, min(cut, most_λ), _AT_OUTER), (cut, most_λ, _AT_INNER)):
-        for first, last, paths in ((low, min(high, problem.least), every), (max(low, problem.least), high, inward)):
-            for λ in _edges(first, last) if last > first else ():
+    for at_inner in (False, True):
+        for near in (True, False):
+            top = problem.highest if near else problem.top
+            most_s = np.sqrt(max(top - float(np.max(V_low)), 0.0)) * (1 + 1e-12)
+            most_λ = float(np.max(radii * np.sqrt(np.maximum(top - V_low, 0.0)))) * (1 + 1e-12)
+            low, high = (cut, most_λ) if at_inner else (0.0, min(cut, most_λ))
+            low, high = (low, min(high, problem.least)) if near else (max(low, problem.least), high)
+            for λ in _edges(low, high) if high > low else ():
                 for s in _edges(0.0, most_s):
                     boxes.append([s, λ])
-                    charts.append(chart)
-                    alive.append(paths)
+                    charts.append(_AT_INNER if at_inner else _AT_OUTER)
+                    alive.append(every if near else inward)
     low_u, high_u = radii**2
     most_x, most_y = np.sqrt(low_u - problem.nearest), np.sqrt(grid.r[-1] ** 2 - high_u)
     for x in _edges(0.0, most_x * (1 + 1e-15)):
@@ -199,7 +206,7 @@ def _arcs(problem: RadialProblem, queue: _Queue, level: int, *, slopes: bool, ce
 
 def _judged(problem: RadialProblem, queue: _Queue, proof: RadialProof) -> _Queue:
     """Discard paths from boxes, isolate solutions, and halve what is left."""
-    queue = _in_domain(problem, queue, proof)
+    queue = _in_domain(problem, queue)
     if not len(queue.chart):
         return queue
     largest = np.max(_sizes(problem, queue), axis=1)
@@ -220,14 +227,13 @@ def _judged(problem: RadialProblem, queue: _Queue, proof: RadialProof) -> _Queue
     return _joined(left) if left else queue.part(slice(0, 0))
 
 
-def _in_domain(problem: RadialProblem, queue: _Queue, proof: RadialProof) -> _Queue:
-    """Drop boxes that are above the top, or belong to another chart, as a whole."""
+def _in_domain(problem: RadialProblem, queue: _Queue) -> _Queue:
+    """Drop paths from boxes whose energies are too high for them."""
     least = _energies(problem, queue)[0]
-    above = least >= problem.top
-    outer = np.array([b.upper > 0 for b in problem.branches] + [True])
-    if not problem.unturned and np.any(queue.alive[above][:, outer]):
-        proof.high = True
-    return queue.part(~above)
+    inward = np.array([b.upper == 0 for b in problem.branches] + [False])
+    alive = queue.alive & ~((least >= problem.top)[:, None] & inward)[:, :, None]
+    alive &= (least < problem.highest)[:, None, None]
+    return _Queue(queue.corners, queue.chart, alive).part(np.any(alive, axis=(1, 2)))
 
 
 def _energies(problem: RadialProblem, queue: _Queue) -> tuple[Reals, Reals]:
@@ -403,8 +409,8 @@ def _isolated(queue: _Queue, proof: RadialProof) -> Mask:
 
 def _isolate(problem: RadialProblem, box: _Queue, branch: int, angle: int, guess: Reals, proof: RadialProof) -> None:
     """Solve for one path from a guess, and give the solution the largest box that it surely has to itself."""
-    half = (box.corners[0, :, 1] - box.corners[0, :, 0]) / 2
-    centre, chart = np.mean(box.corners[0], axis=1), int(box.chart[0])
+    chart, size = int(box.chart[0]), _sizes(problem, box)[0]
+    unit = (box.corners[0, :, 1] - box.corners[0, :, 0]) / size
     known = [m for m in proof.motions if (m.branch, m.angle, m.chart) == (branch, angle, chart)]
     x = np.maximum(guess, 0.0)
     goal = np.array([problem.time, problem.angles[angle]])
@@ -417,10 +423,9 @@ def _isolate(problem: RadialProblem, box: _Queue, branch: int, angle: int, guess
         if not (np.all(np.isfinite(F)) and np.all(np.isfinite(J))):
             return
         x = np.maximum(x + np.linalg.lstsq(J, goal - F, rcond=None)[0], 0.0)
-        if np.any(np.abs(x - centre) > 3 * half):
+        if np.any(np.abs(x - guess) > _FAR * unit):
             return
-    low = np.array([np.maximum(x - k * half, 0.0) for k in _INCLUDED])
-    high = np.array([x + k * half for k in _INCLUDED])
+    low, high = (np.array([np.maximum(x + sign * k / 2 * unit, 0.0) for k in _INCLUDED]) for sign in (-1, 1))
     if chart == _APSIDAL:
         most = np.sqrt(problem.grids[0].r[problem.grids[0].inner] ** 2 - problem.nearest)
         high[:, 0] = np.minimum(high[:, 0], most)

@@ -115,13 +115,14 @@ class RadialPotential:
                 return None if rise is None else CentralCell(bound, singular=False, highest=rise)
             rising = self._sign(self.formulas[1], distance) > 0
             return CentralCell(bound, singular=False, highest=highest) if rising else None
-        if V != -sp.oo or highest >= 0:
+        if not (V.is_infinite and V.is_extended_negative) or highest >= 0:
             return None
         exponent = sp.limit(-self.formulas[1] / self.V, self.r, 0, "+")
         if not (exponent.is_number and exponent.is_finite):
             return None
-        a = sp.Rational(float(exponent))
-        low, high = a * (1 - sp.Rational(_MARGIN)), a * (1 + sp.Rational(_MARGIN))
+        size = Interval(-here.V.high, -here.V.low)
+        ends = [float(exponent), float(here.first.low[0] / size.high[0]), float(here.first.high[0] / size.low[0])]
+        low, high = sp.Rational(min(ends) * (1 - _MARGIN)), sp.Rational(max(ends) * (1 + _MARGIN))
         signs = (
             self._sign(self.formulas[1] + low * self.V, distance) > 0,
             self._sign(self.formulas[1] + high * self.V, distance) < 0,

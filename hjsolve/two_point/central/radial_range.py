@@ -12,6 +12,8 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.number_types import Reals
+from hjsolve.arithmetic.sign_at_infinity import sign_beyond
+from hjsolve.lowering import lower
 from hjsolve.two_point.central.apsidal_arcs import SquarePotential
 from hjsolve.two_point.central.proved_search import RadialProblem
 from hjsolve.two_point.central.radial_grid import CentralCell, RadialGrid, RadialPotential, innermost, radial_grid
@@ -47,17 +49,24 @@ def radial_problem(
     far = _farthest(potential, high, top, time)
     if far is None:
         return None
+    settled = potential.never_turned_beyond(high, top)
+    highest = top
+    if not settled:
+        late = _late(potential, high, far, time)
+        if late is not None:
+            settled, far = True, late
+            highest = max(top, _highest(potential, high, far))
     grids = tuple(radial_grid(potential, (low, high), far, ratio, centre) for ratio in _RATIOS)
     steep = float(np.asarray(near.at_nodes.first.low)[near.inner])
     V_low = float(np.asarray(near.at_nodes.V.low)[near.inner])
     circular = low * np.sqrt(steep / 2) if steep > 0 else low * np.sqrt(max(top - V_low, 0.0)) / 4
     least = _LEAST * circular
-    nearest = _nearest(grids[1], top, least)
+    nearest = _nearest(grids[1], highest, least)
     passages = 2 * (turns + 1)
     return RadialProblem(
         potential=potential, grids=grids, square=SquarePotential(r, V), nearest=nearest, least=least, time=time,
         angles=angles, branches=tuple(branches(int(np.sign(distances[1] - distances[0])), passages)), beyond=passages,
-        top=top, unturned=potential.never_turned_beyond(high, top),
+        top=top, highest=highest, settled=settled,
     )  # fmt: skip
 
 
@@ -102,6 +111,34 @@ def _farthest(potential: RadialPotential, high: float, top: float, time: float) 
             return float(far)
         far = needed * 1.05
     return None
+
+
+def _late(potential: RadialPotential, high: float, far: float, time: float) -> float | None:
+    """Return a distance such that what turns beyond it comes back too late, whatever its energy; None if none is found.
+
+    With apocentre a, λ² ≤ u_h (E − V_h) gives E ≤ P[u_h, a], so the way there and back takes at least
+    2(r − r_h)/√(P[u_h, r²] − V_least), V_least being the least V beyond r_h.
+    """
+    r, V = potential.r, potential.V
+    h = sp.Rational(high)
+    V_h = sp.Rational(float(potential.over(np.array([high]), np.array([high])).V.low[0]))
+    for k in range(12):
+        start = max(far, 4.0) * 2.0**k
+        nodes = np.geomspace(high, start, 4000)
+        least = sp.Rational(float(np.min(potential.over(nodes[:-1], nodes[1:]).V.low)))
+        gap = r**2 - h**2
+        late = 4 * (r - h) ** 2 * gap - sp.Rational(time) ** 2 * (r**2 * V - h**2 * V_h - least * gap)
+        rising = lower([sp.expand(potential.formulas[1])], [r])
+        if sign_beyond(rising, [], 1, start) > 0 and sign_beyond(lower([sp.expand(late)], [r]), [], 1, start) > 0:
+            return start
+    return None
+
+
+def _highest(potential: RadialPotential, high: float, far: float) -> float:
+    """Return an energy that no motion with an apocentre between two distances exceeds: E ≤ P[u_h, a] ≤ max P′."""
+    nodes = np.geomspace(high, far, 4000)
+    cells = potential.over(nodes[:-1], nodes[1:])
+    return float(np.max(np.asarray(cells.V.high) + np.asarray(cells.first.high) / 2)) * (1 + 1e-12) + 1e-12
 
 
 def _nearest(grid: RadialGrid, top: float, least: float) -> float:

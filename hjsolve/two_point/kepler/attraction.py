@@ -109,6 +109,6 @@ def _of_kind(system: System, kind: str, order: tuple[Coordinate, ...]) -> Centra
         distance = sp.sqrt(sp.Add(*(c.symbol**2 for c in order)))
         if sp.simplify(potential.xreplace({RADIUS: distance}) - system.potential) != 0:
             return None
-    if potential.free_symbols & letters:
+    if potential.free_symbols & (letters - {RADIUS}):
         return None
     return CentralForce(kind, tuple(c.name for c in order), mass, potential)
