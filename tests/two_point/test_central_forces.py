@@ -11,7 +11,8 @@ from sympy.integrals.quadrature import gauss_legendre
 import hjsolve
 from hjsolve.arithmetic.interval import Interval
 from hjsolve.two_point.central.apsidal_arcs import ApsidalBoxes, SquarePotential, apsidal_arcs
-from hjsolve.two_point.central.proved_search import all_motions, energy_and_momentum
+from hjsolve.two_point.central.isolated_constants import energy_and_momentum
+from hjsolve.two_point.central.proved_search import all_motions
 from hjsolve.two_point.central.radial_arcs import Boxes, arcs_of
 from hjsolve.two_point.central.radial_grid import RadialPotential, innermost, radial_grid
 from hjsolve.two_point.central.radial_range import radial_problem

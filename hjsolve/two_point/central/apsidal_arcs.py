@@ -59,7 +59,7 @@ def _middle(x: Interval) -> Interval:
 
 
 def _from(x: Interval, middle: Interval) -> Interval:
-    """x − its middle."""
+    """Return x − its middle."""
     return Interval(
         np.minimum(np.asarray(x.low) - middle.low, 0) * (1 + _EPS),
         np.maximum(np.asarray(x.high) - middle.low, 0) * (1 + _EPS),
@@ -124,8 +124,9 @@ class _Pair(NamedTuple):
 
 
 def _pair(P: SquarePotential, v: Interval, w: Interval) -> _Pair:
-    """Enclose them three ways: by derivatives over the hull, also where v = w; by quotients; by quotients at the middles
-    with slopes that these give. Each serves where the others do not.
+    """Enclose them by derivatives over the hull, by quotients, and by quotients at the middles with slopes.
+
+    The first also serve where v = w, and the last for narrow ranges of both.
     """
     hull = P.over(Interval(np.minimum(v.low, w.low), np.maximum(v.high, w.high)))
     shape = np.broadcast_shapes(np.shape(v.low), np.shape(w.low))
@@ -161,7 +162,7 @@ class ApsidalBoxes(NamedTuple):
 
 
 class _Orbit(NamedTuple):
-    """What does not depend on u: apsides, their difference, P[p, a], and λ²/p = E − V(p) with its slopes by p and a."""
+    """What does not depend on u: apsides, their difference, P[p, a], and λ²/p = E − V(p) with slopes by p and a."""
 
     p: Interval
     a: Interval
@@ -285,7 +286,7 @@ def _negative(x: Interval) -> Interval:
 
 
 def _stretches(boxes: ApsidalBoxes, orbit: _Orbit, count: int, *, anomaly: bool) -> tuple[_Stretch, _Stretch, _Stretch]:
-    """The arcs (direct, outer, inner), cut so that neither θ nor ν changes much over a cell."""
+    """Return the direct, the outer and the inner arc, cut so that neither θ nor ν changes much over a cell."""
     lower_, upper = _passages(boxes, orbit, anomaly=anomaly)
     zero, π = _exact(np.zeros_like(boxes.x.low)), FIELD.pi()
     start, finish = _Passage(zero, zero, zero), _Passage(add(zero, π), zero, zero)

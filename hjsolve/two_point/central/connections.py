@@ -14,13 +14,12 @@ from hjsolve.errors import HJSolveError, InvalidInputError, NotConvergedError
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.two_point.asked.answers import Completeness, Connection, Connections
 from hjsolve.two_point.asked.question import TwoPlaceQuestion
+from hjsolve.two_point.central.isolated_constants import energy_and_momentum, is_solved_by
 from hjsolve.two_point.central.proved_search import (
     IsolatedMotion,
     RadialProblem,
     RadialProof,
     all_motions,
-    energy_and_momentum,
-    is_solved_by,
 )
 from hjsolve.two_point.central.radial_range import radial_problem
 from hjsolve.two_point.kepler.attraction import RADIUS, CentralForce
@@ -30,9 +29,9 @@ from hjsolve.two_point.search.searched import connection_of, joined_by_search, r
 from hjsolve.two_point.search.shooting import solved_from
 
 PROVED = (
-    "Complete: on every radial path (turning points passed) and for every image of q1 the pairs (E, L) were isolated by "
-    "enclosures of time and angle over boxes of both, and bounds hold beyond them; motions through the centre do not "
-    "count; places and time rounded to doubles"
+    "Complete: on every radial path (turning points passed) and for every image of q1 the pairs (E, L) were isolated "
+    "by enclosures of time and angle over boxes of both, and bounds hold beyond them; motions through the centre do "
+    "not count; places and time rounded to doubles"
 )
 _BITS = 160
 _IN_LINE = 1e-9
@@ -45,6 +44,7 @@ class _Asked:
 
     Attributes:
         question: as it was asked.
+        values: symbol → exact number, of the parameters.
         force: the central force.
         mass: m.
         places: of its geometry, in numbers of many digits.
@@ -53,6 +53,7 @@ class _Asked:
     """
 
     question: TwoPlaceQuestion
+    values: Mapping[sp.Symbol, sp.Expr]
     force: CentralForce
     mass: float
     places: CentralPlaces[Mpf]
@@ -74,11 +75,11 @@ def joined_about_a_centre(
     if asked is None:
         return None
     proof = all_motions(asked.problem)
-    connections, lost = _refined(asked, values, proof)
+    connections, lost = _refined(asked, proof)
     if not proof.undecided and not proof.high and not lost:
         connections.sort(key=lambda c: (c.turns, c.principal_function.value))
         return Connections(tuple(connections), Completeness(proved=True, statement=PROVED))
-    return _with_search(asked, values, connections, (proof, lost))
+    return _with_search(asked, connections, (proof, lost))
 
 
 def _read(force: CentralForce, question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr]) -> _Asked | None:
@@ -106,21 +107,19 @@ def _read(force: CentralForce, question: TwoPlaceQuestion, values: Mapping[sp.Sy
         return None
     if problem is None:
         return None
-    return _Asked(question, force, mass, places, problem, tuple((way, N) for way, N, _ in both))
+    return _Asked(question, values, force, mass, places, problem, tuple((way, N) for way, N, _ in both))
 
 
-def _refined(
-    asked: _Asked, values: Mapping[sp.Symbol, sp.Expr], proof: RadialProof
-) -> tuple[list[Connection], list[IsolatedMotion]]:
+def _refined(asked: _Asked, proof: RadialProof) -> tuple[list[Connection], list[IsolatedMotion]]:
     """Return connections of isolated motions; and those that could not be run to q1."""
-    flow = VariedFlow(asked.question.system, values)
+    flow = VariedFlow(asked.question.system, asked.values)
     connections: list[Connection] = []
     lost: list[IsolatedMotion] = []
     for motion in proof.motions:
         way, turns = asked.images[motion.angle]
         try:
             p, ends = solved_from(asked.question, flow, _momenta(asked, motion))
-            if not is_solved_by(asked.problem, motion, *_constants(asked, values, p)):
+            if not is_solved_by(asked.problem, motion, *_constants(asked, p)):
                 raise NotConvergedError("Newton's method leads to another motion")
             path = f"{_way(asked, way)}, {asked.problem.branches[motion.branch].path}"
             connection = connection_of(asked.question, reach(asked.question, p, ends), path, turns)
@@ -153,7 +152,7 @@ def _momenta(asked: _Asked, motion: IsolatedMotion) -> Reals:
     return np.array([p[c.name] for c in asked.question.system.coordinates])
 
 
-def _constants(asked: _Asked, values: Mapping[sp.Symbol, sp.Expr], p: Reals) -> tuple[float, float]:
+def _constants(asked: _Asked, p: Reals) -> tuple[float, float]:
     """E and λ of a motion with these momenta at q0."""
     by_name = {c.name: float(x) for c, x in zip(asked.question.system.coordinates, p, strict=True)}
     p0 = np.array([by_name[name] for name in asked.force.names])
@@ -173,13 +172,12 @@ def _same(one: Connection, other: Connection) -> bool:
 
 def _with_search(
     asked: _Asked,
-    values: Mapping[sp.Symbol, sp.Expr],
     connections: list[Connection],
     left: tuple[RadialProof, list[IsolatedMotion]],
 ) -> Connections:
-    """What was isolated and what a search finds besides, with the energies that are not decided."""
+    """Return what was isolated and what a search finds, with the energies that are not decided."""
     proof, lost = left
-    searched = joined_by_search(asked.question, values)
+    searched = joined_by_search(asked.question, asked.values)
     for other in searched:
         size = max(abs(float(e.value)) for e in other.p0.values())
         known = any(

@@ -2,8 +2,8 @@
 
 A path passes the arc between the two distances, the one beyond the outer and the one within the inner a known number of
 times (its radial branch), and sweeps a known angle (its image of q1): two equations for two parameters. A box is
-discarded for a path where time or angle cannot be those asked, also after a linear change of both (Krawczyk 1969); where
-the matrix of slopes is regular over a box, the box holds one solution at most.
+discarded for a path where time or angle cannot be those asked, also after a linear change of both (Krawczyk 1969).
+Where the matrix of slopes is regular over a box, the box holds one solution at most.
 
 Motions with two apsides have the parameters of ``apsidal_arcs.py``; those that go out farther than the time allows to
 return from, and those with very little angular momentum, the parameters of ``radial_arcs.py``.
@@ -12,6 +12,7 @@ return from, and those with very little angular momentum, the parameters of ``ra
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +23,6 @@ from hjsolve.two_point.central.apsidal_arcs import (
     ApsidalBoxes,
     SquarePotential,
     apsidal_arcs,
-    constants_of,
     energies_of,
 )
 from hjsolve.two_point.central.radial_arcs import Arcs, Boxes, arcs_of
@@ -37,10 +37,10 @@ _LEVELS = (0.12, 0.02, 0.004)
 """Relative sizes of boxes below which finer cells are taken."""
 _UNTESTED = 0.3
 """Relative size of boxes of (x, y) above which enclosures say too little to pay."""
-_AT_OUTER, _AT_INNER, _APSIDAL = range(3)
+AT_OUTER, AT_INNER, APSIDAL = range(3)
 """Charts: (s, λ) with r_j the outer or the inner distance, and (x, y)."""
 _APSIDAL_CELLS = (36, 48, 96, 256)
-_NEWTON, _PASSES = 4, 6
+_NEWTON = 4
 _INCLUDED = (0.2, 0.1, 0.05, 0.025, 0.012, 0.006, 0.003, 0.001, 0.0003, 0.0001)
 """Relative sizes of the box that a solution has to itself: the largest that serves is taken."""
 _FAR = 0.15
@@ -52,7 +52,7 @@ class RadialProblem(NamedTuple):
 
     Attributes:
         potential: V.
-        grids: coarse, medium and fine cells of r, which end at the farthest distance from which a mass can return in time.
+        grids: coarse, medium and fine cells of r, as far out as a mass can go and return in time.
         square: u V.
         nearest: u below which there is no pericentre with more angular momentum than the least.
         least: λ below which the parameters of ``radial_arcs`` serve alone.
@@ -138,18 +138,19 @@ def all_motions(problem: RadialProblem) -> RadialProof:
     """
     proof = RadialProof(high=not problem.settled)
     queue = _first_boxes(problem)
-    while len(queue.chart):
-        if proof.boxes > _MOST_BOXES:
-            _leave(problem, queue, proof)
-            break
-        batch, queue = queue.part(slice(0, _BATCH)), queue.part(slice(_BATCH, None))
-        proof.boxes += len(batch.chart)
-        queue = _joined([_judged(problem, batch, proof), queue])
+    with np.errstate(all="ignore"):  # what is not known is infinite
+        while len(queue.chart):
+            if proof.boxes > _MOST_BOXES:
+                _leave(problem, queue, proof)
+                break
+            batch, queue = queue.part(slice(0, _BATCH)), queue.part(slice(_BATCH, None))
+            proof.boxes += len(batch.chart)
+            queue = _joined([_judged(problem, batch, proof), queue])
     return proof
 
 
 def _first_boxes(problem: RadialProblem) -> _Queue:
-    """The boxes that hold every motion with an energy below the top."""
+    """Return the boxes that hold every motion; λ is cut where the bound end changes."""
     grid = problem.grids[0]
     radii = grid.r[[grid.inner, grid.outer]]
     V_low, V_high = (np.array([end[grid.inner], end[grid.outer]]) for end in grid.at_nodes.V)
@@ -167,14 +168,14 @@ def _first_boxes(problem: RadialProblem) -> _Queue:
             for λ in _edges(low, high) if high > low else ():
                 for s in _edges(0.0, most_s):
                     boxes.append([s, λ])
-                    charts.append(_AT_INNER if at_inner else _AT_OUTER)
+                    charts.append(AT_INNER if at_inner else AT_OUTER)
                     alive.append(every if near else inward)
     low_u, high_u = radii**2
     most_x, most_y = np.sqrt(low_u - problem.nearest), np.sqrt(grid.r[-1] ** 2 - high_u)
     for x in _edges(0.0, most_x * (1 + 1e-15)):
         for y in _edges(0.0, most_y * (1 + 1e-15)):
             boxes.append([x, y])
-            charts.append(_APSIDAL)
+            charts.append(APSIDAL)
             alive.append(every)
     return _Queue(np.array(boxes), np.array(charts), np.array(alive))
 
@@ -188,7 +189,7 @@ def _cut(radii: Reals, V: Reals) -> float:
 
 def _edges(low: float, high: float) -> list[tuple[float, float]]:
     ends = [low, *(low + (high - low) * 2.0**-k for k in range(3, -1, -1))]
-    return list(zip(ends[:-1], ends[1:], strict=True))
+    return list(pairwise(ends))
 
 
 def _arcs(problem: RadialProblem, queue: _Queue, level: int, *, slopes: bool, centres: bool = False) -> Arcs:
@@ -196,11 +197,11 @@ def _arcs(problem: RadialProblem, queue: _Queue, level: int, *, slopes: bool, ce
     grid = problem.grids[min(level, len(problem.grids) - 1)]
     ends = np.repeat(np.mean(queue.corners, axis=2, keepdims=True), 2, axis=2) if centres else queue.corners
     first, second = (Interval(ends[:, k, :1].copy(), ends[:, k, 1:].copy()) for k in (0, 1))
-    if queue.chart[0] == _APSIDAL:
+    if queue.chart[0] == APSIDAL:
         low, high = grid.r[[grid.inner, grid.outer]] ** 2
         boxes = ApsidalBoxes(first, second, float(low), float(high))
         return apsidal_arcs(problem.square, boxes, _APSIDAL_CELLS[level], slopes=slopes)
-    bound = np.where(queue.chart == _AT_INNER, grid.inner, grid.outer)
+    bound = np.where(queue.chart == AT_INNER, grid.inner, grid.outer)
     return arcs_of(grid, Boxes(first, second, bound), slopes=slopes)
 
 
@@ -212,18 +213,18 @@ def _judged(problem: RadialProblem, queue: _Queue, proof: RadialProof) -> _Queue
     largest = np.max(_sizes(problem, queue), axis=1)
     levels = np.sum(largest[:, None] <= np.array(_LEVELS), axis=1)
     left = []
-    untested = (queue.chart == _APSIDAL) & (largest > _UNTESTED)
+    untested = (queue.chart == APSIDAL) & (largest > _UNTESTED)
     if np.any(untested):
-        left.append(_halved(problem, queue.part(untested), np.full((int(np.sum(untested)), 2), np.nan), proof))
+        left.append(_halved(problem, queue.part(untested), proof))
         queue, levels = queue.part(~untested), levels[~untested]
     for apsidal in (False, True):
         for level in range(len(_LEVELS) + 1):
-            part = queue.part(((queue.chart == _APSIDAL) == apsidal) & (levels == level))
+            part = queue.part(((queue.chart == APSIDAL) == apsidal) & (levels == level))
             if not len(part.chart):
                 continue
-            part, split = _tested(problem, level, part, proof)
+            part = _tested(problem, level, part, proof)
             if len(part.chart):
-                left.append(_halved(problem, part, split, proof))
+                left.append(_halved(problem, part, proof))
     return _joined(left) if left else queue.part(slice(0, 0))
 
 
@@ -239,8 +240,8 @@ def _in_domain(problem: RadialProblem, queue: _Queue) -> _Queue:
 def _energies(problem: RadialProblem, queue: _Queue) -> tuple[Reals, Reals]:
     """Bounds of E."""
     grid = problem.grids[0]
-    apsidal = queue.chart == _APSIDAL
-    node = np.where(queue.chart == _AT_INNER, grid.inner, grid.outer)
+    apsidal = queue.chart == APSIDAL
+    node = np.where(queue.chart == AT_INNER, grid.inner, grid.outer)
     r, V = grid.r[node], grid.at_nodes.V
     low, high = (
         np.asarray(end)[node] + queue.corners[:, 0, k] ** 2 + (queue.corners[:, 1, k] / r) ** 2
@@ -258,7 +259,7 @@ def _energies(problem: RadialProblem, queue: _Queue) -> tuple[Reals, Reals]:
 def _sizes(problem: RadialProblem, queue: _Queue) -> Reals:
     """How large boxes are in each parameter, in units of what these are to a motion there."""
     grid = problem.grids[0]
-    r = grid.r[np.where(queue.chart == _AT_INNER, grid.inner, grid.outer)]
+    r = grid.r[np.where(queue.chart == AT_INNER, grid.inner, grid.outer)]
     width = queue.corners[:, :, 1] - queue.corners[:, :, 0]
     s, λ = queue.corners[:, 0, 1], queue.corners[:, 1, 1]
     plain = np.stack([width[:, 0] / (s + 0.5 * λ / r), width[:, 1] / (λ + 0.1 * s * r)], axis=1)
@@ -269,11 +270,11 @@ def _sizes(problem: RadialProblem, queue: _Queue) -> Reals:
     with np.errstate(all="ignore"):
         inner = np.maximum((p[:, 0] - p[:, 1]) / (2 * np.maximum(p[:, 1], 1e-12 * low_u)), width[:, 0] / whole)
         outer = np.maximum((a[:, 1] - a[:, 0]) / (2 * a[:, 0]), width[:, 1] / whole)
-    return np.where((queue.chart == _APSIDAL)[:, None], np.stack([inner, outer], axis=1), plain)
+    return np.where((queue.chart == APSIDAL)[:, None], np.stack([inner, outer], axis=1), plain)
 
 
 class _Paths(NamedTuple):
-    """Time and angle of every branch, over boxes or at their middles: (2, b, branches), and slopes (2, 2, b, branches)."""
+    """Time and angle of every branch, shape (2, b, branches), and their slopes, (2, 2, b, branches)."""
 
     low: Reals
     high: Reals
@@ -310,9 +311,9 @@ def _paths(problem: RadialProblem, arcs: Arcs) -> _Paths:
     return _Paths(low, high, total(np.asarray(arcs.slopes.low)), total(np.asarray(arcs.slopes.high)), there, never)
 
 
-def _tested(problem: RadialProblem, level: int, queue: _Queue, proof: RadialProof) -> tuple[_Queue, Reals]:
-    """Discard paths; and return what is left, with how much each side of a box adds to the widths."""
-    natural = _arcs(problem, queue, level, slopes=bool(queue.chart[0] == _APSIDAL))
+def _tested(problem: RadialProblem, level: int, queue: _Queue, proof: RadialProof) -> _Queue:
+    """Discard paths, isolate solutions, and return what is left."""
+    natural = _arcs(problem, queue, level, slopes=bool(queue.chart[0] == APSIDAL))
     alive = queue.alive & _possible(problem, _paths(problem, natural))
     alive &= ~_isolated(queue, proof)
     alive &= ~_elsewhere(problem, queue, natural)[:, None, None]
@@ -321,7 +322,7 @@ def _tested(problem: RadialProblem, level: int, queue: _Queue, proof: RadialProo
     keep = np.any(alive, axis=(1, 2))
     queue = _Queue(queue.corners, queue.chart, alive).part(keep)
     if not len(queue.chart):
-        return queue, np.zeros((0, 2))
+        return queue
     known = natural.slopes is not None
     over = _paths(problem, natural.part(keep) if known else _arcs(problem, queue, level, slopes=True))
     middle = _paths(problem, _arcs(problem, queue, level, slopes=False, centres=True))
@@ -333,12 +334,12 @@ def _tested(problem: RadialProblem, level: int, queue: _Queue, proof: RadialProo
         _isolate(problem, queue.part(slice(box, box + 1)), int(branch), int(angle), guess, proof)
     alive &= ~_isolated(queue, proof)
     keep = np.any(alive, axis=(1, 2))
-    return _Queue(queue.corners, queue.chart, alive).part(keep), test.spread[keep]
+    return _Queue(queue.corners, queue.chart, alive).part(keep)
 
 
 def _elsewhere(problem: RadialProblem, queue: _Queue, arcs: Arcs) -> Mask:
     """Boxes all of whose motions another chart has."""
-    if queue.chart[0] == _APSIDAL:
+    if queue.chart[0] == APSIDAL:
         return np.asarray(arcs.momentum_high < problem.least)
     return np.asarray(arcs.returns & (queue.corners[:, 1, 0] >= problem.least))
 
@@ -360,7 +361,6 @@ class _LinearTest(NamedTuple):
     regular: Mask
     near: Mask
     guess: Reals
-    spread: Reals
 
 
 def _linear_test(problem: RadialProblem, queue: _Queue, over: _Paths, middle: _Paths) -> _LinearTest:
@@ -391,10 +391,8 @@ def _linear_test(problem: RadialProblem, queue: _Queue, over: _Paths, middle: _P
         regular = solvable & np.all(blur < 0.999 * half.T[:, :, None], axis=0)
         near = np.all(np.abs(off) <= 1.5 * half.T[:, :, None, None], axis=0)
         guess = np.moveaxis(centre.T[:, :, None, None] + off, 0, -1)
-        sides = np.einsum("kabn,ba->abn", np.abs(J) + np.where(known, spread_J, 0.0), half)
     possible[:, -1] = True
-    spread = np.max(np.where(np.any(queue.alive, axis=2)[None], sides, 0.0), axis=2).T
-    return _LinearTest(possible, np.broadcast_to(regular[:, :, None], possible.shape), near, guess, spread)
+    return _LinearTest(possible, np.broadcast_to(regular[:, :, None], possible.shape), near, guess)
 
 
 def _isolated(queue: _Queue, proof: RadialProof) -> Mask:
@@ -426,7 +424,7 @@ def _isolate(problem: RadialProblem, box: _Queue, branch: int, angle: int, guess
         if np.any(np.abs(x - guess) > _FAR * unit):
             return
     low, high = (np.array([np.maximum(x + sign * k / 2 * unit, 0.0) for k in _INCLUDED]) for sign in (-1, 1))
-    if chart == _APSIDAL:
+    if chart == APSIDAL:
         most = np.sqrt(problem.grids[0].r[problem.grids[0].inner] ** 2 - problem.nearest)
         high[:, 0] = np.minimum(high[:, 0], most)
     count = len(_INCLUDED)
@@ -450,18 +448,16 @@ def _regular(over: _Paths, queue: _Queue) -> Mask:
         return over.there & np.all(blur < 0.999 * half.T[:, :, None], axis=0)
 
 
-def _halved(problem: RadialProblem, queue: _Queue, spread: Reals, proof: RadialProof) -> _Queue:
-    """Halve boxes on the side that matters more; those that are too small are left undecided."""
+def _halved(problem: RadialProblem, queue: _Queue, proof: RadialProof) -> _Queue:
+    """Halve boxes on their longer side; those that are too small are left undecided."""
     size = _sizes(problem, queue)
     small = np.max(size, axis=1) < _SMALLEST
     if np.any(small):
         _leave(problem, queue.part(small), proof)
-        queue, spread, size = queue.part(~small), spread[~small], size[~small]
+        queue, size = queue.part(~small), size[~small]
     if not len(queue.chart):
         return queue
-    known = np.all(np.isfinite(spread), axis=1) & np.any(spread > 0, axis=1)
-    measure = size
-    side = np.argmax(measure, axis=1)
+    side = np.argmax(size, axis=1)
     rows = np.arange(len(side))
     middle = np.mean(queue.corners, axis=2)[rows, side]
     first, second = queue.corners.copy(), queue.corners.copy()
@@ -473,46 +469,3 @@ def _halved(problem: RadialProblem, queue: _Queue, spread: Reals, proof: RadialP
 def _leave(problem: RadialProblem, queue: _Queue, proof: RadialProof) -> None:
     low, high = _energies(problem, queue)
     proof.undecided += [(float(a), float(b)) for a, b in zip(low, high, strict=True)]
-
-
-def energy_and_momentum(problem: RadialProblem, chart: int, at: tuple[float, float]) -> tuple[float, float]:
-    """Return E and λ of parameters.
-
-    Args:
-        problem: what is joined.
-        chart: of the parameters.
-        at: their values.
-    """
-    first, second = (Interval(np.array([[x]]), np.array([[x]])) for x in at)
-    grid = problem.grids[0]
-    if chart == _APSIDAL:
-        low, high = grid.r[[grid.inner, grid.outer]] ** 2
-        E, λ2 = constants_of(problem.square, ApsidalBoxes(first, second, float(low), float(high)))
-        return float(E), float(np.sqrt(max(λ2, 0.0)))
-    node = grid.inner if chart == _AT_INNER else grid.outer
-    V = float(np.asarray(grid.at_nodes.V.low)[node])
-    return V + at[0] ** 2 + (at[1] / grid.r[node]) ** 2, at[1]
-
-
-def is_solved_by(problem: RadialProblem, motion: IsolatedMotion, E: float, λ: float) -> bool:
-    """Whether a motion with these constants is the one that was isolated: its parameters are in its box.
-
-    Args:
-        problem: what is joined.
-        motion: the box.
-        E, λ: of the motion.
-    """
-    x = np.array(motion.at)
-    for _ in range(_PASSES):
-        here = np.array(energy_and_momentum(problem, motion.chart, (float(x[0]), float(x[1]))))
-        steps = 1e-6 * np.maximum(x, 1e-3)
-        columns = []
-        for k in (0, 1):
-            moved = x.copy()
-            moved[k] += steps[k]
-            columns.append(
-                (np.array(energy_and_momentum(problem, motion.chart, (moved[0], moved[1]))) - here) / steps[k]
-            )
-        x = np.maximum(x + np.linalg.lstsq(np.array(columns).T, np.array([E, λ]) - here, rcond=None)[0], 0.0)
-    slack = 1e-7 * (1 + np.abs(x))
-    return bool(np.all((x >= np.array(motion.low) - slack) & (x <= np.array(motion.high) + slack)))

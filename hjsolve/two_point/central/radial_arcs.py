@@ -5,9 +5,9 @@ Where B = f′/r = 2(E − V) − rV′ has one sign,
 
     dt = √(m/2) g dσ,  g = 2/B;    dθ = h dφ,  h = 2(E − V)/B,
 
-so that turning points (σ = φ = 0) are nothing special: g and h are bounded there, and sums over cells telescope. Where B
-may vanish f is nearly greatest, σ is away from 0 and the integrals over r are taken as they stand. By a parameter a of E
-and λ (σ_a at fixed r; coefficients at fixed φ and fixed σ)
+so that turning points (σ = φ = 0) are nothing special: g and h are bounded there, and sums over cells telescope. Where
+B may vanish f is nearly greatest, σ is away from 0 and the integrals over r are taken as they stand. By a parameter a
+of E and λ (σ_a at fixed r; coefficients at fixed φ and fixed σ)
 
     dθ/da = [h φ_a] + ∫ (h_E E_a + r h′ (2λ_a(E − V)/λ − E_a)/B) dφ,
     dt/da/√(m/2) = [g σ_a] + ∫ (g_E E_a + r g′ (2λλ_a/r² − E_a)/B) dσ.
@@ -166,7 +166,7 @@ def _fields(grid: RadialGrid, boxes: Boxes) -> _Fields:
 
 
 def _squares(V: Interval, r: Reals, rj: Reals, top: Interval, λ: Interval) -> tuple[Interval, Interval]:
-    """f − λ² and its ratio to λ² at some r; each parameter stands once in both, which are their exact ranges."""
+    """Return f − λ² and its ratio to λ² at some r; each parameter stands once in both, which are their exact ranges."""
     r2, ρ = _radii(r[None, :], rj)
     high = FIELD.mul(r2, FIELD.sub(top, _column(V)))
     return (
@@ -250,7 +250,7 @@ def _reaches(grid: RadialGrid, F: _Fields) -> tuple[_Reach, _Reach, _Reach]:
 
 
 def _turning(sure: Mask, closing: Mask, gone: Mask) -> _Reach:
-    """The arc from the first cell on, in the order in which a motion passes them.
+    """Return the arc from the first cell on, in the order in which a motion passes them.
 
     Args:
         sure: cells that every motion passes, if it passes those before.
@@ -276,9 +276,9 @@ def _telescoped(c: Interval, x: Interval, cells: Mask, rising: Mask) -> tuple[Re
         with np.errstate(all="ignore"):
             chosen = np.where(cells, np.where(rising == upper, c.high, c.low), 0.0)
         weight = np.zeros(x.low.shape)
-        weight[:, 1:] += chosen
-        weight[:, :-1] -= chosen
         with np.errstate(all="ignore"):
+            weight[:, 1:] += chosen
+            weight[:, :-1] -= chosen
             ends = np.where((weight > 0) == upper, x.high, x.low)
             terms = np.where(weight == 0, 0.0, weight * np.where(weight == 0, 0.0, ends))
             total, size = np.sum(terms, axis=1), np.sum(np.abs(terms), axis=1)
@@ -298,7 +298,7 @@ class _Rates(NamedTuple):
 
 
 def _rates(grid: RadialGrid, boxes: Boxes, F: _Fields) -> tuple[_Rates, _Rates]:
-    """The rates by s and by λ."""
+    """Return the rates by s and by λ."""
     mul, add, sub, div = FIELD.mul, FIELD.add, FIELD.sub, FIELD.div
     s, λ = boxes.s, boxes.λ
     rj = grid.r[boxes.bound][:, None]
@@ -317,7 +317,7 @@ def _rates(grid: RadialGrid, boxes: Boxes, F: _Fields) -> tuple[_Rates, _Rates]:
 
 
 def _coefficients(grid: RadialGrid, boxes: Boxes, F: _Fields, rate: _Rates) -> tuple[Interval, Interval]:
-    """What is integrated over dσ for the time, and over dφ for the angle."""
+    """Return what is integrated over dσ for the time, and over dφ for the angle."""
     mul, add, sub, div = FIELD.mul, FIELD.add, FIELD.sub, FIELD.div
     W1 = _column(grid.over_cells.first)
     B2 = FIELD.power(F.B, 2)
@@ -333,7 +333,7 @@ def _coefficients(grid: RadialGrid, boxes: Boxes, F: _Fields, rate: _Rates) -> t
 
 
 def _nodes(grid: RadialGrid, boxes: Boxes) -> tuple[Interval, Interval]:
-    """g and h at the nodes."""
+    """Return g and h at the nodes."""
     V, W1, _ = (_column(x) for x in grid.at_nodes)
     rj = grid.r[boxes.bound][:, None]
     lifted = FIELD.div(boxes.λ, _point(rj))
@@ -375,7 +375,7 @@ class _Plain(NamedTuple):
 
 
 def _plain(grid: RadialGrid, boxes: Boxes, F: _Fields) -> _Plain:
-    """The integrals over r, and by ∂σ²/∂s = 2s r² and ∂σ²/∂λ = 2λρ their slopes."""
+    """Return the integrals over r, and by ∂σ²/∂s = 2s r² and ∂σ²/∂λ = 2λρ their slopes."""
     mul, sub, div = FIELD.mul, FIELD.sub, FIELD.div
     s, λ = boxes.s, boxes.λ
     rj = grid.r[boxes.bound][:, None]
@@ -394,7 +394,7 @@ def _plain(grid: RadialGrid, boxes: Boxes, F: _Fields) -> _Plain:
 
 
 def _by_middles(grid: RadialGrid, boxes: Boxes, F: _Fields, σ: Interval) -> tuple[Interval, Interval]:
-    """∫ u d(ln r) with u = r²/σ and u = λ/σ, by the middles of cells: 2δ u_m, off by no more than δ² (sup u′ − inf u′)/2."""
+    """Enclose ∫ u d(ln r), u = r²/σ and λ/σ, by the middles of cells: 2δ u_m ± δ² (sup u′ − inf u′)/2."""
     mul, add, sub, div = FIELD.mul, FIELD.add, FIELD.sub, FIELD.div
     σ_middle = FIELD.unary("sqrt", Interval(np.maximum(F.middle.low, 0), np.maximum(F.middle.high, 0)))
     r2 = FIELD.power(_cells(grid), 2)

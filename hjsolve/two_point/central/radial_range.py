@@ -2,8 +2,8 @@
 
 With B = 2(E − V) − rV′ ≥ 2E − M on 0 < r ≤ r_high, f = r²(E − V) rises there, and a path without the arc beyond r_high
 takes no longer than 2 ∫ (2/B) dσ ≤ (4/(2E − M)) r_high √(E − V(r_high)) in units of √(m/2), which falls with E from
-E ≥ 2V(r_high) − M/2 on: above some energy it is too fast. Below it, a mass that comes back to r_high in time does not go
-farther than its greatest speed allows.
+E ≥ 2V(r_high) − M/2 on: above some energy it is too fast. Below it, a mass that comes back to r_high in time does not
+go farther than its greatest speed allows.
 """
 
 from __future__ import annotations

@@ -14,7 +14,6 @@ import sympy as sp
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.mechanics.system import System
 
-
 RADIUS = sp.Symbol("r", positive=True)
 """The distance from the centre in ``CentralForce.potential``."""
 
