@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.interval import Interval
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.arithmetic.sign_at_infinity import sign_beyond
 from hjsolve.lowering import lower
@@ -44,7 +45,7 @@ def radial_problem(
     centre = potential.at_centre(begin)
     near = radial_grid(potential, (low, high), 2 * high, _RATIOS[1], centre)
     top = _top(potential, near, time)
-    if top is None or (centre is None and not potential.is_above(top, begin)):
+    if top is None:
         return None
     far = _farthest(potential, high, top, time)
     if far is None:
@@ -56,6 +57,8 @@ def radial_problem(
         if late is not None:
             settled, far = True, late
             highest = max(top, _highest(potential, high, far))
+    if not _rises_from_centre(potential, centre, begin, highest):
+        return None
     grids = tuple(radial_grid(potential, (low, high), far, ratio, centre) for ratio in _RATIOS)
     steep = float(np.asarray(near.at_nodes.first.low)[near.inner])
     V_low = float(np.asarray(near.at_nodes.V.low)[near.inner])
@@ -68,6 +71,14 @@ def radial_problem(
         angles=angles, branches=tuple(branches(int(np.sign(distances[1] - distances[0])), passages)), beyond=passages,
         top=top, highest=highest, settled=settled,
     )  # fmt: skip
+
+
+def _rises_from_centre(potential: RadialPotential, centre: CentralCell | None, distance: float, highest: float) -> bool:
+    """Whether f rises from the centre to the first node at the highest energy, or V exceeds it there."""
+    if centre is None:
+        return potential.is_above(highest, distance)
+    energy = Interval(np.array(highest), np.array(highest))
+    return bool(centre.ratio(energy).high < 1) and bool(centre.slowest(energy) > 0)
 
 
 def _top(potential: RadialPotential, grid: RadialGrid, time: float) -> float | None:
