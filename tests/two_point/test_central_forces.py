@@ -93,10 +93,11 @@ def test_arcs_between_apsides_and_their_slopes_are_enclosed(name, x, y):
 
 
 @pytest.mark.parametrize("name", POTENTIALS)
-def test_arcs_by_energy_and_angular_momentum_are_enclosed(name):
+@pytest.mark.parametrize(("s", "λ"), [("0.25", "0.3"), ("0.015", "0.5"), ("0.4", "0.1")])
+def test_arcs_by_energy_and_angular_momentum_are_enclosed(name, s, λ):
     formula, V = POTENTIALS[name]
     potential = RadialPotential(R, formula)
-    grid = radial_grid(potential, (LOW, HIGH), 40.0, 1.02, potential.at_centre(innermost(LOW)))
+    grid = radial_grid(potential, (LOW, HIGH), 40.0, 1.004, potential.at_centre(innermost(LOW)))
 
     def true(s, λ):
         outer = MP.mpf(HIGH)
@@ -109,8 +110,9 @@ def test_arcs_by_energy_and_angular_momentum_are_enclosed(name):
             ends.append(MP.findroot(lambda z: z**2 * (E - V(z)) - λ**2, (r, r / factor), solver="anderson"))
         return quadrature(V, E, λ, ends)
 
-    s, λ, h = MP.mpf("0.25"), MP.mpf("0.3"), MP.mpf(10) ** -7
-    arcs = arcs_of(grid, Boxes(*box(0.25, 0.3), np.array([grid.outer])), slopes=True)
+    h = MP.mpf(10) ** -7
+    arcs = arcs_of(grid, Boxes(*box(float(s), float(λ)), np.array([grid.outer])), slopes=True)
+    s, λ = MP.mpf(s), MP.mpf(λ)
     moved = (true(s + h, λ), true(s - h, λ)), (true(s, λ + h), true(s, λ - h))
     assert np.all(arcs.there == 1)
     assert encloses(arcs.values, true(s, λ))
