@@ -4,8 +4,8 @@
     python -m benchmarks.lambert --rivals FOLDER      where lamberthub and pykep are installed, if not with hjsolve
 
 Conics are made first (eccentricities to 0.99, and hyperbolas), so that one answer is known. The number of answers is
-that of the roots of Lagrange's equation; each end point is recomputed with Kepler's equation to 40 digits from momenta
-that ``motion`` starts with, and from the momenta in doubles.
+that of the roots of Lagrange's equation. Motions of a sample of the problems are followed to their end by quadratures
+in doubles, and from momenta to 30 digits by Kepler's equation to 40.
 """
 
 from __future__ import annotations
@@ -15,9 +15,13 @@ import json
 import sys
 import time
 
+import mpmath
 import numpy as np
 
 import hjsolve
+
+MP = mpmath.mp.clone()
+MP.dps = 40
 
 
 def made(count: int, seed: int) -> dict[str, np.ndarray]:
@@ -66,7 +70,8 @@ def main() -> None:
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--problems", type=int, default=1000)
     options.add_argument("--checked", type=int, default=1000, help="problems whose numbers of answers are recounted")
-    options.add_argument("--rivals", default="")
+    options.add_argument("--ends", type=int, default=100, help="problems whose motions are followed to their end")
+    options.add_argument("--rivals", default="", help="folder of pip install --target with lamberthub and pykep")
     chosen = options.parse_args()
     solution = hjsolve.solve(hjsolve.catalog.load("kepler-planar"))
     q = made(chosen.problems, 1)
@@ -79,7 +84,7 @@ def main() -> None:
     row |= _singly(solution, q, min(200, chosen.problems))
     row |= _known(q, table)
     row |= _counted(q, table, chosen.checked)
-    row |= _ends(solution, q)
+    row |= _ends(solution, q, chosen.ends)
     if chosen.rivals:
         sys.path.append(chosen.rivals)
     row |= _rivals(q, row)
@@ -120,61 +125,103 @@ def _counted(q, table, count) -> dict[str, int]:
     return {"wrong numbers of answers": wrong}
 
 
-def _ends(solution, q) -> dict[str, float]:
-    """End points by hjsolve's own motions of a sample, which start from momenta to more digits than doubles have."""
-    rng = np.random.default_rng(2)
-    worst = 0.0
-    for j in rng.choice(len(q["T"]), min(20, len(q["T"])), replace=False):
-        found = solution.two_point(
-            q0={"r": q["r0"][j], "theta": q["θ0"][j]}, q1={"r": q["r1"][j], "theta": q["θ1"][j]}, time=q["T"][j],
-            turns=range(6),
-        )  # fmt: skip
-        for c in found:
-            state = c.motion.at(q["T"][j])
-            turn = (state.q["theta"] - q["θ1"][j]) / (2 * np.pi)
-            off = max(abs(state.q["r"] / q["r1"][j] - 1), 2 * np.pi * abs(turn - round(turn)))
-            worst = max(worst, off)
-    return {"end points of motions, worst": float(worst)}
+def _ends(solution, q, count) -> dict[str, float]:
+    """Where motions of a sample of problems end: by quadratures in doubles, and by Kepler's equation to 40 digits."""
+    motions, quadratures, equation = 0, 0.0, 0.0
+    for j in np.random.default_rng(2).choice(len(q["T"]), min(count, len(q["T"])), replace=False):
+        r0, θ0, r1, θ1, T = (float(q[name][j]) for name in ("r0", "θ0", "r1", "θ1", "T"))
+        ask = {"q0": {"r": r0, "theta": θ0}, "q1": {"r": r1, "theta": θ1}, "time": T, "turns": range(6)}
+
+        def off(r, θ, r1=r1, θ1=θ1):
+            turn = (θ - MP.mpf(θ1)) / (2 * MP.pi)
+            return float(max(abs(r / MP.mpf(r1) - 1), 2 * MP.pi * abs(turn - MP.nint(turn))))
+
+        for c in solution.two_point(**ask):
+            end = c.motion.at(T)
+            motions, quadratures = motions + 1, max(quadratures, off(end.q["r"], end.q["theta"]))
+        for c in solution.two_point(**ask, digits=30):
+            equation = max(equation, off(*_kepler(r0, θ0, c.motion.at(0).p, T)))
+    return {
+        "motions followed to their end": motions, "worst end point, motions in doubles": quadratures,
+        "worst end point by Kepler's equation, momenta to 30 digits": equation,
+    }  # fmt: skip
+
+
+def _kepler(r, θ, p, T):
+    """Where a conic is after a time (m = k = 1), by Kepler's equation."""
+    r, T, v, h = MP.mpf(r), MP.mpf(T), MP.mpf(p["r"]), MP.mpf(p["theta"])
+    energy = (v**2 + h**2 / r**2) / 2 - 1 / r
+    a, e = abs(1 / (2 * energy)), MP.sqrt(1 + 2 * energy * h**2)
+    sine, cosine, side = (MP.sin, MP.cos, 1) if energy < 0 else (MP.sinh, MP.cosh, -1)
+    w = r * v / MP.sqrt(a) / e
+    first = MP.atan2(w, (1 - r / a) / e) if energy < 0 else MP.asinh(w)
+    mean = side * (first - e * sine(first)) + T / a ** MP.mpf(1.5)
+
+    def miss(x):
+        return side * (x - e * sine(x)) - mean
+
+    low, high = first, first + MP.mpf(1)
+    while miss(high) < 0:
+        low, high = high, high + 1
+    x = MP.findroot(miss, (low, high), solver="anderson", tol=MP.mpf(10) ** -70, maxsteps=200)
+
+    def anomaly(x):
+        return MP.atan2(MP.sqrt(abs(1 - e**2)) * sine(x), side * (cosine(x) - e))
+
+    turned = anomaly(x) - anomaly(first)
+    return side * a * (1 - e * cosine(x)), MP.mpf(θ) + (turned if h > 0 else -turned)
 
 
 def _rivals(q, row) -> dict[str, float | str]:
-    """Microseconds of peers for one conic without a full turn, and what share of conics they give to 1e-9."""
+    """Microseconds of peers for all conics of a problem, 0 to 5 turns both ways, and what they miss of these."""
     result: dict[str, float | str] = {}
     places = [np.array([np.cos(q[θ]) * q[r], np.sin(q[θ]) * q[r], 0 * q[r]]).T for r, θ in (("r0", "θ0"), ("r1", "θ1"))]
     for name, solver in (("lamberthub izzo2015", _lamberthub), ("pykep lambert_problem", _pykep)):
         try:
             call = solver()
-            call(places[0][0], places[1][0], q["T"][0], True)
-        except (ImportError, OSError) as fault:  # pykep 3.0.1 misses a file of its own
+            call(places[0][0], places[1][0], q["T"][0])
+        except (ImportError, OSError) as fault:
             result[name] = f"not usable: {fault}"
             continue
-        spent, good, single = 0.0, 0, [j for j in range(min(300, len(q["T"]))) if not q["turns"][j]]
-        for j in single:
+        spent, conics, right = 0.0, 0, 0
+        for j in range(len(q["T"])):
             begin = time.process_time()
-            try:
-                v0 = call(places[0][j], places[1][j], q["T"][j], bool(q["way"][j] > 0))
-            except (ValueError, RuntimeError):
-                continue
-            finally:
-                spent += time.process_time() - begin
-            h = places[0][j][0] * v0[1] - places[0][j][1] * v0[0]
-            good += abs(h - q["h"][j]) <= 1e-9 * abs(q["h"][j])
-        result[f"{name}, µs a conic"] = 1e6 * spent / len(single)
-        result[f"{name}, of single-turn conics right to 1e-9"] = good / len(single)
-    result["hjsolve in a batch, µs a conic"] = row["batch, µs a problem"] * row["problems"] / row["motions"]
+            velocities = np.array(call(places[0][j], places[1][j], q["T"][j]))
+            spent += time.process_time() - begin
+            conics += len(velocities)
+            h = places[0][j][0] * velocities[:, 1] - places[0][j][1] * velocities[:, 0]
+            right += bool(np.any(np.abs(h - q["h"][j]) <= 1e-9 * abs(q["h"][j])))
+        each = 1e6 * spent / len(q["T"])
+        result[f"{name}, µs a problem"] = each
+        result[f"{name}, µs a problem over hjsolve's in a batch"] = each / row["batch, µs a problem"]
+        result[f"{name}, conics"] = conics
+        result[f"{name}, known conics missed (1e-9)"] = len(q["T"]) - right
     return result
 
 
 def _lamberthub():
     from lamberthub import izzo2015
 
-    return lambda r0, r1, T, forward: izzo2015(1.0, r0, r1, T, M=0, prograde=forward)[0]
+    def call(r0, r1, T):
+        found = []
+        for forward in (True, False):
+            for N in range(6):
+                for low in (True, False)[: 1 + (N > 0)]:
+                    try:
+                        found.append(izzo2015(1.0, r0, r1, T, N, forward, low)[0])
+                    except ValueError:  # "no feasible solution" with so many turns, or it did not converge
+                        continue
+        return found
+
+    return call
 
 
 def _pykep():
-    from pykep import lambert_problem
-
-    return lambda r0, r1, T, forward: lambert_problem(r0, r1, T, 1.0, not forward, 0).v0[0]
+    try:
+        import pykep.core as core
+    except OSError:  # pykep 3.0.1 lacks a data file of its gym, which it reads after its compiled part is there
+        core = sys.modules["pykep.core"]
+    return lambda r0, r1, T: [v for back in (False, True) for v in core.lambert_problem(r0, r1, T, 1.0, back, 5).v0]
 
 
 if __name__ == "__main__":

@@ -8,8 +8,9 @@ from hjsolve.precision import one_at_a_time
 from hjsolve.solution.quadratures import Solution
 from hjsolve.two_point.asked.answers import Connections
 from hjsolve.two_point.asked.question import read_question
+from hjsolve.two_point.central.connections import joined_about_a_centre
 from hjsolve.two_point.kepler.arrays import ConnectionTable, has_arrays, table_of_conics
-from hjsolve.two_point.kepler.attraction import attraction_of
+from hjsolve.two_point.kepler.attraction import attraction_of, central_force_of
 from hjsolve.two_point.kepler.connections import is_attraction, joined_by_conics
 from hjsolve.two_point.linear import joined_linearly, linear_forces
 from hjsolve.two_point.one_freedom.connections import joined_on_a_line, shell_of
@@ -42,6 +43,11 @@ def two_point(
     forces = linear_forces(question.system)
     if forces is not None:
         return joined_linearly(forces, question, values)
+    force = central_force_of(system)
+    if force is not None:
+        found = joined_about_a_centre(force, question, values)
+        if found is not None:
+            return found
     shell = shell_of(question)
     if shell is not None:
         found = joined_on_a_line(question, values, shell)
