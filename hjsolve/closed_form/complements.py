@@ -11,8 +11,10 @@ from collections.abc import Iterable, Mapping
 
 import mpmath
 import sympy as sp
+from sympy.core.relational import Relational
 
-from hjsolve.closed_form.complete_integrals import CompleteIntegrals, Where
+from hjsolve.closed_form.common_factors import grouped
+from hjsolve.closed_form.complete_integrals import CompleteIntegrals, Where, roots_by_polynomial
 
 
 class ForDoubles:
@@ -33,7 +35,12 @@ class ForDoubles:
         Args:
             expression: of a form, or a definition.
         """
-        return _by_gaps(self._integrals.arranged(expression), self.where, self._roots)
+        made = self._integrals.arranged(expression)
+        conditions = {c: sp.Dummy() for c in made.atoms(Relational)}  # any digits decide them, and no quotient within
+        plain = made.xreplace(conditions)
+        plain = plain.xreplace(_gaps(plain, self.where, self._roots))
+        plain = plain.xreplace({a: b for a in plain.atoms(sp.Add) if (b := grouped(a)) is not a})  # (R − r)² stays small
+        return plain.xreplace({name: c for c, name in conditions.items()})
 
     def definitions(self, wanted: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]:
         """Return the definitions of names, and of those that they rest on.
@@ -53,17 +60,9 @@ class ForDoubles:
         return found
 
 
-def _by_gaps(expression: sp.Expr, where: Where, roots: Mapping[sp.Symbol, mpmath.mpf]) -> sp.Expr:
-    """Write c − x as a quotient where all other roots of P lie beyond x, seen from c, and P(c) is one term."""
-    defined = {s: e for s, e in where.items() if isinstance(e, sp.Expr)}
-    while held := {s: e for s, e in defined.items() if s in expression.free_symbols and _gaps(e, where, roots)}:
-        expression = expression.xreplace(held)
-    return expression.xreplace(_gaps(expression, where, roots))
-
-
 def _gaps(expression: sp.Expr, where: Where, roots: Mapping[sp.Symbol, mpmath.mpf]) -> dict[sp.Expr, sp.Expr]:
     """Return the differences in an expression that are such quotients."""
-    found = dict[sp.Expr, sp.Expr]()
+    found, named = dict[sp.Expr, sp.Expr](), roots_by_polynomial(where)
     for gap in expression.atoms(sp.Add):
         c, x = gap.as_coeff_Add()
         sign, x = x.as_coeff_Mul()
@@ -71,7 +70,7 @@ def _gaps(expression: sp.Expr, where: Where, roots: Mapping[sp.Symbol, mpmath.mp
         if not isinstance(meaning, tuple) or x not in roots:
             continue
         P, c = meaning[0], -sign * c
-        others = [s for s, e in where.items() if isinstance(e, tuple) and e[0] == P and s != x]
+        others = [*{k: s for s, k in named[P].items() if k != meaning[1]}.values()]
         value = sp.factor(P.as_expr().subs(P.gen, c))
         if value.is_Add or value == 0 or len(others) != P.degree() - 1 or not all(s in roots for s in others):
             continue

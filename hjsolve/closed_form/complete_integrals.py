@@ -24,7 +24,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from itertools import product
 
 import mpmath
 import sympy as sp
@@ -37,8 +36,8 @@ Where = Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 COMPLETE = (sp.elliptic_k, sp.elliptic_e, sp.elliptic_pi)
 _LONGEST = 250
 """Operations of a coefficient that is factored: longer ones may take sympy seconds."""
-_POLES = 2
-"""Most poles whose cases, near or far, get a coefficient of K each."""
+_NEAR = mpmath.mpf(10) ** -6
+"""Part of its distance from a pole at which a root is put to see what a coefficient loses there."""
 
 
 @dataclass
@@ -80,10 +79,7 @@ class CompleteIntegrals:
         self.example = example
         self.plain = {s: e for s, e in where.items() if isinstance(e, sp.Expr) and not _rooted(e)}
         self.radicals = {s: e for s, e in where.items() if isinstance(e, sp.Expr) and _rooted(e)}
-        self.roots = dict[sp.Poly, list[sp.Symbol]]()
-        for s, meaning in where.items():
-            if isinstance(meaning, tuple):
-                self.roots.setdefault(meaning[0], []).append(s)
+        self.roots = roots_by_polynomial(where)
         self._known = dict[sp.Expr, sp.Expr]()
 
     def arranged(self, expression: sp.Expr) -> sp.Expr:
@@ -134,14 +130,39 @@ class CompleteIntegrals:
         return value + (first * c * CarlsonRD(0, 1, c) + second * CarlsonRD(0, c, 1)) / 3
 
     def _coefficient(self, own: sp.Expr, poles: list[_Pole]) -> sp.Expr:
-        """Return what K is multiplied by: its own coefficient, and those of the poles that are far."""
-        if len(poles) > _POLES:
-            return self.tidy(own) + sp.Add(*(_either(p.A, p.far, sp.S.Zero) for p in poles))
-        cases = list[tuple[sp.Expr, sp.Expr]]()
-        for far in product((True, False), repeat=len(poles)):
-            held = [p for p, yes in zip(poles, far, strict=True) if yes]
-            cases.append((self.tidy(own + sp.Add(*(p.A for p in held))), sp.And(*(p.far for p in held))))
-        return sp.Piecewise(*cases)
+        """Return what K is multiplied by: its own coefficient, and those of the poles that are far.
+
+        The coefficient of a pole and what the own one has next to it nearly cancel where a root is there too.
+        """
+        parts, value = self._parts(own) if poles else [own], sp.S.Zero
+        for pole in poles:
+            near = self._near(pole.A)
+            held = [part for part in parts if self._near(part) & near]
+            parts = [part for part in parts if part not in held]
+            value += _either(self.tidy(sp.Add(*held, pole.A)), pole.far, self.tidy(sp.Add(*held)))
+        return value + self.tidy(sp.Add(*parts))
+
+    def _parts(self, coefficient: sp.Expr) -> list[sp.Expr]:
+        """Partial fractions by a root that is next to numbers in the denominator."""
+        explicit = self.written_out(coefficient)
+        if longer_than(explicit, _LONGEST):
+            return [coefficient]
+        near = sorted({x for x, _ in self._near(coefficient)}, key=str)
+        if not near:
+            return [coefficient]
+        factors = sp.Mul.make_args(sp.factor(sp.together(explicit)))
+        whole = [f for f in factors if f.as_base_exp()[1].is_Integer]
+        rest = sp.Mul(*(f for f in factors if f not in whole))
+        return [rest * sp.factor(part) for part in sp.Add.make_args(sp.apart(sp.Mul(*whole), near[0]))]
+
+    def _near(self, coefficient: sp.Expr) -> set[tuple[sp.Symbol, sp.Expr]]:
+        """Return the roots that a denominator has next to a number, and the number."""
+        explicit, found = self.written_out(coefficient), set[tuple[sp.Symbol, sp.Expr]]()
+        for power in explicit.atoms(sp.Pow):
+            if power.exp.is_Integer and power.exp < 0 and self._gap(power.base) and len(power.free_symbols) == 1:
+                (x,) = power.free_symbols
+                found.add((x, sp.expand(x - power.base / power.base.coeff(x))))
+        return found
 
     def _pole(self, A: sp.Expr, n: sp.Expr, m: sp.Expr) -> _Pole | None:
         """Return the half turn of a pole; None where P > 0 there, or where that is not known."""
@@ -207,9 +228,27 @@ class CompleteIntegrals:
         if not explicit.has(sp.Add) or longer_than(explicit, _LONGEST):
             return coefficient
         made = self._by_products(sp.factor(sp.together(explicit)))
-        if _most_terms(made) > _most_terms(explicit) or sp.count_ops(made) > sp.count_ops(explicit):
-            return coefficient  # products of sums multiplied out lose more digits than the sum of quotients
-        return made
+        points = self._points(explicit)
+        return min((coefficient, made), key=lambda e: (self._loss(e, points), sp.count_ops(e)))
+
+    def _points(self, explicit: sp.Expr) -> list[Mapping[sp.Symbol, mpmath.mpf]]:
+        """The example, and places where a root is next to a pole: an identity in the roots holds there too."""
+        points: list[Mapping[sp.Symbol, mpmath.mpf]] = [self.example]
+        for x, pole in self._near(explicit):
+            at = number_of(pole, self.example)
+            points.append({**self.example, x: at + (self.example[x] - at) * _NEAR})
+        return points
+
+    def _loss(self, e: sp.Expr, points: list[Mapping[sp.Symbol, mpmath.mpf]]) -> int:
+        """Return how many digits are lost at the worst of some places."""
+        worst = 1.0
+        explicit = self.written_out(e)
+        for point in points:
+            if not explicit.free_symbols <= point.keys():
+                return 0
+            value, error = _with_error(explicit, point)
+            worst = max(worst, float(error / abs(value)) if value else 1e300)
+        return int(mpmath.log10(worst))
 
     def _by_products(self, expression: sp.Expr) -> sp.Expr:
         """Write the product of c − x over all roots x, where it is a factor, as P(c) by its leading coefficient."""
@@ -218,7 +257,7 @@ class CompleteIntegrals:
             base, power = factor.as_base_exp()
             factors[base] = factors.get(base, sp.S.Zero) + power
         for P, symbols in self.roots.items():
-            if len(symbols) == P.degree():
+            if len(set(symbols.values())) == P.degree():
                 _with_all_roots(factors, P, symbols)
         self._with_radicals(factors)
         return sp.Mul(*(base**power for base, power in factors.items()))
@@ -240,18 +279,31 @@ class CompleteIntegrals:
                 factors[base] = factors.get(base, sp.S.Zero) + own * power
 
 
-def _with_all_roots(factors: dict[sp.Expr, sp.Expr], P: sp.Poly, symbols: list[sp.Symbol]) -> None:
-    places = dict[sp.Expr, dict[sp.Symbol, tuple[sp.Expr, sp.Expr]]]()
+def roots_by_polynomial(where: Where) -> dict[sp.Poly, dict[sp.Symbol, int]]:
+    """Return polynomial → root → its number; two coordinates may have the same P, and its roots two names.
+
+    Args:
+        where: symbol → its definition.
+    """
+    found = dict[sp.Poly, dict[sp.Symbol, int]]()
+    for symbol, meaning in where.items():
+        if isinstance(meaning, tuple):
+            found.setdefault(meaning[0], {})[symbol] = meaning[1]
+    return found
+
+
+def _with_all_roots(factors: dict[sp.Expr, sp.Expr], P: sp.Poly, numbers: Mapping[sp.Symbol, int]) -> None:
+    places = dict[sp.Expr, dict[int, tuple[sp.Expr, sp.Expr]]]()
     for base in factors:
-        held = base.free_symbols & set(symbols)
+        held = base.free_symbols & numbers.keys()
         if len(held) == 1 and base.is_Add:
             (x,) = held
             slope = base.coeff(x)
-            if slope.is_number and slope != 0 and (c := sp.expand(x - base / slope)) not in symbols and not c.has(x):
-                places.setdefault(c, {})[x] = (base, slope)
+            if slope.is_number and slope != 0 and (c := sp.expand(x - base / slope)) not in numbers and not c.has(x):
+                places.setdefault(c, {})[numbers[x]] = (base, slope)
     for c, found in places.items():
         powers = {factors[base] for base, _ in found.values()}
-        if len(found) < len(symbols) or len(powers) > 1:
+        if len(found) < P.degree() or len(powers) > 1:
             continue
         (power,) = powers
         value = sp.factor(P.as_expr().subs(P.gen, c) / P.LC())
@@ -265,8 +317,21 @@ def _with_all_roots(factors: dict[sp.Expr, sp.Expr], P: sp.Poly, symbols: list[s
             factors[base] = factors.get(base, sp.S.Zero) + own * power
 
 
-def _most_terms(expression: sp.Expr) -> int:
-    return max((len(total.args) for total in expression.atoms(sp.Add)), default=1)
+def _with_error(e: sp.Expr, point: Mapping[sp.Symbol, mpmath.mpf]) -> tuple[mpmath.mpf, mpmath.mpf]:
+    """Return a value, and a bound of its error in units of the last place of 1, each number known to its last place."""
+    if e.is_Add:
+        values, errors = zip(*(_with_error(a, point) for a in e.args), strict=True)
+        return sum(values), sum(errors) + abs(sum(values))
+    if e.is_Mul:
+        values, errors = zip(*(_with_error(a, point) for a in e.args), strict=True)
+        value = mpmath.fprod(values)
+        return value, abs(value) * sum(error / abs(v) if v else 1 for v, error in zip(values, errors, strict=True))
+    if e.is_Pow and e.exp.is_Rational:
+        base, error = _with_error(e.base, point)
+        value = number_of(e, point)
+        return value, abs(value * float(e.exp)) * (error / abs(base) if base else 1)
+    value = number_of(e, point)
+    return value, abs(value)
 
 
 def _rooted(expression: sp.Expr) -> bool:

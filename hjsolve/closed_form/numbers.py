@@ -313,12 +313,15 @@ class _CompiledForm:
         """At one place; nan outside the regime."""
         if not self._inside(numbers):
             return mp.nan
-        if not self.roots:
-            return self.plain(*numbers)
-        exact = {s: sp.sympify(v) for s, v in zip(self.symbols, numbers, strict=True)}
-        table = root_values(self.form, exact, mp.dps + 5, self.roots)
-        kind = float if self.numpy else mp.mpmathify
-        return self.plain(*numbers, *(kind(table[s]) for s in self.roots))
+        if self.roots:
+            exact = {s: sp.sympify(v) for s, v in zip(self.symbols, numbers, strict=True)}
+            table = root_values(self.form, exact, mp.dps + 5, self.roots)
+            numbers = [*numbers, *(table[s] for s in self.roots)]
+        if not self.numpy:
+            return self.plain(*map(mp.mpmathify, numbers))
+        import numpy as np  # whose numbers divide by zero in a case that is not taken
+
+        return self.plain(*map(np.float64, numbers))
 
     def _inside(self, numbers: Sequence[Mpf | float]) -> bool:
         if any(abs(test(*numbers)) > _SPECIAL for test in self.equal):
