@@ -38,7 +38,7 @@ def with_common_factors(expression: sp.Expr) -> sp.Expr:
 def _power(power: sp.Pow) -> sp.Expr:
     if longer_than(power.base, LONGEST) or elliptic(power.base):  # K − E is written so that nothing cancels
         return power
-    base = _shortest(power.base, _grouped(power.base), _in_groups(sp.factor(power.base)))
+    base = _shortest(power.base, grouped(power.base), _in_groups(sp.factor(power.base)))
     content, rest = base.as_coeff_Mul()
     if base is power.base or content < 0:
         return power
@@ -64,14 +64,18 @@ def _quotient(product: sp.Mul) -> sp.Expr:
 def _in_groups(product: sp.Expr) -> sp.Expr:
     """Return a factored expression with the sums among its factors grouped."""
     factors = [f.as_base_exp() for f in sp.Mul.make_args(product)]
-    grouped = [_grouped(base) if base.is_Add else base for base, _ in factors]
-    if all(made is base for made, (base, _) in zip(grouped, factors, strict=True)):
+    sums = [grouped(base) if base.is_Add else base for base, _ in factors]
+    if all(made is base for made, (base, _) in zip(sums, factors, strict=True)):
         return product
-    return sp.Mul(*(made**power for made, (_, power) in zip(grouped, factors, strict=True)))
+    return sp.Mul(*(made**power for made, (_, power) in zip(sums, factors, strict=True)))
 
 
-def _grouped(total: sp.Expr) -> sp.Expr:
-    """Return a sum with the terms of one power of a symbol as a product, by the symbol that makes it shortest."""
+def grouped(total: sp.Expr) -> sp.Expr:
+    """Return a sum with the terms of one power of a symbol as a product, by the symbol that makes it shortest.
+
+    Args:
+        total: the sum.
+    """
     if len(total.args) <= _TERMS or elliptic(total) or longer_than(total, LONGEST):
         return total
     symbols = sorted(total.free_symbols, key=sp.default_sort_key)

@@ -13,7 +13,7 @@ from mpmath import libmp
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Mask, Mpf, Reals
-from hjsolve.closed_form.complements import for_doubles
+from hjsolve.closed_form.complements import ForDoubles
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.doubles import PlaceTest, RegionTest, RootsOfPolynomial, place_test, region_test, roots_of
 from hjsolve.closed_form.evaluation import many_digits, number_of
@@ -215,14 +215,17 @@ def functions(form: NamedForms, module: str) -> dict[str, Callable[..., Mpf | Re
     """
     if module not in ("numpy", "mpmath"):
         raise InvalidInputError(f'lambdify: {module!r} is not known; write "numpy" or "mpmath"')
-    return {name: _function(form, expression, module) for name, expression in form.named().items()}
+    arrange = ForDoubles(form.where, at_example(form, form.where)) if module == "numpy" else None
+    return {name: _function(form, expression, arrange) for name, expression in form.named().items()}
 
 
-def _function(form: NamedForms, expression: sp.Expr, module: str) -> Callable[..., Mpf | Reals | float]:
-    compiled = _CompiledForm(form, expression, module)
+def _function(
+    form: NamedForms, expression: sp.Expr, arrange: ForDoubles | None
+) -> Callable[..., Mpf | Reals | float]:  # fmt: skip
+    compiled = _CompiledForm(form, expression, arrange)
 
     def function(**given: object) -> Mpf | Reals | float:
-        if module == "numpy":
+        if arrange is not None:
             return compiled.arrays(given)
         with users_precision():
             return for_the_user(compiled.one([*map(_exactly, compiled.values(given))]))
@@ -242,10 +245,10 @@ _Compiled = Callable[..., Any]
 class _CompiledForm:
     """A form and the conditions of its regime, each compiled for numbers when it is first asked for."""
 
-    def __init__(self, form: NamedForms, expression: sp.Expr, module: str):
+    def __init__(self, form: NamedForms, expression: sp.Expr, arrange: ForDoubles | None):
         made, where = form.regime, form.where
-        if module == "numpy":
-            expression = for_doubles(expression, where, at_example(form, expression.free_symbols))
+        if arrange is not None:
+            expression = arrange.form(expression)
         self.form, self.roots = form, [s for s in expression.free_symbols if s in where]
         self.curves = [(c, r) for c, r in made.regions if c.degree > 2]
         plain = needed_names(expression.free_symbols, where)[1]
@@ -255,7 +258,7 @@ class _CompiledForm:
         self.symbols = sorted(held, key=str)
         self.names = tuple(s.name for s in self.symbols)
         self.defaults = {p.name: p.value for p in form.solution.system.parameters if p.value is not None}
-        self.numpy, self.expression, self.held = module == "numpy", expression, plain
+        self.numpy, self.arrange, self.expression, self.held = arrange is not None, arrange, expression, plain
 
     @cached_property
     def plain(self) -> _Compiled:
@@ -310,12 +313,15 @@ class _CompiledForm:
         """At one place; nan outside the regime."""
         if not self._inside(numbers):
             return mp.nan
-        if not self.roots:
-            return self.plain(*numbers)
-        exact = {s: sp.sympify(v) for s, v in zip(self.symbols, numbers, strict=True)}
-        table = root_values(self.form, exact, mp.dps + 5, self.roots)
-        kind = float if self.numpy else mp.mpmathify
-        return self.plain(*numbers, *(kind(table[s]) for s in self.roots))
+        if self.roots:
+            exact = {s: sp.sympify(v) for s, v in zip(self.symbols, numbers, strict=True)}
+            table = root_values(self.form, exact, mp.dps + 5, self.roots)
+            numbers = [*numbers, *(table[s] for s in self.roots)]
+        if not self.numpy:
+            return self.plain(*map(mp.mpmathify, numbers))
+        import numpy as np  # whose numbers divide by zero in a case that is not taken
+
+        return self.plain(*map(np.float64, numbers))
 
     def _inside(self, numbers: Sequence[Mpf | float]) -> bool:
         if any(abs(test(*numbers)) > _SPECIAL for test in self.equal):
@@ -368,7 +374,8 @@ class _CompiledForm:
         """Return what the form rests on, with its value for arrays, in order; of a root: polynomial and index."""
         known, found = list(self.symbols), list[tuple[sp.Symbol, Any]]()
         polynomials = dict[sp.Poly, RootsOfPolynomial]()
-        for symbol, meaning in needed_names(self.roots, self.form.where)[0].items():
+        where = self.arrange.definitions(self.roots) if self.arrange else self.form.where
+        for symbol, meaning in needed_names(self.roots, where)[0].items():
             definition = meaning[0] if isinstance(meaning, tuple) else meaning
             held = definition.free_symbols - ({definition.gen} if isinstance(definition, sp.Poly) else set())
             if not held <= set(known):

@@ -9,7 +9,7 @@ import sympy as sp
 from sympy.printing.c import C99CodePrinter, get_math_macros
 from sympy.printing.pycode import PythonCodePrinter
 
-from hjsolve.closed_form.complements import for_doubles
+from hjsolve.closed_form.complements import ForDoubles
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.numbers import at_example
@@ -45,12 +45,13 @@ def source(form: NamedForms, language: str) -> str:
     mark = "#" if language == "python" else "//"
     head = [f"{mark} {form.solution.system.id or 'closed forms'}: {form.regime.words}"]
     head += [f"{mark} {symbol}: {_meaning(meaning)}" for symbol, meaning in form.where.items()]
-    example = at_example(form, form.where)
-    named = {name: for_doubles(e, form.where, example) for name, e in form.named().items()}
-    defined = needed_names({s for e in named.values() for s in e.free_symbols}, form.where)[0].values()
+    arrange = ForDoubles(form.where, at_example(form, form.where))
+    named = {name: arrange.form(e) for name, e in form.named().items()}
+    where = arrange.definitions(s for e in named.values() for s in e.free_symbols)
+    defined = where.values()
     every = sp.Tuple(*named.values(), *(e for e in defined if not isinstance(e, tuple)))
     write = _python if language == "python" else _c
-    functions = [write(name.replace(".", "_"), e, form.where) for name, e in named.items()]
+    functions = [write(name.replace(".", "_"), e, where) for name, e in named.items()]
     if language == "python":
         head += _python_head(every)
     else:

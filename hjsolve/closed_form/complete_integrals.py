@@ -1,0 +1,373 @@
+"""Sums of complete elliptic integrals arranged for doubles: over integrals of one sign, the poles' half turns taken out.
+
+With c = 1 − m
+
+    B = ⅓ c R_D(0, 1, c),  D = ⅓ R_D(0, c, 1),  J(n) = ⅓ R_J(0, c, 1, 1 − n),
+    K = B + D,  E = B + c D,  Π(n) = K + n J(n),
+
+so that a K + b E + A Π(n) = (a + b + A) B + (a + b c + A) D + A n J(n): the coefficients are those of what is left of a
+small oscillation (E − c K is of the order of m), and nothing cancels where they are in factors.
+
+Of a pole r beyond the turning points, P(r) < 0 and n < 0 or n > m, Π grows as the pole comes near; what grows is a half
+turn and nothing else:
+
+    A Π(n) = ½π A √(n/((1 − n)(n − m))) − A (m/n) J(m/n)
+
+which is taken where n² > m, the former elsewhere. The factor of ½π is a residue, ± a constant: the half turns of the
+poles at cos θ = 1 and −1 cancel in whole numbers. The product of c − x over all roots x of P is P(c) by its leading
+coefficient.
+
+Fukushima, J. Comput. Appl. Math. 236 (2012) 1961 (B, D, J); DLMF 19.7.8 and 19.7.9 (n to m/n), 19.25.1, 19.25.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import mpmath
+import sympy as sp
+
+from hjsolve.closed_form.evaluation import number_of
+from hjsolve.closed_form.tidy import longer_than
+from hjsolve.functions import CarlsonRD, CarlsonRF, CarlsonRJ
+
+Where = Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
+COMPLETE = (sp.elliptic_k, sp.elliptic_e, sp.elliptic_pi)
+_LONGEST = 250
+"""Operations of a coefficient that is factored: longer ones may take sympy seconds."""
+_NEAR = mpmath.mpf(10) ** -6
+"""Part of its distance from a pole at which a root is put to see what a coefficient loses there."""
+
+
+@dataclass
+class _Sum:
+    """Σ coefficient × integral + rest."""
+
+    weights: dict[sp.Expr, sp.Expr] = field(default_factory=dict)
+    rest: sp.Expr = sp.S.Zero
+
+
+@dataclass(frozen=True)
+class _Pole:
+    """A Π(n) of a pole between roots where P < 0.
+
+    Attributes:
+        A: its coefficient.
+        n: its characteristic.
+        far: the condition under which it is K + n J(n).
+        size: the factor of the half turn, without its sign.
+        sign: of the half turn.
+    """
+
+    A: sp.Expr
+    n: sp.Expr
+    far: sp.Expr
+    size: sp.Expr
+    sign: sp.Expr
+
+
+class CompleteIntegrals:
+    """The complete integrals of forms of one regime.
+
+    Args:
+        where: symbol → its definition.
+        example: symbol → its value at a motion of the regime: signs and order are its.
+    """
+
+    def __init__(self, where: Where, example: Mapping[sp.Symbol, mpmath.mpf]):
+        self.example = example
+        self.plain = {s: e for s, e in where.items() if isinstance(e, sp.Expr) and not _rooted(e)}
+        self.radicals = {s: e for s, e in where.items() if isinstance(e, sp.Expr) and _rooted(e)}
+        self.roots = roots_by_polynomial(where)
+        self._known = dict[sp.Expr, sp.Expr]()
+
+    def arranged(self, expression: sp.Expr) -> sp.Expr:
+        """Return an equal expression, every sum of complete integrals in it over B, D and J.
+
+        Args:
+            expression: of a form.
+        """
+        if not expression.has(*COMPLETE):
+            return expression
+        if expression not in self._known:
+            total = _linear(expression)
+            self._known[expression] = (
+                expression.func(*map(self.arranged, expression.args)) if total is None else self._written(total)
+            )
+        return self._known[expression]
+
+    def _written(self, total: _Sum) -> sp.Expr:
+        value = total.rest
+        for m in sorted({i.args[-1] for i in total.weights}, key=sp.default_sort_key):
+            value += self._of_parameter(m, {i: w for i, w in total.weights.items() if i.args[-1] == m})
+        return value
+
+    def _of_parameter(self, m: sp.Expr, weights: dict[sp.Expr, sp.Expr]) -> sp.Expr:
+        c = self.complement(m)
+        if c is None and all(isinstance(i, sp.elliptic_k) for i in weights):
+            return sp.Add(*(w * i for i, w in weights.items()))
+        c = self.tidy(1 - m) if c is None else c
+        a, b = weights.pop(sp.elliptic_k(m), sp.S.Zero), weights.pop(sp.elliptic_e(m), sp.S.Zero)
+        poles, value = list[_Pole](), sp.S.Zero
+        for integral, A in weights.items():
+            n = integral.args[0]
+            pole = self._pole(A, n, m)
+            if pole is None:
+                a += A
+                value += A * n * CarlsonRJ(0, c, 1, self._one_minus(n)) / 3
+                continue
+            poles.append(pole)
+            ratio = self.tidy(m / n)
+            weight = _either(A * n, pole.far, -self.tidy(A * m / n))
+            value += weight * CarlsonRJ(0, c, 1, _either(self._one_minus(n), pole.far, self._one_minus(ratio))) / 3
+        for size in dict.fromkeys(p.size for p in poles):
+            turns = sp.Add(*(_either(sp.S.Zero, p.far, p.sign) for p in poles if p.size == size))
+            value += sp.pi / 2 * size * turns
+        if b == 0:
+            return value + self._coefficient(a, poles) * CarlsonRF(0, c, 1)
+        first, second = self._coefficient(a + b, poles), self._coefficient(a + b * c, poles)
+        return value + (first * c * CarlsonRD(0, 1, c) + second * CarlsonRD(0, c, 1)) / 3
+
+    def _coefficient(self, own: sp.Expr, poles: list[_Pole]) -> sp.Expr:
+        """Return what K is multiplied by: its own coefficient, and those of the poles that are far.
+
+        The coefficient of a pole and what the own one has next to it nearly cancel where a root is there too.
+        """
+        parts, value = self._parts(own) if poles else [own], sp.S.Zero
+        for pole in poles:
+            near = self._near(pole.A)
+            held = [part for part in parts if self._near(part) & near]
+            parts = [part for part in parts if part not in held]
+            value += _either(self.tidy(sp.Add(*held, pole.A)), pole.far, self.tidy(sp.Add(*held)))
+        return value + self.tidy(sp.Add(*parts))
+
+    def _parts(self, coefficient: sp.Expr) -> list[sp.Expr]:
+        """Partial fractions by a root that is next to numbers in the denominator."""
+        explicit = self.written_out(coefficient)
+        if longer_than(explicit, _LONGEST):
+            return [coefficient]
+        near = sorted({x for x, _ in self._near(coefficient)}, key=str)
+        if not near:
+            return [coefficient]
+        factors = sp.Mul.make_args(sp.factor(sp.together(explicit)))
+        whole = [f for f in factors if f.as_base_exp()[1].is_Integer]
+        rest = sp.Mul(*(f for f in factors if f not in whole))
+        return [rest * sp.factor(part) for part in sp.Add.make_args(sp.apart(sp.Mul(*whole), near[0]))]
+
+    def _near(self, coefficient: sp.Expr) -> set[tuple[sp.Symbol, sp.Expr]]:
+        """Return the roots that a denominator has next to a number, and the number."""
+        explicit, found = self.written_out(coefficient), set[tuple[sp.Symbol, sp.Expr]]()
+        for power in explicit.atoms(sp.Pow):
+            if power.exp.is_Integer and power.exp < 0 and self._gap(power.base) and len(power.free_symbols) == 1:
+                (x,) = power.free_symbols
+                found.add((x, sp.expand(x - power.base / power.base.coeff(x))))
+        return found
+
+    def _pole(self, A: sp.Expr, n: sp.Expr, m: sp.Expr) -> _Pole | None:
+        """Return the half turn of a pole; None where P > 0 there, or where that is not known."""
+        if not (A.free_symbols | n.free_symbols | m.free_symbols) <= self.example.keys():
+            return None
+        at_n, at_m = number_of(n, self.example), number_of(m, self.example)
+        if 0 <= at_n <= at_m or at_n >= 1:
+            return None
+        square = self.tidy(A**2 * n / ((1 - n) * (n - m)))
+        size = sp.sqrt(square)
+        return _Pole(A, n, sp.Le(n**2, m), size, self._sign(A))
+
+    def _sign(self, A: sp.Expr) -> sp.Expr:
+        """Return the sign of a coefficient: that of its constants, where they may change it, and of the example."""
+        value = sp.S(int(mpmath.sign(number_of(A, self.example))))
+        for factor in sp.Mul.make_args(A):
+            base, power = factor.as_base_exp()
+            if base.free_symbols and power.is_odd and not base.is_positive and not self._gap(base):
+                value *= sp.sign(base) * int(mpmath.sign(number_of(base, self.example)))
+        return value
+
+    def _gap(self, base: sp.Expr) -> bool:
+        """Whether an expression is c − x, of numbers c and roots x, which keep their order in a regime."""
+        named = {s for symbols in self.roots.values() for s in symbols} | self.radicals.keys()
+        return bool(base.is_Add and len(base.args) == 2 and base.free_symbols <= named)
+
+    def complement(self, m: sp.Expr) -> sp.Expr | None:
+        """1 − m as a quotient without the 1; None where it does not cancel.
+
+        Args:
+            m: the parameter.
+        """
+        m = self.written_out(m)
+        above, below = sp.fraction(sp.together(m))
+        if below == 1:
+            return None
+        left = sp.expand(below - above)
+        if len(sp.Add.make_args(left)) > len(sp.Add.make_args(sp.expand(below))):
+            return None
+        return self._by_products(sp.factor(left) if not longer_than(left, _LONGEST) else sp.factor_terms(left)) / below
+
+    def _one_minus(self, n: sp.Expr) -> sp.Expr:
+        quotient = self.complement(n)
+        return self.tidy(1 - n) if quotient is None else quotient
+
+    def written_out(self, expression: sp.Expr) -> sp.Expr:
+        """Return an expression without the names, but of roots and of what has roots of sums in sums.
+
+        Args:
+            expression: of a form.
+        """
+        while held := expression.free_symbols & self.plain.keys():
+            expression = expression.xreplace({s: self.plain[s] for s in held})
+        return expression
+
+    def tidy(self, coefficient: sp.Expr) -> sp.Expr:
+        """Return a coefficient in factors, where that is not longer.
+
+        Args:
+            coefficient: of an integral.
+        """
+        explicit = self.written_out(coefficient)
+        if not explicit.has(sp.Add) or longer_than(explicit, _LONGEST):
+            return coefficient
+        made = self._by_products(sp.factor(sp.together(explicit)))
+        points = self._points(explicit)
+        return min((coefficient, made), key=lambda e: (self._loss(e, points), sp.count_ops(e)))
+
+    def _points(self, explicit: sp.Expr) -> list[Mapping[sp.Symbol, mpmath.mpf]]:
+        """The example, and places where a root is next to a pole: an identity in the roots holds there too."""
+        points: list[Mapping[sp.Symbol, mpmath.mpf]] = [self.example]
+        for x, pole in self._near(explicit):
+            at = number_of(pole, self.example)
+            points.append({**self.example, x: at + (self.example[x] - at) * _NEAR})
+        return points
+
+    def _loss(self, e: sp.Expr, points: list[Mapping[sp.Symbol, mpmath.mpf]]) -> int:
+        """Return how many digits are lost at the worst of some places."""
+        worst = 1.0
+        explicit = self.written_out(e)
+        for point in points:
+            if not explicit.free_symbols <= point.keys():
+                return 0
+            value, error = _with_error(explicit, point)
+            worst = max(worst, float(error / abs(value)) if value else 1e300)
+        return int(mpmath.log10(worst))
+
+    def _by_products(self, expression: sp.Expr) -> sp.Expr:
+        """Write the product of c − x over all roots x, where it is a factor, as P(c) by its leading coefficient."""
+        factors = dict[sp.Expr, sp.Expr]()
+        for factor in sp.Mul.make_args(expression):
+            base, power = factor.as_base_exp()
+            factors[base] = factors.get(base, sp.S.Zero) + power
+        for P, symbols in self.roots.items():
+            if len(set(symbols.values())) == P.degree():
+                _with_all_roots(factors, P, symbols)
+        self._with_radicals(factors)
+        return sp.Mul(*(base**power for base, power in factors.items()))
+
+    def _with_radicals(self, factors: dict[sp.Expr, sp.Expr]) -> None:
+        """The product of factors with roots in radicals, where the radicals leave it: Vieta's formulas."""
+        for power in {p for base, p in factors.items() if base.free_symbols & self.radicals.keys()}:
+            held = [b for b, p in factors.items() if p == power and b.is_Add and b.free_symbols & self.radicals.keys()]
+            total = sp.Mul(*held)
+            if len(held) < 2 or longer_than(total, _LONGEST):
+                continue
+            made = sp.factor(sp.expand(total.xreplace(self.radicals)))
+            if _rooted(made) or sp.count_ops(made) > 2 * sp.count_ops(total):
+                continue
+            for base in held:
+                del factors[base]
+            for factor in sp.Mul.make_args(made):
+                base, own = factor.as_base_exp()
+                factors[base] = factors.get(base, sp.S.Zero) + own * power
+
+
+def roots_by_polynomial(where: Where) -> dict[sp.Poly, dict[sp.Symbol, int]]:
+    """Return polynomial → root → its number; two coordinates may have the same P, and its roots two names.
+
+    Args:
+        where: symbol → its definition.
+    """
+    found = dict[sp.Poly, dict[sp.Symbol, int]]()
+    for symbol, meaning in where.items():
+        if isinstance(meaning, tuple):
+            found.setdefault(meaning[0], {})[symbol] = meaning[1]
+    return found
+
+
+def _with_all_roots(factors: dict[sp.Expr, sp.Expr], P: sp.Poly, numbers: Mapping[sp.Symbol, int]) -> None:
+    places = dict[sp.Expr, dict[int, tuple[sp.Expr, sp.Expr]]]()
+    for base in factors:
+        held = base.free_symbols & numbers.keys()
+        if len(held) == 1 and base.is_Add:
+            (x,) = held
+            slope = base.coeff(x)
+            if slope.is_number and slope != 0 and (c := sp.expand(x - base / slope)) not in numbers and not c.has(x):
+                places.setdefault(c, {})[numbers[x]] = (base, slope)
+    for c, found in places.items():
+        powers = {factors[base] for base, _ in found.values()}
+        if len(found) < P.degree() or len(powers) > 1:
+            continue
+        (power,) = powers
+        value = sp.factor(P.as_expr().subs(P.gen, c) / P.LC())
+        if value == 0:
+            continue
+        for base, slope in found.values():
+            del factors[base]
+            value *= -slope
+        for factor in sp.Mul.make_args(value):
+            base, own = factor.as_base_exp()
+            factors[base] = factors.get(base, sp.S.Zero) + own * power
+
+
+def _with_error(e: sp.Expr, point: Mapping[sp.Symbol, mpmath.mpf]) -> tuple[mpmath.mpf, mpmath.mpf]:
+    """Return a value, and a bound of its error in units of the last place of 1, each number known to its last place."""
+    if e.is_Add:
+        values, errors = zip(*(_with_error(a, point) for a in e.args), strict=True)
+        return sum(values), sum(errors) + abs(sum(values))
+    if e.is_Mul:
+        values, errors = zip(*(_with_error(a, point) for a in e.args), strict=True)
+        value = mpmath.fprod(values)
+        return value, abs(value) * sum(error / abs(v) if v else 1 for v, error in zip(values, errors, strict=True))
+    if e.is_Pow and e.exp.is_Rational:
+        base, error = _with_error(e.base, point)
+        value = number_of(e, point)
+        return value, abs(value * float(e.exp)) * (error / abs(base) if base else 1)
+    value = number_of(e, point)
+    return value, abs(value)
+
+
+def _rooted(expression: sp.Expr) -> bool:
+    """Whether roots of sums are parts of sums: what a square does not free of roots."""
+    return any(
+        part.is_Add and any(p.base.is_Add and not p.exp.is_Integer for p in part.atoms(sp.Pow))
+        for part in sp.preorder_traversal(expression)
+    )
+
+
+def _linear(e: sp.Expr) -> _Sum | None:
+    """Return an expression as a sum of complete integrals; None where it is not linear in them."""
+    if not any(_complete(i) for i in e.atoms(*COMPLETE)):
+        return _Sum(rest=e)
+    if isinstance(e, COMPLETE):
+        return _Sum({e: sp.S.One}) if _complete(e) else None
+    if e.is_Add:
+        total = _Sum()
+        for term in e.args:
+            if (part := _linear(term)) is None:
+                return None
+            total.rest += part.rest
+            for integral, weight in part.weights.items():
+                total.weights[integral] = total.weights.get(integral, sp.S.Zero) + weight
+        return total
+    if e.is_Mul:
+        held = [f for f in e.args if f.has(*COMPLETE)]
+        if len(held) == 1 and (part := _linear(held[0])) is not None:
+            others = sp.Mul(*(f for f in e.args if f is not held[0]))
+            return _Sum({i: w * others for i, w in part.weights.items()}, part.rest * others)
+    return None
+
+
+def _complete(integral: sp.Expr) -> bool:
+    return len(integral.args) == (2 if isinstance(integral, sp.elliptic_pi) else 1)
+
+
+def _either(first: sp.Expr, condition: sp.Expr, second: sp.Expr) -> sp.Expr:
+    return sp.Piecewise((first, condition), (second, True))
