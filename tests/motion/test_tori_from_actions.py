@@ -198,7 +198,6 @@ def test_wells_of_two_coordinates_are_all_listed():
 
 NOT_FOUND = {
     "henon-heiles-kdv": "the search finds no start from which Newton's method reaches the torus",
-    "relativistic-oscillator": "the search in doubles does not yet take E with the rest energy",
 }
 
 
