@@ -24,7 +24,6 @@ from hjsolve.two_point.central.proved_search import (
 from hjsolve.two_point.central.radial_range import radial_problem
 from hjsolve.two_point.kepler.attraction import RADIUS, CentralForce
 from hjsolve.two_point.kepler.central_places import CentralPlaces, geometry
-from hjsolve.two_point.search.flow import VariedFlow
 from hjsolve.two_point.search.searched import connection_of, joined_by_search, reach
 from hjsolve.two_point.search.shooting import solved_from
 
@@ -112,13 +111,13 @@ def _read(force: CentralForce, question: TwoPlaceQuestion, values: Mapping[sp.Sy
 
 def _refined(asked: _Asked, proof: RadialProof) -> tuple[list[Connection], list[IsolatedMotion]]:
     """Return connections of isolated motions; and those that could not be run to q1."""
-    flow = VariedFlow(asked.question.system, asked.values)
+
     connections: list[Connection] = []
     lost: list[IsolatedMotion] = []
     for motion in proof.motions:
         way, turns = asked.images[motion.angle]
         try:
-            p, ends = solved_from(asked.question, flow, _momenta(asked, motion))
+            p, ends = solved_from(asked.question, asked.values, _momenta(asked, motion))
             if not is_solved_by(asked.problem, motion, *_constants(asked, p)):
                 raise NotConvergedError("Newton's method leads to another motion")
             path = f"{_way(asked, way)}, {asked.problem.branches[motion.branch].path}"
