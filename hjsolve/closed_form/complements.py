@@ -39,7 +39,8 @@ class ForDoubles:
         conditions = {c: sp.Dummy() for c in made.atoms(Relational)}  # any digits decide them, and no quotient within
         plain = made.xreplace(conditions)
         plain = plain.xreplace(_gaps(plain, self.where, self._roots))
-        plain = plain.xreplace({a: b for a in plain.atoms(sp.Add) if (b := grouped(a)) is not a})  # (R − r)² stays small
+        # (R − r)² stays small
+        plain = plain.xreplace({a: b for a in plain.atoms(sp.Add) if (b := grouped(a)) is not a})
         return plain.xreplace({name: c for c, name in conditions.items()})
 
     def definitions(self, wanted: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]:
@@ -54,9 +55,9 @@ class ForDoubles:
             if symbol in found or symbol not in self.where:
                 continue
             meaning = self.where[symbol]
-            found[symbol] = meaning if isinstance(meaning, tuple) else self.form(meaning)
-            held = meaning[0].free_symbols_in_domain if isinstance(meaning, tuple) else found[symbol].free_symbols
-            waiting += held
+            made = self.form(meaning) if isinstance(meaning, sp.Expr) else meaning
+            found[symbol] = made
+            waiting += made[0].free_symbols_in_domain if isinstance(made, tuple) else made.free_symbols
         return found
 
 

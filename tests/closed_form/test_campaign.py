@@ -24,4 +24,6 @@ def test_forms_at_random_constants(entry: str, motions: int) -> None:
     assert [one for one in found if one.flaw] == []
     numbers = sorted(one.excess for one in found if not math.isnan(one.ulps))
     assert numbers
-    assert numbers[len(numbers) * 9 // 10] <= 100  # beyond the condition; near a border a form in doubles may lose digits
+    assert (
+        numbers[len(numbers) * 9 // 10] <= 100
+    )  # beyond the condition; near a border a form in doubles may lose digits

@@ -10,11 +10,11 @@ from sympy.integrals.quadrature import gauss_legendre
 
 import hjsolve
 from hjsolve.arithmetic.interval import Interval
-from hjsolve.two_point.central.apsidal_arcs import ApsidalBoxes, SquarePotential, apsidal_arcs
+from hjsolve.two_point.central.apsidal_arcs import ApsidalBoxes, SquarePotential, arcs_between_apsides
 from hjsolve.two_point.central.isolated_constants import energy_and_momentum
 from hjsolve.two_point.central.proved_search import all_motions
 from hjsolve.two_point.central.radial_arcs import Boxes, arcs_of
-from hjsolve.two_point.central.radial_grid import RadialPotential, innermost, radial_grid
+from hjsolve.two_point.central.radial_grid import RadialPotential, cells_about, innermost
 from hjsolve.two_point.central.radial_range import radial_problem
 from hjsolve.two_point.kepler.attraction import RADIUS as R
 from hjsolve.two_point.kepler.attraction import central_force_of
@@ -81,12 +81,12 @@ def test_arcs_between_apsides_and_their_slopes_are_enclosed(name, x, y):
     h = MP.mpf(10) ** -8
     moved = [(apsidal(V, x + i * h, y + j * h), apsidal(V, x - i * h, y - j * h)) for i, j in ((1, 0), (0, 1))]
     slopes = np.stack([(upper - lower) / (2 * h) for upper, lower in moved], axis=1)
-    thin = apsidal_arcs(P, ApsidalBoxes(*box(x, y), LOW**2, HIGH**2), 96, slopes=True)
+    thin = arcs_between_apsides(P, ApsidalBoxes(*box(x, y), LOW**2, HIGH**2), 96, slopes=True)
     assert np.all(thin.there == 1)
     assert encloses(thin.values, true)
     assert np.max((thin.values.high - thin.values.low)[..., 0] / true.astype(float)) < 2e-3
     assert encloses(thin.slopes, slopes)
-    wide = apsidal_arcs(P, ApsidalBoxes(*box(x, y, 0.03), LOW**2, HIGH**2), 48, slopes=True)
+    wide = arcs_between_apsides(P, ApsidalBoxes(*box(x, y, 0.03), LOW**2, HIGH**2), 48, slopes=True)
     assert encloses(wide.slopes, slopes)
     for i, j in ((0.975, 0.975), (1.025, 0.975), (0.975, 1.025), (1.025, 1.025)):
         assert encloses(wide.values, apsidal(V, x * i, y * j))
@@ -97,7 +97,7 @@ def test_arcs_between_apsides_and_their_slopes_are_enclosed(name, x, y):
 def test_arcs_by_energy_and_angular_momentum_are_enclosed(name, s, λ):
     formula, V = POTENTIALS[name]
     potential = RadialPotential(R, formula)
-    grid = radial_grid(potential, (LOW, HIGH), 40.0, 1.004, potential.at_centre(innermost(LOW)))
+    grid = cells_about(potential, (LOW, HIGH), 40.0, 1.004, potential.at_centre(innermost(LOW)))
 
     def true(s, λ):
         outer = MP.mpf(HIGH)

@@ -29,7 +29,7 @@ import sympy as sp
 from hjsolve.arithmetic.interval import Interval
 from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.lowering import lower
-from hjsolve.two_point.central.radial_arcs import DIRECT, INNER, OUTER, Arcs
+from hjsolve.two_point.central.radial_arcs import DIRECT, INNER, OUTER, RadialArcs
 from hjsolve.two_point.central.radial_grid import FIELD
 
 _OUT = 1e-13
@@ -74,7 +74,7 @@ def _root(x: Interval) -> Interval:
     return _positive(FIELD.unary("sqrt", Interval(np.maximum(x.low, 0), np.maximum(x.high, 0))))
 
 
-class Jet(NamedTuple):
+class PotentialJet(NamedTuple):
     """P, P′, P″ and P‴ at one place, or over a range."""
 
     value: Interval
@@ -104,7 +104,7 @@ class SquarePotential:
         V, slope = (Interval(np.broadcast_to(x.low, shape), np.broadcast_to(x.high, shape)) for x in rows)
         return V, slope
 
-    def over(self, u: Interval) -> Jet:
+    def over(self, u: Interval) -> PotentialJet:
         """Enclose P and its derivatives.
 
         Args:
@@ -112,7 +112,7 @@ class SquarePotential:
         """
         rows = self._tape.run(FIELD, [u])
         shape = np.shape(u.low)
-        return Jet(*(Interval(np.broadcast_to(x.low, shape), np.broadcast_to(x.high, shape)) for x in rows))
+        return PotentialJet(*(Interval(np.broadcast_to(x.low, shape), np.broadcast_to(x.high, shape)) for x in rows))
 
 
 class _Pair(NamedTuple):
@@ -449,7 +449,7 @@ def _integrals(
     return _Found(values, found, np.all(T.G.low > 0, axis=1), np.any(T.G.high < 0, axis=1))
 
 
-def apsidal_arcs(P: SquarePotential, boxes: ApsidalBoxes, count: int, *, slopes: bool) -> Arcs:
+def arcs_between_apsides(P: SquarePotential, boxes: ApsidalBoxes, count: int, *, slopes: bool) -> RadialArcs:
     """Enclose the arcs of some boxes, in the order of ``radial_arcs``.
 
     Args:
@@ -482,4 +482,4 @@ def apsidal_arcs(P: SquarePotential, boxes: ApsidalBoxes, count: int, *, slopes:
     sloped = Interval(slope_low, slope_high) if slopes else None
     fastest, slowest = (np.asarray(x)[:, 0] for x in (orbit.p.low, orbit.a.high))
     rate = Interval(np.sqrt(np.maximum(λ_low, 0)) / slowest * (1 - 4 * _EPS), most / fastest * (1 + 4 * _EPS))
-    return Arcs(Interval(low, high), sloped, there, most, np.ones(b, dtype=bool), rate)
+    return RadialArcs(Interval(low, high), sloped, there, most, np.ones(b, dtype=bool), rate)

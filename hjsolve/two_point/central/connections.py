@@ -111,6 +111,7 @@ def _read(force: CentralForce, question: TwoPlaceQuestion, values: Mapping[sp.Sy
 
 def _refined(asked: _Asked, proof: RadialProof) -> tuple[list[Connection], list[IsolatedMotion]]:
     """Return connections of isolated motions; and those that could not be run to q1."""
+
     connections: list[Connection] = []
     lost: list[IsolatedMotion] = []
     for motion in proof.motions:

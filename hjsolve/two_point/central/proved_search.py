@@ -22,10 +22,10 @@ from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.two_point.central.apsidal_arcs import (
     ApsidalBoxes,
     SquarePotential,
-    apsidal_arcs,
+    arcs_between_apsides,
     energies_of,
 )
-from hjsolve.two_point.central.radial_arcs import Arcs, Boxes, arcs_of
+from hjsolve.two_point.central.radial_arcs import Boxes, RadialArcs, arcs_of
 from hjsolve.two_point.central.radial_grid import RadialGrid, RadialPotential
 from hjsolve.two_point.one_freedom.line_branches import LineBranch
 
@@ -192,7 +192,7 @@ def _edges(low: float, high: float) -> list[tuple[float, float]]:
     return list(pairwise(ends))
 
 
-def _arcs(problem: RadialProblem, queue: _Queue, level: int, *, slopes: bool, centres: bool = False) -> Arcs:
+def _arcs(problem: RadialProblem, queue: _Queue, level: int, *, slopes: bool, centres: bool = False) -> RadialArcs:
     """Enclose the arcs of boxes of one chart, or of their centres."""
     grid = problem.grids[min(level, len(problem.grids) - 1)]
     ends = np.repeat(np.mean(queue.corners, axis=2, keepdims=True), 2, axis=2) if centres else queue.corners
@@ -200,7 +200,7 @@ def _arcs(problem: RadialProblem, queue: _Queue, level: int, *, slopes: bool, ce
     if queue.chart[0] == APSIDAL:
         low, high = grid.r[[grid.inner, grid.outer]] ** 2
         boxes = ApsidalBoxes(first, second, float(low), float(high))
-        return apsidal_arcs(problem.square, boxes, _APSIDAL_CELLS[level], slopes=slopes)
+        return arcs_between_apsides(problem.square, boxes, _APSIDAL_CELLS[level], slopes=slopes)
     bound = np.where(queue.chart == AT_INNER, grid.inner, grid.outer)
     return arcs_of(grid, Boxes(first, second, bound), slopes=slopes)
 
@@ -293,7 +293,7 @@ def _counts(problem: RadialProblem) -> Reals:
     return np.array([*rows, (more if grid.inner != grid.outer else 0.0, more, more)])
 
 
-def _paths(problem: RadialProblem, arcs: Arcs) -> _Paths:
+def _paths(problem: RadialProblem, arcs: RadialArcs) -> _Paths:
     counts = _counts(problem)
     used = counts > 0
 
@@ -337,7 +337,7 @@ def _tested(problem: RadialProblem, level: int, queue: _Queue, proof: RadialProo
     return _Queue(queue.corners, queue.chart, alive).part(keep)
 
 
-def _elsewhere(problem: RadialProblem, queue: _Queue, arcs: Arcs) -> Mask:
+def _elsewhere(problem: RadialProblem, queue: _Queue, arcs: RadialArcs) -> Mask:
     """Boxes all of whose motions another chart has."""
     if queue.chart[0] == APSIDAL:
         return np.asarray(arcs.momentum_high < problem.least)

@@ -50,7 +50,7 @@ class Boxes(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Arcs:
+class RadialArcs:
     """Time and angle of the arcs between the places, from the outer one outwards and from the inner one inwards.
 
     Attributes:
@@ -69,19 +69,19 @@ class Arcs:
     returns: Mask
     rate: Interval
 
-    def part(self, kept: Mask) -> Arcs:
+    def part(self, kept: Mask) -> RadialArcs:
         """Return those of some boxes.
 
         Args:
             kept: which.
         """
-        values, slopes = (
-            None if x is None else Interval(np.asarray(x.low)[..., kept], np.asarray(x.high)[..., kept])
-            for x in (self.values, self.slopes)
-        )
-        assert values is not None
-        rate = Interval(np.asarray(self.rate.low)[kept], np.asarray(self.rate.high)[kept])
-        return Arcs(values, slopes, self.there[:, kept], self.momentum_high[kept], self.returns[kept], rate)
+
+        def of(x: Interval) -> Interval:
+            return Interval(np.asarray(x.low)[..., kept], np.asarray(x.high)[..., kept])
+
+        values, rate = of(self.values), of(self.rate)
+        slopes = None if self.slopes is None else of(self.slopes)
+        return RadialArcs(values, slopes, self.there[:, kept], self.momentum_high[kept], self.returns[kept], rate)
 
 
 class _Fields(NamedTuple):
@@ -414,7 +414,7 @@ def _by_middles(grid: RadialGrid, boxes: Boxes, F: _Fields, σ: Interval) -> tup
     return result[0], result[1]
 
 
-def arcs_of(grid: RadialGrid, boxes: Boxes, *, slopes: bool) -> Arcs:
+def arcs_of(grid: RadialGrid, boxes: Boxes, *, slopes: bool) -> RadialArcs:
     """Enclose the arcs of some boxes.
 
     Args:
@@ -441,7 +441,7 @@ def arcs_of(grid: RadialGrid, boxes: Boxes, *, slopes: bool) -> Arcs:
     found = _slopes(grid, boxes, F, plain, reaches) if slopes else None
     returns = np.any(np.asarray(F.square.high)[:, grid.outer + 1 :] < 0, axis=1)
     unknown = Interval(np.zeros(count), np.full(count, np.inf))
-    return Arcs(Interval(low, high), found, there, np.asarray(boxes.λ.high)[:, 0], returns, unknown)
+    return RadialArcs(Interval(low, high), found, there, np.asarray(boxes.λ.high)[:, 0], returns, unknown)
 
 
 def _slopes(

@@ -205,7 +205,7 @@ class RadialGrid:
     centre: CentralCell | None
 
 
-def radial_grid(
+def cells_about(
     potential: RadialPotential, distances: tuple[float, float], far: float, ratio: float, centre: CentralCell | None
 ) -> RadialGrid:
     """Lay cells of about one ratio.

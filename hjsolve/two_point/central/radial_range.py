@@ -17,7 +17,7 @@ from hjsolve.arithmetic.sign_at_infinity import sign_beyond
 from hjsolve.lowering import lower
 from hjsolve.two_point.central.apsidal_arcs import SquarePotential
 from hjsolve.two_point.central.proved_search import RadialProblem
-from hjsolve.two_point.central.radial_grid import CentralCell, RadialGrid, RadialPotential, innermost, radial_grid
+from hjsolve.two_point.central.radial_grid import CentralCell, RadialGrid, RadialPotential, cells_about, innermost
 from hjsolve.two_point.one_freedom.line_branches import branches
 
 _RATIOS = (1.06, 1.02, 1.005)
@@ -43,7 +43,7 @@ def radial_problem(
     low, high = min(distances), max(distances)
     begin = innermost(low)
     centre = potential.at_centre(begin)
-    near = radial_grid(potential, (low, high), 2 * high, _RATIOS[1], centre)
+    near = cells_about(potential, (low, high), 2 * high, _RATIOS[1], centre)
     top = _top(potential, near, time)
     if top is None:
         return None
@@ -59,7 +59,7 @@ def radial_problem(
             highest = max(top, _highest(potential, high, far))
     if not _rises_from_centre(potential, centre, begin, highest):
         return None
-    grids = tuple(radial_grid(potential, (low, high), far, ratio, centre) for ratio in _RATIOS)
+    grids = tuple(cells_about(potential, (low, high), far, ratio, centre) for ratio in _RATIOS)
     steep = float(np.asarray(near.at_nodes.first.low)[near.inner])
     V_low = float(np.asarray(near.at_nodes.V.low)[near.inner])
     circular = low * np.sqrt(steep / 2) if steep > 0 else low * np.sqrt(max(top - V_low, 0.0)) / 4
