@@ -22,6 +22,7 @@ Fukushima, J. Comput. Appl. Math. 236 (2012) 1961 (B, D, J); DLMF 19.7.8 and 19.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -36,7 +37,7 @@ Where = Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 COMPLETE = (sp.elliptic_k, sp.elliptic_e, sp.elliptic_pi)
 _LONGEST = 250
 """Operations of a coefficient that is factored: longer ones may take sympy seconds."""
-_NEAR = mpmath.mpf(10) ** -6
+_NEAR = 1e-6
 """Part of its distance from a pole at which a root is put to see what a coefficient loses there."""
 
 
@@ -177,11 +178,11 @@ class CompleteIntegrals:
 
     def _sign(self, A: sp.Expr) -> sp.Expr:
         """Return the sign of a coefficient: that of its constants, where they may change it, and of the example."""
-        value = sp.S(int(mpmath.sign(number_of(A, self.example))))
+        value = sp.Integer(_sign_of(number_of(A, self.example)))
         for factor in sp.Mul.make_args(A):
             base, power = factor.as_base_exp()
             if base.free_symbols and power.is_odd and not base.is_positive and not self._gap(base):
-                value *= sp.sign(base) * int(mpmath.sign(number_of(base, self.example)))
+                value *= sp.sign(base) * _sign_of(number_of(base, self.example))
         return value
 
     def _gap(self, base: sp.Expr) -> bool:
@@ -248,7 +249,7 @@ class CompleteIntegrals:
                 return 0
             value, error = _with_error(explicit, point)
             worst = max(worst, float(error / abs(value)) if value else 1e300)
-        return int(mpmath.log10(worst))
+        return int(math.log10(worst))
 
     def _by_products(self, expression: sp.Expr) -> sp.Expr:
         """Write the product of c − x over all roots x, where it is a factor, as P(c) by its leading coefficient."""
@@ -317,6 +318,10 @@ def _with_all_roots(factors: dict[sp.Expr, sp.Expr], P: sp.Poly, numbers: Mappin
             factors[base] = factors.get(base, sp.S.Zero) + own * power
 
 
+def _sign_of(value: mpmath.mpf) -> int:
+    return (value > 0) - (value < 0)
+
+
 def _with_error(e: sp.Expr, point: Mapping[sp.Symbol, mpmath.mpf]) -> tuple[mpmath.mpf, mpmath.mpf]:
     """Return a value, and a bound of its error in units of the last place of 1, each number known to its last place."""
     if e.is_Add:
@@ -324,7 +329,7 @@ def _with_error(e: sp.Expr, point: Mapping[sp.Symbol, mpmath.mpf]) -> tuple[mpma
         return sum(values), sum(errors) + abs(sum(values))
     if e.is_Mul:
         values, errors = zip(*(_with_error(a, point) for a in e.args), strict=True)
-        value = mpmath.fprod(values)
+        value = math.prod(values)
         return value, abs(value) * sum(error / abs(v) if v else 1 for v, error in zip(values, errors, strict=True))
     if e.is_Pow and e.exp.is_Rational:
         base, error = _with_error(e.base, point)
