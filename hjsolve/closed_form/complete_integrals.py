@@ -171,8 +171,9 @@ class CompleteIntegrals:
         at_n, at_m = number_of(n, self.example), number_of(m, self.example)
         if 0 <= at_n <= at_m or at_n >= 1:
             return None
-        square = self.tidy(A**2 * n / ((1 - n) * (n - m)))
-        size = sp.sqrt(square)
+        square = A**2 * n / ((1 - n) * (n - m))
+        explicit = self.written_out(self.written_out(square).xreplace(self.radicals))
+        size = sp.sqrt(_without_root(explicit) or self.tidy(square))
         return _Pole(A, n, sp.Le(n**2, m), size, self._sign(A))
 
     def _sign(self, A: sp.Expr) -> sp.Expr:
@@ -340,6 +341,21 @@ def _rooted(expression: sp.Expr) -> bool:
         part.is_Add and any(p.base.is_Add and not p.exp.is_Integer for p in part.atoms(sp.Pow))
         for part in sp.preorder_traversal(expression)
     )
+
+
+def _without_root(e: sp.Expr) -> sp.Expr | None:
+    """Return an expression that is rational in one √D without it, where its value does not depend on its sign."""
+    powers = {p for p in e.atoms(sp.Pow) if p.base.is_Add and not p.exp.is_Integer}
+    if len({p.base for p in powers}) != 1 or longer_than(e, _LONGEST) or any((2 * p.exp).q != 1 for p in powers):
+        return None
+    (D,), s = {p.base for p in powers}, sp.Dummy("s")
+    above, below = sp.fraction(sp.together(e.xreplace({p: s ** (2 * p.exp) for p in powers})))
+    if above.is_polynomial(s) and below.is_polynomial(s):
+        a, b = (sp.rem(sp.expand(part), s**2 - D, s) for part in (above, below))
+        if sp.expand(a.coeff(s, 1) * b.coeff(s, 0) - a.coeff(s, 0) * b.coeff(s, 1)) == 0:
+            k = 0 if b.coeff(s, 0) != 0 else 1
+            return sp.factor(a.coeff(s, k) / b.coeff(s, k))
+    return None
 
 
 def _linear(e: sp.Expr) -> _Sum | None:
