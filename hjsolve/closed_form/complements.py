@@ -95,7 +95,9 @@ def _small(total: sp.Expr) -> sp.Expr:
     """Write u + √D as (u² − D)/(u − √D) where their signs differ, if that is short; a square in a sum stays a square."""
     if total.is_positive or elliptic(total) or longer_than(total, _LONGEST):
         return total
-    rooted = [t for t in total.args if any(p.base.is_Add and p.exp == sp.S.Half for p in sp.Mul.make_args(t) if p.is_Pow)]
+    rooted = [
+        t for t in total.args if any(p.base.is_Add and p.exp == sp.S.Half for p in sp.Mul.make_args(t) if p.is_Pow)
+    ]
     if len(rooted) != 1:
         return grouped(total)
     (root,) = rooted

@@ -31,12 +31,13 @@ import sympy as sp
 from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.tidy import longer_than
 from hjsolve.functions import CarlsonRD, CarlsonRF, CarlsonRJ
+from hjsolve.precision import mp
 
 Where = Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 COMPLETE = (sp.elliptic_k, sp.elliptic_e, sp.elliptic_pi)
 _LONGEST = 250
 """Operations of a coefficient that is factored: longer ones may take sympy seconds."""
-_NEAR = mpmath.mpf(10) ** -6
+_NEAR = 2**-20
 """Part of its distance from a pole at which a root is put to see what a coefficient loses there."""
 
 
@@ -178,11 +179,11 @@ class CompleteIntegrals:
 
     def _sign(self, A: sp.Expr) -> sp.Expr:
         """Return the sign of a coefficient: that of its constants, where they may change it, and of the example."""
-        value = sp.S(int(mpmath.sign(number_of(A, self.example))))
+        value = sp.S(int(mp.sign(number_of(A, self.example))))
         for factor in sp.Mul.make_args(A):
             base, power = factor.as_base_exp()
             if base.free_symbols and power.is_odd and not base.is_positive and not self._gap(base):
-                value *= sp.sign(base) * int(mpmath.sign(number_of(base, self.example)))
+                value *= sp.sign(base) * int(mp.sign(number_of(base, self.example)))
         return value
 
     def _gap(self, base: sp.Expr) -> bool:
@@ -229,6 +230,8 @@ class CompleteIntegrals:
         if not explicit.has(sp.Add) or longer_than(explicit, _LONGEST):
             return coefficient
         made = self._by_products(sp.factor(sp.together(explicit)))
+        if made.is_number:
+            return made
         points = self._points(explicit)
         return min((coefficient, made), key=lambda e: (self._loss(e, points), sp.count_ops(e)))
 
@@ -249,7 +252,7 @@ class CompleteIntegrals:
                 return 0
             value, error = _with_error(explicit, point)
             worst = max(worst, float(error / abs(value)) if value else 1e300)
-        return int(mpmath.log10(worst))
+        return int(mp.log10(worst))
 
     def _by_products(self, expression: sp.Expr) -> sp.Expr:
         """Write the product of c − x over all roots x, where it is a factor, as P(c) by its leading coefficient."""
@@ -325,7 +328,7 @@ def _with_error(e: sp.Expr, point: Mapping[sp.Symbol, mpmath.mpf]) -> tuple[mpma
         return sum(values), sum(errors) + abs(sum(values))
     if e.is_Mul:
         values, errors = zip(*(_with_error(a, point) for a in e.args), strict=True)
-        value = mpmath.fprod(values)
+        value = mp.fprod(values)
         return value, abs(value) * sum(error / abs(v) if v else 1 for v, error in zip(values, errors, strict=True))
     if e.is_Pow and e.exp.is_Rational:
         base, error = _with_error(e.base, point)
