@@ -120,9 +120,7 @@ def _condition(form: RegimeForms, name: str, given: dict[str, float], exact: Any
 
 
 def _needed(form: RegimeForms, name: str) -> set[str]:
-    own = needed_names(form.named()[name].free_symbols, form.where)[
-        1
-    ]  # written out, Ω of three coordinates takes seconds
+    own = needed_names(form.named()[name].free_symbols, form.where)[1]  # written out, Ω of three coordinates is long
     return {s.name for s in (*form.regime.example, *own)}
 
 

@@ -58,9 +58,12 @@ class ForDoubles:
             if symbol in found or symbol not in self.where:
                 continue
             meaning = self.where[symbol]
-            found[symbol] = meaning if isinstance(meaning, tuple) else self.form(meaning)
-            held = meaning[0].free_symbols_in_domain if isinstance(meaning, tuple) else found[symbol].free_symbols
-            waiting += held
+            if isinstance(meaning, tuple):
+                found[symbol] = meaning
+                waiting += meaning[0].free_symbols_in_domain
+            else:
+                found[symbol] = made = self.form(meaning)
+                waiting += made.free_symbols
         return found
 
 
@@ -92,7 +95,7 @@ def _gaps(expression: sp.Expr, where: Where, roots: Mapping[sp.Symbol, mpmath.mp
 
 
 def _small(total: sp.Expr) -> sp.Expr:
-    """Write u + √D as (u² − D)/(u − √D) where their signs differ, if that is short; a square in a sum stays a square."""
+    """Write u + √D as (u² − D)/(u − √D) where the signs differ, if that is short; keep squares in sums as squares."""
     if total.is_positive or elliptic(total) or longer_than(total, _LONGEST):
         return total
     rooted = [

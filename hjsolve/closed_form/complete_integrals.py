@@ -1,4 +1,4 @@
-"""Sums of complete elliptic integrals arranged for doubles: over integrals of one sign, the poles' half turns taken out.
+"""Sums of complete elliptic integrals for doubles: over integrals of one sign, the half turns of near poles taken out.
 
 With c = 1 − m
 
@@ -236,7 +236,7 @@ class CompleteIntegrals:
         return min((coefficient, made), key=lambda e: (self._loss(e, points), sp.count_ops(e)))
 
     def _points(self, explicit: sp.Expr) -> list[Mapping[sp.Symbol, mpmath.mpf]]:
-        """The example, and places where a root is next to a pole: an identity in the roots holds there too."""
+        """Return the example, and places where a root is next to a pole: an identity in the roots holds there."""
         points: list[Mapping[sp.Symbol, mpmath.mpf]] = [self.example]
         for x, pole in self._near(explicit):
             at = number_of(pole, self.example)
@@ -267,7 +267,7 @@ class CompleteIntegrals:
         return sp.Mul(*(base**power for base, power in factors.items()))
 
     def _with_radicals(self, factors: dict[sp.Expr, sp.Expr]) -> None:
-        """The product of factors with roots in radicals, where the radicals leave it: Vieta's formulas."""
+        """Write a product of factors with roots in radicals without them, where they leave it: Vieta's formulas."""
         for power in {p for base, p in factors.items() if base.free_symbols & self.radicals.keys()}:
             held = [b for b, p in factors.items() if p == power and b.is_Add and b.free_symbols & self.radicals.keys()]
             total = sp.Mul(*held)
