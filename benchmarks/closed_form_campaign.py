@@ -23,6 +23,7 @@ import hjsolve
 from hjsolve.closed_form.closed_forms import closed_forms
 from hjsolve.closed_form.derive import _piece
 from hjsolve.closed_form.forms import RegimeForms
+from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.verification import flaws
 from hjsolve.closed_form.workshop import Workshop, workshop_of
@@ -100,14 +101,12 @@ def _doubles(entry: str, form: RegimeForms, functions: dict[str, Any], sample: S
         got = float(function(**arguments))
         if math.isnan(got):
             continue
+        held = {n: v for n, v in given.items() if n in _needed(form, name)}
         try:
-            exact = form.evaluate(
-                name, {n: repr(v) for n, v in given.items() if n in _needed(form, name)}, DIGITS
-            ).value
+            exact = form.evaluate(name, {n: repr(v) for n, v in held.items()}, DIGITS).value
         except hjsolve.HJSolveError:
             continue
         ulps = float(abs(got - exact)) / float(np.spacing(abs(float(exact)))) if exact else 0.0
-        held = {n: v for n, v in given.items() if n in _needed(form, name)}
         yield Tried(entry, name, ulps, "", _condition(form, name, held, exact) if ulps > SEEN else 1.0)
 
 
@@ -121,7 +120,8 @@ def _condition(form: RegimeForms, name: str, given: dict[str, float], exact: Any
 
 
 def _needed(form: RegimeForms, name: str) -> set[str]:
-    return {s.name for s in form.regime.example} | {s.name for s in form.written_out(name).free_symbols}
+    own = needed_names(form.named()[name].free_symbols, form.where)[1]  # written out, Ω of three coordinates is long
+    return {s.name for s in (*form.regime.example, *own)}
 
 
 def main(arguments: Sequence[str]) -> None:

@@ -15,6 +15,10 @@ from sympy.core.relational import Relational
 
 from hjsolve.closed_form.common_factors import grouped
 from hjsolve.closed_form.complete_integrals import CompleteIntegrals, Where, roots_by_polynomial
+from hjsolve.closed_form.tidy import elliptic, longer_than, operations
+
+_LONGEST = 60
+"""Operations of a sum that is looked at: a longer one may take sympy seconds."""
 
 
 class ForDoubles:
@@ -39,8 +43,7 @@ class ForDoubles:
         conditions = {c: sp.Dummy() for c in made.atoms(Relational)}  # any digits decide them, and no quotient within
         plain = made.xreplace(conditions)
         plain = plain.xreplace(_gaps(plain, self.where, self._roots))
-        # (R − r)² stays small
-        plain = plain.xreplace({a: b for a in plain.atoms(sp.Add) if (b := grouped(a)) is not a})
+        plain = plain.xreplace({a: b for a in plain.atoms(sp.Add) if (b := _small(a)) is not a})
         return plain.xreplace({name: c for c, name in conditions.items()})
 
     def definitions(self, wanted: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]:
@@ -55,9 +58,12 @@ class ForDoubles:
             if symbol in found or symbol not in self.where:
                 continue
             meaning = self.where[symbol]
-            made = self.form(meaning) if isinstance(meaning, sp.Expr) else meaning
-            found[symbol] = made
-            waiting += made[0].free_symbols_in_domain if isinstance(made, tuple) else made.free_symbols
+            if isinstance(meaning, tuple):
+                found[symbol] = meaning
+                waiting += meaning[0].free_symbols_in_domain
+            else:
+                found[symbol] = made = self.form(meaning)
+                waiting += made.free_symbols
         return found
 
 
@@ -86,3 +92,21 @@ def _gaps(expression: sp.Expr, where: Where, roots: Mapping[sp.Symbol, mpmath.mp
         nearest = min(beyond, key=lambda s: abs(roots[s] - c))
         found[gap] = sp.Piecewise((quotient, side * (x - c) < side * (c - nearest)), (gap, True))
     return found
+
+
+def _small(total: sp.Expr) -> sp.Expr:
+    """Write u + √D as (u² − D)/(u − √D) where the signs differ, if that is short; keep squares in sums as squares."""
+    if total.is_positive or elliptic(total) or longer_than(total, _LONGEST):
+        return total
+    rooted = [
+        t for t in total.args if any(p.base.is_Add and p.exp == sp.S.Half for p in sp.Mul.make_args(t) if p.is_Pow)
+    ]
+    if len(rooted) != 1:
+        return grouped(total)
+    (root,) = rooted
+    rest = total - root
+    above = sp.factor(sp.expand(rest**2) - sp.expand(root**2))
+    longest = max((len(a.args) for a in above.atoms(sp.Add)), default=1)
+    if longest > len(sp.Add.make_args(rest)) + 1 or longer_than(above, operations(total)):
+        return total
+    return sp.Piecewise((total, rest * root >= 0), (above / (rest - root), True))

@@ -1,4 +1,4 @@
-"""Sums of complete elliptic integrals arranged for doubles: over integrals of one sign, without the poles' half turns.
+"""Sums of complete elliptic integrals for doubles: over integrals of one sign, the half turns of near poles taken out.
 
 With c = 1 − m
 
@@ -22,7 +22,6 @@ Fukushima, J. Comput. Appl. Math. 236 (2012) 1961 (B, D, J); DLMF 19.7.8 and 19.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -32,12 +31,13 @@ import sympy as sp
 from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.tidy import longer_than
 from hjsolve.functions import CarlsonRD, CarlsonRF, CarlsonRJ
+from hjsolve.precision import mp
 
 Where = Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 COMPLETE = (sp.elliptic_k, sp.elliptic_e, sp.elliptic_pi)
 _LONGEST = 250
 """Operations of a coefficient that is factored: longer ones may take sympy seconds."""
-_NEAR = 1e-6
+_NEAR = 2**-20
 """Part of its distance from a pole at which a root is put to see what a coefficient loses there."""
 
 
@@ -172,17 +172,18 @@ class CompleteIntegrals:
         at_n, at_m = number_of(n, self.example), number_of(m, self.example)
         if 0 <= at_n <= at_m or at_n >= 1:
             return None
-        square = self.tidy(A**2 * n / ((1 - n) * (n - m)))
-        size = sp.sqrt(square)
+        square = A**2 * n / ((1 - n) * (n - m))
+        explicit = self.written_out(self.written_out(square).xreplace(self.radicals))
+        size = sp.sqrt(_without_root(explicit) or self.tidy(square))
         return _Pole(A, n, sp.Le(n**2, m), size, self._sign(A))
 
     def _sign(self, A: sp.Expr) -> sp.Expr:
         """Return the sign of a coefficient: that of its constants, where they may change it, and of the example."""
-        value = sp.Integer(_sign_of(number_of(A, self.example)))
+        value = sp.S(int(mp.sign(number_of(A, self.example))))
         for factor in sp.Mul.make_args(A):
             base, power = factor.as_base_exp()
             if base.free_symbols and power.is_odd and not base.is_positive and not self._gap(base):
-                value *= sp.sign(base) * _sign_of(number_of(base, self.example))
+                value *= sp.sign(base) * int(mp.sign(number_of(base, self.example)))
         return value
 
     def _gap(self, base: sp.Expr) -> bool:
@@ -229,11 +230,13 @@ class CompleteIntegrals:
         if not explicit.has(sp.Add) or longer_than(explicit, _LONGEST):
             return coefficient
         made = self._by_products(sp.factor(sp.together(explicit)))
+        if made.is_number:
+            return made
         points = self._points(explicit)
         return min((coefficient, made), key=lambda e: (self._loss(e, points), sp.count_ops(e)))
 
     def _points(self, explicit: sp.Expr) -> list[Mapping[sp.Symbol, mpmath.mpf]]:
-        """Return the example, and places where a root is next to a pole: an identity in the roots holds there too."""
+        """Return the example, and places where a root is next to a pole: an identity in the roots holds there."""
         points: list[Mapping[sp.Symbol, mpmath.mpf]] = [self.example]
         for x, pole in self._near(explicit):
             at = number_of(pole, self.example)
@@ -249,7 +252,7 @@ class CompleteIntegrals:
                 return 0
             value, error = _with_error(explicit, point)
             worst = max(worst, float(error / abs(value)) if value else 1e300)
-        return int(math.log10(worst))
+        return int(mp.log10(worst))
 
     def _by_products(self, expression: sp.Expr) -> sp.Expr:
         """Write the product of c − x over all roots x, where it is a factor, as P(c) by its leading coefficient."""
@@ -264,7 +267,7 @@ class CompleteIntegrals:
         return sp.Mul(*(base**power for base, power in factors.items()))
 
     def _with_radicals(self, factors: dict[sp.Expr, sp.Expr]) -> None:
-        """Take the product of factors with roots in radicals, where the radicals leave it: Vieta's formulas."""
+        """Write a product of factors with roots in radicals without them, where they leave it: Vieta's formulas."""
         for power in {p for base, p in factors.items() if base.free_symbols & self.radicals.keys()}:
             held = [b for b, p in factors.items() if p == power and b.is_Add and b.free_symbols & self.radicals.keys()]
             total = sp.Mul(*held)
@@ -318,10 +321,6 @@ def _with_all_roots(factors: dict[sp.Expr, sp.Expr], P: sp.Poly, numbers: Mappin
             factors[base] = factors.get(base, sp.S.Zero) + own * power
 
 
-def _sign_of(value: mpmath.mpf) -> int:
-    return (value > 0) - (value < 0)
-
-
 def _with_error(e: sp.Expr, point: Mapping[sp.Symbol, mpmath.mpf]) -> tuple[mpmath.mpf, mpmath.mpf]:
     """Return a value, and a bound of its error in units of the last place of 1, each number known to its last place."""
     if e.is_Add:
@@ -329,7 +328,7 @@ def _with_error(e: sp.Expr, point: Mapping[sp.Symbol, mpmath.mpf]) -> tuple[mpma
         return sum(values), sum(errors) + abs(sum(values))
     if e.is_Mul:
         values, errors = zip(*(_with_error(a, point) for a in e.args), strict=True)
-        value = math.prod(values)
+        value = mp.fprod(values)
         return value, abs(value) * sum(error / abs(v) if v else 1 for v, error in zip(values, errors, strict=True))
     if e.is_Pow and e.exp.is_Rational:
         base, error = _with_error(e.base, point)
@@ -345,6 +344,21 @@ def _rooted(expression: sp.Expr) -> bool:
         part.is_Add and any(p.base.is_Add and not p.exp.is_Integer for p in part.atoms(sp.Pow))
         for part in sp.preorder_traversal(expression)
     )
+
+
+def _without_root(e: sp.Expr) -> sp.Expr | None:
+    """Return an expression that is rational in one √D without it, where its value does not depend on its sign."""
+    powers = {p for p in e.atoms(sp.Pow) if p.base.is_Add and not p.exp.is_Integer}
+    if len({p.base for p in powers}) != 1 or longer_than(e, _LONGEST) or any((2 * p.exp).q != 1 for p in powers):
+        return None
+    (D,), s = {p.base for p in powers}, sp.Dummy("s")
+    above, below = sp.fraction(sp.together(e.xreplace({p: s ** (2 * p.exp) for p in powers})))
+    if above.is_polynomial(s) and below.is_polynomial(s):
+        a, b = (sp.rem(sp.expand(part), s**2 - D, s) for part in (above, below))
+        if sp.expand(a.coeff(s, 1) * b.coeff(s, 0) - a.coeff(s, 0) * b.coeff(s, 1)) == 0:
+            k = 0 if b.coeff(s, 0) != 0 else 1
+            return sp.factor(a.coeff(s, k) / b.coeff(s, k))
+    return None
 
 
 def _linear(e: sp.Expr) -> _Sum | None:
