@@ -12,11 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.number_types import Mpf, MpfMatrix, Numbers
+from hjsolve.arithmetic.number_types import Mpf, MpfMatrix
 from hjsolve.display.shown import Shown
 from hjsolve.errors import NotConvergedError
 
@@ -38,8 +40,8 @@ class PrincipalCoefficients(Shown):
     """
 
     t: object
-    A: Numbers
-    B: Numbers
+    A: NDArray[Any]
+    B: NDArray[Any]
     C: Estimate
     error_A: float
     error_B: float
