@@ -59,6 +59,19 @@ def test_above_the_barrier_a_pendulum_does_not_turn():
     assert outward(pendulum(), 1.0, 1, Span(1.1, 2.0), 96).turns is False
 
 
+@pytest.mark.parametrize("gap", [1e-8, 1e-13])
+def test_the_time_to_a_turning_point_is_long_next_to_the_barrier(gap):
+    # with V = −cos q: from q the time to the turning point near π is ∫ dq/√(2(E − V)), and E = 1 − gap
+    E = 1 - gap
+    part = outward(pendulum(), 2.9, 1, Span(E, E + gap / 2), 384)
+    t = np.linspace(0, np.arccosh((np.pi - 2.9) / np.sqrt(2 * gap)), 20_001)
+    x = np.sqrt(2 * gap) * np.cosh(t)  # π − q, and E − V = x²/2 − gap to a part in x²
+    dx = np.sqrt(2 * gap) * np.sinh(t)
+    exact = 2 * np.sin(x / 2) ** 2 - gap
+    true = np.trapezoid(np.where(exact > 0, dx / np.sqrt(2 * np.maximum(exact, 1e-300)), 1.0), t)
+    assert 0.55 * true < part.time.low < true
+
+
 def test_times_at_all_high_energies_are_bounded_for_a_quartic_and_for_a_weight():
     quartic = Line(Q, Q**4 / 4 - Q**2 / 2, 1 / sp.sqrt(2), {}, (-INF, INF), 0.0)
     bound = far_time(quartic, 1.0, 1, 1e9).time.high

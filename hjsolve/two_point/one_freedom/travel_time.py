@@ -12,7 +12,7 @@ interval arithmetic; ends of cells are doubles.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -74,6 +74,7 @@ class Line:
         self.formulas = [V, sp.diff(V, q), sp.diff(V, q, 2), μ, sp.diff(μ, q), sp.diff(V, q, 3)]
         self._tape = lower(self.formulas, [q])
         self._samples: dict[tuple[float, float, int], tuple[Reals, Reals]] = {}
+        self._tops: dict[tuple[float, float, int], Reals] = {}
 
     def sampled(self, begin: float, far: float, sign: int, *, ended: bool) -> tuple[Reals, Reals]:
         """Return places from one outward, and V there.
@@ -86,8 +87,19 @@ class Line:
         key = (begin, far, sign)
         if key not in self._samples:
             grid = _outgoing(begin, far, 4000)[1 : -1 if ended else None]
+            self._tops[key] = _around_tops(self, grid, sign)
+            grid = np.unique(np.concatenate([grid, self._tops[key]]))
             self._samples[key] = grid, self.over(grid, grid, sign)[0].low
         return self._samples[key]
+
+    def tops(self, begin: float, far: float, sign: int, *, ended: bool) -> Reals:
+        """Return places in rows around those where V is greatest among its neighbours.
+
+        Args:
+            begin, far, sign, ended: as of ``sampled``.
+        """
+        self.sampled(begin, far, sign, ended=ended)
+        return self._tops[begin, far, sign]
 
     def inside_to_end(self, sign: int, start: float, E: float) -> bool:
         """Whether E > V from a place to the end of the domain, proved.
@@ -227,7 +239,7 @@ def outward(line: Line, start: float, sign: int, energies: Span, count: int) -> 
     V_after = np.append(c.nodes.low[1:], line.over(grid[-1:], grid[-1:], sign)[0].low)
     above = np.flatnonzero(V_after > energies.high)
     if not len(above):
-        return Segment(Span(0.0, np.inf), Span(-np.inf, np.inf), turns=None, end=grid[-1] * sign)
+        return _undecided(line, begin, sign, energies, limit, count)
     last = int(above[0])
     # from the last cell that is surely inside on, V has to rise
     inside = np.flatnonzero(~c.surely[: last + 1])
@@ -242,7 +254,7 @@ def outward(line: Line, start: float, sign: int, energies: Span, count: int) -> 
         first -= 1
     before = Span(float(np.sum(c.low[:first])) / _OUT, float(np.sum(c.high[:first])) * _OUT)
     if not decided:
-        return Segment(Span(before.low, np.inf), Span(-np.inf, np.inf), turns=None, end=grid[last + 1] * sign)
+        return _undecided(line, begin, sign, energies, limit, count)
     around, μ = _turning(c, first, last, energies), c.weight
     time = Span(
         before.low + around.low * float(np.min(μ.low[first : last + 1])) / _OUT,
@@ -299,10 +311,16 @@ def _two() -> Interval:
     return Interval(np.array(2.0), np.array(2.0))
 
 
+def _undecided(line: Line, begin: float, sign: int, energies: Span, limit: float, count: int) -> Segment:
+    """Bound the time from below, to the cells before a place that may or may not be the turning point."""
+    return replace(_unturned(line, begin, sign, energies, limit, count), turns=None)
+
+
 def _unturned(line: Line, begin: float, sign: int, energies: Span, limit: float, count: int) -> Segment:
     """Where no turning point was seen: proved for all energies, or undecided with a lower bound on the time."""
     far = limit if np.isfinite(limit) else begin + max(1.0, abs(begin)) * 2.0**40
-    grid = _outgoing(begin, far, count)
+    tops = line.tops(begin, far, sign, ended=bool(np.isfinite(limit) and not line.turn))
+    grid = np.unique(np.concatenate([_outgoing(begin, far, count), tops]))
     c = _cells(line, grid, energies, sign)
     tail = True
     if not np.isfinite(limit):
@@ -333,6 +351,26 @@ def _first_above(line: Line, begin: float, sign: int, E: float, limit: float) ->
         low, high = (low if k == 0 else float(inner[k - 1])), float(inner[k])
     reach = max(high - begin, 1e-12 * max(1.0, abs(begin)))
     return high - 0.02 * reach, high + max(1e-6 * reach, 4 * EPS * abs(high))
+
+
+def _around_tops(line: Line, grid: Reals, sign: int) -> Reals:
+    """Return the places where V is greatest among its neighbours, and places next to them in geometric rows.
+
+    An energy a little below a barrier exceeds V but for a narrow zone there, and a motion takes long before it.
+    """
+    V = line.over(grid, grid, sign)[0].low
+    places = [np.zeros(0)]
+    for k in np.flatnonzero((V[1:-1] > V[:-2]) & (V[1:-1] >= V[2:])) + 1:
+        low, high = float(grid[k - 1]), float(grid[k + 1])
+        reach = min(float(grid[k]) - low, high - float(grid[k]))
+        for _ in range(8):
+            inner = np.linspace(low, high, 33)
+            top = int(np.clip(np.argmax(line.over(inner, inner, sign)[0].low), 1, 31))
+            low, high = float(inner[top - 1]), float(inner[top + 1])
+        row = reach * 2.0 ** -np.arange(40)
+        places += [(low + high) / 2 + np.concatenate([-row, [0.0], row])]
+    found = np.concatenate(places)
+    return found[(found > grid[0]) & (found < grid[-1])]
 
 
 def _grid(low: float, high: float, count: int) -> Reals:
