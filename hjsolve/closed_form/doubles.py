@@ -24,6 +24,8 @@ from hjsolve.functions import modules
 
 Doubles = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
+_NEAR = 0.25
+"""How far from ±1, the ends of a cosine, a root may be that is sought from there."""
 _UNSURE = 1e-8
 """Below this part of what it is a sum of, a number has no certain sign."""
 
@@ -167,11 +169,16 @@ def place_test(
 class RootsOfPolynomial:
     """The real roots of a polynomial for arrays of constants.
 
+    Next to a place c where P(c) is one term, roots are c + y, y a root of P(c + y), whose last coefficient that is: two
+    roots on either side of a pole have all their digits, where those of P as it stands lose half of them.
+
     Attributes:
         coefficients: arrays of the symbols ↦ coefficients of the polynomial.
+        shifted: places c, and the same of P(c + y).
     """
 
     coefficients: Callable[..., list[Doubles]]
+    shifted: tuple[tuple[float, Callable[..., list[Doubles]]], ...] = ()
 
     def __call__(self, places: Sequence[Doubles], shape: tuple[int, ...]) -> tuple[Doubles, Booleans]:
         """Return the real roots, ascending, inf after the last; and where they are not certain.
@@ -180,8 +187,20 @@ class RootsOfPolynomial:
             places: arrays of the symbols.
             shape: of the arrays.
         """
-        given = [np.broadcast_to(np.asarray(c, dtype=float), shape) for c in self.coefficients(*places)]
-        return real_roots(given)
+        roots, unsure = _real_roots(self.coefficients, places, shape)
+        nearest = np.full(roots.shape, _NEAR)
+        for c, coefficients in self.shifted:
+            away, doubtful = _real_roots(coefficients, places, shape)
+            same = np.all(np.isfinite(away) == np.isfinite(roots), axis=0) & ~doubtful
+            better = same & (abs(away) < nearest)
+            roots, nearest = np.where(better, c + away, roots), np.where(better, abs(away), nearest)
+        return roots, unsure
+
+
+def _real_roots(
+    coefficients: Callable[..., list[Doubles]], places: Sequence[Doubles], shape: tuple[int, ...]
+) -> tuple[Doubles, Booleans]:  # fmt: skip
+    return real_roots([np.broadcast_to(np.asarray(c, dtype=float), shape) for c in coefficients(*places)])
 
 
 def roots_of(polynomial: sp.Poly, symbols: Sequence[sp.Symbol]) -> RootsOfPolynomial:
@@ -191,7 +210,14 @@ def roots_of(polynomial: sp.Poly, symbols: Sequence[sp.Symbol]) -> RootsOfPolyno
         polynomial: whose roots.
         symbols: in the order of the arrays.
     """
-    return RootsOfPolynomial(sp.lambdify(list(symbols), polynomial.all_coeffs(), modules=modules("numpy"), cse=True))
+    known = modules("numpy")
+    shifted = []
+    for c in (-1, 1):
+        if (last := sp.factor(polynomial.eval(c))) != 0 and not last.is_Add:
+            moved = [sp.factor(k) for k in polynomial.compose(sp.Poly(polynomial.gen + c, polynomial.gen)).all_coeffs()]
+            shifted.append((float(c), sp.lambdify(list(symbols), moved, modules=known, cse=True)))
+    plain = sp.lambdify(list(symbols), polynomial.all_coeffs(), modules=known, cse=True)
+    return RootsOfPolynomial(plain, tuple(shifted))
 
 
 def _of_size_one(coefficients: list[Doubles]) -> tuple[list[Doubles], Doubles]:
