@@ -19,10 +19,10 @@ CASES = (
     ((m**2 - n**2) / (m - n), m + n),
     (1 / sp.Add(2 * m, 2 * n), 1 / (m + n) / 2),
     (sp.asin(a / sp.sqrt(4 * E**2 * b**2 + 4 * E * b * c + c**2 + p)), sp.asin(a / sp.sqrt((2 * E * b + c) ** 2 + p))),
-    (sp.sqrt(a + E * b * n + E * b * p - E * b * m), sp.sqrt(a + E * b * (n + p - m))),
+    (sp.sqrt(a + E * b * c * (n + m) - E * b * c * p).expand(), sp.sqrt(a + E * b * c * (n + m - p))),
 )
 AS_BEFORE = (sp.sqrt(2 * E * m - p**2), sp.sqrt(1 - a**2 / b**2), sp.sqrt(E - a / m - b / m), a * b + a * c, sp.sqrt(p + a * b + a * c + a * E),
-             (a * b + a * c) / (b + c * E), sp.sqrt(-2 * E * m - 2 * E * n), sp.sqrt(2 * a + 2 * b))  # fmt: skip
+             (a * b + a * c) / (b + c * E), sp.sqrt(-2 * E * m - 2 * E * n - 2 * E * b), sp.sqrt(2 * a + 2 * b))  # fmt: skip
 
 
 @pytest.mark.parametrize(("typed", "wanted"), CASES)
