@@ -1,8 +1,8 @@
 """How long a computation may take: a deadline that its loops look at.
 
-``SEARCH`` limits searches for coordinates by the clock on the wall. Closed forms have a limit of their own, in
-processor time, that ends one form at a time (``closed_form.time_limit``). ``interrupted`` ends code that looks at no
-deadline, such as sympy's own algorithms and the reader of TOML, by a signal.
+``SEARCH`` limits searches for coordinates, and for all motions between two places, by the clock on the wall. Closed
+forms have a limit of their own, in processor time, that ends one form at a time (``closed_form.time_limit``).
+``interrupted`` ends code that looks at no deadline, such as sympy's own algorithms and the reader of TOML, by a signal.
 """
 
 from __future__ import annotations
@@ -129,4 +129,5 @@ def in_time(seconds: float, work: Callable[[], T]) -> T | None:
 
 
 SEARCH = TimeLimit(time.monotonic, lambda seconds: SearchTimeError(f"not decided in {seconds:g} s"))
-within_seconds, check_time, seconds_left = SEARCH.within_seconds, SEARCH.check_time, SEARCH.seconds_left
+within_seconds, check_time, out_of_time = SEARCH.within_seconds, SEARCH.check_time, SEARCH.out_of_time
+seconds_left = SEARCH.seconds_left

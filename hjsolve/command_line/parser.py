@@ -359,6 +359,7 @@ def _add_two_point(kinds: _Commands) -> None:
         )
     places.add_argument("--time", metavar="T", help="from one place to the other, > 0")
     places.add_argument("--turns", default="0", metavar="N:N", help="whole turns: 0:3 or 0,2 (default 0)")
+    _budget_argument(command, "for the proof that these are all")
     command.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the motions (default 15)")
     command.add_argument("--json", action="store_true", help="everything as one JSON object")
 

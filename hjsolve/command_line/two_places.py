@@ -35,6 +35,7 @@ def print_connections(options: Namespace) -> None:
         solution.two_point(
             q0=typed_values(options.start, "--from"), q1=typed_values(options.goal, "--to"), time=options.time,
             turns=turns_from_text(options.turns), digits=options.digits,
+            budget=options.budget,
         ),
         Connections,
     )  # fmt: skip

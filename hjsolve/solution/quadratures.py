@@ -297,6 +297,7 @@ class Solution(ShownSolution):
         turns: object = (0,),
         parameters: Mapping[str, object] | None = None,
         digits: int = 15,
+        budget: float = 60.0,
     ) -> Connections | ConnectionTable:
         """Find every motion that joins two places in a given time (Greenwood §5-1; Lambert's problem).
 
@@ -308,6 +309,8 @@ class Solution(ShownSolution):
                 holds, whole revolutions of an angle.
             parameters: name → value, where it differs from the default.
             digits: of the motions, from 1 on.
+            budget: seconds for the proof that these are all, where it takes boxes or intervals of constants; what it
+                leaves open in them ``complete`` names.
 
         Returns:
             ``Connections``: iterable over the motions, each with ``motion``, ``principal_function`` (S, with
@@ -336,7 +339,9 @@ class Solution(ShownSolution):
         from hjsolve.two_point.ask import two_point
 
         refuse_null(self)
-        return two_point(self, q0=q0, q1=q1, time=time, turns=turns, parameters=parameters, digits=digits)
+        return two_point(
+            self, q0=q0, q1=q1, time=time, turns=turns, parameters=parameters, digits=digits, budget=budget
+        )  # fmt: skip
 
     def two_point_function(self) -> TwoPointFunction:
         """Return Hamilton's principal function of the two end points, S(q_0, q, t), as a formula.

@@ -19,16 +19,18 @@ from hjsolve.two_point.search.searched import joined_by_search
 
 @one_at_a_time
 def two_point(
-    solution: Solution, *, q0: object, q1: object, time: object, turns: object, parameters: object, digits: int
-) -> Connections | ConnectionTable:
+    solution: Solution, *, q0: object, q1: object, time: object, turns: object, parameters: object, digits: int,
+    budget: float,
+) -> Connections | ConnectionTable:  # fmt: skip
     """Find every motion that joins two places in a time.
 
     Args:
-        solution, q0, q1, time, turns, parameters, digits: as of ``Solution.two_point``, which says what is returned.
+        solution, q0, q1, time, turns, parameters, digits, budget: as of ``Solution.two_point``, which says the rest.
 
     Raises:
         InvalidInputError: see there.
     """
+    budget = arguments.seconds(budget, "budget")
     system = solution.system if solution.chart is None else solution.chart.original
     attraction = attraction_of(system)
     if has_arrays(q0, q1, time):
@@ -45,12 +47,12 @@ def two_point(
         return joined_linearly(forces, question, values)
     force = central_force_of(system)
     if force is not None:
-        found = joined_about_a_centre(force, question, values)
+        found = joined_about_a_centre(force, question, values, budget)
         if found is not None:
             return found
     shell = shell_of(question)
     if shell is not None:
-        found = joined_on_a_line(question, values, shell)
+        found = joined_on_a_line(question, values, shell, budget)
         if found is not None:
             return found
     return joined_by_search(question, values)

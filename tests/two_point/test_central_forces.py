@@ -154,7 +154,7 @@ def test_the_proof_finds_the_two_conics_of_lambert():
 @pytest.mark.parametrize(("V", "time"), [("log(r)", 2), ("log(r)", 4), ("-exp(-r/3)/r", 2)])
 def test_a_central_force_is_complete_and_holds_all_that_a_search_finds(V, time, monkeypatch):
     system = hjsolve.System({"r": "0 < r", "theta": "angle"}, "(dot(r)**2 + r**2*dot(theta)**2)/2", V)
-    ask = {"q0": {"r": 1, "theta": 0}, "q1": {"r": "1.6", "theta": "1.2"}, "time": time, "turns": 0}
+    ask = {"q0": {"r": 1, "theta": 0}, "q1": {"r": "1.6", "theta": "1.2"}, "time": time, "turns": 0, "budget": 1000}
     proved = hjsolve.solve(system).two_point(**ask)
     assert proved.complete
     for c in proved:
@@ -170,3 +170,14 @@ def test_a_central_force_is_complete_and_holds_all_that_a_search_finds(V, time, 
 
 def test_where_the_force_repels_without_a_bound_a_search_answers():
     assert radial_problem(R, 1 / R, (LOW, HIGH), 3.0, np.array([1.2]), 0) is None
+
+
+def test_without_seconds_for_the_proof_a_search_answers_and_says_so():
+    system = hjsolve.System({"r": "0 < r", "theta": "angle"}, "(dot(r)**2 + r**2*dot(theta)**2)/2", "log(r)")
+    ask = {"q0": {"r": 1, "theta": 0}, "q1": {"r": "1.6", "theta": "1.2"}, "time": 2}
+    found = hjsolve.solve(system).two_point(**ask, budget=0)
+    assert len(found) == 1
+    assert not found.complete
+    assert "budget=" in str(found.complete)
+    with pytest.raises(hjsolve.InvalidInputError, match="a number of seconds"):
+        hjsolve.solve(system).two_point(**ask, budget="long")

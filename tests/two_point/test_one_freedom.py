@@ -101,7 +101,7 @@ def shot(system, q0, q1, T, most, starts):
 @pytest.mark.parametrize(("q0", "q1", "T"), [("0.3", "1", 2), ("-1/2", "1/2", 3), ("2", "2", "2.5"), ("3", "-1", 4)])
 def test_a_pendulum_to_five_turns_is_complete_against_shooting(q0, q1, T):
     system = hjsolve.catalog.load("pendulum")
-    found = hjsolve.solve(system).two_point(q0={"theta": q0}, q1={"theta": q1}, time=T, turns=range(6))
+    found = hjsolve.solve(system).two_point(q0={"theta": q0}, q1={"theta": q1}, time=T, turns=range(6), budget=1000)
     assert found.complete
     # to five turns: momenta below those that turn six times
     fastest = max(abs(c.p0["theta"].value) for c in found)
@@ -114,7 +114,7 @@ def test_a_pendulum_to_five_turns_is_complete_against_shooting(q0, q1, T):
 @pytest.mark.nightly
 def test_a_double_well_is_complete_and_each_motion_ends_at_q1():
     system = hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**4/4 - x**2/2")
-    found = hjsolve.solve(system).two_point(q0={"x": "-1/2"}, q1={"x": 1}, time=5, turns=range(2))
+    found = hjsolve.solve(system).two_point(q0={"x": "-1/2"}, q1={"x": 1}, time=5, turns=range(2), budget=1000)
     assert found.complete
     assert len(found) == 8
     for c in found:
@@ -136,3 +136,11 @@ def test_all_energies_of_a_bounded_problem_are_isolated():
         total = [b.direct * d + 2 * b.upper * u + 2 * b.lower * low for d, u, low in zip(D, U, L, strict=True)]
         assert total[0] < 9.0 * 1.001
         assert total[1] > 9.0 * 0.999
+
+
+def test_a_proof_that_runs_out_of_time_leaves_the_rest_to_a_search():
+    pendulum_ = hjsolve.solve(hjsolve.catalog.load("pendulum"))
+    found = pendulum_.two_point(q0={"theta": "0.3"}, q1={"theta": 1}, time=2, budget=0)
+    assert not found.complete
+    assert "budget=" in str(found.complete)
+    assert len(found) >= 1

@@ -10,6 +10,9 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.display.shown import Shown
 from hjsolve.motion.motion import Motion
 
+MORE_SECONDS = ", as the time was used up (budget=)"
+"""Ends the statement of a proof that was not finished."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Connection(Shown):

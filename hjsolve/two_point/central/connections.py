@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 import sympy as sp
 
+from hjsolve.algebra.time_limit import within_seconds
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.number_types import Mpf, Reals
 from hjsolve.errors import HJSolveError, InvalidInputError, NotConvergedError
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.two_point.asked.answers import Completeness, Connection, Connections
+from hjsolve.two_point.asked.answers import MORE_SECONDS, Completeness, Connection, Connections
 from hjsolve.two_point.asked.question import TwoPlaceQuestion
 from hjsolve.two_point.central.isolated_constants import energy_and_momentum, is_solved_by
 from hjsolve.two_point.central.proved_search import (
@@ -24,7 +25,7 @@ from hjsolve.two_point.central.proved_search import (
 from hjsolve.two_point.central.radial_range import radial_problem
 from hjsolve.two_point.kepler.attraction import RADIUS, CentralForce
 from hjsolve.two_point.kepler.central_places import CentralPlaces, geometry
-from hjsolve.two_point.search.searched import connection_of, joined_by_search, reach
+from hjsolve.two_point.search.searched import and_searched, connection_of, reach
 from hjsolve.two_point.search.shooting import solved_from
 
 PROVED = (
@@ -61,7 +62,7 @@ class _Asked:
 
 
 def joined_about_a_centre(
-    force: CentralForce, question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr]
+    force: CentralForce, question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr], budget: float
 ) -> Connections | None:
     """Return all motions about a centre that join two places; None where the enclosures do not serve.
 
@@ -69,11 +70,13 @@ def joined_about_a_centre(
         force: the central force.
         question: what is asked.
         values: symbol → exact number, of the parameters.
+        budget: seconds for the proof.
     """
     asked = _read(force, question, values)
     if asked is None:
         return None
-    proof = all_motions(asked.problem)
+    with within_seconds(budget):
+        proof = all_motions(asked.problem)
     connections, lost = _refined(asked, proof)
     if not proof.undecided and not proof.high and not lost:
         connections.sort(key=lambda c: (c.turns, c.principal_function.value))
@@ -176,15 +179,7 @@ def _with_search(
 ) -> Connections:
     """Return what was isolated and what a search finds, with the energies that are not decided."""
     proof, lost = left
-    searched = joined_by_search(asked.question, asked.values)
-    for other in searched:
-        size = max(abs(float(e.value)) for e in other.p0.values())
-        known = any(
-            all(abs(float(c.p0[n].value - other.p0[n].value)) <= 1e-7 * size for n in other.p0) for c in connections
-        )
-        if not known:
-            connections.append(other)
-    connections.sort(key=lambda c: (c.turns, c.principal_function.value))
+    found, continua = and_searched(connections, asked.question, asked.values)
     ends = list(proof.undecided)
     ends += [(E, E) for E, _ in (energy_and_momentum(asked.problem, m.chart, m.at) for m in lost)]
     if proof.high:
@@ -192,6 +187,6 @@ def _with_search(
     statement = (
         "Pairs (E, L) were isolated by enclosures of time and angle, but not decided within these energies, where a "
         "search looked"
-    )
+    ) + (MORE_SECONDS if proof.ended else "")
     ranges = {"energy": (min(a for a, _ in ends), max(b for _, b in ends))}
-    return Connections(tuple(connections), Completeness(False, statement, ranges), searched.continua)
+    return Connections(tuple(found), Completeness(False, statement, ranges), continua)

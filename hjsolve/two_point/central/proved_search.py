@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hjsolve.algebra.time_limit import out_of_time
 from hjsolve.arithmetic.interval import Interval
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.two_point.central.apsidal_arcs import (
@@ -107,12 +108,14 @@ class RadialProof:
         undecided: energies of the boxes that were not decided.
         boxes: how many were looked at.
         high: whether energies above the top are not decided.
+        ended: whether the time ended it.
     """
 
     motions: list[IsolatedMotion] = field(default_factory=list)
     undecided: list[tuple[float, float]] = field(default_factory=list)
     boxes: int = 0
     high: bool = False
+    ended: bool = False
 
 
 class _Queue(NamedTuple):
@@ -140,7 +143,8 @@ def all_motions(problem: RadialProblem) -> RadialProof:
     queue = _first_boxes(problem)
     with np.errstate(all="ignore"):  # what is not known is infinite
         while len(queue.chart):
-            if proof.boxes > _MOST_BOXES:
+            proof.ended = out_of_time()
+            if proof.ended or proof.boxes > _MOST_BOXES:
                 _leave(problem, queue, proof)
                 break
             batch, queue = queue.part(slice(0, _BATCH)), queue.part(slice(_BATCH, None))

@@ -13,15 +13,16 @@ from typing import NamedTuple
 import numpy as np
 import sympy as sp
 
+from hjsolve.algebra.time_limit import within_seconds
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.errors import HJSolveError, InvalidInputError
 from hjsolve.motion.initial_data import domain_ends, to_bits
-from hjsolve.two_point.asked.answers import Completeness, Connection, Connections
+from hjsolve.two_point.asked.answers import MORE_SECONDS, Completeness, Connection, Connections
 from hjsolve.two_point.asked.question import TwoPlaceQuestion
 from hjsolve.two_point.one_freedom.line_branches import LineBranch, branches
 from hjsolve.two_point.one_freedom.proved_search import EnergyProof, IsolatedEnergy, TravelTimes, all_energies
 from hjsolve.two_point.one_freedom.travel_time import Line
-from hjsolve.two_point.search.searched import connection_of, reach
+from hjsolve.two_point.search.searched import and_searched, connection_of, reach
 from hjsolve.two_point.search.shooting import solved_from
 
 PROVED = (
@@ -66,7 +67,7 @@ def shell_of(question: TwoPlaceQuestion) -> LineShell | None:
 
 
 def joined_on_a_line(
-    question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr], shell: LineShell
+    question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr], shell: LineShell, budget: float
 ) -> Connections | None:
     """Return all motions of one coordinate that join two places; None where the enclosures do not serve.
 
@@ -74,6 +75,7 @@ def joined_on_a_line(
         question: what is asked.
         values: symbol → exact number, of the parameters.
         shell: of the system.
+        budget: seconds for the proof.
     """
     coordinate = question.system.coordinates[0]
     T = float(to_bits(question.time)(64))
@@ -89,16 +91,20 @@ def joined_on_a_line(
     first = float(to_bits(question.q1[coordinate.name])(64))
     found: list[tuple[_Goal, IsolatedEnergy]] = []
     proof = EnergyProof()
-    for goal in _goals(question, line, start, first):
-        μ = float(line.over(np.array([start]), np.array([start]), 1)[3].high[0])
-        straight = μ * max(abs(goal.target - start), 1e-3 * (1 + abs(start))) / T
-        part = all_energies(goal.times, goal.branches, T, straight)
-        found += [(goal, energy) for energy in part.energies]
-        proof.undecided += part.undecided
-        proof.least, proof.faster = min(proof.least, part.least), proof.faster or part.faster
+    μ = float(line.over(np.array([start]), np.array([start]), 1)[3].high[0])
+    with within_seconds(budget):
+        for goal in _goals(question, line, start, first):
+            straight = μ * max(abs(goal.target - start), 1e-3 * (1 + abs(start))) / T
+            part = all_energies(goal.times, goal.branches, T, straight)
+            found += [(goal, energy) for energy in part.energies]
+            proof.undecided += part.undecided
+            proof.least, proof.faster = min(proof.least, part.least), proof.faster or part.faster
+            proof.ended |= part.ended
     connections, lost = _refined(question, values, shell, found)
     proof.undecided += lost
     connections.sort(key=lambda c: (c.turns, c.principal_function.value))
+    if proof.ended:
+        connections, _ = and_searched(connections, question, values)
     least = None
     if not connections and not proof.faster and np.isfinite(proof.least):
         least = Estimate(proof.least, 0.02 * proof.least)
@@ -166,6 +172,7 @@ def _completeness(proof: EnergyProof) -> Completeness:
     low, high = min(a for a, _ in proof.undecided), max(b for _, b in proof.undecided)
     return Completeness(
         proved=False,
-        statement="Energies were isolated by enclosures of the time, but not decided within these intervals",
+        statement="Energies were isolated by enclosures of the time, but not decided within these intervals"
+        + (MORE_SECONDS if proof.ended else ""),
         searched={"energy": (low, high)},
     )

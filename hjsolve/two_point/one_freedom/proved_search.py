@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from hjsolve.algebra.time_limit import out_of_time
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.root_finding import regula_falsi
 from hjsolve.two_point.one_freedom.high_energies import HIGHEST, far_time
@@ -52,12 +53,14 @@ class EnergyProof:
         undecided: intervals of E in which there may be more.
         least: the least time of the branches asked, as far as sampled; inf where there is none.
         faster: whether some branch takes less than the time asked.
+        ended: whether the time ended it.
     """
 
     energies: list[IsolatedEnergy] = field(default_factory=list)
     undecided: list[tuple[float, float]] = field(default_factory=list)
     least: float = np.inf
     faster: bool = False
+    ended: bool = False
 
 
 class TravelTimes:
@@ -154,7 +157,7 @@ def isolate(times: TravelTimes, branch: LineBranch, T: float, scale: float, proo
     edges = [0.0, *(scale * 2.0**k for k in range(-34, 200) if scale * 2.0**k < top), top]
     stack, open_ = list(pairwise(edges)), list[tuple[float, float]]()
     for _ in range(_CELLS_AT_MOST):
-        if not stack:
+        if not stack or out_of_time():
             break
         s = stack.pop()
         if _judged(times, branch, T, s, proof) == "split":
@@ -164,7 +167,7 @@ def isolate(times: TravelTimes, branch: LineBranch, T: float, scale: float, proo
             middle = (s[0] + s[1]) / 2
             stack += [(s[0], middle), (middle, s[1])]
     for s in _joined(open_ + stack):
-        if not _decided_wider(times, branch, T, s, proof):
+        if out_of_time() or not _decided_wider(times, branch, T, s, proof):
             proof.undecided.append((times.energy(s[0]), times.energy(s[1])))
 
 
@@ -272,4 +275,5 @@ def all_energies(times: TravelTimes, asked: Iterable[LineBranch], T: float, scal
     proof = EnergyProof()
     for branch in asked:
         isolate(times, branch, T, scale, proof)
+    proof.ended = bool(proof.undecided) and out_of_time()
     return proof

@@ -85,6 +85,27 @@ def joined_by_search(question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.E
     return Connections(tuple(connections), _stated(question, found, lost), tuple(continua))
 
 
+def and_searched(
+    connections: list[Connection], question: TwoPlaceQuestion, values: Mapping[sp.Symbol, sp.Expr]
+) -> tuple[list[Connection], tuple[Continuum, ...]]:
+    """Return connections together with those that a search finds besides, and its continua.
+
+    Args:
+        connections: of which a proof is not finished.
+        question: what is asked.
+        values: symbol → exact number, of the parameters.
+
+    Raises:
+        InvalidInputError: as of ``joined_by_search``.
+    """
+    try:
+        searched = joined_by_search(question, values)
+    except NotConvergedError:  # no start could be followed
+        return connections, ()
+    found = connections + [c for c in searched if not any(_same(c, other) for other in connections)]
+    return sorted(found, key=lambda c: (c.turns, c.principal_function.value)), searched.continua
+
+
 def _stated(question: TwoPlaceQuestion, found: SearchResult, lost: int) -> Completeness:
     more = f"; {lost} more could not be run to the end by quadratures" if lost else ""
     return Completeness(
