@@ -11,7 +11,7 @@ import inspect
 import math
 import re
 import unicodedata
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from numbers import Real
 from typing import Any, ParamSpec, TypeVar
 
@@ -108,6 +108,24 @@ def table(value: object, source: str, example: str = '{"r": 1}') -> Mapping[str,
     if all(not isinstance(name, str) or name.isascii() for name in value):
         return value
     return {ascii_name(name): item for name, item in value.items()}
+
+
+def one_for_each(value: object, source: str, names: Sequence[str], example: str) -> Mapping[str, Any]:
+    """Return a table that has a formula for each of some names, and for nothing else.
+
+    Args:
+        value: what came.
+        source: what it is called in errors.
+        names: of coordinates.
+        example: what could be written instead, for the message.
+
+    Raises:
+        InvalidInputError: it is not a mapping, or its names are others.
+    """
+    found = table(value, source, example)
+    if set(found) != set(names):
+        raise InvalidInputError(f"{source}: a formula of each of {', '.join(names)} is needed, and of nothing else")
+    return found
 
 
 def ascii_name(name: Any) -> Any:

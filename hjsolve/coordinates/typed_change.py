@@ -14,7 +14,7 @@ from hjsolve.algebra.readable import shortest_form
 from hjsolve.algebra.reader import Reader
 from hjsolve.algebra.signs import Bounds
 from hjsolve.errors import InvalidInputError, InvalidSystemError
-from hjsolve.formulas.read import admit, parse
+from hjsolve.formulas.read import formula_of
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter, read_coordinates
 from hjsolve.mechanics.energy_shell import domain_bounds
 from hjsolve.mechanics.kinetic_energy import velocity_coefficients
@@ -67,25 +67,16 @@ def change_coordinates(
     system = system_of(system, "change_coordinates")
     if system.kinks or system.relativity is not None:
         raise InvalidInputError("change_coordinates: kinks of V and relativistic particles are not transformed")
-    table = arguments.table(place, "place", _EXAMPLE)
-    if set(table) != {c.name for c in system.coordinates}:
-        names = ", ".join(c.name for c in system.coordinates)
-        raise InvalidInputError(f"place: a formula of each of {names} is needed, and of nothing else")
+    table = arguments.one_for_each(place, "place", [c.name for c in system.coordinates], _EXAMPLE)
     new = read_coordinates(coordinates, system.parameters)
     if len(new) != len(system.coordinates):
         raise InvalidInputError(f"coordinates: {len(system.coordinates)} new ones are needed, {len(new)} are given")
     letters = {c.name: c.symbol for c in new} | {p.name: p.symbol for p in system.parameters}
-    formulas = [_formula(table[c.name], letters, f"place.{c.name}") for c in system.coordinates]
+    formulas = [formula_of(table[c.name], letters, source=f"place.{c.name}") for c in system.coordinates]
     bounds = {c.symbol: _ends(c) for c in new}
     _check_domain(system, formulas, bounds)
     _check_regular(system, new, formulas, bounds)
     return transformed(system, new, formulas, bounds, coordinates)
-
-
-def _formula(given: object, names: Mapping[str, sp.Symbol], source: str) -> sp.Expr:
-    if isinstance(given, str):
-        return parse(given, names, source=source)
-    return admit(sp.sympify(given), names, source=source)
 
 
 def _ends(c: Coordinate) -> Bounds:

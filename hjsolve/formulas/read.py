@@ -80,6 +80,24 @@ def parse(
     return Parser(given, scan(given), names, velocities, functions, kinks=kinks).formula()
 
 
+def formula_of(given: object, names: Mapping[str, sp.Expr], *, source: str) -> sp.Expr:
+    """Read a formula that came as text, as a number or as an expression of sympy.
+
+    Args:
+        given: what came.
+        names: the names that may occur and what they stand for.
+        source: what it is called in an error.
+
+    Raises:
+        ExpressionError: it is none of these, or holds what ``parse`` would not accept.
+    """
+    if isinstance(given, str):
+        return parse(given, names, source=source)
+    if not isinstance(given, sp.Expr | int | float):
+        raise ExpressionError(f"{source}: a formula is needed, as text or of sympy, not {type(given).__name__}")
+    return admit(sp.sympify(given), names, source=source)
+
+
 def admit(
     expression: sp.Expr,
     names: Mapping[str, sp.Expr],

@@ -17,7 +17,7 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 from hjsolve.extended.quadratic_flow import QuadraticFlow
-from hjsolve.formulas.read import admit, number, parse
+from hjsolve.formulas.read import formula_of, number
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
@@ -81,20 +81,13 @@ def action_integral(
     system = system_of(system, "action_integral")
     if system.kinks or system.relativity is not None:
         raise InvalidInputError("action_integral: V without kinks and a particle that is not relativistic are needed")
-    table = arguments.table(path, "path", _EXAMPLE)
-    if set(table) != {c.name for c in system.coordinates}:
-        names = ", ".join(c.name for c in system.coordinates)
-        raise InvalidInputError(f"path: a formula of each of {names} is needed, and of nothing else")
+    table = arguments.one_for_each(path, "path", [c.name for c in system.coordinates], _EXAMPLE)
     if not isinstance(between, (tuple, list)) or len(between) != 2:
         raise InvalidInputError(f"between: two times are needed, such as (0, 1), not {arguments.described(between)}")
     start, stop = (number(t, source="between") for t in between)
     time = system.time if system.time is not None else sp.Symbol(time_name(system), real=True)
     letters = {p.name: p.symbol for p in system.parameters} | {time.name: time}
-    formulas = {
-        name: parse(f, letters, source=f"path.{name}") if isinstance(f, str)
-        else admit(sp.sympify(f), letters, source=f"path.{name}")
-        for name, f in table.items()
-    }  # fmt: skip
+    formulas = {name: formula_of(f, letters, source=f"path.{name}") for name, f in table.items()}
     put = {c.symbol: formulas[c.name] for c in system.coordinates}
     put |= {c.velocity: sp.diff(formulas[c.name], time) for c in system.coordinates}
     L = (system.kinetic - system.potential).xreplace(put)

@@ -23,7 +23,7 @@ from hjsolve import arguments
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, NotConvergedError
-from hjsolve.formulas.read import admit, number, parse
+from hjsolve.formulas.read import formula_of, number
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.motion.times import exact_numbers
 from hjsolve.solution.quadratures import Solution
@@ -122,15 +122,8 @@ def loop_integral(
 
 
 def _curve(given: object, coordinates: tuple[Coordinate, ...], s: sp.Symbol, source: str) -> dict[str, sp.Expr]:
-    table = arguments.table(given, source, _EXAMPLE)
-    if set(table) != {c.name for c in coordinates}:
-        names = ", ".join(c.name for c in coordinates)
-        raise InvalidInputError(f"{source}: a formula of each of {names} in s is needed, and of nothing else")
-    return {
-        name: parse(f, {"s": s}, source=f"{source}[{name}]") if isinstance(f, str)
-        else admit(sp.sympify(f), {"s": s}, source=f"{source}[{name}]")
-        for name, f in table.items()
-    }  # fmt: skip
+    table = arguments.one_for_each(given, source, [c.name for c in coordinates], _EXAMPLE)
+    return {name: formula_of(f, {"s": s}, source=f"{source}[{name}]") for name, f in table.items()}
 
 
 def _refuse_open(curves: list[dict[str, sp.Expr]], coordinates: tuple[Coordinate, ...], s: sp.Symbol) -> None:

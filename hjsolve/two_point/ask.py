@@ -7,10 +7,10 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.precision import one_at_a_time
 from hjsolve.solution.quadratures import Solution
 from hjsolve.two_point.asked.answers import Connections
+from hjsolve.two_point.asked.central_force import attraction_of, central_force_of
 from hjsolve.two_point.asked.question import read_question
 from hjsolve.two_point.central.connections import joined_about_a_centre
 from hjsolve.two_point.kepler.arrays import ConnectionTable, has_arrays, table_of_conics
-from hjsolve.two_point.kepler.attraction import attraction_of, central_force_of
 from hjsolve.two_point.kepler.connections import is_attraction, joined_by_conics
 from hjsolve.two_point.linear import joined_linearly, linear_forces
 from hjsolve.two_point.one_freedom.connections import joined_on_a_line, shell_of

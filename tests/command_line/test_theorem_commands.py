@@ -13,6 +13,13 @@ OSCILLATOR = ["verify", "--coordinate", "x: line", "-T", "dot(x)**2/2", "-V", "x
 PLACE_TO_PLACE = "((x**2 + a**2)*cos(t) - 2*x*a)/(2*sin(t))"
 
 
+def assert_told(arguments: list[str], status: int, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(arguments) == status
+    out, error = capsys.readouterr()
+    assert all(word in out + error for word in words)
+    assert (out == "") == (status == 2)
+
+
 @pytest.mark.parametrize(
     ("arguments", "status", "words"),
     [
@@ -33,10 +40,7 @@ PLACE_TO_PLACE = "((x**2 + a**2)*cos(t) - 2*x*a)/(2*sin(t))"
 def test_a_typed_complete_integral_is_proved_or_refuted(
     arguments: list[str], status: int, words: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(arguments) == status
-    out, error = capsys.readouterr()
-    assert all(word in out + error for word in words)
-    assert (out == "") == (status == 2)
+    assert_told(arguments, status, words, capsys)
 
 
 def test_what_was_not_decided_is_status_3_and_says_what_was_left(capsys: pytest.CaptureFixture[str]) -> None:
@@ -109,10 +113,7 @@ LENZ = "p_y*(x*p_y - y*p_x) - x/sqrt(x**2 + y**2)"
 def test_the_other_tools_of_the_theorem(
     arguments: list[str], status: int, words: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(arguments) == status
-    out, error = capsys.readouterr()
-    assert all(word in out + error for word in words)
-    assert (out == "") == (status == 2)
+    assert_told(arguments, status, words, capsys)
 
 
 @pytest.mark.parametrize(("W", "status"), [("sqrt(2*E - x**2)", 0), ("sqrt(2*E + x**2)", 1)])

@@ -10,14 +10,14 @@ from sympy.integrals.quadrature import gauss_legendre
 
 import hjsolve
 from hjsolve.arithmetic.interval import Interval
+from hjsolve.two_point.asked.central_force import RADIUS as R
+from hjsolve.two_point.asked.central_force import central_force_of
 from hjsolve.two_point.central.apsidal_arcs import ApsidalBoxes, SquarePotential, arcs_between_apsides
 from hjsolve.two_point.central.isolated_constants import energy_and_momentum
 from hjsolve.two_point.central.proved_search import all_motions
 from hjsolve.two_point.central.radial_arcs import Boxes, arcs_of
 from hjsolve.two_point.central.radial_grid import RadialPotential, cells_about, innermost
 from hjsolve.two_point.central.radial_range import radial_problem
-from hjsolve.two_point.kepler.attraction import RADIUS as R
-from hjsolve.two_point.kepler.attraction import central_force_of
 
 MP = mpmath.mp.clone()
 MP.dps = 30

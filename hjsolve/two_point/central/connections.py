@@ -14,6 +14,7 @@ from hjsolve.arithmetic.number_types import Mpf, Reals
 from hjsolve.errors import HJSolveError, InvalidInputError, NotConvergedError
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.two_point.asked.answers import MORE_SECONDS, Completeness, Connection, Connections
+from hjsolve.two_point.asked.central_force import RADIUS, CentralForce
 from hjsolve.two_point.asked.question import TwoPlaceQuestion
 from hjsolve.two_point.central.isolated_constants import energy_and_momentum, is_solved_by
 from hjsolve.two_point.central.proved_search import (
@@ -23,7 +24,6 @@ from hjsolve.two_point.central.proved_search import (
     all_motions,
 )
 from hjsolve.two_point.central.radial_range import radial_problem
-from hjsolve.two_point.kepler.attraction import RADIUS, CentralForce
 from hjsolve.two_point.kepler.central_places import CentralPlaces, geometry
 from hjsolve.two_point.search.searched import and_searched, connection_of, reach
 from hjsolve.two_point.search.shooting import solved_from

@@ -16,8 +16,8 @@ from hjsolve.errors import InvalidInputError, MissingValueError, of_kind
 from hjsolve.motion.initial_data import parameter_values, to_bits
 from hjsolve.solution.quadratures import Solution
 from hjsolve.two_point.asked.answers import Completeness, Connections
+from hjsolve.two_point.asked.central_force import Attraction
 from hjsolve.two_point.asked.question import read_turns
-from hjsolve.two_point.kepler.attraction import Attraction
 from hjsolve.two_point.kepler.central_places import CentralPlaces, geometry
 from hjsolve.two_point.kepler.connections import PROVED
 from hjsolve.two_point.kepler.kernels.lambert import conics, transfer

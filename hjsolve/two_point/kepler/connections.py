@@ -18,9 +18,9 @@ from hjsolve.arithmetic.number_types import Mpf, Reals
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.two_point.asked.answers import Completeness, Connection, Connections, Continuum
+from hjsolve.two_point.asked.central_force import Attraction
 from hjsolve.two_point.asked.question import TwoPlaceQuestion
 from hjsolve.two_point.asked.verified import started
-from hjsolve.two_point.kepler.attraction import Attraction
 from hjsolve.two_point.kepler.central_places import CentralPlaces, geometry
 from hjsolve.two_point.kepler.kernels.lambert import Transfer, conics
 from hjsolve.two_point.kepler.many_digits import (

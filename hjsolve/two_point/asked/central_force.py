@@ -36,19 +36,13 @@ class CentralForce:
 
 
 @dataclass(frozen=True)
-class Attraction:
+class Attraction(CentralForce):
     """A Kepler problem.
 
     Attributes:
-        kind: ``polar``, ``spherical`` or ``cartesian``.
-        names: coordinates in the order r, θ, φ or x, y, z.
-        mass: m.
         strength: k of V = −k/r, which may be of either sign where it is a parameter.
     """
 
-    kind: str
-    names: tuple[str, ...]
-    mass: sp.Expr
     strength: sp.Expr
 
 
@@ -65,7 +59,7 @@ def attraction_of(system: System) -> Attraction | None:
     strength = sp.simplify(-force.potential * RADIUS)
     if strength == 0 or strength.has(RADIUS):
         return None
-    return Attraction(force.kind, force.names, force.mass, strength)
+    return Attraction(force.kind, force.names, force.mass, force.potential, strength)
 
 
 @lru_cache(maxsize=64)
