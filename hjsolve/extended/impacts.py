@@ -21,7 +21,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, InvalidSystemError
-from hjsolve.extended.lasting import Exact, constrained, momenta_in, place_in
+from hjsolve.extended.system_under_constraints import Exact, constrained, momenta_in, place_in
 from hjsolve.formulas.read import number, parse
 from hjsolve.mechanics.kinetic_energy import degree, velocity_coefficients
 from hjsolve.mechanics.subjects import system_of

@@ -20,8 +20,8 @@ from hjsolve.errors import InvalidInputError, NotSeparableError, required
 from hjsolve.extended.change_of_frame import ChangeOfFrame
 from hjsolve.extended.explicit_time import solve_in_time
 from hjsolve.extended.impacts import ImpactForms
-from hjsolve.extended.lasting import constrained, momenta_in, place_in, through
 from hjsolve.extended.moving_frame_motion import CarriedOver
+from hjsolve.extended.system_under_constraints import constrained, momenta_in, place_in, through
 from hjsolve.mechanics.system import System, mass_matrix
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.state import Errors, State

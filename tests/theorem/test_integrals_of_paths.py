@@ -109,7 +109,7 @@ def test_both_on_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_a_path_that_is_no_formula_is_one_error():
     fall = hjsolve.System({"y": "line"}, "m/2*dot(y)**2", "m*g*y", {"m": 1, "g": 10})
-    with pytest.raises(hjsolve.HJSolveError, match="path.y: a formula is needed, as text or of sympy, not dict"):
+    with pytest.raises(hjsolve.HJSolveError, match=r"path\.y: a formula is needed, as text or of sympy, not dict"):
         hjsolve.action_integral(fall, {"y": {"t": 1}}, between=(0, 1))
     with pytest.raises(hjsolve.InvalidInputError, match="path: a formula of each of y is needed"):
         hjsolve.action_integral(fall, {"x": "t"}, between=(0, 1))
