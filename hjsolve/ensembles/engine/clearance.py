@@ -13,13 +13,14 @@ at the table. What the table does not show is proved for that orbit itself.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from threading import Lock
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hjsolve.arithmetic.block_exponents import exponent_of, tape_in_units
 from hjsolve.arithmetic.complex_disks import Disk
 from hjsolve.arithmetic.disks_with_logarithms import DisksInLogarithms
 from hjsolve.arithmetic.error_free import Pair
@@ -85,6 +86,20 @@ class Clearance:
         self._both, self._side = side == 0, side or 1
         self._table = _Table() if alone else None
         self._one_at_a_time = Lock()
+
+    def in_units(self, place: int, constants: Sequence[int]) -> Clearance:
+        """Return the same of x over a power of two.
+
+        Args:
+            place: exponent of the unit of x.
+            constants: exponents of the units of the constants.
+        """
+        own = [exponent_of(pair.high) for pair in self._numbers]
+        parts, _ = tape_in_units(self._parts, (place, *(() if self._alone else constants), *own))
+        numbers = tuple(Pair(*np.ldexp(pair, -e)) for pair, e in zip(self._numbers, own, strict=True))
+        if (parts, numbers) == (self._parts, self._numbers):  # powers of x grow in a disk alike at all scales
+            return self
+        return Clearance(parts, numbers, alone=self._alone, side=0 if self._both else self._side)
 
     def radius(self, x: Reals | Complexes) -> Reals:
         """Return the radius of a disk about every place in which all is known.

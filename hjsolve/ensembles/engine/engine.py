@@ -16,6 +16,7 @@ from hjsolve.ensembles.engine.passes import TIMED, TOLERANCE, run_escapes, run_p
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.starts import MomentumRule, Starts, from_velocities, given_momenta
 from hjsolve.ensembles.engine.status import ENDLESS, UNDECIDED, Status
+from hjsolve.ensembles.engine.units_of_orbits import columns_in_old_units, groups, model_in_units, starts_in_units
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.solution.quadratures import Solution
@@ -97,6 +98,7 @@ class Engine:
             self._run_passes(some, starts.take(left), np.arange(len(left)), lowered_model(near, self.values))
             solved = some.status == Status.OK
             put(columns, left[solved], some.take(solved))
+        self._run_in_their_own_units(columns, starts)
         if escapes:
             programs = system_programs(self.model, kernels=bool(TIMED & self.want))
             for index in _chunks(everything[columns.status == ENDLESS]):
@@ -104,6 +106,17 @@ class Engine:
                 proved = part.status == Status.UNBOUNDED
                 put(columns, index[proved], part.take(proved))
         return columns
+
+    def _run_in_their_own_units(self, columns: Columns, starts: Starts) -> None:
+        """Fill columns of orbits that are undecided, and whose numbers are far from 1."""
+        left = np.flatnonzero(columns.vague | (columns.status >= UNDECIDED))
+        for units, orbits in groups(self.model, starts, left):
+            model, exponents = model_in_units(self.model, units)
+            some = blank(self.names, len(orbits))
+            self._run_passes(some, starts_in_units(starts.take(orbits), units), np.arange(len(orbits)), model)
+            some = columns_in_old_units(some, model, units, exponents)
+            solved = some.status == Status.OK
+            put(columns, orbits[solved], some.take(solved))
 
     def _run_passes(self, columns: Columns, starts: Starts, orbits: Integers, model: Model) -> None:
         """Fill columns by the two passes."""
