@@ -17,6 +17,7 @@ import argparse
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -129,7 +130,10 @@ DOMAINS = {"Morse": "line", "Pöschl and Teller": "-pi/2 < r < pi/2"}
 
 
 def by_quadrature(value: Callable[[Any], Any], E: Any, L: Any, r: Any) -> tuple[Any, Any]:
-    """J and Ω by r = a + (b − a) sin²(s/2), tanh–sinh in pieces that double from the lower turning point on."""
+    """J and Ω by r = a + (b − a) sin²(s/2), tanh–sinh in pieces that double from the lower turning point on.
+
+    Pieces whose error is not small are halved: where a crest is passed slowly, tanh–sinh is off by 1e-10 of the whole.
+    """
 
     def F(x: Any) -> Any:
         return 2 * (E - value(x)) - L * L / (x * x)
@@ -154,9 +158,24 @@ def by_quadrature(value: Callable[[Any], Any], E: Any, L: Any, r: Any) -> tuple[
         x *= 4
     cuts.append(quadrature.pi)
     half = (b - a) / 2
-    action = quadrature.quad(lambda s: sqrt(abs(F(at(s)))) * quadrature.sin(s) * half, cuts) / quadrature.pi
-    time = quadrature.quad(lambda s: quadrature.sin(s) * half / sqrt(abs(F(at(s)))), cuts)
-    return action, quadrature.pi / time
+    action = integral(lambda s: sqrt(abs(F(at(s)))) * quadrature.sin(s) * half, cuts)
+    time = integral(lambda s: quadrature.sin(s) * half / sqrt(abs(F(at(s)))), cuts)
+    return action / quadrature.pi, quadrature.pi / time
+
+
+def integral(f: Callable[[Any], Any], cuts: list[Any]) -> Any:
+    """Return an integral from piece to piece, each known to 1e-22 of the whole; ``ArithmeticError`` where it is not."""
+    total, pieces, whole = quadrature.mpf(0), list(pairwise(cuts)), abs(quadrature.quad(f, cuts))
+    for _ in range(400):
+        if not pieces:
+            return total
+        low, high = pieces.pop()
+        part, error = quadrature.quad(f, [low, high], error=True)
+        if error <= quadrature.mpf("1e-22") * whole:
+            total += part
+        else:
+            pieces += [(low, (low + high) / 2), ((low + high) / 2, high)]
+    raise ArithmeticError("a quadrature does not converge")
 
 
 def drawn(name: str, field: Field, count: int, rng: np.random.Generator) -> tuple[Array, Array, Array]:
