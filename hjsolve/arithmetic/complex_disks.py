@@ -31,6 +31,8 @@ _PAIR: dict[str, tuple[Callable[[Complexes], Complexes], Callable[[Complexes], C
 }  # fmt: skip
 _CUT = {"atan": 1.0, "atanh": -1.0}
 """Functions whose cut is where 1 + sign·x² is negative."""
+_ODD = frozenset({"asin", "atan", "asinh", "atanh"})
+"""Functions that vanish at 0 and keep their digits next to it."""
 
 
 class Disk(NamedTuple):
@@ -257,7 +259,8 @@ def _by_slope(d: Disks, x: Disk, name: str) -> Disk:
     """By the mean value theorem, f′ known over the disk off the cuts of f."""
     slope, value = d.derivative(name, x), _NUMPY[name](x.centre)
     clear = slope.known & _off_cut(_beside(d, x, _CUT[name])) if name in _CUT else slope.known
-    return _where(clear, Disk(value, x.radius * slope.largest + _UNIT * (1 + np.abs(value))))
+    noise = np.minimum(np.abs(x.centre), 1.0) if name in _ODD else 1.0
+    return _where(clear, Disk(value, x.radius * slope.largest + _UNIT * (noise + np.abs(value))))
 
 
 def _root(d: Disks, x: Disk, n: int) -> Disk:

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hjsolve.arithmetic.block_exponents import exponent_of, tape_in_units
+from hjsolve.arithmetic.block_exponents import Unit, over_power_of_two, tape_in_units, unit_of
 from hjsolve.arithmetic.complex_disks import Disk
 from hjsolve.arithmetic.disks_with_logarithms import DisksInLogarithms
 from hjsolve.arithmetic.error_free import Pair
@@ -87,16 +87,16 @@ class Clearance:
         self._table = _Table() if alone else None
         self._one_at_a_time = Lock()
 
-    def in_units(self, place: int, constants: Sequence[int]) -> Clearance:
-        """Return the same of x over a power of two.
+    def in_units(self, place: int, constants: Sequence[Unit]) -> Clearance:
+        """Return the same of x over a power of two; of functions that hardly change, of what they change by.
 
         Args:
             place: exponent of the unit of x.
-            constants: exponents of the units of the constants.
+            constants: units of the constants.
         """
-        own = [exponent_of(pair.high) for pair in self._numbers]
-        parts, _ = tape_in_units(self._parts, (place, *(() if self._alone else constants), *own))
-        numbers = tuple(Pair(*np.ldexp(pair, -e)) for pair, e in zip(self._numbers, own, strict=True))
+        own = [unit_of(pair) for pair in self._numbers]
+        parts = tape_in_units(self._parts, (Unit(place), *(() if self._alone else constants), *own)).tape
+        numbers = tuple(map(over_power_of_two, self._numbers))
         if (parts, numbers) == (self._parts, self._numbers):  # powers of x grow in a disk alike at all scales
             return self
         return Clearance(parts, numbers, alone=self._alone, side=0 if self._both else self._side)

@@ -111,10 +111,10 @@ class Engine:
         """Fill columns of orbits that are undecided, and whose numbers are far from 1."""
         left = np.flatnonzero(columns.vague | (columns.status >= UNDECIDED))
         for units, orbits in groups(self.model, starts, left):
-            model, exponents = model_in_units(self.model, units)
+            made = model_in_units(self.model, units)
             some = blank(self.names, len(orbits))
-            self._run_passes(some, starts_in_units(starts.take(orbits), units), np.arange(len(orbits)), model)
-            some = columns_in_old_units(some, model, units, exponents)
+            self._run_passes(some, starts_in_units(starts.take(orbits), units), np.arange(len(orbits)), made.model)
+            some = columns_in_old_units(some, made, units)
             solved = some.status == Status.OK
             put(columns, orbits[solved], some.take(solved))
 

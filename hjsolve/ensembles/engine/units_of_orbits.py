@@ -1,4 +1,4 @@
-"""Orbits at extreme scales, each group of them in units of its own.
+"""Orbits at extreme scales or deep in a core, each group of them in units of its own.
 
 q = 2^e q̂ and p = 2^(A − e) p̂ is a canonical map of valence 2^A (Greenwood (6-266)–(6-277)); with H = 2^κ Ĥ the time is
 t = 2^(A − κ) t̂. Actions are 2^A times those in the new units, frequencies 2^(κ − A) times, angles are the same. So the
@@ -7,23 +7,26 @@ passes run as they are on a system whose numbers are of order one, and nothing r
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
 
 import numpy as np
 
-from hjsolve.arithmetic.block_exponents import exponent_of, tape_in_units
-from hjsolve.arithmetic.error_free import Pair
-from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.arithmetic.block_exponents import Unit, exponent_of, over_power_of_two, tape_in_units, unit_of
+from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Integers, Mask, Mpf, Reals
 from hjsolve.ensembles.engine.columns import Columns
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.status import UNDECIDED, Status
 
-_STEP_OF_EXPONENTS = 128
-"""Exponents of units are multiples of it, so that orbits within 2^64 of a unit share it, and it is 1 for most."""
+_FEWEST_BITS = 4
+"""Numbers within 2^4 of 1 stay as they are."""
+
+_LARGE_BITS = 64
+"""Beyond 2^64 units of their own keep orbits in the range of doubles; small ones keep differences apart."""
 
 _SMALLEST = 2.0**-960
 """Results below are not told: what rounding does next to the smallest doubles no claim counts."""
@@ -48,7 +51,7 @@ class UnitsOfOrbits:
 
 
 def groups(model: Model, starts: Starts, orbits: Integers) -> Iterator[tuple[UnitsOfOrbits, Integers]]:
-    """Yield the units that are not 1, and the orbits that they suit.
+    """Yield units that are not 1 and may help, and the orbits that they suit.
 
     Args:
         model: the lowered solution.
@@ -62,51 +65,68 @@ def groups(model: Model, starts: Starts, orbits: Integers) -> Iterator[tuple[Uni
         size = np.where(angle[:, None] | (q == 0), 0.0, np.log2(np.abs(q)))
         action = (size + np.log2(np.abs(p))).max(axis=0)
     action = np.where(np.isfinite(action), action, 0.0)
-    exponents = _STEP_OF_EXPONENTS * np.rint(np.vstack([size, action]) / _STEP_OF_EXPONENTS).astype(np.int64)
-    kinds, which = np.unique(exponents, axis=1, return_inverse=True)
-    for k in np.flatnonzero(kinds.any(axis=0)):
+    kinds, which = np.unique(_rounded(np.vstack([size, action])), axis=1, return_inverse=True)
+    for k in np.flatnonzero((kinds[:-1] < 0).any(axis=0) | (np.abs(kinds) > _LARGE_BITS).any(axis=0)):
         *places, unit = (int(e) for e in kinds[:, k])
         yield UnitsOfOrbits(tuple(places), unit), orbits[which.ravel() == k]
 
 
+def _rounded(exponents: Reals) -> Integers:
+    """Round exponents to an eighth of themselves, so that few groups hold all orbits, and 2^e is known to 2^(e/8)."""
+    size = np.abs(exponents)
+    step = 2.0 ** np.maximum(np.floor(np.log2(np.maximum(size, 1.0))) - 2, 0)
+    return np.where(size < _FEWEST_BITS, 0, step * np.rint(exponents / step)).astype(np.int64)
+
+
+@dataclass(frozen=True)
+class ModelInUnits:
+    """A lowered solution in other units.
+
+    Attributes:
+        model: the solution.
+        bases, exponents: constant c of the system is base + ĉ·2^exponent, the energy first.
+    """
+
+    model: Model
+    bases: tuple[Mpf, ...]
+    exponents: tuple[int, ...]
+
+
 @lru_cache(maxsize=64)
-def model_in_units(model: Model, units: UnitsOfOrbits) -> tuple[Model, tuple[int, ...]]:
-    """Return a lowered solution in other units, and the exponents of its constants.
+def model_in_units(model: Model, units: UnitsOfOrbits) -> ModelInUnits:
+    """Return a lowered solution in other units.
 
     Args:
         model: the lowered solution.
         units: of places and momenta.
     """
-    own = tuple(exponent_of(pair.high) for pair in model.numbers)
-    start = (*units.places, *units.momenta, *own)
-    rule, constants = tape_in_units(model.rule, start)
-    momenta = [units.momenta[c.index] for c in model.separated]
-    shift, _ = tape_in_units(model.shift, start, momenta)
-    return replace(
+    own = tuple(map(unit_of, model.numbers))
+    start = (*map(Unit, units.places), *map(Unit, units.momenta), *own)
+    rule = tape_in_units(model.rule, start)
+    constants = tuple(Unit(e, base) for e, base in zip(rule.exponents, rule.bases, strict=True))
+    shift = tape_in_units(model.shift, start, [units.momenta[c.index] for c in model.separated])
+    made = replace(
         model,
-        rule=rule,
-        shift=shift,
+        rule=rule.tape,
+        shift=shift.tape,
         separated=tuple(_separated(c, units, constants, own) for c in model.separated),
-        numbers=tuple(_over(pair, e) for pair, e in zip(model.numbers, own, strict=True)),
-        exact=tuple(x * Fraction(2) ** -e if x else x for x, e in zip(model.exact, own, strict=True)),
-    ), tuple(constants)
+        numbers=tuple(map(over_power_of_two, model.numbers)),
+        exact=tuple(x * Fraction(2) ** -exponent_of(p.high) for x, p in zip(model.exact, model.numbers, strict=True)),
+    )
+    return ModelInUnits(made, tuple(rule.bases), tuple(rule.exponents))
 
 
-def _over(pair: Pair, exponent: int) -> Pair:
-    return Pair(*(float(np.ldexp(part, -exponent)) if part else 0.0 for part in pair))
-
-
-def _separated(one: Separated, units: UnitsOfOrbits, constants: Sequence[int], own: tuple[int, ...]) -> Separated:
+def _separated(one: Separated, units: UnitsOfOrbits, constants: tuple[Unit, ...], own: tuple[Unit, ...]) -> Separated:
     place, square = units.places[one.index], 2 * units.momenta[one.index]
-    weights = [square - e for e in constants]
+    wanted = [square, *(square - c.exponent for c in constants)]
 
     def formula(view: LoweredFormula) -> LoweredFormula:
-        inputs = (place, *constants, *own)
+        inputs = (Unit(place), *constants, *own)
         return LoweredFormula(
-            _over(view.origin, place),
+            over_power_of_two(view.origin, place),
             view.sign,
-            tape_in_units(view.squared, inputs, [square])[0],
-            tape_in_units(view.full, inputs, [square, *weights])[0],
+            tape_in_units(view.squared, inputs, wanted[:1]).tape,
+            tape_in_units(view.full, inputs, wanted).tape,
             view.clearance.in_units(place, constants),
         )
 
@@ -127,44 +147,36 @@ def starts_in_units(starts: Starts, units: UnitsOfOrbits) -> Starts:
     return replace(starts, q=np.ldexp(starts.q, places), velocity=None, rule=None, **rows)
 
 
-def columns_in_old_units(columns: Columns, model: Model, units: UnitsOfOrbits, constants: Sequence[int]) -> Columns:
+def columns_in_old_units(columns: Columns, made: ModelInUnits, units: UnitsOfOrbits) -> Columns:
     """Return what was found in the units of the system; undecided where a number has no double.
 
     Args:
         columns: what was found.
-        model: the lowered solution, in either units.
-        units: in which it was found.
-        constants: exponents of the constants, the energy's first.
+        made: where.
+        units: of places and momenta.
     """
-    places = dict(zip(model.names, units.places, strict=True))
-    rate = constants[0] - units.action
+    model = made.model
+    places, rate = dict(zip(model.names, units.places, strict=True)), made.exponents[0] - units.action
+    of_all = {"actions": units.action, "frequencies": rate, "periods": -rate, "angles": 0}
     lost: Mask = np.zeros(len(columns.status), dtype=bool)
 
-    def exponent(quantity: str, name: str) -> int:
-        match quantity:
-            case "constants":
-                return constants[model.constants.index(name)]
-            case "turning_points":
-                return places[name.rpartition(".")[0]]
-            case "actions":
-                return units.action
-            case "frequencies":
-                return rate
-            case "periods":
-                return -rate
-            case _:
-                return 0
-
-    def told(x: Reals, e: int) -> Reals:
+    def told(x: Reals, exponent: int) -> Reals:
         with np.errstate(all="ignore"):
-            found: Reals = np.ldexp(x, e)
+            found: Reals = np.ldexp(x, exponent)
             lost[(x != 0) & ~np.isnan(x) & ~((np.abs(found) > _SMALLEST) & np.isfinite(found))] = True
         return found
 
     error = {}
     for key, claims in columns.error.items():
         quantity, name = key.split(".", 1)
-        e, values = exponent(quantity, name), columns.group(quantity)[name]
-        values[:], error[key] = told(values, e), told(claims, e)
+        values = columns.group(quantity)[name]
+        if quantity == "constants":
+            j = model.constants.index(name)
+            values[:], error[key] = told(values, made.exponents[j]), told(claims, made.exponents[j])
+            values += float(made.bases[j])
+            error[key] += 2 * EPS * np.abs(values) if made.bases[j] else 0.0
+            continue
+        exponent = of_all[quantity] if quantity in of_all else places[name.rpartition(".")[0]]
+        values[:], error[key] = told(values, exponent), told(claims, exponent)
     columns.status[lost & (columns.status == Status.OK)] = UNDECIDED
     return replace(columns, error=error)
