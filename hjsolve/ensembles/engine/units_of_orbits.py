@@ -62,7 +62,8 @@ def groups(model: Model, starts: Starts, orbits: Integers) -> Iterator[tuple[Uni
     angle = np.array([name in model.angles for name in model.names])
     angle[[c.index for c in model.separated if c.periodic]] = True
     with np.errstate(all="ignore"):
-        size = np.where(angle[:, None] | (q == 0), 0.0, np.log2(np.abs(q)))
+        size = np.log2(np.abs(q))
+        size = np.where(np.isfinite(size) & ~angle[:, None], size, 0.0)
         action = (size + np.log2(np.abs(p))).max(axis=0)
     action = np.where(np.isfinite(action), action, 0.0)
     kinds, which = np.unique(_rounded(np.vstack([size, action])), axis=1, return_inverse=True)
