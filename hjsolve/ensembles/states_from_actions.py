@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hjsolve import arguments
-from hjsolve.arithmetic.number_types import Reals
 from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.compute import Columns
 from hjsolve.ensembles.initial_conditions import arrays_of, is_dask
@@ -47,16 +47,45 @@ def batch_of_states(
             wanted, or a coordinate that may librate or rotate with the same actions.
         MissingValueError: an action or a parameter without a value.
     """
+    words = {"state"} if want is None else set(arguments.words(want, "want", '["state"]'))
+    if words != {"state"}:
+        raise InvalidInputError('want: from actions "state" is computed; for more give its q and p to a second call')
+    task = task_of_tori(solution, kinds, parameters, fallback=fallback)
+    names = list(task.names)
+    given, shape = arrays_of({"actions": actions, "angles": angles or {}}, names)
+    lazy = any(is_dask(array) for group in given.values() for array in group.values())
+    inputs = [given[group].get(name, np.zeros(())) for group in ("actions", "angles") for name in names]
+    coordinates = tuple(c.name for c in solution.system.coordinates)
+    layout = Layout({"q": coordinates, "p": coordinates}, solution if solution.system.declared_units else None)
+    if lazy:
+        from hjsolve.ensembles.dask_blocks import by_blocks
+
+        return by_blocks(partial(state_columns, task), inputs, layout, shape)
+    columns = state_columns(task, [np.broadcast_to(array, shape).reshape(-1) for array in inputs])
+    return Batch({name: column.reshape(shape) for name, column in columns.items()}, layout, shape)
+
+
+def task_of_tori(
+    solution: Solution, kinds: Mapping[str, str] | None, parameters: Mapping[str, Any] | None, *, fallback: bool = True
+) -> InverseTask:
+    """Write the task of states on tori, without actions and angles yet.
+
+    Args:
+        solution: of the system.
+        kinds: separated coordinate → libration or rotation, of all orbits.
+        parameters: name → number, where it differs from the default.
+        fallback: whether what the engine hands back goes to single motions.
+
+    Raises:
+        InvalidInputError: found coordinates, kinks of V, a coordinate that never comes back, an unknown kind.
+        MissingValueError: a parameter without a value.
+    """
     if solution.chart is not None:
         raise InvalidInputError(
             "actions: not with coordinates that were found; give the system in them, solution.system"
         )
     refuse_kinks(solution.system.kinks, "actions=")
-    words = {"state"} if want is None else set(arguments.words(want, "want", '["state"]'))
-    if words != {"state"}:
-        raise InvalidInputError('want: from actions "state" is computed; for more give its q and p to a second call')
     names = names_of_actions(solution)
-    given, shape = arrays_of({"actions": actions, "angles": angles or {}}, names)
     chosen = dict(arguments.table(kinds or {}, "kinds", '{"theta": "libration"}'))
     for name, kind in chosen.items():
         if name not in solution.coordinates or kind not in _KINDS:
@@ -65,25 +94,21 @@ def batch_of_states(
                 f"{', '.join(_KINDS)} are needed"
             )
     parameter_values(solution.system, dict(parameters or {}))
-    lazy = any(is_dask(array) for group in given.values() for array in group.values())
-    inputs = [given[group].get(name, np.zeros(())) for group in ("actions", "angles") for name in names]
-    coordinates = tuple(c.name for c in solution.system.coordinates)
-    layout = Layout({"q": coordinates, "p": coordinates}, solution if solution.system.declared_units else None)
     none = np.empty((len(names), 0))
-    task = InverseTask(solution, tuple(names), none, none, chosen, dict(parameters or {}), fallback)
-    if lazy:
-        from hjsolve.ensembles.dask_blocks import by_blocks
-
-        return by_blocks(partial(_columns, task), inputs, layout, shape)
-    columns = _columns(task, [np.broadcast_to(array, shape).reshape(-1) for array in inputs])
-    return Batch({name: column.reshape(shape) for name, column in columns.items()}, layout, shape)
+    return InverseTask(solution, tuple(names), none, none, chosen, dict(parameters or {}), fallback)
 
 
-def _columns(task: InverseTask, inputs: list[Reals]) -> Columns:
-    """Return the columns of orbits from their actions and, after these, their angles; each of shape (n,)."""
+def state_columns(task: InverseTask, inputs: Sequence[NDArray[np.generic]]) -> Columns:
+    """Return the columns of orbits.
+
+    Args:
+        task: what is wanted.
+        inputs: actions and, after these, angles, in the order of the task's names; each of shape (n,).
+    """
     half = len(inputs) // 2
     with shared_libraries:
-        found = states_of(replace(task, actions=np.stack(inputs[:half]), angles=np.stack(inputs[half:])))
+        actions, angles = (np.stack(group).astype(float) for group in (inputs[:half], inputs[half:]))
+        found = states_of(replace(task, actions=actions, angles=angles))
     columns: Columns = {STATUS: found.status, RECOMPUTED: found.recomputed}
     columns |= {f"q.{name}": x for name, x in found.q.items()} | {f"p.{name}": x for name, x in found.p.items()}
     columns |= {f"{ERROR}q.{name}": x for name, x in found.q_errors.items()}

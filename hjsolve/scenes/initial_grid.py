@@ -6,13 +6,14 @@
               count = 100}}                         keep = ["source_id"]        # of a .parquet: columns passed on
     p = {theta = ["0.9", "1.1"]}
 
-What a sweep does not vary stands in the scene's initial data.
+What a sweep does not vary stands in the scene's initial data. A sweep over tori has actions, and angles where they are
+not 0, in place of q and p; each of its orbits gives a state.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import sympy as sp
@@ -23,7 +24,10 @@ from hjsolve.catalog.schema import Key, nearest
 from hjsolve.catalog.toml_file import Toml
 from hjsolve.formulas.read import number
 
-GROUPS = ("q", "p", "velocity")
+STATES, TORI = ("q", "p", "velocity"), ("actions", "angles")
+GROUPS = (*STATES, *TORI)
+STATE = "state"
+"""What is wanted of a sweep over tori."""
 SUFFIXES = (".csv", ".npz", ".parquet")
 CHUNK = 16_384
 """Orbits of one part of the output."""
@@ -36,9 +40,10 @@ _RANGE = {
 }  # fmt: skip
 _SWEEP = {
     "chunk": Key("number"), "table": Key("text"), "columns": Key("formulas"), "keep": Key("texts"),
-    "q": Key("table"), "p": Key("table"), "velocity": Key("table"),
+    "kinds": Key("formulas"), **{group: Key("table") for group in GROUPS},
 }  # fmt: skip
 _NOT_WITH = ("events", "times", "orbit")
+_OF_STATES = ("initial", "motion", "velocity_frame")
 
 
 @dataclass(frozen=True)
@@ -46,7 +51,7 @@ class Axis:
     """One initial condition of a grid and the values it takes.
 
     Attributes:
-        group: ``q``, ``p`` or ``velocity``.
+        group: one of ``GROUPS``.
         name: the coordinate.
         listed: exact values; empty where they are spaced from ``start`` to ``stop``, both included.
         spacing: ``even``, or ``log``: equal ratios.
@@ -76,6 +81,7 @@ class Varied:
         table: the file, in place of a grid.
         columns: initial condition, ``q.r``, → its column in the file, where that has another name.
         keep: columns of the file that are written next to the results as they are.
+        kinds: of tori, separated coordinate → libration or rotation, where both have the same actions.
     """
 
     chunk: int
@@ -83,6 +89,12 @@ class Varied:
     table: Path | None
     columns: Mapping[str, str]
     keep: tuple[str, ...] = ()
+    kinds: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def over_tori(self) -> bool:
+        """Whether a grid varies actions."""
+        return any(axis.group in TORI for axis in self.axes)
 
 
 # ------------------------------------------------------------------------------------------------ its shape
@@ -103,9 +115,15 @@ def sweep_faults(given: object, scene: Toml) -> Iterator[str]:
         yield f"sweep.chunk: must be a whole number from 1 to {_MOST}, not {arguments.described(chunk)}"
     varied = [group for group in GROUPS if isinstance(given.get(group), Mapping)]
     if ("table" in given) == bool(varied):
-        yield "sweep: give a grid (q, p or velocity) or a table, one of the two"
+        yield "sweep: give a grid (q, p or velocity; or actions, angles) or a table, one of the two"
     if "p" in varied and "velocity" in varied:
         yield "sweep: give p or velocity, one of the two"
+    if {*varied} & {*STATES} and {*varied} & {*TORI}:
+        yield "sweep: give q and p or velocity, or actions and angles, not both"
+    if {*varied} & {*TORI}:
+        yield from (f"{key}: a sweep over actions has no places; leave it out" for key in _OF_STATES if key in scene)
+    elif "kinds" in given and "table" not in given:
+        yield "sweep.kinds: belongs to actions"
     if "columns" in given and "table" not in given:
         yield "sweep.columns: belongs to a table"
     if "keep" in given and Path(str(given.get("table", ""))).suffix != ".parquet":
@@ -158,7 +176,8 @@ def read_sweep(given: Toml | None, folder: Path) -> Varied | None:
     table = Path(given["table"]) if "table" in given else None
     if table is not None and (folder / table).exists():
         table = folder / table
-    return Varied(given.get("chunk", CHUNK), axes, table, dict(given.get("columns", {})), tuple(given.get("keep", ())))
+    columns, kinds, keep = dict(given.get("columns", {})), dict(given.get("kinds", {})), tuple(given.get("keep", ()))
+    return Varied(given.get("chunk", CHUNK), axes, table, columns, keep, kinds)
 
 
 def _axis(group: str, name: str, values: object) -> Axis:
@@ -202,13 +221,15 @@ def keys(names: Iterable[str]) -> list[str]:
 
 
 def varied_kind(varied: Iterable[str], fixed: Mapping[str, Mapping[str, object] | None]) -> str:
-    """``p`` or ``velocity``: what the sweep varies, else what the initial data give.
+    """``angles`` of tori, else ``p`` or ``velocity``: what the sweep varies, else what the initial data give.
 
     Args:
         varied: keys of the sweep, such as ``p.r``.
         fixed: the scene's initial data: ``q``, ``p``, ``velocity`` → name → number.
     """
     groups = {key.partition(".")[0] for key in varied} - {"q"}
+    if groups & {*TORI}:
+        return "angles"
     return min(groups) if groups else "p" if fixed.get("p") else "velocity"
 
 
@@ -221,6 +242,10 @@ def missing(varied: list[str], names: list[str], fixed: Mapping[str, Mapping[str
         fixed: the scene's initial data: ``q``, ``p``, ``velocity`` → name → number.
     """
     kind = varied_kind(varied, fixed)
+    if kind == "angles":
+        without = [name for name in names if f"actions.{name}" not in varied]
+        yield from (f"sweep.actions.{name}: missing; every coordinate needs one" for name in without)
+        return
     for group in ("q", kind):
         for name in names:
             if f"{group}.{name}" not in varied and name not in (fixed.get(group) or {}):

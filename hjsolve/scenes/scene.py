@@ -25,7 +25,7 @@ from hjsolve.mechanics.system import System
 from hjsolve.motion.velocity_frame import COORDINATE, ORTHONORMAL, factors_of, rates_of
 from hjsolve.motion.wanted import OF_MANY_ORBITS
 from hjsolve.scenes.events import read_event
-from hjsolve.scenes.initial_grid import Varied, disagreements, read_sweep
+from hjsolve.scenes.initial_grid import STATE, Varied, disagreements, read_sweep
 from hjsolve.scenes.question import (
     INTEGRATED_DIGITS,
     MOST_INTEGRATED_DIGITS,
@@ -132,7 +132,9 @@ def _built(table: Toml, source: str, folder: Path) -> Scene:
     system = catalog.from_table(changed, source=origin)
     forced = forces(entry, names, system, source=source)
     integrated = table.get("method") == "integrate"
+    sweep = read_sweep(table.get("sweep"), folder)
     usual = ("constants",) if integrated else ("constants", "periods", "actions")
+    usual = (STATE,) if sweep is not None and sweep.over_tori else usual
     wanted = tuple(dict.fromkeys(table.get("want", usual)))
     result = Scene(
         source=source, title=table.get("title", changed.get("title", "")), summary=table.get("summary", ""),
@@ -142,7 +144,7 @@ def _built(table: Toml, source: str, folder: Path) -> Scene:
         events=tuple(read_event(e, system, f"events[{k}]") for k, e in enumerate(table.get("events", ()), start=1)),
         orbit=_orbit(table), method="integrate" if integrated else "quadratures",
         seconds=_seconds(table.get("accuracy", {}), source),
-        sweep=read_sweep(table.get("sweep"), folder), coordinates=table.get("coordinates", "as given"),
+        sweep=sweep, coordinates=table.get("coordinates", "as given"),
         velocity_frame=table.get("velocity_frame", COORDINATE),
     )  # fmt: skip
     problems = list(_disagreements(result))
@@ -317,9 +319,12 @@ def _found_faults(scene: Scene) -> Iterator[str]:
 
 def _sweep_faults(scene: Scene, sweep: Varied, names: list[str]) -> Iterator[str]:
     yield from disagreements(sweep, names, scene.fixed)
+    known: tuple[str, ...] = (STATE,) if sweep.over_tori else OF_MANY_ORBITS
+    known = (*known, STATE) if sweep.table is not None else known
+    told = " over actions" if sweep.over_tori else ""
     for word in scene.want:
-        if word not in OF_MANY_ORBITS:
-            yield f'want: "{word}" is not for a sweep, which has {", ".join(OF_MANY_ORBITS)}'
+        if word not in known:
+            yield f'want: "{word}" is not for a sweep{told}, which has {", ".join(known)}'
     if scene.digits > _SWEEP_DIGITS:
         yield f"accuracy.digits: a sweep is computed in doubles, {_SWEEP_DIGITS} digits at most, not {scene.digits}"
     if scene.seconds is not None or scene.certified:

@@ -12,7 +12,7 @@ from hjsolve.catalog.toml_file import Toml
 from hjsolve.display.first_lines import MOST
 from hjsolve.errors import CatalogError
 from hjsolve.motion.velocity_frame import COORDINATE, ORTHONORMAL
-from hjsolve.scenes.initial_grid import sweep_faults
+from hjsolve.scenes.initial_grid import STATE, sweep_faults
 
 METHODS = ("quadratures", "integrate")
 COORDINATES = ("as given", "find")
@@ -77,7 +77,8 @@ def scene_faults(table: Toml) -> Iterator[str]:
     if "times" in table:
         yield from _time_faults(table["times"])
     if isinstance(want := table.get("want"), list):
-        others = [word for word in want if isinstance(word, str) and word not in WANTED]
+        known = {*WANTED, *([STATE] if "sweep" in table else [])}
+        others = [word for word in want if isinstance(word, str) and word not in known]
         for count, word in enumerate(others):
             yield f'want: "{word}" is not known{schema.nearest(word, WANTED) if count < MOST else ""}'
     accuracy = table.get("accuracy")

@@ -11,11 +11,10 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from hjsolve.arithmetic.number_types import Columns
-from hjsolve.ensembles.task import EnsembleTask
 from hjsolve.errors import ClusterError, InvalidInputError, MissingExtraError
 from hjsolve.sweeps.handing_out import HandingOut, UnfitWorker
 from hjsolve.sweeps.identity import code
-from hjsolve.sweeps.work import SweepWork, columns_of
+from hjsolve.sweeps.work import SweepTask, SweepWork, columns_of
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -75,7 +74,7 @@ def _wait_for_workers(distributed: ModuleType, client: Client, scheduler: str) -
         raise InvalidInputError(f"scheduler: {scheduler} has no worker; start `dask worker {scheduler}`") from error
 
 
-def remote_part(task: EnsembleTask, expected: Mapping[str, str], starts: Columns) -> Columns | UnfitWorker:
+def remote_part(task: SweepTask, expected: Mapping[str, str], starts: Columns) -> Columns | UnfitWorker:
     """Return the columns of one part, on a worker.
 
     Args:

@@ -12,12 +12,13 @@ from hjsolve.display.shown import Shown
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.layout import wanted
 from hjsolve.ensembles.orbits import task_for
-from hjsolve.errors import MissingExtraError
+from hjsolve.ensembles.states_from_actions import task_of_tori
+from hjsolve.errors import MissingExtraError, required
 from hjsolve.scenes import Scene
 from hjsolve.solution.quadratures import solve
 from hjsolve.sweeps.identity import code, sweep_digest
 from hjsolve.sweeps.points import points_of
-from hjsolve.sweeps.work import SweepWork, columns_of
+from hjsolve.sweeps.work import SweepTask, SweepWork, columns_of
 
 
 @dataclass(frozen=True, repr=False)
@@ -92,8 +93,7 @@ def sweep(
     if verify:
         statuses = verified(Path(out), plan)
         return SweepResult(Path(out), points.count, plan.parts, plan.parts, statuses, _on_failures(statuses))
-    solution, want = solve(scene.system, scene.coordinates), wanted(scene.want)
-    task = task_for(solution, want, dict(scene.parameters), points.kind, frame=scene.velocity_frame)
+    task = _task(scene, points.kind)
     with opened(Path(out), plan) as folder:
         left = folder.left()
         if left:
@@ -110,6 +110,13 @@ def sweep(
         statuses = folder.finish()
         notes = (*folder.notes, *(f"{fault}; it was computed again" for fault in folder.bad), *_on_failures(statuses))
         return SweepResult(folder.path, points.count, plan.parts, plan.parts - len(left), statuses, notes)
+
+
+def _task(scene: Scene, kind: str) -> SweepTask:
+    solution, parameters = solve(scene.system, scene.coordinates), dict(scene.parameters)
+    if kind == "angles":
+        return task_of_tori(solution, required(scene.sweep).kinds, parameters)
+    return task_for(solution, wanted(scene.want), parameters, kind, frame=scene.velocity_frame)
 
 
 def _on_failures(statuses: Mapping[str, int]) -> tuple[str, ...]:

@@ -21,7 +21,7 @@ from hjsolve.formulas.read import number
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.wanted import OF_MANY_ORBITS
 from hjsolve.scenes import Scene
-from hjsolve.scenes.initial_grid import GROUPS, Axis, Varied, keys, missing, varied_kind
+from hjsolve.scenes.initial_grid import GROUPS, STATE, STATES, TORI, Axis, Varied, keys, missing, varied_kind
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -34,7 +34,7 @@ class SweepPoints:
     """Where the orbits of a sweep start.
 
     Attributes:
-        kind: ``p`` or ``velocity``.
+        kind: ``p`` or ``velocity``; ``angles`` of tori.
         count: orbits.
         sizes: of the axes of a grid, the last varies fastest; (count,) for a table.
         varied: initial condition (``q.r``) → (its axis, its values along it).
@@ -53,6 +53,11 @@ class SweepPoints:
     heading: Mapping[str, str] = field(default_factory=dict)
     keep: tuple[str, ...] = ()
 
+    @property
+    def groups(self) -> tuple[str, str]:
+        """The groups of initial conditions: places and momenta, velocities, or actions and angles."""
+        return TORI if self.kind == "angles" else ("q", self.kind)
+
     def kept(self, begin: int, end: int) -> dict[str, pa.ChunkedArray]:
         """Return the columns passed on, of the starts begin ≤ number < end, as they are.
 
@@ -70,6 +75,8 @@ class SweepPoints:
     def window(self, names: list[str], begin: int, end: int) -> dict[str, Reals]:
         """Return the starts begin ≤ number < end: ``q.r`` … in the order of the coordinates, then ``p.r`` ….
 
+        Angles that nothing says are 0.
+
         Args:
             names: of the coordinates.
             begin, end: numbers of the first start and of the one after the last.
@@ -82,14 +89,15 @@ class SweepPoints:
         if self.table is not None:
             columns = self.table.doubles(tuple(dict.fromkeys(self.heading.values())), begin, end)
         result = {}
-        for key in [f"{group}.{name}" for group in ("q", self.kind) for name in names]:
+        for key in [f"{group}.{name}" for group in self.groups for name in names]:
             if key in self.varied:
                 axis, values = self.varied[key]
                 result[key] = values[places[axis]]
             elif key in self.heading:
                 result[key] = columns[self.heading[key]]
             else:
-                result[key] = np.full(end - begin, self.fixed[key])
+                zero = self.fixed.get(key, 0.0) if self.kind == "angles" else self.fixed[key]
+                result[key] = np.full(end - begin, zero, dtype=float)
         return result
 
 
@@ -170,6 +178,12 @@ def _table_faults(
         if name not in found:
             yield f'no column "{name}" for {key}{nearest(name, found)}'
     present = [key for key, name in heading.items() if name in found]
+    groups = {key.partition(".")[0] for key in present}
+    if groups & {*STATES} and groups & {*TORI}:
+        yield "columns of both actions or angles and q, p or velocity; give states or tori"
+    elif (STATE in scene.want) != bool(groups & {*TORI}) and present:
+        told = f'a table of actions gives states: write want = ["{STATE}"]'
+        yield told if groups & {*TORI} else f'want: "{STATE}" is for a sweep over actions'
     if not present:
         yield f"no column is an initial condition; name them {', '.join(heading)}, or say which in sweep.columns"
     if {"p", "velocity"} <= {key.partition(".")[0] for key in present}:

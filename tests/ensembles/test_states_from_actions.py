@@ -239,3 +239,24 @@ def test_bad_input_names_what_is_wrong(arguments, words):
 def test_either_kind_needs_a_word():
     with pytest.raises(hjsolve.InvalidInputError, match="librate or rotate"):
         hjsolve.ensemble("pendulum", actions={"theta": [5.0, 6.0]})
+
+
+@pytest.mark.parametrize("name", ["kepler-planar", "pendulum", "isochrone", "stark"])
+@pytest.mark.parametrize("angle", [0.0, 1e-30])
+def test_the_states_at_the_lower_turning_points_need_no_single_motions(name, angle):
+    # angles left out are 0: not one Kepler orbit was ok without single motions
+    solution = entries.solved(name)
+    rng, names = np.random.default_rng(4), [c.name for c in solution.system.coordinates]
+    J = {key: 10 ** rng.uniform(-3, -0.5, 20) for key in names}
+    batch = hjsolve.ensemble(solution, actions=J, angles=dict.fromkeys(names, angle), fallback=False)
+    assert (batch.status == "ok").all()
+    if name == "pendulum":
+        assert (abs(batch.q["theta"]) < np.pi).all()  # not the same place some turns away
+    for i in (0, 1):
+        motion = solution.motion(actions={k: float(v[i]) for k, v in J.items()}, digits=30)
+        state = motion.at(0)
+        for group in ("q", "p"):
+            for key in names:
+                value, claim = (float(x[key][i]) for x in (getattr(batch, group), batch.error[group]))
+                allowed = claim + 1e-16 * J[key][i] * (group == "p")  # of J itself, read as a decimal
+                assert abs(mp.mpf(value) - mp.mpf(getattr(state, group)[key])) <= allowed, (group, key)

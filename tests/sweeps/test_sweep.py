@@ -216,7 +216,7 @@ FAULTS = {
     "unknown spacing": ("count = 4", 'count = 4, spacing = "logarithmic"', "sweep.q.r.spacing"),
     "log from below zero": ('start = "0.9"', 'spacing = "log", start = "-1"', "log spacing needs a positive start"),
     "p and velocity": ("[sweep.p]", "[sweep.velocity]\nr = 0\n[sweep.p]", "give p or velocity"),
-    "grid and table": ("chunk = 2", 'table = "a.csv"', "give a grid (q, p or velocity) or a table"),
+    "grid and table": ("chunk = 2", 'table = "a.csv"', "actions, angles) or a table"),
     "columns without table": ("chunk = 2", 'columns = {"q.r" = "r"}', "sweep.columns: belongs to a table"),
     "times too": ("want =", "times = [1]\nwant =", "times: not in a scene with a sweep"),
     "trajectory": ('"actions"', '"trajectory"', 'want: "trajectory" is not for a sweep'),

@@ -223,6 +223,12 @@ def _written(
     rounding = 8 * EPS * np.abs(states.q)  # of q itself; a narrow motion may be hardly wider
     wide = np.where(frames.widths > 0, frames.widths, 1.0)
     fine = states.good & (states.q_errors - rounding <= _TOLERANCE * wide).all(axis=0)
+    for k, coordinate in enumerate(model.separated):
+        if coordinate.periodic:
+            middle = states.q[k] if rotating[k].all() else tori.q[k]
+            turns = np.rint(middle / (2 * np.pi))
+            states.q[k] -= 2 * np.pi * turns
+            states.q_errors[k] += 4 * EPS * np.abs(2 * np.pi * turns)
     _put(task, found, angle_task, (index[fine], fine), states)
 
 

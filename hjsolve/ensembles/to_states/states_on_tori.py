@@ -29,6 +29,8 @@ _ALIKE = 1e-8
 """Difference of angles by rough and by other integrals, radians, up to which the rough ones do for quotients."""
 _QUOTIENT_STEPS = 2
 """Steps of Newton's method for turning points that moved by as much."""
+_LEAST_ANGLE = 2.0**-53
+"""Radians of θ of a libration, by which the lower turning point is missed."""
 _SAFETY = 2.0
 """By which difference quotients are enlarged."""
 
@@ -67,7 +69,9 @@ def states_at(
     θ = wrapped(angles[0] * frames.directions)
     # θ of a rotation is 0 opposite to the slow place, of a libration at the lower turning point
     φ = np.where(frames.rotating, tori.q * frames.directions, θ)
-    (φ, found, at), vague = phases_of(task, tori, frames, θ, φ)
+    # p² has no digits left at a turning point itself: the state a little later, which the residual counts
+    later = np.where(~frames.rotating & (np.abs(θ) < _LEAST_ANGLE), np.copysign(_LEAST_ANGLE, θ), θ)
+    (φ, found, at), vague = phases_of(task, tori, frames, later, φ)
     residual = np.abs(wrapped(θ - found.separated))
     with np.errstate(all="ignore"):
         back = inverses(matrix_of(found, at))
