@@ -144,8 +144,8 @@ def starts_in_units(starts: Starts, units: UnitsOfOrbits) -> Starts:
     """
     starts = starts.precise()
     places, momenta = (-np.array(e)[:, None] for e in (units.places, units.momenta))
-    rows = {name: np.ldexp(getattr(starts, name), momenta) for name in ("p", "uncertainty", "low", "spread")}
-    return replace(starts, q=np.ldexp(starts.q, places), velocity=None, rule=None, **rows)
+    rows = (np.ldexp(row, momenta) for row in (starts.p, starts.uncertainty, starts.low, starts.spread))
+    return Starts(np.ldexp(starts.q, places), *rows)
 
 
 def columns_in_old_units(columns: Columns, made: ModelInUnits, units: UnitsOfOrbits) -> Columns:
