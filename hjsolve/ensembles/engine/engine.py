@@ -55,7 +55,7 @@ class Engine:
         Returns:
             Columns of shape (n,).
         """
-        return self.run_starts(given_momenta(self._rows(q), self._rows(p)), escapes=True)
+        return self.run_starts(given_momenta(self._rows(q), self._rows(p)))
 
     def run_velocities(self, q: Mapping[str, Any], velocity: Mapping[str, Any], rule: MomentumRule) -> Columns:
         """Compute what is wanted for many orbits, from places and velocities; the rounding of momenta is counted.
@@ -67,20 +67,20 @@ class Engine:
         Returns:
             Columns of shape (n,).
         """
-        return self.run_starts(from_velocities(rule, self._rows(q), self._rows(velocity)), escapes=True)
+        return self.run_starts(from_velocities(rule, self._rows(q), self._rows(velocity)))
 
     def _rows(self, given: Mapping[str, Any]) -> Any:
         return np.stack([np.asarray(given[name], dtype=float) for name in self.model.names])
 
-    def run_starts(self, starts: Starts, *, escapes: bool = False) -> Columns:
+    def run_starts(self, starts: Starts) -> Columns:
         """Compute what is wanted.
 
         A first pass knows p² in doubles, and small motions by slopes; where only its claims are too large, a second one
-        knows p² to 32 digits. What is then not decided is seen by a p² that keeps its digits next to poles that cancel.
+        knows p² to 32 digits. What is then not decided is seen by a p² that keeps its digits next to poles that cancel,
+        and in units of its own. That orbits without an end run away is proved last.
 
         Args:
             starts: of n orbits.
-            escapes: whether to prove that orbits run away, from places that are exact.
 
         Returns:
             Columns of shape (n,); the status is ``UNBOUNDED`` where that is proved, ``ENDLESS`` where it is not.
@@ -99,12 +99,11 @@ class Engine:
             solved = some.status == Status.OK
             put(columns, left[solved], some.take(solved))
         self._run_in_their_own_units(columns, starts)
-        if escapes:
-            programs = system_programs(self.model, kernels=bool(TIMED & self.want))
-            for index in _chunks(everything[columns.status == ENDLESS]):
-                part = run_escapes(self.model, programs, dict(self.names), starts.take(index))
-                proved = part.status == Status.UNBOUNDED
-                put(columns, index[proved], part.take(proved))
+        programs = system_programs(self.model, kernels=bool(TIMED & self.want))
+        for index in _chunks(everything[columns.status == ENDLESS]):
+            part = run_escapes(self.model, programs, dict(self.names), starts.take(index))
+            proved = part.status == Status.UNBOUNDED
+            put(columns, index[proved], part.take(proved))
         return columns
 
     def _run_in_their_own_units(self, columns: Columns, starts: Starts) -> None:
