@@ -9,7 +9,6 @@ doubles do not know it well.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -19,15 +18,17 @@ from hjsolve.arithmetic.floats import EPS, UNIT
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place
+from hjsolve.ensembles.engine.hidden_barriers import before_barriers
 from hjsolve.ensembles.engine.kernels import types
-from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
+from hjsolve.ensembles.engine.kernels.crowding import WARPS
 from hjsolve.ensembles.engine.kernels.cycle_integrals import integrals
 from hjsolve.ensembles.engine.kernels.outward_search import Lanes, SearchSide, smallness, turning_points
 from hjsolve.ensembles.engine.kernels.small_motions import small_ends
 from hjsolve.ensembles.engine.kernels.types import Modes, Motions, Sums, no_sums
+from hjsolve.ensembles.engine.libration_ends import LibrationEnds
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
-from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMaps, fitting, node_maps, views
-from hjsolve.ensembles.engine.nodes_about_crests import crests
+from hjsolve.ensembles.engine.node_maps import COUNTS, node_maps
+from hjsolve.ensembles.engine.nodes_about_crests import crests, singular_pairs
 from hjsolve.ensembles.engine.programs import ExactPrograms, ViewPrograms, sides
 from hjsolve.ensembles.engine.programs_of_small_motions import SmallPrograms, has_slopes
 from hjsolve.ensembles.engine.proof_of_resolution import ResolutionProof, least_at_a_glance
@@ -37,10 +38,6 @@ _SEARCHING = 72
 
 _SEEN_FROM_START = 1e-13
 """Error of p² at the start over its size above which a motion is seen from its start."""
-
-_NEAR = 3.0
-_STRETCHED = 16.0
-"""(1 + ρ_d)(1 + ρ_c) from which on nodes are stretched; below, crowded ones do as well."""
 
 _NEWTON = 4
 _STANDING = 2.0**-60
@@ -156,18 +153,25 @@ def _walk(one: CoordinateOfOrbits, upper: int) -> SearchSide:
 def _over_crests(
     one: CoordinateOfOrbits, motions: Motions, placed: Motions, known: tuple[Sums, Modes, _Halves]
 ) -> Integers:
-    """Integrate motions that pass slowly over a crest, where other nodes were not enough; return which these are."""
+    """Integrate motions that pass slowly over a crest or by a pair of singularities, where other nodes were not enough.
+
+    Return which pass over a crest.
+    """
     sums, modes, programs = known
-    left = np.flatnonzero(~sums.good & (motions.width > 0))
-    if not len(left):
-        return left
-    found = crests(one.take(left), placed.lower[left], placed.width[left])
-    some = left[found.orbits]
-    if len(some):
+    over = np.empty(0, dtype=np.int64)
+    for finder in (crests, singular_pairs):
+        left = np.flatnonzero(~sums.good & (motions.width > 0))
+        if not len(left):
+            break
+        found = finder(one.take(left), placed.lower[left], placed.width[left])
+        some = left[found.orbits]
+        if not len(some):
+            continue
         first, none = node_maps().index(found.maps), np.zeros(len(some), dtype=np.int64)
         own, where = (_taken(x, some)._replace(first=first, share=none, crest=found.places) for x in (motions, placed))
         sums.put(some, _resolved(one.take(some), own, where, modes, programs))
-    return some
+        over = some if finder is crests else over
+    return over
 
 
 def _wide(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, Motions, Integers]:
@@ -176,6 +180,26 @@ def _wide(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, Motions, Integer
     Also return which pass slowly over a crest.
     """
     motions, ends = _between(one)
+    sums, slow = _by_any_nodes(one, motions, ends, modes)
+    left = np.flatnonzero(~sums.good & (motions.width > 0))
+    offered = np.stack([motions.lower[left], motions.upper[left]])
+    hidden, places = before_barriers(one.take(left), offered)
+    hidden = left[hidden]
+    if len(hidden):
+        own = one.take(hidden)
+        nearer, their_ends = _motions(own, places)
+        part, _ = _by_any_nodes(own, nearer, their_ends, modes)
+        good = np.flatnonzero(part.good)
+        sums.put(hidden[good], part.take(good))
+        motions.lower[hidden], motions.upper[hidden] = places
+        slow = np.setdiff1d(slow, hidden[good])
+    return sums, motions, slow
+
+
+def _by_any_nodes(
+    one: CoordinateOfOrbits, motions: Motions, ends: LibrationEnds, modes: Modes
+) -> tuple[Sums, Integers]:
+    """Integrate motions between turning points with all maps of nodes in turn; return which pass over a crest, too."""
     below, above = one.programs.views
     sums = _resolved(one, motions, motions, modes, (below, above))
     again = np.flatnonzero(~sums.good & (motions.width > 0) & ~ends.even)
@@ -183,20 +207,33 @@ def _wide(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, Motions, Integer
         first, share = ends.take(again).maps(motions.width[again], alike=True)
         part = _taken(motions, again)._replace(first=first, share=share)
         sums.put(again, _resolved(one, part, part, modes, (below, above)))
-    slow = _over_crests(one, motions, motions, (sums, modes, (below, above)))
-    return sums, motions, slow
+    return sums, _over_crests(one, motions, motions, (sums, modes, (below, above)))
 
 
 def _between(one: CoordinateOfOrbits) -> tuple[Motions, LibrationEnds]:
     """Return the motions between their turning points, in doubles."""
     n = len(one.q)
-    places, bends, distances = np.empty((2, n)), np.empty((2, 2, n)), []
+    places, bends = np.empty((2, n)), np.empty((2, 2, n))
     lanes = Lanes(np.zeros((5, _SEARCHING), dtype=np.int64), np.empty((4, _SEARCHING)), np.empty((3, n)))
     for upper, view in enumerate(one.programs.views):
         walk = _walk(one, upper)
         bend, slopes = (code.program(_SEARCHING, one.parameters) for code in (view.bend, view.slopes))
         turning_points(bend, slopes, walk, places[upper], bends[upper], lanes)
-        distances.append(walk.side * (places[upper] - walk.start))
+    return _placed_between(one, places, bends)
+
+
+def _motions(one: CoordinateOfOrbits, places: Reals) -> tuple[Motions, LibrationEnds]:
+    """Return the motions between turning points that are known, shape (2, n)."""
+    bends = np.empty((2, *places.shape))
+    for k, view in enumerate(one.programs.views):
+        bends[k] = run_rows(view.bend, one.parameters, np.stack([places[k], *one.constants]))[1:]
+    bends[:, 1] *= 0.5
+    return _placed_between(one, places, bends)
+
+
+def _placed_between(one: CoordinateOfOrbits, places: Reals, bends: Reals) -> tuple[Motions, LibrationEnds]:
+    n, walks = len(one.q), [_walk(one, upper) for upper in (0, 1)]
+    distances = [walk.side * (x - walk.start) for walk, x in zip(walks, places, strict=True)]
     below, above = sides(one.coordinate)
     width = distances[0] + distances[1]
     even = one.coordinate.even & (np.abs(distances[0] - distances[1] - 2 * one.q) <= 1e-13 * width)
@@ -271,7 +308,7 @@ def _exactly(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, list[Reals], 
         base, slope, step = _refined(one, k, x, C)
         s, e = two_sum(one.q, -formula.origin.high)
         here = Pair(formula.sign * s, formula.sign * (e - formula.origin.low))
-        with np.errstate(invalid="ignore"):
+        with np.errstate(all="ignore"):
             scale = np.fmin(placed.width, np.abs(slope / bends[k, 1]))
             known = (np.abs(step) <= _STANDING * scale) & (slope * bends[k, 0] > 0)
             distances.append(np.where(known, np.abs(DoubleDouble().sub(here, base).high), np.nan))
@@ -420,51 +457,7 @@ def _at_rest(one: CoordinateOfOrbits, first: Reals) -> Sums:
     return sums
 
 
-# ------------------------------------------------------------------------------------------------- how they are placed
-class LibrationEnds(NamedTuple):
-    """Turning points of n motions.
-
-    Attributes:
-        known: the maps of this process.
-        bends: F′ and ½F″ of the lower and of the upper one, shape (2, 2, n).
-        signs: how offsets grow away from them, shape (2,).
-        even: True where the motion is even about its middle.
-    """
-
-    known: NodeMaps
-    bends: Reals
-    signs: Reals
-    even: Mask
-
-    def take(self, index: Integers) -> LibrationEnds:
-        """Return those of some motions.
-
-        Args:
-            index: which.
-        """
-        return self._replace(bends=self.bends[..., index], even=self.even[index])
-
-    def maps(self, width: Reals, *, alike: bool = False) -> tuple[Integers, Integers]:
-        """Return the maps of the motions, and how much is seen from below; ``alike``.
-
-        Both ends as if like the worse one.
-        """
-        found = []
-        with np.errstate(all="ignore"):
-            for (first, bend), sign in zip(self.bends, self.signs, strict=True):
-                # W·|S′/S| at an end is W over the distance of the zero or pole next to it: 1 + ρ_d and 1 + ρ_c
-                ρ = np.abs(width * bend / (sign * first) + 1)
-                found.append(1 + np.where(np.isfinite(ρ) & (ρ > _NEAR), ρ, 0.0))
-            lower, upper = (np.maximum(*found),) * 2 if alike else found
-            stretched = np.where(self.even, np.maximum(lower, upper) ** 2, lower * upper) >= _STRETCHED
-            index = np.where(self.even, EVEN, 0)
-            some = np.flatnonzero(stretched)
-            if len(some):
-                index[some] = self.known.index(fitting(lower[some], upper[some], self.even[some]))
-            share = np.where(~self.even, views(self.bends[0, 0], self.bends[1, 0], (lower, upper)), 0)
-        return index, share
-
-
+# ------------------------------------------------------------------------------------------------- some of them
 def _taken(motions: Motions, index: Integers) -> Motions:
     arrays = {name: getattr(motions, name)[index] for name in motions._fields if name not in {"signs", "homes"}}
     return Motions(**arrays, signs=motions.signs, homes=np.ascontiguousarray(motions.homes[:, index]))

@@ -8,6 +8,9 @@ X = sin²(θ/2) with θ = ±π/2 ± iδ/sin φ_c. There
 
 moves nodes together as ``rotation_anomalies`` does about the slow place of a rotation: the pair of zeros is as far from
 the real χ as the poles of am where k′ is half its distance (DLMF 22.2.2, 22.16.1).
+
+The same nodes serve where a pair of singularities of the potential itself lies next to the motion, as √(1 + q²) has
+them for wide motions: where the clearance of p² (``clearance``) is least, and how wide it is, say where.
 """
 
 from __future__ import annotations
@@ -28,12 +31,14 @@ _GRID = np.sin(np.pi * (np.arange(_POINTS) + 0.5) / (2 * _POINTS)) ** 2
 _NEWTON_STEPS = 8
 _FARTHEST_STEP = 0.1
 """Newton's steps for the place of a crest, and the longest one, over the width of the motion."""
+_THIRDS = 24
+"""Steps in which a bracket of the least clearance loses a third each."""
 _WIDE = 1.0
 """Distance δ/sin φ_c of the zeros above which no crest is seen."""
 
 
 class Crests(NamedTuple):
-    """Motions that pass over a crest.
+    """Motions that pass over a crest, or by a pair of singularities.
 
     Attributes:
         orbits: which they are, shape (n,).
@@ -74,7 +79,41 @@ def crests(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> Crests:
         gap = np.sqrt(2 * squares(some, place(formula, x)) / bend)
         low = sign * (x - lower[orbit]) / W
         gap = gap / (2 * W * low * (1 - low))
-    fine &= (low > 0) & (low < 1) & (gap < _WIDE) & (gap > 0)
+    return _narrowest(orbit, low, np.where(fine, gap, np.inf))
+
+
+def singular_pairs(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> Crests:
+    """Find where motions pass nearest by singularities of p².
+
+    Args:
+        one: the coordinate of n orbits.
+        lower: the lower turning points, offsets in the view of the lower half.
+        width: b − a.
+    """
+    formula, n = sides(one.coordinate)[0], len(width)
+    radius, sign = formula.clearance.radius, formula.sign
+
+    def clear(shares: Reals) -> Reals:
+        """Return the clearance at some shares of each motion, over its width."""
+        return radius(lower[:, None] + sign * width[:, None] * shares) / width[:, None]
+
+    if formula.clearance.table() is None:
+        return _narrowest(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0))
+    with np.errstate(all="ignore"):
+        nearest = np.argmin(clear(np.broadcast_to(_GRID, (n, _POINTS)))[:, 1:-1], axis=1) + 1
+        low, high = _GRID[nearest - 1], _GRID[nearest + 1]
+        for _ in range(_THIRDS):
+            shares = np.stack([low + (high - low) / 3, high - (high - low) / 3], axis=1)
+            first, second = clear(shares).T
+            low, high = np.where(first > second, shares[:, 0], low), np.where(first > second, high, shares[:, 1])
+        middle = 0.5 * (low + high)
+        gap = clear(middle[:, None])[:, 0] / (2 * middle * (1 - middle))
+    return _narrowest(np.arange(n), middle, gap)
+
+
+def _narrowest(orbit: Integers, low: Reals, gap: Reals) -> Crests:
+    """Return for each orbit the pair with the least distance ``gap``, (q_c − a)/W being ``low``."""
+    fine = (low > 0) & (low < 1) & (gap < _WIDE) & (gap > 0)
     slowest = np.flatnonzero(fine)[np.argsort(gap[fine], kind="stable")]
     orbits, first = np.unique(orbit[slowest], return_index=True)
     chosen = slowest[first]

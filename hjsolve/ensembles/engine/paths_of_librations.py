@@ -14,7 +14,7 @@ from hjsolve.ensembles.engine.contour_integrals import circle, steps, strip
 from hjsolve.ensembles.engine.coordinate_of_orbits import offset
 from hjsolve.ensembles.engine.kernels.path_integrals import Paths, PathTable
 from hjsolve.ensembles.engine.kernels.types import Motions
-from hjsolve.ensembles.engine.librating import LibrationEnds
+from hjsolve.ensembles.engine.libration_ends import LibrationEnds
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Separated
 from hjsolve.ensembles.engine.node_maps import COUNTS, node_maps
 from hjsolve.ensembles.engine.programs import SystemPrograms, sides

@@ -1,0 +1,55 @@
+"""Turning points before barriers that the search outward stepped over.
+
+The search (``kernels.outward_search``) goes by F, F′ and F″ at its last trial, which know nothing of a bump further on.
+Nodes on a bump see F < 0 and refuse the motion. Then F is looked at between the start and what the search found, and
+the first change of sign is the turning point. What is narrower than these trials stays refused.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hjsolve.arithmetic.machine.over_rows import run_rows
+from hjsolve.arithmetic.machine.writer import MachineCode
+from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset
+from hjsolve.ensembles.engine.programs import sides
+
+_TRIALS = np.linspace(0.0, 1.0, 65)
+"""Where a barrier is looked for between the start and a turning point, as shares of the distance."""
+_HALVINGS = 60
+"""Of a bracket of a turning point, until it is two neighbouring doubles."""
+
+
+def before_barriers(one: CoordinateOfOrbits, places: Reals) -> tuple[Integers, Reals]:
+    """Find turning points nearer than those found, where p² < 0 between.
+
+    Args:
+        one: the coordinate of n orbits.
+        places: the turning points found, offsets in the views of the lower and of the upper half, shape (2, n).
+
+    Returns:
+        Which of the orbits have nearer ones, and both turning points of these.
+    """
+    places, moved = places.copy(), np.zeros(len(one.q), dtype=bool)
+    everything = np.arange(len(one.q))
+    for upper, view in enumerate(one.programs.views if len(one.q) else ()):
+        start = offset(sides(one.coordinate)[upper], one.q)
+        trials = start[:, None] + (places[upper] - start)[:, None] * _TRIALS
+        with np.errstate(all="ignore"):
+            seen = _squares(one, view.slopes, trials.ravel(), np.repeat(everything, len(_TRIALS)))
+            negative = seen.reshape(trials.shape)[:, 1:-1] < 0
+            behind = np.flatnonzero(negative.any(axis=1))
+            first = np.argmax(negative[behind], axis=1) + 1
+            inner, outer = trials[behind, first - 1], trials[behind, first]
+            for _ in range(_HALVINGS):
+                middle = 0.5 * (inner + outer)
+                beyond = _squares(one, view.slopes, middle, behind) < 0
+                inner, outer = np.where(beyond, inner, middle), np.where(beyond, middle, outer)
+        places[upper, behind], moved[behind] = inner, True
+    return np.flatnonzero(moved), places[:, moved]
+
+
+def _squares(one: CoordinateOfOrbits, code: MachineCode, x: Reals, orbits: Integers) -> Reals:
+    """Return F at offsets of some of the orbits."""
+    return run_rows(code, one.parameters, np.stack([x, *one.constants[:, orbits]]))[0]
