@@ -112,5 +112,6 @@ def test_a_task_of_states_can_be_sent_to_other_processes() -> None:
 
     batch = hjsolve.ensemble("kepler-planar", actions={"r": da.from_array([0.1, 0.2], chunks=1), "theta": 1})
     again = pickle.loads(pickle.dumps(batch.q["r"]))
-    r = hjsolve.ensemble("kepler-planar", actions={"r": [0.1, 0.2], "theta": 1}).q["r"]
-    assert again.compute(scheduler="synchronous").tolist() == r.tolist()
+    whole = hjsolve.ensemble("kepler-planar", actions={"r": [0.1, 0.2], "theta": 1})
+    claims = whole.error["q"]["r"]  # of states the last bits depend on the rest of the batch
+    assert (abs(again.compute(scheduler="synchronous") - whole.q["r"]) <= 2 * claims).all()

@@ -94,7 +94,9 @@ def test_narrow_features_are_seen_by_ensembles(name: str) -> None:
 
 
 def test_the_engine_itself_hands_back_what_it_cannot_prove() -> None:
-    assert _orbits(NARROW["dip 1e-5"][0], fallback=False).status.item() == "not_converged"
+    # nodes crowd about one narrow dip, not about two
+    two = "x**2/2 - exp(-10**10*x**2) - exp(-10**10*(x - 1/2)**2)"
+    assert _orbits(two, fallback=False).status.item() == "not_converged"
 
 
 def test_without_the_proof_the_false_number_is_back(monkeypatch: pytest.MonkeyPatch) -> None:

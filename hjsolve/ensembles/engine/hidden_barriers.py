@@ -17,7 +17,7 @@ from hjsolve.ensembles.engine.programs import sides
 
 _TRIALS = np.linspace(0.0, 1.0, 65)
 """Where a barrier is looked for between the start and a turning point, as shares of the distance."""
-_HALVINGS = 60
+_BRACKET_HALVINGS = 60
 """Of a bracket of a turning point, until it is two neighbouring doubles."""
 
 
@@ -42,7 +42,7 @@ def before_barriers(one: CoordinateOfOrbits, places: Reals) -> tuple[Integers, R
             behind = np.flatnonzero(negative.any(axis=1))
             first = np.argmax(negative[behind], axis=1) + 1
             inner, outer = trials[behind, first - 1], trials[behind, first]
-            for _ in range(_HALVINGS):
+            for _ in range(_BRACKET_HALVINGS):
                 middle = 0.5 * (inner + outer)
                 beyond = _squares(one, view.slopes, middle, behind) < 0
                 inner, outer = np.where(beyond, inner, middle), np.where(beyond, middle, outer)
