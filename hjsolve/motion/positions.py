@@ -275,10 +275,12 @@ def gauge_angle(motion: SeparatedMotion, constant: sp.Symbol, q: Mapping[str, Nu
         q: coordinate → array of shape (m,).
     """
     formula = sp.diff(motion.solution.shift_potential, constant)
-    if formula == 0:
+    # of q only what the formula has: a place that is not worked out yet may wait for this very angle
+    seen = [c.name for c in motion.solution.system.coordinates if formula.has(c.symbol)]
+    if not seen:
         return 0
     begin: Elementwise = to_bits(formula.subs(motion.initial.values))(bits_for(motion.digits, 64))
-    values = evaluate_along(motion, (formula,), q, {})[0]
+    values = evaluate_along(motion, (formula,), {name: q[name] for name in seen}, {})[0]
     return values - (float(begin) if values.dtype != object else begin)
 
 

@@ -51,6 +51,9 @@ class OnDemand(Mapping[str, T]):
             self._known[name] = self._compute(name)
         return self._known[name]
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._names  # that of Mapping works the value out
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._names)
 
