@@ -205,11 +205,12 @@ class _Quantities:
 
     def _momentum(self, name: str) -> Numbers:
         shell = {name: self.times.values(self.table, 1)} if name == self.separated else {}
-        return canonical_momenta(self.motion, self.q, shell, [name])[name]
+        return self._until_the_end(canonical_momenta(self.motion, self.q, shell, [name])[name])
 
     def _velocity(self, name: str) -> Numbers:
         motion, sharp = self.motion, self.sharp
         value = evaluate_along(motion, (velocities(motion.solution.system)[name],), self.q, self.p)[0]
+        value = self._until_the_end(value)
         if sharp is None or not sharp.any():
             return value
         near = self.table.places(motion, self.arguments[0][sharp])
