@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.error_free import split
-from hjsolve.arithmetic.floats import UNIT, Float64, Multi, bits_for, multiprecision
+from hjsolve.arithmetic.floats import UNIT, Float64, Multi, bits_for, context_of, multiprecision
 from hjsolve.arithmetic.number_types import Counts, Elementwise, Mpf, Numbers, Reals
 from hjsolve.arithmetic.running_error import RunningError
 from hjsolve.arithmetic.running_error import WithErrorBound as Rounded
@@ -167,10 +167,11 @@ def evaluate_along(
     fixed = {s: v for s, v in motion.initial.values.items() if s not in variables}
     tape = tape_of(tuple(formulas), tuple(variables) + tuple(fixed))
     if arrays[0].dtype == object:
-        some: Elementwise = arrays[0].flat[0]
-        bits = some.context.prec
-        constants = [to_bits(v)(bits) for v in fixed.values()]
-        rows = [tape.run(Multi(bits), [*row, *constants]) for row in zip(*arrays, strict=True)]
+        known = next((c for x in arrays[0].flat if (c := context_of(x)) is not None), None)
+        if known is None:  # nan in doubles: the motion has ended
+            return [np.full(arrays[0].shape, np.nan, dtype=object) for _ in formulas]
+        constants = [to_bits(v)(known.prec) for v in fixed.values()]
+        rows = [tape.run(Multi(known.prec), [*row, *constants]) for row in zip(*arrays, strict=True)]
         return [np.array(column, dtype=object) for column in zip(*rows, strict=True)]
     numbers = [float(to_bits(v)(64)) for v in fixed.values()]
     with np.errstate(all="ignore"):

@@ -301,5 +301,6 @@ def velocity_errors(
         parts = slopes[row * len(variables) : (row + 1) * len(variables)]
         result[name] = sum(np.abs(np.asarray(s, dtype=float)) * e for s, (_, e) in zip(parts, variables, strict=True))
         size = np.abs(np.asarray(values[row], dtype=float))
-        result[name] = result[name] + 2 * unit * np.maximum(4 * size, own[row] / EPS)
+        with np.errstate(over="ignore"):  # next to a pole of the velocities
+            result[name] = result[name] + 2 * unit * np.maximum(4 * size, own[row] / EPS)
     return result

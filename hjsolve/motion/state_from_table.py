@@ -171,7 +171,12 @@ class _Quantities:
         """Where velocities come from distances to the turning points; None where these are not held."""
         return None if self.table.ends is None else badly_rounded(self.motion, self.q, self.p)
 
-    def _until_the_end(self, values: Numbers) -> Numbers:
+    def until_the_end(self, values: Numbers) -> Numbers:
+        """Return numbers with nan at times after the end of the motion.
+
+        Args:
+            values: of shape (m,).
+        """
         return np.where(self.arguments[2], np.nan, values) if self.ends else values
 
     def _position(self, name: str) -> Numbers:
@@ -179,7 +184,7 @@ class _Quantities:
             value, cycle = self.times.values(self.table, 0), self.motion.located[name].course.cycle
             if cycle is not None and cycle.rotates:
                 value = value + cycle.length_of_turns(self.arguments[1], value)
-            return self._until_the_end(value)
+            return self.until_the_end(value)
         return self.places[name][0]
 
     def _place(self, name: str) -> tuple[Numbers, Counts]:
@@ -197,7 +202,7 @@ class _Quantities:
             rate = 0 if motion.torus is None else mean_rate(motion.torus, constant_index(motion, name))
             initial = to_bits(motion.initial.values[coordinate.symbol])
             value, count = grown(initial, rate, self.times.elapsed, None, name in self.angles, wave + gauge)
-        value = self._until_the_end(value)
+        value = self.until_the_end(value)
         if name not in self.angles:
             return value, count
         value, more = principal_values(value)
@@ -205,12 +210,12 @@ class _Quantities:
 
     def _momentum(self, name: str) -> Numbers:
         shell = {name: self.times.values(self.table, 1)} if name == self.separated else {}
-        return self._until_the_end(canonical_momenta(self.motion, self.q, shell, [name])[name])
+        return self.until_the_end(canonical_momenta(self.motion, self.q, shell, [name])[name])
 
     def _velocity(self, name: str) -> Numbers:
         motion, sharp = self.motion, self.sharp
         value = evaluate_along(motion, (velocities(motion.solution.system)[name],), self.q, self.p)[0]
-        value = self._until_the_end(value)
+        value = self.until_the_end(value)
         if sharp is None or not sharp.any():
             return value
         near = self.table.places(motion, self.arguments[0][sharp])
@@ -225,7 +230,9 @@ def _state(found: _Quantities, t: object, shape: tuple[int, ...] | None) -> Stat
         groups = table_errors(
             found.motion, found.table, found.arguments[0], found.q, found.p, found.velocity, found.sharp
         )  # fmt: skip
-        return Errors(*({n: shaped(values, shape) for n, values in group.items()} for group in groups))
+        return Errors(
+            *({n: shaped(found.until_the_end(values), shape) for n, values in group.items()} for group in groups)
+        )
 
     turns = OnDemand(found.angles, lambda name: shaped(whole_numbers(found.places[name][1]), shape))
     if found.ends:

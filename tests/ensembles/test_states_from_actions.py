@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import sympy as sp
 from mpmath import mp
 
 import hjsolve
@@ -260,3 +261,26 @@ def test_the_states_at_the_lower_turning_points_need_no_single_motions(name, ang
                 value, claim = (float(x[key][i]) for x in (getattr(batch, group), batch.error[group]))
                 allowed = claim + 1e-16 * J[key][i] * (group == "p")  # of J itself, read as a decimal
                 assert abs(mp.mpf(value) - mp.mpf(getattr(state, group)[key])) <= allowed, (group, key)
+
+
+@pytest.mark.parametrize("V", ["-1/sqrt(1 + r**2)", "log(1 + r**2)/2"])
+def test_tori_in_the_core_of_a_potential_are_found_in_a_batch(V):
+    # J = 1e-9: E - V(0) is 1e-9 as well; not one of 40 orbits was ok without single motions
+    system = hjsolve.System({"r": "0 < r", "theta": "angle"}, "(dot(r)**2 + r**2*dot(theta)**2)/2", V)
+    rng, n = np.random.default_rng(2), 12
+    J = {key: 10.0 ** rng.uniform(-14, -4, n) for key in ("r", "theta")}
+    θ = {key: rng.uniform(-3, 3, n) for key in J}
+    batch = hjsolve.ensemble(system, actions=J, angles=θ, fallback=False)
+    assert (batch.status == "ok").all()
+    again = hjsolve.ensemble(system, q=batch.q, p=batch.p, want={"actions", "angles"}, fallback=False)
+    assert np.allclose(again.actions["r"], J["r"], rtol=1e-11, atol=0)
+    assert np.allclose(again.angles["r"], θ["r"], rtol=0, atol=1e-9)
+    small = np.argmax(J["r"] + J["theta"])  # single motions search down to 1e-10
+    motion = hjsolve.solve(system).motion(
+        actions={k: sp.Rational(float(v[small])) for k, v in J.items()},
+        angles={k: sp.Rational(float(v[small])) for k, v in θ.items()}, digits=30,
+    )  # fmt: skip
+    state = motion.at(0)
+    for group, key in (("q", "r"), ("p", "r"), ("q", "theta")):
+        value, claim = (float(x[key][small]) for x in (getattr(batch, group), batch.error[group]))
+        assert abs(mp.mpf(value) - mp.mpf(getattr(state, group)[key])) <= claim, (group, key)

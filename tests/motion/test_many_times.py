@@ -11,6 +11,10 @@ FEW, MANY = 5_000, 70_001
 """Both are read from the table; only the second takes more than one block."""
 
 
+def len_of(times):
+    return str(np.size(times))
+
+
 def ellipse():
     kepler = hjsolve.solve(hjsolve.catalog.load("kepler-planar"))
     return kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": 1.2}, t0="1/3"), 300.0
@@ -82,3 +86,17 @@ def test_states_at_many_times_are_those_at_one_over_the_catalog(name):
                     2 * np.pi if group == "q" and motion.solution.system.coordinate(key).domain.kind == "angle" else 0
                 )
                 assert min(off, abs(off - turn)) <= claim + 1e-15 * turn, (group, key)
+
+
+@pytest.mark.parametrize("digits", [15, 30])
+@pytest.mark.parametrize("times", [100, [1, 100], [100, 200], np.linspace(90, 200, 3000)], ids=len_of)
+def test_after_the_end_of_a_motion_all_is_nan_with_its_error(digits, times):
+    # with 30 digits the errors of a velocity ended in an AttributeError of a float
+    if digits > 15 and np.size(times) > 2:
+        times = times[::300]
+    solution = hjsolve.solve(hjsolve.System({"x": "0 < x"}, "dot(x)**2/2", "x"))
+    state = solution.motion(q={"x": 1}, velocity={"x": 1}, digits=digits).at(times)
+    for group in ("q", "p", "velocity"):
+        for numbers in (getattr(state, group), getattr(state.error, group)):
+            assert np.isnan(float(np.ravel(numbers["x"])[-1])), group
+    assert np.ravel(state.status)[-1] == "reaches_boundary"

@@ -25,7 +25,7 @@ from hjsolve.ensembles.engine.status import UNDECIDED, Status
 _FEWEST_BITS = 4
 """Numbers within 2^4 of 1 stay as they are."""
 
-_LARGE_BITS = 64
+LARGE_BITS = 64
 """Beyond 2^64 units of their own keep orbits in the range of doubles; small ones keep differences apart."""
 
 _SMALLEST = 2.0**-960
@@ -66,14 +66,18 @@ def groups(model: Model, starts: Starts, orbits: Integers) -> Iterator[tuple[Uni
         size = np.where(np.isfinite(size) & ~angle[:, None], size, 0.0)
         action = (size + np.log2(np.abs(p))).max(axis=0)
     action = np.where(np.isfinite(action), action, 0.0)
-    kinds, which = np.unique(_rounded(np.vstack([size, action])), axis=1, return_inverse=True)
-    for k in np.flatnonzero((kinds[:-1] < 0).any(axis=0) | (np.abs(kinds) > _LARGE_BITS).any(axis=0)):
+    kinds, which = np.unique(rounded_exponents(np.vstack([size, action])), axis=1, return_inverse=True)
+    for k in np.flatnonzero((kinds[:-1] < 0).any(axis=0) | (np.abs(kinds) > LARGE_BITS).any(axis=0)):
         *places, unit = (int(e) for e in kinds[:, k])
         yield UnitsOfOrbits(tuple(places), unit), orbits[which.ravel() == k]
 
 
-def _rounded(exponents: Reals) -> Integers:
-    """Round exponents to an eighth of themselves, so that few groups hold all orbits, and 2^e is known to 2^(e/8)."""
+def rounded_exponents(exponents: Reals) -> Integers:
+    """Round exponents to an eighth of themselves, so that few groups hold all orbits, and 2^e is known to 2^(e/8).
+
+    Args:
+        exponents: logarithms to the base 2, any shape.
+    """
     size = np.abs(exponents)
     step = 2.0 ** np.maximum(np.floor(np.log2(np.maximum(size, 1.0))) - 2, 0)
     return np.where(size < _FEWEST_BITS, 0, step * np.rint(exponents / step)).astype(np.int64)

@@ -7,15 +7,18 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+import sympy as sp
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.lowered_solution import lowered_model, next_to_poles
+from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model, next_to_poles
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
+from hjsolve.ensembles.engine.units_of_orbits import LARGE_BITS, model_in_units, rounded_exponents
+from hjsolve.ensembles.to_states.lengths_of_tori import units_of_tori
 from hjsolve.ensembles.to_states.newton_on_actions import ROUNDS, SOON, Goals, Solved, constants_of_tori, newton_step
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, frames_of
-from hjsolve.ensembles.to_states.seeds import Seeds, nearest, seeds_of
+from hjsolve.ensembles.to_states.seeds import Scales, Seeds, nearest, seeds_of
 from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
 from hjsolve.ensembles.to_states.tori import FINER, Actions, Tori
 from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
@@ -29,6 +32,8 @@ _AGAIN = 3
 """How often orbits that are left over start again from the nearest that are solved."""
 _NEAR = 0.3
 """The relative change of an action up to which constants are extrapolated."""
+_NEAR_UNIT = 2.0**8
+"""How far from a length of its own, by what factor, a coordinate is looked for."""
 _TOLERANCE = 1e-6
 """Largest claimed error of q, over the width of its motion, with which a state is kept."""
 
@@ -78,23 +83,59 @@ def states_of(task: InverseTask) -> FoundStates:
     Raises:
         InvalidInputError: a coordinate may librate or rotate with the same actions, and ``kinds`` does not say which.
     """
-    n = task.actions.shape[1]
-    coordinates = [c.name for c in task.solution.system.coordinates]
-    q, p, dq, dp = ({name: np.full(n, np.nan) for name in coordinates} for _ in range(4))
-    found = FoundStates(q, p, dq, dp, np.full(n, Status.NOT_CONVERGED, dtype=np.int8), np.zeros(n, dtype=bool))
+    found = _none(task)
     finite = np.isfinite(task.actions).all(axis=0) & np.isfinite(task.angles).all(axis=0)
     found.status[~finite] = Status.NOT_FINITE
     near = next_to_poles(task.solution)
     for one in (task, *([] if near is None else [replace(task, solution=near)])):
         left = np.flatnonzero(finite & (found.status != Status.OK))
-        ready = _ready(one, np.flatnonzero(finite)) if len(left) else None
-        if ready is not None:
+        known = _lowered(one) if len(left) else None
+        if known is not None:
+            ready = _ready(one, known[0], _scales(one, known[1]), np.flatnonzero(finite))
             for begin in range(0, len(left), _CHUNK):
                 _chunk(one, ready, found, left[begin : begin + _CHUNK])
+    _in_their_own_units(task, found, np.flatnonzero(finite & (found.status != Status.OK)))
     if task.fallback:
         for k in np.flatnonzero(finite & (found.status != Status.OK)):
             _one(task, found, int(k))
     return found
+
+
+def _none(task: InverseTask) -> FoundStates:
+    n = task.actions.shape[1]
+    coordinates = [c.name for c in task.solution.system.coordinates]
+    q, p, dq, dp = ({name: np.full(n, np.nan) for name in coordinates} for _ in range(4))
+    return FoundStates(q, p, dq, dp, np.full(n, Status.NOT_CONVERGED, dtype=np.int8), np.zeros(n, dtype=bool))
+
+
+def _in_their_own_units(task: InverseTask, found: FoundStates, left: Integers) -> None:
+    """Find tori whose actions are far from 1 in units in which they are not (``engine.units_of_orbits``)."""
+    known = _lowered(task) if len(left) else None
+    if known is None:
+        return
+    model, scales = known[0], _scales(task, known[1])
+    with np.errstate(divide="ignore"):
+        sizes = np.log2(np.abs(task.actions[:, left]).max(axis=0))
+    kinds = rounded_exponents(np.where(np.isfinite(sizes), sizes, 0.0))
+    for action in np.unique(kinds[(kinds < 0) | (kinds > LARGE_BITS)]):
+        index = left[kinds == action]
+        units = units_of_tori(task.solution, model, int(action))
+        actions, angles = np.ldexp(task.actions[:, index], -units.action), task.angles[:, index]
+        one = replace(task, actions=actions, angles=angles)
+        part, everything = _none(one), np.arange(len(index))
+        lengths = [units.places[c.index] for c in model.separated]
+        near = [_near_one(scale) if e else scale for scale, e in zip(scales, lengths, strict=True)]
+        ready = _ready(one, model_in_units(model, units).model, near, everything)
+        for begin in range(0, len(index), _CHUNK):
+            _chunk(one, ready, part, everything[begin : begin + _CHUNK])
+        solved = np.flatnonzero(part.status == Status.OK)
+        for name, place, momentum in zip(model.names, units.places, units.momenta, strict=True):
+            for old, new, e in (
+                (found.q, part.q, place), (found.q_errors, part.q_errors, place),
+                (found.p, part.p, momentum), (found.p_errors, part.p_errors, momentum),
+            ):  # fmt: skip
+                old[name][index[solved]] = np.ldexp(new[name][solved], e)
+        found.status[index[solved]] = Status.OK
 
 
 class _Ready(NamedTuple):
@@ -106,17 +147,31 @@ class _Ready(NamedTuple):
     others: list[int]
 
 
-def _ready(task: InverseTask, finite: Integers) -> _Ready | None:
-    """Prepare the engine; None for systems that it leaves to single motions."""
+def _lowered(task: InverseTask) -> tuple[Model, Mapping[sp.Symbol, sp.Expr]] | None:
+    """Return the lowered solution with the parameters; None for systems that are left to single motions."""
     values = parameter_values(task.solution.system, task.parameters)
     model = lowered_model(task.solution, values)
     if not model.separated or any(c.shifted for c in model.separated) or task.solution.system.kinks:
         return None
+    return model, values
+
+
+def _scales(task: InverseTask, values: Mapping[sp.Symbol, sp.Expr]) -> list[Scales]:
+    return [Scales(curve.samples(), bool(curve.turn)) for curve in curves_of(task.solution, values, {})]
+
+
+def _near_one(scales: Scales) -> Scales:
+    sizes = np.abs(scales.places)
+    return Scales(scales.places[(sizes > 1 / _NEAR_UNIT) & (sizes < _NEAR_UNIT)], scales.turns)
+
+
+def _ready(task: InverseTask, model: Model, scales: list[Scales], finite: Integers) -> _Ready:
+    """Prepare the engine."""
     rows = {name: k for k, name in enumerate(task.names)}
     own, others = [rows[c.name] for c in model.separated], [rows[name] for name in model.angles]
     programs = system_programs(model, kernels=True)
     wanted = task.actions[:, finite]
-    seeds = seeds_of(model, programs, curves_of(task.solution, values, {}), (wanted[own], wanted[others]))
+    seeds = seeds_of(model, programs, scales, (wanted[own], wanted[others]))
     return _Ready(AngleTask(model, programs), seeds, own, others)
 
 

@@ -19,7 +19,6 @@ from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import SystemPrograms
 from hjsolve.ensembles.engine.starts import Starts, given_momenta
 from hjsolve.ensembles.to_states.tori import ALONE, Actions, Tori
-from hjsolve.motion.tori.radicand_curve import RadicandCurve
 
 _SEEDS = 1500
 """How many states are tried."""
@@ -31,6 +30,13 @@ _EQUILIBRIUM = -700.0
 """Logarithm that stands for that of no action at all."""
 _TOGETHER = 1 << 22
 """Pairs of orbits and seeds that are compared together."""
+
+
+class Scales(NamedTuple):
+    """Where states of one coordinate are drawn: places in ascending order, and whether it may go round."""
+
+    places: Reals
+    turns: bool
 
 
 class Seeds(NamedTuple):
@@ -55,18 +61,16 @@ class Seeds(NamedTuple):
         return Seeds(self.tori.take(index), self.shells.take(index), self.actions[:, index])
 
 
-def seeds_of(
-    model: Model, programs: SystemPrograms, curves: Sequence[RadicandCurve], wanted: tuple[Reals, Reals]
-) -> Seeds:
+def seeds_of(model: Model, programs: SystemPrograms, scales: Sequence[Scales], wanted: tuple[Reals, Reals]) -> Seeds:
     """Make the seeds of an ensemble.
 
     Args:
         model: the lowered solution.
         programs: of the system.
-        curves: p² of the separated coordinates, for the scales of their domains.
+        scales: of the separated coordinates.
         wanted: actions of the separated coordinates and of the ignorable angles; shapes (separated, n), (angles, n).
     """
-    start = initial_constants(model, programs, _drawn(model, curves, wanted))
+    start = initial_constants(model, programs, _drawn(model, scales, wanted))
     seeds = len(start.q), start.q.shape[1]
     sums, places, turned = [], start.q.copy(), np.zeros(seeds, dtype=bool)
     for k in range(len(model.separated)):
@@ -86,20 +90,19 @@ def seeds_of(
     return Seeds(Tori(start.values, start.low, places), shells, signed).take(np.flatnonzero(good))
 
 
-def _drawn(model: Model, curves: Sequence[RadicandCurve], wanted: tuple[Reals, Reals]) -> Starts:
+def _drawn(model: Model, scales: Sequence[Scales], wanted: tuple[Reals, Reals]) -> Starts:
     """Draw states."""
     random = np.random.default_rng(0)
     q, p = np.zeros((len(model.names), _SEEDS)), np.zeros((len(model.names), _SEEDS))
     drawn = random.integers(wanted[0].shape[1], size=_SEEDS)
-    for k, (coordinate, curve) in enumerate(zip(model.separated, curves, strict=True)):
-        grid = curve.samples()
+    for k, (coordinate, (grid, turns)) in enumerate(zip(model.separated, scales, strict=True)):
         third = len(grid) // 3
         central = random.random(_SEEDS) < _CENTRAL
         index = np.where(
             central, random.integers(third, len(grid) - third, _SEEDS), random.integers(len(grid), size=_SEEDS)
         )
         q[coordinate.index] = grid[index]
-        if curve.turn:
+        if turns:
             moving = random.random(_SEEDS) < 0.5
             p[coordinate.index] = np.where(moving, wanted[0][k, drawn], 0.0)
     for k, name in enumerate(model.angles):

@@ -111,7 +111,8 @@ class RadicandCurve:
         """Return places that show the domain at all scales, ascending."""
         if self.turn:
             return np.linspace(-self.turn, self.turn, 193)
-        scales = np.unique(2.0 ** np.concatenate([np.linspace(-50, 60, 111), np.linspace(-6, 6, 97)]))
+        far = np.arange(-320.0, 321.0, 4.0)
+        scales = np.unique(2.0 ** np.concatenate([np.linspace(-50, 60, 111), np.linspace(-6, 6, 97), far]))
         if np.isfinite(self.lower) and np.isfinite(self.upper):
             near = 1 / (1 + 2.0 ** np.linspace(-16, 16, 65))
             return self.lower + (self.upper - self.lower) * np.unique(
