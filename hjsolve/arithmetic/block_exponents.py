@@ -20,6 +20,9 @@ from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.tape import Operation, Tape
 
+_LIKE_X = frozenset({"tan", "asin", "atan", "sinh", "tanh", "asinh", "atanh", "sin"})
+"""Odd functions whose slope at zero is 1."""
+
 NOTHING = -(1 << 24)
 """Exponent of zero: smaller than that of any number, and still so after roots and products."""
 
@@ -202,6 +205,8 @@ class InUnits:
             turned = name == "neg" or x.base < 0
             return Value(-x.base, self._function("neg", x.part)) if turned else x
         small = x.base != 0 or 2 * x.part.exponent <= -_SMALL_BITS
+        if name in _LIKE_X and x.base == 0 and small:
+            return Value(x.base, self._of_small(name, x.part))
         rule = _DIFFERENCES.get(name) if small and (x.base or name not in {"sqrt", "log"}) else None
         if rule is None:
             return Value(_BASES.convert(0), self._function(name, self.whole(x)))

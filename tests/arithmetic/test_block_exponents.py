@@ -52,7 +52,7 @@ def test_numbers_that_doubles_do_not_hold_are_of_order_one_in_their_own_units() 
 SMALL = [
     1 / (1 + sp.sqrt(1 + x**2)), sp.exp(-(x**2)), sp.log(1 + x**2), sp.cos(x), sp.cosh(x), (2 + x) ** 3, sp.sin(1 + x),
     sp.cos(2 + x), sp.sinh(1 + x), sp.sqrt(3 + x) ** -3, sp.log(sp.cos(x)), x / (2 - x), sp.exp(1 + x) / (5 + x**2),
-    sp.sin(x) - x, sp.sqrt(sp.exp(x) + 3) + sp.pi, abs(x - 2),
+    sp.sin(x) - x, sp.tan(x), sp.atan(x) * y, sp.tanh(x), sp.asinh(x) + sp.atanh(x), sp.sqrt(sp.exp(x) + 3) + sp.pi, abs(x - 2),
 ]  # fmt: skip
 
 
