@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from hjsolve.closed_form.closed_forms import closed_forms as closed_forms
     from hjsolve.closed_form.forms import RegimeForms as RegimeForms
     from hjsolve.closed_form.regime import Regime as Regime
-    from hjsolve.coordinates import NormalModes as NormalModes
-    from hjsolve.coordinates import SeparableCoordinates as SeparableCoordinates
-    from hjsolve.coordinates import Web as Web
-    from hjsolve.coordinates import find_coordinates as find_coordinates
-    from hjsolve.coordinates import normal_modes as normal_modes
+    from hjsolve.coordinates.find import find_coordinates as find_coordinates
     from hjsolve.coordinates.least_action import jacobi_metric as jacobi_metric
+    from hjsolve.coordinates.results import SeparableCoordinates as SeparableCoordinates
+    from hjsolve.coordinates.results import Web as Web
+    from hjsolve.coordinates.small_oscillations import NormalModes as NormalModes
+    from hjsolve.coordinates.small_oscillations import normal_modes as normal_modes
     from hjsolve.coordinates.typed_change import change_coordinates as change_coordinates
     from hjsolve.costs import Cost as Cost
     from hjsolve.costs import cost as cost
@@ -102,8 +102,10 @@ if TYPE_CHECKING:
 
 _PUBLIC = {
     "mechanics.system": "Coordinate Domain Parameter System parameter",
-    "coordinates": "SeparableCoordinates NormalModes Web find_coordinates normal_modes",
+    "coordinates.find": "find_coordinates",
     "coordinates.least_action": "jacobi_metric",
+    "coordinates.results": "SeparableCoordinates Web",
+    "coordinates.small_oscillations": "NormalModes normal_modes",
     "coordinates.typed_change": "change_coordinates",
     "closed_form.closed_forms": "closed_forms",
     "closed_form.forms": "RegimeForms",

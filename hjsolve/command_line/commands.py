@@ -24,7 +24,7 @@ from hjsolve.command_line.time_allowed import within
 from hjsolve.errors import InternalError, InvalidInputError, MissingExtraError, NotSeparableError, required
 
 if TYPE_CHECKING:
-    from hjsolve.coordinates import NormalModes
+    from hjsolve.coordinates.small_oscillations import NormalModes
     from hjsolve.costs.subject import Subject
     from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
     from hjsolve.mechanics.system import System
@@ -190,7 +190,7 @@ def coordinates_command(options: Namespace) -> int:
     if modes is not None and len(system.coordinates) not in {2, 3}:
         _print(system, [webs.modes_section(modes)], webs.modes_answer(modes))
         return ANSWER
-    from hjsolve.coordinates import find_coordinates
+    from hjsolve.coordinates.find import find_coordinates
 
     found = find_coordinates(system)
     oscillations = webs.modes_section(modes) if modes else None
@@ -203,7 +203,7 @@ def coordinates_command(options: Namespace) -> int:
 
 def _modes(system: System) -> NormalModes | None:
     """Return the normal modes of a system whose T and V are quadratic forms; None of any other."""
-    from hjsolve.coordinates import normal_modes
+    from hjsolve.coordinates.small_oscillations import normal_modes
     from hjsolve.errors import InvalidSystemError
 
     try:

@@ -4,9 +4,3 @@ In: a ``System`` in Cartesian coordinates, or on a sphere. Out: every orthogonal
 of small motion. Read ``find.py`` first, then ``killing`` (which webs), ``webs`` (their parameters), ``charts`` (their
 coordinates); ``curved`` has the sphere.
 """
-
-from hjsolve.coordinates.find import find_coordinates
-from hjsolve.coordinates.results import ParameterValues, SeparableCoordinates, Web
-from hjsolve.coordinates.small_oscillations import Mode, NormalModes, normal_modes
-
-__all__ = ["Mode", "NormalModes", "ParameterValues", "SeparableCoordinates", "Web", "find_coordinates", "normal_modes"]

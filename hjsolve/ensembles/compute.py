@@ -13,7 +13,6 @@ import numpy as np
 
 from hjsolve.ensembles.charted import run_charted
 from hjsolve.ensembles.engine.status import ENDLESS, Status
-from hjsolve.ensembles.fallback import single_orbit
 from hjsolve.ensembles.layout import ERROR, RECOMPUTED, STATUS, Layout
 from hjsolve.ensembles.task import EnsembleTask, TaskContext, tools_of
 from hjsolve.motion.velocity_frame import COORDINATE
@@ -185,6 +184,8 @@ def _one(
     endless: bool,
 ) -> None:
     """Compute one orbit by the engine of single motions into its row."""
+    from hjsolve.ensembles.fallback import single_orbit  # single motions cost a tenth of a second to load
+
     status, row = single_orbit(tools.solution, tools.layout, start, dict(task.parameters), endless=endless)
     columns[STATUS][place], columns[RECOMPUTED][place] = status, True
     for column, value in row.items():

@@ -18,7 +18,6 @@ from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.compute import Columns, compute_columns
 from hjsolve.ensembles.initial_conditions import InitialConditions, conditions
 from hjsolve.ensembles.layout import Layout, layout_of
-from hjsolve.ensembles.states_from_actions import batch_of_states
 from hjsolve.ensembles.task import EnsembleTask
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.quantities_given import in_units
@@ -103,6 +102,8 @@ def ensemble(
     places = {"q": q is not None, "p": p is not None, "velocity": velocity is not None}
     if actions is not None:
         arguments.refuse_unused(places, "actions={…} and angles={…} give the orbits")
+        from hjsolve.ensembles.states_from_actions import batch_of_states
+
         return batch_of_states(
             solution, actions=actions, angles=angles, kinds=kinds, want=want, parameters=parameters, fallback=fallback
         )

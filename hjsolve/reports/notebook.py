@@ -10,7 +10,8 @@ import sympy as sp
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.measured import Measured
 from hjsolve.catalog.entry import Entry
-from hjsolve.coordinates import NormalModes, SeparableCoordinates
+from hjsolve.coordinates.results import SeparableCoordinates
+from hjsolve.coordinates.small_oscillations import NormalModes
 from hjsolve.costs.table import Cost
 from hjsolve.display.shown import brief, fields_of
 from hjsolve.energy_momentum.energy_momentum_map import EnergyMomentumMap

@@ -23,7 +23,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.algebra.addition_theorems import rejoined
-from hjsolve.coordinates.chart import Chart, find_chart
+from hjsolve.coordinates.chart import Chart
 from hjsolve.display.shown import ShownSolution
 from hjsolve.errors import InvalidInputError, NotSeparableError
 from hjsolve.mechanics.energy_shell import time_name
@@ -440,6 +440,8 @@ def _remembered(system: System, find: bool, budget: float) -> Solution:
     verdict = separate(system, budget=budget)
     if isinstance(verdict, Separation) or not find:
         return _solved(verdict)
+    from hjsolve.coordinates.simplest_chart import find_chart  # a search costs a tenth of a second to load
+
     chart = find_chart(system, verdict, budget=budget)
     return replace(_solved(chart.separation), chart=chart)
 

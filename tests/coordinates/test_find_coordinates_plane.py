@@ -6,11 +6,11 @@ import pytest
 import sympy as sp
 
 from hjsolve import InvalidSystemError, NotSeparableError, Obstruction, Separation, System, find_coordinates
-from hjsolve.coordinates.chart import find_chart
 from hjsolve.coordinates.charts.transform import web_of
 from hjsolve.coordinates.find import cartesian_form
 from hjsolve.coordinates.killing.killing_tensors import concircular_basis, kernel, killing_basis, killing_tensor
 from hjsolve.coordinates.results import Geometry
+from hjsolve.coordinates.simplest_chart import find_chart
 from hjsolve.coordinates.webs.concircular_families import family
 from hjsolve.coordinates.webs.orthonormal_frames import Sign
 from hjsolve.coordinates.webs.plane import plane_webs

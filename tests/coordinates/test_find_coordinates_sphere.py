@@ -8,7 +8,7 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 
 import hjsolve
-from hjsolve.coordinates import find_coordinates
+from hjsolve.coordinates.find import find_coordinates
 from hjsolve.errors import InvalidSystemError
 
 X, Y, Z = "(sin(theta)*cos(phi))", "(sin(theta)*sin(phi))", "cos(theta)"

@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 
 from hjsolve import InvalidSystemError, Separation, System, normal_modes
-from hjsolve.coordinates import NormalModes
+from hjsolve.coordinates.small_oscillations import NormalModes
 from hjsolve.mechanics.system import mass_matrix
 
 LINES2 = {"a": "line", "b": "line"}

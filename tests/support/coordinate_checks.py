@@ -9,7 +9,7 @@ import mpmath
 import sympy as sp
 
 from hjsolve import System
-from hjsolve.coordinates import Web
+from hjsolve.coordinates.results import Web
 
 PLANE = {"x": "line", "y": "line"}
 SPACE = {"x": "line", "y": "line", "z": "line"}

@@ -6,8 +6,8 @@ import shlex
 
 import sympy as sp
 
-from hjsolve.coordinates import NormalModes, SeparableCoordinates, Web
-from hjsolve.coordinates.results import ParameterValues, Vector
+from hjsolve.coordinates.results import ParameterValues, SeparableCoordinates, Vector, Web
+from hjsolve.coordinates.small_oscillations import NormalModes
 from hjsolve.mechanics.system import System
 from hjsolve.reports.document import Block, Inline, Mathematics, Note, Paragraph, Section, Strong, Table, Text
 from hjsolve.reports.formulas.from_sympy import box

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.coordinates import find_coordinates
+from hjsolve.coordinates.find import find_coordinates
 from hjsolve.errors import HJSolveError
 from hjsolve.mechanics.system import System
 from hjsolve.motion.initial_data import read_phase_point
