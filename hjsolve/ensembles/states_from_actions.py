@@ -16,6 +16,7 @@ from hjsolve.ensembles.compute import Columns
 from hjsolve.ensembles.initial_conditions import arrays_of, is_dask
 from hjsolve.ensembles.layout import ERROR, RECOMPUTED, STATUS, Layout
 from hjsolve.ensembles.to_states.from_actions import InverseTask, states_of
+from hjsolve.ensembles.to_states.in_users_coordinates import carried_back
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.motion.initial_data import parameter_values
@@ -34,8 +35,8 @@ def batch_of_states(
 
     Args:
         solution: of the system.
-        actions: every coordinate that has one → array of J, any shape; arrays broadcast. Dask arrays make the result
-            lazy, one task a block.
+        actions: every coordinate that has one (of the separated ones where they were found) → array of J, any shape;
+            arrays broadcast. Dask arrays make the result lazy, one task a block.
         angles: the same names → θ in radians; 0 where left out.
         kinds: separated coordinate → libration or rotation, of all orbits.
         want: ``"state"`` or None.
@@ -43,8 +44,8 @@ def batch_of_states(
         fallback: whether what the engine hands back goes to single motions.
 
     Raises:
-        InvalidInputError: an unknown name, arrays of no real numbers, found coordinates, something else
-            wanted, or a coordinate that may librate or rotate with the same actions.
+        InvalidInputError: an unknown name, arrays of no real numbers, something else wanted, or a coordinate that may
+            librate or rotate with the same actions.
         MissingValueError: an action or a parameter without a value.
     """
     words = {"state"} if want is None else set(arguments.words(want, "want", '["state"]'))
@@ -55,8 +56,9 @@ def batch_of_states(
     given, shape = arrays_of({"actions": actions, "angles": angles or {}}, names)
     lazy = any(is_dask(array) for group in given.values() for array in group.values())
     inputs = [given[group].get(name, np.zeros(())) for group in ("actions", "angles") for name in names]
-    coordinates = tuple(c.name for c in solution.system.coordinates)
-    layout = Layout({"q": coordinates, "p": coordinates}, solution if solution.system.declared_units else None)
+    own = solution.system_as_given
+    coordinates = tuple(c.name for c in own.coordinates)
+    layout = Layout({"q": coordinates, "p": coordinates}, solution if own.declared_units else None)
     if lazy:
         from hjsolve.ensembles.dask_blocks import by_blocks
 
@@ -77,13 +79,9 @@ def task_of_tori(
         fallback: whether what the engine hands back goes to single motions.
 
     Raises:
-        InvalidInputError: found coordinates, kinks of V, a coordinate that never comes back, an unknown kind.
+        InvalidInputError: kinks of V, a coordinate that never comes back, an unknown kind.
         MissingValueError: a parameter without a value.
     """
-    if solution.chart is not None:
-        raise InvalidInputError(
-            "actions: not with coordinates that were found; give the system in them, solution.system"
-        )
     refuse_kinks(solution.system.kinks, "actions=")
     names = names_of_actions(solution)
     chosen = dict(arguments.table(kinds or {}, "kinds", '{"theta": "libration"}'))
@@ -95,7 +93,10 @@ def task_of_tori(
             )
     parameter_values(solution.system, dict(parameters or {}))
     none = np.empty((len(names), 0))
-    return InverseTask(solution, tuple(names), none, none, chosen, dict(parameters or {}), fallback)
+    separated = replace(solution, chart=None)
+    return InverseTask(
+        separated, tuple(names), none, none, chosen, dict(parameters or {}), fallback, solution.chart
+    )  # fmt: skip
 
 
 def state_columns(task: InverseTask, inputs: Sequence[NDArray[np.generic]]) -> Columns:
@@ -109,6 +110,8 @@ def state_columns(task: InverseTask, inputs: Sequence[NDArray[np.generic]]) -> C
     with shared_libraries:
         actions, angles = (np.stack(group).astype(float) for group in (inputs[:half], inputs[half:]))
         found = states_of(replace(task, actions=actions, angles=angles))
+        if task.chart is not None:
+            found = carried_back(task, task.chart, found)
     columns: Columns = {STATUS: found.status, RECOMPUTED: found.recomputed}
     columns |= {f"q.{name}": x for name, x in found.q.items()} | {f"p.{name}": x for name, x in found.p.items()}
     columns |= {f"{ERROR}q.{name}": x for name, x in found.q_errors.items()}

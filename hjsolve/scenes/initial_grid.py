@@ -122,6 +122,8 @@ def sweep_faults(given: object, scene: Toml) -> Iterator[str]:
         yield "sweep: give q and p or velocity, or actions and angles, not both"
     if {*varied} & {*TORI}:
         yield from (f"{key}: a sweep over actions has no places; leave it out" for key in _OF_STATES if key in scene)
+        if "coordinates" in scene:
+            yield "coordinates: a sweep over actions is in coordinates that separate as they are given; leave it out"
     elif "kinds" in given and "table" not in given:
         yield "sweep.kinds: belongs to actions"
     if "columns" in given and "table" not in given:

@@ -284,3 +284,25 @@ def test_tori_in_the_core_of_a_potential_are_found_in_a_batch(V):
     for group, key in (("q", "r"), ("p", "r"), ("q", "theta")):
         value, claim = (float(x[key][small]) for x in (getattr(batch, group), batch.error[group]))
         assert abs(mp.mpf(value) - mp.mpf(getattr(state, group)[key])) <= claim, (group, key)
+
+
+@pytest.mark.parametrize(
+    "V", ["-1/sqrt(x**2 + y**2 + z**2)", "log(1 + x**2 + y**2 + z**2)/2", "(x**2 + y**2 + z**2)/2 + x*y/3"]
+)
+def test_states_on_tori_in_coordinates_that_were_found(V):
+    system = hjsolve.System(dict.fromkeys("xyz", "line"), "(dot(x)**2 + dot(y)**2 + dot(z)**2)/2", V)
+    solution = hjsolve.solve(system, "find")
+    names, rng = [c.name for c in solution.system.coordinates], np.random.default_rng(1)
+    J, θ = ({k: rng.uniform(low, high, 20) for k in names} for low, high in ((0.05, 0.5), (-3, 3)))
+    batch = hjsolve.ensemble(system, coordinates="find", actions=J, angles=θ, fallback=False)
+    assert (batch.status == "ok").all()
+    assert set(batch.q) == set("xyz")
+    again = hjsolve.ensemble(system, coordinates="find", q=batch.q, p=batch.p, want={"actions"}, fallback=False)
+    for name in names:
+        assert np.allclose(again.actions[name], J[name], rtol=1e-13, atol=0)
+    exact = [{k: sp.Rational(float(x[0])) for k, x in group.items()} for group in (J, θ)]
+    state = solution.motion(actions=exact[0], angles=exact[1], digits=30).at(0)
+    for group in ("q", "p"):
+        for name in "xyz":
+            value, claim = (float(x[name][0]) for x in (getattr(batch, group), batch.error[group]))
+            assert abs(mp.mpf(value) - mp.mpf(getattr(state, group)[name])) <= claim < 1e-9, (group, name)

@@ -11,6 +11,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.coordinates.chart import Chart
 from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model, next_to_poles
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
@@ -51,6 +52,7 @@ class InverseTask:
         kinds: separated coordinate → libration or rotation, where it is told.
         parameters: name → number.
         fallback: whether what is left over goes to single motions.
+        chart: from the separated coordinates, in which all of this is, to the user's; None where they are his.
     """
 
     solution: Solution
@@ -60,6 +62,7 @@ class InverseTask:
     kinds: Mapping[str, str]
     parameters: Mapping[str, Any]
     fallback: bool
+    chart: Chart | None = None
 
 
 @dataclass(frozen=True)
