@@ -1,31 +1,26 @@
 """Ensembles as differentiable functions of JAX (extra ``jax``).
 
-    J(q, p), Ω(q, p),     dJ = (∂J/∂α)(∂α/∂q dq + ∂α/∂p dp),     dΩ alike
+    J(q, p), Ω(q, p),     dJ = ∂J/∂q dq + ∂J/∂p dp,     dΩ alike
 
-α are the constants of the motion: ∂J/∂α and ∂Ω/∂α are the exact ones of ``ensemble_derivatives``, ∂α/∂q and ∂α/∂p come
-from the formulas of α. Both are computed outside of JAX (``jax.pure_callback``), with a rule for JVPs; what is linear
-in the tangents is transposed by JAX itself, so that VJPs, ``grad`` and ``jacobian`` follow.
+The slopes are the exact ones of ``ensemble_derivatives`` by initial data. All is computed outside of JAX
+(``jax.pure_callback``), with a rule for JVPs; what is linear in the tangents is transposed by JAX itself, so that VJPs,
+``grad`` and ``jacobian`` follow.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import sympy as sp
 
 from hjsolve import arguments
-from hjsolve.arithmetic.floats import Float64
-from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.orbit_derivatives import ensemble_derivatives
 from hjsolve.ensembles.orbits import ensemble as batch_of
 from hjsolve.errors import InvalidInputError, MissingExtraError
-from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.solution.quadratures import Solution, solve
@@ -83,14 +78,14 @@ def ensemble(
     quantities = tuple(name for name in _QUANTITIES if name in asked)
     solution = system if isinstance(system, Solution) else solve(system)
     given = {} if parameters is None else dict(arguments.table(parameters, "parameters"))
-    values = parameter_values(solution.system, given)
+    parameter_values(solution.system, given)  # refuses unknown names and missing values
     names = tuple(c.name for c in solution.system.coordinates)
     ask: dict[str, Any] = {"parameters": given, "threads": threads}
     first = batch_of(
         solution, dict.fromkeys(names, np.zeros(0)), dict.fromkeys(names, np.zeros(0)), want=quantities, **ask
     )
     rows = tuple((quantity, name) for quantity in quantities for name in getattr(first, quantity))
-    outside = _Outside(solution, names, rows, ask, _slopes_of_constants(solution, values))
+    outside = _Outside(solution, names, rows, ask)
     flat = _differentiable(outside)
 
     def orbits(q: Columns, p: Columns) -> dict[str, Any]:
@@ -116,25 +111,13 @@ def ensemble(
     return orbits
 
 
-def _slopes_of_constants(
-    solution: Solution, values: Mapping[sp.Symbol, sp.Expr]
-) -> Callable[[list[Array]], list[Array]]:
-    """∂αⱼ/∂xₖ of x = (q, p), row by row."""
-    coordinates = solution.system.coordinates
-    x = [c.symbol for c in coordinates] + [c.momentum for c in coordinates]
-    formulas = [sp.diff(c.expression.subs(values), s) for c in solution.constants.values() for s in x]
-    tape: Tape = lower(formulas, x)
-    return partial(tape.run, Float64())
-
-
 class _Outside:
     """What is computed outside of JAX, from 2n arrays of one shape to arrays of that shape."""
 
     def __init__(
-        self, solution: Solution, names: tuple[str, ...], rows: tuple[tuple[str, str], ...], ask: dict[str, Any],
-        slopes: Callable[[list[Array]], list[Array]],
-    ):  # fmt: skip
-        self.solution, self.names, self.rows, self.ask, self.slopes = solution, names, rows, ask, slopes
+        self, solution: Solution, names: tuple[str, ...], rows: tuple[tuple[str, str], ...], ask: dict[str, Any]
+    ):
+        self.solution, self.names, self.rows, self.ask = solution, names, rows, ask
 
     def values(self, *x: Array) -> tuple[Array, ...]:
         """Return the rows, their errors, and the codes."""
@@ -145,14 +128,8 @@ class _Outside:
     def derivatives(self, *x: Array) -> tuple[Array, ...]:
         """Return the same, and ∂row/∂x, row by row."""
         q, p = self._given(x)
-        found = ensemble_derivatives(self.solution, q, p, **self.ask)
-        shape = np.shape(x[0])
-        α = np.reshape([np.broadcast_to(e, shape) for e in self.slopes([np.asarray(e, dtype=float) for e in x])],
-                       (len(self.solution.constants), len(x), *shape))  # fmt: skip
-        slopes = []
-        for quantity, name in self.rows:
-            own = found.value[quantity][name]
-            slopes += list(sum(own[c] * part for c, part in zip(self.solution.constants, α, strict=True)))
+        found = ensemble_derivatives(self.solution, q, p, by={"initial"}, **self.ask)
+        slopes = [part for quantity, name in self.rows for part in found.value[quantity][name].values()]
         return (*self._columns(found.batch), *slopes)
 
     def _given(self, x: tuple[Array, ...]) -> tuple[dict[str, Array], dict[str, Array]]:

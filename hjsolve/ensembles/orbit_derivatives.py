@@ -9,13 +9,14 @@ too, and another one, nearer to the motion, is taken.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.display.by_value import ByValue
@@ -28,9 +29,10 @@ from hjsolve.ensembles.engine.paths_of_librations import ATTEMPTS, placed
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.programs_of_paths import path_programs
 from hjsolve.ensembles.engine.status import Status
+from hjsolve.ensembles.initial_data_derivatives import Slopes, by_initial_data, slopes_of_constants
 from hjsolve.ensembles.orbits import ensemble
 from hjsolve.ensembles.turning_point_derivatives import ends_by_constants, periods_by_constants
-from hjsolve.errors import InvalidInputError
+from hjsolve.errors import InvalidInputError, required
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.system import System
 from hjsolve.motion.derivative_values import REMARKS, SQUARE_ROOT
@@ -51,18 +53,20 @@ TOLERANCE = 1e-10
 """Largest claimed error of an orbit that is ``ok``, relative to the terms that it is the sum of."""
 
 
+_BY = ("constants", "initial")
+
 _Groups = dict[str, Any]
 """Quantity or name → what belongs to it, down to columns."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class BatchDerivatives(ByValue, Shown):
-    """Derivatives of the actions, frequencies, periods and turning points of many orbits by the constants.
+    """Derivatives of the actions, frequencies, periods and turning points of many orbits.
 
     Attributes:
-        value: ``actions``, ``frequencies``, ``periods`` or ``turning_points`` → coordinate → constant → array of the
-            shape of the initial conditions, of turning points a pair (lower, upper) of them; nan where the status is
-            not ``ok``.
+        value: ``actions``, ``frequencies``, ``periods`` or ``turning_points`` → coordinate → constant, or initial
+            datum ("q.r"), → array of the shape of the initial conditions, of turning points a pair (lower, upper) of
+            them; nan where the status is not ``ok``.
         error: bounds on their errors, of the same shape.
         status: ``ok``; ``not_converged`` where no path was found on which the integrals agree with the ensemble's, as
             next to a separatrix (``Motion.derivatives`` has more digits); else what the ensemble says of the orbit.
@@ -96,20 +100,26 @@ def ensemble_derivatives(
     p: Mapping[str, Any] | None = None,
     velocity: Mapping[str, Any] | None = None,
     *,
+    by: Iterable[str] = ("constants",),
     parameters: Mapping[str, Any] | None = None,
     threads: int | None = None,
 ) -> BatchDerivatives:
-    """Differentiate actions, frequencies, periods and turning points of many orbits by the constants of the motion.
+    """Differentiate actions, frequencies, periods and turning points of many orbits.
+
+    By ``constants``, those of ``Solution.constants``; by ``initial``, q and canonical p ("q.r", "p.r") are varied one
+    by one.
 
     Args:
         system: a system, its solution, or a catalog id or path of a .toml entry.
         q, p, velocity, parameters, threads: as of ``ensemble``.
+        by: of ``constants`` and ``initial``.
 
     Returns:
-        ``value["frequencies"]["r"]["E"]`` and so on, with errors and statuses.
+        ``value["frequencies"]["r"]["E"]``, ``value["actions"]["r"]["p.theta"]`` and so on, with errors and statuses.
 
     Raises:
-        InvalidInputError: as of ``ensemble``; V with kinks, momenta that are shifted, or dask arrays.
+        InvalidInputError: as of ``ensemble``; another word; V with kinks, momenta that are shifted, coordinates that
+            were found where the initial data are varied, or dask arrays.
 
     Example:
         >>> found = ensemble_derivatives("kepler-planar", q={"r": [1.0], "theta": 0}, p={"r": 0, "theta": [1.2]})
@@ -123,11 +133,39 @@ def ensemble_derivatives(
             "ensemble_derivatives: not where momenta are shifted or every coordinate is ignorable; write "
             "motion.derivatives(…) for each"
         )
+    varied = arguments.words(by, "by", '["initial"]')
+    if not varied or varied - {*_BY}:
+        raise InvalidInputError(f"by: one or both of {', '.join(_BY)} are needed, not {', '.join(sorted(varied))}")
+    if "initial" in varied and solution.chart is not None:
+        raise InvalidInputError(
+            "by: initial data are varied in coordinates that separate as they are given; write "
+            'motion.derivatives(by={"initial"}) for each orbit, or give solution.system'
+        )
     want = ("constants", "actions", "frequencies", "turning_points")
     batch = ensemble(solution, q, p, velocity, want=want, parameters=parameters, threads=threads)
     if batch.lazy:
         raise InvalidInputError("ensemble_derivatives: not of dask arrays; call it for each block")
-    return _derivatives(solution, batch, parameter_values(solution.system, parameters or {}))
+    values = parameter_values(solution.system, parameters or {})
+    found = _derivatives(solution, batch, values)
+    if "initial" not in varied:
+        return found
+    kind, rates = ("p", p) if velocity is None else ("velocity", velocity)
+    slopes = slopes_of_constants(solution, {"q": q, kind: required(rates)}, values)
+    return _with_initial_data(found, slopes, only="constants" not in varied)
+
+
+def _with_initial_data(found: BatchDerivatives, slopes: Slopes, *, only: bool) -> BatchDerivatives:
+    """Add derivatives by q and p; ``only`` leaves out those by the constants."""
+    value: _Groups = {}
+    errors: _Groups = {}
+    for quantity, names in found.value.items():
+        value[quantity], errors[quantity] = {}, {}
+        for name, own in names.items():
+            claims = found.error[quantity][name]
+            rows, bounds = by_initial_data(own, claims, slopes)
+            value[quantity][name] = rows if only else {**own, **rows}
+            errors[quantity][name] = bounds if only else {**claims, **bounds}
+    return replace(found, value=value, error=errors)
 
 
 def _derivatives(solution: Solution, batch: Batch, values: Mapping[sp.Symbol, sp.Expr]) -> BatchDerivatives:

@@ -1,0 +1,82 @@
+"""Derivatives of many orbits by their initial data: ∂f/∂x = Σⱼ ∂f/∂αⱼ ∂αⱼ/∂x, x of q and p, with the formulas of α."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.arithmetic.floats import EPS, Float64
+from hjsolve.arithmetic.number_types import Reals
+from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.ensembles.initial_conditions import arrays_of
+from hjsolve.lowering import lower
+from hjsolve.mechanics.system import momenta
+from hjsolve.solution.quadratures import Solution
+
+_SAFETY = 2.0
+"""For the terms of second order that running errors leave out."""
+
+Column = Reals | tuple[Reals, Reals]
+"""One number an orbit, or of turning points two."""
+
+Slopes = dict[str, dict[str, tuple[Reals, Reals]]]
+"""Constant → "q.r", "p.r" … → ∂α/∂x and bounds on its errors."""
+
+
+def slopes_of_constants(
+    solution: Solution, starts: Mapping[str, Mapping[str, object]], values: Mapping[sp.Symbol, sp.Expr]
+) -> Slopes:
+    """Differentiate the constants of the motion by q and p.
+
+    Args:
+        solution: of the system, in its own coordinates.
+        starts: ``q``, and ``p`` or ``velocity`` → coordinate → numbers, which broadcast.
+        values: parameter → exact number.
+    """
+    coordinates = solution.system.coordinates
+    names = [c.name for c in coordinates]
+    given, shape = arrays_of(starts, names)
+    q, rates = (
+        [np.broadcast_to(np.asarray(given[group][name], dtype=float), shape) for name in names] for group in given
+    )
+    arithmetic = RunningError(Float64())
+    places, moving = [WithErrorBound(x) for x in q], [WithErrorBound(x) for x in rates]
+    if "velocity" in given:
+        formulas = [momenta(solution.system)[name].subs(values) for name in names]
+        rule = lower(formulas, [c.symbol for c in coordinates] + [c.velocity for c in coordinates])
+        moving = rule.run(arithmetic, [*places, *moving])
+    symbols = [c.symbol for c in coordinates] + [c.momentum for c in coordinates]
+    keys = [*(f"q.{name}" for name in names), *(f"p.{name}" for name in names)]
+    table = {name: c.expression.subs(values) for name, c in solution.constants.items()}
+    tape = lower([sp.diff(e, s) for e in table.values() for s in symbols], symbols)
+    with np.errstate(all="ignore"):
+        found = [
+            (np.broadcast_to(x.value, shape), np.broadcast_to(0.0 if x.error is None else _SAFETY * x.error, shape))
+            for x in tape.run(arithmetic, [*places, *moving])
+        ]
+    n = len(keys)
+    return {name: dict(zip(keys, found[j * n : (j + 1) * n], strict=True)) for j, name in enumerate(table)}
+
+
+def by_initial_data(
+    value: Mapping[str, Column], error: Mapping[str, Column], slopes: Slopes
+) -> tuple[dict[str, Column], dict[str, Column]]:
+    """Return derivatives of one quantity by q and p, and bounds on their errors.
+
+    Args:
+        value, error: constant → array, or a pair of them for turning points.
+        slopes: of the constants.
+    """
+    found: dict[str, Column] = {}
+    bounds: dict[str, Column] = {}
+    for key in next(iter(slopes.values())):
+        rows = [(np.asarray(value[c]), np.asarray(error[c]), *slopes[c][key]) for c in slopes]
+        with np.errstate(all="ignore"):
+            total = np.sum(np.stack([a * b for a, _, b, _ in rows]), axis=0)
+            open_ = [np.abs(b) * δa + np.abs(a) * δb + 4 * EPS * np.abs(a * b) for a, δa, b, δb in rows]
+            left = np.sum(np.stack(open_), axis=0)
+        pair = isinstance(next(iter(value.values())), tuple)
+        found[key], bounds[key] = ((total[0], total[1]), (left[0], left[1])) if pair else (total, left)
+    return found, bounds
