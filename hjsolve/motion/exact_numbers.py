@@ -16,9 +16,9 @@ ZERO_BITS = 2048
 _SHORT, _MOST_TERMS = 12, 400
 """Terms up to which a number is short, and up to which it is multiplied out."""
 _FACTORED_BITS = 256
-"""Binary digits of all integers of a number together up to which sympy, which factors them, is asked whether it is 0."""
+"""Binary digits of all integers of a number together up to which sympy, which factors them, is asked for a zero."""
 _BITS_OF_SEPARATION = 4
-"""Digits of precision for each digit of the integers: a + b √n ≠ 0 is not smaller than 1/(|a| + |b| √n), nor are its kin."""
+"""Digits of precision for each digit of the integers: a + b √n ≠ 0 is not smaller than 1/(|a| + |b| √n)."""
 
 
 class InBits:
