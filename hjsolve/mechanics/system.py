@@ -113,6 +113,7 @@ class System(Shown):
     eliminated: tuple[tuple[str, sp.Expr], ...] = field(compare=False)
     time: sp.Symbol | None
 
+    @arguments.with_known_names('System({"x": "line"}, kinetic="dot(x)**2/2", potential="x**2/2")')
     @one_at_a_time
     def __init__(
         self,
