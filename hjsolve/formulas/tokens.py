@@ -289,7 +289,7 @@ def instead_of_word(
     if not names:
         return f"{shown!r} is not declared; no names are declared here, write a number"
     declared = f"{', '.join(sorted(names)[:12])}{', …' if len(names) > 12 else ''}"
-    cure = f'; add it to parameters, {{"{shown}": 1}}' if velocities else ""
+    cure = f'; declare a parameter, {{"{shown}": 1}} or --parameter {shown}=1' if velocities else ""
     return f"{shown!r} is not declared; declared are {declared}{cure}"
 
 

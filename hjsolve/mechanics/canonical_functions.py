@@ -66,7 +66,7 @@ def energy(
 def _of_length(y: Any, symbols: Sequence[sp.Symbol]) -> Any:
     """Return y; wrong lengths and kinds, such as t and y exchanged, are refused."""
     if isinstance(y, str | Mapping) or not hasattr(y, "__len__") or getattr(y, "shape", None) == ():
-        raise InvalidInputError(f"y: a state [{_listed(symbols)}] is needed, not {described(y)}; write f(t, y) and H(y)")
+        raise InvalidInputError(f"y: a state [{_listed(symbols)}] is needed, not {described(y)}; call f(t, y), H(y)")
     if len(y) != len(symbols):
         raise InvalidInputError(f"y: {len(symbols)} rows are needed, [{_listed(symbols)}], not {len(y)}")
     return y

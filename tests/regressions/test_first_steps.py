@@ -22,7 +22,7 @@ def kepler(**changes):
         (lambda: hjsolve.System(LINE), r"System: missing a required argument: 'kinetic'; write System\("),
         (lambda: hjsolve.solve("kepler-planar", coordinate="find"), r'solve: no argument "coordinate"; known are system'),
         (lambda: hjsolve.ensemble("isochrone", q={}, velocities={}), r'ensemble: no argument "velocities"; known are'),
-        (lambda: hjsolve.System(LINE, T, "k*x^2/2", {"m": 1}), r'declared are m, x; add it to parameters, \{"k": 1\}'),
+        (lambda: hjsolve.System(LINE, T, "k*x^2/2", {"m": 1}), r'declared are m, x; declare a parameter, \{"k": 1\} or'),
         (lambda: hjsolve.System(LINE, "p^2/(2*m)", "0", {"m": 1}), r"write T with dot\(x\), or give H\(q, p\) to from_ham"),
         (lambda: hjsolve.System(LINE, "p_x^2/(2*m)", "0", {"m": 1}), r"write T with dot\(x\), or give H\(q, p\) to"),
         (lambda: kepler(q={"r": 1, "theta": "30 deg"}), r"without a unit; write 30\*pi/180 for 30 degrees"),

@@ -262,9 +262,8 @@ def reduction_section(verdict: Separation | Obstruction | Undecided) -> Section 
     if verdict.shell is None:
         return None
     text = (
-        "Ignorable coordinates are replaced by their constant momenta. What is left, the energy shell, is one "
-        "quadratic form in "
-        "the momenta of the other coordinates and one effective potential."
+        "Ignorable coordinates are replaced by their constant momenta. The energy shell that remains "
+        "consists of a quadratic form in the momenta of the other coordinates and an effective potential."
     )
     return Section(
         "reduction",
