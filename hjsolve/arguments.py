@@ -47,8 +47,8 @@ def by_name(example: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
                 raise InvalidInputError(f"{name}: arguments go by name; write {example}")
             for other in named:
                 if other not in names:
-                    told = ", ".join(argument.name for argument in known)
-                    raise InvalidInputError(f'{name}: no argument "{other}"; known are {told}; write {example}')
+                    listed = ", ".join(argument.name for argument in known)
+                    raise InvalidInputError(f'{name}: no argument "{other}"; known are {listed}; write {example}')
             for missing in needed:
                 if missing not in named:
                     raise InvalidInputError(f"{name}: no {missing}={{…}}; write {example}")

@@ -142,8 +142,8 @@ def solution_sections(solution: Solution) -> list[Section]:
         if letter != "t":
             text += f" It is called {letter}, for t is a coordinate here."
         law = _jacobi(solution, solution.time_law, "Greenwood (5-71)")
-        told = with_names(text, () if letter == "t" else ("t",))
-        sections.append(Section("time-law", "Time law", (Paragraph(told), law)))
+        prose = with_names(text, () if letter == "t" else ("t",))
+        sections.append(Section("time-law", "Time law", (Paragraph(prose), law)))
     equations = tuple(
         _jacobi(solution, e, source_of_equation(solution, name)) for name, e in solution.orbit_equations.items()
     )
