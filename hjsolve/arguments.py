@@ -47,12 +47,41 @@ def by_name(example: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
                 raise InvalidInputError(f"{name}: arguments go by name; write {example}")
             for other in named:
                 if other not in names:
-                    told = ", ".join(argument.name for argument in known)
-                    raise InvalidInputError(f'{name}: no argument "{other}"; known are {told}; write {example}')
+                    listed = ", ".join(argument.name for argument in known)
+                    raise InvalidInputError(f'{name}: no argument "{other}"; known are {listed}; write {example}')
             for missing in needed:
                 if missing not in named:
                     raise InvalidInputError(f"{name}: no {missing}={{…}}; write {example}")
             return method(*positional, **named)
+
+        return checked
+
+    return decorate
+
+
+def with_known_names(example: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
+    """Let a function refuse argument names that it does not have, and the lack of one that it needs, in our own words.
+
+    Args:
+        example: a call to write instead.
+
+    Returns:
+        The decorator; what it makes raises ``InvalidInputError`` where Python would raise ``TypeError``.
+    """
+
+    def decorate(function: Callable[_P, _R]) -> Callable[_P, _R]:
+        signature = inspect.signature(function)
+        known = [name for name in signature.parameters if name != "self"]
+
+        @functools.wraps(function)
+        def checked(*positional: _P.args, **named: _P.kwargs) -> _R:
+            try:
+                signature.bind(*positional, **named)
+            except TypeError as error:
+                other = next((name for name in named if name not in known), None)
+                fault = f"{error}" if other is None else f'no argument "{other}"; known are {", ".join(known)}'
+                raise InvalidInputError(f"{example.partition('(')[0]}: {fault}; write {example}") from None
+            return function(*positional, **named)
 
         return checked
 
@@ -228,5 +257,5 @@ def described(value: object) -> str:
 
 __all__ = [
     "MOST_DIGITS", "ascii_name", "by_name", "described", "digits", "refuse_other", "refuse_unused", "seconds", "table",
-    "whole", "words",
+    "whole", "with_known_names", "words",
 ]  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import sympy as sp
 from sympy.integrals.manualintegrate import manualintegrate
@@ -46,17 +46,20 @@ def antiderivative(reader: Reader, x: sp.Expr, q: sp.Symbol) -> sp.Expr:
     parts = []
     for term in sp.Add.make_args(sp.expand(x) if sp.count_ops(x) < MAX_OPERATIONS else x):
         constant, rest = term.as_independent(q, as_Add=False)
-        parts.append(constant * _verified(reader, rest, q))
+        roots = {p.base for p in term.atoms(sp.Pow) if p.base.is_Symbol and p.exp.is_Rational and p.exp.q % 2 == 0}
+        parts.append(constant * _verified(reader, rest, q, roots - {q}))
     return sp.Add(*parts)
 
 
-def _verified(reader: Reader, x: sp.Expr, q: sp.Symbol) -> sp.Expr:
+def _verified(reader: Reader, x: sp.Expr, q: sp.Symbol, positive: Iterable[sp.Symbol]) -> sp.Expr:
+    """∫ x dq; ``positive`` are letters that have an even root, so that no cases of their sign are needed."""
     if x == 1:
         return q
     unevaluated = sp.Integral(x, q)
     if x.atoms(sp.core.function.AppliedUndef, sp.Derivative) or sp.count_ops(x) > MAX_OPERATIONS:
         return unevaluated
-    found = manualintegrate(x, q)
+    known = {s: sp.Dummy(s.name, positive=True) for s in positive}
+    found = manualintegrate(x.xreplace(known), q).xreplace({dummy: s for s, dummy in known.items()})
     if found.atoms(sp.Integral, sp.Piecewise):
         return unevaluated
     try:

@@ -280,7 +280,8 @@ def _alike(word: str) -> str:
     known = ids()
     close = difflib.get_close_matches(word, known, n=3, cutoff=0.6)
     if close:
-        return f'; did you mean "{close[0]}"?' + (f" or {' or '.join(close[1:])}?" if close[1:] else "")
+        others = f" Similar: {', '.join(close[1:])}" if close[1:] else ""
+        return f'; did you mean "{close[0]}"?{others}'
     held = [name for name in known if len(word) > 2 and word.lower() in name]
     near = held or difflib.get_close_matches(word, known, n=3, cutoff=0.0)
     return f"; the nearest are {', '.join(near[:5])}; `hjsolve catalog` (hjsolve.catalog.ids()) lists all {len(known)}"

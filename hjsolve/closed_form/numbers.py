@@ -105,11 +105,11 @@ def refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
         numbers = many_digits(exact, DIGITS)
         if holds_place(curve, region, numbers[symbol], numbers):
             continue
-        told = ""
+        turn = ""
         if curve.substitution.closed:
             middle, half = float(middle_of(curve, numbers)), float(number_of(curve.substitution.turn, numbers)) / 2
-            told = f"; the form is that of one turn, {symbol} from {middle - half:.3g} to {middle + half:.3g}"
-        raise InvalidInputError(f"{symbol} = {float(numbers[symbol]):.6g} is not a place of this regime's motion{told}")
+            turn = f"; the form is that of one turn, {symbol} from {middle - half:.3g} to {middle + half:.3g}"
+        raise InvalidInputError(f"{symbol} = {float(numbers[symbol]):.6g} is outside this regime's motion{turn}")
 
 
 def curves_held(form: NamedForms, held: Iterable[sp.Symbol]) -> list[tuple[MomentumCurve, RootInterval, sp.Symbol]]:

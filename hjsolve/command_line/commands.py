@@ -270,8 +270,8 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
         given = {"--cost": options.cost, "--brief": options.brief, "--slider": bool(options.slider)}
         refuse_unused(given, "H(q, p) is linear in p, and all of it is closed forms")
         initial = initial or arguments_read.own_motion(options)
-        told: dict[str, Any] = {"initial": initial, "motion": options.motion, "digits": options.digits, "sheet": sheet}
-        return ANSWER, save_hamiltonian(arguments_read.located(options.system), target, **told)
+        more: dict[str, Any] = {"initial": initial, "motion": options.motion, "digits": options.digits, "sheet": sheet}
+        return ANSWER, save_hamiltonian(arguments_read.located(options.system), target, **more)
     subject: Any = options.system
     with within(options.budget):
         if options.coordinate or options.effect or options.system is None:
@@ -286,9 +286,9 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
     )  # fmt: skip
     with ProgressBar() as progress:
         sliders = arguments_read.sliders(options)
-        told = {"live": options.live, "sliders": sliders, "brief": options.brief, "sheet": sheet}
+        more = {"live": options.live, "sliders": sliders, "brief": options.brief, "sheet": sheet}
         status = ANSWER if material.quadratic else _status(material.verdict)
-        return status, save(material, target, options.cost, progress, **told)
+        return status, save(material, target, options.cost, progress, **more)
 
 
 def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from typing import NoReturn, TypeAlias
+from typing import TypeAlias
 
 from hjsolve._version import __version__
 from hjsolve.command_line.examples import EXAMPLES
-from hjsolve.errors import InvalidInputError
+from hjsolve.command_line.strict_arguments import StrictParser
 
 _ABOUT = """\
 Decide whether a mechanical system separates in its coordinates, solve it by quadratures
@@ -27,15 +27,8 @@ exit status:
   3  undecided, or a number that did not converge"""
 
 
-class _Parser(argparse.ArgumentParser):
-    """An argument parser whose complaints are one line, as all errors here are."""
-
-    def error(self, message: str) -> NoReturn:
-        raise InvalidInputError(f"{message}; see `{self.prog} --help`")
-
-
 # -------------------------------------------------------------------------------- the arguments
-_Commands: TypeAlias = "argparse._SubParsersAction[_Parser]"
+_Commands: TypeAlias = "argparse._SubParsersAction[StrictParser]"
 
 
 def command_parser() -> argparse.ArgumentParser:
@@ -44,7 +37,7 @@ def command_parser() -> argparse.ArgumentParser:
     Returns:
         The parser, with one sub-parser for each command.
     """
-    top = _Parser(
+    top = StrictParser(
         prog="hjsolve",
         allow_abbrev=False,
         description=_ABOUT,
@@ -53,7 +46,7 @@ def command_parser() -> argparse.ArgumentParser:
     )
     top.add_argument("--version", action="version", version=f"hjsolve {__version__}")
     kinds: _Commands = top.add_subparsers(
-        dest="command", required=True, metavar="COMMAND", title="commands", parser_class=_Parser
+        dest="command", required=True, metavar="COMMAND", title="commands", parser_class=StrictParser
     )
     _add_check(kinds)
     _add_solve(kinds)

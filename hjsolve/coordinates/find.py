@@ -104,16 +104,16 @@ def find_coordinates(
 
 
 def _expressed_in(curved: CurvilinearMap, system: System, found: SeparableCoordinates) -> SeparableCoordinates:
-    """Tell webs found in x, y, z in the coordinates that the system was given in."""
+    """Express webs found in x, y, z in the coordinates that the system was given in."""
     axes, names = [c.name for c in curved.space.coordinates], [c.name for c in system.coordinates]
 
-    def told(web: Web) -> Web:
-        formulas = curved.told([web.transformation[axis] for axis in axes])
+    def expressed(web: Web) -> Web:
+        formulas = curved.in_given_coordinates([web.transformation[axis] for axis in axes])
         return replace(web, transformation=dict(zip(names, formulas, strict=True)))
 
     place = ", ".join(f"{axis} = {e}" for axis, e in zip(axes, curved.place, strict=True))
     advice = f"{found.advice}\nCentres, axes and foci are those of {place}."
-    return replace(found, system=system, webs=tuple(map(told, found.webs)), advice=advice)
+    return replace(found, system=system, webs=tuple(map(expressed, found.webs)), advice=advice)
 
 
 class _Search:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import sympy as sp
 
@@ -21,9 +22,13 @@ from hjsolve.algebra.readable import shortest_form
 from hjsolve.algebra.reader import Reader
 from hjsolve.mechanics.energy_shell import domain_bounds
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
+from hjsolve.precision import mp
 
 _SAMPLES = 4
 """Places beyond the number of coordinates at which slopes are compared before a shift is proved."""
+
+_DIGITS = 25
+"""Digits to which a row is a combination of others; twice as many are computed."""
 
 
 @dataclass(frozen=True)
@@ -134,10 +139,58 @@ def _shifts(functions: Sequence[sp.Expr], x: Sequence[sp.Symbol], reader: Reader
         sampled += [[e.subs(at) for e in row] for row in rows]
     if any(e.has(sp.nan, sp.zoo, sp.oo) for row in sampled for e in row):
         return []
-    kernel = sp.Matrix(sampled or [[0] * len(x)]).nullspace(simplify=True)
-    kernel = [sp.Matrix([sp.simplify(e) for e in d]) for d in kernel]
-    proved = (reader.element(sp.Add(*(c * e for c, e in zip(d, row, strict=True)))) for d in kernel for row in rows)
-    return kernel if all(e.is_zero for e in proved) else []
+    independent, guess = _kernel_in_digits(sampled, len(x))
+    kernel = [] if len(independent) == len(x) else [sp.Matrix(d) for d in guess]
+    if not _is_kernel(kernel, rows, reader):
+        kernel = sp.Matrix(independent).nullspace(simplify=True)
+        kernel = [sp.Matrix([sp.simplify(e) for e in d]) for d in kernel]
+    return kernel if _is_kernel(kernel, rows, reader) else []
+
+
+def _is_kernel(kernel: Sequence[sp.Matrix], rows: Sequence[Sequence[sp.Expr]], reader: Reader) -> bool:
+    """Return whether every row vanishes along every vector, proved."""
+    products = (sp.Add(*(c * e for c, e in zip(d, row, strict=True))) for d in kernel for row in rows)
+    return all(reader.element(product).is_zero for product in products)
+
+
+def _kernel_in_digits(
+    rows: Sequence[Sequence[sp.Expr]], width: int
+) -> tuple[list[Sequence[sp.Expr]], list[list[sp.Rational]]]:
+    """Return rows that span all of them, and fractions that are their kernel to many digits.
+
+    Exact elimination of surds has no end. Rows independent at one value of the letters are independent as formulas.
+    Where that value is special the kernel is too large, and where the kernel depends on letters or surds the fractions
+    are wrong: its proof fails.
+    """
+    letters = sorted({s for row in rows for e in row for s in e.free_symbols}, key=str)
+    values = {s: sp.Rational(2 * k + 3, 2 * k + 4) for k, s in enumerate(letters)}
+    chosen: list[Sequence[sp.Expr]] = []
+    reduced: dict[int, list[Any]] = {}
+    with mp.workdps(2 * _DIGITS):
+        for row in rows:
+            left = [mp.mpmathify(sp.N(e.xreplace(values), 2 * _DIGITS)) for e in row]
+            size = max(map(abs, left))
+            for pivot, other in reduced.items():
+                left = [a - left[pivot] * b for a, b in zip(left, other, strict=True)]
+            pivot = max(range(width), key=lambda k: abs(left[k]))
+            if abs(left[pivot]) <= size * mp.mpf(10) ** -_DIGITS:
+                continue
+            chosen.append(row)
+            left = [e / left[pivot] for e in left]
+            reduced = {
+                k: [a - other[pivot] * b for a, b in zip(other, left, strict=True)] for k, other in reduced.items()
+            }
+            reduced[pivot] = left
+        free = [k for k in range(width) if k not in reduced]
+        kernel = [
+            [-_fraction(reduced[k][f]) if k in reduced else sp.Integer(k == f) for k in range(width)] for f in free
+        ]
+    return chosen, kernel
+
+
+def _fraction(value: Any) -> sp.Rational:
+    """Return the fraction with a small denominator next to a number."""
+    return sp.Rational(str(mp.nstr(mp.re(value), 2 * _DIGITS))).limit_denominator(1000)
 
 
 def _axes(shifts: Sequence[sp.Matrix], M: sp.Matrix) -> sp.ImmutableMatrix:

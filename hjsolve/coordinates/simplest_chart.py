@@ -81,8 +81,8 @@ def _found(system: System, why: str, refused: object, budget: float) -> Chart:
         return _found_in_space(system, why, refused, budget)
     chart = _found_in_space(curved.space, why, refused, budget)
     x = [chart.transformation[c.name] for c in curved.space.coordinates]
-    told = {c.name: e for c, e in zip(system.coordinates, curved.told(x), strict=True)}
-    return replace(chart, original=system, outer=curved, transformation=told)
+    expressed = {c.name: e for c, e in zip(system.coordinates, curved.in_given_coordinates(x), strict=True)}
+    return replace(chart, original=system, outer=curved, transformation=expressed)
 
 
 def _found_in_space(system: System, why: str, refused: object, budget: float) -> Chart:

@@ -126,7 +126,7 @@ class Batch(ByValue, OrbitColumns):
             InvalidInputError: a name; columns have names, orbits have none.
         """
         if isinstance(key, str):
-            raise InvalidInputError(f"batch[{key!r}]: orbits are picked by place; batch.columns[{key!r}] is a column")
+            raise InvalidInputError(f"batch[{key!r}]: an index selects orbits; batch.columns[{key!r}] is a column")
         if isinstance(key, Batch):
             raise InvalidInputError("batch[…]: a batch is not an index; give a mask such as batch.codes == 0")
         columns = {name: column[key] for name, column in self.columns.items()}

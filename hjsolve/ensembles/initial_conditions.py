@@ -174,7 +174,7 @@ def _as_numpy(value: Any, source: str) -> Any:
 def _checked_kind(array: Any, source: str) -> Any:
     if array.dtype.kind not in "fiu":
         raise InvalidInputError(
-            f"{source}: must hold real numbers, not {array.dtype.name}; "
+            f"{source}: must hold real numbers, not {'text' if array.dtype.kind in 'US' else array.dtype.name}; "
             "give an array of floats, or one number (exact text such as '1/3' is allowed for one number)"
         )
     return array

@@ -31,6 +31,7 @@ _QUIET = 2.0
 """Seconds until the progress of an ensemble is shown."""
 
 
+@arguments.with_known_names('ensemble(system, q={"r": [1, 2], "theta": 0}, velocity={"r": 0, "theta": [1.2, 0.8]})')
 def ensemble(
     system: System | Solution | str | Path,
     q: Mapping[str, Any] | None = None,

@@ -88,23 +88,23 @@ def place_in(change: ChangeOfFrame, at: Numbers, short: Short) -> dict[sp.Symbol
     Raises:
         InvalidSystemError: the place does not satisfy the constraints, or was not written in the new coordinates.
     """
-    told = {s: at[change.original.symbols[s.name]] for s in change.system.symbols.values()
+    bound_values = {s: at[change.original.symbols[s.name]] for s in change.system.symbols.values()
             if s.name in change.original.symbols} | {change.time: at[change.time]}  # fmt: skip
-    unknown = {s for s in change.system.symbols.values() if s not in told}
+    unknown = {s for s in change.system.symbols.values() if s not in bound_values}
     equations = [change.place[c.name] - at[c.symbol] for c in change.original.coordinates]
     while unknown:
-        left = [e.xreplace(told) for e in equations]
+        left = [e.xreplace(bound_values) for e in equations]
         found = next((f for s in sorted(unknown, key=str) if (f := _one(s, left, unknown, short)) is not None), None)
         if found is None:
             raise InvalidSystemError("next_arc: the place was not written in the coordinates that are left")
-        told[found[0]] = found[1]
+        bound_values[found[0]] = found[1]
         unknown.discard(found[0])
     for c in change.original.coordinates:
-        f = change.place[c.name].xreplace(told)
-        sizes = [f, at[c.symbol], *(told[q.symbol] for q in change.system.coordinates)]
+        f = change.place[c.name].xreplace(bound_values)
+        sizes = [f, at[c.symbol], *(bound_values[q.symbol] for q in change.system.coordinates)]
         if short.without(f - at[c.symbol], sizes) != 0:
             raise InvalidSystemError("next_arc: the place does not satisfy the constraints")
-    return told
+    return bound_values
 
 
 def _one(

@@ -27,6 +27,9 @@ _TOKEN = re.compile(
     re.DOTALL,
 )
 
+_DATE = re.compile(r"\s*[0-9]{4}-[01][0-9]-[0-3][0-9](\s*$|[T ][0-9]{2}:)")
+"""A day, as in 2026-01-31, which is 1994 when it is read as a difference; or a moment of it."""
+
 _SAME_OPERATOR = {"^": "**", "’": "'", "′": "'"}
 _INSTEAD_OF_CHARACTER = {
     "=": "a formula has no equals sign; give one side of the equation alone",
@@ -169,6 +172,8 @@ def scan(source: FormulaText) -> list[Token]:
     """
     if len(source.text) > MAX_CHARACTERS:
         raise source.error(f"{len(source.text)} characters are too many; at most {MAX_CHARACTERS} are accepted", None)
+    if _DATE.match(source.text):
+        raise source.error("a date is not a number; write the time since t0 in the units of the system", None)
     tokens = []
     for match in _TOKEN.finditer(source.text):
         kind = str(match.lastgroup)
@@ -274,12 +279,18 @@ def instead_of_word(
     for function in sorted(functions, key=len, reverse=True):
         if word.startswith(function) and word[len(function) :] in names:
             return f"{shown!r} is not declared; write {function}({word[len(function) :]})"
+    momentum = word == "p" or (word.startswith("p_") and word[2:] in velocities)
+    if velocities and momentum:
+        velocity = f"dot({word[2:] or velocities[0]})"
+        return f"{shown!r} is not declared; write T with {velocity}, or give H(q, p) to from_hamiltonian"
     near = nearest_name(word, [*names, *functions, "pi"])
     if near:
         return f"{shown!r} is not declared; did you mean {near}?"
     if not names:
         return f"{shown!r} is not declared; no names are declared here, write a number"
-    return f"{shown!r} is not declared; declared are {', '.join(sorted(names)[:12])}{', …' if len(names) > 12 else ''}"
+    declared = f"{', '.join(sorted(names)[:12])}{', …' if len(names) > 12 else ''}"
+    cure = f'; declare a parameter, {{"{shown}": 1}} or --parameter {shown}=1' if velocities else ""
+    return f"{shown!r} is not declared; declared are {declared}{cure}"
 
 
 def coordinate_of_velocity(word: str, velocities: Iterable[str], spellings: Iterable[str] = ("{}dot", "{}_dot")) -> str:

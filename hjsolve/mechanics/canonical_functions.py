@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from hjsolve.arguments import described
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 
@@ -34,10 +35,11 @@ def right_hand_side(
     """
     places, momenta = [c.symbol for c in coordinates], [c.momentum for c in coordinates]
     rates = [sp.diff(hamiltonian, p) for p in momenta] + [-sp.diff(hamiltonian, q) for q in places]
-    compute = _function([*places, *momenta], [rate.xreplace(dict(signs)) for rate in rates], module)
+    symbols = [*places, *momenta]
+    compute = _function(symbols, [rate.xreplace(dict(signs)) for rate in rates], module)
 
     def rate(t: object, y: Any) -> Any:  # noqa: ARG001 - integrators give the time
-        found = compute(*y)
+        found = compute(*_of_length(y, symbols))
         if not hasattr(y, "shape"):
             return list(found)
         result = 0.0 * y  # an array like y: a rate that is constant becomes a row of its own
@@ -58,7 +60,20 @@ def energy(
     """
     symbols = [c.symbol for c in coordinates] + [c.momentum for c in coordinates]
     compute = _function(symbols, [hamiltonian.xreplace(dict(signs))], module)
-    return lambda y: compute(*y)[0] + 0 * y[0]
+    return lambda y: compute(*_of_length(y, symbols))[0] + 0 * y[0]
+
+
+def _of_length(y: Any, symbols: Sequence[sp.Symbol]) -> Any:
+    """Return y; wrong lengths and kinds, such as t and y exchanged, are refused."""
+    if isinstance(y, str | Mapping) or not hasattr(y, "__len__") or getattr(y, "shape", None) == ():
+        raise InvalidInputError(f"y: a state [{_listed(symbols)}] is needed, not {described(y)}; call f(t, y), H(y)")
+    if len(y) != len(symbols):
+        raise InvalidInputError(f"y: {len(symbols)} rows are needed, [{_listed(symbols)}], not {len(y)}")
+    return y
+
+
+def _listed(symbols: Sequence[sp.Symbol]) -> str:
+    return ", ".join(s.name for s in symbols)
 
 
 def _function(symbols: Sequence[sp.Symbol], formulas: list[sp.Expr], module: str) -> Callable[..., Sequence[Any]]:

@@ -245,7 +245,7 @@ def _shell_step(
     momenta = [sp.Symbol(f"P_{c.name}") if shifted else c.momentum for c in coordinates]
     powers = (p if c.name in null else p**2 / 2 for c, p in zip(coordinates, momenta))
     shell = sp.Add(*(g * power for g, power in zip(metric, powers)), potential)
-    text = "What is left: half the inverse metric times the squared momenta plus the effective potential is the energy."
+    text = "On the shell, half the inverse metric times the squared momenta plus the effective potential is the energy."
     if shifted:
         text += " The momenta in it are P = p + gradient, as above."
     if not coordinates:
@@ -349,7 +349,7 @@ def _reduction_steps(
     if not steps:
         names = ", ".join(c.name for c in system.coordinates)
         each = "" if len(system.coordinates) == 1 else "each of "
-        text = f"T or V contains {each}{names}, or the motion may reach an end of its domain. Nothing is ignorable."
+        text = f"No coordinate is ignorable: {each}{names} occurs in T or V, or may reach an end of its domain."
         steps.append(ReductionStep("Ignorable coordinates", text, None))
     return tuple(steps)
 

@@ -113,6 +113,7 @@ class System(Shown):
     eliminated: tuple[tuple[str, sp.Expr], ...] = field(compare=False)
     time: sp.Symbol | None
 
+    @arguments.with_known_names('System({"x": "line"}, kinetic="dot(x)**2/2", potential="x**2/2")')
     @one_at_a_time
     def __init__(
         self,
@@ -245,8 +246,8 @@ class System(Shown):
             >>> System({"x": "line"}, "m/2*dot(x)**2", "k/2*x**2", {"m": 2, "k": 3}).rhs()(0.0, [1.0, 4.0])
             [2.0, -3.0]
         """
-        told = with_values(self, parameters or {})
-        return right_hand_side(told.coordinates, _in_numbers(told), _signs(told), module)
+        valued = with_values(self, parameters or {})
+        return right_hand_side(valued.coordinates, _in_numbers(valued), _signs(valued), module)
 
     def hamiltonian_function(
         self, parameters: Mapping[str, object] | None = None, *, module: str = "numpy"
@@ -259,8 +260,8 @@ class System(Shown):
         Raises:
             MissingValueError, InvalidSystemError, InvalidInputError: as of ``rhs``.
         """
-        told = with_values(self, parameters or {})
-        return energy(told.coordinates, _in_numbers(told), _signs(told), module)
+        valued = with_values(self, parameters or {})
+        return energy(valued.coordinates, _in_numbers(valued), _signs(valued), module)
 
     def __repr__(self) -> str:
         """Return the call that makes the system, as far as it differs from the defaults."""

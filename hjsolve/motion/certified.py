@@ -166,12 +166,12 @@ def rounded(
     ends = {n: (f.lower, f.upper) for n, f in cycles.items() if f.lower is not None and f.upper is not None}
     frequencies = _frequencies(motion, growths) if growths else {}
 
-    def told(values: Mapping[str, flint.arb]) -> dict[str, Estimate]:
+    def estimates(values: Mapping[str, flint.arb]) -> dict[str, Estimate]:
         return {key: estimate(value, digits) for key, value in values.items()}
 
     periods = {n: 2 * flint.arb.pi() / abs(f) for n, f in frequencies.items() if not f.contains(0)}
     pairs = {n: (estimate(a, digits), estimate(b, digits)) for n, (a, b) in ends.items()}
-    return Enclosed(told(constants), pairs, told(actions), told(frequencies), told(periods))
+    return Enclosed(estimates(constants), pairs, estimates(actions), estimates(frequencies), estimates(periods))
 
 
 def exact_ball(value: sp.Expr) -> flint.arb:

@@ -15,6 +15,10 @@ ZERO_BITS = 2048
 """Digits with which it is decided whether a number is zero."""
 _SHORT, _MOST_TERMS = 12, 400
 """Terms up to which a number is short, and up to which it is multiplied out."""
+_FACTORED_BITS = 256
+"""Binary digits of all integers of a number together up to which sympy, which factors them, is asked for a zero."""
+_BITS_OF_SEPARATION = 4
+"""Digits of precision for each digit of the integers: a + b √n ≠ 0 is not smaller than 1/(|a| + |b| √n)."""
 
 
 class InBits:
@@ -53,26 +57,30 @@ def to_bits(value: sp.Expr) -> InBits:
 def number_is_zero(value: sp.Expr) -> bool:
     """Decide whether an exact number is zero.
 
-    A long one that two precisions agree on is not; else by sympy's own rules, which take their time, or to 2048 bits:
-    it is zero where it is that small against its largest term, or where two precisions find nothing but rounding.
+    A long one that two precisions agree on is not; else by sympy's own rules, which take their time, or to 2048 bits
+    (more for long integers): it is zero where it is that small against its largest term, or where two precisions find
+    nothing but rounding.
 
     Args:
         value: exact number of sympy.
     """
     if value.is_Rational:
         return bool(value == 0)
-    short = _terms(value) <= _SHORT
-    if (not short and _agreed(value, 128)) or (short and value.is_zero is False):
+    length = sum(abs(n.p).bit_length() + n.q.bit_length() for n in value.atoms(sp.Rational))
+    short = _terms(value) <= _SHORT and length <= _FACTORED_BITS
+    if not short and _agreed(value, 128):
         return False
-    if value.is_zero is not None:
-        return bool(value.is_zero)
+    known = value.is_zero if length <= _FACTORED_BITS else None
+    if known is not None:
+        return bool(known)
     if value.is_Mul:
         return any(number_is_zero(factor) for factor in value.args)
     if value.is_Pow and value.exp.is_positive:
         return number_is_zero(value.base)
+    bits = max(ZERO_BITS, _BITS_OF_SEPARATION * length)
     size = max(abs(to_bits(term)(64)) for term in sp.Add.make_args(value))
-    tiny = abs(to_bits(value)(ZERO_BITS)) <= size * multiprecision(64).mpf(2) ** (64 - ZERO_BITS)
-    return bool(tiny or not _agreed(value, ZERO_BITS // 2))
+    tiny = abs(to_bits(value)(bits)) <= size * multiprecision(64).mpf(2) ** (64 - bits)
+    return bool(tiny or not _agreed(value, bits // 2))
 
 
 def _agreed(value: sp.Expr, bits: int) -> bool:

@@ -142,7 +142,7 @@ def forbidden(start: CoordinateStart, digits: int = 15) -> ForbiddenMotionError:
     regions = tuple(ends for _, ends in sorted(beside, key=lambda pair: pair[0]))
     return ForbiddenMotionError(
         f"{start.name}: no real motion passes through {float(start.place(64)):.12g}, p² = {value:.3g} < 0 there; "
-        + (f"motion is possible {' and '.join(_told(start.name, *r) for r in regions)}" if regions else
+        + (f"motion is possible {' and '.join(_described(start.name, *r) for r in regions)}" if regions else
            "no place was found where these constants allow it"),
         name=start.name,
         regions=regions,
@@ -157,7 +157,7 @@ def _nearest(start: CoordinateStart, here: End, side: int, digits: int) -> list[
         return []
 
 
-def _told(name: str, low: float | None, high: float | None) -> str:
+def _described(name: str, low: float | None, high: float | None) -> str:
     if low == high and low is not None:
         return f"at rest at {name} = {low:.12g}"
     if low is None:

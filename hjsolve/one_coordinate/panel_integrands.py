@@ -229,8 +229,8 @@ def _orders(tape: Tape, places: list[Mpf], inputs: list[Mpf]) -> list[Order]:
             found.append(ZERO)
             continue
         ratio = float(a.context.log(abs(a / b), 2)) / (_FARTHER - _FAR) if a and b else 0.5
-        told = abs(ratio) < _HIGHEST and abs(ratio - round(ratio)) < 1e-9
-        found.append(round(ratio) if told else None)
+        is_whole = abs(ratio) < _HIGHEST and abs(ratio - round(ratio)) < 1e-9
+        found.append(round(ratio) if is_whole else None)
     return found
 
 

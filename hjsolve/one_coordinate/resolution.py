@@ -253,7 +253,7 @@ def rough_places(subject: Integrands) -> list[tuple[float, float]] | None:
     """Choose the obstacles that explain all others: what lies as high as half its distance from one of them is its.
 
     Returns:
-        (χₖ, δₖ), the distance from the real axis below 1; None where they are too many or cannot be told in doubles.
+        (χₖ, δₖ), the distance from the real axis below 1; None where they are too many or imprecise in doubles.
     """
     x, y = np.zeros(0), np.zeros(0)
     for χ, height in obstacles(subject) or []:

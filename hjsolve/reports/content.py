@@ -150,13 +150,13 @@ def gather(
                 clock, "turning points, integrals, time law", lambda: solution.motion(**data, digits=digits).as_solved
             )
         except NotConvergedError as error:
-            failure = told(error)
+            failure = failure_sentence(error)
         except (ForbiddenMotionError, ForbiddenPlaceError) as error:
             refused = error
     return Material(verdict, solution, started, entry, summary, frame, failure=failure, refused=refused, clock=clock)
 
 
-def told(error: NotConvergedError) -> str:
+def failure_sentence(error: NotConvergedError) -> str:
     """Return the failure in a sentence, with what was reached.
 
     Args:
@@ -305,11 +305,11 @@ def _add_numbers(
         trace = drawn = _timed(clock, "where it is at the times drawn", lambda: orbit_paths.trace(motion))
         sections.append(_timed(clock, "drawings", lambda: numerical.motion_section(motion, drawn, summary)))
     except NotConvergedError as error:
-        failures.append(told(error))
+        failures.append(failure_sentence(error))
     try:
         sections.append(numerical.numbers_section(motion))
     except NotConvergedError as error:
-        failures.append(told(error))
+        failures.append(failure_sentence(error))
     return trace
 
 

@@ -321,10 +321,10 @@ def _sweep_faults(scene: Scene, sweep: Varied, names: list[str]) -> Iterator[str
     yield from disagreements(sweep, names, scene.fixed)
     known: tuple[str, ...] = (STATE,) if sweep.over_tori else OF_MANY_ORBITS
     known = (*known, STATE) if sweep.table is not None else known
-    told = " over actions" if sweep.over_tori else ""
+    over = " over actions" if sweep.over_tori else ""
     for word in scene.want:
         if word not in known:
-            yield f'want: "{word}" is not for a sweep{told}, which has {", ".join(known)}'
+            yield f'want: "{word}" is not for a sweep{over}, which has {", ".join(known)}'
     if scene.digits > _SWEEP_DIGITS:
         yield f"accuracy.digits: a sweep is computed in doubles, {_SWEEP_DIGITS} digits at most, not {scene.digits}"
     if scene.seconds is not None or scene.certified:

@@ -62,8 +62,8 @@ def decided(system: System, decide: Callable[[System], Verdict]) -> Verdict:
     if not isinstance(verdict, Separation):
         own = verdict.shell.energy if verdict.shell is not None else None
         steps = _steps(system, verdict.evidence, own)
-        told = _steps(system, verdict.shell.steps, own) if verdict.shell is not None else ()
-        shell = None if verdict.shell is None else replace(verdict.shell, system=system, steps=told)
+        reduction = _steps(system, verdict.shell.steps, own) if verdict.shell is not None else ()
+        shell = None if verdict.shell is None else replace(verdict.shell, system=system, steps=reduction)
         return replace(verdict, system=system, shell=shell, evidence=steps)
     energy = energy_symbol(system)
     H = hamiltonian(system)
@@ -91,10 +91,10 @@ def _steps(system: System, steps: tuple[ReductionStep, ...], own: sp.Symbol | No
     if own is None:
         return (_step(system), *steps)
     value = shell_energy(system)
-    told = (
+    reduction = (
         step if step.formula is None else replace(step, formula=step.formula.xreplace({own: value})) for step in steps
     )
-    return (_step(system), *told)
+    return (_step(system), *reduction)
 
 
 def _step(system: System) -> ReductionStep:

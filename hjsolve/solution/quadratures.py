@@ -384,6 +384,7 @@ def refuse_null(solution: Solution) -> None:
         )
 
 
+@arguments.with_known_names('solve(system, coordinates="find")')
 @one_at_a_time
 def solve(
     system: System | Separation | str | Path, coordinates: str = "as given", *, budget: float = DEFAULT_BUDGET
@@ -488,8 +489,8 @@ def _separated_terms(verdict: Separation) -> tuple[sp.Expr, ...]:
 def _why_not(verdict: Obstruction | Undecided) -> str:
     pair = " and ".join(verdict.pair)
     if isinstance(verdict, Undecided):
-        return f"whether the system separates could not be decided ({pair}, {verdict.part}); {verdict.advice}"
-    return f"the system does not separate in these coordinates: {pair} ({verdict.part}); {verdict.advice}"
+        return f"whether the system separates could not be decided ({pair}, {verdict.part}). {verdict.advice}"
+    return f"the system does not separate in these coordinates: {pair} ({verdict.part}). {verdict.advice}"
 
 
 __all__ = ["Solution", "separation_constants", "solve"]

@@ -164,8 +164,8 @@ def _table(scene: Scene, sweep: Varied, path: Path) -> tuple[dict[str, Reals], s
 
 
 def _refuse(path: Path, problems: Iterator[str]) -> None:
-    if told := list(problems):
-        raise InvalidInputError("\n".join(f"{path}: {problem}" for problem in told))
+    if faults := list(problems):
+        raise InvalidInputError("\n".join(f"{path}: {problem}" for problem in faults))
 
 
 def _table_faults(
@@ -182,8 +182,8 @@ def _table_faults(
     if groups & {*STATES} and groups & {*TORI}:
         yield "columns of both actions or angles and q, p or velocity; give states or tori"
     elif (STATE in scene.want) != bool(groups & {*TORI}) and present:
-        told = f'a table of actions gives states: write want = ["{STATE}"]'
-        yield told if groups & {*TORI} else f'want: "{STATE}" is for a sweep over actions'
+        cure = f'a table of actions gives states: write want = ["{STATE}"]'
+        yield cure if groups & {*TORI} else f'want: "{STATE}" is for a sweep over actions'
     if not present:
         yield f"no column is an initial condition; name them {', '.join(heading)}, or say which in sweep.columns"
     if {"p", "velocity"} <= {key.partition(".")[0] for key in present}:

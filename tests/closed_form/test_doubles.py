@@ -107,7 +107,7 @@ def test_a_place_of_another_well_or_turn_is_refused(name: str, inside: str, outs
     W = form.lambdify("numpy")["characteristic_function"]
     values = {n: v for n, v in values.items() if n in W.names}
     assert not np.isnan(float(form.evaluate("characteristic_function", values | {coordinate: inside}).value))
-    with pytest.raises(hjsolve.InvalidInputError, match="not a place of this regime's motion"):
+    with pytest.raises(hjsolve.InvalidInputError, match="outside this regime's motion"):
         form.evaluate("characteristic_function", values | {coordinate: outside})
     got = W(**{n: float(v) for n, v in values.items()}, **{coordinate: np.array([float(inside), float(outside)])})
     assert np.isnan(got).tolist() == [False, True]

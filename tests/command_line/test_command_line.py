@@ -130,7 +130,12 @@ def test_help_has_examples_and_tells_the_exit_status(command: list[str], capsys:
 
 # ------------------------------------------------------------------------------------------------ bad input
 BAD: dict[str, tuple[list[str], str]] = {
-    "unknown command": (["chekc"], "invalid choice: 'chekc'"),
+    "unknown command": (["chekc"], "invalid choice: 'chekc' is not a command; did you mean `hjsolve check`?"),
+    "a system for a command": (["kepler-planar"], "for a system write `hjsolve check kepler-planar`"),
+    "a word for an action": (["catalog", "galaxy"], "to search write `hjsolve catalog search galaxy`"),
+    "an option that is cut": (["check", "--coord", "x: line"], "`hjsolve check` does not take --coord; did you mean --coordinate?"),
+    "an option of others": (["solve", "kepler-planar", "--q", "r=1"], "`hjsolve solve` does not take --q; it belongs to"),
+    "a word too many": (["check", "pendulum", "more"], "does not take more; leave it out"),
     "unknown option": (["check", "kepler-planar", "--fast"], "--fast"),
     "no system": (["check"], "which system?"),
     "unknown id": (["check", "keplr-planar"], "kepler-planar"),

@@ -175,3 +175,13 @@ def test_motions_in_a_field_pass_the_axis():
             truth = mp.cos(mp.sqrt(mp.mpf(17) / 16) * t) * mp.expj(-mp.mpf(t) / 4)
             for name, true in (("x", truth.real), ("y", truth.imag)):
                 assert abs(states.q[name][m] - true) <= states.error.q[name][m] <= 1e-12
+
+
+@pytest.mark.parametrize(("names", "z"), [("xy", ""), ("xyz", ""), ("xyz", " + z**2")], ids=["plane", "along z", "space"])
+def test_the_restricted_problem_of_three_bodies_is_refused(names, z):
+    """The slopes of V at many places are surds; exact elimination of all of them at once had no end."""
+    first, second = (f"sqrt((x + {at})**2 + y**2{z})" for at in ("mu", "mu - 1"))
+    T = "((x' - y)**2 + (y' + x)**2)/2" + (" + z'**2/2" if "z" in names else "")
+    rotating = hjsolve.System(dict.fromkeys(names, "line"), T, f"-(1 - mu)/{first} - mu/{second}", {"mu": "0.01215"})
+    with pytest.raises(hjsolve.NotSeparableError, match="in any gauge"):
+        hjsolve.solve(rotating, coordinates="find")

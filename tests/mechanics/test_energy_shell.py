@@ -244,7 +244,7 @@ def test_the_steps_name_what_was_done_and_nothing_else():
     assert sp.expand(tube.steps[0].formula - tube.potential) == 0
     free = reduce(System(PLANE, "(dot(x)**2 + dot(y)**2)/2", "x**4 + y**4"))
     assert [step.title for step in free.steps] == ["Ignorable coordinates", "Energy shell"]
-    assert "Nothing is ignorable" in free.steps[0].explanation
+    assert "No coordinate is ignorable" in free.steps[0].explanation
 
 
 def test_linear_terms_that_the_elimination_leaves_are_announced():

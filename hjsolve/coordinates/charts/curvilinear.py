@@ -75,7 +75,7 @@ class CurvilinearMap(OuterMap):
         pairs = [found[role] for role in self.roles]
         return [rate for rate, _ in pairs], [self.mass * p for _, p in pairs]
 
-    def told(self, x: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
+    def in_given_coordinates(self, x: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
         """Return the user's coordinates of a point, as formulas."""
         square = x[0] ** 2 + x[1] ** 2
         found = {AZIMUTH: sp.atan2(x[1], x[0]), FROM_AXIS: _root(square)}

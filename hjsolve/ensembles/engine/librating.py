@@ -107,7 +107,7 @@ def librations(one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bo
         sums.put(wide, part)
         found.offsets[:, wide] = motions.lower, motions.upper
         if places:
-            found.put(wide, *_told(some, motions.lower, motions.upper))
+            found.put(wide, *_turning_points(some, motions.lower, motions.upper))
     # p² next to a crest that is passed slowly may have no digits in doubles
     rough = np.flatnonzero(np.where(sums.good, rough_ones(sums, modes) if exact else False, slow))
     if len(rough):
@@ -115,7 +115,7 @@ def librations(one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bo
         fine = np.flatnonzero(better.good)
         sums.put(rough[fine], better.take(fine))
         if places and len(fine):
-            found.put(rough[fine], *_told_to_32_digits(one.take(rough), bases, slopes, fine))
+            found.put(rough[fine], *_turning_points_of_32_digits(one.take(rough), bases, slopes, fine))
     return sums, found
 
 
@@ -281,7 +281,7 @@ def _integrated(one: CoordinateOfOrbits, motions: Motions, modes: Modes, program
     return sums
 
 
-def _told(one: CoordinateOfOrbits, lower: Reals, upper: Reals) -> tuple[Reals, Reals]:
+def _turning_points(one: CoordinateOfOrbits, lower: Reals, upper: Reals) -> tuple[Reals, Reals]:
     """Return turning points and bounds on their errors: what the rounding of F there leaves of them."""
     known, places, errors = np.concatenate([one.constants, one.uncertainty]), [], []
     for formula, view, x in zip(sides(one.coordinate), one.programs.views, (lower, upper), strict=True):
@@ -349,7 +349,7 @@ def _refined(one: CoordinateOfOrbits, side: int, x: Reals, C: Reals) -> tuple[Pa
     return base, slope, step
 
 
-def _told_to_32_digits(
+def _turning_points_of_32_digits(
     one: CoordinateOfOrbits, bases: list[Reals], slopes: Reals, fine: Integers
 ) -> tuple[Reals, Reals]:
     """Return the turning points of some of the orbits, and bounds on their errors."""
@@ -384,7 +384,7 @@ def _narrow(
     sums.put(index, part)
     if places:
         good = np.flatnonzero(part.good)
-        found.put(index[good], *_told_from_start(one.take(good), known[:, good], ends[:, good]))
+        found.put(index[good], *_turning_points_from_start(one.take(good), known[:, good], ends[:, good]))
     still = np.flatnonzero((one.P == 0) & ~part.good)
     if len(still):
         resting, q = _at_rest(one.take(still), first[still]), one.q[still]
@@ -419,7 +419,7 @@ def _small(one: CoordinateOfOrbits, modes: Modes, known: Reals, ends: Reals) -> 
     return _integrated(one, motions, modes, (made, made))
 
 
-def _told_from_start(one: CoordinateOfOrbits, known: Reals, ends: Reals) -> tuple[Reals, Reals]:
+def _turning_points_from_start(one: CoordinateOfOrbits, known: Reals, ends: Reals) -> tuple[Reals, Reals]:
     """Return turning points of small motions.
 
     |F′| there is W S, with S = 4F/W² from the middle, of which half is taken.

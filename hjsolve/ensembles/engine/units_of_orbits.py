@@ -29,7 +29,7 @@ LARGE_BITS = 64
 """Beyond 2^64 units of their own keep orbits in the range of doubles; small ones keep differences apart."""
 
 _SMALLEST = 2.0**-960
-"""Results below are not told: what rounding does next to the smallest doubles no claim counts."""
+"""Results below are not reported: what rounding does next to the smallest doubles no claim counts."""
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,7 @@ def columns_in_old_units(columns: Columns, made: ModelInUnits, units: UnitsOfOrb
     of_all = {"actions": units.action, "frequencies": rate, "periods": -rate, "angles": 0}
     lost: Mask = np.zeros(len(columns.status), dtype=bool)
 
-    def told(x: Reals, exponent: int) -> Reals:
+    def in_given_units(x: Reals, exponent: int) -> Reals:
         with np.errstate(all="ignore"):
             found: Reals = np.ldexp(x, exponent)
             lost[(x != 0) & ~np.isnan(x) & ~((np.abs(found) > _SMALLEST) & np.isfinite(found))] = True
@@ -177,11 +177,11 @@ def columns_in_old_units(columns: Columns, made: ModelInUnits, units: UnitsOfOrb
         values = columns.group(quantity)[name]
         if quantity == "constants":
             j = model.constants.index(name)
-            values[:], error[key] = told(values, made.exponents[j]), told(claims, made.exponents[j])
+            values[:], error[key] = in_given_units(values, made.exponents[j]), in_given_units(claims, made.exponents[j])
             values += float(made.bases[j])
             error[key] += 2 * EPS * np.abs(values) if made.bases[j] else 0.0
             continue
         exponent = of_all[quantity] if quantity in of_all else places[name.rpartition(".")[0]]
-        values[:], error[key] = told(values, exponent), told(claims, exponent)
+        values[:], error[key] = in_given_units(values, exponent), in_given_units(claims, exponent)
     columns.status[lost & (columns.status == Status.OK)] = UNDECIDED
     return replace(columns, error=error)

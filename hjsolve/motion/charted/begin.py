@@ -179,7 +179,7 @@ def _in_found_coordinates(solution: Solution, given: StartGiven) -> Motion:
 
 
 def _on_torus(solution: Solution, given: StartGiven) -> Motion:
-    """Start a motion from actions and angles, those of the separated coordinates; told in the user's."""
+    """Start a motion from actions and angles, those of the separated coordinates; expressed in the user's."""
     parts, digits = parts_of(_words(given.want)), arguments.digits(given.digits)
     parameters = in_units(solution.system, given.parameters, "parameters")
     well = _well(solution, given)

@@ -27,7 +27,7 @@ class ChartedMotion(TransformedMotion):
     ``at`` gives q, p and velocity in the user's coordinates; everything else is keyed by the separated ones.
 
     Attributes:
-        ends: times of the collisions with a focus before and after t₀, between which the motion is told.
+        ends: times of the collisions with a focus before and after t₀, between which the motion is known.
     """
 
     ends: Ends = (None, None)
@@ -44,7 +44,7 @@ class ChartedMotion(TransformedMotion):
 
     @property
     def as_solved(self) -> Motion:
-        """The same motion told in the separated coordinates."""
+        """The same motion expressed in the separated coordinates."""
         return self.within
 
     @property

@@ -36,7 +36,7 @@ _atan2 = np.frompyfunc(lambda a, b: b.context.atan2(a, b), 2, 1)
 """Of two arrays of ``mpf``."""
 
 
-def told(outer: OuterMap, found: Sequence[Numbers]) -> list[Numbers]:
+def in_users_coordinates(outer: OuterMap, found: Sequence[Numbers]) -> list[Numbers]:
     """Return q, q̇, p and the rest of points, q̇, p and the rest.
 
     Args:

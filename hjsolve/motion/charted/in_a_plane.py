@@ -1,4 +1,4 @@
-"""Motions that stay on an axis or in a plane of the web, told without the coordinates across it.
+"""Motions that stay on an axis or in a plane of the web, expressed without the coordinates across it.
 
 On the axis of an elliptic or parabolic web both coordinates are at rest in turn, and at a focus one takes over from the
 other: h² vanishes there, and the separated equations come to it only as τ → ∞. Where V is regular there nothing happens
@@ -128,8 +128,8 @@ def _plane(chart: Chart, kept: tuple[int, ...]) -> Chart | None:
         return None
     own = tuple(c.symbol for c in system.coordinates)
     frame = sp.ImmutableMatrix(chart.frame[:, list(kept)])
-    told = list(sp.Matrix(chart.origin) + frame * sp.Matrix(own))
-    user = chart.outer.told(told) if isinstance(chart.outer, CurvilinearMap) else told
+    full = list(sp.Matrix(chart.origin) + frame * sp.Matrix(own))
+    user = chart.outer.in_given_coordinates(full) if isinstance(chart.outer, CurvilinearMap) else full
     return Chart(
         chart.kind, tuple(c.name for c in system.coordinates),
         {c.name: e for c, e in zip(chart.original.coordinates, user, strict=True)}, chart.remark,

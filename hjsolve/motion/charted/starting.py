@@ -77,7 +77,7 @@ def _at_a_focus(
 
 
 def in_users_coordinates(chart: Chart, within: Motion, parts: frozenset[str]) -> ChartedMotion:
-    """Return a motion in the separated coordinates, told in the user's; it ends where it collides with a focus.
+    """Return a motion in the separated coordinates, expressed in the user's; it ends where it collides with a focus.
 
     Args:
         chart: how the coordinates are tied to the user's.

@@ -22,7 +22,7 @@ from hjsolve.arithmetic.number_types import AtTimes, Mpf, Numbers, Reals
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.coordinates.chart import Chart
-from hjsolve.motion.charted.curvilinear_states import bounds_in_users_coordinates, told
+from hjsolve.motion.charted.curvilinear_states import bounds_in_users_coordinates, in_users_coordinates
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.positions import tape_of
 from hjsolve.motion.shapes import shaped
@@ -72,7 +72,7 @@ def state_in(chart: Chart, values: Mapping[sp.Symbol, sp.Expr], state: State, re
     shape = np.shape(state.status)
     tape = _tape(chart, resting)
     found = _evaluated(chart, tape, values, state)
-    n, q = len(names), told(chart.outer, found)
+    n, q = len(names), in_users_coordinates(chart.outer, found)
 
     def group(columns: Sequence[Numbers], k: int) -> dict[str, AtTimes]:
         return {name: shaped(columns[k * n + i], shape) for i, name in enumerate(names)}

@@ -78,7 +78,7 @@ def users_coordinates(motion: Motion, *, parameters: bool) -> UsersCoordinates |
         parameters: whether these are varied.
 
     Raises:
-        InvalidInputError: matrices cannot be told in the user's coordinates.
+        InvalidInputError: matrices cannot be expressed in the user's coordinates.
     """
     if isinstance(motion.as_solved, ContinuedMotion):
         raise InvalidInputError(

@@ -1,4 +1,4 @@
-"""A motion through umbilics, told in the given coordinates."""
+"""A motion through umbilics, expressed in the given coordinates."""
 
 from __future__ import annotations
 

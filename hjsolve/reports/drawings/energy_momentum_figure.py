@@ -213,11 +213,11 @@ def _caption(found: EnergyMomentumMap, grid: MapGrid | None, *, actions: bool) -
         "relative equilibrium": "heavy: a coordinate rests", "separatrix": "dashed blue: separatrices",
         "edge of escape": "dotted: edge of escape", "end of the domain": "thin: an end of the domain is reached",
     }  # fmt: skip
-    told = [meaning for kind, meaning in meanings.items() if kind in kinds]
+    legend = [meaning for kind, meaning in meanings.items() if kind in kinds]
     if actions and grid is not None:
-        told.append("thin blue: equal actions")
+        legend.append("thin blue: equal actions")
     if found.isolated:
-        told.append("ring: isolated critical value")
+        legend.append("ring: isolated critical value")
     if found.point is not None:
-        told.append("red point: the motion of this report")
-    return (*pieces, f"{'; '.join(told)[:1].upper()}{'; '.join(told)[1:]}." if told else "")
+        legend.append("red point: the motion of this report")
+    return (*pieces, f"{'; '.join(legend)[:1].upper()}{'; '.join(legend)[1:]}." if legend else "")

@@ -73,12 +73,12 @@ def closed_form_report(subject: Motion | Solution) -> list[Section]:
     more = "python -c 'import hjsolve; hjsolve.closed_forms(…)'"
     which = "the regime of this motion" if isinstance(subject, Motion) else "the first regimes found"
     name = solution.system.id
-    told: Text = (
+    note: Text = (
         f"This section shows {which}. The command ", Code(f"hjsolve solve {name} --closed" if name else more),
         f" derives every regime and is not limited to the {SECONDS:g} s of processor time of a report.",
     )  # fmt: skip
     last = sections[-1]
-    return [*sections[:-1], replace(last, blocks=(*last.blocks, Paragraph(told)))]
+    return [*sections[:-1], replace(last, blocks=(*last.blocks, Paragraph(note)))]
 
 
 def closed_form_sections(forms: Sequence[RegimeForms]) -> list[Section]:
@@ -102,35 +102,35 @@ def _section(form: RegimeForms, number: int) -> Section:
         "to its integrand and compared with the quadrature to 40 digits; the separated momenta are positive.",
     )  # fmt: skip
     blocks: list[Block | _TooLong] = [Paragraph(intro), *conditions]
-    told = _Told(form.where)
+    forms_shown = _ShownForms(form.where)
     if form.time_law is not None:
-        blocks += told.shown("time_law", form.time_law, lambda e: equation(e, "Greenwood (5-71)"))
+        blocks += forms_shown.shown("time_law", form.time_law, lambda e: equation(e, "Greenwood (5-71)"))
     for q, e in form.inverse.items():
-        blocks += told.shown(f"inverse.{q}", e, partial(formula, applied(name_box(q), name_box("t"))))
-    blocks += _anomaly(form, told)
+        blocks += forms_shown.shown(f"inverse.{q}", e, partial(formula, applied(name_box(q), name_box("t"))))
+    blocks += _anomaly(form, forms_shown)
     for name, law in form.orbit_equations.items():
         source = source_of_equation(form.solution, name)
-        blocks += told.shown(f"orbit_equations.{name}", law, partial(equation, tag=source))
+        blocks += forms_shown.shown(f"orbit_equations.{name}", law, partial(equation, tag=source))
     for q, e in form.orbit.items():
-        blocks += told.shown(f"orbit.{q}", e, partial(formula, applied(name_box(q), _along(form, q))))
+        blocks += forms_shown.shown(f"orbit.{q}", e, partial(formula, applied(name_box(q), _along(form, q))))
     for q, e in form.parametric.items():
-        blocks += told.shown(f"parametric.{q}", e, partial(formula, applied(name_box(q), name_box("tau"))))
+        blocks += forms_shown.shown(f"parametric.{q}", e, partial(formula, applied(name_box(q), name_box("tau"))))
     if form.characteristic_function is not None:
         W = form.characteristic_function
-        blocks += told.shown("characteristic_function", W, lambda e: formula(Glyph("W"), e, "Greenwood (5-65)"))
+        blocks += forms_shown.shown("characteristic_function", W, lambda e: formula(Glyph("W"), e, "Greenwood (5-65)"))
     if form.energy is not None:
-        blocks += told.shown("energy", form.energy, partial(formula, name_box("E")))
+        blocks += forms_shown.shown("energy", form.energy, partial(formula, name_box("E")))
     blocks += _in_actions(form)
     numbers = [(group, q, e) for group in _GROUPS for q, e in getattr(form, group).items()]
     narrow = [one for one in numbers if width(display(one[2], IN_A_CELL)) <= _WIDEST_CELL]
     if narrow:
-        blocks += told.meanings([e for *_, e in narrow])
+        blocks += forms_shown.meanings([e for *_, e in narrow])
         rows = tuple((typeset_prose(f"{_GROUPS[group]} of {q}", system), (math(e),)) for group, q, e in narrow)
         blocks.append(Table((("Quantity",), ("Closed form",)), rows, "Quantities of the motion"))
     for group, q, e in numbers:
         if (group, q, e) not in narrow:
             left = row(Glyph(f"{_GROUPS[group]} of ", "text"), name_box(q))
-            blocks += told.shown(f"{group}.{q}", e, partial(formula, left))
+            blocks += forms_shown.shown(f"{group}.{q}", e, partial(formula, left))
     long = [block.name for block in blocks if isinstance(block, _TooLong)]
     shown: list[Block] = [block for block in blocks if not isinstance(block, _TooLong)]
     if any(value.has(*_WITH_PARAMETER) for value in form.named().values()):
@@ -161,7 +161,7 @@ def _in_actions(form: RegimeForms) -> list[Block]:
     return shown
 
 
-class _Told:
+class _ShownForms:
     """Which definitions a section has given: each stands after the first formula that uses it.
 
     Args:
@@ -211,19 +211,19 @@ def _along(form: RegimeForms, q: str) -> Box:
     return name_box(next(c.name for c in form.solution.system.coordinates if c.symbol in held and c.name != q))
 
 
-def _anomaly(form: RegimeForms, told: _Told) -> list[Block | _TooLong]:
+def _anomaly(form: RegimeForms, forms_shown: _ShownForms) -> list[Block | _TooLong]:
     """q(ξ) and n (t − t_p) = ξ − e sin ξ."""
     blocks: list[Block | _TooLong] = []
     for q, e in form.anomaly.items():
         ξ = next(s for s in e.free_symbols if s.name in ("xi", "chi", "xi_1"))
         if q != TIME:
-            blocks += told.shown(f"anomaly.{q}", e, partial(formula, applied(name_box(q), box(ξ))))
+            blocks += forms_shown.shown(f"anomaly.{q}", e, partial(formula, applied(name_box(q), box(ξ))))
             continue
         t = next(term for term in required(form.time_law).lhs.args if term.is_Symbol)
         passed, running = e.as_independent(ξ, as_Add=True)
         scale, rest = running.as_independent(ξ, as_Add=False)
         equal = sp.Eq(sp.Mul(1 / scale, t - passed, evaluate=False), rest, evaluate=False)
-        blocks += told.shown(f"anomaly.{q}", equal, equation)
+        blocks += forms_shown.shown(f"anomaly.{q}", equal, equation)
     return blocks
 
 

@@ -27,7 +27,8 @@ def found_answer(found: SeparableCoordinates) -> Text:
         The sentence in pieces.
     """
     count = found.kernel_dimension
-    integrals = f" {count} quadratic integral{'s' * (count > 1)}, with the energy." if count else ""
+    several = f" It has {count} quadratic integrals, including the energy."
+    integrals = several if count > 1 else " The energy is its only quadratic integral." if count else ""
     if found.webs:
         kinds = ", ".join(web.kind for web in found.webs)
         number = f"{len(found.webs)} orthogonal coordinate system{'s' * (len(found.webs) > 1)}"

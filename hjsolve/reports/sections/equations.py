@@ -25,8 +25,8 @@ def equations_section(system: System) -> Section:
     own = system.canonical_equations
     blocks: list[Block] = [Paragraph(("Hamilton's canonical equations, dq/dt = ∂H/∂p and dp/dt = −∂H/∂q:",))]
     if any(sp.count_ops(e.rhs) > _MOST_OPERATIONS for e in own.values()):
-        told = ("Hamilton's canonical equations are long; ", Code("system.canonical_equations"), " has them.")
-        blocks = [Paragraph(told)]
+        reference = ("Hamilton's canonical equations are long; ", Code("system.canonical_equations"), " has them.")
+        blocks = [Paragraph(reference)]
     else:
         names = {c.name for c in system.coordinates}
         tags = {name: "Greenwood (4-16)" if name in names else "Greenwood (4-17)" for name in own}

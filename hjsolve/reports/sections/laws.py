@@ -37,8 +37,8 @@ def laws_section(solution: Solution) -> Section:
         ((_LAWS[c.name],), (f"Greenwood {_SOURCES[c.name]}",), (_OUTCOMES[c.verdict],)) for c in found
     )
     text = (
-        "No integral is evaluated for this: W enters through its derivatives alone, so that every law is an identity "
-        "between elementary functions."
+        "No integral needs to be evaluated. W enters only through its derivatives, so every law is an identity between "
+        "elementary functions."
     )
     header: tuple[Text, ...] = (("Law",), ("Equation",), ("Outcome",))
     blocks: list[Block] = [Paragraph((text,)), Table(header, rows, "Laws the solution must obey")]

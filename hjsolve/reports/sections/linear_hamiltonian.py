@@ -103,7 +103,7 @@ def hamiltonian_motion_section(motion: LinearMotion, summary: str) -> Section:
     from hjsolve.reports.sections.rounded_numbers import quantity
 
     c = motion.problem.coordinate
-    told: Text = (": ", *typeset_prose(summary, motion.problem)) if summary else ()
+    description: Text = (": ", *typeset_prose(summary, motion.problem)) if summary else ()
     times = [motion.t0 + sp.Rational(k, 2) for k in range(_SHOWN)]
     rows: list[tuple[Text, ...]] = []
     for t in times:
@@ -116,7 +116,7 @@ def hamiltonian_motion_section(motion: LinearMotion, summary: str) -> Section:
         (Mathematics(Glyph("t")),), (Mathematics(name_box(c.name)),), (Mathematics(name_box(f"p_{c.name}")),),
     )  # fmt: skip
     blocks: list[Block] = [
-        Paragraph(("One motion, as an example", *told, ". Its kind: ", motion.kinds[c.name], ".")),
+        Paragraph(("One motion, as an example", *description, ". Its kind: ", motion.kinds[c.name], ".")),
         Table((("Constant",), ("Value",)), (((Mathematics(Glyph("E")),), (quantity(motion.constants["E"]),)),),
               "Constants of the motion"),
         Table(header, tuple(rows), "Where it is" + ("" if len(rows) == len(times) else ", until it leaves its domain")),

@@ -57,8 +57,8 @@ def motion_section(motion: Motion, trace: orbit_paths.Trace, summary: str) -> Se
     Returns:
         The section.
     """
-    told = (": ", *typeset_prose(summary, motion.solution.system)) if summary else ()
-    blocks: list[Block] = [Paragraph(("One motion, as an example", *told, ".")), _initial(motion)]
+    description = (": ", *typeset_prose(summary, motion.solution.system)) if summary else ()
+    blocks: list[Block] = [Paragraph(("One motion, as an example", *description, ".")), _initial(motion)]
     names = motion.solution.coordinates
     for i, name in enumerate(names):
         view = effective_potential_of(motion, name)

@@ -1,4 +1,4 @@
-"""What is told of a system that does not separate beyond the obstruction: other coordinates, and how it moves."""
+"""What is reported of a system that does not separate beyond the obstruction: other coordinates, and how it moves."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def other_coordinates(system: System) -> Section:
         found = find_coordinates(system)
     except HJSolveError as error:
         asked = " ".join(str(error).removeprefix("find_coordinates: ").split())
-        told = typeset_prose(f"Not looked for: {asked}{'' if asked.endswith('.') else '.'}", system)
-        blocks = [Paragraph(told)]
+        prose = typeset_prose(f"Not looked for: {asked}{'' if asked.endswith('.') else '.'}", system)
+        blocks = [Paragraph(prose)]
         return Section("coordinates", "In which coordinates would it separate?", tuple(blocks))
     blocks = [Paragraph(found_answer(found))]
     for part in found_sections(found):
@@ -75,7 +75,7 @@ def section_of_refused_motion(system: System, initial: Mapping[str, Any], *, ret
     found = surface_of_section(plane) if returns else None
     E = float(plane.energy(plane.start))
     lost = float(np.max(np.abs(plane.energy(states) - E)))
-    told: list[Inline] = [
+    prose: list[Inline] = [
         "No quadratures are available, so the motion is integrated numerically (extrapolation, order 12). The error of "
         "each step is below ", Number(f"1e{round(math.log10(TOLERANCES[0]))}"),
         " of the range of each variable. Along the path drawn the energy is constant to within ",
@@ -83,10 +83,10 @@ def section_of_refused_motion(system: System, initial: Mapping[str, Any], *, ret
     ]  # fmt: skip
     if found is not None:
         figures.append(section_figure(plane, found, "surface-of-section"))
-        told += _validated(found)
+        prose += _validated(found)
     elif returns:
-        told.append(" The motion returns too rarely to one surface for a section to be drawn.")
-    return Section("refused-motion", "How it moves", (Paragraph(tuple(told)), Figures(tuple(figures))))
+        prose.append(" The motion returns too rarely to one surface for a section to be drawn.")
+    return Section("refused-motion", "How it moves", (Paragraph(tuple(prose)), Figures(tuple(figures))))
 
 
 def _validated(found: SurfaceOfSection) -> list[Inline]:

@@ -135,15 +135,15 @@ def solution_sections(solution: Solution) -> list[Section]:
         letter = time_name(solution.system)
         what = "time" if letter == "t" else "parameter of the motion"
         text = (
-            f"The {what} as a function of the place. The root is positive while the coordinate increases and negative "
-            "while it decreases. The lower limit is a constant, or a simple zero of the radicand; it fixes the initial "
-            f"{what}."
+            f"This is the {what} as a function of position. The root is positive while the coordinate increases and "
+            "negative while it decreases. The lower limit is a constant, or a simple zero of the radicand; it fixes "
+            f"the initial {what}."
         )
         if letter != "t":
             text += f" It is called {letter}, for t is a coordinate here."
         law = _jacobi(solution, solution.time_law, "Greenwood (5-71)")
-        told = with_names(text, () if letter == "t" else ("t",))
-        sections.append(Section("time-law", "Time law", (Paragraph(told), law)))
+        prose = with_names(text, () if letter == "t" else ("t",))
+        sections.append(Section("time-law", "Time law", (Paragraph(prose), law)))
     equations = tuple(
         _jacobi(solution, e, source_of_equation(solution, name)) for name, e in solution.orbit_equations.items()
     )

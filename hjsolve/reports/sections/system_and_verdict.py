@@ -151,8 +151,8 @@ def _kinks(system: System) -> list[Block]:
     """Return what the letters for signs in V stand for."""
     if not system.kinks:
         return []
-    told = "V has kinks or jumps where these signs change; between them each is a constant, 1 or −1:"
-    return [Paragraph((told,)), *(formula(name_box(kink.symbol.name), kink.sign) for kink in system.kinks)]
+    note = "V has kinks or jumps where these signs change; between them each is a constant, 1 or −1:"
+    return [Paragraph((note,)), *(formula(name_box(kink.symbol.name), kink.sign) for kink in system.kinks)]
 
 
 def _letters(letters: Mapping[sp.Expr, sp.Symbol] | None) -> list[Block]:
@@ -194,18 +194,18 @@ def _momentum_definition() -> Box:
 
 def _coordinates(system: System, meanings: Mapping[str, tuple[str, str]]) -> Table:
     rows = [((Mathematics(name_box(c.name)),), domain_text(c.domain, c.name)) for c in system.coordinates]
-    told = [meanings.get(c.name, ("", "")) for c in system.coordinates]
-    return _with_meanings((("Coordinate",), ("Domain",)), rows, told, system, "Coordinates")
+    meanings_and_units = [meanings.get(c.name, ("", "")) for c in system.coordinates]
+    return _with_meanings((("Coordinate",), ("Domain",)), rows, meanings_and_units, system, "Coordinates")
 
 
 def _with_meanings(
-    header: tuple[Text, ...], rows: Sequence[tuple[Text, ...]], told: Sequence[tuple[str, str]], system: System,
-    caption: str,
+    header: tuple[Text, ...], rows: Sequence[tuple[Text, ...]], meanings_and_units: Sequence[tuple[str, str]],
+    system: System, caption: str,
 ) -> Table:  # fmt: skip
     """Return a table with columns for meanings and units, those that are not empty."""
     columns: list[tuple[Text, list[Text]]] = [
-        (("Meaning",), [typeset_prose(meaning, system) for _, meaning in told]),
-        (("Unit",), [(typeset(unit),) if unit else () for unit, _ in told]),
+        (("Meaning",), [typeset_prose(meaning, system) for _, meaning in meanings_and_units]),
+        (("Unit",), [(typeset(unit),) if unit else () for unit, _ in meanings_and_units]),
     ]
     kept = [(head, cells) for head, cells in columns if any(cells)]
     full = tuple(row + tuple(cells[k] for _, cells in kept) for k, row in enumerate(rows))
@@ -217,8 +217,8 @@ def _parameters(system: System) -> Table:
         ((Mathematics(name_box(p.name)),), exactly(p.value) if p.value is not None else ("no default",), (p.assume,))
         for p in system.parameters
     ]
-    told = [(p.unit, p.meaning) for p in system.parameters]
-    return _with_meanings((("Parameter",), ("Default",), ("Assumed",)), rows, told, system, "Parameters")
+    meanings_and_units = [(p.unit, p.meaning) for p in system.parameters]
+    return _with_meanings((("Parameter",), ("Default",), ("Assumed",)), rows, meanings_and_units, system, "Parameters")
 
 
 # -------------------------------------------------------------------------------- the reduction and the test
@@ -262,9 +262,8 @@ def reduction_section(verdict: Separation | Obstruction | Undecided) -> Section 
     if verdict.shell is None:
         return None
     text = (
-        "Ignorable coordinates are replaced by their constant momenta. What is left, the energy shell, is one "
-        "quadratic form in "
-        "the momenta of the other coordinates and one effective potential."
+        "Ignorable coordinates are replaced by their constant momenta. The energy shell that remains "
+        "consists of a quadratic form in the momenta of the other coordinates and an effective potential."
     )
     return Section(
         "reduction",

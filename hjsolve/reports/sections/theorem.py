@@ -118,12 +118,12 @@ def integrals_section(
         elif isinstance(a, Undecided):
             blocks += [Paragraph((Code(f), ":")), *undecided_section(a).blocks]
     if together is not None:
-        told = {
+        sentences = {
             "Proof": "Every two of them have the bracket 0: they are in involution (6-236).",
             "Flaw": f"They are not in involution: {getattr(together, 'statement', '')}.",
             "Undecided": "Whether they are in involution was not decided.",
         }
-        blocks.append(Paragraph((told[type(together).__name__],)))
+        blocks.append(Paragraph((sentences[type(together).__name__],)))
     return Section("integrals", "Integrals of the motion", tuple(blocks))
 
 

@@ -67,6 +67,8 @@ def _sign_of_time(shell: Shell, coordinate: Coordinate) -> int:
     region = Region(domain_bounds(system), dict(system.defaults))
     for _, point in zip(range(_PLACES), region.points(sp.Tuple(*mass), seed=3)):
         numbers = mp.matrix([[mp.mpmathify(sp.N(mass[i, j].xreplace(point), 20)) for j in range(n)] for i in range(n)])
+        if any(mp.im(number) != 0 for number in numbers):
+            continue  # the root of a parameter that is negative here: no metric
         signs = [1 if value > 0 else -1 for value in mp.eigsy(numbers, eigvals_only=True)]
         lonely = -1 if signs.count(-1) == 1 else 1 if signs.count(1) == 1 else 0
         if lonely and numbers[own, own] * lonely > 0:

@@ -52,9 +52,9 @@ def _measured(found: Obstruction, setting: Setting) -> Obstruction:
         return found
     what = "inverse metric" if found.part == "metric" else "potential"
     text = (
-        f"Rebuilt from its values on the lines through one point, as the Stäckel form allows, the {what} comes out "
-        f"with a relative error of {distance:.2g} (median over sample points); 0 would be separable. This "
-        "measures how far from separable the system is, and plays no part in the proof."
+        f"In Stäckel form, values on the coordinate lines through one point determine the {what}. Rebuilt from these "
+        f"values, it has a relative error of {distance:.2g} here (median over sample points); a separable one has 0. "
+        "This shows how far the system is from separable. It is not part of the proof."
     )
     return replace(found, distance=distance, evidence=(*found.evidence, ReductionStep("Distance", text)))
 

@@ -191,13 +191,13 @@ def _simplest_nonzero(parts: Iterable[sp.Expr], region: Region, budget: Budget) 
 
 
 def _failure_step(condition: Condition, pair: tuple[str, str], residual: sp.Expr, shell: Shell) -> ReductionStep:
-    proof = "is the expression shown; it would have to vanish identically, and is proved not to at the witness."
+    proof = "The expression shown would have to vanish identically; it is proved to be non-zero at the counterexample."
     names = " and ".join(pair)
     if condition.part == "metric":
         about = shell.coordinates[condition.about or 0].name
-        text = f"For {names} the kinetic energy fails: S_ij of the inverse metric coefficient of {about} {proof}"
+        text = f"The kinetic energy violates that of {names}: S_ij of the inverse metric of {about}. {proof}"
     else:
-        text = f"The kinetic energy passes. For {names} the potential fails: S_ij(V) {proof}"
+        text = f"The kinetic energy satisfies them. The potential violates that of {names}: S_ij(V). {proof}"
     return ReductionStep("Levi-Civita's conditions", text, residual)
 
 
@@ -282,8 +282,8 @@ def _general_obstruction(
         coupling = f"T couples {coupled} (mass-matrix entry shown)"
         words = advice.for_metric(system, found.pair, coupled=True)
     text = (
-        f"For {pair[0]} and {pair[1]} a coefficient of L_ij in the momenta is the expression shown; it would have to "
-        "vanish identically, and is proved not to at the witness."
+        f"For {pair[0]} and {pair[1]} the expression shown, a coefficient of L_ij in the momenta, would have to "
+        "vanish identically; it is proved to be non-zero at the counterexample."
     )
     steps = (
         *found.steps,

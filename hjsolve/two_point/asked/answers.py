@@ -135,8 +135,8 @@ class Connections(Shown):
         parts = [f"{count or 'No'} motion{'' if count == 1 else 's'}"]
         if not count and not self.continua and self.least_time is not None:
             parts[0] += f" in this time; the least time with these turns is {self.least_time.value:.9g}"
-        told = [f"{parts[0]}.", *(str(family) for family in self.continua), str(self.complete)]
-        return " ".join(told)
+        sentences = [f"{parts[0]}.", *(str(family) for family in self.continua), str(self.complete)]
+        return " ".join(sentences)
 
 
 __all__ = ["Completeness", "Connection", "Connections", "Continuum"]

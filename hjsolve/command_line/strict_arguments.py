@@ -1,0 +1,48 @@
+"""Commands, options and words that the command line does not take: one line that says what to write instead."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import re
+from typing import Any, NoReturn
+
+from hjsolve.command_line.examples import EXAMPLES
+from hjsolve.errors import InvalidInputError
+
+
+class StrictParser(argparse.ArgumentParser):
+    """An argument parser whose complaints are one line, as all errors here are."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raise what argparse complains of, with what to write instead."""
+        word = re.match(r"argument (COMMAND|action): invalid choice: '(.*?)'", message)
+        if word and word[1] == "COMMAND":
+            near = difflib.get_close_matches(word[2], EXAMPLES, n=1, cutoff=0.6)
+            cure = f"did you mean `hjsolve {near[0]}`?" if near else f"for a system write `hjsolve check {word[2]}`"
+            message = f"invalid choice: '{word[2]}' is not a command; {cure}"
+        elif word:
+            message = f"{message}; to search write `{self.prog} search {word[2]}`"
+        raise InvalidInputError(f"{message}; see `{self.prog} --help`")
+
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse a command line; what the command does not take is refused, with the nearest that it takes."""
+        options, rest = self.parse_known_args(args, namespace)
+        if rest:
+            word = rest[0].partition("=")[0] if rest[0].startswith("-") else rest[0]
+            taken = _options_by_command(self)
+            known = taken[options.command] if word.startswith("-") else ()
+            near = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
+            others = ", ".join(name for name, options_of in taken.items() if word in options_of)
+            cure = f"did you mean {near[0]}?" if near else f"it belongs to {others}" if others else "leave it out"
+            command = f"hjsolve {options.command}"
+            raise InvalidInputError(f"`{command}` does not take {word}; {cure}; see `{command} --help`")
+        return options
+
+
+def _options_by_command(top: argparse.ArgumentParser) -> dict[str, list[str]]:
+    kinds = next(action for action in top._actions if isinstance(action, argparse._SubParsersAction))
+    return {name: list(parser._option_string_actions) for name, parser in kinds.choices.items()}
+
+
+__all__ = ["StrictParser"]
