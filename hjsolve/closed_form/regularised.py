@@ -21,6 +21,8 @@ dynamics, § 55, 72.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import mpmath
 import sympy as sp
 
@@ -44,6 +46,8 @@ from hjsolve.closed_form.signs import Signs, sign_of_many_digits
 from hjsolve.closed_form.tidy import shortened_powers, square_root
 from hjsolve.closed_form.verification import sample_numbers, value_at
 from hjsolve.precision import mp
+
+_OF_ONE_SIGN = (sp.StrictGreaterThan, sp.StrictLessThan)
 
 
 class Regularised:
@@ -149,17 +153,20 @@ class Anomaly(Regularised):
         super().__init__(own, integral, ξ, start, names)
 
     def sign_of(self, expression: sp.Expr) -> int:
-        """Return the sign, where every factor has the same in the whole regime; else 0.
+        """Return the sign, where it is the same in the whole regime; else 0.
+
+        Signs are homomorphisms: known is that of every product of the relations, of squares and of what has one anyway.
 
         Args:
             expression: of parameters and constants.
         """
         relations = [r for e, sign in self.own.conditions.items() if (r := plain_relation(e, sign)) is not None]
-        for factor in sp.Mul.make_args(sp.factor(expression)):
-            base, power = factor.as_base_exp()
-            fixed = base.is_positive or base.is_negative or any(_bounds(r, base) for r in relations)
-            if not fixed and not (power.is_integer and power.is_even):
-                return 0
+        kept, echelon = _open_factors(expression), dict[sp.Expr, frozenset[sp.Expr]]()
+        for row in (_open_factors(r.lhs - r.rhs) for r in relations if isinstance(r, _OF_ONE_SIGN)):
+            if left := _without(row, echelon):
+                echelon[min(left, key=sp.default_sort_key)] = left
+        if _without(kept, echelon):
+            return 0
         return sign_of_many_digits(self.signs.number(expression))
 
     def _parametrised(self, x_0: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
@@ -286,11 +293,23 @@ class Anomaly(Regularised):
         return (low, high) if rising > 0 else (-high, -low)
 
 
-def _bounds(relation: sp.Basic, base: sp.Expr) -> bool:
-    """Return whether a relation of the regime gives the sign of a factor."""
-    if not isinstance(relation, (sp.StrictGreaterThan, sp.StrictLessThan)):
-        return bool(isinstance(relation, sp.Ne) and base == relation.lhs and relation.rhs == 0)
-    return bool(sp.cancel(base / (relation.lhs - relation.rhs)).is_number)
+def _open_factors(expression: sp.Expr) -> frozenset[sp.Expr]:
+    """Return the factors of odd powers, up to their sign, that may have either sign."""
+    found = set[sp.Expr]()
+    for factor in sp.Mul.make_args(sp.factor(expression)):
+        base, power = factor.as_base_exp()
+        if base.is_positive or base.is_negative or (power.is_integer and power.is_even):
+            continue
+        found.add(-base if base.could_extract_minus_sign() else base)
+    return frozenset(found)
+
+
+def _without(row: frozenset[sp.Expr], echelon: Mapping[sp.Expr, frozenset[sp.Expr]]) -> frozenset[sp.Expr]:
+    """Return what Gauss's elimination modulo 2 leaves of a row."""
+    for pivot, other in echelon.items():
+        if pivot in row:
+            row ^= other
+    return row
 
 
 def by_parameter(
