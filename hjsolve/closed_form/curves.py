@@ -110,9 +110,10 @@ def _plainness(curve: MomentumCurve) -> tuple[int, ...]:
         bare, _ = named_constants(P.as_expr(), x)
         factors = [sp.Poly(f, x) for f, _ in sp.factor_list(sp.numer(sp.together(bare)), x)[1]]
         plain = all(f.degree() <= 2 or not any(n % 2 for (n,) in f.monoms()) for f in factors)
-    place, q, degree = curve.substitution.place, curve.coordinate.symbol, curve.degree
+    place, q = curve.substitution.place, curve.coordinate.symbol
+    degree = max(curve.degree, 2) if place == 1 / q else curve.degree
     elliptic, exponential = genus(degree) == 1, isinstance(place, sp.exp)
-    ranked = max(degree, 2) if place == 1 / q else 4 if elliptic and exponential else degree
+    ranked = 4 if elliptic and exponential else degree
     odd = degree > 2 and any(n % 2 for (n,) in P.monoms())
     return (
         genus(degree), int(not plain), ranked, int(odd), int(elliptic and exponential), degree, int(sp.count_ops(place))

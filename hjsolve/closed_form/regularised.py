@@ -21,8 +21,6 @@ dynamics, § 55, 72.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import mpmath
 import sympy as sp
 
@@ -40,14 +38,12 @@ from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monotone_inverse, rational_factor
 from hjsolve.closed_form.real_branch_points import LegendreIntegrals, LegendreMap, elliptic_integral, without_square
 from hjsolve.closed_form.reduction import reduced
-from hjsolve.closed_form.regime import plain_relation
+from hjsolve.closed_form.regime import plain_relation, sign_is_fixed
 from hjsolve.closed_form.regions import RootInterval
 from hjsolve.closed_form.signs import Signs, sign_of_many_digits
 from hjsolve.closed_form.tidy import shortened_powers, square_root
 from hjsolve.closed_form.verification import sample_numbers, value_at
 from hjsolve.precision import mp
-
-_OF_ONE_SIGN = (sp.StrictGreaterThan, sp.StrictLessThan)
 
 
 class Regularised:
@@ -155,17 +151,11 @@ class Anomaly(Regularised):
     def sign_of(self, expression: sp.Expr) -> int:
         """Return the sign, where it is the same in the whole regime; else 0.
 
-        Signs are homomorphisms: known is that of every product of the relations, of squares and of what has one anyway.
-
         Args:
             expression: of parameters and constants.
         """
         relations = [r for e, sign in self.own.conditions.items() if (r := plain_relation(e, sign)) is not None]
-        kept, echelon = _open_factors(expression), dict[sp.Expr, frozenset[sp.Expr]]()
-        for row in (_open_factors(r.lhs - r.rhs) for r in relations if isinstance(r, _OF_ONE_SIGN)):
-            if left := _without(row, echelon):
-                echelon[min(left, key=sp.default_sort_key)] = left
-        if _without(kept, echelon):
+        if not sign_is_fixed(relations, expression):
             return 0
         return sign_of_many_digits(self.signs.number(expression))
 
@@ -291,25 +281,6 @@ class Anomaly(Regularised):
             return low, high
         rising = self._number(sp.diff(self.place, self.ξ).subs(self.ξ, low))
         return (low, high) if rising > 0 else (-high, -low)
-
-
-def _open_factors(expression: sp.Expr) -> frozenset[sp.Expr]:
-    """Return the factors of odd powers, up to their sign, that may have either sign."""
-    found = set[sp.Expr]()
-    for factor in sp.Mul.make_args(sp.factor(expression)):
-        base, power = factor.as_base_exp()
-        if base.is_positive or base.is_negative or (power.is_integer and power.is_even):
-            continue
-        found.add(-base if base.could_extract_minus_sign() else base)
-    return frozenset(found)
-
-
-def _without(row: frozenset[sp.Expr], echelon: Mapping[sp.Expr, frozenset[sp.Expr]]) -> frozenset[sp.Expr]:
-    """Return what Gauss's elimination modulo 2 leaves of a row."""
-    for pivot, other in echelon.items():
-        if pivot in row:
-            row ^= other
-    return row
 
 
 def by_parameter(

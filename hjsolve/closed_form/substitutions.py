@@ -3,9 +3,9 @@
 With G(x) = φ′(q)², every integral of a separated solution is ∫ N dq/√P² = ∫ N dx/√(P² G): rational in x but for one
 square root, where both P² and G are rational in x. Candidates: q, q², 1/q, √(q² + c), and of sines, hyperbolic
 sines and exponentials of multiples of one argument κq: cos, sin, tan of the half, sin of the half shifted, cosh, sinh,
-tanh, tanh of the half, exp; (q + c)^(1/n), and e^u with q = a sinh u. Each is used only where it is monotone on the whole domain of the
-coordinate, or on a turn of an angle, or of a line on which P² is periodic. Where the sign of κ is open, each sign is a
-case of its own.
+tanh, tanh of the half, exp, of κ(q − b) where all arguments have the same b; (q + c)^(1/n), and e^u with q = a sinh u.
+Each is used only where it is monotone on the whole domain of the coordinate, or on a turn of an angle, or of a line on
+which P² is periodic. Where the sign of κ is open, each sign is a case of its own.
 """
 
 from __future__ import annotations
@@ -456,7 +456,7 @@ def _both_exponentials(
 def _even_hyperbolic(
     function: sp.Expr, κ: sp.Expr, w: sp.Expr, range_: tuple[sp.Expr, sp.Expr], x: sp.Symbol
 ) -> Iterator[Substitution]:  # fmt: skip
-    """Cosh, sinh, tanh of κq, tanh of the half, where the function is rational in one of them: X ↔ 1/X, X ↔ −1/X, X² ↔ …."""
+    """Cosh, sinh, tanh, tanh of the half, where the function is rational in one of them: X ↔ 1/X, X ↔ −1/X, X² ↔ …."""
     w0, w1 = range_
     found = _invariant(function, sp.S(1))
     if found is not None and w0.is_nonnegative:
