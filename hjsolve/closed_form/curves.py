@@ -98,15 +98,26 @@ def momentum_curves(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> li
     return sorted(found, key=_plainness)
 
 
-def _plainness(curve: MomentumCurve) -> tuple[int, int, int, int]:
-    """Genus, whether a root of P has no radicals, degree, length of the variable."""
+def _plainness(curve: MomentumCurve) -> tuple[int, ...]:
+    """Genus, whether a root of P has no radicals, degree, whether P has odd powers, length of the variable.
+
+    Of 1/q the degree is at least 2: a fall along a line is a cycloid in q itself. Of genus 1 an exponential, whose ends
+    of the line are branch points or no less, comes after functions that are even or odd, as the potential is.
+    """
     P, x = curve.polynomial, curve.x
     plain = curve.degree <= 2
     if 2 < curve.degree <= 4:
         bare, _ = named_constants(P.as_expr(), x)
         factors = [sp.Poly(f, x) for f, _ in sp.factor_list(sp.numer(sp.together(bare)), x)[1]]
         plain = all(f.degree() <= 2 or not any(n % 2 for (n,) in f.monoms()) for f in factors)
-    return genus(curve.degree), int(not plain), curve.degree, int(sp.count_ops(curve.substitution.place))
+    place, q = curve.substitution.place, curve.coordinate.symbol
+    degree = max(curve.degree, 2) if place == 1 / q else curve.degree
+    elliptic, exponential = genus(degree) == 1, isinstance(place, sp.exp)
+    ranked = 4 if elliptic and exponential else degree
+    odd = degree > 2 and any(n % 2 for (n,) in P.monoms())
+    return (
+        genus(degree), int(not plain), ranked, int(odd), int(elliptic and exponential), degree, int(sp.count_ops(place))
+    )  # fmt: skip
 
 
 def genus(degree: int) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import sympy as sp
@@ -177,10 +177,62 @@ def settled(made: Regime, expression: sp.Expr) -> sp.Expr:
                 }
             if relation.lhs.is_Symbol and relation.rhs == 0:
                 signed[relation.lhs] = side * sp.Dummy(relation.lhs.name, positive=True)
-    if not table:
-        return expression
     back = {d: s * sp.sign(e) for s, e in signed.items() for d in e.free_symbols}
-    return expression.xreplace(table).xreplace(signed).xreplace(back)
+    plain = expression.xreplace(table).xreplace(signed).xreplace(back)
+    if not plain.has(sp.Abs, sp.sign):
+        return plain
+    at = Signs(made.example, mp.mpf(0))
+    return plain.replace(lambda e: e.is_Mul, lambda e: _without_signs(e, made.relations, at))
+
+
+def _without_signs(product: sp.Expr, relations: Iterable[sp.Basic], at: Signs) -> sp.Expr:
+    """Return a product without |a| |b| and sign(a) sign(b), where the sign of a b is that of the whole regime."""
+    signed, rest = sp.S.One, sp.S.One
+    for factor in sp.Mul.make_args(product):
+        base, power = factor.as_base_exp()
+        if isinstance(base, (sp.Abs, sp.sign)) and power.is_odd and base.free_symbols <= at.numbers.keys():
+            signed *= base.args[0]
+            rest *= base.args[0] ** power if isinstance(base, sp.Abs) else 1
+        else:
+            rest *= factor
+    if signed == 1 or not sign_is_fixed(relations, signed):
+        return product
+    return sign_of_many_digits(at.number(signed)) * rest
+
+
+def sign_is_fixed(relations: Iterable[sp.Basic], expression: sp.Expr) -> bool:
+    """Whether an expression has one sign by strict relations: signs of products are those of their factors.
+
+    Elimination modulo 2: E m < 0 and k m > 0 give the sign of k/E.
+
+    Args:
+        relations: that hold.
+        expression: of parameters and constants.
+    """
+    echelon = dict[sp.Expr, frozenset[sp.Expr]]()
+    for row in (_open_factors(r.lhs - r.rhs) for r in relations if _side(r)):
+        if left := _without(row, echelon):
+            echelon[min(left, key=sp.default_sort_key)] = left
+    return not _without(_open_factors(expression), echelon)
+
+
+def _open_factors(expression: sp.Expr) -> frozenset[sp.Expr]:
+    """Return the factors of odd powers, up to their sign, that may have either sign."""
+    found = set[sp.Expr]()
+    for factor in sp.Mul.make_args(sp.factor(expression)):
+        base, power = factor.as_base_exp()
+        if base.is_positive or base.is_negative or (power.is_integer and power.is_even):
+            continue
+        found.add(-base if base.could_extract_minus_sign() else base)
+    return frozenset(found)
+
+
+def _without(row: frozenset[sp.Expr], echelon: Mapping[sp.Expr, frozenset[sp.Expr]]) -> frozenset[sp.Expr]:
+    """Return what Gauss's elimination modulo 2 leaves of a row."""
+    for pivot, other in echelon.items():
+        if pivot in row:
+            row ^= other
+    return row
 
 
 def positive_in(made: Regime, expression: sp.Expr) -> bool:

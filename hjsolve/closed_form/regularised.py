@@ -38,7 +38,7 @@ from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monotone_inverse, rational_factor
 from hjsolve.closed_form.real_branch_points import LegendreIntegrals, LegendreMap, elliptic_integral, without_square
 from hjsolve.closed_form.reduction import reduced
-from hjsolve.closed_form.regime import plain_relation
+from hjsolve.closed_form.regime import plain_relation, sign_is_fixed
 from hjsolve.closed_form.regions import RootInterval
 from hjsolve.closed_form.signs import Signs, sign_of_many_digits
 from hjsolve.closed_form.tidy import shortened_powers, square_root
@@ -149,17 +149,14 @@ class Anomaly(Regularised):
         super().__init__(own, integral, ξ, start, names)
 
     def sign_of(self, expression: sp.Expr) -> int:
-        """Return the sign, where every factor has the same in the whole regime; else 0.
+        """Return the sign, where it is the same in the whole regime; else 0.
 
         Args:
             expression: of parameters and constants.
         """
         relations = [r for e, sign in self.own.conditions.items() if (r := plain_relation(e, sign)) is not None]
-        for factor in sp.Mul.make_args(sp.factor(expression)):
-            base, power = factor.as_base_exp()
-            fixed = base.is_positive or base.is_negative or any(_bounds(r, base) for r in relations)
-            if not fixed and not (power.is_integer and power.is_even):
-                return 0
+        if not sign_is_fixed(relations, expression):
+            return 0
         return sign_of_many_digits(self.signs.number(expression))
 
     def _parametrised(self, x_0: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
@@ -284,13 +281,6 @@ class Anomaly(Regularised):
             return low, high
         rising = self._number(sp.diff(self.place, self.ξ).subs(self.ξ, low))
         return (low, high) if rising > 0 else (-high, -low)
-
-
-def _bounds(relation: sp.Basic, base: sp.Expr) -> bool:
-    """Return whether a relation of the regime gives the sign of a factor."""
-    if not isinstance(relation, (sp.StrictGreaterThan, sp.StrictLessThan)):
-        return bool(isinstance(relation, sp.Ne) and base == relation.lhs and relation.rhs == 0)
-    return bool(sp.cancel(base / (relation.lhs - relation.rhs)).is_number)
 
 
 def by_parameter(

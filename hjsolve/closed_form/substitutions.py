@@ -3,9 +3,9 @@
 With G(x) = φ′(q)², every integral of a separated solution is ∫ N dq/√P² = ∫ N dx/√(P² G): rational in x but for one
 square root, where both P² and G are rational in x. Candidates: q, q², 1/q, √(q² + c), and of sines, hyperbolic
 sines and exponentials of multiples of one argument κq: cos, sin, tan of the half, sin of the half shifted, cosh, sinh,
-tanh, exp; (q + c)^(1/n), and e^u with q = a sinh u. Each is used only where it is monotone on the whole domain of the
-coordinate, or on a turn of an angle, or of a line on which P² is periodic. Where the sign of κ is open, each sign is a
-case of its own.
+tanh, tanh of the half, exp, of κ(q − b) where all arguments have the same b; (q + c)^(1/n), and e^u with q = a sinh u.
+Each is used only where it is monotone on the whole domain of the coordinate, or on a turn of an angle, or of a line on
+which P² is periodic. Where the sign of κ is open, each sign is a case of its own.
 """
 
 from __future__ import annotations
@@ -426,17 +426,22 @@ def _hyperbolic(square: sp.Expr, q: sp.Symbol, lower: sp.Expr, upper: sp.Expr, x
     step = ratios[0]
     for r in ratios[1:]:
         step = sp.gcd(step, r)
+    offsets = [sp.expand(a.args[0] - slope * q) for a, slope in zip(atoms, slopes, strict=True)]
+    middle = sp.cancel(-offsets[0] / slopes[0])
+    if any(sp.cancel(δ + slope * middle) != 0 for δ, slope in zip(offsets, slopes, strict=True)):
+        middle = sp.S.Zero
     for side in _sides(slopes[0]):
         κ = side * abs(step) * slopes[0]
         table = {
-            a: X ** sp.cancel(slope / κ) * sp.exp(a.args[0] - slope * q) for a, slope in zip(atoms, slopes, strict=True)
+            a: X ** sp.cancel(slope / κ) * (sp.exp(δ) if middle == 0 else 1)
+            for a, slope, δ in zip(atoms, slopes, offsets, strict=True)
         }
-        function, w = sp.cancel(sp.together(plain.xreplace(table))), κ * q
+        function, w = sp.cancel(sp.together(plain.xreplace(table))), κ * (q - middle)
         if function.has(q):
             return
-        ends = _scaled(κ, lower), _scaled(κ, upper)
+        ends = tuple(_scaled(κ, end if end in (sp.oo, -sp.oo) else end - middle) for end in (lower, upper))
         for found in (*_both_exponentials(function, κ, w, ends, x), *_even_hyperbolic(function, κ, w, ends, x)):
-            yield replace(found, condition=_condition(κ))
+            yield replace(found, condition=_condition(κ), inverse=found.inverse + middle)
 
 
 def _both_exponentials(
@@ -451,12 +456,17 @@ def _both_exponentials(
 def _even_hyperbolic(
     function: sp.Expr, κ: sp.Expr, w: sp.Expr, range_: tuple[sp.Expr, sp.Expr], x: sp.Symbol
 ) -> Iterator[Substitution]:  # fmt: skip
-    """Cosh and sinh and tanh of κq, where the function is rational in one of them: X ↔ 1/X, X ↔ −1/X, X² ↔ …."""
+    """Cosh, sinh, tanh, tanh of the half, where the function is rational in one of them: X ↔ 1/X, X ↔ −1/X, X² ↔ …."""
     w0, w1 = range_
-    if w0.is_nonnegative and (found := _invariant(function, sp.S(1))) is not None:
+    found = _invariant(function, sp.S(1))
+    if found is not None and w0.is_nonnegative:
         yield Substitution(
             x, sp.cosh(w), sp.acosh(x) / κ, κ**2 * (x**2 - 1), found.subs(C, x), sp.cosh(w0), sp.cosh(w1), True
         )
+    elif found is not None:
+        slope, half = κ**2 * (1 - x**2) ** 2 / 4, found.subs(C, (1 + x**2) / (1 - x**2))
+        low, high = sp.tanh(w0 / 2), sp.tanh(w1 / 2)
+        yield Substitution(x, sp.tanh(w / 2), 2 * sp.atanh(x) / κ, slope, half, low, high, True)
     if (found := _invariant(function, sp.S(-1))) is not None:
         yield Substitution(
             x, sp.sinh(w), sp.asinh(x) / κ, κ**2 * (x**2 + 1), found.subs(C, x), sp.sinh(w0), sp.sinh(w1), True
