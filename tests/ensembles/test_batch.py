@@ -44,7 +44,7 @@ def test_orbits_are_picked_as_from_a_numpy_array() -> None:
         len(one)
     with pytest.raises(IndexError):
         _ = whole[2]
-    with pytest.raises(InvalidInputError, match="orbits are picked by place"):
+    with pytest.raises(InvalidInputError, match="an index selects orbits"):
         _ = whole["actions.r"]
 
 
