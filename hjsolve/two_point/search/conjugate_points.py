@@ -9,7 +9,6 @@ multiplicity (Arnold, Functional Analysis and its Applications 1 (1967) 1).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -31,12 +30,8 @@ class ConjugatePoints:
 
     def _scaled(self, frame: Reals) -> tuple[Reals, Reals]:
         """B and D in these units, of frames of shape (m, 2n, n)."""
-        n = len(self.scale)
-        return self.scale @ frame[:, :n] @ self.scale.T, self._back.T @ frame[:, n:] @ self.scale.T
-
-    @cached_property
-    def _back(self) -> Reals:
-        return np.linalg.inv(self.scale)
+        A, back, n = self.scale, np.linalg.inv(self.scale), len(self.scale)
+        return A @ frame[:, :n] @ A.T, back.T @ frame[:, n:] @ A.T
 
     def rate(self, frame: Reals, rates: Reals) -> Reals:
         """Return (arg det U)' = 2 Im tr((D + iB)⁻¹ (D' + iB')), shape (m,).

@@ -42,9 +42,8 @@ _MOST_STEPS = 4000
 _SHORTEST = 1e-15
 """Step of t, in units of T, below which a motion is given up: it meets a singularity."""
 _SAFETY, _SHRINK, _GROW = 0.8, 0.1, 4.0
-_ARGUMENT = 1e-3
-"""Error of the argument of det U in one step, in radians: over ``_MOST_STEPS`` of them less than the turn, short of
-``_WHOLE`` of ``conjugate_points.py``, by which a wrong whole number would be read."""
+_ARGUMENT = 1e-5
+"""Error of the argument of det U in one step, in radians."""
 _ENERGY = sp.Dummy("E")
 _PRODUCTS = 8
 """Whole powers up to which they are written as products."""
