@@ -4,11 +4,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-import sympy as sp
 
 import hjsolve
 from hjsolve.two_point.asked.question import read_question
-from hjsolve.two_point.search.flow import RegularFlow, common_denominator
+from hjsolve.two_point.search.flow import RegularFlow
 
 PLANE = {"x": "line", "y": "line"}
 POTENTIALS = {
@@ -75,25 +74,3 @@ def test_the_flow_of_the_search_has_the_end_and_the_derivatives_of_the_motion(na
     np.testing.assert_allclose(flow.q[:, 0], [float(motion.at(2.5).q[c]) for c in "xy"], rtol=1e-10, atol=0)
     matrix = np.array(motion.transition_matrix(2.5).value, dtype=float)
     np.testing.assert_allclose(flow.position_by_momentum[0], matrix[:2, 2:], rtol=1e-7, atol=0)
-
-
-def test_a_geodesic_of_the_ellipsoid_in_the_time_of_the_search_is_that_of_the_motion():
-    solution, p0 = hjsolve.solve(hjsolve.catalog.load("triaxial-geodesics")), {"alpha": 15.2517, "beta": 28.0941}
-    asked = {"q0": {"alpha": 0.07093, "beta": 2.702782}, "q1": {"alpha": 1, "beta": 1}, "time": 0.674198, "turns": 0}
-    question, values = read_question(solution, parameters=None, digits=15, **asked)
-    flow = RegularFlow(question, values).run(
-        np.array([[x] for x in p0.values()]), tolerance=1e-13, parts=(2, 4, 6, 8, 10, 12)
-    )
-    motion = solution.motion(q=asked["q0"], p=p0)
-    expected = [float(motion.at("0.674198").unwrapped(c)) for c in p0]
-    np.testing.assert_allclose(flow.q[:, 0], expected, rtol=1e-10, atol=0)
-    matrix = np.array(motion.transition_matrix("0.674198").value, dtype=float)
-    np.testing.assert_allclose(flow.position_by_momentum[0], matrix[:2, 2:], rtol=1e-7, atol=0)
-
-
-def test_the_time_of_the_search_keeps_factors_with_a_zero_at_an_end_of_the_domain_and_drops_those_without():
-    kepler, ellipsoid = (common_denominator(hjsolve.catalog.load(n)) for n in ("kepler-planar", "triaxial-geodesics"))
-    assert {str(s) for s in kepler.free_symbols} == {"r"}
-    rate = sp.lambdify(sorted(ellipsoid.free_symbols, key=str), ellipsoid)
-    # (A + p sin²α)(A + p + r sin²β) has no zero
-    assert abs(rate(0.3, 0.7, 1.5, 2.5)) == pytest.approx(1.5 * np.cos(0.3) ** 2 + 2.5 * np.sin(0.7) ** 2, rel=1e-14)

@@ -11,7 +11,7 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.motion.state import Errors, State
+from hjsolve.motion.state import State
 from hjsolve.two_point.asked.question import TwoPlaceQuestion
 
 _CLAIMS, _ROUNDING = 4.0, 1e-13
@@ -31,36 +31,35 @@ def started(question: TwoPlaceQuestion, p: Mapping[str, Mpf]) -> Motion:
     motion = question.solution.motion(
         q=dict(question.q0), p=dict(p), parameters=dict(question.given), digits=question.digits
     )
-    state = motion.at(question.time)
-    miss, allowed = end_point(question, state, state.error)
+    miss, allowed = end_point(question, motion)
     for name, distance in miss.items():
-        if not abs(distance) <= allowed[name]:
+        if not distance <= allowed[name]:
             raise NotConvergedError(
-                f"the motion ends {abs(distance):.1e} from q1 in {name}, more than its errors allow; give more digits"
+                f"the motion ends {distance:.1e} from q1 in {name}, more than its errors allow; give more digits"
             )
     return motion
 
 
-def end_point(question: TwoPlaceQuestion, state: State, error: Errors) -> tuple[dict[str, float], dict[str, float]]:
-    """Return where a motion ends, minus q1, and how far its errors and roundings allow, by coordinate.
+def end_point(question: TwoPlaceQuestion, motion: Motion) -> tuple[dict[str, float], dict[str, float]]:
+    """Return how far a motion is from q1 at its end, and how far its errors and roundings allow, by coordinate.
 
     Args:
         question: what is asked.
-        state: at the end.
-        error: of the state.
+        motion: that starts at q0.
     """
+    state = motion.at(question.time)
     miss, allowed = {}, {}
     unit = max(_ROUNDING * 1e-2, 10.0**-question.digits) if question.digits > 15 else _ROUNDING
     for c in question.system.coordinates:
         goal = question.q1[c.name]
-        miss[c.name] = _difference(state, c.name, goal, angle=c.domain.kind == "angle", digits=question.digits)
+        miss[c.name] = abs(difference(state, c.name, goal, angle=c.domain.kind == "angle", digits=question.digits))
         size = max(abs(float(goal)), abs(float(state.q[c.name])), 1.0 if c.domain.kind == "angle" else 0.0)
         size = max(size, abs(float(question.q0[c.name])))
-        allowed[c.name] = _CLAIMS * float(error.q[c.name]) + unit * size
+        allowed[c.name] = _CLAIMS * float(state.error.q[c.name]) + unit * size
     return miss, allowed
 
 
-def _difference(state: State, name: str, goal: sp.Expr, *, angle: bool, digits: int) -> float:
+def difference(state: State, name: str, goal: sp.Expr, *, angle: bool, digits: int) -> float:
     """Return where a coordinate is, minus where it should be; modulo a turn for an angle.
 
     Args:

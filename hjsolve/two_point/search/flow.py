@@ -2,11 +2,10 @@
 
     Γ(Q, P; E) = g (H − E),   Q' = ∂Γ/∂P,  P' = −∂Γ/∂Q,  t' = g,   Γ = 0,
 
-g the least common multiple of the denominators of T in the coordinates that separate, without factors that are nowhere
-zero (Poincaré's transformation of the time; H. Poincaré, Les méthodes nouvelles III; Siegel & Moser, Lectures on
-Celestial Mechanics, §7). In those of a web of two centres or of Stark's problem Γ has no denominator left, as Thiele
-and Levi-Civita found: a motion that comes as near to a centre as it likes is as smooth as any, and so is where it ends
-as a function of p0.
+g the least common multiple of the denominators of T in the coordinates that separate (Poincaré's transformation of the
+time; H. Poincaré, Les méthodes nouvelles III; Siegel & Moser, Lectures on Celestial Mechanics, §7). In those of a web
+of two centres or of Stark's problem Γ has no denominator left, as Thiele and Levi-Civita found: a motion that comes as
+near to a centre as it likes is as smooth as any, and so is where it ends as a function of p0.
 
 With the motion run its variations by p0, E's among them. At one time, z = (Q, P),
 
@@ -19,13 +18,12 @@ What leaves two_point is not taken from here: it is run by quadratures to its en
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
 
 import numpy as np
 import sympy as sp
-from sympy.codegen.rewriting import create_expand_pow_optimization
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.coordinates.chart import Chart
@@ -45,8 +43,6 @@ _SAFETY, _SHRINK, _GROW = 0.8, 0.1, 4.0
 _ARGUMENT = 1e-5
 """Error of the argument of det U in one step, in radians."""
 _ENERGY = sp.Dummy("E")
-_PRODUCTS = 8
-"""Whole powers up to which they are written as products."""
 _ARRIVED = 1e-9
 """How far from T the time may be at the end, in units of T: from there on along the tangent, the square is rounding."""
 
@@ -129,18 +125,12 @@ def _in_web(solution: Solution) -> Chart | None:
 
 
 @lru_cache(maxsize=32)
-def common_denominator(system: System) -> sp.Expr:
-    """Return that of T in the coordinates and momenta, up to its sign, without factors that can have no zero.
-
-    Args:
-        system: in the coordinates that separate.
-    """
+def _common_denominator(system: System) -> sp.Expr:
+    """Return that of T in the coordinates and momenta, up to its sign."""
     H, found = hamiltonian(system), sp.Integer(1)
     for c in system.coordinates:
         found = sp.lcm(found, sp.fraction(sp.together(sp.diff(H, c.momentum, 2)))[1])
-    anywhere = {c.symbol: sp.Dummy(c.name, real=True) for c in system.coordinates}  # at an end of a domain, too
-    factors = [(base, base.xreplace(anywhere), power) for base, power in sp.factor_list(found)[1]]
-    return sp.Mul(*(base**power for base, real, power in factors if not (real.is_positive or real.is_negative)))
+    return found.as_independent(*(c.symbol for c in system.coordinates), as_Add=False)[1]
 
 
 @lru_cache(maxsize=32)
@@ -148,7 +138,7 @@ def _formulas(system: System, g: sp.Expr, original: System, place: tuple[sp.Expr
     H = hamiltonian(system)
     Q, P = [c.symbol for c in system.coordinates], [c.momentum for c in system.coordinates]
     z = [*Q, *P, _ENERGY]
-    Γ = sp.Add(*(sp.factor(g * term) for term in sp.Add.make_args(H))) - g * _ENERGY
+    Γ = sp.Add(*(sp.cancel(g * term) for term in sp.Add.make_args(sp.expand(H)))) - g * _ENERGY
     rates = [*(sp.diff(Γ, p) for p in P), *(-sp.diff(Γ, q) for q in Q), g]
     matrix = [[sp.diff(rate, s) for s in z] for rate in rates]
     where = [(i, j) for i in range(len(rates)) for j in range(len(z)) if matrix[i][j] != 0]
@@ -160,25 +150,12 @@ def _formulas(system: System, g: sp.Expr, original: System, place: tuple[sp.Expr
     velocity, force = [sp.diff(own, s) for s in p], [-sp.diff(own, s) for s in q]
     masses = [sp.diff(v, s) for v in velocity for s in p]
     return _Formulas(
-        sp.lambdify(
-            [*z, *parameters], [*rates, *(matrix[i][j] for i, j in where)], modules="numpy", cse=_without_powers
-        ),
+        sp.lambdify([*z, *parameters], [*rates, *(matrix[i][j] for i, j in where)], modules="numpy", cse=True),
         (np.array([i for i, _ in where]), np.array([j for _, j in where])),
         sp.lambdify([*Q, *parameters], [*place, *slopes, *bends], modules="numpy", cse=True),
         sp.lambdify([*q, *p, *parameters], [own, *velocity, *force, *masses], modules="numpy", cse=True),
         parameters,
     )  # fmt: skip
-
-
-def _without_powers(formulas: Sequence[sp.Expr]) -> tuple[list[tuple[sp.Symbol, sp.Expr]], list[sp.Expr]]:
-    """Name subexpressions, with products in place of small whole powers: ``numpy`` takes a logarithm for each.
-
-    Args:
-        formulas: that share them.
-    """
-    named, rest = sp.cse(formulas)
-    expand = create_expand_pow_optimization(_PRODUCTS)
-    return [(name, expand(meaning)) for name, meaning in named], [expand(e) for e in rest]
 
 
 class RegularFlow:
@@ -204,7 +181,7 @@ class RegularFlow:
                 system = chart.system
                 start = [begin.values[c.symbol] for c in system.coordinates]
                 place = tuple(chart.transformation[c.name].subs(chart.lengths) for c in original.coordinates)
-        g = common_denominator(system)
+        g = _common_denominator(system)
         at = {c.symbol: x for c, x in zip(system.coordinates, start, strict=True)}
         self._formulas = _formulas(system, -g if to_bits(g.subs({**values, **at}))(64) < 0 else g, original, place)
         self.n, self.time = len(start), float(to_bits(question.time)(64))
@@ -289,7 +266,7 @@ class RegularFlow:
     def _counter(self, state: Reals, orbits: _Orbits) -> ConjugatePoints:
         """Return units in which B is about the identity after the time."""
         rates, matrix = self._linearised(state[:, :1], orbits.take(np.zeros(1, dtype=int)))
-        masses = matrix[: self.n, self.n : 2 * self.n, 0] / rates[-1]
+        masses = matrix[0, : self.n, self.n : 2 * self.n] / rates[-1]
         return ConjugatePoints(np.linalg.inv(np.linalg.cholesky(masses)) / np.sqrt(self.time))
 
     def _begun(self, p: Reals) -> Reals:
@@ -307,35 +284,34 @@ class RegularFlow:
         return np.stack([np.abs(state[:n]).max(axis=0), np.abs(state[n : 2 * n]).max(axis=0), np.abs(state[2 * n])])
 
     def _linearised(self, state: Reals, orbits: _Orbits) -> tuple[Reals, Reals]:
-        """(Q', P', t'), and its derivatives by Q, P and E; shapes (2n + 1, m) and (2n + 1, 2n + 1, m)."""
+        """(Q', P', t'), and its derivatives by Q, P and E; shapes (2n + 1, m) and (m, 2n + 1, 2n + 1)."""
         m, count = state.shape[1], 2 * self.n + 1
         with np.errstate(all="ignore"):
             rows = self._formulas.rates(*state[: count - 1], orbits.energy, *self._known)
-        table, matrix = np.empty((len(rows), m)), np.zeros((count, count, m))
-        for k, row in enumerate(rows):
-            table[k] = row
-        matrix[self._formulas.entries] = table[count:]
-        return table[:count], matrix
+        matrix = np.zeros((m, count, count))
+        for i, j, row in zip(*self._formulas.entries, rows[count:], strict=True):
+            matrix[:, i, j] = row
+        return np.stack([row + 0 * state[0] for row in rows[:count]]), matrix
 
     def _slopes(self, state: Reals, orbits: _Orbits, counter: ConjugatePoints | None) -> Reals:
         """Return the rate of change of a state."""
         m, count = state.shape[1], 2 * self.n + 1
         rates, matrix = self._linearised(state, orbits)
-        varied = self._varied(state).copy()
-        late, varied[-1] = varied[-1].copy(), orbits.slopes  # nothing depends on t: E takes its place
-        change, turning = _product(matrix, varied), np.zeros((1, m))
+        varied = self._varied(state)
+        late, varied[:, -1] = varied[:, -1].copy(), orbits.slopes.T  # nothing depends on t: E takes its place
+        change, turning = matrix @ varied, np.zeros((1, m))
         if counter is not None:
-            along = (rates[:-1] / rates[-1])[:, None]
-            frame = varied[:-1] - along * late
-            turned = _product(matrix, np.concatenate([frame, varied[-1:]]))
-            turned = turned[:-1] - along * turned[-1:]
-            turning[0] = counter.rate(frame.transpose(2, 0, 1), turned.transpose(2, 0, 1))
-        return np.concatenate([rates, change.reshape((count * self.n, m)), turning])
+            along = (rates[:-1] / rates[-1]).T[:, :, None]
+            frame = varied[:, :-1] - along * late[:, None, :]
+            own = np.concatenate([frame, varied[:, -1:]], axis=1)
+            turned = matrix[:, :-1] @ own - along * (matrix[:, -1:] @ own)
+            turning[0] = counter.rate(frame, turned)
+        return np.concatenate([rates, change.transpose(1, 2, 0).reshape((count * self.n, m)), turning])
 
     def _varied(self, state: Reals) -> Reals:
-        """Return the variations of Q, P and t by p0, shape (2n + 1, n, m)."""
+        """Return the variations of Q, P and t by p0, shape (m, 2n + 1, n)."""
         count = 2 * self.n + 1
-        return state[count:-1].reshape(count, self.n, state.shape[1])
+        return state[count:-1].reshape(count, self.n, state.shape[1]).transpose(2, 0, 1).copy()
 
     def _velocity(self, state: Reals, orbits: _Orbits) -> Reals:
         """Return q̇, shape (n, m)."""
@@ -346,7 +322,7 @@ class RegularFlow:
     def _shortened(self, state: Reals, orbits: _Orbits, step: Reals) -> tuple[Reals, Reals]:
         """Return steps that end about at T where they would go beyond, h of δ = g h + g' h²/2; and g."""
         rates, matrix = self._linearised(state, orbits)
-        g, bend = rates[-1], np.einsum("im,im->m", matrix[-1, :-1], rates[:-1])
+        g, bend = rates[-1], np.einsum("mi,im->m", matrix[:, -1, :-1], rates[:-1])
         left = self.time - state[2 * self.n]
         with np.errstate(all="ignore"):
             h = 2 * left / (g + np.sqrt(np.maximum(g * g + 2 * bend * left, 0.0)))
@@ -356,7 +332,7 @@ class RegularFlow:
         self, state: Reals, orbits: _Orbits, reversals: Integers, reached: Mask, counter: ConjugatePoints | None
     ) -> Ends:
         n = self.n
-        rates, varied = self._linearised(state, orbits)[0], self._varied(state).transpose(2, 0, 1)
+        rates, varied = self._linearised(state, orbits)[0], self._varied(state)
         with np.errstate(all="ignore"):
             along = rates[:-1] / rates[-1]
             z = state[: 2 * n] + along * (self.time - state[2 * n])
@@ -369,16 +345,6 @@ class RegularFlow:
         fine = np.isfinite(q).all(axis=0) & np.isfinite(B).all(axis=(1, 2)) & np.isfinite(D).all(axis=(1, 2))
         index = np.full(state.shape[1], -1) if counter is None else counter.index(frame, state[-1])
         return Ends(q, B, D, reversals, index, reached & fine)
-
-
-def _product(matrix: Reals, columns: Reals) -> Reals:
-    """Return products of m small matrices, of which the last axis counts: the same sums as ``@``, without its calls.
-
-    Args:
-        matrix: shape (k, k, m).
-        columns: shape (k, n, m).
-    """
-    return np.asarray(np.einsum("ijm,jkm->ikm", matrix, columns))
 
 
 def _grown(h: Reals, ratio: Reals, parts: tuple[int, ...]) -> Reals:

@@ -17,10 +17,9 @@ from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.motion.state import Errors, State
 from hjsolve.two_point.asked.answers import Completeness, Connection, Connections, Continuum
 from hjsolve.two_point.asked.question import TwoPlaceQuestion
-from hjsolve.two_point.asked.verified import end_point, started
+from hjsolve.two_point.asked.verified import difference, end_point, started
 from hjsolve.two_point.search.flow import Ends
 from hjsolve.two_point.search.shooting import MomentumZero, SearchResult, search
 
@@ -38,7 +37,6 @@ class _Reached:
 
     Attributes:
         motion: that ends next to q1.
-        state, error: its end.
         p: momenta at q0 to many digits, after the step.
         step: what the step took from its momenta, shape (n,).
         miss: where it ends, minus q1, shape (n,).
@@ -47,8 +45,6 @@ class _Reached:
     """
 
     motion: Motion
-    state: State
-    error: Errors
     p: Mapping[str, Mpf]
     step: Reals
     miss: Reals
@@ -151,22 +147,29 @@ def reach(question: TwoPlaceQuestion, p: Reals, ends: Ends) -> _Reached:
         motion = question.solution.motion(
             q=dict(question.q0), p=momenta, parameters=dict(question.given), digits=question.digits
         )
-        state = motion.at(question.time)
-        error = state.error
-        miss, room = (np.array([x[c.name] for c in coordinates]) for x in end_point(question, state, error))
+        allowed = end_point(question, motion)[1]
+        miss, room = _miss(question, motion), np.array([allowed[c.name] for c in coordinates])
         step = inverse @ miss
         with np.errstate(all="ignore"):
             worst = float(np.max(np.where(miss != 0, np.abs(miss) / room, 0.0)))
         if not worst < least:
             break
         exact = [x - context.mpf(float(d)) for x, d in zip(exact, step, strict=True)]
-        p0 = dict(zip(momenta, exact, strict=True))
-        least, best = worst, _Reached(motion, state, error, p0, step, miss, _LEFT * miss, ends)
+        least, best = worst, _Reached(motion, dict(zip(momenta, exact, strict=True)), step, miss, _LEFT * miss, ends)
         if worst * _LEFT <= _SURE:
             break
     if best is not None and least <= max(1.0, _SURE / _LEFT):
         return best
     raise NotConvergedError("a motion that the search found does not end at q1 by quadratures")
+
+
+def _miss(question: TwoPlaceQuestion, motion: Motion) -> Reals:
+    """Return where a motion ends, minus q1; shape (n,)."""
+    state = motion.at(question.time)
+    return np.array(
+        [difference(state, c.name, question.q1[c.name], angle=c.domain.kind == "angle", digits=question.digits)
+         for c in question.system.coordinates]
+    )  # fmt: skip
 
 
 def connection_of(
@@ -183,19 +186,21 @@ def connection_of(
         path: in words.
         turns: whole turns; None to count them.
     """
-    coordinates, ends = question.system.coordinates, reached.ends
-    state, error, miss = reached.state, reached.error, reached.miss
-    off = np.abs(reached.rest) + np.array([float(error.q[c.name]) for c in coordinates])
+    coordinates, motion, ends = question.system.coordinates, reached.motion, reached.ends
+    state, miss = motion.at(question.time), reached.miss
+    off = np.abs(reached.rest) + np.array([float(state.error.q[c.name]) for c in coordinates])
     inverse = np.abs(np.linalg.pinv(ends.position_by_momentum[0], rcond=1e-9))
     p0_error = inverse @ off
     p1_error = np.abs(ends.momentum_by_momentum[0]) @ p0_error
     p0 = {c.name: _value(reached.p[c.name], question.digits, e) for c, e in zip(coordinates, p0_error, strict=True)}
     shift = ends.momentum_by_momentum[0] @ reached.step
     p1 = {
-        c.name: Estimate(state.p[c.name] - float(d), 2 * e + float(error.p[c.name]) + EPS * abs(float(state.p[c.name])))
+        c.name: Estimate(
+            state.p[c.name] - float(d), 2 * e + float(state.error.p[c.name]) + EPS * abs(float(state.p[c.name]))
+        )
         for c, e, d in zip(coordinates, p1_error, shift, strict=True)
     }
-    S = reached.motion.principal_function(question.time)
+    S = motion.principal_function(question.time)
     slopes = np.array([float(state.p[c.name]) for c in coordinates])
     correction = -float(slopes @ miss)
     bend = float(np.abs(miss) @ np.abs(shift))
