@@ -133,7 +133,7 @@ def test_without_any_worker_it_waits_says_so_and_gives_up_in_the_end(
     monkeypatch.setattr(handing_out, "_ALONE", 1.5)
     with local:
         with pytest.raises(
-            hjsolve.ClusterError, match=r"no worker for 2 s. Finished parts are kept; run the same command again"
+            hjsolve.ClusterError, match=r"no worker was available for 2 s. Finished parts are kept; run the same command again"
         ):
             hjsolve.sweep(scene, tmp_path / "out", scheduler=local.scheduler_address)
         assert "no worker is left, waiting for one" in told
@@ -225,7 +225,7 @@ def test_a_part_that_ends_its_workers_is_named(
     out = tmp_path / "out"
     with (
         cluster(tmp_path, [DEADLY] * 3) as (address, _),
-        pytest.raises(hjsolve.ClusterError, match=r"part 5 \(orbits 10 to 11\) ended several workers.*stays"),
+        pytest.raises(hjsolve.ClusterError, match=r"part 5 \(orbits 10 to 11\) ended several workers.*Finished parts are kept"),
     ):
         hjsolve.sweep(scene, out, scheduler=address)
     survived = len(parts(out))
