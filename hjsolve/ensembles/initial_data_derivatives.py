@@ -1,8 +1,11 @@
-"""Derivatives of many orbits by their initial data: ∂f/∂x = Σⱼ ∂f/∂αⱼ ∂αⱼ/∂x, x of q and p, with the formulas of α."""
+"""Derivatives of many orbits by their initial data and by parameters at fixed initial data.
+
+∂f/∂x = Σⱼ ∂f/∂αⱼ ∂αⱼ/∂x for x of q and p, with the formulas of α; for a parameter x what it does at fixed α is added.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import sympy as sp
@@ -22,18 +25,20 @@ Column = Reals | tuple[Reals, Reals]
 """One number an orbit, or of turning points two."""
 
 Slopes = dict[str, dict[str, tuple[Reals, Reals]]]
-"""Constant → "q.r", "p.r" … → ∂α/∂x and bounds on its errors."""
+""""q.r", "p.r" … or parameter → constant → ∂α/∂x and bounds on its errors."""
 
 
 def slopes_of_constants(
-    solution: Solution, starts: Mapping[str, Mapping[str, object]], values: Mapping[sp.Symbol, sp.Expr]
-) -> Slopes:
-    """Differentiate the constants of the motion by q and p.
+    solution: Solution, starts: Mapping[str, Mapping[str, object]], values: Mapping[sp.Symbol, sp.Expr],
+    parameters: Sequence[str] = (),
+) -> Slopes:  # fmt: skip
+    """Differentiate the constants of the motion by q and p, and by parameters at fixed q and p.
 
     Args:
         solution: of the system, in its own coordinates.
         starts: ``q``, and ``p`` or ``velocity`` → coordinate → numbers, which broadcast.
         values: parameter → exact number.
+        parameters: names of those that are varied.
     """
     coordinates = solution.system.coordinates
     names = [c.name for c in coordinates]
@@ -48,31 +53,34 @@ def slopes_of_constants(
         rule = lower(formulas, [c.symbol for c in coordinates] + [c.velocity for c in coordinates])
         moving = rule.run(arithmetic, [*places, *moving])
     symbols = [c.symbol for c in coordinates] + [c.momentum for c in coordinates]
-    keys = [*(f"q.{name}" for name in names), *(f"p.{name}" for name in names)]
-    table = {name: c.expression.subs(values) for name, c in solution.constants.items()}
-    tape = lower([sp.diff(e, s) for e in table.values() for s in symbols], symbols)
+    varied = {f"q.{c.name}": c.symbol for c in coordinates} | {f"p.{c.name}": c.momentum for c in coordinates}
+    varied |= {p.name: p.symbol for p in solution.system.parameters if p.name in parameters}
+    constants = {name: c.expression for name, c in solution.constants.items()}
+    tape = lower([sp.diff(e, s).subs(values) for s in varied.values() for e in constants.values()], symbols)
     with np.errstate(all="ignore"):
         found = [
             (np.broadcast_to(x.value, shape), np.broadcast_to(0.0 if x.error is None else _SAFETY * x.error, shape))
             for x in tape.run(arithmetic, [*places, *moving])
         ]
-    n = len(keys)
-    return {name: dict(zip(keys, found[j * n : (j + 1) * n], strict=True)) for j, name in enumerate(table)}
+    n = len(constants)
+    return {key: dict(zip(constants, found[j * n : (j + 1) * n], strict=True)) for j, key in enumerate(varied)}
 
 
 def by_initial_data(
     value: Mapping[str, Column], error: Mapping[str, Column], slopes: Slopes
 ) -> tuple[dict[str, Column], dict[str, Column]]:
-    """Return derivatives of one quantity by q and p, and bounds on their errors.
+    """Return derivatives of one quantity by q, p and parameters, and bounds on their errors.
 
     Args:
-        value, error: constant → array, or a pair of them for turning points.
-        slopes: of the constants.
+        value, error: constant, and parameter at fixed constants → array, or a pair of them for turning points.
+        slopes: of the constants, by what is varied.
     """
     found: dict[str, Column] = {}
     bounds: dict[str, Column] = {}
-    for key in next(iter(slopes.values())):
-        rows = [(np.asarray(value[c]), np.asarray(error[c]), *slopes[c][key]) for c in slopes]
+    for key, by in slopes.items():
+        rows = [(np.asarray(value[c]), np.asarray(error[c]), *by[c]) for c in by]
+        if key in value:
+            rows.append((np.asarray(value[key]), np.asarray(error[key]), np.ones(()), np.zeros(())))
         with np.errstate(all="ignore"):
             total = np.sum(np.stack([a * b for a, _, b, _ in rows]), axis=0)
             open_ = [np.abs(b) * δa + np.abs(a) * δb + 4 * EPS * np.abs(a * b) for a, δa, b, δb in rows]

@@ -1,9 +1,10 @@
-"""Derivatives of actions and frequencies by the constants of the motion, for many orbits at once.
+"""Derivatives of actions and frequencies by constants of the motion, initial data and parameters, for many orbits.
 
 The second derivatives of the actions come from ``contour_integrals``; ∂Ω/∂α = −Ω dK K⁻¹ with K = ∂J/∂α
-(``motion.derivatives.integrals``). What is integrated on a path is held against what the ensemble found between the
-turning points, J and Ω, which nothing but F has in common with it: where they disagree the path holds something else
-too, and another one, nearer to the motion, is taken.
+(``motion.derivatives.integrals``). A parameter is a variable like a constant as long as these are held; how they change
+with it at fixed q and p is in their formulas (``initial_data_derivatives``). What is integrated on a path is held
+against what the ensemble found between the turning points, J and Ω, which nothing but F has in common with it: where
+they disagree the path holds something else too, and another one, nearer to the motion, is taken.
 """
 
 from __future__ import annotations
@@ -24,18 +25,19 @@ from hjsolve.display.shown import Shown
 from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.engine.contour_integrals import Integrand, Seconds, along, turn
 from hjsolve.ensembles.engine.kernels.path_integrals import Paths
-from hjsolve.ensembles.engine.lowered_solution import lowered_model, next_to_poles
+from hjsolve.ensembles.engine.lowered_solution import lowered_model, next_to_poles, parameter_pair
 from hjsolve.ensembles.engine.paths_of_librations import ATTEMPTS, placed
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.programs_of_paths import path_programs
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.initial_data_derivatives import Slopes, by_initial_data, slopes_of_constants
 from hjsolve.ensembles.orbits import ensemble
-from hjsolve.ensembles.turning_point_derivatives import ends_by_constants, periods_by_constants
+from hjsolve.ensembles.turning_point_derivatives import periods_by_constants, slopes_of_ends, tape_of_ends
 from hjsolve.errors import InvalidInputError, required
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.system import System
 from hjsolve.motion.derivative_values import REMARKS, SQUARE_ROOT
+from hjsolve.motion.derivatives.formulas import VariedSymbols, variables_of
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.solution.quadratures import Solution, solve
 
@@ -53,7 +55,7 @@ TOLERANCE = 1e-10
 """Largest claimed error of an orbit that is ``ok``, relative to the terms that it is the sum of."""
 
 
-_BY = ("constants", "initial")
+_BY = ("constants", "initial", "parameters")
 
 _Groups = dict[str, Any]
 """Quantity or name → what belongs to it, down to columns."""
@@ -64,9 +66,9 @@ class BatchDerivatives(ByValue, Shown):
     """Derivatives of the actions, frequencies, periods and turning points of many orbits.
 
     Attributes:
-        value: ``actions``, ``frequencies``, ``periods`` or ``turning_points`` → coordinate → constant, or initial
-            datum ("q.r"), → array of the shape of the initial conditions, of turning points a pair (lower, upper) of
-            them; nan where the status is not ``ok``.
+        value: ``actions``, ``frequencies``, ``periods`` or ``turning_points`` → coordinate → constant, initial datum
+            ("q.r") or parameter → array of the shape of the initial conditions, of turning points a pair (lower,
+            upper) of them; nan where the status is not ``ok``.
         error: bounds on their errors, of the same shape.
         status: ``ok``; ``not_converged`` where no path was found on which the integrals agree with the ensemble's, as
             next to a separatrix (``Motion.derivatives`` has more digits); else what the ensemble says of the orbit.
@@ -107,19 +109,19 @@ def ensemble_derivatives(
     """Differentiate actions, frequencies, periods and turning points of many orbits.
 
     By ``constants``, those of ``Solution.constants``; by ``initial``, q and canonical p ("q.r", "p.r") are varied one
-    by one.
+    by one; by ``parameters``, each of them at fixed q and canonical p.
 
     Args:
         system: a system, its solution, or a catalog id or path of a .toml entry.
         q, p, velocity, parameters, threads: as of ``ensemble``.
-        by: of ``constants`` and ``initial``.
+        by: of ``constants``, ``initial`` and ``parameters``.
 
     Returns:
         ``value["frequencies"]["r"]["E"]``, ``value["actions"]["r"]["p.theta"]`` and so on, with errors and statuses.
 
     Raises:
         InvalidInputError: as of ``ensemble``; another word; V with kinks, momenta that are shifted, coordinates that
-            were found where the initial data are varied, or dask arrays.
+            were found where the initial data or parameters are varied, or dask arrays.
 
     Example:
         >>> found = ensemble_derivatives("kepler-planar", q={"r": [1.0], "theta": 0}, p={"r": 0, "theta": [1.2]})
@@ -135,55 +137,60 @@ def ensemble_derivatives(
         )
     varied = arguments.words(by, "by", '["initial"]')
     if not varied or varied - {*_BY}:
-        raise InvalidInputError(f"by: one or both of {', '.join(_BY)} are needed, not {', '.join(sorted(varied))}")
-    if "initial" in varied and solution.chart is not None:
+        raise InvalidInputError(f"by: one or more of {', '.join(_BY)} are needed, not {', '.join(sorted(varied))}")
+    if varied - {"constants"} and solution.chart is not None:
         raise InvalidInputError(
-            "by: initial data are varied in coordinates that separate as they are given; write "
-            'motion.derivatives(by={"initial"}) for each orbit, or give solution.system'
+            "by: initial data and parameters are varied in coordinates that separate as they are given; write "
+            f'motion.derivatives(by={{"{min(varied - {"constants"})}"}}) for each orbit, or give solution.system'
         )
     want = ("constants", "actions", "frequencies", "turning_points")
     batch = ensemble(solution, q, p, velocity, want=want, parameters=parameters, threads=threads)
     if batch.lazy:
         raise InvalidInputError("ensemble_derivatives: not of dask arrays; call it for each block")
     values = parameter_values(solution.system, parameters or {})
-    found = _derivatives(solution, batch, values)
-    if "initial" not in varied:
+    variables = variables_of(solution, parameters="parameters" in varied)
+    found = _derivatives(solution, batch, values, variables)
+    if varied == {"constants"}:
         return found
     kind, rates = ("p", p) if velocity is None else ("velocity", velocity)
-    slopes = slopes_of_constants(solution, {"q": q, kind: required(rates)}, values)
-    return _with_initial_data(found, slopes, only="constants" not in varied)
+    slopes = slopes_of_constants(solution, {"q": q, kind: required(rates)}, values, variables.parameters)
+    held = {"initial": [key for key in slopes if "." in key], "parameters": variables.parameters, "constants": ()}
+    return _at_fixed_states(found, slopes, [key for word in varied for key in held[word]], "constants" in varied)
 
 
-def _with_initial_data(found: BatchDerivatives, slopes: Slopes, *, only: bool) -> BatchDerivatives:
-    """Add derivatives by q and p; ``only`` leaves out those by the constants."""
+def _at_fixed_states(found: BatchDerivatives, slopes: Slopes, keys: list[str], constants: bool) -> BatchDerivatives:
+    """Return derivatives by initial data and parameters, beside those by the constants or in place of them."""
     value: _Groups = {}
     errors: _Groups = {}
     for quantity, names in found.value.items():
         value[quantity], errors[quantity] = {}, {}
         for name, own in names.items():
             claims = found.error[quantity][name]
-            rows, bounds = by_initial_data(own, claims, slopes)
-            value[quantity][name] = rows if only else {**own, **rows}
-            errors[quantity][name] = bounds if only else {**claims, **bounds}
+            rows, bounds = by_initial_data(own, claims, {key: slopes[key] for key in keys})
+            kept = list(next(iter(slopes.values()))) if constants else []
+            value[quantity][name] = {c: own[c] for c in kept} | rows
+            errors[quantity][name] = {c: claims[c] for c in kept} | bounds
     return replace(found, value=value, error=errors)
 
 
-def _derivatives(solution: Solution, batch: Batch, values: Mapping[sp.Symbol, sp.Expr]) -> BatchDerivatives:
-    names, constants = list(solution.coordinates), list(solution.constants)
-    n, count = len(constants), int(np.prod(batch.shape, dtype=int))
-    κ = np.array([np.ravel(batch.constants[name]) for name in constants], dtype=float).reshape(n, count)
+def _derivatives(
+    solution: Solution, batch: Batch, values: Mapping[sp.Symbol, sp.Expr], variables: VariedSymbols
+) -> BatchDerivatives:
+    """Differentiate by the constants, and by parameters where constants are held."""
+    names, constants = list(solution.coordinates), variables.constants
+    n, N, count = len(constants), variables.count, int(np.prod(batch.shape, dtype=int))
     status = np.ravel(np.asarray(batch.status)).astype(object)
     open_ = np.flatnonzero(status == "ok")
-    K, K_error = np.full((n, n, count), np.nan), np.zeros((n, n, count))
-    dK, error, sizes = (np.zeros((n, n, n, count)) for _ in range(3))
+    K, K_error = np.full((n, N, count), np.nan), np.zeros((n, N, count))
+    dK, error, sizes = (np.zeros((n, n, N, count)) for _ in range(3))
     good = np.zeros(count, dtype=bool)
     good[open_] = True
     near = next_to_poles(solution)
     for i, name in enumerate(names):
-        found = _coordinate(solution, values, name, batch, κ, open_)
+        found = _coordinate(solution, values, (name, variables), batch, open_)
         left = np.flatnonzero(~found.good)
         if near is not None and len(left):
-            found.put(left, _coordinate(near, values, name, batch, κ, open_[left]))
+            found.put(left, _coordinate(near, values, (name, variables), batch, open_[left]))
         direction = np.sign(np.ravel(batch.actions[name])[open_])
         direction = np.where(direction == 0, 1.0, direction)
         K[i][:, open_], K_error[i][:, open_] = direction * found.first, found.first_error
@@ -194,26 +201,42 @@ def _derivatives(solution: Solution, batch: Batch, values: Mapping[sp.Symbol, sp
     for row, c in enumerate(others, len(names)):
         K[row] = 0.0
         K[row, constants.index(c.momentum.name)] = 1.0
-    return _collected((solution, values), batch, (K, K_error, dK, error, sizes), good, status)
+    return _collected((solution, values, variables), batch, (K, K_error, dK, error, sizes), good, status)
+
+
+def _numbers(batch: Batch, values: Mapping[sp.Symbol, sp.Expr], variables: VariedSymbols) -> tuple[Reals, Reals]:
+    """Return the variables of all orbits and bounds on their errors, shape (variables, n)."""
+    rows = [
+        [np.ravel(np.asarray(table[c], dtype=float)) for c in variables.constants]
+        for table in (batch.constants, batch.error["constants"])
+    ]
+    for symbol in variables.symbols[len(variables.constants) :]:
+        number = parameter_pair(values[symbol])
+        for row, x in zip(rows, (number.high, abs(number.low) * (1 + EPS)), strict=True):
+            row.append(np.full(rows[0][0].shape, x))
+    return np.stack(rows[0]), np.stack(rows[1])
 
 
 def _coordinate(
-    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], name: str, batch: Batch, κ: Reals, open_: Integers
-) -> Seconds:
+    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], which: tuple[str, VariedSymbols], batch: Batch,
+    open_: Integers,
+) -> Seconds:  # fmt: skip
     """Return the second derivatives of one action; good where they agree with it."""
-    model = lowered_model(solution, values)
-    uncertainty = [np.ravel(np.asarray(batch.error["constants"][c], dtype=float)) for c in solution.constants]
+    model, (name, variables) = lowered_model(solution, values), which
     programs = system_programs(model, kernels=False)
     k = next(k for k, c in enumerate(model.separated) if c.name == name)
-    known = np.ascontiguousarray(np.concatenate([κ, uncertainty])[:, open_].T)
-    below, above = path_programs(solution, name, values)
-    integrand = Integrand(below, above, programs.parameters, known)
+    numbers, unsure = _numbers(batch, values, variables)
+    κ = numbers[: len(variables.constants)]
+    known = np.ascontiguousarray(np.concatenate([numbers, unsure])[:, open_].T)
+    below, above = path_programs(solution, name, values, variables)
+    fixed = programs.parameters if not variables.parameters else ()
+    integrand = Integrand(below, above, fixed, len(κ), known)
     ends = [np.ravel(np.asarray(end, dtype=float))[open_] for end in batch.turning_points[name]]
     J = np.abs(np.ravel(batch.actions[name])[open_])
     J_error = np.ravel(batch.error["actions"][name])[open_]
-    n, m = len(κ), len(open_)
-    second, error, scale = (np.zeros((n, n, m)) for _ in range(3))
-    first = np.full((n, m), np.nan)
+    n, N, m = len(κ), len(numbers), len(open_)
+    second, error, scale = (np.zeros((n, N, m)) for _ in range(3))
+    first = np.full((N, m), np.nan)
     none = np.full(m, np.nan)
     result = Seconds(0 * J, 0 * J, first, 0 * first, second, error, scale, none, np.zeros(m, dtype=bool))
     done = np.zeros(m, dtype=bool)
@@ -250,27 +273,28 @@ def _keep(result: Seconds, done: Mask, some: Integers, found: Seconds, J: Reals,
 
 
 def _collected(
-    what: tuple[Solution, Mapping[sp.Symbol, sp.Expr]], batch: Batch,
+    what: tuple[Solution, Mapping[sp.Symbol, sp.Expr], VariedSymbols], batch: Batch,
     found: tuple[Reals, Reals, Reals, Reals, Reals], good: Mask, status: Any,
 ) -> BatchDerivatives:  # fmt: skip
     """∂J/∂α and ∂Ω/∂α with their errors, the frequencies checked, and what follows from them."""
-    solution, values = what
+    solution, _, variables = what
     K, K_error, dK, error, sizes = found
-    constants, names = list(solution.constants), list(solution.coordinates)
+    constants, names = list(variables.constants), list(solution.coordinates)
+    varied = [*constants, *variables.parameters]
     order = names + [c.name for c in solution.system.coordinates if c.name not in names]
     E, n = constants.index(solution.separation.shell.energy.name), len(constants)
-    matrices = np.where(good, K, np.eye(n)[:, :, None]).transpose(2, 0, 1)
+    matrices = np.where(good, K[:, :n], np.eye(n)[:, :, None]).transpose(2, 0, 1)
     with np.errstate(all="ignore"):
         inverse = np.linalg.inv(matrices)
         Ω = inverse[:, E, :]
         size = np.abs(inverse)
         row, rows = Ω[:, None, :], np.abs(Ω)[:, None, :]
-        slopes, unsure, wide = (x.transpose(3, 2, 0, 1) for x in (dK, error + 8 * EPS * np.abs(dK), sizes))  # k, l, j
-        dΩ = -np.concatenate([row @ slopes[:, k] @ inverse for k in range(n)], axis=1).transpose(0, 2, 1)
-        unsure_K = np.where(good, K_error + 64 * EPS * np.abs(K), 0.0).transpose(2, 0, 1)
+        slopes, unsure, wide = (x.transpose(3, 2, 0, 1) for x in (dK, error + 8 * EPS * np.abs(dK), sizes))  # k, i, j
+        dΩ = -np.concatenate([row @ slopes[:, k] @ inverse for k in range(len(varied))], axis=1).transpose(0, 2, 1)
+        unsure_K = np.where(good, K_error[:, :n] + 64 * EPS * np.abs(K[:, :n]), 0.0).transpose(2, 0, 1)
         spread = size @ unsure_K @ size  # what the errors of K leave open of K⁻¹
         bound, terms = [], []
-        for k in range(n):
+        for k in range(len(varied)):
             steep = np.abs(slopes[:, k])
             rounded = rows @ steep @ spread + spread[:, E : E + 1, :] @ steep @ size
             terms.append(rows @ wide[:, k] @ size)
@@ -289,45 +313,43 @@ def _collected(
     errors: _Groups = {"actions": {}, "frequencies": {}, "periods": {}}
     for i, name in enumerate(order):
         if name in batch.actions:
-            value["actions"][name] = {c: shaped(K[i, j]) for j, c in enumerate(constants)}
+            value["actions"][name] = {c: shaped(K[i, j]) for j, c in enumerate(varied)}
             doubt = K_error[i].max(axis=0) + 64 * EPS * np.abs(K[i]).max(axis=0)
-            errors["actions"][name] = {c: shaped(doubt) for c in constants}
+            errors["actions"][name] = {c: shaped(doubt) for c in varied}
         if name in batch.frequencies:
-            value["frequencies"][name] = {c: shaped(dΩ[:, i, j]) for j, c in enumerate(constants)}
-            errors["frequencies"][name] = {c: shaped(bound[:, i, j]) for j, c in enumerate(constants)}
+            value["frequencies"][name] = {c: shaped(dΩ[:, i, j]) for j, c in enumerate(varied)}
+            errors["frequencies"][name] = {c: shaped(bound[:, i, j]) for j, c in enumerate(varied)}
             own = np.ravel(batch.frequencies[name]), np.ravel(batch.error["frequencies"][name])
-            periods = [periods_by_constants(own, (dΩ[:, i, j], bound[:, i, j])) for j in range(n)]
-            value["periods"][name] = {c: shaped(x) for c, (x, _) in zip(constants, periods, strict=True)}
-            errors["periods"][name] = {c: shaped(x) for c, (_, x) in zip(constants, periods, strict=True)}
-    value["turning_points"], errors["turning_points"], ends = _ends(solution, values, batch, good, status)
+            periods = [periods_by_constants(own, (dΩ[:, i, j], bound[:, i, j])) for j in range(len(varied))]
+            value["periods"][name] = {c: shaped(x) for c, (x, _) in zip(varied, periods, strict=True)}
+            errors["periods"][name] = {c: shaped(x) for c, (_, x) in zip(varied, periods, strict=True)}
+    value["turning_points"], errors["turning_points"], ends = _ends(what, batch, good, status)
     return BatchDerivatives(value, errors, status.reshape(batch.shape), ends, batch)
 
 
 def _ends(
-    solution: Solution, values: Mapping[sp.Symbol, sp.Expr], batch: Batch, good: Mask, status: Any
+    what: tuple[Solution, Mapping[sp.Symbol, sp.Expr], VariedSymbols], batch: Batch, good: Mask, status: Any
 ) -> tuple[_Groups, _Groups, _Groups]:
-    """∂q/∂α of the turning points, their errors, and the statuses of them."""
-    model, constants = lowered_model(solution, values), list(solution.constants)
-    κ, unsure = (
-        np.stack([np.ravel(np.asarray(table[c], dtype=float)) for c in constants])
-        for table in (batch.constants, batch.error["constants"])
-    )
+    """∂q/∂x of the turning points, their errors, and the statuses of them."""
+    solution, values, variables = what
+    varied, numbers = [*variables.constants, *variables.parameters], _numbers(batch, values, variables)
+    fixed = () if variables.parameters else lowered_model(solution, values).numbers
     value: _Groups = {}
     errors: _Groups = {}
     statuses: _Groups = {}
-    for coordinate in model.separated:
-        name = coordinate.name
+    for name in solution.coordinates:
         places, open_ = (
             np.stack([np.ravel(np.asarray(end, dtype=float)) for end in table[name]])
             for table in (batch.turning_points, batch.error["turning_points"])
         )
-        found = ends_by_constants(coordinate.plain, model.numbers, (places, open_), (κ, unsure))
+        tape = tape_of_ends(solution, name, values, variables)
+        found = slopes_of_ends(tape, fixed, (places, open_), numbers)
         lost = good & (np.isfinite(places) & np.isnan(found.value).any(axis=0)).any(axis=0)
         fine = good & ~lost
         statuses[name] = np.where(lost, SQUARE_ROOT, status).reshape(batch.shape)
         for table, rows in ((value, found.value), (errors, found.error)):
-            kept = np.where(fine, rows, np.nan).reshape(len(constants), 2, *batch.shape)
-            table[name] = {c: (kept[j, 0], kept[j, 1]) for j, c in enumerate(constants)}
+            kept = np.where(fine, rows, np.nan).reshape(len(varied), 2, *batch.shape)
+            table[name] = {c: (kept[j, 0], kept[j, 1]) for j, c in enumerate(varied)}
     return value, errors, statuses
 
 

@@ -248,5 +248,73 @@ def test_the_action_by_the_radial_momentum_is_what_keplers_formulas_give():
 
 def test_what_is_varied_is_named():
     start = {"q": {"r": [1.0], "theta": 0}, "p": {"r": 0.1, "theta": 1.1}}
-    with pytest.raises(InvalidInputError, match="by: one or both of constants, initial are needed"):
-        hjsolve.ensemble_derivatives("kepler-planar", **start, by={"parameters"})
+    with pytest.raises(InvalidInputError, match="by: one or more of constants, initial, parameters are needed"):
+        hjsolve.ensemble_derivatives("kepler-planar", **start, by={"mass"})
+
+
+def test_derivatives_by_parameters_hold_q_and_p():
+    # J_r = k sqrt(m)/sqrt(-2E) - |l| and Omega = (-2E)^(3/2)/(k sqrt(m)), E = (p_r^2 + l^2/r^2)/2m - k/r
+    q, p = kepler_orbits(30, 6)
+    values = {"m": 1.25, "k": 0.75}
+    found = hjsolve.ensemble_derivatives("kepler-planar", q=q, p=p, by={"parameters"}, parameters=values)
+    assert set(found.value["actions"]["r"]) == {"m", "k"}
+    ok = np.flatnonzero(found.status == "ok")
+    assert len(ok) > 20  # some are unbound with this k
+    for i in ok:
+        r, pr, L = (many.mpf(float(x[i])) for x in (q["r"], p["r"], p["theta"]))
+
+        def energy(m, k, r=r, pr=pr, L=L):
+            return (pr**2 + (L / r) ** 2) / (2 * m) - k / r
+
+        truths = {
+            "actions": lambda m, k, E=energy: k * many.sqrt(m) / many.sqrt(-2 * E(m, k)),
+            "frequencies": lambda m, k, E=energy: (-2 * E(m, k)) ** many.mpf("1.5") / (k * many.sqrt(m)),
+            "periods": lambda m, k, E=energy: 2 * many.pi * k * many.sqrt(m) / (-2 * E(m, k)) ** many.mpf("1.5"),
+        }
+        for quantity, formula in truths.items():
+            for order, name in (((1, 0), "m"), ((0, 1), "k")):
+                truth = many.diff(formula, (1.25, 0.75), order)
+                value, claim = (float(table[quantity]["r"][name][i]) for table in (found.value, found.error))
+                assert abs(many.mpf(value) - truth) <= claim
+                assert claim <= 1e-8 * abs(truth) + 1e-10
+
+
+@pytest.mark.parametrize("start", [0.4, 2.5])
+def test_an_exponent_and_an_end_of_the_domain_are_parameters_like_others(start):
+    """V = k rⁿ, differentiated by n; and a particle between r = b, where V has a pole, and a wall of potential."""
+    power = System({"r": "0 < r", "phi": "angle"}, "(dot(r)**2 + r**2*dot(phi)**2)/2", "k*r**n", {"k": "2", "n": "3"})
+    pole = System({"x": "b < x"}, "dot(x)**2/2", "c/(x - b)**2 + x**2/2", {"b": "1/10", "c": "1/100"})
+    for system, q, p in (
+        (power, {"r": [start], "phi": [0.1]}, {"r": [0.2], "phi": [0.9]}),
+        (pole, {"x": [start]}, {"x": [0.3]}),
+    ):
+        solution = hjsolve.solve(system)
+        found = hjsolve.ensemble_derivatives(solution, q=q, p=p, by=("parameters",))
+        assert found.status.tolist() == ["ok"]
+        start_ = {n: x[0] for n, x in q.items()}, {n: x[0] for n, x in p.items()}
+        exact = solution.motion(q=start_[0], p=start_[1], digits=30).derivatives(set(found.value), {"parameters"})
+        for error, claim, truth in against(found, exact, 0):
+            assert error <= claim <= 1e-9 * (1 + abs(truth))
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(
+    "name", ["kuzmin-kutuzov", "spherical-pendulum", "two-centres-space", "pendulum", "morse", "relativistic-kepler"]
+)
+def test_derivatives_by_parameters_are_those_of_single_motions(name):
+    rng = np.random.default_rng(8)
+    solution = hjsolve.solve(hjsolve.catalog.load(name))
+    values = solution.motion(**hjsolve.catalog.describe(name).initial.arguments).initial.values
+    q, p = {}, {}
+    for c in solution.system.coordinates:
+        q[c.name] = float(values[c.symbol]) * rng.uniform(0.95, 1.05, 12)
+        p[c.name] = float(values[c.momentum]) * rng.uniform(0.9, 1.1, 12)
+    found = hjsolve.ensemble_derivatives(solution, q=q, p=p, by={"initial", "parameters"})
+    fine = np.flatnonzero(found.status == "ok")
+    assert len(fine) > 9
+    for k in fine[:4]:
+        one = solution.motion(
+            q={n: float(x[k]) for n, x in q.items()}, p={n: float(x[k]) for n, x in p.items()}, digits=25
+        ).derivatives(set(found.value), {"initial", "parameters"})
+        for error, claim, _ in against(found, one, k):
+            assert error <= claim

@@ -25,7 +25,7 @@ from hjsolve.ensembles.engine.kernels.path_integrals import Paths, PathTable, pa
 from hjsolve.ensembles.engine.kernels.types import LANES
 from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMap
 from hjsolve.ensembles.engine.nodes import libration_nodes
-from hjsolve.ensembles.engine.programs_of_paths import PathPrograms
+from hjsolve.ensembles.engine.programs_of_paths import PathPrograms, pairs
 from hjsolve.ensembles.engine.strips_of_analyticity import half_width, squares
 
 _LONG, _NEAR = 48.0, 8.0
@@ -44,8 +44,8 @@ class Seconds(NamedTuple):
 
     Attributes:
         action, action_error: J and what rounding leaves open of it, shape (m,).
-        first, first_error: J_j and bounds on their errors, shape (constants, m).
-        second, error: J_jk, shape (constants, constants, m).
+        first, first_error: J_j and bounds on their errors, shape (variables, m).
+        second, error: J_jk, one j a constant, shape (constants, variables, m).
         scale: the mean size of what J_jk is the mean of, of the same shape.
         left: what the steps leave open of the J_jk, over their scale at most, shape (m,).
         good: whether the path holds the turning points and nothing else, as far as it shows.
@@ -73,12 +73,14 @@ class Integrand(NamedTuple):
     Attributes:
         below, above: codes of both halves.
         parameters: of the codes.
-        known: constants of n orbits, and bounds on their errors, shape (n, 2 constants).
+        constants: how many of the variables are constants of the motion.
+        known: variables of n orbits, and bounds on their errors, shape (n, 2 variables).
     """
 
     below: PathPrograms
     above: PathPrograms
     parameters: tuple[float, ...]
+    constants: int
     known: Reals
 
 
@@ -169,8 +171,9 @@ def along(integrand: Integrand, tables: tuple[PathTable, ...], paths: Paths, vie
         proved: whether the path is in the middle of a strip that is proved to resolve the orbit, shape (m,).
     """
     table, fewer = tables
-    m, known = len(paths.wide), paths.known.shape[1] // 2
-    results = known + known * (known + 1) // 2
+    m, n, varied = len(paths.wide), integrand.constants, paths.known.shape[1] // 2
+    each = pairs(n, varied)
+    results = varied + len(each)
     made, bounds = np.empty((2 + 3 * results, m)), np.empty((2 + 2 * results, m))
     work = np.empty((7, table.steps.shape[1]))
     for codes, own, filled, bounded in (("means", table, made, False), ("bounds", fewer, bounds, True)):
@@ -187,13 +190,14 @@ def along(integrand: Integrand, tables: tuple[PathTable, ...], paths: Paths, vie
         share = np.minimum(1.0, np.where(proved, (8 * c) ** _PROVED, (4 * c) ** _EXPECTED))
         open_ = np.where(scale[1:] == 0, 0.0, scale[1:] * share)
         share = np.where(scale[1:] == 0, 0.0, share)
-    n = known
-    pairs = np.zeros((n, n), dtype=np.int64)
-    pairs[np.triu_indices(n)] = np.arange(n, results)
-    pairs = np.maximum(pairs, pairs.T)
+    place = np.zeros((n, varied), dtype=np.int64)
+    for position, (j, k) in enumerate(each, varied):
+        place[j, k] = position
+        if k < n:
+            place[k, j] = position
     error = rounding[1:] + open_
     good = (made[0] > 0) & np.isfinite(made).all(axis=0) & np.isfinite(bounds).all(axis=0)
     return Seconds(
-        made[1], rounding[0], values[:n], rounding[1 : 1 + n] + 4 * open_[:n], values[pairs], error[pairs],
-        scale[1:][pairs], np.max(share[n:], axis=0), good,
+        made[1], rounding[0], values[:varied], rounding[1 : 1 + varied] + 4 * open_[:varied], values[place],
+        error[place], scale[1:][place], np.max(share[varied:], axis=0), good,
     )  # fmt: skip

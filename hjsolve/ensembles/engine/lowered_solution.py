@@ -149,12 +149,17 @@ def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Mo
     angles = tuple(
         c.name for c in system.coordinates if c.name not in solution.coordinates and c.domain.kind == "angle"
     )
-    numbers = tuple(_pair(values[s]) for s in parameters)
+    numbers = tuple(parameter_pair(values[s]) for s in parameters)
     exact = tuple(_fraction(values[s]) for s in parameters)
     return Model(names, angles, separated, tuple(solution.constants), ignorable, rule, shift, numbers, exact)
 
 
-def _pair(value: sp.Expr) -> Pair:
+def parameter_pair(value: sp.Expr) -> Pair:
+    """Return a number in two doubles.
+
+    Args:
+        value: of a parameter.
+    """
     bits = to_bits(value)(160)
     high = float(bits)
     return Pair(high, float(bits - high))
@@ -187,14 +192,14 @@ def _separated(
         seen = [near(e) for e in (F, *kernels)]
         side = 1 if origin == lower_end or sign < 0 else -1 if origin == upper_end else 0
         if parts is None:
-            numbers = tuple(_pair(values[s]) for s in parameters)
+            numbers = tuple(parameter_pair(values[s]) for s in parameters)
             clearance = Clearance(lower(seen, arguments), numbers, alone=False, side=side)
         else:
             shapes = _shapes([near(e) for e in parts], q)
             inner = tuple(s for s in parameters if any(e.has(s) for e in shapes))
-            clearance = _clearance(shapes, (q, *inner), tuple(_pair(values[s]) for s in inner), side)
+            clearance = _clearance(shapes, (q, *inner), tuple(parameter_pair(values[s]) for s in inner), side)
         return LoweredFormula(
-            _pair(origin.subs(values)), sign, lower(seen[:1], arguments), lower(seen, arguments), clearance
+            parameter_pair(origin.subs(values)), sign, lower(seen[:1], arguments), lower(seen, arguments), clearance
         )
 
     def from_end(end: sp.Expr | None, sign: int) -> LoweredFormula | None:

@@ -1,6 +1,8 @@
 """Programs of paths through the complex plane: F and its first and second derivatives by the constants, with errors.
 
-Over an offset x in a view of F (``lowered_solution``), t = dq/dχ there, the constants and bounds on their errors.
+Over an offset x in a view of F (``lowered_solution``), t = dq/dχ there, the variables and bounds on their errors. The
+variables are the constants of the motion and, where they are varied, the parameters; of the second derivatives one is
+by a constant.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from hjsolve.ensembles.engine.lowered_solution import multiplied_out
 from hjsolve.ensembles.engine.program_parts import MADE, ParameterRows
 from hjsolve.formulas.removable_poles import without_removable_poles
 from hjsolve.lowering import lower, with_plain_exponents
+from hjsolve.motion.derivatives.formulas import VariedSymbols
 from hjsolve.solution.quadratures import Solution
 
 _ROUNDED = 32 * UNIT
@@ -32,7 +35,7 @@ class PathPrograms:
 
     Attributes:
         means: Re x, Im x, Re t, Im t, c ↦ Re r, Im r, Re F r, and real and imaginary parts of ½ F_j r and of
-            (½ F_jk − ¼ F_j F_k/F) r, k ≥ j, where r = ±t/√F.
+            (½ F_jk − ¼ F_j F_k/F) r, in the order of ``pairs``, where r = ±t/√F.
         bounds: the same with a bound on the error of x before c, and those of c after it ↦ bounds on the errors of the
             integrands, and then their sizes, F r first.
     """
@@ -41,71 +44,84 @@ class PathPrograms:
     bounds: MachineCode
 
 
-def path_programs(solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr]) -> list[PathPrograms]:
+def pairs(constants: int, varied: int) -> list[tuple[int, int]]:
+    """List by which variables second derivatives are taken: a constant j, and every variable k ≥ j.
+
+    Args:
+        constants: how many constants there are, the first of the variables.
+        varied: how many variables.
+    """
+    return [(j, k) for j in range(constants) for k in range(j, varied)]
+
+
+def path_programs(
+    solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr], variables: VariedSymbols
+) -> list[PathPrograms]:
     """Return the codes of the lower and of the upper half of a coordinate.
 
     Args:
         solution: of the system.
         name: of a separated coordinate.
         values: every parameter → exact number.
+        variables: what is varied.
     """
     system, coordinate = solution.system, solution.system.coordinate(name)
-    F = with_plain_exponents(solution.momentum_squared[name], values)
+    varied = set(variables.symbols)
+    exponents = {s: v for s, v in values.items() if s not in varied}
+    F = with_plain_exponents(solution.momentum_squared[name], exponents)
     F = without_removable_poles(F, coordinate.symbol)
-    constants = tuple(c.symbol for c in solution.constants.values())
-    parameters = tuple(p.symbol for p in system.parameters)
+    counts = len(variables.constants), variables.count
+    fixed = tuple(p.symbol for p in system.parameters if p.symbol not in varied)
     ends = (coordinate.domain.lower, 1), (coordinate.domain.upper, -1)
-    tapes = [_differentiated(F, coordinate.symbol, constants, parameters, end, sign) for end, sign in ends]
-    return [_programs(tape, len(constants), len(parameters)) for tape in tapes]
+    numbers = tuple((s, v) for s, v in values.items() if s in varied)
+    tapes = [_differentiated(F, coordinate.symbol, variables, (fixed, numbers), end, sign) for end, sign in ends]
+    return [_programs(tape, *counts, len(fixed)) for tape in tapes]
 
 
 @lru_cache(maxsize=MADE)
 def _differentiated(
-    F: sp.Expr, q: sp.Symbol, constants: tuple[sp.Symbol, ...], parameters: tuple[sp.Symbol, ...],
-    end: sp.Expr | None, sign: int,
+    F: sp.Expr, q: sp.Symbol, variables: VariedSymbols,
+    parameters: tuple[tuple[sp.Symbol, ...], tuple[tuple[sp.Symbol, sp.Expr], ...]], end: sp.Expr | None, sign: int,
 ) -> Tape:  # fmt: skip
-    """F, F_j, F_jk (k ≥ j) in x, q = end ± x; q itself where there is no end."""
-    first = [sp.diff(F, c) for c in constants]
-    second = [sp.diff(first[j], c) for j in range(len(constants)) for c in constants[j:]]
-    seen = [F, *first, *second]
+    """F, F_j, F_jk at q = end ± x, or at x where there is no end; ``parameters`` are the fixed and the varied."""
+    (fixed, numbers), symbols = parameters, variables.symbols
+    first = [sp.diff(F, c) for c in symbols]
+    second = [sp.diff(first[j], symbols[k]) for j, k in pairs(len(variables.constants), len(symbols))]
+    # exponents that are varied are numbers only after the derivatives are taken
+    seen = [with_plain_exponents(e, dict(numbers)) for e in (F, *first, *second)]
     if end is not None:
         seen = [multiplied_out(e.subs(q, end + sign * q), q) for e in seen]
-    return lower(seen, [q, *constants, *parameters])
+    return lower(seen, [q, *symbols, *fixed])
 
 
 @lru_cache(maxsize=MADE)
-def _programs(tape: Tape, constants: int, parameters: int) -> PathPrograms:
-    return PathPrograms(_means(tape, constants, parameters), _bounds(tape, constants, parameters))
+def _programs(tape: Tape, constants: int, varied: int, parameters: int) -> PathPrograms:
+    return PathPrograms(_means(tape, constants, varied, parameters), _bounds(tape, constants, varied, parameters))
 
 
-def _means(tape: Tape, constants: int, parameters: int) -> MachineCode:
+def _means(tape: Tape, constants: int, varied: int, parameters: int) -> MachineCode:
     writer = InstructionWriter()
-    xr, xi, tr, ti, *rows = writer.inputs(4 + constants)
+    xr, xi, tr, ti, *rows = writer.inputs(4 + varied)
     a = AnalyticWriter(writer)
     known = [ComplexValue(v) for v in (*rows, *ParameterRows(writer, parameters).plain)]
     F, *others = tape.run(a, [ComplexValue(xr, xi), *known])
     t, half, quarter = ComplexValue(tr, ti), a.rational(1, 2), a.rational(1, 4)
     r = a.unary("sqrt", a.div(a.mul(t, t), F))
-    found, part = [a.mul(half, a.mul(f, r)) for f in others[:constants]], a.mul(quarter, a.div(r, F))
-    position = constants
-    for j in range(constants):
-        steep = a.mul(others[j], part)
-        for k in range(j, constants):
-            flat = a.mul(half, a.mul(others[position], r))
-            found.append(a.sub(flat, a.mul(steep, others[k])))
-            position += 1
+    found, part = [a.mul(half, a.mul(f, r)) for f in others[:varied]], a.mul(quarter, a.div(r, F))
+    for (j, k), f in zip(pairs(constants, varied), others[varied:], strict=True):
+        found.append(a.sub(a.mul(half, a.mul(f, r)), a.mul(a.mul(others[j], part), others[k])))
     zero = writer.number(0.0)
     parts = [part for f in (r, *found) for part in (f.re, zero if f.im is None else f.im)]
     return writer.code([*parts[:2], a.mul(F, r).re, *parts[2:]])
 
 
-def _bounds(tape: Tape, constants: int, parameters: int) -> MachineCode:
+def _bounds(tape: Tape, constants: int, varied: int, parameters: int) -> MachineCode:
     writer = InstructionWriter()
-    xr, xi, tr, ti, blur, *rows = writer.inputs(5 + 2 * constants)
+    xr, xi, tr, ti, blur, *rows = writer.inputs(5 + 2 * varied)
     plain, add, mul = ComplexWriter(writer), writer.add, writer.mul
     numbers = ParameterRows(writer, parameters)
-    pairs = [*zip(rows[:constants], rows[constants:], strict=True), *((x.value, x.error) for x in numbers.rounded)]
-    known = [WithErrorBound(ComplexValue(v), None if e is None else ComplexValue(e)) for v, e in pairs]
+    inputs = [*zip(rows[:varied], rows[varied:], strict=True), *((x.value, x.error) for x in numbers.rounded)]
+    known = [WithErrorBound(ComplexValue(v), None if e is None else ComplexValue(e)) for v, e in inputs]
     place = WithErrorBound(ComplexValue(xr, xi), ComplexValue(blur))
     results = tape.run(ComplexRunningError(plain), [place, *known])
     zero, half, quarter = (writer.number(x) for x in (0.0, 0.5, 0.25))
@@ -121,16 +137,14 @@ def _bounds(tape: Tape, constants: int, parameters: int) -> MachineCode:
         total.append(size)
         bounds.append(bound)
 
-    for f, e in zip(sizes[1 : 1 + constants], errors[1:], strict=False):
+    for f, e in zip(sizes[1 : 1 + varied], errors[1:], strict=False):
         flat = mul(half, mul(f, r))
         put(flat, add(mul(half, mul(e, r)), mul(mul(half, relative), flat)))
-    position = 1 + constants
-    for j in range(constants):
-        for k in range(j, constants):
-            (f, g), (e, d) = ((x[1 + j], x[1 + k]) for x in (sizes, errors))
-            flat, steep = mul(half, mul(sizes[position], r)), mul(part, mul(f, g))
-            bound = add(mul(half, mul(errors[position], r)), mul(part, add(mul(e, g), mul(f, d))))
-            bound = add(bound, mul(relative, add(mul(half, flat), mul(writer.number(1.5), steep))))
-            put(add(flat, steep), bound)
-            position += 1
+    own = zip(pairs(constants, varied), sizes[1 + varied :], errors[1 + varied :], strict=True)
+    for (j, k), size, error in own:
+        (f, g), (e, d) = ((x[1 + j], x[1 + k]) for x in (sizes, errors))
+        flat, steep = mul(half, mul(size, r)), mul(part, mul(f, g))
+        bound = add(mul(half, mul(error, r)), mul(part, add(mul(e, g), mul(f, d))))
+        bound = add(bound, mul(relative, add(mul(half, flat), mul(writer.number(1.5), steep))))
+        put(add(flat, steep), bound)
     return writer.code([*map(add, bounds, (mul(rounded, x) for x in total)), *total])
