@@ -58,8 +58,6 @@ def separatrices(solution: Solution, fixed: object, parameters: object, digits: 
     Raises:
         InvalidInputError: names that are not known, or not one constant that is left.
     """
-    if solution.chart is not None:
-        raise InvalidInputError("separatrices: not with coordinates that were found; ask solution.system, solved anew")
     held = {n: number(v, source=f"fixed[{n}]") for n, v in arguments.table(fixed, "fixed", '{"L": 1}').items()}
     unknown = [name for name in solution.constants if name not in held]
     if stray := [name for name in held if name not in solution.constants]:

@@ -8,6 +8,7 @@ motion with more digits than are asked. With several, Newton's method begins at 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -100,7 +101,7 @@ def refined_in(
     residual, _, size = members[root]
     if abs(residual) > 1e3 * 10.0**-digits * size:
         return None
-    member = member_of(family, curves, bracket.wells, root)
+    member = replace(member_of(family, curves, bracket.wells, root), solution=asked.users)
     if not asked.certified:
         return member.motion(asked.digits)
     _prove(asked, (family, curves, bracket), equation, root)

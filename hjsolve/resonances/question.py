@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy as sp
 
@@ -27,7 +27,8 @@ class TorusQuestion:
     """What is asked of a torus.
 
     Attributes:
-        solution: what is solved.
+        users: what is solved, expressed in the user's coordinates where others were found.
+        solution: the same in the coordinates that separate, which tori are looked for in.
         unknowns: names of the numbers that tell a motion: its constants, or p, e and x of Kerr's geodesics.
         equations: that its frequencies meet.
         held: constant → exact value.
@@ -39,6 +40,7 @@ class TorusQuestion:
         words: the equations in words.
     """
 
+    users: Solution
     solution: Solution
     unknowns: tuple[str, ...]
     equations: tuple[Equation, ...]
@@ -85,10 +87,7 @@ def asked(
     Raises:
         InvalidInputError: what is no number, names that are not known, or equations that do not fit the unknowns.
     """
-    if solution.chart is not None:
-        raise InvalidInputError(
-            "torus: not with coordinates that were found; ask solution.system, solved in its separated coordinates"
-        )
+    users, solution = solution, replace(solution, chart=None)
     refuse_kinks(solution.system.kinks, "torus")
     if (frequencies is None) == (ratio is None):
         raise InvalidInputError('torus: frequencies={"r": 0.5} or ratio={"r": 2, "theta": 3} is needed, one of them')
@@ -110,7 +109,7 @@ def asked(
     names = [c.name for c in solution.system.coordinates if c.name in solution.coordinates or c.domain.kind == "angle"]
     equations, words = _equations(frequencies, ratio, names)
     result = TorusQuestion(
-        solution, unknowns, equations, held, letters, _kinds(solution, kinds), _bounds(unknowns, between),
+        users, solution, unknowns, equations, held, letters, _kinds(solution, kinds), _bounds(unknowns, between),
         max(15, arguments.digits(digits)), bool(certified), words,
     )  # fmt: skip
     if len(result.unknown) != len(equations):

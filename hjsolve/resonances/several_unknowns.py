@@ -60,7 +60,8 @@ def tori_by_newton(asked: TorusQuestion) -> list[Motion]:
         raise InvalidInputError(_none(asked, batch, degenerate))
     first = next(iter(asked.unknown))
     found.sort(key=lambda member: float(member.constants[first]))
-    return [member.motion(asked.digits, certified=asked.certified) for member in found]
+    users = [replace(member, solution=asked.users) for member in found]
+    return [member.motion(asked.digits, certified=asked.certified) for member in users]
 
 
 def _motions(asked: TorusQuestion) -> Batch:

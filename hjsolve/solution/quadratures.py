@@ -147,7 +147,8 @@ class Solution(ShownSolution):
         "1.2", "1/24", "pi/3", "sqrt(2)", which is taken exactly.
 
         Args:
-            q: coordinate → position at t0, every one; with ``chart`` the coordinates as the system was given in.
+            q: coordinate → position at t0, every one; with ``chart`` the coordinates as the system was given in,
+                beside constants those that were found.
             velocity: coordinate → velocity at t0, every one; or
             p: coordinate → canonical momentum at t0, every one; or
             constants: name of a constant of the motion (``Solution.constants``) → value, every one, with

@@ -89,6 +89,8 @@ def start(solution: Solution, given: StartGiven) -> Motion:
     arguments.refuse_unused(unused, "there are no actions={…}")
     if given.q is None:
         raise InvalidInputError(f"motion: no q={{…}}; write {EXAMPLE}")
+    if solution.chart is not None and given.constants is not None:
+        return _with_constants(solution, given)
     if _velocity_is_in_space(solution, given):
         return _with_velocity_in_space(solution, given)
     given = _checked(solution, _in_own_units(solution, given))
@@ -123,8 +125,8 @@ def _in_own_units(solution: Solution, given: StartGiven) -> StartGiven:
 
 def _checked(solution: Solution, given: StartGiven) -> StartGiven:
     """Refuse what cannot be; times as exact numbers, words as a set."""
-    if solution.chart is not None and (given.constants is not None or given.signs is not None):
-        raise InvalidInputError("constants, signs: with coordinates that were found, give velocity={…} or p={…}")
+    if solution.chart is not None and given.signs is not None:
+        raise InvalidInputError("signs: they belong to constants={…}, which are not there")
     digits = arguments.digits(given.digits)
     arguments.refuse_other(given.certified, bool, "certified", "True or False is needed")
     if given.certified and solution.chart is None:
@@ -176,6 +178,20 @@ def _in_found_coordinates(solution: Solution, given: StartGiven) -> Motion:
     return start_charted(
         solution, data, t0=given.t0, digits=given.digits, certified=given.certified, want=given.want
     )  # fmt: skip
+
+
+def _with_constants(solution: Solution, given: StartGiven) -> Motion:
+    """Start from constants and a place, both of the coordinates that were found; expressed in the user's."""
+    names = [c.name for c in solution.system.coordinates]
+    if isinstance(given.q, Mapping) and not set(given.q) & set(names):
+        raise InvalidInputError(
+            f"constants: they are those of the coordinates that were found, and so is q: {', '.join(names)}; "
+            "in coordinates of your own give velocity={…} or p={…}"
+        )
+    within = replace(solution, chart=None)
+    read = _checked(within, _in_own_units(within, given))
+    motion = in_users_coordinates(required(solution.chart), _as_given(solution, read), parts_of(read.want))
+    return _kept(solution, given, motion)
 
 
 def _on_torus(solution: Solution, given: StartGiven) -> Motion:
