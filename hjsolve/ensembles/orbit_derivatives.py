@@ -31,6 +31,7 @@ from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.programs_of_paths import path_programs
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.initial_data_derivatives import Slopes, by_initial_data, slopes_of_constants
+from hjsolve.ensembles.mean_shifts import mean_shifts
 from hjsolve.ensembles.orbits import ensemble
 from hjsolve.ensembles.turning_point_derivatives import periods_by_constants, slopes_of_ends, tape_of_ends
 from hjsolve.errors import InvalidInputError, required
@@ -120,8 +121,8 @@ def ensemble_derivatives(
         ``value["frequencies"]["r"]["E"]``, ``value["actions"]["r"]["p.theta"]`` and so on, with errors and statuses.
 
     Raises:
-        InvalidInputError: as of ``ensemble``; another word; V with kinks, momenta that are shifted, coordinates that
-            were found where the initial data or parameters are varied, or dask arrays.
+        InvalidInputError: as of ``ensemble``; another word; V with kinks, no coordinate that is not ignorable,
+            coordinates that were found where the initial data or parameters are varied, or dask arrays.
 
     Example:
         >>> found = ensemble_derivatives("kepler-planar", q={"r": [1.0], "theta": 0}, p={"r": 0, "theta": [1.2]})
@@ -130,10 +131,9 @@ def ensemble_derivatives(
     """
     solution = system if isinstance(system, Solution) else solve(system)
     refuse_kinks(solution.system.kinks, "ensemble_derivatives")
-    if any(A != 0 for A in solution.shift.values()) or not solution.coordinates:
+    if not solution.coordinates:
         raise InvalidInputError(
-            "ensemble_derivatives: not where momenta are shifted or every coordinate is ignorable; write "
-            "motion.derivatives(…) for each"
+            "ensemble_derivatives: not where every coordinate is ignorable; write motion.derivatives(…) for each"
         )
     varied = arguments.words(by, "by", '["initial"]')
     if not varied or varied - {*_BY}:
@@ -191,11 +191,14 @@ def _derivatives(
         left = np.flatnonzero(~found.good)
         if near is not None and len(left):
             found.put(left, _coordinate(near, values, (name, variables), batch, open_[left]))
-        direction = np.sign(np.ravel(batch.actions[name])[open_])
+        numbers, _ = _numbers(batch, values, variables)
+        mean, turns = mean_shifts(solution, name, values, variables, numbers[:, open_]), _goes_round(batch, name, open_)
+        direction = np.sign(np.ravel(batch.actions[name])[open_] + np.where(turns, mean.value[0], 0.0))
         direction = np.where(direction == 0, 1.0, direction)
-        K[i][:, open_], K_error[i][:, open_] = direction * found.first, found.first_error
-        dK[i][:, :, open_], error[i][:, :, open_] = direction * found.second, found.error
-        sizes[i][:, :, open_] = found.scale
+        first, second = np.where(turns, mean.first, 0.0), np.where(turns, mean.second, 0.0)
+        K[i][:, open_], K_error[i][:, open_] = direction * found.first - first[0], found.first_error + first[1]
+        dK[i][:, :, open_], error[i][:, :, open_] = direction * found.second - second[0], found.error + second[1]
+        sizes[i][:, :, open_] = found.scale + np.abs(second[0])
         good[open_[~found.good]] = False
     others = [c for c in solution.system.coordinates if c.name not in names]
     for row, c in enumerate(others, len(names)):
@@ -217,6 +220,11 @@ def _numbers(batch: Batch, values: Mapping[sp.Symbol, sp.Expr], variables: Varie
     return np.stack(rows[0]), np.stack(rows[1])
 
 
+def _goes_round(batch: Batch, name: str, open_: Integers) -> Mask:
+    ends = [np.ravel(np.asarray(end, dtype=float))[open_] for end in batch.turning_points[name]]
+    return np.asarray(~(np.isfinite(ends[0]) & np.isfinite(ends[1])))
+
+
 def _coordinate(
     solution: Solution, values: Mapping[sp.Symbol, sp.Expr], which: tuple[str, VariedSymbols], batch: Batch,
     open_: Integers,
@@ -232,15 +240,19 @@ def _coordinate(
     fixed = programs.parameters if not variables.parameters else ()
     integrand = Integrand(below, above, fixed, len(κ), known)
     ends = [np.ravel(np.asarray(end, dtype=float))[open_] for end in batch.turning_points[name]]
-    J = np.abs(np.ravel(batch.actions[name])[open_])
-    J_error = np.ravel(batch.error["actions"][name])[open_]
+    goes_round, mean = (
+        _goes_round(batch, name, open_),
+        mean_shifts(solution, name, values, variables, numbers[:, open_]),
+    )
+    J = np.abs(np.ravel(batch.actions[name])[open_] + np.where(goes_round, mean.value[0], 0.0))
+    J_error = np.ravel(batch.error["actions"][name])[open_] + np.where(goes_round, mean.value[1], 0.0)
     n, N, m = len(κ), len(numbers), len(open_)
     second, error, scale = (np.zeros((n, N, m)) for _ in range(3))
     first = np.full((N, m), np.nan)
     none = np.full(m, np.nan)
     result = Seconds(0 * J, 0 * J, first, 0 * first, second, error, scale, none, np.zeros(m, dtype=bool))
     done = np.zeros(m, dtype=bool)
-    turning = np.flatnonzero(np.isfinite(ends[0]) & np.isfinite(ends[1]))
+    turning = np.flatnonzero(~goes_round)
     found = placed(model.separated[k], programs, k, np.stack(ends)[:, turning], κ[:, open_[turning]])
     open_of_last = np.ones(len(turning))
     for attempt in range(ATTEMPTS):
@@ -248,7 +260,6 @@ def _coordinate(
         for own, tables, paths, view, proved in found.paths(left, attempt, integrand.known[turning], open_of_last):
             made = along(integrand, tables, paths, view, proved)
             open_of_last[own] = np.where(_keep(result, done, turning[own], made, J, J_error), made.left, 1.0)
-    goes_round = ~(np.isfinite(ends[0]) & np.isfinite(ends[1]))
     for count in _TURNS:
         left = np.flatnonzero(~done & goes_round)
         if len(left):

@@ -299,8 +299,12 @@ def test_an_exponent_and_an_end_of_the_domain_are_parameters_like_others(start):
 
 @pytest.mark.nightly
 @pytest.mark.parametrize(
-    "name", ["kuzmin-kutuzov", "spherical-pendulum", "two-centres-space", "pendulum", "morse", "relativistic-kepler"]
-)
+    "name",
+    [
+        "kuzmin-kutuzov", "spherical-pendulum", "two-centres-space", "pendulum", "morse", "relativistic-kepler",
+        "pendulum-on-block", "rod-with-sliding-end", "spring-in-moving-frame",
+    ],
+)  # fmt: skip
 def test_derivatives_by_parameters_are_those_of_single_motions(name):
     rng = np.random.default_rng(8)
     solution = hjsolve.solve(hjsolve.catalog.load(name))
@@ -318,3 +322,19 @@ def test_derivatives_by_parameters_are_those_of_single_motions(name):
         ).derivatives(set(found.value), {"initial", "parameters"})
         for error, claim, _ in against(found, one, k):
             assert error <= claim
+
+
+def test_a_rotation_whose_momentum_is_shifted():
+    """p = θ̇ + w (2 + cos θ)²: the mean of the shift is part of J, and moves with w."""
+    kinetic, p = "dot(theta)**2/2 + w*(2 + cos(theta))**2*dot(theta)", [9.0, -14.0, 4.5]
+    solution = hjsolve.solve(System({"theta": "angle"}, kinetic, "-k*cos(theta)", {"w": "1/2", "k": "3"}))
+    found = hjsolve.ensemble_derivatives(solution, q={"theta": 0.4}, p={"theta": p}, by=("constants", "parameters"))
+    assert found.status.tolist() == ["ok"] * 3
+    assert [bool(np.isfinite(x)) for x in found.batch.turning_points["theta"][0]] == [False, False, True]
+    for k, start in enumerate(p):
+        motion = solution.motion(q={"theta": 0.4}, p={"theta": start}, digits=25)
+        exact = motion.derivatives({"actions", "frequencies", "periods"}, {"constants", "parameters"})
+        for quantity, names in exact.value.items():
+            for key, truth in names["theta"].items():
+                value, claim = (float(table[quantity]["theta"][key][k]) for table in (found.value, found.error))
+                assert abs(many.mpf(value) - many.convert(truth)) <= claim <= 1e-9 * (1 + abs(truth))
