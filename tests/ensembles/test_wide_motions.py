@@ -72,3 +72,36 @@ def test_a_barrier_that_the_search_stepped_over_ends_the_motion() -> None:
             for side, place in enumerate((low, high)):
                 claim = batch.error["turning_points"]["x"][side][k]
                 assert abs(batch.turning_points["x"][side][k] - place) <= claim
+
+
+def angles_against_single_motions(potential: str, r: Any, p: Any, l: Any) -> list[float]:
+    """Errors of the angles over their claims, of orbits that start at r with p_r and l."""
+    system = hjsolve.System({"r": "0 < r", "t": "angle"}, "(dot(r)**2 + r**2*dot(t)**2)/2", potential)
+    solution = hjsolve.solve(system)
+    batch = hjsolve.ensemble(solution, q={"r": r, "t": 0}, p={"r": p, "t": l}, want=WANT, fallback=False)
+    assert (batch.status == "ok").mean() > 0.95
+    ratios = []
+    for k in np.flatnonzero(batch.status == "ok"):
+        motion = solution.motion(q={"r": float(r[k]), "t": 0}, p={"r": float(p[k]), "t": float(l[k])}, digits=20)
+        for name, angle in motion.angles(0).value.items():
+            off = float(angle) - batch.angles[name][k]
+            off -= 2 * np.pi * np.rint(off / (2 * np.pi))
+            ratios.append(abs(off) / (batch.error["angles"][name][k] + 1e-16))
+    return ratios
+
+
+def test_angles_next_to_the_inner_turning_point_of_an_orbit_that_is_1e9_times_as_wide() -> None:
+    # theta_t was off by 2e-5 with status ok and a claim of 4e-13; at 1e15 times, by all of its 8.5e-8
+    r, l = np.array([0.171, 0.016, 0.383, 0.00604, 0.00665]), np.array([1.38, 0.13, 3.01, 0.0438, 0.0567])
+    p = np.array([0.535, 0.00984, 0.00186, 0.00778, 7.28e-7])
+    assert max(angles_against_single_motions("log(r)", r, p, l)) <= 1
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("potential", ["log(r)", "r**(1/10)", "-1/r**(1/5)", "sqrt(r)", "-log(1 + r)/r"])
+def test_angles_of_wide_orbits_wherever_they_start(potential: str) -> None:
+    dice = np.random.default_rng(12)
+    r = 10 ** dice.uniform(-3, 0, 100)
+    l = r * 10 ** dice.uniform(-0.2, 0.2, 100) * {"log(r)": 4.0, "r**(1/10)": 2.0}.get(potential, 0.3)
+    p = l / r * 10 ** dice.uniform(-8, 0, 100) * dice.choice([-1, 1], 100)
+    assert max(angles_against_single_motions(potential, r, p, l)) <= 1

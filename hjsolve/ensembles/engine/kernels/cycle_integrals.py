@@ -335,7 +335,7 @@ def _finished(motions: Motions, i: int, t: int, tables: Tables, modes: Modes, re
         for k in range(constants):
             results.means[k, i], results.mean_errors[k, i] = found[0, 1 + k], found[1, 1 + k]
     if modes.oscillations:
-        results.phase[i], results.phase_error[i] = phase(work, motions, i, t, (m, size), tables, modes.chords)
+        results.phase[i], results.phase_error[i] = phase(work, motions, i, t, (m, size), tables, modes)
         for k in range(constants):
             results.speeds[k, i] = dot(buffer[3 + k], work.shares, n)
         cosines = tables.cosines[tables.rows[size] :]

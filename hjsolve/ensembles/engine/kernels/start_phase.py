@@ -16,9 +16,13 @@ from hjsolve.arithmetic.machine.compiling import helper, inlined, reducing
 from hjsolve.arithmetic.machine.elementary import sincos
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.ensembles.engine.kernels.midpoint_rule import dot
-from hjsolve.ensembles.engine.kernels.types import Motions, Scratch, Tables
+from hjsolve.ensembles.engine.kernels.types import Modes, Motions, Scratch, Tables
 
 _CLOSE = 0.05  # part of the width, next to a turning point, where the momentum tells the phase better than the place
+
+
+_ROUNDED = 4.0 * EPS  # of an interpolated value, in proportion to the sum of the sizes of its terms
+_TAIL = 4e-15  # of r in proportion to its mean: coefficients that n nodes miss, as ``midpoint_rule.enough`` has them
 
 
 @inlined
@@ -126,6 +130,16 @@ def _total(x: Reals, n: int) -> float:
     return total
 
 
+@reducing
+def _blur(r: Reals, w: Reals, relative: Reals, n: int) -> float:
+    """Bound the error of Σ w r, r = q′/√F, where the errors of F are known relatively."""
+    total, mean = 0.0, 0.0
+    for j in range(n):
+        total += abs(r[j] * w[j]) * (_ROUNDED + 0.5 * relative[j])
+        mean += r[j]
+    return total + _TAIL * mean / n
+
+
 @helper
 def _interpolation(weights: Reals, χ: float, n: int, cosines: Reals) -> None:
     """Weights by which values at the nodes give that at χ: the barycentric formula (Berrut & Trefethen 2004, §5.2)."""
@@ -178,21 +192,23 @@ def running_weights(weights: Reals, scratch: Reals, χ: float, n: int, cosines: 
 
 @helper
 def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int], tables: Tables,
-          chords: bool) -> tuple[float, float]:  # fmt: skip
-    """Phase of the start and a bound on its error; leaves the weights of interpolation.
+          modes: Modes) -> tuple[float, float]:  # fmt: skip
+    """Phase of the start and a bound on its error; leaves the weights of interpolation in place of the errors of F.
 
     Args:
-        work: F and r at the nodes, and their errors.
+        work: F and r at the nodes, and their errors; in ``shares`` those of F, relatively.
         motions: of n orbits.
         i: which one.
         t: its place in the block.
         place: map and size.
         tables: of nodes.
-        chords: whether the rounding of F is known relatively.
+        modes: what is known of the rounding of F: nothing, where integrals are rough; with chords it is relative.
     """
     m, size = place
     map_, n, cosines, crest = tables.maps[m], tables.counts[size], tables.cosines[tables.rows[size] :], motions.crest[i]
-    weights, buffer = work.shares, work.buffer
+    weights, buffer, relative, chords = work.shares, work.buffer, work.rows[2], modes.chords
+    for j in range(n):
+        relative[j] = 0.0 if modes.rough else weights[j]
     W, P, symmetry = motions.width[i], motions.momentum[i], map_[6]
     x, y = motions.left[i] / W, motions.right[i] / W
     end, tip, squares = tables.samples[motions.first[i]] - 1, n - 1, tables.squares[int(symmetry) - 1, size]
@@ -211,19 +227,27 @@ def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int
         X, Y, _ = _before_crest(max(x, 0.0), max(y, 0.0), crest)
         near = min(X, Y)
     if near < _CLOSE:  # beyond, a pole or a crest makes p² flat: it tells no place
+        by_x, by_y, vague = x, y, 0.0
         for _ in range(2 if map_[3] == 1.0 else 3):
-            χ = _anomaly(x, y, map_, crest)
+            χ = _anomaly(by_x, by_y, map_, crest)
             _interpolation(weights, symmetry * χ, n, cosines)
             # P = √F with F = (q − a)(b − q) S, r and the map give S at χ: a fixed point, which few steps reach
             r = dot(buffer[1], weights, n)
-            small = (P * r / W) ** 2 / _stretch(χ, x, y, map_, crest) / max(x, y)
-            x, y = (small, 1.0 - small) if x < y else (1.0 - small, small)
-        δ = min(x * rounding, lower) if x < y else min(y * blurred, upper)
-        δ += min(x, y) * (lower + upper)
+            share = (P / W) ** 2 / _stretch(χ, by_x, by_y, map_, crest) / max(by_x, by_y)
+            small = share * r * r
+            by_x, by_y = (small, 1.0 - small) if by_x < by_y else (1.0 - small, small)
+            # r at the far end of a wide motion may be 1e12 times as large, whose rounding is in what is interpolated
+            blur = _blur(buffer[1], weights, relative, n)
+            vague = share * blur * (2.0 * abs(r) + blur)
+        by_momentum = min(by_x * rounding, lower) if by_x < by_y else min(by_y * blurred, upper)
+        by_momentum += min(by_x, by_y) * (lower + upper) + vague
+        if by_momentum < δ:
+            x, y, δ = by_x, by_y, by_momentum
     χ = _anomaly(x, y, map_, crest)
     _interpolation(weights, symmetry * χ, n, cosines)
     small, large = max(min(x, y), 0.0), max(x, y)
     # δχ = δq/(dq/dχ), and dq/dχ vanishes with √(x y) at a turning point
     root = np.sqrt(max(_stretch(χ, x, y, map_, crest) * large, 1e-300))
-    uncertainty = ((δ / np.sqrt(max(small, 1e-300)) if small > 0.0 else 0.0) + 4.0 * EPS * np.sqrt(small)) / root
+    # χ grows like √x from the turning point, where δ may be all that is known of x
+    uncertainty = (δ / np.sqrt(max(small, δ, 1e-300)) + 4.0 * EPS * np.sqrt(small)) / root
     return (-χ if P < 0 else χ), 2.0 * uncertainty + 8.0 * EPS * math.pi
