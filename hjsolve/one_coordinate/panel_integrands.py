@@ -176,10 +176,11 @@ class Sight:
         else:
             view = View(end_map, 0.0, float(end_map.length))
         inputs = self.radicand.inputs(_EXACT)
-        orders = [_orders(tape, view.samples(), inputs) for tape in tapes]
-        if not all(orders) or orders[0][-1] in {ZERO, None}:
+        squared, kernels = (_orders(tape, view.samples(), inputs) for tape in tapes)
+        # kernels may be parameters, on which nothing operates
+        if not squared or kernels is None or squared[-1] in {ZERO, None}:
             return None
-        return replace(view, orders=tuple(orders))
+        return replace(view, orders=(squared, kernels))
 
     def integrands(self, squared: Disk, weights: list[Disk], root: RootBounds, powers: list[int], order: int) -> Sizes:
         """Bound all integrands where |p²| (without x at a turning point) is ``squared``·rᵒ and a kernel is w·rᵖ.
@@ -216,13 +217,13 @@ def _numbers(rows: list[Reals]) -> list[Reals]:
     return [np.nan_to_num(row, posinf=0.0) for row in rows]
 
 
-def _orders(tape: Tape, places: list[Mpf], inputs: list[Mpf]) -> list[Order]:
-    """Orders of all slots, from their values at two places 2^16 times apart; empty where they are not found."""
+def _orders(tape: Tape, places: list[Mpf], inputs: list[Mpf]) -> list[Order] | None:
+    """Orders of all slots, from their values at two places 2^16 times apart; None where they are not found."""
     every = Tape(tape.inputs, tape.operations, tuple(range(len(tape.inputs), len(tape.inputs) + len(tape.operations))))
     try:
         far, near = (every.run(Multi(_EXACT), [q, *inputs]) for q in places)
     except (ArithmeticError, InvalidInputError, ValueError):
-        return []
+        return None
     found: list[Order] = []
     for a, b in zip(far, near, strict=True):
         if not a and not b:

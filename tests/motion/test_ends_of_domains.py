@@ -179,3 +179,24 @@ def test_a_conical_pendulum_and_a_steady_top_keep_their_rates_for_a_billion_turn
                 state = motion.at(t)
                 missed = abs(hard_exact.principal(mpf(state.q[name]) - rate * mpf(t)))
                 assert missed <= mpf(state.error.q[name]) <= 1e-14
+
+
+@pytest.mark.parametrize("potential", ["-U/sinh(a*x)", "-U/(exp(a*x) - 1)", "-U/log(1 + a*x)", "-U*coth(a*x)"])
+def test_a_fall_to_a_pole_of_a_function_with_a_letter_for_the_mass(potential):
+    # the kernel of E is m itself, a formula without operations: the pole was then not seen, and the fall not followed
+    values = {"m": "3/2", "U": "2", "a": "2/3"}
+    system = hjsolve.System({"x": "0 < x"}, "m*dot(x)**2/2", potential, values)
+    motion = hjsolve.solve(system).motion(q={"x": 1}, velocity={"x": "-1/5"}, digits=25)
+    assert motion.kinds["x"] == "boundary"
+    names = {name: getattr(mp, name) for name in ("sinh", "exp", "log", "coth")}
+    with mp.workdps(200):  # exp(a x) - 1 is asked for at x = 1e-100
+        m, U, a = mp.mpf("1.5"), mp.mpf(2), mp.mpf(2) / 3
+
+        def V(x):
+            return eval(potential, {"U": U, "a": a, "x": x, **names})  # noqa: S307
+
+        E = m * mp.mpf("0.04") / 2 + V(mp.mpf(1))
+        fall = mp.quad(lambda s: 2 * s / mp.sqrt(2 * (E - V(s * s)) / m), [0, 0.5, 1])
+        time = motion.boundary_times["x"]
+        assert abs(time.value - fall) <= time.error + mp.mpf(10) ** -30
+        assert time.error < 1e-22
