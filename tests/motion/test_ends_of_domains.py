@@ -189,14 +189,14 @@ def test_a_fall_to_a_pole_of_a_function_with_a_letter_for_the_mass(potential):
     motion = hjsolve.solve(system).motion(q={"x": 1}, velocity={"x": "-1/5"}, digits=25)
     assert motion.kinds["x"] == "boundary"
     names = {name: getattr(mp, name) for name in ("sinh", "exp", "log", "coth")}
-    with mp.workdps(200):  # exp(a x) - 1 is asked for at x = 1e-100
+    with mp.workdps(60):
         m, U, a = mp.mpf("1.5"), mp.mpf(2), mp.mpf(2) / 3
 
         def V(x):
-            return eval(potential, {"U": U, "a": a, "x": x, **names})  # noqa: S307
+            return eval(potential, {"U": U, "a": a, "x": x, **names})
 
         E = m * mp.mpf("0.04") / 2 + V(mp.mpf(1))
-        fall = mp.quad(lambda s: 2 * s / mp.sqrt(2 * (E - V(s * s)) / m), [0, 0.5, 1])
+        fall = mp.quad(lambda s: 2 * s / mp.sqrt(2 * (E - V(s * s)) / m), [0, 0.5, 1], method="gauss-legendre")
         time = motion.boundary_times["x"]
         assert abs(time.value - fall) <= time.error + mp.mpf(10) ** -30
         assert time.error < 1e-22
