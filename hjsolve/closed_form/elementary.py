@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from hjsolve.closed_form.complex_poles import PairOfComplexPoles, pair_of_complex_poles
 from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.reduction import reduced
@@ -134,7 +135,7 @@ class Antiderivative(Shown):
     x: sp.Symbol
     polynomial: sp.Expr
     algebraic: sp.Expr
-    terms: tuple[tuple[sp.Expr, BasicIntegral], ...]
+    terms: tuple[tuple[sp.Expr, BasicIntegral | PairOfComplexPoles], ...]
 
     def written(self, x: sp.Expr | None = None) -> sp.Expr:
         """Return the function.
@@ -199,55 +200,21 @@ def elementary_antiderivative(
         side_of: r ↦ the sign of x − r on the piece.
 
     Raises:
-        NoFormError: R has poles at complex places, or at a root of P that is not rational.
+        NoFormError: R has multiple poles at complex places, or poles at a root of P that is not rational.
     """
     (x,) = P.gens
     algebraic, rest = reduced(R, P)
     parts = partial_fractions(rest, x, signs)
-    if parts.complex_poles or any(power > 1 for _, power, _ in parts.poles):
-        raise NoFormError("the integrand has poles at complex places: no real form of it is known here")
+    if any(power > 1 for _, power, _ in parts.poles):
+        raise NoFormError("the integrand has a multiple pole at a root of p²")
     C, B, A = (P.coeff_monomial(x**k) for k in range(3))
     kept = [(weight, BasicIntegral(_kind((A, B, C), signs, None), (A, B, C), None, -1)) for _, weight in parts.powers]
     for place, _, weight in parts.poles:
         Q = (_short(P.as_expr().subs(x, place)), _short(sp.diff(P.as_expr(), x).subs(x, place)), A)
         kept.append((_short(weight), BasicIntegral(_kind(Q, signs, place), Q, place, side_of(place))))
     terms = _in_pairs([(w, one) for w, one in kept if w != 0], signs)
-    return Antiderivative(x, P.as_expr(), algebraic, tuple(terms))
-
-
-def cycle_past_complex_poles(
-    R: sp.Expr, P: sp.Poly, signs: Signs, side_of: Callable[[sp.Expr], int]
-) -> sp.Expr:  # fmt: skip
-    """∫ R dx/√P from root to root of P = Ax² + Bx + C, A < 0, where R has simple poles z = p ± iq as well.
-
-    ∫ dx/((x − z) √P) = −π/s with s² = −P(z), Im s > 0 for q > 0. With −P(z) = U + iV and M = √(U² + V²) that is
-    s = V/(2h) + ih, h² = (M − U)/2, all real; (Kx + L)/((x − p)² + q²) has the residue K/2 − i (Kp + L)/(2q) at z.
-
-    Args:
-        R: rational in the variable.
-        P: of degree 2, squarefree.
-        signs: decides between the real forms, and keeps what it decided.
-        side_of: r ↦ the sign of x − r on the piece.
-
-    Raises:
-        NoFormError: R has no such poles, or others that are multiple.
-    """
-    (x,) = P.gens
-    parts = partial_fractions(reduced(R, P)[1], x, signs)
-    if not parts.complex_poles or P.degree() != 2:
-        raise NoFormError("the integrand has no simple poles at complex places")
-    pairs = sp.Add(*(sp.cancel((K * x + L) / ((x - p) ** 2 + q**2)) for p, q, K, L in parts.complex_poles))
-    whole = elementary_antiderivative(sp.cancel(sp.together(R - pairs)), P, signs, side_of).complete()
-    if whole is None:
-        raise NoFormError("the motion is not between two roots")
-    for p, q, K, L in parts.complex_poles:
-        turned = sp.expand(P.as_expr().subs(x, p + sp.I * q))
-        V = sp.factor(-turned.coeff(sp.I))
-        U = sp.factor(-(turned - turned.coeff(sp.I) * sp.I))
-        M = sp.sqrt(sp.factor(sp.expand(U**2 + V**2)))
-        h = sp.sqrt(sp.factor_terms((M - U) / 2))
-        whole -= sp.pi / M * (K * V / (2 * h) - sp.factor((K * p + L) / q) * h)
-    return whole
+    past = [(sp.S.One, pair_of_complex_poles(P, pair, signs)) for pair in parts.complex_poles]
+    return Antiderivative(x, P.as_expr(), algebraic, (*terms, *past))
 
 
 def _in_pairs(terms: list[tuple[sp.Expr, BasicIntegral]], signs: Signs) -> list[tuple[sp.Expr, BasicIntegral]]:

@@ -62,9 +62,12 @@ def separatrix_inverse(
     Returns:
         The place; None of any other integral.
     """
-    if law.algebraic != 0 or len(law.terms) != 2 or any(t.kind != "logarithm" or t.place is None for _, t in law.terms):
+    logarithms = [
+        (w, t) for w, t in law.terms if isinstance(t, BasicIntegral) and t.kind == "logarithm" and t.place is not None
+    ]
+    if law.algebraic != 0 or len(law.terms) != 2 or len(logarithms) != 2:
         return None
-    (w, one), (w_2, other) = law.terms
+    (w, one), (w_2, other) = logarithms
     if one.quadratic[0] != other.quadratic[0] or sp.cancel(w + w_2) != 0:
         return None
     outside = one.side == other.side

@@ -130,6 +130,8 @@ def _solved(
         if not plain.is_rational_function(z):
             return None
         found = [back.subs(z, root) for root in _roots(sp.numer(sp.together(plain - J)), z)]
+    elif (nested := _of_nested_roots(action - J, radicals, unknown)) is not None:
+        found = nested
     elif (power := _power_of(action, unknown)) is not None:
         found = [side * (J / action.subs(unknown, side)) ** (1 / power) for side in (1, -1)]
     elif len(bases) == 2:
@@ -144,6 +146,22 @@ def _power_of(action: sp.Expr, unknown: sp.Symbol) -> sp.Expr | None:
         return None
     total = sp.Add(*(power for _, power in factors))
     return total if total.is_Rational and total != 0 else None
+
+
+def _of_nested_roots(equation: sp.Expr, radicals: list[sp.Pow], unknown: sp.Symbol) -> list[sp.Expr] | None:
+    """Return the roots of α √(b + c √d) + γ = 0, squared once; None of another equation (Rosen and Morse, Scarf)."""
+    outer = [p for p in radicals if any(p.base.has(other) for other in radicals)]
+    if len(outer) != 1 or outer[0].exp != sp.S.Half:
+        return None
+    z, (root,) = sp.Dummy("z"), outer
+    plain = sp.expand(equation.xreplace({root: z}))
+    α, γ = plain.coeff(z), plain.subs(z, 0)
+    inner = [p for p in radicals if p is not root]
+    if plain.has(unknown) or sp.expand(plain - α * z - γ) != 0 or len({p.base for p in inner}) != 1:
+        return None
+    w = sp.Dummy("w", positive=True)
+    roots = _without_root(root.base - w**2, inner[0].base, inner, unknown)
+    return [sp.apart(root, w).xreplace({w: sp.factor(-γ / α)}) for root in roots if root.is_rational_function(w)]
 
 
 def _of_two_roots(equation: sp.Expr, radicals: list[sp.Pow], unknown: sp.Symbol) -> list[sp.Expr]:

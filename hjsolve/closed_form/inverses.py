@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import mpmath
 import sympy as sp
 
+from hjsolve.closed_form.complex_poles import PairOfComplexPoles
 from hjsolve.closed_form.elementary import Antiderivative, positive_root
 from hjsolve.closed_form.elementary_inverses import (
     accelerated,
@@ -220,6 +221,8 @@ def inverted(
         raise NoFormError(_why_not_inverted(own, law))
     if x is None:
         weight, basic = law.terms[0]
+        if isinstance(basic, PairOfComplexPoles):
+            raise NoFormError(_why_not_inverted(own, law))
         x = elementary_inverse(basic, sp.expand(value / weight), s.place.subs(q, start), names)
     place = shortened_powers(s.inverse.subs(s.x, x))
     return verified_inverse(own, integral, place, value, start, names, others)

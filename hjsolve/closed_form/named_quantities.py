@@ -120,7 +120,7 @@ class NamedQuantities:
         for angle in sorted(_angles(value, q), key=sp.default_sort_key):
             if sp.count_ops(angle) <= (3 if elliptic(value) else LONGEST_ANGLE):
                 continue
-            if not isinstance(angle, _ARCS):
+            if not isinstance(angle, _ARCS) or isinstance(angle, sp.atan2):
                 table[angle] = angle
                 continue
             function, (inside,) = angle.func, angle.args
@@ -296,7 +296,7 @@ def needed_names(
     return ordered, plain
 
 
-_ARCS = (sp.asin, sp.acos, sp.atan, sp.asinh, sp.acosh, sp.atanh, sp.log)
+_ARCS = (sp.asin, sp.acos, sp.atan, sp.atan2, sp.asinh, sp.acosh, sp.atanh, sp.log)
 SHORT_RATE = 12
 """Operations of a modulus or a rate that is written by the constants in a period."""
 LONGEST_ANGLE = 10

@@ -10,12 +10,7 @@ import sympy as sp
 from hjsolve.closed_form.branch_points import NamedRoots, named_roots
 from hjsolve.closed_form.carlson import CarlsonMap, carlson_integral, carlson_map, pairs_map
 from hjsolve.closed_form.curves import MomentumCurve, W
-from hjsolve.closed_form.elementary import (
-    Antiderivative,
-    cycle_past_complex_poles,
-    elementary_antiderivative,
-    positive_root,
-)
+from hjsolve.closed_form.elementary import Antiderivative, elementary_antiderivative, positive_root
 from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
 from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.involutions import why_no_form
@@ -215,7 +210,6 @@ def piece(
                 made.why_not.setdefault(key, error.why)
         if done:
             made.add(done, task)
-            made.cycles |= {key: own for key in missing if (own := task.only_a_cycle(key, numerators[key]))}
     return made if made.region is not None else None
 
 
@@ -262,19 +256,6 @@ class _Task:
             raise NoFormError(f"the form has more than {LONGEST_FORM} operations")
         first = None if R.has(curve.x) or self.squared is not None else R
         return PieceIntegral(numerator, value, cycle, R, law, curve, first, way)
-
-    def only_a_cycle(self, key: sp.Symbol, numerator: sp.Expr) -> PieceIntegral | None:
-        """Return an integral with poles at complex places, of which only the value over a libration has a form here."""
-        curve, region = self.curve, self.region
-        if self.roots is not None or region.kind != "libration":
-            return None
-        R = rational_factor(curve, region, self.signs, key)
-        try:
-            whole = cycle_past_complex_poles(R, curve.polynomial, self.signs, self.side)
-        except NoFormError:
-            return None
-        cycle = 2 * whole * (1 if curve.substitution.increasing else -1)
-        return PieceIntegral(numerator, sp.nan, cycle, R, None, curve)
 
     def _reduced_elliptic(
         self, R: sp.Expr, *, cyclic: bool

@@ -24,6 +24,7 @@ from __future__ import annotations
 import mpmath
 import sympy as sp
 
+from hjsolve.closed_form.complex_poles import PairOfComplexPoles
 from hjsolve.closed_form.elementary import (
     Antiderivative,
     BasicIntegral,
@@ -227,9 +228,12 @@ class Anomaly(Regularised):
 
     def _along(self, law: Antiderivative) -> sp.Expr:
         algebraic = law.algebraic.subs(law.x, self.x) * self.root
-        return sp.expand(algebraic) + sp.Add(
-            *(c * (self.amount if term.place is None else self._pole(term)) for c, term in law.terms)
-        )
+        return sp.expand(algebraic) + sp.Add(*(c * self._term(term) for c, term in law.terms))
+
+    def _term(self, term: BasicIntegral | PairOfComplexPoles) -> sp.Expr:
+        if isinstance(term, PairOfComplexPoles):
+            raise NoFormError("an integral past complex poles is not written in the anomaly")
+        return self.amount if term.place is None else self._pole(term)
 
     def _pole(self, term: BasicIntegral) -> sp.Expr:
         """∫ dx/((x − r) √P), or ∫ dx/((r² − x²) √P)."""

@@ -204,8 +204,20 @@ def _trigonometric(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Ite
         known.append(doubled)
     if line or (angle and known[-1][0] == 1):
         known = known[-1:]
+    none = True
+    if line or (not angle and found[0].free_symbols):
+        yield from _between_poles(*found, q, x)
     for κ, function in known:
-        yield from _of_multiples(function, κ, coordinate, x, turn=line or (angle and κ == 1))
+        for variable in _of_multiples(function, κ, coordinate, x, turn=line or (angle and κ == 1)):
+            none = False
+            yield variable
+    if (
+        none and found[0].free_symbols
+    ):  # how many turns are in the domain depends on letters: one about zero is looked at
+        while (doubled := _of_whole_angle(*known[-1])) is not None:
+            known.append(doubled)
+        κ, function = known[-1]
+        yield from _of_multiples(function, κ, coordinate, x, turn=True)
 
 
 def _of_multiples(
@@ -237,11 +249,26 @@ def _of_multiples(
         slope = κ**2 * (1 - x**2) / 4
         low, high = sp.cos(w1 / 2), sp.cos(w0 / 2)
         yield Substitution(x, sp.cos(w / 2), 2 * sp.acos(x) / κ, slope, even_s.subs(C, 2 * x**2 - 1), low, high, False)
+    if even_s is None and _inside(w0, w1, sp.S.Zero, 2 * sp.pi):
+        half = function.subs({S: 2 * x / (1 + x**2), C: (x**2 - 1) / (1 + x**2)}, simultaneous=True)
+        low, high = -_tan((w1 - sp.pi) / 2), -_tan((w0 - sp.pi) / 2)
+        place, inverse = sp.cot(w / 2), (sp.pi - 2 * sp.atan(x)) / κ
+        yield Substitution(x, place, inverse, κ**2 * (1 + x**2) ** 2 / 4, half, low, high, False)
     if _inside(w0, w1, -sp.pi, sp.pi):
         half = function.subs({S: 2 * x / (1 + x**2), C: (1 - x**2) / (1 + x**2)}, simultaneous=True)
         yield Substitution(
             x, sp.tan(w / 2), 2 * sp.atan(x) / κ, κ**2 * (1 + x**2) ** 2 / 4, half, _tan(w0 / 2), _tan(w1 / 2), True
         )
+
+
+def _between_poles(κ: sp.Expr, function: sp.Expr, q: sp.Symbol, x: sp.Symbol) -> Iterator[Substitution]:
+    """Yield sin κq where cos κq = 0 ends the motion on both sides of zero."""
+    even = _even(function, C, S)
+    if even is None or any(sp.fraction(sp.cancel(even))[1].subs(S, side) != 0 for side in (1, -1)):
+        return
+    one = sp.S.One
+    slope, w = κ**2 * (1 - x**2), κ * q
+    yield Substitution(x, sp.sin(w), sp.asin(x) / κ, slope, even.subs(S, x), -one, one, True, condition=_condition(κ))
 
 
 def _on_a_turn(

@@ -116,7 +116,7 @@ def _in_the_turn(form: RegimeForms, name: str, sample: Sample) -> sp.Expr:
 
 def _held(form: RegimeForms, values: Mapping[sp.Symbol, sp.Expr]) -> dict[sp.Symbol, sp.Expr]:
     assert form.characteristic_function is not None
-    known = set(form.regime.example) | form.characteristic_function.free_symbols
+    known = set(form.regime.example) | form.written_out("characteristic_function").free_symbols
     return {s: v for s, v in values.items() if s in known}
 
 
