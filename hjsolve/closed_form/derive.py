@@ -115,8 +115,32 @@ def _ordering(own: CoordinateIntegrals) -> str:
     curve, region = own.regions[0]
     if (not own.where and len(region.roots) <= 2) or curve.substitution.closed:
         return ""
-    ends = [f"root {k + 1}" if what == "root" else "the end" for what, k in (region.lower, region.upper)]
-    return f"{curve.substitution.place} between {ends[0]} and {ends[1]} of {len(region.roots)} real roots of P"
+    ends = [_NTH[k] if what == "root" else "" for what, k in (region.lower, region.upper)]
+    roots = (
+        f"of the {len(region.roots)} real roots of the radicand" if len(region.roots) > 1 else "root of the radicand"
+    )
+    if all(ends):
+        return f"{curve.substitution.place} between the {ends[0]} and the {ends[1]} {roots}"
+    side, named = ("below", ends[1]) if ends[1] else ("above", ends[0])
+    if not named:
+        return f"{curve.substitution.place} in its whole range: no root of the radicand in it"
+    return f"{curve.substitution.place} {side} the {named} {roots}"
+
+
+_NTH = (
+    "first",
+    "second",
+    "third",
+    "fourth",
+    "fifth",
+    "sixth",
+    "seventh",
+    "eighth",
+    "ninth",
+    "tenth",
+    "eleventh",
+    "twelfth",
+)
 
 
 def _piece(
