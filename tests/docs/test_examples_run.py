@@ -51,7 +51,8 @@ def _close(a: str, b: str) -> bool:
     "theorem.md", "tori.md", "wavefronts.md",
 )  # fmt: skip
 @pytest.mark.parametrize("page", [p for p in PAGES if blocks(p)], ids=lambda p: p.name)
-def test_python_of_a_page_prints_what_it_says(page: Path) -> None:
+def test_python_of_a_page_prints_what_it_says(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)  # a page may write files
     shared: dict[str, object] = {}
     for code, below in zip(blocks(page), outputs(page)):
         out = io.StringIO()
