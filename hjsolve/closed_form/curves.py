@@ -163,10 +163,10 @@ def _squares(content: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     outside, inside = sp.S.One, sp.S.One
     for factor in sp.Mul.make_args(content):
         if factor.is_Rational:
-            for part, way in ((abs(int(factor.p)), 1), (int(factor.q), -1)):
+            for part, exponent in ((abs(int(factor.p)), 1), (int(factor.q), -1)):
                 for prime, power in sp.factorint(part).items():
-                    outside *= sp.Integer(prime) ** (way * (power // 2))
-                    inside *= sp.Integer(prime) ** (way * (power % 2))
+                    outside *= sp.Integer(prime) ** (exponent * (power // 2))
+                    inside *= sp.Integer(prime) ** (exponent * (power % 2))
             inside *= sp.sign(factor)
             continue
         base, power = factor.as_base_exp()

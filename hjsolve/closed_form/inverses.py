@@ -233,10 +233,10 @@ def _elliptic(
     s, q = integral.curve.substitution, integral.curve.coordinate.symbol
     if integral.curve.degree > 4:
         raise NoFormError(f"t({own.name}) is an integral on a curve of genus 2: its inverse is not given")
-    if integral.first is None or integral.way is None:
+    if integral.first is None or integral.change is None:
         raise NoFormError(NotOfTheFirstKind(own.name, integral.curve.x, integral.rational))
     amount, begin = multiplied_out(value / integral.first), s.place.subs(q, start)
-    x = elliptic_inverse(integral.way, amount, begin, names)
+    x = elliptic_inverse(integral.change, amount, begin, names)
     place = shortened_powers(s.inverse.subs(s.x, x))
     found, reason = [place], NoFormError("")
     if (

@@ -51,7 +51,7 @@ def _spoken(message: str) -> str:
         return "where should it be written? add -o FILE, such as -o report.html"
     if found := re.match(r"argument (\S+): expected one argument", message):
         option = found[1].rpartition("/")[2]
-        return f"{option}: a value is missing; one that begins with a minus sign is written {option}=-1"
+        return f"{option}: its value is missing; write it after {option}"
     return message
 
 

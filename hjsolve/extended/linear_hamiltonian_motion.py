@@ -218,14 +218,14 @@ def _moved(rate: Callable[[Mpf], Mpf], start: Mpf, elapsed: Mpf, context: Contex
     )
 
 
-def _longest(rate: Callable[[Mpf], Mpf], place: Mpf, way: int, most: Mpf) -> Mpf:
+def _longest(rate: Callable[[Mpf], Mpf], place: Mpf, direction: int, most: Mpf) -> Mpf:
     """Return a time, at most ``most``, in which 1 + |q| and dq/dt at most double or halve, judged at its end."""
     here = rate(place)
     if not here:
         return abs(place) * 0
     longest = min((1 + abs(place)) / abs(here) / 2, most)
     for _ in range(_MOST_HALVINGS):
-        if 0.5 <= rate(place + way * longest * here) / here <= 2:
+        if 0.5 <= rate(place + direction * longest * here) / here <= 2:
             break
         longest /= 2
     return longest

@@ -23,7 +23,7 @@ from hjsolve.arithmetic.root_finding import bracketed_root, leading_power
 from hjsolve.errors import NotConvergedError, required
 from hjsolve.one_coordinate.momentum_squared import Number
 from hjsolve.one_coordinate.ray import Ray, SimpleZero
-from hjsolve.one_coordinate.time_on_the_way import stopwatch
+from hjsolve.one_coordinate.time_along_a_path import stopwatch
 
 EndKind = Literal["turning", "wall", "asymptote", "boundary", "fall", "infinity", "round", "kink"]
 _LAST_BITS = 2048

@@ -93,11 +93,11 @@ def _row_items(items: tuple[Box, ...]) -> list[str]:
     for before, item in zip((None, *items), items):
         if before is not None and _needs_space(before, item):
             parts.append(_THIN)
-        parts.append(f'<mo form="prefix">{escape(item.text)}</mo>' if _is_sign(before, item) else _write(item))
+        parts.append(f'<mo form="prefix">{escape(item.text)}</mo>' if _is_sign(item, before) else _write(item))
     return parts
 
 
-def _is_sign(before: Box | None, item: Box) -> TypeGuard[Glyph]:
+def _is_sign(item: Box, before: Box | None) -> TypeGuard[Glyph]:
     """Whether + or − is the sign of what follows, and not between two terms: browsers look at the first place only."""
     if not isinstance(item, Glyph) or item.kind != "operator" or item.text not in {"+", "−"}:
         return False
