@@ -25,6 +25,7 @@ from hjsolve.closed_form.reduction import reduced
 from hjsolve.closed_form.regions import RootInterval, root_interval_of
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
+from hjsolve.closed_form.special_cases import deciders
 from hjsolve.closed_form.square_curves import (
     SquareCurve,
     between_the_roots_of_a_power,
@@ -32,7 +33,6 @@ from hjsolve.closed_form.square_curves import (
     roots_of_a_power,
     square_curve,
 )
-from hjsolve.closed_form.strata import deciders
 from hjsolve.closed_form.substitutions import Substitution
 from hjsolve.closed_form.tidy import longer_than
 from hjsolve.closed_form.time_limit import check_time
@@ -179,7 +179,7 @@ def piece(
     Args:
         name: of the coordinate.
         numerators: W or a constant → N(q), none that is zero.
-        found: its curves, the simplest first, in the stratum of the sample.
+        found: its curves, the simplest first, in the special case of the sample.
         sample: a motion.
         prefix: of the names of roots.
         start: the lower limit of its integrals.
