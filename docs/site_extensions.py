@@ -224,6 +224,9 @@ def _short_types(_app: Sphinx, tree: nodes.document, _name: str) -> None:
                 short = short.replace(long, better)
             if short != str(text):
                 text.parent.replace(text, nodes.Text(short))
+    for returned in tree.findall(addnodes.desc_returns):
+        if returned.astext() in _LONG_TYPES:
+            returned.children = [nodes.Text(_LONG_TYPES[returned.astext()])]
 
 
 def setup(app: Sphinx) -> None:

@@ -32,8 +32,7 @@ margin:0 auto;padding:1.2rem;align-items:start}
 .explorer .unfinished,.explorer .stale{color:var(--soft);white-space:pre-wrap;overflow-wrap:anywhere}
 .explorer .stale{border-left:3px solid var(--amber);padding-left:.8rem}
 .explorer .unfinished:empty,.explorer .stale:empty{display:none}
-.explorer section{min-width:0}.explorer .q-expansion-item__content>*,.explorer .q-expansion-item__content .hjsolve{
-width:100%;max-width:100%;min-width:0}
+.explorer section{min-width:0}.explorer .nicegui-expansion-content>*{width:100%;min-width:0}
 .explorer .drag,.explorer .portraits svg{max-width:32rem}.explorer .portraits text{font-size:12.5px}
 @media (max-width:40rem){.explorer{padding:.8rem}.explorer .formula{flex-wrap:wrap;gap:.1rem}
 .explorer .formula .scroll{flex-basis:100%}.explorer .q-btn{min-height:2.75rem}

@@ -74,7 +74,7 @@ class Motion(ShownMotion):
 
     @property
     def solution(self) -> Solution:
-        """What is solved."""
+        """The solution that the motion belongs to."""
         return self.separated.solution
 
     @property
@@ -197,7 +197,7 @@ class Motion(ShownMotion):
         return waves_along(self._source, t, principal=True)
 
     def time_at(self, name: str, value: object, passage: int = 0) -> Estimate:
-        """Return the time at which a coordinate passes a position for the first time after t₀, or a later time.
+        """Return the time at which a coordinate passes a position: the first one from t₀ on, or another passage.
 
         Args:
             name: coordinate.

@@ -47,7 +47,7 @@ class ContinuedMotion(TransformedMotion):
 
     @property
     def solution(self) -> Solution:
-        """What is solved: the system as given."""
+        """The solution of the system as given."""
         return self.given_solution
 
     @property
