@@ -325,7 +325,7 @@ def _meaning(symbols: list[tuple[sp.Symbol, int]], meaning: object) -> list[Bloc
     if len(symbols) > 1:
         return [block for one in symbols for block in _meaning([one], meaning)]
     symbol, e = symbols[0][0], sp.sympify(meaning)
-    if width(display(e, IN_A_CELL)) <= NARROW:
+    if width(box(e)) <= NARROW:
         return [Paragraph((math(symbol), " = ", math(e)))]
     return [_shown(str(symbol), e, partial(formula, box(symbol)))]
 
