@@ -161,7 +161,7 @@ def from_hamiltonian(
     clock = {c.name: c.symbol for c in clock_of((hamiltonian,), shape.symbols)}
     H = parse(hamiltonian, {**shape.symbols, **clock, "p": q.momentum, f"p_{name}": q.momentum}, source="hamiltonian")
     if not H.has(q.momentum):
-        raise InvalidSystemError("H(q, p): there is no p in it")
+        raise InvalidSystemError("H(q, p): it does not contain p")
     if clock and not (H.is_polynomial(q.momentum) and sp.degree(H, q.momentum) == 2):
         raise InvalidSystemError("H(q, p, t): with the time t only H of second degree in p is taken")
     if not H.is_polynomial(q.momentum) or sp.degree(H, q.momentum) not in (1, 2):

@@ -213,8 +213,8 @@ def _moved(rate: Callable[[Mpf], Mpf], start: Mpf, elapsed: Mpf, context: Contex
         if not domain.hold(place):
             raise OutsideMotionError(f"{name} reaches an end of its domain")
     raise NotConvergedError(
-        f"{name}: until that time it grows, or comes near a place where it rests, by too many factors to be followed; "
-        "take a time nearer to t0"
+        f"{name}: until that time it grows, or approaches an equilibrium, by too many orders of magnitude; choose a "
+        "time closer to t0"
     )
 
 
@@ -238,4 +238,4 @@ def _step(rate: Callable[[Mpf], Mpf], place: Mpf, step: Mpf, context: Context, n
         guess += (step - time) * rate(guess)
         if abs(step - time) <= context.mpf(2) ** (24 - context.prec) * abs(step):
             return guess
-    raise OutsideMotionError(f"{name} comes to a place where a(q) vanishes, in infinite time")
+    raise OutsideMotionError(f"{name} approaches a zero of a(q) and never reaches it")

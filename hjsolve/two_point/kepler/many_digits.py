@@ -109,7 +109,7 @@ def refined(transfer: ExactTransfer, sense: int, N: int, x: float) -> Mpf:
         before, miss_before, here = here, miss, here + step
         if abs(step) <= small * max(abs(here), 1 - abs(here), small):
             return here
-    raise NotConvergedError("two motions that join these places are nearly the same one: more digits do not part them")
+    raise NotConvergedError("two of the motions between these places nearly coincide; more digits do not separate them")
 
 
 def momenta_exactly(transfer: ExactTransfer, sense: int, x: Mpf) -> list[Mpf]:
