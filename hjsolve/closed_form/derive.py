@@ -115,7 +115,7 @@ def _ordering(own: CoordinateIntegrals) -> str:
     curve, region = own.regions[0]
     if (not own.where and len(region.roots) <= 2) or curve.substitution.closed:
         return ""
-    ends = [_NTH[k] if what == "root" else "" for what, k in (region.lower, region.upper)]
+    ends = [_nth(k) if what == "root" else "" for what, k in (region.lower, region.upper)]
     roots = (
         f"of the {len(region.roots)} real roots of the radicand" if len(region.roots) > 1 else "root of the radicand"
     )
@@ -127,20 +127,10 @@ def _ordering(own: CoordinateIntegrals) -> str:
     return f"{curve.substitution.place} {side} the {named} {roots}"
 
 
-_NTH = (
-    "first",
-    "second",
-    "third",
-    "fourth",
-    "fifth",
-    "sixth",
-    "seventh",
-    "eighth",
-    "ninth",
-    "tenth",
-    "eleventh",
-    "twelfth",
-)
+def _nth(index: int) -> str:
+    """Return the ordinal of a root that has so many below it."""
+    words = ("first", "second", "third", "fourth")
+    return words[index] if index < len(words) else f"{index + 1}th"
 
 
 def _piece(

@@ -2,7 +2,7 @@
 
     H(q, p) = a(q) p + b(q) = E:        p = (E − b)/a,     W = ∫ p dq,     t − β = ∂W/∂E = ∫ dq/a      (Greenwood P5-1)
 
-is linear in p: no square root, one branch, and no turning point; q moves one way for ever, at the rate a(q).
+is linear in p: no square root, one branch, and no turning point; q moves in one direction for ever, at the rate a(q).
 
     H(q, p) = a(q) p² + b(q) p + c(q):  L = (q̇ − b)²/(4a) − c
 

@@ -41,7 +41,7 @@ class LinearMotion(Shown):
 
     Attributes:
         problem: the Hamiltonian.
-        kinds: ``escape``: q moves one way for ever; ``equilibrium`` where a(q) vanishes at the start.
+        kinds: ``escape``: q moves in one direction for ever; ``equilibrium`` where a(q) vanishes at the start.
         constants: E.
         digits: asked for.
         q, p, t0: exact initial data.

@@ -121,8 +121,8 @@ class _Cell(NamedTuple):
     """A piece of the ray, its enclosures of F, F′ and F″ (two ends each), and how often it was divided.
 
     ``unresolved``: its enclosure of F is no narrower than that of what it is a part of, so it is all rounding, or
-    doubles do not reach that far. ``singular``: F has no bounds there in any precision. ``rounded``: no part of it has a
-    narrower enclosure in doubles than it has itself; it waits for many digits, undivided.
+    doubles do not reach that far. ``singular``: F has no bounds there in any precision. ``rounded``: no part of it has
+    a narrower enclosure in doubles than it has itself; it waits for many digits, undivided.
     """
 
     ends: tuple[float, float]

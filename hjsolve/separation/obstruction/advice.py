@@ -105,8 +105,8 @@ def _search(system: System) -> str:
     if len(system.coordinates) not in {2, 3} or system.relativity is not None:
         return "Try other coordinates in which the kinetic energy separates. "
     return (
-        'To search for coordinates in which it does, write solve(system, coordinates="find") or, on the command line, '
-        "`hjsolve coordinates`. "
+        'To search for coordinates in which it does, write `solve(system, coordinates="find")` or, on the command '
+        "line, `hjsolve coordinates`. "
     )
 
 
