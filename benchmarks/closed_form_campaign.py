@@ -25,11 +25,11 @@ import numpy as np
 import hjsolve
 from hjsolve.closed_form.closed_forms import closed_forms
 from hjsolve.closed_form.derive import _piece
+from hjsolve.closed_form.form_context import FormContext, context_of
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.verification import flaws
-from hjsolve.closed_form.workshop import Workshop, workshop_of
 
 SEEN = 20.0
 """Units of the last place from which the condition is worked out."""
@@ -80,7 +80,7 @@ def tried(entry: str, motions: int, seed: int, seconds: float = math.inf) -> Ite
         seconds: of the processor after which no motion is begun.
     """
     solution = hjsolve.solve(entry)
-    shop, forms = workshop_of(solution), closed_forms(solution)
+    context, forms = context_of(solution), closed_forms(solution)
     numbers, met = [(form, _numbers(form)) for form in forms if not form.regime.special], Counter[str]()
     begin = time.process_time()
     for sample in samples(solution, RARE * motions if seconds < math.inf else motions, seed, {}):
@@ -91,7 +91,7 @@ def tried(entry: str, motions: int, seed: int, seconds: float = math.inf) -> Ite
             continue
         if time.process_time() - begin > seconds:
             return
-        yield from (replace(one, regime=words) for one in _integrals(entry, shop, sample))
+        yield from (replace(one, regime=words) for one in _integrals(entry, context, sample))
         if found is not None:
             yield from (replace(one, regime=words) for one in _doubles(entry, *found, sample))
 
@@ -101,9 +101,9 @@ def _numbers(form: RegimeForms) -> dict[str, Any]:
     return {name: function for name, function in form.lambdify("numpy").items() if name.startswith(NUMBERS)}
 
 
-def _integrals(entry: str, shop: Workshop, sample: Sample) -> Iterator[Tried]:
-    for name, curves in shop.curves.items():
-        own = _piece(shop, name, curves, {}, sample)
+def _integrals(entry: str, context: FormContext, sample: Sample) -> Iterator[Tried]:
+    for name, curves in context.curves.items():
+        own = _piece(context, name, curves, {}, sample)
         if own is None:
             continue
         held = list(own.integrals | own.cycles)

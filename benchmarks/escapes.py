@@ -65,7 +65,7 @@ def one(seed: int, digits: int) -> dict[str, Any]:
         return result
     false = [row for row in rows if row[1] > row[2]]
     right = all(error <= 1e-12 * 10.0 ** (15 - digits) * size for _, error, _, size in rows)
-    result |= {"status": "false" if false else "right" if right else "vague", "rows": rows}
+    result |= {"status": "false" if false else "right" if right else "unresolved", "rows": rows}
     return result
 
 

@@ -11,7 +11,9 @@ from html import escape
 
 from docutils import nodes
 from latex2mathml.converter import convert
+from sphinx import addnodes
 from sphinx.application import Sphinx
+from sphinx.domains.python import PyObject
 from sphinx.environment import BuildEnvironment
 from sphinx.util.nodes import make_refnode
 from sphinx.writers.html5 import HTML5Translator
@@ -42,8 +44,16 @@ def with_outputs_below(source: str) -> str:
     return _BLOCK.sub(moved, source)
 
 
+_LOOSE_SLASH, _LOOSE_SIGN = "<mo>&#x0002F;</mo>", "<mo>&#x02212;</mo>"
+_AFTER = ("<mo>&#x0003D;</mo>", "<mo>&#x0002C;</mo>", "<mo>&#x0003C;</mo>", "<mo>&#x0003E;</mo>")
+
+
 def _mathml(latex: str, display: str) -> str:
-    return convert(latex.strip(), display=display)
+    """Convert a formula; a quotient a/b and the sign of a term are set close, as in print."""
+    set_ = convert(latex.strip(), display=display).replace(_LOOSE_SLASH, '<mo lspace="0" rspace="0">/</mo>')
+    for before in _AFTER:
+        set_ = set_.replace(before + _LOOSE_SIGN, f'{before}<mo form="prefix">&#x02212;</mo>')
+    return set_.replace("<mi>&#x02202;</mi>", '<mo lspace="0" rspace="0">&#x02202;</mo>')
 
 
 def _inline(self: HTML5Translator, node: nodes.math) -> None:
@@ -197,6 +207,28 @@ def _by_last_name(app: Sphinx, env: BuildEnvironment, node: nodes.Element, text:
     return make_refnode(app.builder, start, thing.docname, thing.node_id, text, whole)
 
 
+_LONG_TYPES = {
+    "collections.abc.": "",
+    "ndarray[tuple[Any, ...], dtype[float64]] | ndarray[tuple[Any, ...], dtype[object_]]": "ndarray",
+    "ndarray[tuple[Any, ...], dtype[float64]]": "ndarray",
+    "ndarray[tuple[Any, ...], dtype[object_]]": "ndarray",
+}
+
+
+def _short_types(_app: Sphinx, tree: nodes.document, _name: str) -> None:
+    """Write types as one says them: ``Mapping``, ``ndarray``."""
+    for signature in (*tree.findall(addnodes.desc_signature), *tree.findall(nodes.field_list)):
+        for text in list(signature.findall(nodes.Text)):
+            short = str(text)
+            for long, better in _LONG_TYPES.items():
+                short = short.replace(long, better)
+            if short != str(text):
+                text.parent.replace(text, nodes.Text(short))
+    for returned in tree.findall(addnodes.desc_returns):
+        if returned.astext() in _LONG_TYPES:
+            returned.children = [nodes.Text(_LONG_TYPES[returned.astext()])]
+
+
 def setup(app: Sphinx) -> None:
     """Register the renderer and the hooks.
 
@@ -208,6 +240,10 @@ def setup(app: Sphinx) -> None:
     app.connect("autodoc-process-docstring", _tidied, priority=100)
     app.connect("autodoc-skip-member", _hidden)
     app.connect("missing-reference", _by_last_name)
+    app.connect("doctree-resolved", _short_types)
+    for field in PyObject.doc_field_types:
+        if field.name == "variable":
+            field.label = "Attributes"
 
 
 def _outputs(_app: Sphinx, _name: str, source: list[str]) -> None:

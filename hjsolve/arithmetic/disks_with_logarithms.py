@@ -42,7 +42,7 @@ class Logged(NamedTuple):
 
     value: Disk
     power: Disk
-    way: Followed
+    path: Followed
 
     @property
     def largest(self) -> Reals:
@@ -81,18 +81,18 @@ class DisksInLogarithms:
 
     def add(self, x: Logged, y: Logged) -> Logged:
         """Return x + y; logarithm: log x + log(1 + exp(log y − log x)) where |y| < |x|, or the other way round."""
-        plain = _logged(_D.add(x.value, y.value), x.way.value + y.way.value)
+        plain = _logged(_D.add(x.value, y.value), x.path.value + y.path.value)
         return _beside(_beside(plain, x, y, 1.0), y, x, 1.0)
 
     def sub(self, x: Logged, y: Logged) -> Logged:
         """Return x − y, with −y as y turned by π."""
-        plain = _logged(_D.sub(x.value, y.value), x.way.value - y.way.value)
+        plain = _logged(_D.sub(x.value, y.value), x.path.value - y.path.value)
         turned = Disk(y.power.centre + 1j * np.pi, y.power.radius)
         return _beside(_beside(plain, x, y, -1.0), y._replace(power=turned), x, 1.0)
 
     def mul(self, x: Logged, y: Logged) -> Logged:
         """Return x·y; the logarithms are added."""
-        plain = _logged(_D.mul(x.value, y.value), x.way.value * y.way.value)
+        plain = _logged(_D.mul(x.value, y.value), x.path.value * y.path.value)
         return _with(plain, _D.add(x.power, y.power))
 
     def div(self, x: Logged, y: Logged) -> Logged:
@@ -101,17 +101,17 @@ class DisksInLogarithms:
 
     def power(self, x: Logged, n: int) -> Logged:
         """Return xⁿ; the logarithm is multiplied by n."""
-        return _with(_logged(_D.power(x.value, n), x.way.value**n), _D.times(x.power, n))
+        return _with(_logged(_D.power(x.value, n), x.path.value**n), _D.times(x.power, n))
 
     def unary(self, name: str, x: Logged) -> Logged:
         """Return a function of x; roots and logarithms are continued along the way to the centre."""
         with np.errstate(all="ignore"):
             if name == "sqrt":
                 nothing = Disk(np.zeros_like(x.power.centre), np.full_like(x.power.radius, np.inf))
-                return _with(_logged(nothing, np.exp(0.5 * x.way.power)), _D.times(x.power, 0.5))
+                return _with(_logged(nothing, np.exp(0.5 * x.path.power)), _D.times(x.power, 0.5))
             if name == "log":
-                return _logged(x.power, x.way.power)
-            plain = _logged(_D.unary(name, x.value), _F.unary(name, x.way.value))
+                return _logged(x.power, x.path.power)
+            plain = _logged(_D.unary(name, x.value), _F.unary(name, x.path.value))
             if name == "exp":
                 return _with(plain, x.value)
             if name in {"cosh", "sinh"}:
@@ -119,21 +119,21 @@ class DisksInLogarithms:
             return plain
 
 
-def _logged(value: Disk, way: Complexes) -> Logged:
+def _logged(value: Disk, path: Complexes) -> Logged:
     """With the logarithm of a disk that does not hold 0."""
     with np.errstate(all="ignore"):
-        power = _followed(way)
+        power = _followed(path)
         size = np.abs(value.centre)
         radius = -np.log1p(-value.radius / size) * (1 + 1e-15) + 1e-15
         found = _where(value.known & (size > value.radius), Disk(np.log(value.centre + 0j), radius))
-    return Logged(value, _turned(found, power[..., -1]), Followed(way, power))
+    return Logged(value, _turned(found, power[..., -1]), Followed(path, power))
 
 
-def _followed(way: Complexes) -> Complexes:
+def _followed(path: Complexes) -> Complexes:
     """Return the logarithm along the way, from the principal one on the real axis; NaN where it turns too fast."""
-    power = np.log(way + 0j)
+    power = np.log(path + 0j)
     start = np.where(np.imag(power[..., :1]) < -3, 2j * np.pi, 0)  # −π is π
-    if way.shape[-1] == 1:
+    if path.shape[-1] == 1:
         return power + start
     turn = np.diff(np.imag(power), axis=-1)
     turns = np.rint(turn / (2 * np.pi))
@@ -145,7 +145,7 @@ def _followed(way: Complexes) -> Complexes:
 
 def _with(plain: Logged, power: Disk) -> Logged:
     """Use another enclosure of the logarithm where it is better."""
-    power = _turned(power, plain.way.power[..., -1])
+    power = _turned(power, plain.path.power[..., -1])
     return plain._replace(value=tighter(plain.value, _D.unary("exp", power)), power=tighter(plain.power, power))
 
 

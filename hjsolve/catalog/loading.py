@@ -7,6 +7,7 @@ inline ``[system]`` table are read in the same way.
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable, Iterator
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -278,10 +279,14 @@ def _locate(entry: str | Path) -> tuple[Traversable, str]:
 def _alike(word: str) -> str:
     """Return the entries that look most like a word, and where all are listed."""
     known = ids()
+    if re.search(r"[*/^+=(]", word):
+        return "; to type a system of your own write --coordinate NAME:DOMAIN --kinetic FORMULA --potential FORMULA"
     close = difflib.get_close_matches(word, known, n=3, cutoff=0.6)
     if close:
-        others = f" Similar: {', '.join(close[1:])}" if close[1:] else ""
-        return f'; did you mean "{close[0]}"?{others}'
+        others = f" Similar: {', '.join(close[1:])}." if close[1:] else ""
+        first, _, more = word.lower().partition(" ")
+        search = f" `hjsolve catalog search {first}` looks in titles." if more else ""
+        return f'; did you mean "{close[0]}"?{others}{search}'
     held = [name for name in known if len(word) > 2 and word.lower() in name]
     near = held or difflib.get_close_matches(word, known, n=3, cutoff=0.0)
     return f"; the nearest are {', '.join(near[:5])}; `hjsolve catalog` (hjsolve.catalog.ids()) lists all {len(known)}"

@@ -42,6 +42,9 @@ def exact_table(file: Traversable, source: str) -> TomlTable:
         return tomllib.loads(text, parse_float=Decimal)
     except InvalidInputError as error:
         raise CatalogError(f"{error}; an entry or a scene is a few pages of text") from error
+    except FileNotFoundError as error:
+        cure = "give the path of a .toml file, or an id that `hjsolve catalog` lists"
+        raise CatalogError(f"{source}: there is no such file here; {cure}") from error
     except OSError as error:
         raise CatalogError(f"{source}: cannot be read ({error.strerror or type(error).__name__})") from error
     except UnicodeDecodeError as error:

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 import mpmath
 import sympy as sp
 
+from hjsolve.closed_form.form_context import FormContext
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals
@@ -20,7 +21,6 @@ from hjsolve.closed_form.tidy import elliptic, shortened_powers
 from hjsolve.closed_form.time_limit import check_time
 from hjsolve.closed_form.verification import sample_numbers, value_at
 from hjsolve.closed_form.why_not import Contains, WhyNot
-from hjsolve.closed_form.workshop import Workshop
 from hjsolve.errors import required
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
 from hjsolve.precision import mp
@@ -42,26 +42,26 @@ def anomaly_of(solution: Solution) -> sp.Symbol:
 
 
 def along_the_motion(
-    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], names: NamedQuantities, inverse: dict[str, sp.Expr],
-    why_not: dict[str, WhyNot],
+    context: FormContext, pieces: Mapping[str, CoordinateIntegrals], names: NamedQuantities,
+    inverse: dict[str, sp.Expr], why_not: dict[str, WhyNot],
 ) -> dict[str, sp.Expr]:  # fmt: skip
     """Coordinates and the time as functions of a parameter; empty where the time is solved for it.
 
     Args:
-        shop: of the solution.
+        context: of the solution.
         pieces: separated coordinate → its integrals.
         names: of the quantities of the forms.
         inverse: gets functions of the time where t(ξ) is solved for ξ.
         why_not: loses the reasons of what was found.
     """
-    solution, key = shop.solution, shop.constants[0]
+    solution, key = context.solution, context.constants[0]
     held = [n for n in solution.coordinates if n not in pieces or key in pieces[n].numerators]
     if solution.time_law is None or len(held) != 1 or held[0] not in pieces or key not in pieces[held[0]].integrals:
         return {}
     if _rest(solution.time_law.rhs) != 0 or all(c.name in inverse for c in solution.system.coordinates):
         return {}
     try:
-        made = _Along(shop, pieces, names, held[0])
+        made = _Along(context, pieces, names, held[0])
         found = made.coordinates()
     except NoFormError:
         return {}
@@ -88,10 +88,10 @@ class _Along:
     """The motion by the parameter of one coordinate."""
 
     def __init__(
-        self, shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], names: NamedQuantities, first: str
+        self, context: FormContext, pieces: Mapping[str, CoordinateIntegrals], names: NamedQuantities, first: str
     ):  # fmt: skip
-        self.shop, self.pieces, self.names, self.first = shop, pieces, names, first
-        self.solution, self.ξ, self.key = shop.solution, anomaly_of(shop.solution), shop.constants[0]
+        self.context, self.pieces, self.names, self.first = context, pieces, names, first
+        self.solution, self.ξ, self.key = context.solution, anomaly_of(context.solution), context.constants[0]
         self.elapsed = required(self.solution.time_law).lhs
         self.t: sp.Symbol = next(term for term in self.elapsed.args if term.is_Symbol)
         own, start = pieces[first], self.solution.lower_limits[first]

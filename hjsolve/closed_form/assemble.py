@@ -13,6 +13,7 @@ from hjsolve.closed_form.common_parameter import others_in_parameter
 from hjsolve.closed_form.curves import W
 from hjsolve.closed_form.elliptic_inverses import in_moduli
 from hjsolve.closed_form.energy_from_actions import solved_for_constants
+from hjsolve.closed_form.form_context import FormContext, SpecialCase
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.inverses import inverse_forms, orbit_formulas, parametric_formulas
 from hjsolve.closed_form.involutions import why_no_form
@@ -22,40 +23,39 @@ from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
 from hjsolve.closed_form.tidy import LONGEST, collected, elliptic, longer_than, plain_roots, shortened_powers
 from hjsolve.closed_form.why_not import Contains, NotFound, OfCoordinate, WhyNot
-from hjsolve.closed_form.workshop import Stratum, Workshop
 
 Integrals = Mapping[str, CoordinateIntegrals]
 
 
-def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum) -> RegimeForms:
+def assembled(context: FormContext, pieces: Integrals, made: Regime, special: SpecialCase) -> RegimeForms:
     """Put the integrals into Jacobi's equations, and the values over cycles into actions and frequencies.
 
     Args:
-        shop: of the solution.
+        context: of the solution.
         pieces: separated coordinate → its integrals; those of coordinates without a curve are missing.
         made: the regime.
         special: constant → what it is there.
     """
-    solution, why_not = shop.solution, dict[str, WhyNot]()
+    solution, why_not = context.solution, dict[str, WhyNot]()
     where: Where = {symbol: meaning for own in pieces.values() for symbol, meaning in own.where.items()}
     names = names_of(solution, pieces, where)
     pieces = in_named_rates(solution, pieces, names)
-    closing = _Closing(shop, pieces, special, names)
-    time_law = closing.equation("time_law", solution.time_law, shop.constants[0], why_not)
+    closing = _Closing(context, pieces, special, names)
+    time_law = closing.equation("time_law", solution.time_law, context.constants[0], why_not)
     equations = dict[str, sp.Eq]()
     for name, equation in solution.orbit_equations.items():
         found = closing.equation(f"orbit_equations.{name}", equation, solution.constants[name].symbol, why_not)
         if found is not None:
             equations[name] = found
     function = closing.closed("characteristic_function", solution.characteristic_function, W, why_not)
-    numbers = _numbers(shop, pieces, special, made, why_not, names)
-    inverse = inverse_forms(shop, pieces, special, why_not, names)
-    orbit = orbit_formulas(shop, pieces, special, names)
-    parametric = parametric_formulas(shop, pieces, special, names)
-    parametric |= others_in_parameter(shop, pieces, special, parametric, names)
-    anomaly = along_the_motion(shop, pieces, names, inverse, why_not)
+    numbers = _numbers(context, pieces, special, made, why_not, names)
+    inverse = inverse_forms(context, pieces, special, why_not, names)
+    orbit = orbit_formulas(context, pieces, special, names)
+    parametric = parametric_formulas(context, pieces, special, names)
+    parametric |= others_in_parameter(context, pieces, special, parametric, names)
+    anomaly = along_the_motion(context, pieces, names, inverse, why_not)
     _with_reasons(why_not)
-    constants = solved_for_constants(shop, numbers["actions"], made, names, why_not)
+    constants = solved_for_constants(context, numbers["actions"], made, names, why_not)
 
     short = names.short_rates()
 
@@ -83,7 +83,7 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
         None if function is None else closed(function), _turning_points(pieces, made),
         written(numbers["periods"]), written(numbers["actions"]), written(numbers["frequencies"]),
         written(numbers["mean_velocities"]), plain(inverse), plain(orbit), plain(parametric), plain(anomaly),
-        constants.get(shop.constants[0].name), where, why_not, constants,
+        constants.get(context.constants[0].name), where, why_not, constants,
     )  # fmt: skip
     for symbol in set(where) - names.roots:
         if symbol.name.startswith(("Omega_", "J_")):
@@ -103,17 +103,19 @@ class _Closing:
     """Equations of a solution with their integrals done.
 
     Args:
-        shop: of the solution.
+        context: of the solution.
         pieces: separated coordinate → its integrals.
         special: constant → what it is.
         names: of the quantities of the forms.
     """
 
-    def __init__(self, shop: Workshop, pieces: Integrals, special: Stratum, names: NamedQuantities):
-        self.solution, self.pieces, self.special, self.names = shop.solution, pieces, dict(special), names
+    def __init__(self, context: FormContext, pieces: Integrals, special: SpecialCase, names: NamedQuantities):
+        self.solution, self.pieces, self.special, self.names = context.solution, pieces, dict(special), names
         self.reasons = {
-            name: why_no_form(own, shop.solution.momentum_squared[name], shop.solution.system.coordinate(name).symbol)
-            for name, own in shop.curves.items()
+            name: why_no_form(
+                own, context.solution.momentum_squared[name], context.solution.system.coordinate(name).symbol
+            )
+            for name, own in context.curves.items()
             if name not in pieces
         }
 
@@ -150,11 +152,11 @@ class _Closing:
 
 
 def _numbers(
-    shop: Workshop, pieces: Integrals, special: Stratum, made: Regime, why_not: dict[str, WhyNot],
+    context: FormContext, pieces: Integrals, special: SpecialCase, made: Regime, why_not: dict[str, WhyNot],
     names: NamedQuantities,
 ) -> dict[str, dict[str, sp.Expr]]:  # fmt: skip
     """Actions, frequencies, periods and mean velocities, where they exist; long frequencies are named in ``where``."""
-    solution = shop.solution
+    solution = context.solution
     actions, frequencies, velocities = dict[str, sp.Expr](), dict[str, sp.Expr](), dict[str, sp.Expr]()
     cyclic = [n for n in solution.coordinates if n in pieces and pieces[n].kind in ("libration", "rotation")]
     for c in solution.system.coordinates:
@@ -169,7 +171,7 @@ def _numbers(
         elif c.name not in solution.coordinates and c.domain.kind == "angle":
             actions[c.name] = c.momentum.subs(dict(special))
     if len(cyclic) == len(solution.coordinates) and solution.coordinates:
-        _rates(shop, pieces, frequencies, velocities, why_not, names)
+        _rates(context, pieces, frequencies, velocities, why_not, names)
     elif not solution.coordinates:
         for c in solution.system.coordinates:
             rate = sp.diff(solution.separation.shell.potential, c.momentum)
@@ -259,13 +261,13 @@ def _derivative(cycle: sp.Expr, letter: str, names: NamedQuantities, *, several:
 
 
 def _rates(
-    shop: Workshop, pieces: Integrals, frequencies: dict[str, sp.Expr], velocities: dict[str, sp.Expr],
+    context: FormContext, pieces: Integrals, frequencies: dict[str, sp.Expr], velocities: dict[str, sp.Expr],
     why_not: dict[str, WhyNot], named: NamedQuantities,
 ) -> None:  # fmt: skip
     """Ω = ∂E/∂J from 2π ∂J/∂c = ∮ ∂p/∂c dq, by inverting the matrix of the separated coordinates."""
-    solution, names = shop.solution, list(shop.solution.coordinates)
+    solution, names = context.solution, list(context.solution.coordinates)
     ignorable = {c.momentum: c for c in solution.separation.shell.ignorable}
-    inner = [c for c in shop.constants if c not in ignorable]
+    inner = [c for c in context.constants if c not in ignorable]
     rows = [[_cycle(pieces[name], c) for c in inner] for name in names]
     missing = next(
         (OfCoordinate(n, x) for n, row in zip(names, rows, strict=True) for x in row if isinstance(x, WhyNot)), None

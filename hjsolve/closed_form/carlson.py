@@ -103,22 +103,24 @@ def pairs_map(roots: NamedRoots, signs: Signs, prefix: str, begin: sp.Expr) -> P
     return PairsMap(named, begin, farther)
 
 
-def carlson_integral(R: elliptic.PartialFractions, way: CarlsonMap, x: sp.Expr | None) -> sp.Expr:
+def carlson_integral(R: elliptic.PartialFractions, change: CarlsonMap, x: sp.Expr | None) -> sp.Expr:
     """∫ R dx/√P, from an end of the interval to x; over all of it where x is None.
 
     Args:
         R: in partial fractions.
-        way: the interval.
+        change: the interval.
         x: the upper end.
 
     Raises:
         NoFormError: it diverges, or no form is known.
     """
     try:
-        if isinstance(way, PairsMap):
-            return elliptic.around(R, way.points) if x is None else elliptic.between(R, way.points, way.begin, x)
+        if isinstance(change, PairsMap):
+            return (
+                elliptic.around(R, change.points) if x is None else elliptic.between(R, change.points, change.begin, x)
+            )
         if x is None:
-            return elliptic.complete(R, way.points, way.roots.interval)
-        return way.direction * elliptic.incomplete(R, way.points, way.roots.interval, x, way.start)
+            return elliptic.complete(R, change.points, change.roots.interval)
+        return change.direction * elliptic.incomplete(R, change.points, change.roots.interval, x, change.start)
     except elliptic.NoForm as error:
         raise NoFormError(str(error)) from error

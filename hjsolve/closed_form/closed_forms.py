@@ -7,11 +7,11 @@ from pathlib import Path
 import sympy as sp
 
 from hjsolve.closed_form.derive import form_of_sample, forms_of_solution, special_of
+from hjsolve.closed_form.form_context import FormContext, context_of
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.time_limit import within_seconds
 from hjsolve.closed_form.verification import DIGITS
-from hjsolve.closed_form.workshop import Workshop, workshop_of
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.system import System
@@ -67,13 +67,13 @@ def closed_forms(
     if isinstance(subject, Motion):
         refuse_kinks(subject.solution.system.kinks, "closed_forms")
         with within_seconds(seconds):
-            shop = workshop_of(subject.solution, digits)
-            own = [form for form in (_own_form(shop, subject),) if form is not None]
-            return (*own, *forms_of_solution(shop, own))
+            context = context_of(subject.solution, digits)
+            own = [form for form in (_own_form(context, subject),) if form is not None]
+            return (*own, *forms_of_solution(context, own))
     solution = subject if isinstance(subject, Solution) else solve(subject)
     refuse_kinks(solution.system.kinks, "closed_forms")
     with within_seconds(seconds):
-        return forms_of_solution(workshop_of(solution, digits))
+        return forms_of_solution(context_of(solution, digits))
 
 
 def own_form(motion: Motion, *, seconds: float | None = SECONDS) -> RegimeForms | None:
@@ -84,14 +84,14 @@ def own_form(motion: Motion, *, seconds: float | None = SECONDS) -> RegimeForms 
         seconds: of processor time that may be spent; None for no limit.
     """
     with within_seconds(seconds):
-        return _own_form(workshop_of(motion.solution, DIGITS), motion)
+        return _own_form(context_of(motion.solution, DIGITS), motion)
 
 
-def _own_form(shop: Workshop, motion: Motion) -> RegimeForms | None:
+def _own_form(context: FormContext, motion: Motion) -> RegimeForms | None:
     solution = motion.solution
     exact = {p.symbol: motion.initial.values[p.symbol] for p in solution.system.parameters}
     exact |= {c.symbol: motion.initial.constants[name] for name, c in solution.constants.items()}
-    special = dict(special_of(shop, exact))
+    special = dict(special_of(context, exact))
     values = {symbol: _rational(value) for symbol, value in exact.items() if symbol not in special}
     for symbol, meaning in special.items():
         values[symbol] = _rational(meaning.xreplace(values))
@@ -99,7 +99,7 @@ def _own_form(shop: Workshop, motion: Motion) -> RegimeForms | None:
         name: _rational(motion.initial.values[solution.system.coordinate(name).symbol]) for name in solution.coordinates
     }
     inside = {name: _moved_inside(motion, name, place) for name, place in places.items()}
-    return form_of_sample(shop, shop.at(special), special, Sample(values, inside))
+    return form_of_sample(context, context.at(special), special, Sample(values, inside))
 
 
 def _rational(value: sp.Expr) -> sp.Expr:

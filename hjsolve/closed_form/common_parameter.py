@@ -13,6 +13,7 @@ from collections.abc import Mapping
 import sympy as sp
 
 from hjsolve.closed_form.along_motion import at_the_limit, by_parts, verify_along
+from hjsolve.closed_form.form_context import FormContext, SpecialCase
 from hjsolve.closed_form.inverses import common_parameter, time_of
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities
 from hjsolve.closed_form.no_form import NoFormError
@@ -20,24 +21,24 @@ from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regularised import Regularised, by_parameter
 from hjsolve.closed_form.time_limit import check_time
 from hjsolve.closed_form.verification import sample_numbers, sample_place, value_at
-from hjsolve.closed_form.workshop import Stratum, Workshop
 
 Pieces = Mapping[str, CoordinateIntegrals]
 
 
 def others_in_parameter(
-    shop: Workshop, pieces: Pieces, special: Stratum, parametric: Mapping[str, sp.Expr], names: NamedQuantities
+    context: FormContext, pieces: Pieces, special: SpecialCase, parametric: Mapping[str, sp.Expr],
+    names: NamedQuantities,
 ) -> dict[str, sp.Expr]:  # fmt: skip
     """Return the time, by its name, and ignorable coordinates as functions of τ; those that have such a form.
 
     Args:
-        shop: of the solution.
+        context: of the solution.
         pieces: separated coordinate → its integrals.
         special: constant → what it is.
         parametric: q₁(τ), q₂(τ).
         names: of the quantities of the forms.
     """
-    solution, two = shop.solution, list(shop.solution.coordinates)
+    solution, two = context.solution, list(context.solution.coordinates)
     if set(parametric) != set(two) or len(two) != 2:
         return {}
     ignorable = {c.momentum: c for c in solution.separation.shell.ignorable}
@@ -53,7 +54,7 @@ def others_in_parameter(
     found = dict[str, sp.Expr]()
     if solution.time_law is not None and time_of(solution):
         (t,) = time_of(solution)
-        value = _summed(made, shop.constants[0], solution.time_law)
+        value = _summed(made, context.constants[0], solution.time_law)
         if value is not None:
             found[t.name] = names.named(f"{t.name}_p", t - value[0], short=3 * SHORT) + value[1]
     for momentum, c in ignorable.items():

@@ -30,7 +30,7 @@ class MomentumCurve(Shown):
         square: S(x), rational, with P² φ′² = S² P.
         momentum_squared: P²(q).
         generic: P²(q) as a function of x for general constants.
-        stratum: constant → what it is, where the constants are special.
+        special_case: constant → what it is, where the constants are special.
     """
 
     coordinate: Coordinate
@@ -39,7 +39,7 @@ class MomentumCurve(Shown):
     square: sp.Expr
     momentum_squared: sp.Expr
     generic: sp.Expr
-    stratum: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
+    special_case: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
 
     @property
     def degree(self) -> int:
@@ -59,22 +59,22 @@ class MomentumCurve(Shown):
         """
         if key == W:
             return self.substitution.function
-        return (sp.diff(self.generic, key) / 2).subs(self.stratum)
+        return (sp.diff(self.generic, key) / 2).subs(self.special_case)
 
-    def at(self, stratum: Mapping[sp.Symbol, sp.Expr]) -> MomentumCurve | None:
+    def at(self, special_case: Mapping[sp.Symbol, sp.Expr]) -> MomentumCurve | None:
         """Return the curve of motions whose constants obey equations, such as E = 0.
 
         Args:
-            stratum: constant → what it is.
+            special_case: constant → what it is.
         """
-        special = replace(self.substitution, function=self.substitution.function.subs(dict(stratum)))
+        special = replace(self.substitution, function=self.substitution.function.subs(dict(special_case)))
         found = momentum_curve(special, self.coordinate, self.momentum_squared)
-        return None if found is None else replace(found, generic=self.generic, stratum=dict(stratum))
+        return None if found is None else replace(found, generic=self.generic, special_case=dict(special_case))
 
     @property
     def substitution_square(self) -> sp.Expr:
-        """P²(q), by way of the variable: what the coordinate's momentum squared is in the stratum."""
-        return self.momentum_squared.subs(dict(self.stratum))
+        """P²(q) through the variable: the square of the coordinate's momentum in the special case."""
+        return self.momentum_squared.subs(dict(self.special_case))
 
     @property
     def x(self) -> sp.Symbol:
@@ -163,10 +163,10 @@ def _squares(content: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     outside, inside = sp.S.One, sp.S.One
     for factor in sp.Mul.make_args(content):
         if factor.is_Rational:
-            for part, way in ((abs(int(factor.p)), 1), (int(factor.q), -1)):
+            for part, exponent in ((abs(int(factor.p)), 1), (int(factor.q), -1)):
                 for prime, power in sp.factorint(part).items():
-                    outside *= sp.Integer(prime) ** (way * (power // 2))
-                    inside *= sp.Integer(prime) ** (way * (power % 2))
+                    outside *= sp.Integer(prime) ** (exponent * (power // 2))
+                    inside *= sp.Integer(prime) ** (exponent * (power % 2))
             inside *= sp.sign(factor)
             continue
         base, power = factor.as_base_exp()

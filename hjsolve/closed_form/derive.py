@@ -9,35 +9,35 @@ import sympy as sp
 
 from hjsolve.closed_form.assemble import assembled
 from hjsolve.closed_form.curves import MomentumCurve
+from hjsolve.closed_form.form_context import FormContext, SpecialCase
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.pieces import CoordinateIntegrals, piece
 from hjsolve.closed_form.regime import described_regime
 from hjsolve.closed_form.regions import root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.signs import Signs, sign_of_many_digits
-from hjsolve.closed_form.strata import deciders, fixed_constant, special_strata
+from hjsolve.closed_form.special_cases import deciders, fixed_constant, special_cases_of
 from hjsolve.closed_form.time_limit import OutOfTimeError, out_of_time
 from hjsolve.closed_form.verification import flaws
-from hjsolve.closed_form.workshop import Stratum, Workshop
 from hjsolve.precision import mp
 
 MOST_REGIMES = 16
 _SAMPLES, _SPECIAL_SAMPLES, _SEED = 100, 30, 1
 
 
-def forms_of_solution(shop: Workshop, known: Sequence[RegimeForms] = ()) -> tuple[RegimeForms, ...]:
+def forms_of_solution(context: FormContext, known: Sequence[RegimeForms] = ()) -> tuple[RegimeForms, ...]:
     """Return the forms of every regime that samples meet, those of general constants first, as far as the time goes.
 
     Args:
-        shop: of the solution.
+        context: of the solution.
         known: forms that need not be found again.
     """
-    solution, found = shop.solution, [*known]
-    specials: list[Stratum] = [{}, *special_strata(shop.curves, shop.constants)]
-    special_values = [d for own in shop.curves.values() for c in own[:1] for d in deciders(c, shop.constants)]
+    solution, found = context.solution, [*known]
+    specials: list[SpecialCase] = [{}, *special_cases_of(context.curves, context.constants)]
+    special_values = [d for own in context.curves.values() for c in own[:1] for d in deciders(c, context.constants)]
     for special in specials:
         count = _SPECIAL_SAMPLES if special else _SAMPLES
-        local = shop.at(special)
+        local = context.at(special)
         for sample in samples(solution, count, _SEED, special):
             if len(found) >= MOST_REGIMES or out_of_time():
                 return _ordered(found[len(known) :])
@@ -45,7 +45,7 @@ def forms_of_solution(shop: Workshop, known: Sequence[RegimeForms] = ()) -> tupl
                 continue
             if not special and _by_chance(special_values, sample):
                 continue
-            form = form_of_sample(shop, local, special, sample)
+            form = form_of_sample(context, local, special, sample)
             if form is not None:
                 found.append(form)
     return _ordered(found[len(known) :])
@@ -79,19 +79,19 @@ def _alike(form: RegimeForms, sample: Sample) -> bool:
 
 
 def form_of_sample(
-    shop: Workshop, local: Mapping[str, list[MomentumCurve]], special: Stratum, sample: Sample
+    context: FormContext, local: Mapping[str, list[MomentumCurve]], special: SpecialCase, sample: Sample
 ) -> RegimeForms | None:  # fmt: skip
     """Return the forms of the regime a motion is in; None where it is at rest, or asymptotic, in a coordinate.
 
     Args:
-        shop: of the solution.
-        local: the curves in the stratum.
+        context: of the solution.
+        local: the curves in the special case.
         special: constant → what it is.
         sample: the motion.
     """
     pieces = dict[str, CoordinateIntegrals]()
-    for name in shop.solution.momentum_squared:
-        own = _piece(shop, name, local[name], special, sample)
+    for name in context.solution.momentum_squared:
+        own = _piece(context, name, local[name], special, sample)
         if own is None:
             if local[name]:
                 return None
@@ -105,7 +105,7 @@ def form_of_sample(
         kinds[name] = own.kind
     ordering = "; ".join(filter(None, (_ordering(own) for own in pieces.values())))
     made = described_regime(kinds, special, conditions, tuple(regions), sample.values, ordering)  # type: ignore[arg-type]
-    return assembled(shop, pieces, made, special)
+    return assembled(context, pieces, made, special)
 
 
 def _ordering(own: CoordinateIntegrals) -> str:
@@ -115,30 +115,44 @@ def _ordering(own: CoordinateIntegrals) -> str:
     curve, region = own.regions[0]
     if (not own.where and len(region.roots) <= 2) or curve.substitution.closed:
         return ""
-    ends = [f"root {k + 1}" if what == "root" else "the end" for what, k in (region.lower, region.upper)]
-    return f"{curve.substitution.place} between {ends[0]} and {ends[1]} of {len(region.roots)} real roots of P"
+    ends = [_nth(k) if what == "root" else "" for what, k in (region.lower, region.upper)]
+    roots = (
+        f"of the {len(region.roots)} real roots of the radicand" if len(region.roots) > 1 else "root of the radicand"
+    )
+    if all(ends):
+        return f"{curve.substitution.place} between the {ends[0]} and the {ends[1]} {roots}"
+    side, named = ("below", ends[1]) if ends[1] else ("above", ends[0])
+    if not named:
+        return f"{curve.substitution.place} in its whole range: no root of the radicand in it"
+    return f"{curve.substitution.place} {side} the {named} {roots}"
+
+
+def _nth(index: int) -> str:
+    """Return the ordinal of a root that has so many below it."""
+    words = ("first", "second", "third", "fourth")
+    return words[index] if index < len(words) else f"{index + 1}th"
 
 
 def _piece(
-    shop: Workshop, name: str, own: list[MomentumCurve], special: Stratum, sample: Sample
+    context: FormContext, name: str, own: list[MomentumCurve], special: SpecialCase, sample: Sample
 ) -> CoordinateIntegrals | None:
     """Return the piece of a coordinate: one that was found before where it is of the same regime."""
     key = (name, tuple(special.items()))
-    for known in shop.pieces.setdefault(key, []):
+    for known in context.pieces.setdefault(key, []):
         if _same_piece(known, sample):
             return moved_to(known, sample)
-    numerators = {k: n.subs(dict(special)) for k, n in shop.numerators[name].items()}
+    numerators = {k: n.subs(dict(special)) for k, n in context.numerators[name].items()}
     numerators = {k: n for k, n in numerators.items() if n != 0}
-    prefix = "x" if len(shop.curves) == 1 else f"x_{name}"
-    made = piece(name, numerators, own, sample, prefix, shop.solution.lower_limits[name])
+    prefix = "x" if len(context.curves) == 1 else f"x_{name}"
+    made = piece(name, numerators, own, sample, prefix, context.solution.lower_limits[name])
     if made is None:
         return None
     held = list(made.integrals | made.cycles)
     try:
-        made.refuse(flaws(made, held, shop.digits))
+        made.refuse(flaws(made, held, context.digits))
     except OutOfTimeError as error:
         made.refuse(dict.fromkeys(held, f"not verified: {error}"))
-    shop.pieces[key].append(made)
+    context.pieces[key].append(made)
     return made
 
 
@@ -162,19 +176,19 @@ def _same_piece(known: CoordinateIntegrals, sample: Sample) -> bool:
     return True
 
 
-def special_of(shop: Workshop, exact: Mapping[sp.Symbol, sp.Expr]) -> Iterator[tuple[sp.Symbol, sp.Expr]]:
+def special_of(context: FormContext, exact: Mapping[sp.Symbol, sp.Expr]) -> Iterator[tuple[sp.Symbol, sp.Expr]]:
     """Yield the constants that are special at exact values: what each is in terms of the others.
 
     Args:
-        shop: of the solution.
+        context: of the solution.
         exact: symbol → exact value, of parameters and constants.
     """
     from hjsolve.motion.initial_data import number_is_zero
 
-    for own in shop.curves.values():
+    for own in context.curves.values():
         for curve in own[:1]:
-            for decider in deciders(curve, shop.constants):
+            for decider in deciders(curve, context.constants):
                 if number_is_zero(decider.xreplace(dict(exact))):
-                    special = fixed_constant(decider, shop.constants)
+                    special = fixed_constant(decider, context.constants)
                     if special is not None:
                         yield from special.items()

@@ -17,12 +17,12 @@ _FUNCTIONS = {"sn": JacobiSN, "cn": JacobiCN, "dn": JacobiDN}
 
 
 def elliptic_inverse(
-    way: EvenMap | LegendreMap | CarlsonMap, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities
+    change: EvenMap | LegendreMap | CarlsonMap, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities
 ) -> sp.Expr:  # fmt: skip
     """Return the x at which ∫ dx/√P from a place has a value.
 
     Args:
-        way: the map to Legendre's or Carlson's integrals.
+        change: the map to Legendre's or Carlson's integrals.
         amount: the value.
         begin: the place, an x.
         names: of the quantities of the form.
@@ -30,60 +30,64 @@ def elliptic_inverse(
     Raises:
         NoFormError: P has no real root to begin at.
     """
-    if isinstance(way, PairsMap):
-        return elliptic.inverse_between(way.points, begin, multiplied_out(amount), farther=way.farther)
-    if isinstance(way, CarlsonMap):
-        return _complex_pair(way, amount, begin, names)
-    k = way.k
-    if isinstance(way, EvenMap):
-        y = begin / _scale(way, names)
-        φ_0 = {"sn": sp.asin(y), "cn": sp.acos(y), "dn": sp.asin(sp.sqrt(1 - y**2) / k)}[way.kind]
+    if isinstance(change, PairsMap):
+        return elliptic.inverse_between(change.points, begin, multiplied_out(amount), farther=change.farther)
+    if isinstance(change, CarlsonMap):
+        return _complex_pair(change, amount, begin, names)
+    k = change.k
+    if isinstance(change, EvenMap):
+        y = begin / _scale(change, names)
+        φ_0 = {"sn": sp.asin(y), "cn": sp.acos(y), "dn": sp.asin(sp.sqrt(1 - y**2) / k)}[change.kind]
     else:
-        φ_0 = sp.asin(sp.sqrt(names.oriented(sp.factor(way.s(begin)))))
-    even = isinstance(way, LegendreMap) or way.kind != "sn"
+        φ_0 = sp.asin(sp.sqrt(names.oriented(sp.factor(change.s(begin)))))
+    even = isinstance(change, LegendreMap) or change.kind != "sn"
     start = sp.elliptic_f(monotone_inverse(φ_0), k**2)
-    return place_of_argument(way, Phase(names, amount, way.direction * way.rate, start, even=even).argument, names)
+    return place_of_argument(
+        change, Phase(names, amount, change.direction * change.rate, start, even=even).argument, names
+    )
 
 
-def _scale(way: EvenMap, names: NamedQuantities) -> sp.Expr:
-    return names.named("a", way.scale if sp.cancel(way.scale**2 - way.m) != 0 else way.k, short=SHORT, positive=True)
+def _scale(change: EvenMap, names: NamedQuantities) -> sp.Expr:
+    return names.named(
+        "a", change.scale if sp.cancel(change.scale**2 - change.m) != 0 else change.k, short=SHORT, positive=True
+    )
 
 
-def place_of_argument(way: EvenMap | LegendreMap, u: sp.Expr, names: NamedQuantities) -> sp.Expr:
+def place_of_argument(change: EvenMap | LegendreMap, u: sp.Expr, names: NamedQuantities) -> sp.Expr:
     """X(u): a sn, a cn, a dn, or x₃ − (x₃ − x₂) sn² u between two roots.
 
     Args:
-        way: the map to Legendre's integrals.
+        change: the map to Legendre's integrals.
         u: the argument.
         names: of the quantities of the form.
     """
-    if isinstance(way, EvenMap):
-        return way.side * _scale(way, names) * _FUNCTIONS[way.kind](u, way.k**2)
-    s = JacobiSN(u, way.k**2) ** 2
-    if way.d is FAR:
-        a, b = (names.named(f"x_{mark}", end, short=3 * SHORT) for mark, end in (("a", way.a), ("b", way.b)))
-        return a - (names.oriented(way.a - way.b) if (a, b) == (way.a, way.b) else a - b) * s
-    if way.b is FAR:
-        return (way.a - way.d * s) / (1 - s)
-    n = names.named("nu", names.oriented(way.pole(FAR)), short=SHORT)
-    return (way.a - n * way.d * s) / (1 - n * s)
+    if isinstance(change, EvenMap):
+        return change.side * _scale(change, names) * _FUNCTIONS[change.kind](u, change.k**2)
+    s = JacobiSN(u, change.k**2) ** 2
+    if change.d is FAR:
+        a, b = (names.named(f"x_{mark}", end, short=3 * SHORT) for mark, end in (("a", change.a), ("b", change.b)))
+        return a - (names.oriented(change.a - change.b) if (a, b) == (change.a, change.b) else a - b) * s
+    if change.b is FAR:
+        return (change.a - change.d * s) / (1 - s)
+    n = names.named("nu", names.oriented(change.pole(FAR)), short=SHORT)
+    return (change.a - n * change.d * s) / (1 - n * s)
 
 
-def slope_of_argument(way: EvenMap | LegendreMap, u: sp.Expr, names: NamedQuantities) -> sp.Expr:
+def slope_of_argument(change: EvenMap | LegendreMap, u: sp.Expr, names: NamedQuantities) -> sp.Expr:
     """dx/du.
 
     Args:
-        way: the map to Legendre's integrals.
+        change: the map to Legendre's integrals.
         u: the argument.
         names: of the quantities of the form.
     """
-    if isinstance(way, EvenMap):
-        return sp.diff(place_of_argument(way, u, names), u)
-    sn, cn, dn = (f(u, way.k**2) for f in (JacobiSN, JacobiCN, JacobiDN))
-    if way.d is FAR:
-        return 2 * (way.b - way.a) * sn * cn * dn
-    n = sp.S.One if way.b is FAR else names.named("nu", names.oriented(way.pole(FAR)), short=SHORT)
-    return 2 * n * (way.a - way.d) * sn * cn * dn / (1 - n * sn**2) ** 2
+    if isinstance(change, EvenMap):
+        return sp.diff(place_of_argument(change, u, names), u)
+    sn, cn, dn = (f(u, change.k**2) for f in (JacobiSN, JacobiCN, JacobiDN))
+    if change.d is FAR:
+        return 2 * (change.b - change.a) * sn * cn * dn
+    n = sp.S.One if change.b is FAR else names.named("nu", names.oriented(change.pole(FAR)), short=SHORT)
+    return 2 * n * (change.a - change.d) * sn * cn * dn / (1 - n * sn**2) ** 2
 
 
 def modulus(names: NamedQuantities, m: sp.Expr) -> sp.Expr:
@@ -132,17 +136,17 @@ def in_moduli(expression: sp.Expr, names: NamedQuantities, *, of_roots: bool = F
     return collected(expression.xreplace(table))
 
 
-def _complex_pair(way: CarlsonMap, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities) -> sp.Expr:
+def _complex_pair(change: CarlsonMap, amount: sp.Expr, begin: sp.Expr, names: NamedQuantities) -> sp.Expr:
     """Return a ratio of linear functions of cn, or of sn²; lengths in it that are roots get names."""
     first, u = elliptic.PartialFractions(((0, sp.S.One),)), sp.Dummy("u", positive=True)
     try:
-        passed = elliptic.incomplete(first, way.points, way.roots.interval, begin, way.start)
-        place = elliptic.inverse(way.points, way.roots.interval, u, way.start)
+        passed = elliptic.incomplete(first, change.points, change.roots.interval, begin, change.start)
+        place = elliptic.inverse(change.points, change.roots.interval, u, change.start)
     except elliptic.NoForm as error:
         raise NoFormError(str(error)) from error
     (wave,) = place.atoms(JacobiCN, JacobiSN)
     rate, k = wave.args[0] / u, modulus(names, wave.args[1])
-    phase = Phase(names, amount, way.direction * rate, rate * passed, even=True)
+    phase = Phase(names, amount, change.direction * rate, rate * passed, even=True)
     value = wave.func(phase.argument, k**2)
     z = sp.Dummy("z")
     place = place.xreplace({wave: z})

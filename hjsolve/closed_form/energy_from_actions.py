@@ -8,11 +8,11 @@ import sympy as sp
 
 from hjsolve.closed_form.curves import named_constants
 from hjsolve.closed_form.evaluation import number_of
+from hjsolve.closed_form.form_context import FormContext
 from hjsolve.closed_form.named_quantities import NamedQuantities
 from hjsolve.closed_form.regime import Regime, settled
 from hjsolve.closed_form.tidy import elliptic, plain_roots
 from hjsolve.closed_form.why_not import NotFound, WhyNot
-from hjsolve.closed_form.workshop import Workshop
 from hjsolve.precision import mp
 
 MOST_OPERATIONS = 120
@@ -20,12 +20,13 @@ _DIGITS, _AGREE = 60, 40
 
 
 def solved_for_constants(
-    shop: Workshop, actions: Mapping[str, sp.Expr], made: Regime, names: NamedQuantities, why_not: dict[str, WhyNot]
+    context: FormContext, actions: Mapping[str, sp.Expr], made: Regime, names: NamedQuantities,
+    why_not: dict[str, WhyNot],
 ) -> dict[str, sp.Expr]:  # fmt: skip
     """Solve J_i(E, α, c) one constant after the other, as far as each equation holds only one that is not known.
 
     Args:
-        shop: of the solution.
+        context: of the solution.
         actions: coordinate → J.
         made: the regime.
         names: of the quantities in the actions.
@@ -35,7 +36,7 @@ def solved_for_constants(
         Constant → its formula in symbols J_<coordinate>, E first; empty where E was not found, or a coordinate has
         no action.
     """
-    constants, system = shop.constants, shop.solution.system
+    constants, system = context.constants, context.solution.system
     if made.special or any(c.name not in actions for c in system.coordinates):
         return {}
     named = {c.name: sp.Symbol(f"J_{c.name}", real=True) for c in system.coordinates}

@@ -96,13 +96,13 @@ def _short(expression: sp.Expr) -> sp.Expr:
 
 
 def even_integral(
-    R: sp.Expr, way: EvenMap, x: sp.Symbol, signs: Signs, *, complete: bool, own: LegendreIntegrals | None = None
+    R: sp.Expr, change: EvenMap, x: sp.Symbol, signs: Signs, *, complete: bool, own: LegendreIntegrals | None = None
 ) -> sp.Expr:  # fmt: skip
     """∫ R dx/√P: up to x, from x = 0 (sn) or from the upper end (dn, cn); or over the whole piece.
 
     Args:
         R: rational in x.
-        way: the map.
+        change: the map.
         x: the variable.
         signs: of the sample.
         complete: whether over the whole piece.
@@ -115,7 +115,7 @@ def even_integral(
         raise NoFormError("the integrand is not even in x")
     X = sp.Symbol(x.name, positive=True)
     parts = partial_fractions(sp.cancel(sp.powdenest(R.subs(x, sp.sqrt(X)), force=True)), X, signs)
-    own = own or LegendreIntegrals(way.k, way.m, None if complete else way.amplitude(x))
-    linear = LegendreMap(*way.line, FAR, FAR, 1, sp.S.One)
-    total = over_s(parts, linear, own) / way.rate
-    return way.quarters * total if complete else way.direction * total
+    own = own or LegendreIntegrals(change.k, change.m, None if complete else change.amplitude(x))
+    linear = LegendreMap(*change.line, FAR, FAR, 1, sp.S.One)
+    total = over_s(parts, linear, own) / change.rate
+    return change.quarters * total if complete else change.direction * total

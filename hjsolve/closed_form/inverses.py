@@ -18,6 +18,7 @@ from hjsolve.closed_form.elementary_inverses import (
     square_root_inverse,
 )
 from hjsolve.closed_form.elliptic_inverses import elliptic_inverse
+from hjsolve.closed_form.form_context import FormContext, SpecialCase
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monotone_inverse
@@ -33,7 +34,6 @@ from hjsolve.closed_form.why_not import (
     TranscendentalEquation,
     WhyNot,
 )
-from hjsolve.closed_form.workshop import Stratum, Workshop
 from hjsolve.errors import required
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
@@ -44,7 +44,7 @@ _DIGITS = 40
 
 
 def inverse_forms(
-    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, why_not: dict[str, WhyNot],
+    context: FormContext, pieces: Mapping[str, CoordinateIntegrals], special: SpecialCase, why_not: dict[str, WhyNot],
     names: NamedQuantities,
 ) -> dict[str, sp.Expr]:  # fmt: skip
     """q(t) of every coordinate that can be computed.
@@ -53,14 +53,14 @@ def inverse_forms(
     equations are linear in the τ, and each τ(q) is inverted by itself.
 
     Args:
-        shop: of the solution.
+        context: of the solution.
         pieces: separated coordinate → its integrals.
         special: constant → what it is.
         why_not: gets a reason for every coordinate without one.
         names: of the quantities of the forms.
     """
-    solution, found = shop.solution, dict[str, sp.Expr]()
-    values = _values(shop, pieces, special, why_not)
+    solution, found = context.solution, dict[str, sp.Expr]()
+    values = _values(context, pieces, special, why_not)
     for name, (integral, τ) in values.items():
         try:
             found[name] = inverted(pieces[name], integral, τ, solution.lower_limits[name], names)
@@ -69,7 +69,7 @@ def inverse_forms(
     for c in solution.separation.shell.ignorable:
         equation = solution.orbit_equations[c.momentum.name]
         if not solution.coordinates:
-            found[c.name] = _straight(sp.expand(equation.lhs - (equation.rhs - c.symbol)), shop)
+            found[c.name] = _straight(sp.expand(equation.lhs - (equation.rhs - c.symbol)), context)
             continue
         without = [
             n
@@ -94,27 +94,27 @@ def inverse_forms(
             continue
         constant = constant.xreplace({q: place for q, place in along.items() if place is not None})
         place = equation.lhs - constant.subs(dict(special)) - moved
-        found[c.name] = _in_time(place, c, shop, names)
+        found[c.name] = _in_time(place, c, context, names)
     return found
 
 
-def _in_time(place: sp.Expr, c: Coordinate, shop: Workshop, names: NamedQuantities) -> sp.Expr:
+def _in_time(place: sp.Expr, c: Coordinate, context: FormContext, names: NamedQuantities) -> sp.Expr:
     """Return a polynomial of the time; else φ_p + what has been added since t_p."""
     if not elliptic(place):
-        straight = _straight(shortened_powers(sp.expand(place)), shop)
-        if all(straight.is_polynomial(t) for t in time_of(shop.solution)):
+        straight = _straight(shortened_powers(sp.expand(place)), context)
+        if all(straight.is_polynomial(t) for t in time_of(context.solution)):
             return straight
     terms = sp.Add(*(sp.expand_mul(term, deep=False) for term in sp.Add.make_args(place)))
-    constant, running = terms.as_independent(*time_of(shop.solution), as_Add=True)
+    constant, running = terms.as_independent(*time_of(context.solution), as_Add=True)
     return names.named(f"{c.name}_p", constant, short=3 * SHORT) + running
 
 
-def _straight(place: sp.Expr, shop: Workshop) -> sp.Expr:
+def _straight(place: sp.Expr, context: FormContext) -> sp.Expr:
     """Return a polynomial of the time in powers of t − t₀."""
-    law = shop.solution.time_law
+    law = context.solution.time_law
     if law is None:
         return place
-    (t,), s = time_of(shop.solution), sp.Dummy("s")
+    (t,), s = time_of(context.solution), sp.Dummy("s")
     moved = sp.expand(place.subs(t, s + t - law.lhs))
     if not moved.is_polynomial(s) or not moved.has(s):
         return place
@@ -123,12 +123,12 @@ def _straight(place: sp.Expr, shop: Workshop) -> sp.Expr:
 
 
 def _values(
-    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, why_not: dict[str, WhyNot]
+    context: FormContext, pieces: Mapping[str, CoordinateIntegrals], special: SpecialCase, why_not: dict[str, WhyNot]
 ) -> dict[str, tuple[PieceIntegral, sp.Expr]]:  # fmt: skip
     """As ``_phases``; where the equations must be solved together, of the coordinate that is alone in the time law."""
-    solution, key = shop.solution, shop.constants[0]
+    solution, key = context.solution, context.constants[0]
     try:
-        return _phases(shop, pieces, special)
+        return _phases(context, pieces, special)
     except NoFormError as error:
         reason = error.why
     for c in solution.system.coordinates:
@@ -147,10 +147,10 @@ def _values(
 
 
 def _phases(
-    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum
+    context: FormContext, pieces: Mapping[str, CoordinateIntegrals], special: SpecialCase
 ) -> dict[str, tuple[PieceIntegral, sp.Expr]]:  # fmt: skip
     """Coordinate → its one integral, and what that is as a function of t and the β."""
-    solution, names = shop.solution, list(shop.solution.coordinates)
+    solution, names = context.solution, list(context.solution.coordinates)
     if not names:
         return {}
     ignorable = {c.momentum for c in solution.separation.shell.ignorable}
@@ -162,7 +162,7 @@ def _phases(
     M = sp.Matrix([[_multiple(pieces[n], c.symbol, references[n]) for n in names] for c in inner])
     right = []
     for c in inner:
-        equation = required(solution.time_law if c.symbol == shop.constants[0] else solution.orbit_equations[c.name])
+        equation = required(solution.time_law if c.symbol == context.constants[0] else solution.orbit_equations[c.name])
         rest = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
         right.append(equation.lhs - rest.subs(dict(special)))
     if any(r.free_symbols & {solution.system.coordinate(n).symbol for n in names} for r in right):
@@ -236,10 +236,10 @@ def _elliptic(
     s, q = integral.curve.substitution, integral.curve.coordinate.symbol
     if integral.curve.degree > 4:
         raise NoFormError(f"t({own.name}) is an integral on a curve of genus 2: its inverse is not given")
-    if integral.first is None or integral.way is None:
+    if integral.first is None or integral.change is None:
         raise NoFormError(NotOfTheFirstKind(own.name, integral.curve.x, integral.rational))
     amount, begin = multiplied_out(value / integral.first), s.place.subs(q, start)
-    x = elliptic_inverse(integral.way, amount, begin, names)
+    x = elliptic_inverse(integral.change, amount, begin, names)
     place = shortened_powers(s.inverse.subs(s.x, x))
     found, reason = [place], NoFormError("")
     if (
@@ -359,7 +359,7 @@ def verified_inverse(
 
 
 def orbit_formulas(
-    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, names: NamedQuantities
+    context: FormContext, pieces: Mapping[str, CoordinateIntegrals], special: SpecialCase, names: NamedQuantities
 ) -> dict[str, sp.Expr]:  # fmt: skip
     """Return a coordinate as a function of another one, from an orbit equation −β = ….
 
@@ -367,12 +367,12 @@ def orbit_formulas(
     ∫ ∂p₁/∂α dq₁ + ∫ ∂p₂/∂α dq₂, gives q₁(q₂), as for two centres.
 
     Args:
-        shop: of the solution.
+        context: of the solution.
         pieces: separated coordinate → its integrals.
         special: constant → what it is.
         names: of the quantities of the forms.
     """
-    solution, found = shop.solution, dict[str, sp.Expr]()
+    solution, found = context.solution, dict[str, sp.Expr]()
     ignorable = {c.momentum for c in solution.separation.shell.ignorable}
     keys = [(name, solution.constants[name].symbol) for name in solution.orbit_equations]
     for name, key in sorted(keys, key=lambda pair: pair[1] not in ignorable):
@@ -383,19 +383,19 @@ def orbit_formulas(
         for target in held:
             try:
                 check_time()
-                found.setdefault(target, _along(shop, pieces, (name, key), target, held, names))
+                found.setdefault(target, _along(context, pieces, (name, key), target, held, names))
             except NoFormError:
                 continue
     return found
 
 
 def _along(
-    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], equation_of: tuple[str, sp.Symbol], target: str,
+    context: FormContext, pieces: Mapping[str, CoordinateIntegrals], equation_of: tuple[str, sp.Symbol], target: str,
     held: list[str], names: NamedQuantities,
 ) -> sp.Expr:  # fmt: skip
     """One coordinate from an orbit equation."""
     name, key = equation_of
-    solution, own = shop.solution, pieces[target]
+    solution, own = context.solution, pieces[target]
     equation = solution.orbit_equations[name]
     rest = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
     if rest.has(own.integrals[key].curve.coordinate.symbol):
@@ -413,19 +413,19 @@ def _along(
 
 
 def parametric_formulas(
-    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, names: NamedQuantities
+    context: FormContext, pieces: Mapping[str, CoordinateIntegrals], special: SpecialCase, names: NamedQuantities
 ) -> dict[str, sp.Expr]:  # fmt: skip
     """q₁(τ) and q₂(τ) from ∫ ∂p₁/∂α dq₁ + ∫ ∂p₂/∂α dq₂ = −β: dτ = ±∂p₁/∂α dq₁ = ∓∂p₂/∂α dq₂, growing with both.
 
     So the times of two centres and of Kerr's geodesics decouple (Greenwood (5-137); Mino, Phys. Rev. D 67, 084027).
 
     Args:
-        shop: of the solution.
+        context: of the solution.
         pieces: separated coordinate → its integrals.
         special: constant → what it is.
         names: of the quantities of the forms.
     """
-    solution, two = shop.solution, list(shop.solution.coordinates)
+    solution, two = context.solution, list(context.solution.coordinates)
     ignorable = {c.momentum for c in solution.separation.shell.ignorable}
     τ = common_parameter(solution)
     if len(two) != 2 or any(name not in pieces for name in two):

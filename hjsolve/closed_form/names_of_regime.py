@@ -62,16 +62,16 @@ def in_named_rates(
 def _renamed(own: CoordinateIntegrals, constants: list[sp.Symbol], names: NamedQuantities) -> CoordinateIntegrals:
     table = dict[sp.Expr, sp.Expr]()
     for integral in own.integrals.values():
-        way = integral.way
-        if way is None or isinstance(way, CarlsonMap) or way.k in table:
+        change = integral.change
+        if change is None or isinstance(change, CarlsonMap) or change.k in table:
             continue
-        same = [key for key in constants if key in own.integrals and own.integrals[key].way is way]
+        same = [key for key in constants if key in own.integrals and own.integrals[key].change is change]
         first = next((key for key in same if own.integrals[key].first is not None), None)
         size, _ = without_sign(sp.factor_terms(own.integrals[first].first)) if first is not None else (sp.S.One, 1)
-        Ω = sp.sqrt(names.oriented(sp.factor(way.Ω**2)))
+        Ω = sp.sqrt(names.oriented(sp.factor(change.Ω**2)))
         letter = "omega" if first == constants[0] else "kappa"
-        table[way.k] = modulus(names, way.m)
-        table[way.rate] = size * names.named(letter, shortened_powers(Ω / size), short=SHORT, positive=True)
+        table[change.k] = modulus(names, change.m)
+        table[change.rate] = size * names.named(letter, shortened_powers(Ω / size), short=SHORT, positive=True)
     if not table:
         return own
     held = {s for e in table.values() for s in e.free_symbols}
@@ -84,10 +84,10 @@ def _renamed(own: CoordinateIntegrals, constants: list[sp.Symbol], names: NamedQ
 
 
 def _written(integral: PieceIntegral, table: Mapping[sp.Expr, sp.Expr]) -> PieceIntegral:
-    cycle, way = integral.cycle, integral.way
-    if way is not None and not isinstance(way, CarlsonMap):
-        way = replace(way, k=table[way.k], rate=table[way.rate])
+    cycle, change = integral.cycle, integral.change
+    if change is not None and not isinstance(change, CarlsonMap):
+        change = replace(change, k=table[change.k], rate=table[change.rate])
     return replace(
-        integral, value=shortened_powers(integral.value.xreplace(table)), way=way,
+        integral, value=shortened_powers(integral.value.xreplace(table)), change=change,
         cycle=None if cycle is None else shortened_powers(cycle.xreplace(table)),
     )  # fmt: skip

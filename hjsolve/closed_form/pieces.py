@@ -20,6 +20,7 @@ from hjsolve.closed_form.reduction import reduced
 from hjsolve.closed_form.regions import RootInterval, root_interval_of
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
+from hjsolve.closed_form.special_cases import deciders
 from hjsolve.closed_form.square_curves import (
     SquareCurve,
     between_the_roots_of_a_power,
@@ -27,7 +28,6 @@ from hjsolve.closed_form.square_curves import (
     roots_of_a_power,
     square_curve,
 )
-from hjsolve.closed_form.strata import deciders
 from hjsolve.closed_form.substitutions import Substitution
 from hjsolve.closed_form.tidy import longer_than
 from hjsolve.closed_form.time_limit import check_time
@@ -55,7 +55,7 @@ class PieceIntegral:
         law: the elementary antiderivative in x; None of an elliptic one.
         curve: the curve it was found on.
         first: R, where it is a constant: the integral of the first kind; else None.
-        way: the map to Legendre's integrals; None of an elementary one.
+        change: the map to Legendre's integrals; None of an elementary one.
     """
 
     numerator: sp.Expr
@@ -65,7 +65,7 @@ class PieceIntegral:
     law: Antiderivative | None
     curve: MomentumCurve
     first: sp.Expr | None = None
-    way: EvenMap | LegendreMap | CarlsonMap | None = None
+    change: EvenMap | LegendreMap | CarlsonMap | None = None
 
 
 @dataclass
@@ -123,11 +123,11 @@ class CoordinateIntegrals:
         self.why_not = {key: reason for key, reason in self.why_not.items() if key not in self.integrals}
         held = {s for found in done.values() for s in (found.value + (found.cycle or 0)).free_symbols}
         held |= {s for root in self.roots or () for s in root.free_symbols}
-        for way in task.ways:
-            if not isinstance(way, CarlsonMap):
-                self.rates |= {s: e for s, e in ((way.k, sp.sqrt(way.m)), (way.rate, way.Ω)) if s in held}
+        for change in task.changes:
+            if not isinstance(change, CarlsonMap):
+                self.rates |= {s: e for s, e in ((change.k, sp.sqrt(change.m)), (change.rate, change.Ω)) if s in held}
         held |= {s for e in self.rates.values() for s in e.free_symbols}
-        for roots in (task.roots, *(way.roots for way in task.ways if isinstance(way, CarlsonMap))):
+        for roots in (task.roots, *(change.roots for change in task.changes if isinstance(change, CarlsonMap))):
             if roots is not None:
                 self.where |= {s: meaning for s, meaning in roots.where.items() if s in held | _inside(roots)}
 
@@ -174,7 +174,7 @@ def piece(
     Args:
         name: of the coordinate.
         numerators: W or a constant → N(q), none that is zero.
-        found: its curves, the simplest first, in the stratum of the sample.
+        found: its curves, the simplest first, in the special case of the sample.
         sample: a motion.
         prefix: of the names of roots.
         start: the lower limit of its integrals.
@@ -221,26 +221,26 @@ class _Task:
         self.squared = square_curve(curve, region, signs, prefix) if reduces(curve) else None
         if curve.degree > 4 and self.squared is None:
             raise NoFormError(why_no_form([curve]))
-        self.ways: list[EvenMap | LegendreMap | CarlsonMap] = []
+        self.changes: list[EvenMap | LegendreMap | CarlsonMap] = []
         if self.squared is not None:
             self.roots: NamedRoots | None = self.squared.roots
-            self.ways = _maps(self.squared.inner, self.squared.roots, signs, prefix)
+            self.changes = _maps(self.squared.inner, self.squared.roots, signs, prefix)
         else:
             self.roots = named_roots(curve, region, signs, prefix) if curve.degree > 2 else None
             if self.roots is not None and not self.roots.real and start is not None:
                 begin = curve.substitution.place.subs(curve.coordinate.symbol, start)
-                self.ways = [pairs_map(self.roots, signs, prefix, begin)]
+                self.changes = [pairs_map(self.roots, signs, prefix, begin)]
             elif self.roots is not None:
-                self.ways = _maps(curve, self.roots, signs, prefix)
+                self.changes = _maps(curve, self.roots, signs, prefix)
 
     def integral(self, key: sp.Symbol, numerator: sp.Expr) -> PieceIntegral:
         """∫ N dq/√P² = ε ∫ N dx/(S √P)."""
         curve, s, region = self.curve, self.curve.substitution, self.region
         R = rational_factor(curve, region, self.signs, key)
-        cyclic, way = region.kind in ("libration", "rotation"), None
+        cyclic, change = region.kind in ("libration", "rotation"), None
         law: Antiderivative | None = None
         if self.roots is not None:
-            value, whole, way = self._reduced_elliptic(R, cyclic=cyclic)
+            value, whole, change = self._reduced_elliptic(R, cyclic=cyclic)
             if whole is not None and self.squared is not None and self.squared.passes and region.kind == "libration":
                 plain = between_the_roots_of_a_power(R, curve)
                 whole = whole if plain is None else plain
@@ -255,7 +255,7 @@ class _Task:
         if longer_than(value, LONGEST_FORM):
             raise NoFormError(f"the form has more than {LONGEST_FORM} operations")
         first = None if R.has(curve.x) or self.squared is not None else R
-        return PieceIntegral(numerator, value, cycle, R, law, curve, first, way)
+        return PieceIntegral(numerator, value, cycle, R, law, curve, first, change)
 
     def _reduced_elliptic(
         self, R: sp.Expr, *, cyclic: bool
@@ -264,7 +264,7 @@ class _Task:
         x, squared = self.curve.x, self.squared
         P = self.curve.polynomial if squared is None else squared.inner.polynomial
         a, rest = reduced(R if squared is None else squared.integrand(R, x), P)
-        found, whole, way, more = self._elliptic(rest, P, cyclic=cyclic)
+        found, whole, change, more = self._elliptic(rest, P, cyclic=cyclic)
         a += more
         if squared is None:
             found += a * positive_root(P.as_expr()) if a != 0 else 0
@@ -275,7 +275,7 @@ class _Task:
             whole = None if whole is None else (2 if squared.passes else squared.side) * whole
         if whole is not None and self.region.kind == "rotation":
             whole += _edges(a, P, self.curve.substitution, squared)
-        return found, whole, way
+        return found, whole, change
 
     def _elliptic(
         self, R: sp.Expr, P: sp.Poly, *, cyclic: bool
@@ -288,23 +288,23 @@ class _Task:
         """
         reason: WhyNot = NotFound("P has complex roots in this regime")
         x, more = P.gen, sp.S.Zero
-        for way in self.ways:
+        for change in self.changes:
             try:
-                if isinstance(way, EvenMap):
-                    value = even_integral(R, way, x, self.signs, complete=False)
-                    whole = even_integral(R, way, x, self.signs, complete=True) if cyclic else None
-                    return value, whole, way, more
+                if isinstance(change, EvenMap):
+                    value = even_integral(R, change, x, self.signs, complete=False)
+                    whole = even_integral(R, change, x, self.signs, complete=True) if cyclic else None
+                    return value, whole, change, more
                 parts = partial_fractions(R, x, self.signs)
-                if isinstance(way, LegendreMap) and self._passes_a_pole(parts, way):
+                if isinstance(change, LegendreMap) and self._passes_a_pole(parts, change):
                     raise NoFormError("the integral passes a pole on the way from the root")
                 if self._has_poles_at_roots(parts):
                     raise NoFormError("the integrand has poles at complex roots of P")
-                if isinstance(way, CarlsonMap):
-                    whole = carlson_integral(parts, way, None) if cyclic else None
-                    return carlson_integral(parts, way, x), whole, way, more
-                parts, a = without_square(parts, way, P)
-                whole = elliptic_integral(parts, way, None) if cyclic else None
-                return elliptic_integral(parts, way, x), whole, way, a
+                if isinstance(change, CarlsonMap):
+                    whole = carlson_integral(parts, change, None) if cyclic else None
+                    return carlson_integral(parts, change, x), whole, change, more
+                parts, a = without_square(parts, change, P)
+                whole = elliptic_integral(parts, change, None) if cyclic else None
+                return elliptic_integral(parts, change, x), whole, change, a
             except NoFormError as error:
                 reason = error.why
         raise NoFormError(reason)
@@ -318,9 +318,9 @@ class _Task:
         poles = [(at(re), at(im)) for re, im, _, _ in parts.complex_poles]
         return any(abs(a - c) + abs(b - d) < _SAME for a, b in poles for c, d in roots)
 
-    def _passes_a_pole(self, parts: PartialFractions, way: LegendreMap) -> bool:
+    def _passes_a_pole(self, parts: PartialFractions, change: LegendreMap) -> bool:
         """Return whether a pole lies between the motion and the root from which the integrals are taken."""
-        start, here = self.signs.number(way.a), self.region.place if self.squared is None else self.squared.place
+        start, here = self.signs.number(change.a), self.region.place if self.squared is None else self.squared.place
         low, high = min(start, here), max(start, here)
         return any(low < self.signs.number(r) < high for r, _, _ in parts.poles)
 

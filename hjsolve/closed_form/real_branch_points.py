@@ -173,13 +173,13 @@ class LegendreIntegrals:
 
 
 def elliptic_integral(
-    R: PartialFractions, way: LegendreMap, x: sp.Expr | None, own: LegendreIntegrals | None = None
+    R: PartialFractions, change: LegendreMap, x: sp.Expr | None, own: LegendreIntegrals | None = None
 ) -> sp.Expr:  # fmt: skip
     """∫ R dx/√P, increasing x: from a to x, or to a from x where the motion is below a; complete where x is None.
 
     Args:
         R: in partial fractions.
-        way: the map.
+        change: the map.
         x: the upper end; None for b.
         own: the integrals of dφ/Δ, up to another amplitude than that of x.
 
@@ -188,22 +188,22 @@ def elliptic_integral(
     """
     amplitude = None
     if x is not None:
-        s = way.s(x)
+        s = change.s(x)
         amplitude = (sp.asin(sp.sqrt(s)), sp.sqrt(s), sp.sqrt(1 - s))
-    own = own or LegendreIntegrals(way.k, way.m, amplitude)
-    value = over_s(R, way, own) / way.rate
-    return value if x is None else way.direction * value
+    own = own or LegendreIntegrals(change.k, change.m, amplitude)
+    value = over_s(R, change, own) / change.rate
+    return value if x is None else change.direction * value
 
 
-def without_square(R: PartialFractions, way: LegendreMap, P: sp.Poly) -> tuple[PartialFractions, sp.Expr]:
+def without_square(R: PartialFractions, change: LegendreMap, P: sp.Poly) -> tuple[PartialFractions, sp.Expr]:
     """R dx/√P of a quartic with 1/(x − d) in place of x², and a with d(a √P) the rest: a pole less of order two in s.
 
     x² dx/√P = d(√P/(x − d))/A + ½ ((a + b + c + d) x − d (a + b + c − d) + (d − a)(d − b)(d − c)/(x − d)) dx/√P
     """
     weights = dict(R.powers)
-    if way.b is FAR or way.d is FAR or P.degree() != 4 or 2 not in weights:
+    if change.b is FAR or change.d is FAR or P.degree() != 4 or 2 not in weights:
         return R, sp.S.Zero
-    x, w, (a, b, c, d) = P.gen, weights.pop(2), (way.a, way.b, way.c, way.d)
+    x, w, (a, b, c, d) = P.gen, weights.pop(2), (change.a, change.b, change.c, change.d)
     total = sp.cancel(-P.coeff_monomial(x**3) / P.LC())
     weights[1] = sp.factor(weights.get(1, sp.S.Zero) + w * total / 2)
     weights[0] = weights.get(0, sp.S.Zero) - w * d * (total - 2 * d) / 2
@@ -212,12 +212,12 @@ def without_square(R: PartialFractions, way: LegendreMap, P: sp.Poly) -> tuple[P
     return PartialFractions(powers, (*R.poles, pole), R.complex_poles), w / P.LC() / (x - d)
 
 
-def over_s(R: PartialFractions, way: LegendreMap, own: LegendreIntegrals) -> sp.Expr:
+def over_s(R: PartialFractions, change: LegendreMap, own: LegendreIntegrals) -> sp.Expr:
     """∫ R dφ/Δ.
 
     Args:
         R: in partial fractions, its poles simple, and none a root of P but d.
-        way: the map to s.
+        change: the map to s.
         own: the integrals.
 
     Raises:
@@ -229,21 +229,21 @@ def over_s(R: PartialFractions, way: LegendreMap, own: LegendreIntegrals) -> sp.
     for k, weight in R.powers:
         if k == 0:
             total += weight * own.F
-        elif way.d is FAR:
-            total += weight * (way.a * own.F + (way.b - way.a) * own.power(1))
-        elif way.b is FAR:
+        elif change.d is FAR:
+            total += weight * (change.a * own.F + (change.b - change.a) * own.power(1))
+        elif change.b is FAR:
             raise NoFormError("the integral is infinite at the end of the motion")
         else:
-            total += weight * _fraction((way.d, way.a - way.d), way.pole(FAR), k, own)
+            total += weight * _fraction((change.d, change.a - change.d), change.pole(FAR), k, own)
     for r, k, weight in R.poles:
         if k > 1:
             raise NoFormError("a multiple pole at a place with radicals")
-        if r == way.d:
-            total += weight / (way.a - way.d) * (own.F - way.pole(FAR) * own.power(1))
+        if r == change.d:
+            total += weight / (change.a - change.d) * (own.F - change.pole(FAR) * own.power(1))
             continue
-        constant = sp.S.Zero if way.d is FAR else 1 / (way.d - r)
-        rest = sp.factor(sp.cancel(1 / (way.a - r) - constant))
-        total += weight * _fraction((constant, rest), way.pole(r), k, own)
+        constant = sp.S.Zero if change.d is FAR else 1 / (change.d - r)
+        rest = sp.factor(sp.cancel(1 / (change.a - r) - constant))
+        total += weight * _fraction((constant, rest), change.pole(r), k, own)
     return total
 
 

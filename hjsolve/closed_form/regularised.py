@@ -100,28 +100,28 @@ class EllipticArgument(Regularised):
     """The argument u of sn u."""
 
     def _parametrised(self, x_0: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
-        way = self.time.way
-        if not isinstance(way, (LegendreMap, EvenMap)) or self.curve.degree > 4:
+        change = self.time.change
+        if not isinstance(change, (LegendreMap, EvenMap)) or self.curve.degree > 4:
             raise NoFormError("no argument of sn u is known here")
-        if isinstance(way, EvenMap):
-            φ_0 = way.amplitude(x_0)[0]
+        if isinstance(change, EvenMap):
+            φ_0 = change.amplitude(x_0)[0]
         else:
-            φ_0 = sp.asin(sp.sqrt(self.names.oriented(sp.factor(way.s(x_0)))))
-        self.way, self.direction = way, way.direction * self.direction
-        u_0, x = sp.elliptic_f(monotone_inverse(φ_0), way.k**2), place_of_argument(way, self.ξ, self.names)
-        slope = slope_of_argument(way, self.ξ, self.names)
-        return x, way.direction * way.rate * slope, way.direction * self.ξ / way.rate, u_0
+            φ_0 = sp.asin(sp.sqrt(self.names.oriented(sp.factor(change.s(x_0)))))
+        self.change, self.direction = change, change.direction * self.direction
+        u_0, x = sp.elliptic_f(monotone_inverse(φ_0), change.k**2), place_of_argument(change, self.ξ, self.names)
+        slope = slope_of_argument(change, self.ξ, self.names)
+        return x, change.direction * change.rate * slope, change.direction * self.ξ / change.rate, u_0
 
     def integral(self, key: sp.Symbol) -> sp.Expr:
         """∫ ∂p/∂c dq as a function of the parameter."""
-        R, way, x = self._rational(key), self.way, self.curve.x
+        R, change, x = self._rational(key), self.change, self.curve.x
         a, rest = reduced(R, self.curve.polynomial)
-        integrals = LegendreIntegrals.along(self.ξ, way.k, way.m)
-        if isinstance(way, EvenMap):
-            value = even_integral(rest, way, x, self.signs, complete=False, own=integrals)
+        integrals = LegendreIntegrals.along(self.ξ, change.k, change.m)
+        if isinstance(change, EvenMap):
+            value = even_integral(rest, change, x, self.signs, complete=False, own=integrals)
         else:
-            parts, more = without_square(partial_fractions(rest, x, self.signs), way, self.curve.polynomial)
-            value, a = elliptic_integral(parts, way, x, integrals), a + more
+            parts, more = without_square(partial_fractions(rest, x, self.signs), change, self.curve.polynomial)
+            value, a = elliptic_integral(parts, change, x, integrals), a + more
         return in_moduli(value + a.subs(x, self.x) * self.root, self.names)
 
     def span(self) -> tuple[sp.Expr, sp.Expr]:

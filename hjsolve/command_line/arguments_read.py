@@ -339,6 +339,8 @@ def located(target: T) -> T | Path:
     if not isinstance(target, str) or target.endswith(".toml"):
         return Path(target) if isinstance(target, str) else target
     if Path(target).exists() and not re.fullmatch(r"[a-z0-9-]+", target):
+        if target.endswith(".py"):
+            raise InvalidInputError(f"{target}: is a Python script; run it with `python {target}`")
         kind = "a directory" if Path(target).is_dir() else "a file, but its name does not end in .toml"
         raise InvalidInputError(f"{target}: is {kind}; give a catalog id or a .toml file")
     return target

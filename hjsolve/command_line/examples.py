@@ -7,12 +7,12 @@ EXAMPLES = {
 examples:
   hjsolve check kepler-planar                   does it separate, and why
   hjsolve solve lagrange-top                    W, momenta, time law, orbit equations
-  hjsolve coordinates henon-heiles              in which coordinates would it separate
-  hjsolve motion kepler-planar --times 0:15:31  its numbers, and where it is at these times
-  hjsolve two-point pendulum --from theta=0 --to theta=1 --time 2   the motions that join two places
-  hjsolve report kepler-planar -o kepler.html   all of that, a motion with drawings, and numbers
+  hjsolve coordinates henon-heiles              in which other coordinates does it separate
+  hjsolve motion kepler-planar --times 0:15:31  its results, and its state at these times
+  hjsolve two-point pendulum --from theta=0 --to theta=1 --time 2   the motions from one place to another
+  hjsolve report kepler-planar -o kepler.html   all of that, with figures and results
   hjsolve explore kepler-planar                 a page on this machine: type, drag, read (extra explore)
-  hjsolve cost kepler-planar                    what accuracy costs in time, measured
+  hjsolve cost kepler-planar                    measure accuracy against computing time
   hjsolve verify pendulum -S "…" --constant E   is this a complete integral of it?
   hjsolve integral kepler-planar --of p_theta   is this an integral of the motion?
   hjsolve catalog                               what is in the catalog""",

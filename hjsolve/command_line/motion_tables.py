@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import sys
 from argparse import Namespace
 from collections.abc import Iterator, Mapping, Sequence
@@ -103,6 +104,8 @@ def times_from_text(text: str, digits: int) -> list[str | float]:
         InvalidInputError: it is neither, or no number.
     """
     parts = text.split(":")
+    if re.search(r"\d\s*-\s*\d", text) and not re.search(r"\d[eE]-\d", text):
+        raise InvalidInputError(f'--times "{text}": for a range write start:stop:count, such as 0:10:101')
     if len(parts) == 1:
         times = [part.strip() for part in text.split(",")]
         for part in times:

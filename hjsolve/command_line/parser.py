@@ -86,7 +86,7 @@ def _add_check(kinds: _Commands) -> None:
         "Decide whether a system separates in its coordinates and print the evidence: the reduction, the\n"
         f"conditions, Stäckel and Liouville forms; or the obstruction with a witness.\n\n{_SYSTEMS}"
     )
-    check = _add(kinds, "check", "does the system separate? with the evidence", about)
+    check = _add(kinds, "check", "does the system separate, and why?", about)
     _system_arguments(check)
     _budget_argument(check)
 
@@ -102,7 +102,7 @@ def _add_solve(kinds: _Commands) -> None:
     _budget_argument(solve)
     solve.add_argument(
         "--closed", action="store_true",
-        help="closed forms first: the integrals done, by regime, each verified (takes seconds)",
+        help="begin with closed forms: the integrals evaluated, for each regime, and verified (takes seconds)",
     )  # fmt: skip
 
 
@@ -199,9 +199,9 @@ def _add_loop(kinds: _Commands) -> None:
 
 def _add_impact(kinds: _Commands) -> None:
     about = (
-        "Compute what constraints that appear at an instant do to the velocities, by impulses that nobody gives:\n"
-        "velocities and momenta before and after, impulses, energies, and the budgets; and the system in which the\n"
-        f"constraints last. All of it is exact.\n\n{_SYSTEMS}"
+        "Compute an impact: constraints appear suddenly and change the velocities by unknown impulses. Prints the\n"
+        "impulses, the velocities, momenta and energies before and after, their balance, and the system if the\n"
+        f"constraints last. All results are exact.\n\n{_SYSTEMS}"
     )
     command = _add(kinds, "impact", "an impact with an unknown impulse", about)
     _system_arguments(command)
@@ -212,7 +212,7 @@ def _add_impact(kinds: _Commands) -> None:
     )  # fmt: skip
     command.add_argument(
         "--restitution", action="append", default=[], metavar="E",
-        help="from 0 (default: nothing bounces back) to 1, one for all or one for each",
+        help="coefficient of restitution, 0 (default) to 1; one for all constraints or one for each",
     )  # fmt: skip
     _json_argument(command)
 
@@ -265,59 +265,61 @@ def _constant_argument(command: argparse.ArgumentParser) -> None:
 
 def _add_report(kinds: _Commands) -> None:
     about = (
-        "Write a report: the system, its reduction, the test, W, time law and orbit, and one\n"
-        "motion with drawings and numbers. "
-        f"The suffix of the output chooses the format:\n.html .pdf .md .json .txt .tex\n\n{_SYSTEMS}"
+        "Write a report: the system and its reduction, whether and why it separates, W, time law and orbit, and\n"
+        "one motion with figures and results. The suffix of FILE chooses the format: .html .pdf .md .json .txt\n"
+        f".tex\n\n{_SYSTEMS}"
     )
-    report = _add(kinds, "report", "all of that in a file, with drawings and numbers", about)
+    report = _add(kinds, "report", "all of that in a file, with figures and results", about)
     _system_arguments(report)
     _find_argument(report)
     _budget_argument(report)
     report.add_argument(
-        "-o", "--output", required=True, metavar="FILE", help='an existing file is replaced; "-" prints plain text'
+        "-o", "--output", required=True, metavar="FILE", help='file to write (replaced if it exists), or "-" to print'
     )
     report.add_argument(
         "--cost", action=argparse.BooleanOptionalAction, default=False,
-        help="add a section that measures accuracy against time, in three seconds (default: no)",
+        help="add a section that measures accuracy against time; takes three seconds (default: no)",
     )  # fmt: skip
     report.add_argument(
         "--live", action="store_true",
-        help="a page with sliders and a point that moves: one file, .html, for motions that librate or rotate",
+        help="begin the .html with sliders and a moving point, for motions that librate or rotate",
     )  # fmt: skip
     report.add_argument(
         "--slider", action="append", default=[], metavar="NAME[=LOW:HIGH]",
-        help="of a live page: a slider for this constant or parameter, as far as possible or in a range",
+        help="with --live: a slider for this constant or parameter, over this range or as far as possible (repeat)",
     )  # fmt: skip
     report.add_argument(
         "--brief", action="store_true",
-        help="without closed forms, map of all motions, surface of section, which take most of the time",
+        help="leave out closed forms, map of all motions and surface of section, which take longest",
     )  # fmt: skip
-    report.add_argument("--paper", metavar="A4|Letter", help="paper of a .pdf (default A4) or of a printed .html")
-    report.add_argument("--format", choices=["html", "md", "json", "txt", "tex"], help='of "-o -" (default: txt)')
+    report.add_argument("--paper", metavar="A4|Letter", help="paper size, also of a printed .html (default A4)")
+    report.add_argument(
+        "--format", choices=["html", "md", "json", "txt", "tex"], help='format of "-o -" (default txt)'
+    )
     _motion_arguments(report)
-    report.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the numbers (default 15)")
+    report.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the results (default 15)")
 
 
 def _find_argument(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--find", action="store_true",
-        help="where the coordinates do not separate: normal modes, or the simplest ones that are found",
+        help="if these coordinates do not separate, use normal modes or the simplest coordinates found",
     )  # fmt: skip
 
 
 def _budget_argument(command: argparse.ArgumentParser, what: str = "for reading the system and deciding") -> None:
     command.add_argument(
         "--budget", type=float, default=60.0, metavar="S",
-        help=f"seconds {what}; then the answer is: not decided (default 60)",
+        help=f"seconds allowed {what}; after that the answer is: not decided (default 60)",
     )  # fmt: skip
 
 
 def _motion_arguments(command: argparse.ArgumentParser) -> None:
-    motion = command.add_argument_group("the motion (a catalog entry brings its own)")
+    motion = command.add_argument_group("the motion (default: that of the catalog entry)")
     motion.add_argument("--motion", default="default", metavar="NAME", help="another motion of the catalog entry")
     for option, what in (
         ("--q", "initial coordinates, e.g. r=1 theta=0, or r=1,theta=0"),
-        ("--velocity", "initial velocities, in the same way"),
+        ("--velocity", "initial velocities, e.g. r=0 theta=1.2"),
         ("--momentum", "initial momenta, in place of velocities"),
     ):
         motion.add_argument(option, action="append", default=[], metavar="NAME=VALUE", help=what)
@@ -325,24 +327,25 @@ def _motion_arguments(command: argparse.ArgumentParser) -> None:
 
 def _add_motion(kinds: _Commands) -> None:
     about = (
-        "Compute a motion and print its numbers, or where it is at the times given, each number with a bound on\n"
-        "its error: as CSV, or as JSON. Of a scene, the states at its own times.\n\n" + _SYSTEMS
+        "Compute a motion and print its results (periods, actions, turning points, ...), or with --times its\n"
+        "states, as CSV or JSON. Each value has a bound on its error. A scene is computed at its own times.\n\n"
+        + _SYSTEMS
     )
-    motion = _add(kinds, "motion", "results of a motion, and where it is at given times", about)
+    motion = _add(kinds, "motion", "results of a motion, and its state at given times", about)
     _system_arguments(motion)
     _find_argument(motion)
     _motion_arguments(motion)
     motion.add_argument("--times", metavar="TIMES", help="start:stop:count, both ends included, or a list: 0,1/2,1e3")
-    motion.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the numbers (default 15)")
-    motion.add_argument("--json", action="store_true", help="numbers and states as one JSON object")
+    motion.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the results (default 15)")
+    motion.add_argument("--json", action="store_true", help="print results and states as one JSON object")
 
 
 def _add_two_point(kinds: _Commands) -> None:
     about = (
-        "Find every motion that is at one place at time 0 and at another after a given time, with S, momenta at\n"
-        "both ends and conjugate points; say whether these are proved to be all.\n\n" + _SYSTEMS
+        "Find the motions that go from one place to another in a given time, with S, the momenta at both ends and\n"
+        "the conjugate points. The answer says whether these are proved to be all.\n\n" + _SYSTEMS
     )
-    command = _add(kinds, "two-point", "the motions that join two places in a time", about)
+    command = _add(kinds, "two-point", "the motions from one place to another in a given time", about)
     _system_arguments(command)
     _find_argument(command)
     places = command.add_argument_group("two places and a time")
@@ -350,7 +353,7 @@ def _add_two_point(kinds: _Commands) -> None:
         places.add_argument(
             option, dest=name, action="append", default=[], metavar="NAME=VALUE", help=f"{what}, e.g. r=1 theta=0"
         )
-    places.add_argument("--time", metavar="T", help="from one place to the other, > 0")
+    places.add_argument("--time", metavar="T", help="time between the two places, > 0")
     places.add_argument("--turns", default="0", metavar="N:N", help="whole turns: 0:3 or 0,2 (default 0)")
     _budget_argument(command, "for the proof that these are all")
     command.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the motions (default 15)")
@@ -359,32 +362,36 @@ def _add_two_point(kinds: _Commands) -> None:
 
 def _add_explore(kinds: _Commands) -> None:
     about = (
-        "Serve a page on this machine, at 127.0.0.1 alone: type a system and see at once whether it separates,\n"
-        "drag the initial point in a phase plane, read every number with its error, take a report or a scene\n"
-        "away. It computes until it is interrupted (extra explore)."
+        "Open an interactive page in the browser. Type a system and see at once whether it separates, drag the\n"
+        "initial point in the phase plane, read each result with its error, and download a report or a scene.\n"
+        "The page is served on this machine only (127.0.0.1), until you press Ctrl-C (extra explore)."
     )
-    explore = _add(kinds, "explore", "a page where a system is typed and set in motion", about)
+    explore = _add(kinds, "explore", "an interactive page: type a system, drag its initial point", about)
     explore.add_argument("system", nargs="?", metavar="SYSTEM", help="catalog id, or .toml file of an entry or a scene")
-    explore.add_argument("--port", type=int, default=0, metavar="N", help="of the page (default: any that is free)")
-    explore.add_argument("--no-browser", action="store_true", help="print the address and open nothing")
-    explore.add_argument("--seconds", type=float, default=20.0, metavar="S", help="for one computation (default 20)")
-    explore.add_argument("--memory", type=int, default=1024, metavar="MB", help="for one computation (default 1024)")
+    explore.add_argument("--port", type=int, default=0, metavar="N", help="port of the page (default: any free port)")
+    explore.add_argument("--no-browser", action="store_true", help="print the address and do not open a browser")
+    explore.add_argument(
+        "--seconds", type=float, default=20.0, metavar="S", help="limit of a computation (default 20)"
+    )
+    explore.add_argument(
+        "--memory", type=int, default=1024, metavar="MB", help="limit of a computation (default 1024)"
+    )
 
 
 def _add_cost(kinds: _Commands) -> None:
     about = (
-        "Measure accuracy against time: every method that applies computes the same quantities side by side,\n"
-        "hjsolve's own and, for states, integrators. Errors are true ones, against a reference with more digits\n"
-        f"made in another way.\n\n{_SYSTEMS}"
+        "Measure accuracy against time: all methods that apply compute the same quantities, hjsolve's own and, for\n"
+        "states, numerical integrators. Errors are true errors, measured against a reference with more digits from\n"
+        f"an independent method.\n\n{_SYSTEMS}"
     )
-    cost = _add(kinds, "cost", "what accuracy costs in time, measured", about)
+    cost = _add(kinds, "cost", "measure accuracy against computing time", about)
     _system_arguments(cost)
     _motion_arguments(cost)
     cost.add_argument(
         "--digits", metavar="N,N,…", help="digits beyond double precision (default 20,30,50, with 30 seconds 100 too)"
     )
-    cost.add_argument("--seconds", type=float, default=20.0, metavar="S", help="budget for everything (default 20)")
-    cost.add_argument("--no-rivals", action="store_true", help="leave DOP853 and heyoka out")
+    cost.add_argument("--seconds", type=float, default=20.0, metavar="S", help="time allowed in all (default 20)")
+    cost.add_argument("--no-rivals", action="store_true", help="skip DOP853 and heyoka")
     cost.add_argument("-o", "--output", metavar="FILE", help="document: .html .pdf .md .json .txt .tex, or .svg")
 
 
@@ -392,8 +399,8 @@ def _add_sweep(kinds: _Commands) -> None:
     about = (
         "Compute the orbits that the table [sweep] of a scene declares: actions, frequencies, angles and the\n"
         "like, each with its error, and a status for every orbit. The output is a folder of Parquet files,\n"
-        "written part by part. Rerun the same command to resume an interrupted run: parts whose digests are\n"
-        "right stay, the others are computed."
+        "written part by part. Rerun the same command to resume an interrupted run: parts that are\n"
+        "complete and unchanged are kept, the others are computed."
     )
     sweep = _add(kinds, "sweep", "many orbits into Parquet files, resumable", about)
     sweep.add_argument("scene", metavar="SCENE", help="a scene with a table [sweep], a .toml file")
@@ -428,8 +435,8 @@ def _add_completion(kinds: _Commands) -> None:
 
 
 def _add_setup(kinds: _Commands) -> None:
-    about = "Compile the kernels of ensembles, once for this installation (extra fast); else their first use does it."
-    _add(kinds, "setup", "compile what ensembles need, once", about)
+    about = "Compile the kernels of ensembles now rather than at their first use; once per installation (extra fast)."
+    _add(kinds, "setup", "compile the kernels of ensembles, once", about)
 
 
 def _system_arguments(command: argparse.ArgumentParser) -> None:

@@ -37,7 +37,7 @@ from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
 from hjsolve.precision import one_at_a_time
 
-_NONE = "No quadratic first integral of this kind besides the energy: the system is"
+_NONE = "The energy is the only first integral quadratic in the velocities, so the system is"
 _NO_WEB = "Besides the energy there {are} {extra} quadratic first integral{s}, but no orthogonal web belongs to {it}: "
 _NOT = (
     "not separable by a point transformation in orthogonal coordinates. It may still be integrable, with integrals of "

@@ -66,7 +66,9 @@ def cost(
         [True]
     """
     if not seconds > 0 or type(repeats) is not int or repeats < 1:
-        raise InvalidInputError(f"cost: seconds and repeats must be positive, not {seconds!r} and {repeats!r}")
+        wrong = f"repeats: a whole number > 0 is needed, not {repeats!r}"
+        wrong = wrong if seconds > 0 else f"seconds: a number > 0 is needed, not {seconds!r}"
+        raise InvalidInputError(f"cost: {wrong}")
     levels = _levels(digits if digits is not None else DIGITS if seconds >= _LONG else DIGITS[:-1])
     clock = Clock(time.perf_counter(), seconds, progress)
     scene, solution = scene_of(subject, motion)

@@ -142,11 +142,11 @@ def _halves(
     share = np.full(len(b), _SHARES[0])
     for other in (*_SHARES[1:], None):
         value, uncertainty = bernstein_value(b, e, share)
-        vague = ~(np.abs(value) > uncertainty)
-        if other is None or not vague.any():
+        unresolved = ~(np.abs(value) > uncertainty)
+        if other is None or not unresolved.any():
             break
-        share = np.where(vague, other, share)
-    lost, kept = owner[vague], ~vague
+        share = np.where(unresolved, other, share)
+    lost, kept = owner[unresolved], ~unresolved
     b, e, owner, low, high, share = b[kept], e[kept], owner[kept], low[kept], high[kept], share[kept]
     (b0, b1), (e0, e1) = _divided(b, e, share)
     middle = low + share * (high - low)

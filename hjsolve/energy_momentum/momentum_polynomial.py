@@ -54,8 +54,8 @@ class _Piece(ByValue, Shown):
             if np.isinf(self.start):
                 away = np.abs(t - self.end) / self.length
                 return np.where((t - self.end) * np.sign(self.start) >= 0, 1 / (1 + away), 2.0)
-            way = (t - self.start) * (1 if self.end > self.start else -1) / self.length
-            return np.where(way >= 0, way / (1 + way), -1.0) if np.isinf(self.end) else way
+            part = (t - self.start) * (1 if self.end > self.start else -1) / self.length
+            return np.where(part >= 0, part / (1 + part), -1.0) if np.isinf(self.end) else part
 
     def places(self, s: Reals) -> Reals:
         """Return the t of s in (0, 1)."""

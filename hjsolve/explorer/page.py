@@ -32,12 +32,12 @@ margin:0 auto;padding:1.2rem;align-items:start}
 .explorer .unfinished,.explorer .stale{color:var(--soft);white-space:pre-wrap;overflow-wrap:anywhere}
 .explorer .stale{border-left:3px solid var(--amber);padding-left:.8rem}
 .explorer .unfinished:empty,.explorer .stale:empty{display:none}
-.explorer section{min-width:0}.explorer .q-expansion-item__content{overflow-x:auto}
+.explorer section{min-width:0}.explorer .nicegui-expansion-content>*{width:100%;min-width:0}
 .explorer .drag,.explorer .portraits svg{max-width:32rem}.explorer .portraits text{font-size:12.5px}
 @media (max-width:40rem){.explorer{padding:.8rem}.explorer .formula{flex-wrap:wrap;gap:.1rem}
 .explorer .formula .scroll{flex-basis:100%}.explorer .q-btn{min-height:2.75rem}
 .explorer{--page:#fff}.body--dark .explorer{--page:#121212}
-.explorer .scroll,.explorer .q-expansion-item__content{overflow-x:auto;background:
+.explorer .scroll{overflow-x:auto;background:
 linear-gradient(to left,var(--page) 40%,transparent) right/2.2rem 100% no-repeat local,
 linear-gradient(to left,rgba(128,128,128,.6),transparent) right/.8rem 100% no-repeat scroll}}
 .explorer .hint{color:var(--soft);font-size:.85rem}
@@ -51,7 +51,7 @@ _PRINTED = (
     ".body--dark .explorer :is(.q-field *,.q-item,.q-checkbox){color:#22262b!important}"
     ".explorer .q-btn,.explorer .q-item__section--side,.explorer .q-expansion-item--collapsed{display:none}"
     ".nicegui-error-popup,.q-loading-bar,.q-notify{display:none!important}.explorer{padding:0}"
-    ".explorer .portraits>*{break-inside:avoid}}"
+    ".explorer .portraits>*,.explorer table{break-inside:avoid}}"
 )
 _POINTER = ["pointerdown", "pointermove"]
 

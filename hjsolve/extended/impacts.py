@@ -174,7 +174,7 @@ def impact(
     forms = read_forms(system, constraints, restitution, "constraints")
     for number_of, g in enumerate(forms.levels, start=1):
         if g is not None and clean(g.xreplace(at)) != 0:
-            raise InvalidInputError(f"constraints[{number_of}]: does not hold here; give the place of the impact")
+            raise InvalidInputError(f"constraints[{number_of}]: not satisfied here; give the coordinates at the impact")
     λ, change = impulses(system, forms, at)
     before = {name: clean(formula.subs(at)) for name, formula in velocities(system).items()}
     faster = sp.simplify(inverse_mass_matrix(system).subs(at)) * sp.Matrix(change)
@@ -254,7 +254,7 @@ def impulses(
     against = a * moving - sp.Matrix(forms.speeds).subs(at)
     matrix = (a * inverse_mass_matrix(system).subs(at) * a.T).applyfunc(sp.simplify)
     if sp.simplify(matrix.det()) == 0:
-        raise InvalidInputError("constraints: they are not independent at this place; leave one out")
+        raise InvalidInputError("constraints: they are dependent at this position; leave one out")
     bounced = sp.Matrix([(1 + e) * u for e, u in zip(forms.restitution, against, strict=True)])
     λ = [clean(sp.simplify(-x)) for x in matrix.LUsolve(bounced)]
     return λ, [clean(x) for x in a.T * sp.Matrix(λ)]

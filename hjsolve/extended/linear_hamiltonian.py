@@ -2,7 +2,7 @@
 
     H(q, p) = a(q) p + b(q) = E:        p = (E − b)/a,     W = ∫ p dq,     t − β = ∂W/∂E = ∫ dq/a      (Greenwood P5-1)
 
-is linear in p: no square root, one branch, and no turning point; q moves one way for ever, at the rate a(q).
+is linear in p: no square root, one branch, and no turning point; q moves in one direction for ever, at the rate a(q).
 
     H(q, p) = a(q) p² + b(q) p + c(q):  L = (q̇ − b)²/(4a) − c
 
@@ -161,7 +161,7 @@ def from_hamiltonian(
     clock = {c.name: c.symbol for c in clock_of((hamiltonian,), shape.symbols)}
     H = parse(hamiltonian, {**shape.symbols, **clock, "p": q.momentum, f"p_{name}": q.momentum}, source="hamiltonian")
     if not H.has(q.momentum):
-        raise InvalidSystemError("H(q, p): there is no p in it")
+        raise InvalidSystemError("H(q, p): it does not contain p")
     if clock and not (H.is_polynomial(q.momentum) and sp.degree(H, q.momentum) == 2):
         raise InvalidSystemError("H(q, p, t): with the time t only H of second degree in p is taken")
     if not H.is_polynomial(q.momentum) or sp.degree(H, q.momentum) not in (1, 2):

@@ -41,7 +41,7 @@ class LinearMotion(Shown):
 
     Attributes:
         problem: the Hamiltonian.
-        kinds: ``escape``: q moves one way for ever; ``equilibrium`` where a(q) vanishes at the start.
+        kinds: ``escape``: q moves in one direction for ever; ``equilibrium`` where a(q) vanishes at the start.
         constants: E.
         digits: asked for.
         q, p, t0: exact initial data.
@@ -213,19 +213,19 @@ def _moved(rate: Callable[[Mpf], Mpf], start: Mpf, elapsed: Mpf, context: Contex
         if not domain.hold(place):
             raise OutsideMotionError(f"{name} reaches an end of its domain")
     raise NotConvergedError(
-        f"{name}: until that time it grows, or comes near a place where it rests, by too many factors to be followed; "
-        "take a time nearer to t0"
+        f"{name}: until that time it grows, or approaches an equilibrium, by too many orders of magnitude; choose a "
+        "time closer to t0"
     )
 
 
-def _longest(rate: Callable[[Mpf], Mpf], place: Mpf, way: int, most: Mpf) -> Mpf:
+def _longest(rate: Callable[[Mpf], Mpf], place: Mpf, direction: int, most: Mpf) -> Mpf:
     """Return a time, at most ``most``, in which 1 + |q| and dq/dt at most double or halve, judged at its end."""
     here = rate(place)
     if not here:
         return abs(place) * 0
     longest = min((1 + abs(place)) / abs(here) / 2, most)
     for _ in range(_MOST_HALVINGS):
-        if 0.5 <= rate(place + way * longest * here) / here <= 2:
+        if 0.5 <= rate(place + direction * longest * here) / here <= 2:
             break
         longest /= 2
     return longest
@@ -238,4 +238,4 @@ def _step(rate: Callable[[Mpf], Mpf], place: Mpf, step: Mpf, context: Context, n
         guess += (step - time) * rate(guess)
         if abs(step - time) <= context.mpf(2) ** (24 - context.prec) * abs(step):
             return guess
-    raise OutsideMotionError(f"{name} comes to a place where a(q) vanishes, in infinite time")
+    raise OutsideMotionError(f"{name} approaches a zero of a(q) and never reaches it")

@@ -60,7 +60,7 @@ def stability_ranges(modes: LinearModes, parameter: str) -> tuple[StableRange, .
     others = {x: v for x, v in modes.values.items() if x != symbol}
     p = sp.expand(modes.polynomial.subs(others).subs(LAMBDA, sp.sqrt(s)))
     if not p.is_polynomial(s, symbol) or not sp.Poly(p, s, symbol).domain.is_Numerical:
-        raise InvalidSystemError(f"stability: the exponents are no algebraic function of {parameter}")
+        raise InvalidSystemError(f"stability: the exponents are not an algebraic function of {parameter}")
     in_s = sp.Poly(p, s)
     events = [in_s.LC(), in_s.nth(0)] + ([sp.discriminant(p, s)] if in_s.degree() > 1 else [])
     product = sp.Poly(sp.Mul(*(e for e in events if e != 0)), symbol, domain="QQ")

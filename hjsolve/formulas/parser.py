@@ -123,7 +123,11 @@ class Parser:
             raise self._source.error("two numbers follow each other", following.position)
         if not self._names and following.kind == "name" and following.text not in {*FUNCTIONS, "pi"}:
             turn = following.text.lower().startswith("deg")
-            cure = "write 30*pi/180 for 30 degrees" if turn else "convert it to the units of the system"
+            cure = (
+                f"write {before.text}*pi/180 for {before.text} degrees"
+                if turn
+                else "convert it to the units of the system"
+            )
             raise self._source.error(f"a value is a number alone, without a unit; {cure}", following.position)
         left, right = ("(...)" if token.text in "()" else token.text[:40] for token in (before, following))
         message = f"an operator is missing; write {left}*{right} for a product"

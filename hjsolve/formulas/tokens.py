@@ -38,7 +38,7 @@ _INSTEAD_OF_CHARACTER = {
     "{": "write round brackets ( )",
     "}": "write round brackets ( )",
     ".": "write * for a product",
-    "|": "write sqrt(x**2 + y**2) for a length; absolute values have no derivative at zero",
+    "|": "write abs(x) for an absolute value, sqrt(x**2 + y**2) for a length",
     "!": "write the factorial as a number",
     "%": "write a percentage as a number, 5% as 5/100",
     "\\": "write names without the backslash of TeX, theta for \\theta",

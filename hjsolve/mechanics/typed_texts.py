@@ -10,8 +10,8 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.coordinates_and_parameters import Parameter, parameter
 
 _NAME = re.compile(r"\s*(\w+)\s*")
-_NEXT_VALUE = re.compile(r",(?=\s*\w+\s*=)")
-"""The comma between two values: a name and an equals sign stand behind it."""
+_NEXT_VALUE = re.compile(r"(?:,\s*|\s+)(?=[^\W\d]\w*\s*=)")
+"""The comma or the blanks between two values: a name and an equals sign stand behind it."""
 
 
 def typed_coordinates(texts: Iterable[str], where: str) -> dict[str, str]:

@@ -74,7 +74,7 @@ class Motion(ShownMotion):
 
     @property
     def solution(self) -> Solution:
-        """What is solved."""
+        """The solution that the motion belongs to."""
         return self.separated.solution
 
     @property
@@ -94,20 +94,20 @@ class Motion(ShownMotion):
 
     @property
     def digits(self) -> int:
-        """Digits asked of every number."""
+        """The number of digits requested."""
         return self.separated.digits
 
     @property
     def nodes(self) -> int:
-        """Quadrature nodes of the coordinate that needs most."""
+        """The largest number of quadrature nodes used for a coordinate."""
         return max((place.course.nodes for place in self.separated.located.values()), default=0)
 
     @property
     def mean_velocities(self) -> dict[str, Estimate]:
-        """Mean velocities ⟨dq/dt⟩ of the ignorable coordinates that are no angles, where all others are bounded.
+        """The mean velocities ⟨dq/dt⟩ of ignorable coordinates that are not angles, if all others are bounded.
 
-        The drift of a charge in crossed fields; dt/dτ of a geodesic, by which frequencies per unit of proper time are
-        divided to give those of a far observer.
+        Examples are the drift of a charge in crossed fields and dt/dτ of a geodesic. Divide a frequency per unit of
+        proper time by the latter to obtain that seen by a distant observer.
         """
         self._require("mean_velocities")
         source = self._source
@@ -115,9 +115,9 @@ class Motion(ShownMotion):
 
     @property
     def betas(self) -> dict[str, Estimate]:
-        """Jacobi's constants (Greenwood (5-70)): constant of the motion → its β; for E the t₀ of the time law (5-71).
+        """Jacobi's constants β (Greenwood (5-70)), by constant of the motion; that of E is t₀ of the time law (5-71).
 
-        They belong to ``lower_limits`` and the passages of these next to the initial data.
+        They refer to ``lower_limits`` and to the passage through these that is nearest to the initial data.
         """
         from hjsolve.motion.characteristic import betas
 
@@ -126,9 +126,10 @@ class Motion(ShownMotion):
 
     @property
     def lower_limits(self) -> dict[str, Estimate]:
-        """Separated coordinate → where the quadratures of ``betas`` begin: the lower or only turning point, or a rest.
+        """The lower limits of the quadratures of ``betas``, by separated coordinate.
 
-        It is the place at t₀ where the motion does not turn.
+        Each is the lower or only turning point, or the position of rest. A coordinate that does not turn has its
+        position at t₀.
         """
         from hjsolve.motion.characteristic import lower_limits
 
@@ -155,24 +156,24 @@ class Motion(ShownMotion):
     def characteristic_function(
         self, t: object = None, *, q: Mapping[str, object] | None = None, branch: Mapping[str, int] | None = None
     ) -> Estimate | EstimateArray:
-        """Return Hamilton's characteristic function W = ∫ p·dq from t₀: up to a time, or at a place on a branch.
+        """Return Hamilton's characteristic function W = ∫ p·dq from t₀, at a time or at a position on a branch.
 
-        Along the motion a cycle adds ∮ p·dq. At a place each separated coordinate is where q says, on the branch on
-        which its momentum (p + A of a shifted one) has the given sign: ∂W/∂q = p there. A libration is taken once
-        round from its lower turning point, up with +1 and down with −1; the angle of a rotation is not reduced.
+        Along the motion each cycle adds ∮ p·dq. At a position q the sign of the momentum of each separated coordinate
+        (of p + A if the momentum is shifted) selects the branch, and ∂W/∂q = p. On a libration W is counted once round
+        from the lower turning point: rising on branch +1, falling on −1. The angle of a rotation is not reduced.
 
         Args:
             t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
-            q: instead of t: every coordinate → a place, or an array of places; arrays broadcast.
-            branch: separated coordinate → +1 or −1; +1 where left out and there are two.
+            q: in place of t, the position of every coordinate: numbers or arrays, which broadcast.
+            branch: +1 or −1 by separated coordinate; +1 by default if there are two.
 
         Returns:
-            The value and its error, each of the shape of t or of the places; nan where the motion has ended.
+            The value and its error, with the shape of t or of the positions; nan after the end of the motion.
 
         Raises:
-            InvalidInputError: both t and q or neither, a time or place that is not a finite real number, a coordinate
-                that is missing or has no branches.
-            OutsideMotionError: a place or a branch that the motion never has.
+            InvalidInputError: both t and q or neither, a time or position that is not a finite real number, a
+                coordinate that is missing or has no branches.
+            OutsideMotionError: the motion never reaches the position, or never on that branch.
         """
         from hjsolve.motion.characteristic import waves_along
         from hjsolve.motion.wave_at_places import wave_at
@@ -188,7 +189,7 @@ class Motion(ShownMotion):
         """Return Hamilton's principal function along the motion, S = W − E (t − t₀) = ∫ L dt from t₀ to t.
 
         Args:
-            t: as for ``characteristic_function``, and so is what is returned and raised.
+            t: as for ``characteristic_function``, which also describes the result and the errors.
         """
         from hjsolve.motion.characteristic import waves_along
 
@@ -196,7 +197,7 @@ class Motion(ShownMotion):
         return waves_along(self._source, t, principal=True)
 
     def time_at(self, name: str, value: object, passage: int = 0) -> Estimate:
-        """Return the time of the passage-th crossing of a position, counted from t₀ on.
+        """Return the time at which a coordinate passes a position: the first one from t₀ on, or another passage.
 
         Args:
             name: coordinate.
@@ -238,8 +239,8 @@ class Motion(ShownMotion):
     def angles(self, t: object) -> AngleVariables:
         """Return the angle variables θ = θ₀ + Ω (t − t₀), in (−π, π], of every coordinate that has a frequency.
 
-        All θ are zero where librations stand at their lower turning points and rotations opposite to their highest
-        barrier, where p² is least; of equal barriers the first from 0 upwards counts.
+        The zero of θ is the lower turning point of a libration, and for a rotation the point half a turn from its
+        highest barrier, where p² is smallest. Of equal barriers the first one above 0 counts.
 
         Args:
             t: a time or an array of times.
@@ -262,12 +263,12 @@ class Motion(ShownMotion):
         by: Iterable[str] = ("constants",),
         t: object = None,
     ) -> MotionDerivatives:
-        """Return exact derivatives of the motion: the integrals of the motion, differentiated; no finite differences.
+        """Return derivatives of the motion, from its differentiated integrals rather than from finite differences.
 
-        By ``initial``, all q and p at t₀ ("q.r", "p.r") are varied one by one; by ``constants``, those of
-        ``Solution.constants``, for the state and the angles at constant Jacobi constants β; by ``parameters``, those of
-        the system at constant q and canonical p at t₀; by ``actions`` ("J.r"), the actions: of frequencies the Hessian
-        of the energy.
+        ``initial`` differentiates by each q and p at t₀ ("q.r", "p.r"). ``constants`` differentiates by those of
+        ``Solution.constants``, with Jacobi's constants β fixed for the state and the angles. ``parameters``
+        differentiates by those of the system, with q and canonical p at t₀ fixed. ``actions`` ("J.r") differentiates by
+        the actions, which gives the Hessian of the energy for the frequencies.
 
         Args:
             of: of ``actions``, ``frequencies``, ``periods``, ``turning_points``, ``constants``, ``angles``, ``state``.
@@ -287,10 +288,10 @@ class Motion(ShownMotion):
         return found
 
     def transition_matrix(self, t: object) -> EstimateArray:
-        """Return the transition matrix ∂(q, p)(t)/∂(q, p)(t₀), at a price that does not grow with t.
+        """Return the transition matrix ∂(q, p)(t)/∂(q, p)(t₀), in a time that does not grow with t.
 
-        It is D(t) D(t₀)⁻¹, D the matrix between Jacobi's constants (β, α) and the state: symplectic by its form
-        (Greenwood (5-53), (6-215)).
+        It is D(t) D(t₀)⁻¹, where D is the derivative of the state by Jacobi's constants (β, α), so it is symplectic
+        by construction (Greenwood (5-53), (6-215)).
 
         Args:
             t: a time or an array of times.
@@ -322,7 +323,7 @@ class Motion(ShownMotion):
         return hash((self.separated.solution.system, self.separated.digits, self.separated.t0))
 
     def to_units(self, library: object) -> MotionInUnits:
-        """Tell the numbers as quantities of pint or astropy, in the units of the system.
+        """Return the results as quantities of pint or astropy, in the units of the system.
 
         Args:
             library: ``"astropy"``, ``"pint"``, a registry of pint, or any unit of one of them.

@@ -250,15 +250,15 @@ def _scale(motion: SeparatedMotion) -> float:
         return 0.0
     if values:
         return max(abs(v) for v in values)
-    ways = [branch.end_map for branch in motion.located[name].course.branches]
-    return float(ways[0].length) if ways else float(np.pi)
+    maps = [branch.end_map for branch in motion.located[name].course.branches]
+    return float(maps[0].length) if maps else float(np.pi)
 
 
 @lru_cache(maxsize=8)
 def _open(motion: SeparatedMotion, power: int) -> DenseOutput:
     scheme = required(motion.scheme)
     course = reaching(scheme.courses[0], scheme, 2.0**power, 0)
-    folded = not course.two_ways
+    folded = not course.both_directions
     edges = course.edges()
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     indices = [constant_index(motion, n) for n in names]

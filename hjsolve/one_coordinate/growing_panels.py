@@ -14,7 +14,7 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels, chebyshev_points, integrated_row
 from hjsolve.one_coordinate.panel_length import Surroundings, longest, nodes_for
-from hjsolve.one_coordinate.time_on_the_way import stopwatch
+from hjsolve.one_coordinate.time_along_a_path import stopwatch
 
 _MAX_PANELS = 1600
 _GROWTH, _LONGEST, _FIRST = 4.0, 8.0, 2.0

@@ -172,7 +172,7 @@ class KindOfMotion(ABC):
         return None
 
     @property
-    def two_ways(self) -> bool:
+    def both_directions(self) -> bool:
         """True where the branch ahead is not the one behind."""
         return False
 

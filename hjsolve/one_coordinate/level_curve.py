@@ -327,7 +327,7 @@ def followed(curve: Curve, q: Mpf, p: Mpf, domain: tuple[Mpf | None, Mpf | None]
             radii[piece.along] = 2 * abs(float(piece.end - piece.begin))
             longest[piece.along] = max(longest[piece.along], radii[piece.along])
         if piece is None or radii[piece.along] < _SHORTEST_PIECE * longest[piece.along]:
-            raise NotConvergedError(_where("meets a place of rest, another branch or a singularity of H", point))
+            raise NotConvergedError(_where("meets an equilibrium, another branch or a singularity of H", point))
         back = next((turns for turns, goal in goals.items() if piece.passes(goal)), None)
         end = piece.end if back is None else goals[back][piece.along]
         done, point, signs = curve.finished(piece, end)

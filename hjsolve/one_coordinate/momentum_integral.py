@@ -26,7 +26,7 @@ _PANEL_HALVINGS = 200
 _GUARD_BITS = 32
 
 
-class OpenWay(Protocol):
+class OpenBranchIntegrals(Protocol):
     """One branch of an open motion, as far as it is used here; ``open_branch.Branch`` is one."""
 
     @property
@@ -39,7 +39,7 @@ class OpenWay(Protocol):
 
 
 @lru_cache(maxsize=32)
-def swept(branch: OpenWay, weights: tuple[float, ...] | None, amount: float) -> Panels:
+def swept(branch: OpenBranchIntegrals, weights: tuple[float, ...] | None, amount: float) -> Panels:
     """Return panels of |P dq/dy| that reach as far as ``branch.panels(weights, amount)``.
 
     Args:

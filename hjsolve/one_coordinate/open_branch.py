@@ -15,7 +15,7 @@ from hjsolve.one_coordinate.growing_panels import Growing
 from hjsolve.one_coordinate.momentum_integral import swept
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.panel_integrands import Sight, Surrounding
-from hjsolve.one_coordinate.time_on_the_way import TooSlowError
+from hjsolve.one_coordinate.time_along_a_path import TooSlowError
 
 _MOST_BITS = 16384
 _FINE = 8

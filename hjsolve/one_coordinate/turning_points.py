@@ -23,7 +23,7 @@ from hjsolve.arithmetic.root_finding import bracketed_root, leading_power
 from hjsolve.errors import NotConvergedError, required
 from hjsolve.one_coordinate.momentum_squared import Number
 from hjsolve.one_coordinate.ray import Ray, SimpleZero
-from hjsolve.one_coordinate.time_on_the_way import stopwatch
+from hjsolve.one_coordinate.time_along_a_path import stopwatch
 
 EndKind = Literal["turning", "wall", "asymptote", "boundary", "fall", "infinity", "round", "kink"]
 _LAST_BITS = 2048
@@ -120,22 +120,22 @@ _Enclosure = tuple[Numeric, Numeric, Numeric, Numeric, Numeric, Numeric]
 class _Cell(NamedTuple):
     """A piece of the ray, its enclosures of F, F′ and F″ (two ends each), and how often it was divided.
 
-    ``vague``: its enclosure of F is no narrower than that of what it is a part of, so it is all rounding, or doubles
-    do not reach that far. ``singular``: F has no bounds there in any precision. ``rounded``: no part of it has a
-    narrower enclosure in doubles than it has itself; it waits for many digits, undivided.
+    ``unresolved``: its enclosure of F is no narrower than that of what it is a part of, so it is all rounding, or
+    doubles do not reach that far. ``singular``: F has no bounds there in any precision. ``rounded``: no part of it has
+    a narrower enclosure in doubles than it has itself; it waits for many digits, undivided.
     """
 
     ends: tuple[float, float]
     enclosure: _Enclosure
     depth: int
-    vague: bool = False
+    unresolved: bool = False
     singular: bool = False
     rounded: bool = False
 
     @property
     def overflowed(self) -> bool:
         """True where doubles found nothing, because they do not reach that far."""
-        return self.undecided and not (self.vague or self.singular or _finite(self.enclosure))
+        return self.undecided and not (self.unresolved or self.singular or _finite(self.enclosure))
 
     @property
     def positive(self) -> bool:
@@ -159,7 +159,7 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
     while cells:
         first = cells[0]
         check(partial(_sought, ray, first))
-        stubborn = first.undecided and (first.vague or first.depth >= _STUBBORN)
+        stubborn = first.undecided and (first.unresolved or first.depth >= _STUBBORN)
         if (first.overflowed or stubborn) and outlook.clear(first.ends[0]):
             return None
         if first.overflowed or first.rounded:
@@ -217,7 +217,7 @@ def _stays_positive(ray: Ray, x: float) -> bool:
 def _exactly(ray: Ray, cell: _Cell) -> _Cell:
     """Return the same cell in many digits."""
     enclosure = _enclose(ray, [cell.ends], 256)[0]
-    return _Cell(cell.ends, enclosure, cell.depth, vague=_finite(enclosure), singular=not _finite(enclosure))
+    return _Cell(cell.ends, enclosure, cell.depth, unresolved=_finite(enclosure), singular=not _finite(enclosure))
 
 
 def _finite(enclosure: _Enclosure) -> bool:
@@ -227,9 +227,9 @@ def _finite(enclosure: _Enclosure) -> bool:
 def _divided(ray: Ray, cells: list[_Cell]) -> list[_Cell]:
     """Divide the first cell, and with it those that wait behind it for the same: many enclosures cost little more."""
     depth = cells[0].depth
-    exact = depth >= _EXACT or cells[0].vague
+    exact = depth >= _EXACT or cells[0].unresolved
     together = 1 if exact else _TOGETHER
-    alike = [c.undecided and c.depth == depth and c.vague <= exact for c in cells[:together]]
+    alike = [c.undecided and c.depth == depth and c.unresolved <= exact for c in cells[:together]]
     pieces = [_pieces(ray, c) if same else [] for c, same in zip(cells[:together], alike, strict=True)]
     bits = max(64 * depth, 256) if exact else 53
     enclosures = iter(_enclose(ray, list(itertools.chain(*pieces)), bits))
@@ -240,11 +240,11 @@ def _divided(ray: Ray, cells: list[_Cell]) -> list[_Cell]:
         if parts and not exact and enough <= min(widths) <= max(widths) < np.inf:
             result.append(cell._replace(rounded=True))
             continue
-        vague = bool(parts) and not max(widths) < enough
-        vague = cell.vague or (depth > 0 and vague)
-        result += [_Cell(part, e, depth + 1, vague, cell.singular) for part, e in zip(parts, inner, strict=True)] or [
-            cell
-        ]
+        unresolved = bool(parts) and not max(widths) < enough
+        unresolved = cell.unresolved or (depth > 0 and unresolved)
+        result += [
+            _Cell(part, e, depth + 1, unresolved, cell.singular) for part, e in zip(parts, inner, strict=True)
+        ] or [cell]
     return result + cells[together:]
 
 

@@ -50,14 +50,14 @@ class Unbounded(KindOfMotion):
         return self.ahead, self.behind
 
     @property
-    def two_ways(self) -> bool:
+    def both_directions(self) -> bool:
         """False where the motion turns at χ = 0."""
         return self.behind is not self.ahead
 
     def _sides(self, χ: Numbers) -> tuple[Mask, Panels, Panels]:
         weights, amount = self.reach
         ahead = self.ahead.panels(weights, amount, partly=self.partly)
-        if not self.two_ways:
+        if not self.both_directions:
             return χ >= 0, ahead, ahead
         back = amount if self.back is None else self.back
         return χ >= 0, ahead, self.behind.panels(weights, back, partly=self.partly)
@@ -67,7 +67,7 @@ class Unbounded(KindOfMotion):
         return branch.end_map.end == "fall" or branch.panels(*self.reach, partly=self.partly).finished
 
     def covering(self, χ: Numbers) -> Unbounded:
-        if not self.two_ways:
+        if not self.both_directions:
             return self.with_reach(float(np.max(np.abs(χ), initial=0)))
         return self.with_reach(float(np.max(χ, initial=0)), float(np.max(-χ, initial=0)))
 
@@ -111,7 +111,7 @@ class Unbounded(KindOfMotion):
 
     def momentum_integral(self, χ: Numbers) -> tuple[Numbers, Numbers, Numbers]:
         weights, amount = self.reach
-        back = amount if self.back is None or not self.two_ways else self.back
+        back = amount if self.back is None or not self.both_directions else self.back
         ahead, behind = self.ahead.swept(weights, amount), self.behind.swept(weights, back)
         forward, y = χ >= 0, np.abs(χ)
         values = np.where(forward, ahead.integral(0, y), -behind.integral(0, y))

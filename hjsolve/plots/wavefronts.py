@@ -36,7 +36,7 @@ def plotted_wavefronts(family: Wavefronts, ax: Axes | None) -> Axes:
         raise InvalidInputError(f"plot: ax must be axes of matplotlib, not {type(ax).__name__}")
     axes = plane_axes(family.motion.solution.system)
     if not axes:
-        raise InvalidInputError('plot: the coordinates lie in no plane; System(…, place={"x": …, "y": …}) says where')
+        raise InvalidInputError('plot: these coordinates have no plane; declare it, System(…, place={"x": …, "y": …})')
     with style.drawing() as pyplot:
         ax = pyplot.figure().add_subplot() if ax is None else ax
         for front in family.fronts:

@@ -317,14 +317,14 @@ def started_at_one_place(motion: Motion, placing: Placing | None, directions: in
     solution, values = motion.solution, motion.initial.values
     system = solution.system
     if len(system.coordinates) != 2:
-        raise InvalidInputError("wavefronts: the family of a place needs a system of two coordinates")
+        raise InvalidInputError("wavefronts: the family of motions from one point needs a system of two coordinates")
     if directions < _FEWEST:
-        raise InvalidInputError(f"wavefronts: at least {_FEWEST} orbits are needed to find the envelope of a place")
+        raise InvalidInputError(f"wavefronts: at least {_FEWEST} orbits are needed to find an envelope")
     names = (system.coordinates[0].name, system.coordinates[1].name)
     M = np.array(mass_matrix(system).subs(values).evalf(30).tolist(), dtype=float)
     p0 = np.array([float(sp.N(values[c.momentum], 30)) for c in system.coordinates])
     if not p0.any():
-        raise InvalidInputError("wavefronts: the motion begins at rest; at its energy no motion leaves that place")
+        raise InvalidInputError("wavefronts: a motion that begins at rest is the only one of its energy there")
     root = np.linalg.cholesky(M)
     across = np.linalg.solve(root, p0)
     q = {c.name: values[c.symbol] for c in system.coordinates}

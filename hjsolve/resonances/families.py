@@ -35,7 +35,7 @@ class OneParameterFamily(Protocol):
 
     @property
     def solution(self) -> Solution:
-        """What is solved."""
+        """The solution that the family belongs to."""
         ...
 
     @property

@@ -125,7 +125,7 @@ def _prove(
             signs.append(0 if abs(f) <= error else 1 if f > 0 else -1)
         if signs[0] * signs[1] < 0:
             return
-    raise NotConvergedError(f"torus: {asked.words} is not proved next to {family.unknown} = {float(root):.12g}")
+    raise NotConvergedError(f"torus: {asked.words} could not be proved near {family.unknown} = {float(root):.12g}")
 
 
 def _none(asked: TorusQuestion, unknown: str, seen: Scan) -> str:

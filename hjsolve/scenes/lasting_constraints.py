@@ -165,7 +165,7 @@ def _left(event: Event, change: ChangeOfFrame) -> str:
     name = next((c.name for c in change.system.coordinates if c.symbol == f), None)
     if name is None:
         raise InvalidInputError(
-            f"events: {event} stands at a coordinate that the constraint takes away, {event.coordinate} = {f}"
+            f"events: {event} refers to {event.coordinate}, which the constraint eliminates ({event.coordinate} = {f})"
         )
     return name
 

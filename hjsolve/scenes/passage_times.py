@@ -173,4 +173,4 @@ class Carried:
                 left = abs(angle - self.angle(χ)) / abs(rate)
                 tolerance = (2 * left + self.noise) * (1 + abs(self.clock.size)) / abs(self.rate)
                 return self.time_of(χ), self.noise + tolerance
-        raise NotConvergedError("the passage of an ignorable coordinate could not be found to the digits asked")
+        raise NotConvergedError("the passage of an ignorable coordinate did not converge to the requested digits")

@@ -232,19 +232,19 @@ class Free:
         rate = now.sign[name] * self.rates[name]
         if not rate:
             return None
-        way = (target - now.place[name]) / rate
+        distance = (target - now.place[name]) / rate
         if turn is not None:
             each = turn / abs(rate)
-            way -= each * self.context.floor((way - tolerance) / each)
-        elif way <= tolerance:
+            distance -= each * self.context.floor((distance - tolerance) / each)
+        elif distance <= tolerance:
             return None
-        there = now.place[name] + way * rate if turn is not None else target
+        there = now.place[name] + distance * rate if turn is not None else target
 
         def land(now: Now) -> None:
             now.place[name] = there
-            now.uncertainty += self.unit * way
+            now.uncertainty += self.unit * distance
 
-        return now.time + way, pending, land
+        return now.time + distance, pending, land
 
     def _carried(
         self, now: Now, pending: Pending, name: str, target: Mpf, turn: Mpf | None, tolerance: Mpf

@@ -180,12 +180,12 @@ class Settling:
             k = names.index(required(p.event.coordinate))
             here, there = self.landings[-1].values[k], limits[1 + k][0]
             place = to_bits(p.event.value)(self.arithmetic.bits)
-            way = 2 * abs(there - here)
+            distance = 2 * abs(there - here)
             off = place - here
             if self.system.coordinates[k].domain.kind == "angle":
                 turn = 2 * self.arithmetic.context.pi
                 off -= turn * self.arithmetic.context.nint(off / turn)
-            if abs(off) <= way and way:
+            if abs(off) <= distance and distance:
                 return True
         return False
 

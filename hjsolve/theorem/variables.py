@@ -35,7 +35,7 @@ def read_variables(
     momenta = [ascii_name(str(p)) for p in pairs.values()]
     names = [ascii_name(str(q)) for q in pairs]
     if len({*names, *momenta, "t"}) != 2 * len(names) + 1:
-        raise InvalidInputError("coordinates: a name stands for two variables, or for the time t")
+        raise InvalidInputError("coordinates: a name is used for two variables, or for the time t")
     if others := set(domains) - {*names, *momenta}:
         raise InvalidInputError(f"domains: {sorted(others)[0]} is not one of {', '.join([*names, *momenta])}")
     declared = [read_coordinates({name: domains.get(name, "line")}, ())[0] for name in [*names, *momenta]]

@@ -116,14 +116,14 @@ def solve_pair(couple: CoupledPair, goals: Reals, noise: Reals, time: Reals) -> 
     for side in (1, -1):
         chosen = np.where(side * time >= 0)[0] if side > 0 else np.where(time < 0)[0]
         if len(chosen):
-            part = _one_way(couple, side, goals[:, chosen], noise[:, chosen])
+            part = _one_direction(couple, side, goals[:, chosen], noise[:, chosen])
             for ours, theirs in zip((found.χ, found.errors), (part.χ, part.errors), strict=True):
                 ours[:, chosen] = theirs
             found.ended[chosen], found.short[chosen] = part.ended, part.short
     return found
 
 
-def _one_way(pair: CoupledPair, side: int, goals: Reals, error_bounds: Reals) -> CoupledPhases:
+def _one_direction(pair: CoupledPair, side: int, goals: Reals, error_bounds: Reals) -> CoupledPhases:
     """Return times on one side of t₀."""
     gains = [_gain(c, pair.level, side) for c in pair.courses]
     k = int(gains[1] < gains[0])

@@ -199,7 +199,7 @@ def _phases(
     courses = [reaching(c, scheme, span * 8.0**attempt, i, attempt) for i, c in enumerate(scheme.courses)]
     if scheme.steps:
         first = scheme.steps[0]
-        courses[first.index] = _one_way(courses[first.index], first, time[0])
+        courses[first.index] = _one_direction(courses[first.index], first, time[0])
     targets = _targets(courses, scheme.equations)
     n = len(courses)
     χ: list[Any] = [None] * n
@@ -237,12 +237,12 @@ def _goes_on(course: CoordinateMotion, side: int) -> bool:
     return course.ends(side) in {"infinity", "boundary"} and not course.finished(side)
 
 
-def _one_way(course: CoordinateMotion, step: DecoupledStep, times: Reals) -> CoordinateMotion:
+def _one_direction(course: CoordinateMotion, step: DecoupledStep, times: Reals) -> CoordinateMotion:
     """Return a coordinate motion that is its own clock and starts at phase 0, with panels where there are times.
 
     Its phase has the sign of the time.
     """
-    if not course.two_ways or course.start or not step.weights[0]:
+    if not course.both_directions or course.start or not step.weights[0]:
         return course
     return course.on_sides(ahead=bool(np.max(times, initial=0.0) > 0), back=bool(np.min(times, initial=0.0) < 0))
 

@@ -14,7 +14,7 @@ LIMITS = {
     "algebra/relations.py": "processor time of the thread for relations between generators",
     "algebra/time_limit.py": "deadlines of searches",
     "closed_form/time_limit.py": "processor time of the thread for a derivation",
-    "one_coordinate/time_on_the_way.py": "processor time of the thread; what is not decided in it is an error",
+    "one_coordinate/time_along_a_path.py": "processor time of the thread; what is not decided in it is an error",
     "coordinates/find.py": "the user's budget, and the seconds that are shown",
     "separation/decision.py": "seconds that are shown",
     "reports/content.py": "seconds that are shown",

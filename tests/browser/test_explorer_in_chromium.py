@@ -240,3 +240,17 @@ def test_printed_it_fills_two_pages_and_no_empty_one(page: Page) -> None:
     until(lambda: page.energy() < 0, "the motion of the double well")
     printed = page.driver.execute_cdp_cmd("Page.printToPDF", {"paperWidth": 8.27, "paperHeight": 11.69})
     assert len(re.findall(rb"/Type\s*/Page\b", base64.b64decode(printed["data"]))) == 2
+
+
+def test_on_a_telephone_sentences_wrap_and_only_formulas_and_tables_scroll(page: Page) -> None:
+    until(lambda: page.energy() < 0, "the motion of the double well")
+    size = {"width": 400, "height": 900, "deviceScaleFactor": 1, "mobile": True}
+    page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    try:
+        widest = page.driver.execute_script(
+            "return Math.max(...[...document.querySelectorAll('.explorer p')].map((p) => p.getBoundingClientRect().right))"
+        )
+        assert 200 < widest <= 400
+        assert page.driver.execute_script("return document.documentElement.scrollWidth") <= 400
+    finally:
+        page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})

@@ -15,11 +15,11 @@ import sympy as sp
 
 import hjsolve
 from hjsolve.closed_form.evaluation import many_digits, number_of
+from hjsolve.closed_form.form_context import FormContext, context_of
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.regions import middle_of, root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
-from hjsolve.closed_form.strata import special_strata
-from hjsolve.closed_form.workshop import Workshop, workshop_of
+from hjsolve.closed_form.special_cases import special_cases_of
 from hjsolve.precision import mp
 from tests.support.entries import forms
 
@@ -36,8 +36,8 @@ STEPS = [sp.Rational(sign, 10**k) for k in (1, 5, 12) for sign in (-1, 1)] + [sp
 ])  # fmt: skip
 def test_the_right_form_or_none_on_both_sides_of_every_border(name: str, fewest: int) -> None:
     solution = hjsolve.solve(name)
-    found, shop, compared = forms(name), workshop_of(solution), 0
-    for sample in _across_borders(shop):
+    found, context, compared = forms(name), context_of(solution), 0
+    for sample in _across_borders(context):
         holding = [form for form in found if form.regime.holds(sample.values) and _on_its_piece(form, sample)]
         kinds = {tuple(form.regime.kinds.items()) for form in holding}
         assert len(kinds) <= 1, (sample, kinds)
@@ -50,18 +50,18 @@ def test_the_right_form_or_none_on_both_sides_of_every_border(name: str, fewest:
     assert compared >= fewest
 
 
-def _across_borders(shop: Workshop) -> Iterator[Sample]:
-    system = shop.solution.system
-    for special in special_strata(shop.curves, shop.constants):
+def _across_borders(context: FormContext) -> Iterator[Sample]:
+    system = context.solution.system
+    for special in special_cases_of(context.curves, context.constants):
         (constant,) = special
-        for sample in list(samples(shop.solution, 12, 5, special))[:3]:
+        for sample in list(samples(context.solution, 12, 5, special))[:3]:
             for step in STEPS:
                 moved = dict(sample.values) | {constant: sample.values[constant] + step}
                 numbers = many_digits(moved, 60)
                 squares = [
                     number_of(square, {**numbers, system.coordinate(n).symbol: mp.mpf(int(q.p)) / int(q.q)})
                     for (n, square), q in zip(
-                        shop.solution.momentum_squared.items(), sample.places.values(), strict=True
+                        context.solution.momentum_squared.items(), sample.places.values(), strict=True
                     )
                 ]  # fmt: skip
                 if all(not isinstance(p2, mp.mpc) and p2 > mp.mpf("1e-8") for p2 in squares):

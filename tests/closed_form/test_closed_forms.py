@@ -13,10 +13,10 @@ import sympy as sp
 import hjsolve
 from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.curves import W
+from hjsolve.closed_form.form_context import context_of
 from hjsolve.closed_form.pieces import piece
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.verification import flaws
-from hjsolve.closed_form.workshop import workshop_of
 from tests.support.entries import forms
 
 pytestmark = pytest.mark.rotating_file(4)
@@ -116,9 +116,9 @@ def test_a_wrong_integral_is_not_shown() -> None:
     from dataclasses import replace
 
     solution = hjsolve.solve("kepler-planar")
-    shop = workshop_of(solution)
-    sample = next(s for s in samples(solution, 20, seed=3) if s.values[shop.constants[0]] < 0)
-    found = piece("r", shop.numerators["r"], shop.curves["r"], sample)
+    context = context_of(solution)
+    sample = next(s for s in samples(solution, 20, seed=3) if s.values[context.constants[0]] < 0)
+    found = piece("r", context.numerators["r"], context.curves["r"], sample)
     assert found is not None
     assert W not in flaws(found, [W])
     right, off = found.integrals[W], 1 + sp.Rational(1, 10**20)

@@ -8,8 +8,8 @@ import pytest
 import sympy as sp
 
 import hjsolve
+from hjsolve.closed_form.form_context import context_of
 from hjsolve.closed_form.involutions import _in_involution, why_no_form
-from hjsolve.closed_form.workshop import workshop_of
 
 pytestmark = pytest.mark.rotating_file(4)
 
@@ -45,7 +45,7 @@ def test_sextics_at_random_are_not(seed: int) -> None:
 )  # fmt: skip
 def test_the_genus_of_known_systems(name: str, coordinate: str, left: int) -> None:
     """Jacobi's geodesics, Neumann's and Garnier's systems live on curves of genus 2."""
-    proof = why_no_form(workshop_of(hjsolve.solve(name)).curves[coordinate])
+    proof = why_no_form(context_of(hjsolve.solve(name)).curves[coordinate])
     assert proof.proved
     assert proof.holds()
     found = str(proof)

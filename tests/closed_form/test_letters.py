@@ -10,9 +10,9 @@ import sympy as sp
 
 import hjsolve
 from hjsolve.closed_form.derive import form_of_sample
+from hjsolve.closed_form.form_context import context_of
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.sampling import samples
-from hjsolve.closed_form.workshop import workshop_of
 from tests.closed_form.test_textbook_forms import _integral, _places, _same
 
 pytestmark = pytest.mark.rotating_file(3)
@@ -56,8 +56,8 @@ WITHOUT = {
 def _first_form(V: str, domain: str, letters: dict[str, object]) -> RegimeForms:
     system = hjsolve.System({"x": domain}, "m*dot(x)**2/2", V, {"m": 1, **letters})
     solution = hjsolve.solve(system)
-    shop = workshop_of(solution)
-    found = (form_of_sample(shop, shop.at({}), {}, sample) for sample in samples(solution, 20, 1))
+    context = context_of(solution)
+    found = (form_of_sample(context, context.at({}), {}, sample) for sample in samples(solution, 20, 1))
     return next(form for form in found if form is not None)
 
 

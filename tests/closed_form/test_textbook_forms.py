@@ -11,10 +11,10 @@ import sympy as sp
 import hjsolve
 from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.derive import form_of_sample
+from hjsolve.closed_form.form_context import context_of
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.numbers import root_values
 from hjsolve.closed_form.sampling import samples
-from hjsolve.closed_form.workshop import workshop_of
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiDN, JacobiSN
 from hjsolve.mechanics.coordinates_and_parameters import parameter
 from tests.support.entries import forms
@@ -301,8 +301,8 @@ def test_where_t_has_no_inverse_the_time_law_is_the_form(name: str) -> None:
         coordinates={"x": domain}, kinetic="m*dot(x)**2/2", potential=V, parameters={"m": 1, **letters}
     )
     solution = hjsolve.solve(system)
-    shop = workshop_of(solution)
-    form = form_of_sample(shop, shop.at({}), {}, next(samples(solution, 20, 1)))
+    context = context_of(solution)
+    form = form_of_sample(context, context.at({}), {}, next(samples(solution, 20, 1)))
     assert form is not None
     assert form.time_law is not None
     start, stop = _places(form, "x")

@@ -130,7 +130,7 @@ def test_help_has_examples_and_tells_the_exit_status(command: list[str], capsys:
 
 # ------------------------------------------------------------------------------------------------ bad input
 BAD: dict[str, tuple[list[str], str]] = {
-    "unknown command": (["chekc"], "invalid choice: 'chekc' is not a command; did you mean `hjsolve check`?"),
+    "unknown command": (["chekc"], "'chekc' is not a command; did you mean `hjsolve check`?"),
     "a system for a command": (["kepler-planar"], "for a system write `hjsolve check kepler-planar`"),
     "a word for an action": (["catalog", "galaxy"], "to search write `hjsolve catalog search galaxy`"),
     "an option that is cut": (["check", "--coord", "x: line"], "`hjsolve check` does not take --coord; did you mean --coordinate?"),
@@ -152,7 +152,7 @@ BAD: dict[str, tuple[list[str], str]] = {
     "bad parameter": (["check", *OSCILLATOR, "--parameter", "=3"], "--parameter"),
     "effect of own": (["check", *OSCILLATOR, "--effect", "drag"], "--effect"),
     "unknown effect": (["check", "pendulum", "--effect", "drago"], "drago"),
-    "no output": (["report", "pendulum"], "-o"),
+    "no output": (["report", "pendulum"], "add -o FILE, such as -o report.html"),
     "bad suffix": (["report", "pendulum", "-o", "pendulum.doc"], ".html"),
     "no suffix": (["report", "pendulum", "-o", "pendulum"], ".html"),
     "no such folder": (["report", "pendulum", "-o", "no/such/folder/p.html"], "does not exist"),
@@ -161,10 +161,18 @@ BAD: dict[str, tuple[list[str], str]] = {
     "value no number": (["report", "pendulum", "-o", "p.html", "--q", "theta=one", "--velocity", "theta=0"], "one"),
     "unknown motion": (["report", "pendulum", "-o", "p.html", "--motion", "wild"], "wild"),
     "digits": (["report", "pendulum", "-o", "p.html", "--digits", "-3"], "digits"),
-    "digits no number": (["report", "pendulum", "-o", "p.html", "--digits", "many"], "digits"),
+    "digits no number": (["report", "pendulum", "-o", "p.html", "--digits", "many"], "--digits: a whole number is needed"),
     "show nothing": (["catalog", "show"], "an entry is needed"),
     "list something": (["catalog", "list", "pendulum"], "catalog show pendulum"),
-    "missing file": (["check", "no-such-file.toml"], "no-such-file.toml"),
+    "missing file": (["check", "no-such-file.toml"], "there is no such file"),
+    "half of an id": (["kepler"], "'kepler' is not a command; for a system write `hjsolve check kepler`"),
+    "a formula for an id": (["solve", "r**2"], "--potential FORMULA"),
+    "a script": (["check", "own.py"], "run it with `python own.py`"),
+    "an option of others, not near": (["coordinates", "pendulum", "--find"], "it belongs to"),
+    "a range with a dash": (["motion", "pendulum", "--times", "0-10"], "such as 0:10:101"),
+    "an option without its value": (["motion", "pendulum", "--times"], "--times: its value is missing"),
+    "degrees": (["motion", "pendulum", "--q", "theta=90deg", "--velocity", "theta=0"], "write 90*pi/180"),
+    "no time to measure": (["cost", "pendulum", "--seconds", "0"], "seconds: a number > 0 is needed, not 0"),
 }  # fmt: skip
 
 
@@ -174,13 +182,16 @@ def test_bad_input_is_one_line_and_status_2(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     arguments, word = BAD[name]
+    scripts = [Path(text) for text in arguments if text.endswith(".py")]
+    for script in scripts:
+        script.write_text("import hjsolve")
     assert main(arguments) == 2
     captured = capsys.readouterr()
     assert captured.out == ""
     assert captured.err.startswith("hjsolve: ")
     assert len(captured.err.strip().splitlines()) == 1
     assert word in captured.err
-    assert list(tmp_path.iterdir()) == [], "nothing was written"
+    assert [path.name for path in tmp_path.iterdir()] == [script.name for script in scripts], "nothing was written"
 
 
 def make_folder(path: Path) -> None:

@@ -169,7 +169,7 @@ def test_drawings_that_fall_short_leave_the_numbers(tmp_path: Path, monkeypatch:
     with pytest.raises(NotConvergedError, match=r"no state at t = 3.*everything else was written"):
         hjsolve.report("pendulum", tmp_path / "short.txt")
     page = (tmp_path / "short.txt").read_text(encoding="utf-8")
-    assert "Numbers with their errors" in page
+    assert "Results with error bounds" in page
     assert "no state at t = 3" in page
 
 

@@ -369,7 +369,7 @@ def test_report_takes_every_stage(tmp_path: Path) -> None:
     motion = solution.motion(q={"theta": 1}, velocity={"theta": 0})
     for subject in (system, verdict, solution, motion):
         page = hjsolve.report(subject, tmp_path / "p.txt", cost=False).read_text(encoding="utf-8")
-        assert "Numbers with their errors" in page
+        assert "Results with error bounds" in page
     refused = hjsolve.separate(hjsolve.catalog.load("henon-heiles"))
     assert "Does not separate" in hjsolve.report(refused, tmp_path / "h.txt").read_text(encoding="utf-8")
 

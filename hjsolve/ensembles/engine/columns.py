@@ -24,7 +24,7 @@ class Columns:
         turning_points: ``"r.lower"``, ``"r.upper"`` → positions; NaN for a rotation.
         error: ``"actions.r"``, ``"turning_points.r.lower"``, … → claimed absolute error.
         status: ``Status`` as uint8.
-        vague: True where doubles did not know p² well enough somewhere, so that more digits would help.
+        unresolved: True where doubles did not know p² well enough somewhere, so that more digits would help.
     """
 
     actions: Mapping[str, Reals]
@@ -35,7 +35,7 @@ class Columns:
     turning_points: Mapping[str, Reals]
     error: Mapping[str, Reals]
     status: Codes
-    vague: Mask
+    unresolved: Mask
 
     def group(self, quantity: str) -> Mapping[str, Reals]:
         """Return the columns of one of ``QUANTITIES``.
@@ -54,7 +54,7 @@ class Columns:
         """
         groups = {q: {name: v[index] for name, v in self.group(q).items()} for q in QUANTITIES}
         error = {k: v[index] for k, v in self.error.items()}
-        return Columns(**groups, error=error, status=self.status[index], vague=self.vague[index])
+        return Columns(**groups, error=error, status=self.status[index], unresolved=self.unresolved[index])
 
 
 def blank(names: Mapping[str, tuple[str, ...]], count: int) -> Columns:
@@ -67,7 +67,7 @@ def blank(names: Mapping[str, tuple[str, ...]], count: int) -> Columns:
     groups = {q: {name: np.full(count, np.nan) for name in names.get(q, ())} for q in QUANTITIES}
     error = {f"{q}.{name}": np.full(count, np.nan) for q in names for name in names[q]}
     status = np.full(count, UNDECIDED, dtype=np.uint8)
-    return Columns(**groups, error=error, status=status, vague=np.zeros(count, dtype=bool))
+    return Columns(**groups, error=error, status=status, unresolved=np.zeros(count, dtype=bool))
 
 
 def put(columns: Columns, index: Which, part: Columns) -> None:
@@ -78,7 +78,7 @@ def put(columns: Columns, index: Which, part: Columns) -> None:
         index: of numpy, of which orbits.
         part: what is written.
     """
-    columns.status[index], columns.vague[index] = part.status, part.vague
+    columns.status[index], columns.unresolved[index] = part.status, part.unresolved
     for key, error in part.error.items():
         quantity, name = key.split(".", 1)
         columns.error[key][index] = error

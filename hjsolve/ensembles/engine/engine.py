@@ -91,7 +91,7 @@ class Engine:
             return columns
         everything = np.arange(count)
         self._run_passes(columns, starts, everything, self.model)
-        left = everything[columns.vague | (columns.status == UNDECIDED)]
+        left = everything[columns.unresolved | (columns.status == UNDECIDED)]
         near = next_to_poles(self.solution) if len(left) else None
         if near is not None:
             some = blank(self.names, len(left))
@@ -108,7 +108,7 @@ class Engine:
 
     def _run_in_their_own_units(self, columns: Columns, starts: Starts) -> None:
         """Fill columns of orbits that are undecided, and whose numbers are far from 1."""
-        left = np.flatnonzero(columns.vague | (columns.status >= UNDECIDED))
+        left = np.flatnonzero(columns.unresolved | (columns.status >= UNDECIDED))
         for units, orbits in groups(self.model, starts, left):
             made = model_in_units(self.model, units)
             some = blank(self.names, len(orbits))
@@ -121,7 +121,7 @@ class Engine:
         """Fill columns by the two passes."""
         programs = system_programs(model, kernels=bool(TIMED & self.want))
         for tolerance, exact in ((FAST, False), (TOLERANCE, True)):
-            for index in _chunks(orbits[columns.vague] if exact else orbits):
+            for index in _chunks(orbits[columns.unresolved] if exact else orbits):
                 part = run_pass(model, programs, dict(self.names), starts.take(index), tolerance=tolerance, exact=exact)
                 put(columns, index, part)
 

@@ -276,7 +276,7 @@ def _divided(key: NodeMap) -> tuple[Integers, Reals]:
         if key.symmetry == 2:
             split[:, share], farthest[2 * share : 2 * share + 2] = COUNTS, 0.5 * np.pi
             continue
-        middle = _half_way(key, key.dividing(share))
+        middle = _at_half(key, key.dividing(share))
         for k, count in enumerate(COUNTS):
             part = middle / np.pi * count
             whole = {_FROM_MIDDLE: np.rint, _FROM_BELOW: np.ceil, _FROM_ABOVE: np.floor}[share](part / VECTOR)
@@ -293,13 +293,13 @@ def _spans(key: NodeMap, equal: Reals, share: int, below: float, above: float) -
     """How many samples are seen from below, and between which ones both views are used: at χ from above to below."""
     if key.symmetry == 2:
         return len(equal), len(equal) - 1, len(equal) - 1
-    inside = int((equal <= _half_way(key, key.dividing(share))).sum())
+    inside = int((equal <= _at_half(key, key.dividing(share))).sum())
     first = int((equal <= above).sum()) - 1
     last = len(equal) - int((equal >= below).sum())
     return inside, min(max(first, 0), inside - 1), max(min(last, len(equal) - 1), inside)
 
 
-def _half_way(key: NodeMap, ratio: float) -> float:
+def _at_half(key: NodeMap, ratio: float) -> float:
     """χ where (q − a)/(b − q) has some value, nearly: doubles are enough."""
     if key.node_map == CREST:
         return 0.5 * np.pi

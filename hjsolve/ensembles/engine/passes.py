@@ -47,8 +47,8 @@ def run_pass(
         exact: whether p² is taken to 32 digits where doubles do not know it well.
 
     Returns:
-        Columns; ``vague`` where only the claim was too large. The status is ``ENDLESS`` where no turning point was met
-        on the way out.
+        Columns; ``unresolved`` where only the claim was too large. The status is ``ENDLESS`` where no turning point was
+        met on the way out.
     """
     count = starts.q.shape[1]
     columns = blank(names, count)
@@ -75,7 +75,7 @@ def run_pass(
         status[status == Status.OK] = UNDECIDED
     resolved = status == Status.OK
     _settle(columns, status, tolerance)
-    columns.vague[:] = resolved & (columns.status != Status.OK)
+    columns.unresolved[:] = resolved & (columns.status != Status.OK)
     return columns
 
 

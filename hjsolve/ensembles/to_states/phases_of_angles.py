@@ -64,8 +64,8 @@ def phases_of(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals)
     if len(rest):
         φ[:, rest], curve[rest] = _nearly(task, tori.take(rest), frames.take(rest), θ[:, rest], φ[:, rest])
     φ, found, at, _ = _phases(task, tori, frames, (θ, φ, curve), EXACT)
-    vague = _vague(frames, (φ, found, at), θ)
-    return _by_arcs(task, tori, frames, (φ, found, at), (θ, vague)), vague
+    unresolved = _unresolved(frames, (φ, found, at), θ)
+    return _by_arcs(task, tori, frames, (φ, found, at), (θ, unresolved)), unresolved
 
 
 def _close_to_ends(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -> Mask:
@@ -96,21 +96,21 @@ def _nearly(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -
     return φ, curve
 
 
-def _vague(frames: Frames, here: Here, θ: Reals) -> Mask:
+def _unresolved(frames: Frames, here: Here, θ: Reals) -> Mask:
     """Tell which phases the engine's angles leave open, of orbits that librate in all coordinates."""
     _, found, at = here
     with np.errstate(all="ignore"):
         loose = np.abs(wrapped(θ - found.separated)) + found.errors
         known = np.asarray(times(np.abs(inverses(matrix_of(found, at))), loose).max(axis=0) <= _KNOWN)
     moving = ~(frames.rotating | frames.resting).any(axis=0) & found.good
-    vague: Mask = np.asarray(moving & ~known & (np.abs(θ) < SMALL).any(axis=0), dtype=bool)
-    return vague
+    unresolved: Mask = np.asarray(moving & ~known & (np.abs(θ) < SMALL).any(axis=0), dtype=bool)
+    return unresolved
 
 
 def _by_arcs(task: AngleTask, tori: Tori, frames: Frames, here: Here, which: tuple[Reals, Mask]) -> Here:
-    """Move vague states to their angles by integrals over short arcs."""
-    (φ, found, at), (θ, vague) = here, which
-    some = np.flatnonzero(vague)
+    """Move unresolved states to their angles by integrals over short arcs."""
+    (φ, found, at), (θ, unresolved) = here, which
+    some = np.flatnonzero(unresolved)
     if not len(some):
         return here
     own, among = tori.take(some), frames.take(some)

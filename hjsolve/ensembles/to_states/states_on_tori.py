@@ -71,7 +71,7 @@ def states_at(
     φ = np.where(frames.rotating, tori.q * frames.directions, θ)
     # p² has no digits left at a turning point itself: the state a little later, which the residual counts
     later = np.where(~frames.rotating & (np.abs(θ) < _LEAST_ANGLE), np.copysign(_LEAST_ANGLE, θ), θ)
-    (φ, found, at), vague = phases_of(task, tori, frames, later, φ)
+    (φ, found, at), unresolved = phases_of(task, tori, frames, later, φ)
     residual = np.abs(wrapped(θ - found.separated))
     with np.errstate(all="ignore"):
         back = inverses(matrix_of(found, at))
@@ -80,7 +80,7 @@ def states_at(
         blur = _BLUR * blurred(frames, at)
         phases = times(np.abs(back), loose) + blur
         own = np.abs(at.moves) * phases, np.abs(at.forces) * phases
-        moved = _quotients(task, tori, frames, (φ, at, found, back), (*actions, vague & (np.abs(θ) < SMALL)))
+        moved = _quotients(task, tori, frames, (φ, at, found, back), (*actions, unresolved & (np.abs(θ) < SMALL)))
         q_errors = own[0] + moved[0] + 2 * EPS * np.abs(at.q)
         P_errors = own[1] + moved[1] + 8 * EPS * np.abs(at.P) + at.rounding
         turned = wrapped(angles[1] - found.ignorable)

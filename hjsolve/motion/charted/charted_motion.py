@@ -34,7 +34,7 @@ class ChartedMotion(TransformedMotion):
 
     @property
     def solution(self) -> Solution:
-        """What is solved, in the separated coordinates."""
+        """The solution, in the separated coordinates."""
         return self.within.solution
 
     @property

@@ -47,7 +47,7 @@ class ContinuedMotion(TransformedMotion):
 
     @property
     def solution(self) -> Solution:
-        """What is solved: the system as given."""
+        """The solution of the system as given."""
         return self.given_solution
 
     @property
@@ -75,8 +75,8 @@ class ContinuedMotion(TransformedMotion):
         """The angles whose momentum is zero and that the continued coordinates do without."""
         within = self.within
         more = within.dropped if isinstance(within, ContinuedMotion) else ()
-        way = self.continued
-        return more if way.carried else (way.angle, *more)
+        crossing = self.continued
+        return more if crossing.carried else (crossing.angle, *more)
 
     def unfolded(self, t: object) -> State:
         """Return the state with coordinates that run on through the poles, and the dropped angles as they were at t₀.
@@ -86,11 +86,11 @@ class ContinuedMotion(TransformedMotion):
         Args:
             t: a time or an array of times.
         """
-        within, way = self.within, self.continued
+        within, crossing = self.within, self.continued
         state = within.unfolded(t) if isinstance(within, ContinuedMotion) else within.at(t)
-        if way.carried:
+        if crossing.carried:
             return state
-        name = way.angle
+        name = crossing.angle
         some = next(iter(state.p.values()))
         many = np.asarray(some).dtype == object
         begin = to_bits(self.initial.values[self.solution.system.coordinate(name).symbol])(256)
@@ -110,9 +110,9 @@ class ContinuedMotion(TransformedMotion):
         )  # fmt: skip
 
     def _refuse_given(self, name: str) -> None:
-        way = self.continued
-        if name == way.angle:
-            moves = "jumps" if way.carried else "is constant in this motion but for jumps"
+        crossing = self.continued
+        if name == crossing.angle:
+            moves = "jumps" if crossing.carried else "is constant in this motion but for jumps"
             raise InvalidInputError(f"{name}: {moves} by pi at the poles; at(t).q[{name!r}] gives it")
 
 
@@ -150,8 +150,12 @@ def motion_through_poles(
     if motion is not None and not _meets_a_pole(motion):
         return goes_on_at_umbilics(motion) or motion
     for name in angles:
-        way = continued_coordinates(solution.system, name)
-        on = None if way is None else _continued(way, solution, initial, t0, digits, parts, certified=certified)
+        crossing = continued_coordinates(solution.system, name)
+        on = (
+            None
+            if crossing is None
+            else _continued(crossing, solution, initial, t0, digits, parts, certified=certified)
+        )
         if on is not None:
             return on
     if at_end:
@@ -176,12 +180,12 @@ def _at_an_end(solution: Solution, initial: Initial) -> str:
 
 
 def _continued(
-    way: Continuation, solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str], *,
+    crossing: Continuation, solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str], *,
     certified: bool,
 ) -> ContinuedMotion | None:  # fmt: skip
     """Return the motion in the continued coordinates; None where it does not come from them."""
     try:
-        other = solve(way.system)
+        other = solve(crossing.system)
         within = motion_through_poles(other, _carried(other, solution, initial), t0, digits, parts, certified=certified)
     except (NotSeparableError, NotConvergedError):
         return None
@@ -190,7 +194,7 @@ def _continued(
     constants = {
         n: quantities.rounded(to_bits(x)(bits), max(digits, FLOAT_DIGITS)) for n, x in initial.constants.items()
     }
-    motion = ContinuedMotion.of(within, given_solution=solution, given_initial=initial, continued=way)
+    motion = ContinuedMotion.of(within, given_solution=solution, given_initial=initial, continued=crossing)
     return replace(motion, kinds=kinds, constants={**within.constants, **constants})
 
 
@@ -212,26 +216,26 @@ def _without_noise(value: sp.Expr) -> sp.Expr:
     return value
 
 
-def folded(way: Continuation, initial: Initial, state: State, solution: Solution) -> State:
+def folded(crossing: Continuation, initial: Initial, state: State, solution: Solution) -> State:
     """Return a state in the given coordinates.
 
     Args:
-        way: how the coordinates were continued.
+        crossing: how the coordinates were continued.
         initial: data as given.
         state: in the continued coordinates.
         solution: of the system as given.
     """
     q, p, v, turns = dict(state.q), dict(state.p), dict(state.velocity), dict(state.turns)
     odd = np.zeros(np.shape(state.status), dtype=bool)
-    for name, fold in way.folds.items():
+    for name, fold in crossing.folds.items():
         q[name], turned = _fold(fold, initial, q[name])
         p[name], v[name] = (
             np.where(turned, -x, x) if np.shape(turned) else (-x if turned else x) for x in (p[name], v[name])
         )
         odd = odd ^ turned
         turns.pop(name, None)
-    angle = solution.system.coordinate(way.angle)
-    if way.carried:
+    angle = solution.system.coordinate(crossing.angle)
+    if crossing.carried:
         q[angle.name], over = _half_a_turn_on(q[angle.name], odd)
         turns[angle.name] = turns[angle.name] + over
     else:
@@ -241,7 +245,7 @@ def folded(way: Continuation, initial: Initial, state: State, solution: Solution
     names = [c.name for c in solution.system.coordinates]
 
     def errors() -> Errors:
-        return _errors(way, state, initial, names)
+        return _errors(crossing, state, initial, names)
 
     def ordered(group: Mapping[str, AtTimes]) -> dict[str, AtTimes]:
         return {name: group[name] for name in names}
@@ -306,12 +310,12 @@ def _unit(state: State) -> float:
     return float(2.0 ** -max((x.context.prec for x in some if hasattr(x, "context")), default=53))
 
 
-def _errors(way: Continuation, state: State, initial: Initial, names: list[str]) -> Errors:
+def _errors(crossing: Continuation, state: State, initial: Initial, names: list[str]) -> Errors:
     """Return those of the continued state; at a pole itself the side of the axis and the sign of momenta are open."""
     q, p, v = dict(state.error.q), dict(state.error.p), dict(state.error.velocity)
     unit = _unit(state)
     angle = 4 * unit * np.pi + 0 * np.asarray(next(iter(q.values())), dtype=float)
-    for name, fold in way.folds.items():
+    for name, fold in crossing.folds.items():
         near = np.zeros(np.shape(state.status), dtype=bool)
         for end in (fold.lower, fold.upper):
             if end is not None:
@@ -322,11 +326,11 @@ def _errors(way: Continuation, state: State, initial: Initial, names: list[str])
         for group, values in ((p, state.p), (v, state.velocity)):
             group[name] = group[name] + np.where(near, 2 * np.abs(np.asarray(values[name], dtype=float)), 0.0)
         q[name] = q[name] + 4 * unit * np.pi
-    if way.carried:
-        q[way.angle] = q[way.angle] + angle
+    if crossing.carried:
+        q[crossing.angle] = q[crossing.angle] + angle
     else:
-        q[way.angle] = angle
-        p[way.angle] = v[way.angle] = 0 * angle
+        q[crossing.angle] = angle
+        p[crossing.angle] = v[crossing.angle] = 0 * angle
 
     def ordered(group: Mapping[str, Reals]) -> dict[str, AtTimes]:
         return {n: group[n] if np.shape(group[n]) else float(group[n]) for n in names}

@@ -1,6 +1,6 @@
 """The arcs of a motion through umbilics, and where on its arc it is at a time.
 
-On an arc xᵢ goes from one end of its way to the other, dᵢ = ±1, and Jacobi's equations are
+On an arc xᵢ goes from one end of its path to the other, dᵢ = ±1, and Jacobi's equations are
 
     d₁ L₁(x₁) + d₂ L₂(x₂) = D,        t = τ + d₁ T₁(x₁) + d₂ T₂(x₂).
 
@@ -31,7 +31,7 @@ class UmbilicArc:
     """From one umbilic to the next.
 
     Attributes:
-        directions: d₁, d₂; of a coordinate that rests, the end of its way at which it does.
+        directions: d₁, d₂; of a coordinate that rests, the end of its path at which it does.
         level: D; None where a coordinate rests.
         offset: τ.
         rest: the coordinate that stays at its double zero, None where both move.
@@ -53,13 +53,13 @@ class UmbilicArc:
         begin, end = (self.offset + sum(d * p.time(side * d * one) for p, d in moving) for side in (-1, 1))
         return begin, end
 
-    def sides(self, way: int) -> tuple[int, int]:
-        """Return the ends of both ways at which an end of the arc is.
+    def sides(self, direction: int) -> tuple[int, int]:
+        """Return the ends of both paths at which an end of the arc is.
 
         Args:
-            way: 1 for where it goes, −1 for where it comes from.
+            direction: 1 for where it goes, −1 for where it comes from.
         """
-        one, two = (d if k == self.rest else way * d for k, d in enumerate(self.directions))
+        one, two = (d if k == self.rest else direction * d for k, d in enumerate(self.directions))
         return one, two
 
     def turned(self, rest: int | None) -> tuple[int, int]:
@@ -86,7 +86,7 @@ class Corner:
 
 
 Corners = Callable[[tuple[int, int]], Corner]
-"""The umbilic at the ends of both ways, 1 or −1."""
+"""The umbilic at the ends of both paths, 1 or −1."""
 
 
 def following(arc: UmbilicArc, paths: tuple[Path, Path], corner: Corner) -> UmbilicArc:
@@ -242,9 +242,9 @@ class Arcs:
         begin, end = self.known[1][0].ends(self.paths)
         if begin <= t <= end:
             return 0, self.known[1][0]
-        way = 1 if t > end else -1
-        arcs, k = self.known[way], 0
-        while way * t > arcs[k].ends(self.paths)[1]:
+        direction = 1 if t > end else -1
+        arcs, k = self.known[direction], 0
+        while direction * t > arcs[k].ends(self.paths)[1]:
             corner = self._corner(arcs[k].directions)
             if not corner.passable:
                 return None
@@ -253,7 +253,7 @@ class Arcs:
                     raise NotConvergedError(f"t: more than {_MOST_ARCS} passages of umbilics before that time")
                 arcs.append(following(arcs[k], self.paths, corner))
             k += 1
-        return way * k, arcs[k] if way > 0 else reversed_arc(arcs[k])
+        return direction * k, arcs[k] if direction > 0 else reversed_arc(arcs[k])
 
     def _corner(self, sides: tuple[int, int]) -> Corner:
         if sides not in self.met:

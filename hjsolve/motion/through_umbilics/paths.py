@@ -1,6 +1,6 @@
 """One coordinate between two visits of umbilics: its integrals over x, −1 < x < 1, as Chebyshev series and logarithms.
 
-p² has a double zero e at both ends of the way, and 0 < p² between but for one turning point m at most:
+p² has a double zero e at both ends of the path, and 0 < p² between but for one turning point m at most:
 
     q = c + h x                     from one double zero to the other,
     q = m − (m − e) x²              from e to m and back.
@@ -47,7 +47,7 @@ class Course:
         """Return q.
 
         Args:
-            x: position on the way.
+            x: position on the path.
         """
         if self.turning is None:
             return (self.lower + self.upper) / 2 + (self.upper - self.lower) / 2 * x
@@ -57,7 +57,7 @@ class Course:
         """Return dq/dx.
 
         Args:
-            x: position on the way.
+            x: position on the path.
         """
         return (self.upper - self.lower) / 2 if self.turning is None else -2 * (self.turning - self.lower) * x
 
@@ -65,7 +65,7 @@ class Course:
         """Return x of a place, and the direction in which x goes.
 
         Args:
-            q: a place on the way.
+            q: a place on the path.
             forward: sign of dq/dt, 0 at m.
         """
         if self.turning is None:
@@ -78,7 +78,7 @@ class Course:
         """Return N jac and k₂ jac.
 
         Args:
-            x: position on the way, not ±1.
+            x: position on the path, not ±1.
             weight: w.
             bits: binary digits of the arithmetic.
         """
@@ -120,7 +120,7 @@ class Series:
 
 @dataclass(frozen=True)
 class Path:
-    """The integrals of a coordinate over its way.
+    """The integrals of a coordinate over its path.
 
     Attributes:
         course: q(x).
@@ -142,7 +142,7 @@ class Path:
         """Return ∫ N jac dx from x = 0, also at x = ±1.
 
         Args:
-            x: position on the way.
+            x: position on the path.
         """
         return self.clock[1].at(x)
 
@@ -195,7 +195,7 @@ def _softplus(y: Mpf) -> Mpf:
 
 
 def path_of(course: Course, weight: Mpf, digits: int, bits: int) -> Path:
-    """Integrate a coordinate over its way.
+    """Integrate a coordinate over its path.
 
     Args:
         course: q(x).

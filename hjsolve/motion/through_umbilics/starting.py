@@ -40,7 +40,7 @@ _DENOMINATORS = 2**40
 _ROUNDING = 1e-12
 """Of the square of a velocity."""
 _NEAR = 1e-3
-"""How far from an umbilic a way is looked at from."""
+"""Distance from an umbilic at which a path is examined."""
 
 
 def goes_on_at_umbilics(motion: Motion) -> UmbilicMotion | None:
@@ -56,10 +56,10 @@ def goes_on_at_umbilics(motion: Motion) -> UmbilicMotion | None:
         return None
     if not kinds <= {"asymptotic", "equilibrium"} or list(motion.kinds.values()).count("equilibrium") > 1:
         return None
-    return _Ways(motion.solution, motion.initial, motion.digits).from_inside(motion)
+    return _Paths(motion.solution, motion.initial, motion.digits).from_inside(motion)
 
 
-class _Ways:
+class _Paths:
     """Both coordinates of a motion with given constants."""
 
     def __init__(self, solution: Solution, initial: Initial, digits: int):
@@ -88,7 +88,7 @@ class _Ways:
             arc = UmbilicArc((d[0], d[1]), None, -d[1 - k] * paths[1 - k].time(x[1 - k]), k)
         else:
             z = [v.context.atanh(v) for v in x]
-            level = sum(way * path.level(a, b) for way, path, a, b in zip(d, paths, z, x, strict=True))
+            level = sum(side * path.level(a, b) for side, path, a, b in zip(d, paths, z, x, strict=True))
             arc = UmbilicArc(
                 (d[0], d[1]), level, -sum(w * path.time(b) for w, path, b in zip(d, paths, x, strict=True))
             )
@@ -102,7 +102,7 @@ class _Ways:
         return x, d or (1 if x > 0 else -1)
 
     def _course(self, name: str, place: Located) -> Course | None:
-        """Return the way of a coordinate between double zeros; None where it does not come back to one."""
+        """Return the path of a coordinate between double zeros; None where it does not come back to one."""
         ends = {-1: place.lower, 1: place.upper}
         radicand = coordinate_start(self.solution, self.initial, name).radicand
         zeros = {side: self._zero(end) for side, end in ends.items() if end.kind == "asymptote"}
@@ -137,7 +137,7 @@ class _Ways:
         return paths, partial(self._corner, paths)
 
     def _corner(self, paths: tuple[Path, Path], sides: tuple[int, int]) -> Corner:
-        """Return the end of an arc at which both coordinates are at the ends named of their ways."""
+        """Return the end of an arc at which both coordinates are at the named ends of their paths."""
         courses = [path.course for path in paths]
         ends = [_exact(c.upper if side > 0 else c.lower) for c, side in zip(courses, sides, strict=True)]
         place = tuple(e for e in ends if e is not None)
@@ -281,7 +281,7 @@ def start_at_umbilic(
     angle = c.atan2(imaginary, real) / 2
     one, two = (c.zero if abs(y) < c.ldexp(1, -bits // 2) else y for y in (c.cos(angle), c.sin(angle)))
     direction = one, two
-    motion = _Ways(solution, initial, digits).from_umbilic(here, direction, t0, parts)
+    motion = _Paths(solution, initial, digits).from_umbilic(here, direction, t0, parts)
     if motion is None:
         raise refused
     return motion

@@ -110,7 +110,7 @@ class UmbilicMotion(TransformedMotion):
         return self._states(arc, number, z, sides)
 
     def _states(self, arc: UmbilicArc, number: int, z: tuple[Mpf | None, Mpf | None], sides: tuple[int, int]) -> _Row:
-        """Coordinates and momenta from both ways; of a coordinate at a double zero the end at which it is."""
+        """Coordinates and momenta from both paths; of a coordinate at a double zero the end at which it is."""
         arcs = required(self.arcs)
         states = []
         for k, (path, v) in enumerate(zip(arcs.paths, z, strict=True)):
@@ -120,8 +120,8 @@ class UmbilicMotion(TransformedMotion):
             size = c.zero if v is None else path.momentum(v, x) * (1 if slope > 0 else -1 if slope < 0 else 0)
             distance = min(abs(place - course.lower), abs(place - course.upper))
             if k == self.unfolding:
-                shift, way = self._unfolded(number)
-                place, size = shift + way * place, way * size
+                shift, direction = self._unfolded(number)
+                place, size = shift + direction * place, direction * size
             whole = 0
             if self.solution.system.coordinate(list(self.solution.coordinates)[k]).domain.kind == "angle":
                 whole = int(c.ceil((place - c.pi) / (2 * c.pi)))
@@ -130,7 +130,7 @@ class UmbilicMotion(TransformedMotion):
         return _Row(*zip(*states, strict=True))
 
     def _unfolded(self, number: int) -> tuple[Mpf, int]:
-        """Return a and B of q = A + B q̃, q̃ on the way: turned over at each umbilic that was passed."""
+        """Return a and B of q = A + B q̃, q̃ on the path: turned over at each umbilic that was passed."""
         arcs, k = required(self.arcs), self.unfolding
         course = arcs.paths[k].course
         side, count = (1 if number >= 0 else -1), abs(number)
@@ -139,16 +139,16 @@ class UmbilicMotion(TransformedMotion):
         if arcs.known[1][0].rest is not None:  # moves on every second arc alone
             return self._unfolded_resting(side, count)
         pairs, odd = divmod(count, 2)
-        shift, way = 2 * pairs * (ends[0] - ends[1]), 1
-        return (shift + 2 * ends[0], -1) if odd else (shift, way)
+        shift, direction = 2 * pairs * (ends[0] - ends[1]), 1
+        return (shift + 2 * ends[0], -1) if odd else (shift, direction)
 
     def _unfolded_resting(self, side: int, count: int) -> tuple[Mpf, int]:
         arcs, k = required(self.arcs), self.unfolding
-        course, shift, way = arcs.paths[k].course, 0 * required(self.arcs).paths[k].weight, 1
+        course, shift, direction = arcs.paths[k].course, 0 * required(self.arcs).paths[k].weight, 1
         for arc in arcs.known[side][:count]:
             e = course.upper if arc.directions[k] > 0 else course.lower
-            shift, way = shift + 2 * way * e, -way
-        return shift, way
+            shift, direction = shift + 2 * direction * e, -direction
+        return shift, direction
 
     def _velocities(
         self, q: Mapping[str, Numbers], p: Mapping[str, Numbers], away: Mapping[str, Numbers]

@@ -3,13 +3,28 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from html import escape
 
-from hjsolve.reports.document import ArgumentStep, Block, Document, Figure, Formula, Number, Section, Steps, Table, Text
+from hjsolve.reports.document import (
+    ArgumentStep,
+    Block,
+    Document,
+    Figure,
+    Formula,
+    Inline,
+    Mathematics,
+    Number,
+    Section,
+    Steps,
+    Table,
+    Text,
+)
 from hjsolve.reports.document.drawing_style import STYLE
 from hjsolve.reports.formats.block_writer import BlockWriter, PieceWriter
 from hjsolve.reports.formats.stylesheet import CSS
 from hjsolve.reports.formats.text import line
+from hjsolve.reports.formulas.in_words import formulas_in_words
 from hjsolve.reports.formulas.layout import Box, width
 from hjsolve.reports.formulas.line_breaks import LINE, NARROW, narrowed
 from hjsolve.reports.formulas.mathml import mathml_of
@@ -79,7 +94,7 @@ class _HtmlWriter(PieceWriter, BlockWriter[str]):
 
     def formula(self, formula: Formula) -> str:
         """Return the formula; a long one twice, in shorter lines for narrow screens (CSS shows one)."""
-        tag = f'<span class="tag">{escape(formula.tag)}</span>' if formula.tag else ""
+        tag = f'<span class="tag">{self.words(formula.tag)}</span>' if formula.tag else ""
         if width(formula.box) <= _FULL * NARROW:
             return f'<div class="formula">{_set(formula.box, LINE, "scroll")}{tag}</div>'
         both = _set(formula.box, LINE, "scroll wide") + _set(narrowed(formula.box), NARROW, "scroll narrow")
@@ -107,7 +122,7 @@ class _HtmlWriter(PieceWriter, BlockWriter[str]):
             + "</tr>"
             for row in table.rows
         )
-        caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
+        caption = f"<caption>{self.plain(table.caption)}</caption>" if table.caption else ""
         label = escape(table.caption or "Table", quote=True)
         many, wide = len(table.rows) > _MOST_ROWS_UNBROKEN, len(table.header) > _SIDE_BY_SIDE
         names = _classes("long" * many, "stack" * wide)
@@ -123,7 +138,7 @@ class _HtmlWriter(PieceWriter, BlockWriter[str]):
     def text(self, text: Text) -> str:
         """Return the pieces; a sign that follows a formula stays on its line."""
         parts: list[str] = []
-        for piece in text:
+        for piece in _with_formulas(text):
             if parts and isinstance(piece, str) and piece[:1] in _CLOSING and parts[-1].endswith("</math>"):
                 parts[-1] = f'<span class="together">{parts[-1]}{piece[0]}</span>'
                 piece = piece[1:]
@@ -132,6 +147,10 @@ class _HtmlWriter(PieceWriter, BlockWriter[str]):
 
     def words(self, text: str) -> str:
         return _NUMBER_OF_EQUATION.sub(r'<span class="together">\g<0></span>', escape(text))
+
+    def plain(self, text: str) -> str:
+        """Return a text without pieces, such as a caption, with its formulas set."""
+        return self.text((text,))
 
     def mathematics(self, box: Box) -> str:
         return mathml_of(box)
@@ -160,9 +179,20 @@ def _set(box: Box, letters: float, names: str) -> str:
 
 
 def _smaller(letters: float, room: float) -> str:
-    """Return a formula that is still too long for a line when it is broken is set smaller, down to three fifths."""
+    """Return a smaller size for a formula whose lines are still too long, down to three fifths."""
     scale = max(0.6, _FULL * room / letters) if letters > _FULL * room else 1.0
     return f' style="font-size:{100 * scale:.0f}%"' if scale < 1 else ""
+
+
+def _with_formulas(text: Text) -> Iterator[Inline]:
+    """Set the formulas that stand between words: all but numbers of equations."""
+    for piece in text:
+        if not isinstance(piece, str):
+            yield piece
+            continue
+        for k, part in enumerate(re.split(f"({_NUMBER_OF_EQUATION.pattern})", piece)):
+            found = [part] if k % 2 else formulas_in_words(part)
+            yield from (one if isinstance(one, str) else Mathematics(one) for one in found)
 
 
 def _is_number(cell: Text) -> bool:

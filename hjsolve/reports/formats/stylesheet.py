@@ -47,7 +47,7 @@ caption{text-align:left;font-size:.84rem;color:var(--soft);padding:0 0 .45rem;ca
 th,td{text-align:left;vertical-align:baseline;padding:.42rem 1.3rem .42rem 0;font-weight:400}
 thead th{font-size:.82rem;color:var(--soft);border-bottom:1px solid var(--ink);padding-top:0;white-space:nowrap}
 tbody tr+tr{border-top:1px solid var(--rule)}
-td math{math-style:normal}
+td math{math-style:normal}p mfrac>*,li mfrac>*,td mfrac>*{math-depth:inherit}
 td.num,.value,.together{white-space:nowrap}
 td .error{display:block}
 .value{font-variant-numeric:tabular-nums}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from html import escape
+from typing import TypeGuard
 
 from hjsolve.reports.formulas.layout import (
     Box,
@@ -77,7 +78,11 @@ def _glyph(glyph: Glyph) -> str:
         case "constant":
             return f'<mi mathvariant="normal">{text}</mi>'
         case "differential":
-            return f"<mo>{text}</mo>" if glyph.text == "∂" else f'<mi mathvariant="normal">{text}</mi>'
+            return (
+                f'<mo lspace="0" rspace="0">{text}</mo>'
+                if glyph.text == "∂"
+                else f'<mi mathvariant="normal">{text}</mi>'
+            )
         case _:
             return f"<mi>{text}</mi>"
 
@@ -88,8 +93,15 @@ def _row_items(items: tuple[Box, ...]) -> list[str]:
     for before, item in zip((None, *items), items):
         if before is not None and _needs_space(before, item):
             parts.append(_THIN)
-        parts.append(_write(item))
+        parts.append(f'<mo form="prefix">{escape(item.text)}</mo>' if _is_sign(item, before) else _write(item))
     return parts
+
+
+def _is_sign(item: Box, before: Box | None) -> TypeGuard[Glyph]:
+    """Whether + or − is the sign of what follows, and not between two terms: browsers look at the first place only."""
+    if not isinstance(item, Glyph) or item.kind != "operator" or item.text not in {"+", "−"}:
+        return False
+    return isinstance(before, Glyph) and before.kind == "operator" and before.text in {"=", "<", ">", ",", "≠", "/"}
 
 
 def _needs_space(before: Box, item: Box) -> bool:

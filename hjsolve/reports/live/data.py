@@ -101,7 +101,7 @@ def _well(subject: Neighbours, own: LiveCoordinate) -> Json:
     return {
         "tape": _tape(lower([F, A], [coordinate.symbol, *_symbols(motion)])), "sign": seen.sign, "domain": ends,
         "level": subject.names.index(level) if level else None,
-        "title": f"effective potential, {sign}{label(level)}" if level else "−P²/2",
+        "title": f"V_eff; red: {sign}{label(level)}" if level else "−P²/2",
     }  # fmt: skip
 
 
@@ -164,6 +164,9 @@ def _torus(subject: Neighbours) -> Json | None:
     return {"ignorable": True, "second": k, "labels": [label(names[0]), label(subject.ignorable[k])]}
 
 
+_END = "end of the domain"
+
+
 def _map(tables: LiveTables) -> Json | None:
     """Return the map of the static report, where both of its constants have sliders.
 
@@ -175,13 +178,14 @@ def _map(tables: LiveTables) -> Json | None:
         if found.x not in named or found.y not in named:
             return None
         grid = map_grid(found)
-        drawn = [tuple(_thinned(*visible(found, grid, curve), found.window)) for curve in found.curves]
+        drawn = {tuple(_thinned(*visible(found, grid, c), found.window)): c.kind == _END for c in found.curves}
     except HJSolveError:
         return None
     others = [s for s in tables.sliders if s.name not in (found.x, found.y)]
     return {
         "window": [list(map(float, side)) for side in found.window],
-        "curves": [curve for curve in dict.fromkeys(drawn) if len(curve) > 1],
+        "curves": [curve for curve, end in drawn.items() if len(curve) > 1 and not end],
+        "ends": [curve for curve, end in drawn.items() if len(curve) > 1 and end],
         "sliders": [named.index(found.x), named.index(found.y)],
         "letters": [[_short(x), _short(y), chr(65 + k)] for k, (x, y) in enumerate(grid.letters)] if grid else [],
         "kinds": kinds_by_letter(grid) if grid else [],

@@ -78,10 +78,13 @@
     f.pen.arc(f.px(x), f.py(y), size, 0, 2 * Math.PI);
     f.pen.fill();
   };
+  // One letter and its index, but not the letters that name regions of the map.
+  const NAME = /(?<![\p{L}\p{N}])(?![A-D](?![_\p{L}]))(\p{L})(?:_([\p{L}\p{N}]+))?(?![\p{L}\p{N}])/u;
   // A name with its index set low: "p_φ" is p with a small φ below the line; the text begins or ends at x.
   const write = (f, text, x, y, align = "left") => {
-    const parts = text.split(/(_[\p{L}\p{N}]+)/u).filter(Boolean).map((part) => part[0] === "_" && part.length > 1
-      ? { text: part.slice(1), low: 3.5, font: "9.5px system-ui, sans-serif" } : { text: part, low: 0, font: "12.5px system-ui, sans-serif" });
+    const parts = text.split(NAME).map((part, m) => m % 3 === 2
+      ? { text: part || "", low: 3.5, font: part && part.length > 1 ? "9.5px system-ui, sans-serif" : "italic 10.5px Georgia, serif" }
+      : { text: part, low: 0, font: m % 3 ? "italic 14px Georgia, serif" : "12.5px system-ui, sans-serif" });
     let wide = 0;
     for (const part of parts) { f.pen.font = part.font; part.at = wide; wide += f.pen.measureText(part.text).width; }
     const begin = align === "right" ? x - wide : align === "center" ? x - wide / 2 : x;
@@ -189,9 +192,9 @@
       const row = at("numbers").insertRow();
       const head = document.createElement("th");
       head.scope = "row";
-      name.split(/_([\p{L}\p{N}]+)/u).forEach((part, m) => {
-        const piece = m % 2 ? document.createElement("sub") : document.createTextNode(part);
-        if (m % 2) piece.textContent = part;
+      name.split(NAME).forEach((part, m) => {
+        const piece = m % 3 ? document.createElement(m % 3 === 1 ? "i" : "sub") : document.createTextNode(part);
+        if (m % 3) piece.textContent = part || "";
         head.append(piece);
       });
       row.append(head);
@@ -278,7 +281,8 @@
     f.pen.beginPath();
     f.pen.rect(f.left, f.top, f.width - f.left, f.height - f.top - f.bottom);
     f.pen.clip();
-    if (held) for (const curve of data.map.curves) line(f, curve.map((p) => p || [NaN, NaN]), "ink", 1.4);
+    if (held) for (const curve of data.map.curves) line(f, curve.map((p) => p || [NaN, NaN]), "ink", 1.6);
+    if (held) for (const curve of data.map.ends) line(f, curve.map((p) => p || [NaN, NaN]), "soft", 0.7);
     if (held) for (const [u, v, letter] of data.map.letters) {
       f.pen.fillStyle = colour("soft");
       write(f, letter, f.px(u) + 8, f.py(v) + 4);

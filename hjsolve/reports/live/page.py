@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping
 from html import escape
 from importlib import resources
@@ -81,7 +80,7 @@ def _controls(tables: LiveTables, data: Json) -> str:
         )
     )
     speeds = "".join(f'<option value="{v}"{" selected" if v == 1 else ""}>{v} ×</option>' for v in (0.25, 0.5, 1, 2, 4))
-    worst = "; ".join(f"{_low(label(n))} by {_power_of_ten(v)}" for n, v in tables.bounds.items())
+    worst = ", ".join(f"{_power_of_ten(v)} in {_low(label(n))}" for n, v in tables.bounds.items())
     periods = "two periods" if len(named) == 1 else "two of the longest periods"
     turn = "Drag the orbit, or use the arrow keys on it, to turn it." if data["where"]["solid"] else ""
     return f"""<section id="live" class="live" aria-labelledby="live-h" hidden="hidden">
@@ -94,9 +93,10 @@ def _controls(tables: LiveTables, data: Json) -> str:
 <span id="live-time"></span><span id="live-shared" role="status"></span></div>
 <div class="boards">{boards}</div>
 <table aria-live="polite"><caption>Values of this motion</caption><tbody id="live-numbers"></tbody></table>
-<p class="note">The page interpolates tables that were computed beforehand. During the first {periods} it differs from
-<code>Solution.motion</code> in {worst} at most, which is twice the largest difference found at test points.
-Later the difference grows in proportion to the time. {_narrowed(tables)} {turn} {_of_map(data["map"])}</p>
+<p class="note">{turn} {_of_map(data["map"])}</p>
+<p class="note">The page interpolates tables that were computed beforehand. Over the first {periods} its error is at
+most {worst} (twice the largest difference from <code>Solution.motion</code> at test points). Later the error grows in
+proportion to the time. {_narrowed(tables)}</p>
 <details><summary>Where the sliders end, and why</summary><div class="scroll"><table class="live-ends">
 <thead><tr><th scope="col">Slider</th><th scope="col">From</th><th scope="col">Motions below it</th>
 <th scope="col">To</th><th scope="col">Motions above it</th></tr></thead>
@@ -114,8 +114,9 @@ def _power_of_ten(value: float) -> str:
 
 
 def _low(name: str) -> str:
-    """Return a name as HTML, its index set low."""
-    return re.sub(r"_(\w+)", r"<sub>\1</sub>", escape(name))
+    """Return a name as HTML: in italics, its index set low."""
+    letter, _, index = escape(name).partition("_")
+    return f"<i>{letter}</i>" + (f"<sub>{index}</sub>" if index else "")
 
 
 def _of_coordinate(k: str, q: str) -> tuple[tuple[str, str], ...]:

@@ -30,6 +30,8 @@ from hjsolve.solution.quadratures import Solution
 
 _MOST_OPERATIONS = 90
 """Of W in the actions: beyond, it fills a page."""
+_SHORT_PERIOD = 12
+"""Operations of a period that is still read at a glance."""
 _GROUPS = {"periods": "Period", "frequencies": "Frequency", "actions": "Action", "mean_velocities": "Mean velocity"}
 _MOST_REGIMES = 3
 LONGEST_SHOWN = 400
@@ -98,8 +100,8 @@ def _section(form: RegimeForms, number: int) -> Section:
     system = form.solution.system
     words, conditions = _conditions(typeset_prose(form.regime.words, system))
     intro: Text = (
-        "Holds for: ", *words, ". Each form was differentiated back "
-        "to its integrand and compared with the quadrature to 40 digits; the separated momenta are positive.",
+        "These forms hold in one regime (", *words, "). The derivative of each was compared with its integrand to 40 "
+        "digits. Momenta of separated coordinates are taken as positive.",
     )  # fmt: skip
     blocks: list[Block | _TooLong] = [Paragraph(intro), *conditions]
     forms_shown = _ShownForms(form.where)
@@ -121,7 +123,9 @@ def _section(form: RegimeForms, number: int) -> Section:
     if form.energy is not None:
         blocks += forms_shown.shown("energy", form.energy, partial(formula, name_box("E")))
     blocks += _in_actions(form)
-    numbers = [(group, q, e) for group in _GROUPS for q, e in getattr(form, group).items()]
+    numbers = [
+        (group, q, _by_frequency(form, group, q, e)) for group in _GROUPS for q, e in getattr(form, group).items()
+    ]
     narrow = [one for one in numbers if width(display(one[2], IN_A_CELL)) <= _WIDEST_CELL]
     if narrow:
         blocks += forms_shown.meanings([e for *_, e in narrow])
@@ -139,14 +143,23 @@ def _section(form: RegimeForms, number: int) -> Section:
         shown.append(Paragraph((_BRANCHES,)))
     if long:
         shown.append(
-            Paragraph(("Forms that take more than a page: ", *_names(long), ". ", Code("form.code()"), " writes them."))
+            Paragraph(
+                ("Forms that take more than a page: ", *_names(form, long), ". ", Code("form.code()"), " writes them.")
+            )
         )
     if form.why_not:
-        missing = tuple((_names(names), typeset_prose(text, system)) for text, names in _by_reason(form.why_not))
-        shown.append(Table((("Without a form",), ("Why",)), missing, "Without a closed form: proved, or not found"))
+        missing = tuple((_names(form, names), typeset_prose(text, system)) for text, names in _by_reason(form.why_not))
+        shown.append(Table((("Quantity",), ("Why",)), missing, "Without a closed form: proved, or not found"))
     suffix = f"-{number}" if number else ""
     title = f"Closed forms, regime {number}" if number else "Closed forms"
     return Section(f"closed-forms{suffix}", title, tuple(shown))
+
+
+def _by_frequency(form: RegimeForms, group: str, q: str, e: sp.Expr) -> sp.Expr:
+    """Return 2π/|Ω| for a period that would be a fraction of fractions; the frequency stands in the same table."""
+    if group != "periods" or q not in form.frequencies or not e.has(sp.Abs) or sp.count_ops(e) <= _SHORT_PERIOD:
+        return e
+    return 2 * sp.pi / sp.Abs(sp.Symbol(f"Omega_{q}", real=True))
 
 
 def _in_actions(form: RegimeForms) -> list[Block]:
@@ -251,11 +264,31 @@ def _by_reason(why_not: Mapping[str, WhyNot]) -> list[tuple[str, list[str]]]:
     return list(groups.items())
 
 
-def _names(names: list[str]) -> Text:
+def _names(form: RegimeForms, names: list[str]) -> Text:
+    """Name forms as a reader of the page knows them: ``inverse.r`` is r(t)."""
     pieces: list[Inline] = []
     for name in names:
-        pieces += [", " if pieces else "", Code(name)]
+        pieces += [", " if pieces else "", *_readable(form, name)]
     return tuple(pieces)
+
+
+def _readable(form: RegimeForms, name: str) -> Text:
+    group, _, of = name.partition(".")
+    if group in ("inverse", "parametric"):
+        return (Mathematics(applied(name_box(of), name_box("t" if group == "inverse" else "tau"))),)
+    if group == "orbit" and of:
+        others = [c.name for c in form.solution.system.coordinates if c.name != of]
+        return (Mathematics(applied(name_box(of), name_box(others[0]))),) if len(others) == 1 else ("orbit, ", _set(of))
+    if group in _GROUPS and of:
+        return (f"{_GROUPS[group].lower()} of ", _set(of))
+    if group == "orbit_equations" and of:
+        return ("orbit equation of ", _set(of))
+    spoken = {"energy": "energy as a function of the actions", "characteristic_function": "W", "time_law": "time law"}
+    return (spoken[name],) if name in spoken else (Code(name),)
+
+
+def _set(name: str) -> Mathematics:
+    return Mathematics(name_box(name))
 
 
 def _conditions(words: Text) -> tuple[Text, list[Formula]]:
@@ -286,13 +319,13 @@ def _meaning(symbols: list[tuple[sp.Symbol, int]], meaning: object) -> list[Bloc
     """Return what symbols of a form stand for: in a sentence where it is short, else displayed."""
     if isinstance(meaning, sp.Poly) and symbols[0][1] >= 0:
         e, words = falling_powers(meaning), _root_words(symbols, meaning.degree())
-        if width(display(e, IN_A_CELL)) <= IN_A_CELL:
+        if width(box(e)) <= NARROW:
             return [Paragraph((*words, math(e)))]
         return [Paragraph(words), _shown(str(symbols[0][0]), e, equation)]
     if len(symbols) > 1:
         return [block for one in symbols for block in _meaning([one], meaning)]
     symbol, e = symbols[0][0], sp.sympify(meaning)
-    if width(display(e, IN_A_CELL)) <= NARROW:
+    if width(box(e)) <= NARROW:
         return [Paragraph((math(symbol), " = ", math(e)))]
     return [_shown(str(symbol), e, partial(formula, box(symbol)))]
 

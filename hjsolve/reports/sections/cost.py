@@ -78,8 +78,8 @@ def _cheapest(table: Cost) -> Table | None:
                 for best in found
             )
             rows.append(((str(digits),), *((cell,) for cell in cells)))
-    head: tuple[Text, ...] = (("Right digits",), *((name,) for _, name in columns))
-    return Table(head, tuple(rows), "The cheapest way to a number of right digits") if rows else None
+    head: tuple[Text, ...] = (("Correct digits",), *((name,) for _, name in columns))
+    return Table(head, tuple(rows), "The fastest method for a number of correct digits") if rows else None
 
 
 def _nowrap(text: str) -> str:
@@ -138,11 +138,11 @@ def cost_document(table: Cost) -> Document:
         The document.
     """
     best = table.cheapest(15) or table.cheapest(12)
-    answer: Text = ("No method reached 12 right digits.",)
+    answer: Text = ("No method reached 12 correct digits.",)
     if best is not None and best.seconds is not None:
         reached = "15" if table.cheapest(15) is best else "12"
         how = f"{best.method}: {written_duration(best.seconds)}"
-        answer = (f"The cheapest way to {reached} right digits of all that is wanted is {how}.",)
+        answer = (f"The fastest method with {reached} correct digits in every result is {how}.",)
     return Document(table.title, table.id, answer, (cost_section(table),))
 
 

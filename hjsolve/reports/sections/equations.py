@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import sympy as sp
 
 from hjsolve.coordinates.least_action import jacobi_metric
 from hjsolve.errors import HJSolveError
-from hjsolve.mechanics.system import System
+from hjsolve.mechanics.system import System, kinetic_rest
 from hjsolve.reports.document import Block, Code, Paragraph, Section
-from hjsolve.reports.formulas.layout import Glyph, Script
+from hjsolve.reports.formulas.layout import Box, Fence, Glyph, Script, row, width
+from hjsolve.reports.formulas.line_breaks import NARROW, narrowed
 from hjsolve.reports.formulas.names import name_box
-from hjsolve.reports.sections.system_and_verdict import equation, formula
+from hjsolve.reports.sections.system_and_verdict import EQUALS, equation, formula
 
 _MOST_OPERATIONS = 150
 """Of one equation: a longer one fills a page, and is not read."""
+_WIDEST = NARROW / 0.65
+"""Letters of the longest line of the metric on a narrow screen; a longer one is written with T and V."""
 
 
 def equations_section(system: System) -> Section:
@@ -65,7 +70,15 @@ def _least_action(system: System) -> list[Block]:
         "kinetic energy and no potential:"
     )
     left = Script(Glyph("T"), sub=name_box("J"))
-    return [Paragraph((words,)), formula(left, metric.kinetic, "Greenwood (4-179)")]
+    shown = formula(left, metric.kinetic, "Greenwood (4-179)")
+    if width(narrowed(shown.box)) > _WIDEST:
+        h, minus = Glyph("h"), Glyph("−", "operator")
+        V: Box = Glyph("V")
+        T: Box = Glyph("T")
+        if kinetic_rest(system) != 0:
+            V, T = row(V, Glyph("+", "operator"), Script(T, Glyph("0", "number"))), Script(T, Glyph("2", "number"))
+        shown = replace(shown, box=row(left, EQUALS, Glyph("2", "number"), Fence(row(h, minus, V)), T))
+    return [Paragraph((words,)), shown]
 
 
 __all__ = ["equations_section"]

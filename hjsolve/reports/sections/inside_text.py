@@ -18,8 +18,11 @@ from hjsolve.reports.formulas.from_sympy import APPLY, MINUS, TIMES, on_a_line
 from hjsolve.reports.formulas.layout import Box, Fence, Fraction, Glyph, RadicalBox, Script, row
 from hjsolve.reports.formulas.names import FUNCTION_NAMES, GREEK, name_box
 
-_TOKEN = re.compile(r" *(?:(?P<number>\d+(?:\.\d+)?)|(?P<name>[A-Za-z]\w*)|(?P<operator>\*\*|->|-\+|\+-|[-+*/^=(),]))")
+_TOKEN = re.compile(
+    r" *(?:(?P<number>\d+(?:\.\d+)?)|(?P<name>[A-Za-z]\w*)|(?P<operator>\*\*|->|-\+|\+-|[-+*/^=(),<>≠]))"
+)
 _STEM = re.compile(r"([A-Za-z]+?)_?\d*")
+_RELATIONS = {"=", "<", ">", "≠"}
 _SIGNS = {"+": "+", "-": MINUS, "-+": "∓", "+-": "±"}
 
 
@@ -74,11 +77,11 @@ class _Reader:
         None where none is worth setting.
         """
         found = self._sum(place, inner=False)
-        while found is not None and (token := self._token(found.end)) and token["operator"] == "=":
+        while found is not None and (token := self._token(found.end)) and token["operator"] in _RELATIONS:
             side = self._sum(token.end(), inner=False)
             if side is None:
                 break
-            found = _Found(row(found.box, Glyph("=", "operator"), side.box), side.end)
+            found = _Found(row(found.box, Glyph(token["operator"], "operator"), side.box), side.end)
         if found is None or re.match(r"[\w(^*/]", self.text[found.end : found.end + 1]):
             return None
         return found if self._telling(place, found.end) else None
@@ -121,9 +124,16 @@ class _Reader:
                 return found
             if factor is None:
                 return found
-            shown = Fraction(_bare(found.box), _bare(factor.box)) if token["operator"] == "/" else None
+            shown = self._quotient(found.box, factor) if token["operator"] == "/" else None
             found = _Found(shown or _beside(found.box, factor.box), factor.end)
         return found
+
+    def _quotient(self, above: Box, factor: _Found) -> Box:
+        """Return a/b on one line, as books set it inside a sentence; a fraction where more factors follow."""
+        token = self._token(factor.end)
+        if isinstance(above, Fraction) or (token and token["operator"] in {"*", "/"}):
+            return Fraction(_bare(above), _bare(factor.box))
+        return row(above, Glyph("/", "operator"), factor.box)
 
     def _power(self, place: int) -> _Found | None:
         token = self._token(place)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from hjsolve.reports.document import Block, Note, Paragraph, Section, Table, Text
+from hjsolve.reports.sections.prose import typeset_prose
 from hjsolve.solution.laws import Outcome, check
 from hjsolve.solution.quadratures import Solution
 
@@ -37,12 +38,15 @@ def laws_section(solution: Solution) -> Section:
         ((_LAWS[c.name],), (f"Greenwood {_SOURCES[c.name]}",), (_OUTCOMES[c.verdict],)) for c in found
     )
     text = (
-        "No integral needs to be evaluated. W enters only through its derivatives, so every law is an identity between "
+        "W enters only through its derivatives, so no integral has to be evaluated: each law is an identity between "
         "elementary functions."
     )
     header: tuple[Text, ...] = (("Law",), ("Equation",), ("Outcome",))
-    blocks: list[Block] = [Paragraph((text,)), Table(header, rows, "Laws the solution must obey")]
+    blocks: list[Block] = [
+        Paragraph(typeset_prose(text, solution.system)),
+        Table(header, rows, "Laws the solution must obey"),
+    ]
     failed = any(c.verdict == "failed" for c in found)
     warning = "This is a fault of hjsolve: please report it, and do not use this solution."
     blocks += [Note((warning,))] if failed else []
-    return Section("laws", "Does it solve?", tuple(blocks))
+    return Section("laws", "Check of the solution", tuple(blocks))

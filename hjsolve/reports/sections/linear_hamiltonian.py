@@ -122,7 +122,7 @@ def hamiltonian_motion_section(motion: LinearMotion, summary: str) -> Section:
         Table(header, tuple(rows), "Where it is" + ("" if len(rows) == len(times) else ", until it leaves its domain")),
         Note(("Every number is a value ± a bound on its error. A number without ± is exact as printed.",)),
     ]  # fmt: skip
-    return Section("numbers", "Numbers with their errors", tuple(blocks))
+    return Section("numbers", "Results with error bounds", tuple(blocks))
 
 
 def hamiltonian_document(

@@ -177,7 +177,7 @@ def numbers_section(motion: Motion) -> Section:
         times = tuple(((Mathematics(name_box(name)),), _number(e)) for name, e in motion.boundary_times.items())
         blocks.append(Table((("Coordinate",), ("Time",)), times, "Times at which an end of the domain is reached"))
     blocks.append(Note(("Every number is a value ± a bound on its error. A number without ± is exact as printed.",)))
-    return Section("numbers", "Numbers with their errors", tuple(blocks))
+    return Section("numbers", "Results with error bounds", tuple(blocks))
 
 
 def _cycles(motion: Motion, names: list[str]) -> Table:

@@ -23,7 +23,12 @@ _SPELLED = (
 
 
 def _pair(letter: str) -> Box:
-    return Script(Glyph(letter), Glyph("ij"))
+    return Script(Glyph(letter), _indices("ij"))
+
+
+def _indices(letters: str) -> Box:
+    """Return indices side by side, each a letter of its own: a name of two letters would be set upright."""
+    return row(*map(Glyph, letters))
 
 
 def _transposed(column: str, *result: Box) -> Box:
@@ -54,13 +59,13 @@ def _conditions() -> dict[str, Box]:
     equals, plus, minus, d = (Glyph(x, "operator") for x in ("=", "+", "−", "∂"))
 
     def H(sub: str = "", sup: str = "") -> Box:
-        return Script(Glyph("H"), Glyph(sub) if sub else None, Glyph(sup) if sup else None)
+        return Script(Glyph("H"), _indices(sub) if sub else None, _indices(sup) if sup else None)
 
     def slope(i: str, *of: Box) -> Box:
         return row(Script(d, Glyph(i)), *of)
 
     f, ln = Glyph("f"), Glyph("ln ", "text")
-    g = {i: Script(Glyph("g"), sup=Glyph(i * 2)) for i in "ij"}
+    g = {i: Script(Glyph("g"), sup=_indices(i * 2)) for i in "ij"}
     curvature = row(
         _pair("S"), Fence(f), equals, slope("i"), slope("j", f), minus, Fence(slope("i", ln, g["j"])), slope("j", f),
         minus, Fence(slope("j", ln, g["i"])), slope("i", f),
@@ -94,7 +99,7 @@ _TYPESET: dict[str, tuple[Inline, ...]] = {
     "c^T Phi = (1, 0, ..., 0)": (Mathematics(_transposed("Φ", first_unit_vector())),),
     "c^T psi = V_eff": (Mathematics(_transposed("ψ", name_box("V_eff"))),),
     "c^T psi = V": (Mathematics(_transposed("ψ", Glyph("V"))),),
-    "S_ij(g^hh)": (Mathematics(row(_pair("S"), Fence(Script(Glyph("g"), sup=Glyph("hh"))))),),
+    "S_ij(g^hh)": (Mathematics(row(_pair("S"), Fence(Script(Glyph("g"), sup=_indices("hh"))))),),
     "S_ij(V)": (Mathematics(row(_pair("S"), Fence(Glyph("V")))),),
     "S_ij": (Mathematics(_pair("S")),),
     "L_ij": (Mathematics(_pair("L")),),
@@ -140,6 +145,14 @@ def with_names(text: str, names: Collection[str]) -> Text:
 
 
 def _with_names(text: str, names: Collection[str]) -> Text:
+    """Set names and formulas; what stands between backticks is something to type."""
+    pieces: list[Inline] = []
+    for k, part in enumerate(text.split("`")):
+        pieces += [Code(part)] if k % 2 else _without_code(part, names)
+    return tuple(pieces)
+
+
+def _without_code(text: str, names: Collection[str]) -> Text:
     pieces: list[Inline] = []
     for piece in formulas(text, names):
         if not isinstance(piece, str):

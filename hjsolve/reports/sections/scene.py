@@ -160,7 +160,7 @@ def _numbers(run: Run) -> Section | None:
     if not blocks:
         return None
     blocks.append(Note(("Every number is a value ± a bound on its error. A number without ± is exact as printed.",)))
-    return Section("numbers", "Numbers with their errors", tuple(blocks))
+    return Section("numbers", "Results with error bounds", tuple(blocks))
 
 
 def _quantity(run: Run, name: str, title: str) -> Table | None:

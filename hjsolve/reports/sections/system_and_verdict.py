@@ -25,7 +25,7 @@ from hjsolve.reports.document import (
 )
 from hjsolve.reports.formulas.abbreviations import abbreviating, letters_for_sums
 from hjsolve.reports.formulas.from_sympy import box, constants_outside, contracted
-from hjsolve.reports.formulas.layout import Box, Fraction, Glyph, Script, row
+from hjsolve.reports.formulas.layout import Box, Glyph, Script, row
 from hjsolve.reports.formulas.line_breaks import LINE, broken, display
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.sections.prose import condition_formulas, domain_text, listed, typeset, typeset_prose
@@ -189,7 +189,7 @@ def _momentum_definition() -> Box:
     partial = Glyph("∂", "differential")
     dot = name_box("dot(q)")
     top, bottom = row(partial, Glyph("T")), row(partial, Script(dot, Glyph("i")))
-    return row(Script(Glyph("p"), Glyph("i")), EQUALS, Fraction(top, bottom))
+    return row(Script(Glyph("p"), Glyph("i")), EQUALS, top, Glyph("/", "operator"), bottom)
 
 
 def _coordinates(system: System, meanings: Mapping[str, tuple[str, str]]) -> Table:

@@ -180,8 +180,8 @@ def _as_written(reader: Reader, potential: sp.Expr, factor: Element, weight: sp.
     """
     terms = sp.Add.make_args(potential)
     sums = [a for a in potential.args if a.is_Add] if potential.is_Mul else []
-    ways = [terms, [potential / sums[0] * term for term in sums[0].args]] if len(sums) == 1 else [terms]
-    written = [sp.Add(*(_term(reader, v, factor, weight) for v in way)) for way in ways]
+    written_forms = [terms, [potential / sums[0] * term for term in sums[0].args]] if len(sums) == 1 else [terms]
+    written = [sp.Add(*(_term(reader, v, factor, weight) for v in form)) for form in written_forms]
     return min(written, key=length_of)
 
 

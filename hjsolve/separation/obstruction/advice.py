@@ -13,13 +13,13 @@ import sympy as sp
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms
 
 ALWAYS = (
-    "This is a statement about these coordinates only: the system may separate in others, or be integrable without "
+    "This verdict is about these coordinates only: the system may separate in others, or be integrable without "
     "separating."
 )
 
 
 def small_oscillations(system: System) -> bool:
-    """Whether T has constant coefficients and V − T₀ is a quadratic polynomial in coordinates that are no angles.
+    """Whether T has constant coefficients and V − T₀ is a quadratic polynomial in coordinates that are not angles.
 
     Args:
         system: whose T and V are looked at.
@@ -65,22 +65,19 @@ def for_metric(system: System, pair: tuple[str, str], coupled: bool) -> str:
     i, j = pair
     if small_oscillations(system):
         return (
-            f"T and V are quadratic forms with constant coefficients that couple {i} and {j}: use the normal modes "
-            f"as coordinates; "
-            f"each mode is then a one-dimensional oscillator. {ALWAYS}"
+            f"T and V are quadratic forms with constant coefficients that couple {i} and {j}. Use the normal modes as "
+            f"coordinates: each is a one-dimensional oscillator. {ALWAYS}"
         )
     if words := advice_for_linear_equations(system):
         return f"The kinetic energy couples {i} and {j}. {words}"
     if coupled:
         return (
             f"The kinetic energy couples {i} and {j} by a term dot({i})*dot({j}), and no ignorable coordinate "
-            f"absorbs it. Look for "
-            f"coordinates in which T is diagonal. {ALWAYS}"
+            f"absorbs it. Choose coordinates in which T is diagonal. {ALWAYS}"
         )
     return (
-        f"The kinetic energy alone mixes {i} and {j}: not even the free motion separates in these coordinates, "
-        f"whatever V is. Try "
-        f"coordinates of another family (polar, parabolic, elliptic; spherical, spheroidal, ellipsoidal). {ALWAYS}"
+        f"The kinetic energy alone couples {i} and {j}, so no potential separates in these coordinates. Try another "
+        f"family: polar, parabolic or elliptic; spherical, spheroidal or ellipsoidal. {ALWAYS}"
     )
 
 
@@ -95,30 +92,22 @@ def for_potential(system: System, pair: tuple[str, str]) -> str:
     if small_oscillations(system):
         return (
             f"V couples {i} and {j}, but T and V are quadratic forms with constant coefficients: use the normal "
-            f"modes as "
-            f"coordinates. {ALWAYS}"
+            f"modes as coordinates. {ALWAYS}"
         )
     return (
-        f"The free motion separates in these coordinates; the potential is not of the form that they allow between "
-        f"{i} and {j}. "
-        f"Try the other coordinates in which the free motion separates (for a plane: Cartesian turned by an angle, "
-        f"polar, "
-        f"parabolic, elliptic, each about another centre or axis). {_search(system)}{ALWAYS}"
+        f"The kinetic energy separates in these coordinates, but the potential does not have the form they require "
+        f"between {i} and {j}. {_search(system)}{ALWAYS}"
     )
 
 
 def _search(system: System) -> str:
-    """Return where other coordinates are looked for, if the system is one of a particle in a plane or in space."""
-    speeds = [c.velocity for c in system.coordinates]
-    masses = {sp.diff(system.kinetic, v, 2) for v in speeds}
-    cartesian = (
-        len(speeds) in {2, 3}
-        and len(masses) == 1
-        and masses.pop().free_symbols.isdisjoint(c.symbol for c in system.coordinates)
-        and all(c.domain.kind == "line" and sp.expand(sp.diff(system.kinetic, c.velocity, d)) == 0
-                for c in system.coordinates for d in speeds if d != c.velocity)
-    )  # fmt: skip
-    return "hjsolve.find_coordinates (hjsolve coordinates) looks through them all. " if cartesian else ""
+    """Return where other coordinates are looked for, if the system may be a particle in a plane or in space."""
+    if len(system.coordinates) not in {2, 3} or system.relativity is not None:
+        return "Try other coordinates in which the kinetic energy separates. "
+    return (
+        'To search for coordinates in which it does, write `solve(system, coordinates="find")` or, on the command '
+        "line, `hjsolve coordinates`. "
+    )
 
 
 def for_gyroscopic(system: System, pair: tuple[str, str]) -> str:
@@ -130,7 +119,7 @@ def for_gyroscopic(system: System, pair: tuple[str, str]) -> str:
     """
     i, j = pair
     if words := advice_for_linear_equations(system):
-        return f"The terms linear in the velocities of {i} and {j} are no gradient. {words}"
+        return f"The terms linear in the velocities of {i} and {j} are not a gradient. {words}"
     return (
         f"The terms linear in the velocities of {i} and {j} act like a magnetic field: they are not a gradient and "
         "cannot be shifted away. Gauges that differ by a gradient are one system: "
@@ -172,7 +161,7 @@ def about_energy(system: System, energy: sp.Expr) -> str:
 
 
 def for_explicit_time() -> str:
-    """Advice when H holds the time."""
+    """Return advice when H holds the time."""
     return (
         "hjsolve.solve (hjsolve solve, hjsolve motion) looks for a frame in which the system is autonomous, and for a "
         "principal function of second degree in the coordinates."
@@ -182,7 +171,6 @@ def for_explicit_time() -> str:
 def for_undecided() -> str:
     """Return advice when nothing was proved."""
     return (
-        "Neither a proof nor a counterexample was found within the budget. Give more time (budget=), write T and V "
-        "in simpler "
-        "functions, or give numbers to some parameters."
+        "Neither a proof nor a counterexample was found in the time allowed. Allow more (budget=, --budget), write T "
+        "and V in simpler functions, or give numbers to some parameters."
     )

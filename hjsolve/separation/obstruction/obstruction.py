@@ -276,7 +276,7 @@ def _general_obstruction(
     system: System, found: Irreducible, pair: tuple[str, str], residual: sp.Expr, answer: NonZero
 ) -> Obstruction:
     coupled = " and ".join(found.pair)
-    coupling = f"the terms linear in the velocities of {coupled} are no gradient (their curl is shown)"
+    coupling = f"the terms linear in the velocities of {coupled} are not a gradient (their curl is shown)"
     words = advice.for_gyroscopic(system, found.pair)
     if found.reason == "metric":
         coupling = f"T couples {coupled} (mass-matrix entry shown)"

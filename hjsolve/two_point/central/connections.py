@@ -95,7 +95,9 @@ def _read(force: CentralForce, question: TwoPlaceQuestion, values: Mapping[sp.Sy
         return None
     sweep = 2 * np.arctan2(sine, cosine)
     both = [
-        (way, N, (sweep if way > 0 else 2 * np.pi - sweep) + 2 * np.pi * N) for N in question.turns for way in (1, -1)
+        (sense, N, (sweep if sense > 0 else 2 * np.pi - sweep) + 2 * np.pi * N)
+        for N in question.turns
+        for sense in (1, -1)
     ]
     both.sort(key=lambda image: image[2])
     T = float(to_bits(question.time)(64))
@@ -109,7 +111,7 @@ def _read(force: CentralForce, question: TwoPlaceQuestion, values: Mapping[sp.Sy
         return None
     if problem is None:
         return None
-    return _Asked(question, values, force, mass, places, problem, tuple((way, N) for way, N, _ in both))
+    return _Asked(question, values, force, mass, places, problem, tuple((sense, N) for sense, N, _ in both))
 
 
 def _refined(asked: _Asked, proof: RadialProof) -> tuple[list[Connection], list[IsolatedMotion]]:
@@ -118,12 +120,12 @@ def _refined(asked: _Asked, proof: RadialProof) -> tuple[list[Connection], list[
     connections: list[Connection] = []
     lost: list[IsolatedMotion] = []
     for motion in proof.motions:
-        way, turns = asked.images[motion.angle]
+        sense, turns = asked.images[motion.angle]
         try:
             p, ends = solved_from(asked.question, asked.values, _momenta(asked, motion))
             if not is_solved_by(asked.problem, motion, *_constants(asked, p)):
                 raise NotConvergedError("Newton's method leads to another motion")
-            path = f"{_way(asked, way)}, {asked.problem.branches[motion.branch].path}"
+            path = f"{_sense_in_words(asked, sense)}, {asked.problem.branches[motion.branch].path}"
             connection = connection_of(asked.question, reach(asked.question, p, ends), path, turns)
         except HJSolveError:
             lost.append(motion)
@@ -133,20 +135,20 @@ def _refined(asked: _Asked, proof: RadialProof) -> tuple[list[Connection], list[
     return connections, lost
 
 
-def _way(asked: _Asked, way: int) -> str:
+def _sense_in_words(asked: _Asked, sense: int) -> str:
     if len(asked.force.names) == 3:
-        return "the short way round" if way > 0 else "the long way round"
-    return "counterclockwise" if way > 0 else "clockwise"
+        return "the short way round" if sense > 0 else "the long way round"
+    return "counterclockwise" if sense > 0 else "clockwise"
 
 
 def _momenta(asked: _Asked, motion: IsolatedMotion) -> Reals:
     """Momenta at q0, in the order of the system's coordinates."""
     E, λ = energy_and_momentum(asked.problem, motion.chart, motion.at)
-    way, _ = asked.images[motion.angle]
+    sense, _ = asked.images[motion.angle]
     r0, places = float(asked.places.r0), asked.places
     V = float(sp.N(asked.problem.potential.V.subs(asked.problem.potential.r, r0)))
     radial = asked.problem.branches[motion.branch].sign * np.sqrt(max(2 * asked.mass * (E - V - (λ / r0) ** 2), 0.0))
-    transverse = way * λ * np.sqrt(2 * asked.mass) / r0
+    transverse = sense * λ * np.sqrt(2 * asked.mass) / r0
     p = {
         name: radial * float(a) + transverse * float(b)
         for name, a, b in zip(asked.force.names, places.radial0, places.tangent0, strict=True)

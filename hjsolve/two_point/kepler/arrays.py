@@ -105,24 +105,24 @@ def table_of_conics(
     if attraction.kind != "cartesian" and not (np.all(q0[0] > 0) and np.all(q1[0] > 0)):
         raise InvalidInputError(f"{attraction.names[0]}: it is positive at every place")
     places = geometry(attraction.kind, q0, q1, Float64())
-    count, ways = len(time), np.array([1, -1])
-    lanes = [(N, way) for N in turns for way in ways]
+    count, senses = len(time), np.array([1, -1])
+    lanes = [(N, sense) for N in turns for sense in senses]
     problem = np.repeat(np.arange(count), len(lanes))
-    way = np.tile(np.array([w for _, w in lanes]), count)
+    sense = np.tile(np.array([w for _, w in lanes]), count)
     N = np.tile(np.array([n for n, _ in lanes]), count)
     in_line = places.half_sine == 0
     opposite = (places.half_cosine == 0) & (len(attraction.names) == 3)
-    allowed = ~opposite[problem] & (~in_line[problem] | ((way == 1) & (N == 0) & (places.half_cosine[problem] > 0)))
-    allowed |= in_line[problem] & (way == -1) & (N == 0) & (places.half_cosine[problem] < 0)
-    problem, way, N = problem[allowed], way[allowed], N[allowed]
+    allowed = ~opposite[problem] & (~in_line[problem] | ((sense == 1) & (N == 0) & (places.half_cosine[problem] > 0)))
+    allowed |= in_line[problem] & (sense == -1) & (N == 0) & (places.half_cosine[problem] < 0)
+    problem, sense, N = problem[allowed], sense[allowed], N[allowed]
     lane = CentralPlaces(
-        places.r0[problem], places.r1[problem], places.half_sine[problem], way * places.half_cosine[problem],
+        places.r0[problem], places.r1[problem], places.half_sine[problem], sense * places.half_cosine[problem],
         *([x[problem] if np.ndim(x) else x for x in vector] for vector in places[4:]),
     )  # fmt: skip
     path = transfer(lane.r0, lane.r1, lane.half_sine, lane.half_cosine)
     problems = Problems(lane, path, np.full(len(problem), k / m), m, time[problem])
     found, _ = conics(path, problems.wanted, N)
-    numbers = numbers_of(problems, found, way)
+    numbers = numbers_of(problems, found, sense)
     conjugate = numbers.conjugate_points
     if len(attraction.names) == 3:
         at = found.problem
@@ -133,7 +133,7 @@ def table_of_conics(
     )
     given_places = [dict(zip(attraction.names, q, strict=True)) for q in (q0, q1)]
     return ConnectionTable(
-        problem[found.problem], found.turns, way[found.problem], p0, p1, _estimates(numbers.energy),
+        problem[found.problem], found.turns, sense[found.problem], p0, p1, _estimates(numbers.energy),
         _estimates(numbers.principal_function), conjugate, PROVED, same | opposite,
         (solution, given_places[0], given_places[1], time, turns, known),
     )  # fmt: skip

@@ -49,7 +49,7 @@ _ON_LINE = Completeness(
         "turn has fallen into the centre"
     ),
 )
-_WAYS = {1: "counterclockwise", -1: "clockwise"}
+_SENSES = {1: "counterclockwise", -1: "clockwise"}
 
 
 @dataclass(frozen=True)
@@ -98,15 +98,15 @@ def joined_by_conics(
     proof = _ON_LINE if asked.in_line and not asked.same else PROVED
     if not lanes:
         return Connections((), proof, tuple(continua), None if continua else _least_return(asked))
-    problems = _problems(asked.exact, [way for way, _ in lanes])
+    problems = _problems(asked.exact, [sense for sense, _ in lanes])
     found, least = conics(problems.path, problems.wanted, np.array([N for _, N in lanes]))
-    numbers = numbers_of(problems, found, np.array([way for way, _ in lanes]))
+    numbers = numbers_of(problems, found, np.array([sense for sense, _ in lanes]))
     connections = []
     for i, lane in enumerate(found.problem):
-        way, N = lanes[lane]
+        sense, N = lanes[lane]
         several = N > 0 and bool(found.slope[i] != 0)
         x = float(found.w[i] - 1 if found.w[i] < found.v[i] else 1 - found.v[i])
-        connections.append(_connection(asked, numbers, i, (way, N, x), bool(found.upper[i]) if several else None))
+        connections.append(_connection(asked, numbers, i, (sense, N, x), bool(found.upper[i]) if several else None))
     if asked.plane_free:
         continua += [_turned(connection) for connection in connections]
         connections = []
@@ -130,15 +130,15 @@ def _lanes(asked: _Asked) -> list[tuple[int, int]]:
     turns = asked.question.turns
     if asked.in_line:
         return [(1, 0)] if 0 in turns else []
-    ways = (1,) if asked.plane_free else (1, -1)
-    return [(way, N) for N in turns for way in ways]
+    senses = (1,) if asked.plane_free else (1, -1)
+    return [(sense, N) for N in turns for sense in senses]
 
 
-def _problems(exact: ExactTransfer, ways: Sequence[int]) -> Problems:
+def _problems(exact: ExactTransfer, senses: Sequence[int]) -> Problems:
     """Return the transfers in doubles, from many digits: λ and 1 − λ² are right to the last one."""
-    ones = np.ones(len(ways))
+    ones = np.ones(len(senses))
     places = exact.places
-    signs = np.array(ways, dtype=float)
+    signs = np.array(senses, dtype=float)
     c, s = float(exact.chord), float(exact.s)
     path = Transfer(signs * float(exact.λ(1)), ones * float(exact.chord / exact.s), ones * c, ones * s)
     flat = CentralPlaces(
@@ -152,15 +152,15 @@ def _problems(exact: ExactTransfer, ways: Sequence[int]) -> Problems:
 def _connection(
     asked: _Asked, numbers: ConicNumbers, i: int, which: tuple[int, int, float], upper: bool | None
 ) -> Connection:
-    way, N, _ = which
+    sense, N, _ = which
     names = asked.attraction.names
-    sweep = _sweep(asked, way, N)
+    sweep = _sweep(asked, sense, N)
     conjugate = int(numbers.conjugate_points[i])
     if asked.dimension == 3 and not asked.in_line:
-        conjugate += _half_turns(asked, way, N)
+        conjugate += _half_turns(asked, sense, N)
     return Connection(
         turns=N,
-        path=_words(asked, way, N, upper),
+        path=_words(asked, sense, N, upper),
         p0={name: _estimate(column, i) for name, column in zip(names, numbers.p0, strict=True)},
         p1={name: _estimate(column, i) for name, column in zip(names, numbers.p1, strict=True)},
         energy=_estimate(numbers.energy, i),
@@ -171,32 +171,32 @@ def _connection(
     )
 
 
-def _words(asked: _Asked, way: int, N: int, upper: bool | None) -> str:
+def _words(asked: _Asked, sense: int, N: int, upper: bool | None) -> str:
     if asked.in_line:
         return "on the line through the centre"
     if asked.dimension == 3:
-        angle = "the short way round" if way > 0 else "the long way round"
+        angle = "the short way round" if sense > 0 else "the long way round"
         direction = "half a turn" if asked.plane_free else angle
     else:
-        direction = _WAYS[way]
+        direction = _SENSES[sense]
     turns = "" if N == 0 else f", {N} full turn{'s' if N > 1 else ''}"
     return direction + turns + ("" if upper is None else f", {'shorter' if upper else 'longer'} period")
 
 
-def _half_turns(asked: _Asked, way: int, N: int) -> int:
+def _half_turns(asked: _Asked, sense: int, N: int) -> int:
     """How often the orbit passes the line through q0 and the centre before its end."""
-    long = (asked.exact.places.half_cosine < 0) == (way > 0) and abs(asked.exact.places.half_cosine) >= _ZERO
+    long = (asked.exact.places.half_cosine < 0) == (sense > 0) and abs(asked.exact.places.half_cosine) >= _ZERO
     return 2 * N + int(long)
 
 
-def _sweep(asked: _Asked, way: int, N: int) -> dict[str, float]:
+def _sweep(asked: _Asked, sense: int, N: int) -> dict[str, float]:
     if asked.attraction.kind != "polar":
         return {}
     if asked.in_line:
         return {asked.attraction.names[1]: 0.0}
     places, context = asked.exact.places, asked.exact.context
-    angle = 2 * context.atan2(places.half_sine, way * places.half_cosine)
-    return {asked.attraction.names[1]: float(way * (angle + 2 * context.pi * N))}
+    angle = 2 * context.atan2(places.half_sine, sense * places.half_cosine)
+    return {asked.attraction.names[1]: float(sense * (angle + 2 * context.pi * N))}
 
 
 def _estimate(column: Column, i: int) -> Estimate:
@@ -214,10 +214,10 @@ class _Beginning:
 
     def __call__(self) -> Motion:
         """Return the motion."""
-        way, N, x = self.which
+        sense, N, x = self.which
         bits = int(3.33 * precision(self.question.digits)) + 8
         exact = _exactly(self.attraction, self.question, self.values, bits)
-        p = momenta_exactly(exact, way, refined(exact, way, N, x))
+        p = momenta_exactly(exact, sense, refined(exact, sense, N, x))
         return started(self.question, dict(zip(self.attraction.names, p, strict=True)))
 
 

@@ -37,14 +37,14 @@ class ExactTransfer(NamedTuple):
     mass: Mpf
     time: Mpf
 
-    def λ(self, way: int) -> Mpf:
+    def λ(self, sense: int) -> Mpf:
         """Return λ of one direction.
 
         Args:
-            way: 1 or −1.
+            sense: 1 or −1.
         """
         root = self.context.sqrt(self.places.r0 * self.places.r1)
-        return way * root * self.places.half_cosine / self.s
+        return sense * root * self.places.half_cosine / self.s
 
     @property
     def wanted(self) -> Mpf:
@@ -85,12 +85,12 @@ def time_exactly(context: Context, λ: Mpf, N: int, x: Mpf) -> Mpf:
     return ((ψ + N * context.pi) / context.sqrt(u) - x + λ * y) / u
 
 
-def refined(transfer: ExactTransfer, way: int, N: int, x: float) -> Mpf:
+def refined(transfer: ExactTransfer, sense: int, N: int, x: float) -> Mpf:
     """Return x of a conic to the digits of the context, by secants from its value in doubles.
 
     Args:
         transfer: two places and a time.
-        way: 1 or −1.
+        sense: 1 or −1.
         N: full turns.
         x: in doubles.
 
@@ -98,7 +98,7 @@ def refined(transfer: ExactTransfer, way: int, N: int, x: float) -> Mpf:
         NotConvergedError: two conics are so near each other that doubles do not separate them.
     """
     context, goal = transfer.context, transfer.wanted
-    λ = transfer.λ(way)
+    λ = transfer.λ(sense)
     before, here = context.mpf(x) * (1 + context.mpf(2) ** -40) + context.mpf(2) ** -80, context.mpf(x)
     miss_before, small = time_exactly(context, λ, N, before) - goal, context.mpf(2) ** (40 - context.prec)
     for _ in range(_STEPS):
@@ -109,26 +109,26 @@ def refined(transfer: ExactTransfer, way: int, N: int, x: float) -> Mpf:
         before, miss_before, here = here, miss, here + step
         if abs(step) <= small * max(abs(here), 1 - abs(here), small):
             return here
-    raise NotConvergedError("two motions that join these places are nearly the same one: more digits do not part them")
+    raise NotConvergedError("two of the motions between these places nearly coincide; more digits do not separate them")
 
 
-def momenta_exactly(transfer: ExactTransfer, way: int, x: Mpf) -> list[Mpf]:
+def momenta_exactly(transfer: ExactTransfer, sense: int, x: Mpf) -> list[Mpf]:
     """Return the momenta at the first place, in the order of the geometry (Izzo (2015), algorithm 1).
 
     Args:
         transfer: two places and a time.
-        way: 1 or −1.
+        sense: 1 or −1.
         x: of the conic.
     """
     context, places = transfer.context, transfer.places
-    λ, γ = transfer.λ(way), context.sqrt(transfer.attraction * transfer.s / 2)
+    λ, γ = transfer.λ(sense), context.sqrt(transfer.attraction * transfer.s / 2)
     y = context.sqrt(1 - λ * λ * (1 - x * x))
     ρ, σ = context.zero, context.zero
     if transfer.chord:
         ρ = (places.r0 - places.r1) / transfer.chord
         σ = 2 * context.sqrt(places.r0 * places.r1) * places.half_sine / transfer.chord
     radial = γ * ((λ * y - x) - ρ * (λ * y + x)) / places.r0
-    across = way * γ * σ * (y + λ * x) / places.r0
+    across = sense * γ * σ * (y + λ * x) / places.r0
     return _combined(transfer.mass, radial, places.radial0, across, places.tangent0)
 
 

@@ -75,13 +75,13 @@ class Problems:
         return np.sqrt(2 * self.attraction / s) / s * self.time
 
 
-def numbers_of(problems: Problems, found: Conics, ways: Integers) -> ConicNumbers:
+def numbers_of(problems: Problems, found: Conics, senses: Integers) -> ConicNumbers:
     """Return momenta, E, S and the number of conjugate points of conics.
 
     Args:
         problems: what was asked.
         found: the conics.
-        ways: 1 or −1 for each problem.
+        senses: 1 or −1 for each problem.
     """
     at = found.problem
     places, μ, t = problems.places, np.broadcast_to(problems.attraction, problems.time.shape)[at], problems.time[at]
@@ -101,7 +101,7 @@ def numbers_of(problems: Problems, found: Conics, ways: Integers) -> ConicNumber
         value = sign * γ / r * (found.rest - sign * ρ * found.plus)
         spread = γ / r * np.abs(rest_slope - sign * ρ * plus_slope) * found.error
         size = γ / r * (np.abs(found.rest) + np.abs(ρ * found.plus))
-        around = ways[at] * γ * σ / r * found.across
+        around = senses[at] * γ * σ / r * found.across
         around_spread = γ * σ / r * np.abs(across_slope) * found.error + _UNITS * EPS * np.abs(around)
         speeds.append((Column(value, spread + _UNITS * EPS * size), Column(around, around_spread)))
     m = problems.mass

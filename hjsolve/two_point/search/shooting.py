@@ -174,7 +174,7 @@ def _newton(target: _Target, u: Reals, scale: float) -> Reals:
     n, m = u.shape
     y, slope, reached = target.miss(u)
     if not reached.any():
-        raise NotConvergedError("no motion from q0 could be followed for the time asked: each meets a singularity")
+        raise NotConvergedError("every motion from q0 meets a singularity before the given time; choose a shorter time")
     size = np.where(reached, np.linalg.norm(y, axis=0), np.inf)
     live, found = np.flatnonzero(reached), np.zeros((n, 0))
     factor = np.ones(m)

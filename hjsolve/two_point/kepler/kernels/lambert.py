@@ -224,18 +224,18 @@ def _fill(λs: Reals, ks: Reals, Ws: Reals, turns: Integers, counts: Integers, t
         x = _minimum(λ, k, N)
         lowest, _, rounding = time_at(λ, k, N, 1 + x, 1 - x)
         least[i] = lowest
-        vague = rounding + 4 * EPS * lowest
-        if lowest + vague < W:
+        uncertainty = rounding + 4 * EPS * lowest
+        if lowest + uncertainty < W:
             counts[i] = 2
             for j in range(2):
                 side = 2 * j - 1
                 end = 1 + x if side < 0 else 1 - x
                 w, v, error, slope = _root(λ, k, W, N, side, end)
                 _write(table, i, j, (λ, k, w, v, error, slope))
-        elif lowest - vague <= W:  # at the minimum: x is known to the root of the rounding
+        elif lowest - uncertainty <= W:  # at the minimum: x is known to the root of the rounding
             counts[i] = 1
             bend = _bend(λ, k, N, 1 + x, 1 - x)
-            _write(table, i, 0, (λ, k, 1 + x, 1 - x, sqrt(4 * vague / bend), 0.0))
+            _write(table, i, 0, (λ, k, 1 + x, 1 - x, sqrt(4 * uncertainty / bend), 0.0))
 
 
 class Transfer(NamedTuple):

@@ -55,7 +55,7 @@ def fixed_constant(decider: sp.Expr, constants: Iterable[sp.Symbol]) -> dict[sp.
     """Return the constant that a decider fixes where it is zero, the first that it holds to first degree.
 
     Args:
-        decider: zero in the stratum.
+        decider: zero in the special case.
         constants: of the motion, in the order of preference.
     """
     base = decider.base if decider.is_Pow else decider
@@ -68,10 +68,10 @@ def fixed_constant(decider: sp.Expr, constants: Iterable[sp.Symbol]) -> dict[sp.
     return None
 
 
-def special_strata(
+def special_cases_of(
     curves: Mapping[str, list[MomentumCurve]], constants: list[sp.Symbol]
 ) -> list[dict[sp.Symbol, sp.Expr]]:
-    """Return every stratum that fixes one constant.
+    """Return every special case that fixes one constant.
 
     Args:
         curves: separated coordinate → its curves.

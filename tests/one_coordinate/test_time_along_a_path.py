@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import hjsolve
-from hjsolve.one_coordinate import time_on_the_way
-from hjsolve.one_coordinate.time_on_the_way import TooSlowError, stopwatch
+from hjsolve.one_coordinate import time_along_a_path
+from hjsolve.one_coordinate.time_along_a_path import TooSlowError, stopwatch
 
 
 def start() -> object:
@@ -15,7 +15,7 @@ def start() -> object:
 
 def test_an_escape_says_what_was_not_decided_and_is_whole_the_next_time(monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as changed:
-        changed.setattr(time_on_the_way, "SECONDS", 0.0)
+        changed.setattr(time_along_a_path, "SECONDS", 0.0)
         with pytest.raises(hjsolve.NotConvergedError, match=r"not decided in 0 s of the processor: .*beyond q = 1.37"):
             start()
     assert start().kinds["r"] == "escape"

@@ -12,19 +12,19 @@ from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.verification import DIGITS
 from hjsolve.solution.quadratures import Solution
 
-Stratum = Mapping[sp.Symbol, sp.Expr]
+SpecialCase = Mapping[sp.Symbol, sp.Expr]
 """Constant of the motion → what it is where it is special."""
 
 
 @dataclass
-class Workshop:
+class FormContext:
     """What is shared by the regimes of one solution.
 
     Attributes:
         solution: what is solved.
         curves: separated coordinate → its curves, for general constants.
         numerators: separated coordinate → W or constant → N(q), none zero.
-        pieces: pieces found so far, by coordinate and stratum.
+        pieces: pieces found so far, by coordinate and special case.
         digits: to which forms are compared with the quadratures.
     """
 
@@ -39,7 +39,7 @@ class Workshop:
         """E, the separation constants, the ignorable momenta."""
         return [c.symbol for c in self.solution.constants.values()]
 
-    def at(self, special: Stratum) -> dict[str, list[MomentumCurve]]:
+    def at(self, special: SpecialCase) -> dict[str, list[MomentumCurve]]:
         """Return the curves where some constants are special.
 
         Args:
@@ -50,7 +50,7 @@ class Workshop:
         return {name: [c for curve in own if (c := curve.at(special)) is not None] for name, own in self.curves.items()}
 
 
-def workshop_of(solution: Solution, digits: int = DIGITS) -> Workshop:
+def context_of(solution: Solution, digits: int = DIGITS) -> FormContext:
     """Find the curves of every separated coordinate.
 
     Args:
@@ -66,4 +66,4 @@ def workshop_of(solution: Solution, digits: int = DIGITS) -> Workshop:
         own[name] = momentum_curves(square, solution.system.coordinate(name), sp.Symbol(letter, real=True))
         slopes = {c.symbol: sp.diff(square, c.symbol) / 2 for c in solution.constants.values()}
         numerators[name] = {W: square} | {c: slope for c, slope in slopes.items() if slope != 0}
-    return Workshop(solution, own, numerators, {}, digits)
+    return FormContext(solution, own, numerators, {}, digits)
