@@ -11,7 +11,8 @@ from dataclasses import dataclass, field, replace
 
 import sympy as sp
 
-from hjsolve.closed_form.substitutions import Substitution, extended_domain_ends, known_substitutions
+from hjsolve.closed_form.change_of_variable import Substitution, extended_domain_ends
+from hjsolve.closed_form.substitutions import known_substitutions
 from hjsolve.display.shown import Shown
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 

@@ -9,6 +9,7 @@ import sympy as sp
 
 from hjsolve.closed_form.branch_points import NamedRoots, named_roots
 from hjsolve.closed_form.carlson import CarlsonMap, carlson_integral, carlson_map, pairs_map
+from hjsolve.closed_form.change_of_variable import Substitution
 from hjsolve.closed_form.curves import MomentumCurve, W
 from hjsolve.closed_form.elementary import Antiderivative, elementary_antiderivative, positive_root
 from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
@@ -28,7 +29,6 @@ from hjsolve.closed_form.square_curves import (
     roots_of_a_power,
     square_curve,
 )
-from hjsolve.closed_form.substitutions import Substitution
 from hjsolve.closed_form.tidy import longer_than
 from hjsolve.closed_form.time_limit import check_time
 from hjsolve.closed_form.why_not import NotFound, WhyNot

@@ -18,7 +18,8 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import EPS, Float64
 from hjsolve.arithmetic.tape import Tape
-from hjsolve.closed_form.substitutions import Substitution, known_substitutions
+from hjsolve.closed_form.change_of_variable import Substitution
+from hjsolve.closed_form.substitutions import known_substitutions
 from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.isolation import IsolatedRoots, Reals, at_place, bernstein_value, isolated_roots

@@ -31,8 +31,8 @@ from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.programs_of_paths import path_programs
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.initial_data_derivatives import Slopes, by_initial_data, slopes_of_constants
-from hjsolve.ensembles.mean_shifts import mean_shifts
 from hjsolve.ensembles.orbits import ensemble
+from hjsolve.ensembles.shifts_of_rotations import mean_shifts
 from hjsolve.ensembles.turning_point_derivatives import periods_by_constants, slopes_of_ends, tape_of_ends
 from hjsolve.errors import InvalidInputError, required
 from hjsolve.mechanics.kinks import refuse_kinks
