@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from hjsolve.errors import NotConvergedError as NotConvergedError
     from hjsolve.errors import NotSeparableError as NotSeparableError
     from hjsolve.errors import OutsideMotionError as OutsideMotionError
+    from hjsolve.errors import SeveralToriError as SeveralToriError
     from hjsolve.extended.gyroscopic import gyroscopic_modes as gyroscopic_modes
     from hjsolve.extended.impacts import Impact as Impact
     from hjsolve.extended.impacts import impact as impact
@@ -143,7 +144,7 @@ _PUBLIC = {
     "extended.linear_hamiltonian": "from_hamiltonian",
     "errors": "CatalogError ClusterError ExpressionError ForbiddenMotionError ForbiddenPlaceError HJSolveError "
     "InternalError InvalidInputError InvalidSystemError MissingExtraError MissingValueError NotConvergedError "
-    "NotSeparableError OutsideMotionError ",
+    "NotSeparableError OutsideMotionError SeveralToriError ",
 }
 _HOMES = {name: home for home, names in _PUBLIC.items() for name in names.split()}
 _MODULES = {"catalog": "catalog", "functions": "functions", "frames": "catalog.moving_frames"}

@@ -59,6 +59,10 @@ class ForbiddenMotionError(InvalidInputError):
         self.name, self.regions = name, regions
 
 
+class SeveralToriError(InvalidInputError):
+    """Several tori have the actions that were given; the message lists them."""
+
+
 class ForbiddenPlaceError(InvalidInputError):
     """No motion starts at the place given: it is outside the domain of a coordinate, or singular."""
 

@@ -237,11 +237,6 @@ def test_bad_input_names_what_is_wrong(arguments, words):
         hjsolve.ensemble("kepler-planar", **arguments)
 
 
-def test_either_kind_needs_a_word():
-    with pytest.raises(hjsolve.InvalidInputError, match="librate or rotate"):
-        hjsolve.ensemble("pendulum", actions={"theta": [5.0, 6.0]})
-
-
 @pytest.mark.parametrize("name", ["kepler-planar", "pendulum", "isochrone", "stark"])
 @pytest.mark.parametrize("angle", [0.0, 1e-30])
 def test_the_states_at_the_lower_turning_points_need_no_single_motions(name, angle):
@@ -306,3 +301,15 @@ def test_states_on_tori_in_coordinates_that_were_found(V):
         for name in "xyz":
             value, claim = (float(x[name][0]) for x in (getattr(batch, group), batch.error[group]))
             assert abs(mp.mpf(value) - mp.mpf(getattr(state, group)[name])) <= claim < 1e-9, (group, name)
+
+
+def test_actions_that_two_tori_have_are_ambiguous_and_the_others_keep_their_states():
+    # a pendulum that librates or rotates: J = 1.5 of a libration, or of a rotation; 0.5 of a libration alone
+    system = hjsolve.System({"x": "angle"}, "dot(x)**2/2", "-cos(x)")
+    batch = hjsolve.ensemble(system, actions={"x": [0.5, 1.5, -1.5]}, angles={"x": 0.3}, want={"state"})
+    assert batch.status.tolist() == ["ok", "ambiguous", "ok"]
+    assert np.isnan(batch.q["x"][1])
+    with pytest.raises(hjsolve.SeveralToriError, match="choose one by"):
+        hjsolve.solve(system).motion(actions={"x": 1.5})
+    chosen = hjsolve.ensemble(system, actions={"x": [1.5]}, angles={"x": 0.3}, kinds={"x": "rotation"}, want={"state"})
+    assert chosen.status.tolist() == ["ok"]

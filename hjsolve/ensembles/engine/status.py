@@ -16,6 +16,7 @@ class Status(IntEnum):
     OUTSIDE_DOMAIN = 5
     NOT_FINITE = 6
     NOT_CONVERGED = 7
+    AMBIGUOUS = 8
 
     @property
     def word(self) -> str:
@@ -37,6 +38,7 @@ _MEANINGS = {
     Status.OUTSIDE_DOMAIN: "the place lies outside the domain, or on a singularity of the coordinates",
     Status.NOT_FINITE: "an input is NaN or infinite",
     Status.NOT_CONVERGED: "a result did not reach 15 digits",
+    Status.AMBIGUOUS: "several tori have these actions; kinds={…} chooses between libration and rotation",
 }
 
 

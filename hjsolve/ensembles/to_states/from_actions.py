@@ -22,7 +22,7 @@ from hjsolve.ensembles.to_states.places_on_tori import AngleTask, frames_of
 from hjsolve.ensembles.to_states.seeds import Scales, Seeds, nearest, seeds_of
 from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
 from hjsolve.ensembles.to_states.tori import FINER, Actions, Tori
-from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError, SeveralToriError
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.motion.tori.radicand_curve import curves_of
 from hjsolve.solution.quadratures import Solution
@@ -83,25 +83,28 @@ def states_of(task: InverseTask) -> FoundStates:
     Args:
         task: what is wanted.
 
-    Raises:
-        InvalidInputError: a coordinate may librate or rotate with the same actions, and ``kinds`` does not say which.
     """
     found = _none(task)
     finite = np.isfinite(task.actions).all(axis=0) & np.isfinite(task.angles).all(axis=0)
     found.status[~finite] = Status.NOT_FINITE
     near = next_to_poles(task.solution)
     for one in (task, *([] if near is None else [replace(task, solution=near)])):
-        left = np.flatnonzero(finite & (found.status != Status.OK))
+        left = np.flatnonzero(finite & _open(found.status))
         known = _lowered(one) if len(left) else None
         if known is not None:
             ready = _ready(one, known[0], _scales(one, known[1]), np.flatnonzero(finite))
             for begin in range(0, len(left), _CHUNK):
                 _chunk(one, ready, found, left[begin : begin + _CHUNK])
-    _in_their_own_units(task, found, np.flatnonzero(finite & (found.status != Status.OK)))
+    _in_their_own_units(task, found, np.flatnonzero(finite & _open(found.status)))
     if task.fallback:
-        for k in np.flatnonzero(finite & (found.status != Status.OK)):
+        for k in np.flatnonzero(finite & _open(found.status)):
             _one(task, found, int(k))
     return found
+
+
+def _open(status: Integers) -> Mask:
+    """Return which orbits have no state and no reason yet why they have none."""
+    return np.asarray((status != Status.OK) & (status != Status.AMBIGUOUS))
 
 
 def _none(task: InverseTask) -> FoundStates:
@@ -184,7 +187,7 @@ def _chunk(task: InverseTask, ready: _Ready, found: FoundStates, index: Integers
     J, momenta = task.actions[ready.own][:, index], task.actions[ready.others][:, index]
     rotating = seeds.shells.rotations
     patterns = [tuple(bool(x) for x in column) for column in np.unique(rotating.T, axis=0)]
-    done = np.zeros(len(index), dtype=bool)
+    done, ambiguous = (np.zeros(len(index), dtype=bool) for _ in range(2))
     for pattern in patterns:
         if not all(
             task.kinds.get(c.name, "") in ("", _word(turns)) for c, turns in zip(model.separated, pattern, strict=True)
@@ -196,13 +199,18 @@ def _chunk(task: InverseTask, ready: _Ready, found: FoundStates, index: Integers
         mine = seeds.take((rotating == np.array(pattern)[:, None]).all(axis=0))
         solved = _solved(ready.angles, mine, (J[:, some], momenta[:, some]), pattern)
         twice = solved.good & done[some]
-        if twice.any():
-            raise InvalidInputError(
-                f"actions: {int(twice.sum())} orbits may librate or rotate with the same actions; say which by "
-                'kinds={"…": "libration"}'
-            )
+        ambiguous[some[twice]] = True
         done[some[solved.good]] = True
         _written(task, found, ready.angles, (index[some], pattern), solved)
+    _withdrawn(found, index[ambiguous])
+
+
+def _withdrawn(found: FoundStates, index: Integers) -> None:
+    """Take states back of orbits that may librate or rotate with the same actions."""
+    for group in (found.q, found.p, found.q_errors, found.p_errors):
+        for column in group.values():
+            column[index] = np.nan
+    found.status[index] = Status.AMBIGUOUS
 
 
 def _word(rotates: bool) -> str:
@@ -316,7 +324,10 @@ def _one(task: InverseTask, found: FoundStates, k: int) -> None:
             actions=actions, angles=angles, kinds=dict(task.kinds), parameters=dict(task.parameters)
         )
         state = motion.at(0)
-    except (ForbiddenMotionError, InvalidInputError):
+    except SeveralToriError:
+        found.status[k] = Status.AMBIGUOUS
+        return
+    except InvalidInputError:
         found.status[k] = Status.FORBIDDEN
         return
     except NotConvergedError:

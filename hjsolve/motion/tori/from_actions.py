@@ -16,7 +16,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.arithmetic.floats import bits_for
-from hjsolve.errors import InvalidInputError, MissingValueError
+from hjsolve.errors import InvalidInputError, MissingValueError, SeveralToriError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.motion import quantities
@@ -155,7 +155,7 @@ def motion_on_torus(
         raise InvalidInputError(_no_torus(asked))
     if len(tori) > 1:
         words = "; ".join(sorted(_in_words(asked.curves, candidate) for candidate, _ in tori))
-        raise InvalidInputError(f"actions: several tori have them; choose one by q={{…}} or kinds={{…}}: {words}")
+        raise SeveralToriError(f"actions: several tori have them; choose one by q={{…}} or kinds={{…}}: {words}")
     candidate, torus = tori[0]
     courses = [stays for place in torus.located.values() if (stays := place.course.bounded) is not None]
     equations = torus_equations(courses, bits_for(digits, 128))
