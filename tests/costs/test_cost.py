@@ -182,8 +182,8 @@ def test_rows_are_chosen_by_accuracy_and_by_what_they_cover(scene_table: Cost) -
     ("arguments", "words"),
     [
         ({"subject": 3}, "a Scene, a Motion, a System, a catalog id"), ({"subject": "no-such-system"}, "no catalog entry"),
-        ({"subject": "pendulum", "digits": (7,)}, "digits"), ({"subject": "pendulum", "seconds": 0}, "positive"),
-        ({"subject": "pendulum", "repeats": 0}, "positive"), ({"subject": "pendulum", "motion": "upwards"}, "upwards"),
+        ({"subject": "pendulum", "digits": (7,)}, "digits"), ({"subject": "pendulum", "seconds": 0}, "> 0 is needed"),
+        ({"subject": "pendulum", "repeats": 0}, "> 0 is needed"), ({"subject": "pendulum", "motion": "upwards"}, "upwards"),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_clear_line(arguments: dict[str, Any], words: str) -> None:
@@ -215,7 +215,7 @@ def test_the_command_prints_the_table_and_writes_figure_and_rows(tmp_path: Path,
     ("arguments", "words"),
     [
         (["no-such-system"], "no catalog entry"), (["pendulum", "--digits", "many"], "20,30,50"),
-        (["pendulum", "--digits", "5"], "whole numbers from 16"), (["pendulum", "--seconds", "-1"], "positive"),
+        (["pendulum", "--digits", "5"], "whole numbers from 16"), (["pendulum", "--seconds", "-1"], "> 0 is needed"),
         (["pendulum", "-o", "cost.docx"], "suffix"),
     ],
 )  # fmt: skip

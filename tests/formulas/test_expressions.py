@@ -130,7 +130,7 @@ HINTS = {
     "i*x": (1, "no imaginary unit"),
     "x = 2": (3, "no equals sign"),
     "x <= 2": (3, "domain"),
-    "|x|": (1, "derivative at zero"),
+    "|x|": (1, "write abs(x)"),
     "x,5": (2, "decimal comma"),
     "sin(x, y)": (6, "one argument"),
     "sin()": (1, "needs an argument"),

@@ -28,7 +28,7 @@ FAULTS: dict[str, tuple[str, str]] = {
     "no system": (GOOD.replace('system = "kepler-planar"', ""), "system: missing"),
     "system of a wrong type": (GOOD.replace('"kepler-planar"', "3"), "system: must be a catalog id"),
     "unknown system": (GOOD.replace("kepler-planar", "kepler-plane"), 'no catalog entry "kepler-plane"; did you mean'),
-    "missing file": (GOOD.replace("kepler-planar", "mine.toml"), "mine.toml: cannot be read"),
+    "missing file": (GOOD.replace("kepler-planar", "mine.toml"), "mine.toml: there is no such file"),
     "unknown key": (GOOD.replace("want", "wants"), 'wants: unknown key; did you mean "want"?'),
     "unknown effect": ('effects = ["precesion"]' + GOOD, 'no effect "precesion"; did you mean "precession"?'),
     "effects not a list": ('effects = "precession"' + GOOD, "effects: must be a list of texts"),
@@ -145,7 +145,7 @@ def test_a_fault_is_one_line_that_names_file_and_key(kind: str, tmp_path: Path) 
 
 
 def test_a_scene_that_is_not_there_or_not_text_is_named(tmp_path: Path) -> None:
-    with pytest.raises(CatalogError, match=r"nothing\.toml: cannot be read"):
+    with pytest.raises(CatalogError, match=r"nothing\.toml: there is no such file"):
         Scene.load(tmp_path / "nothing.toml")
     (tmp_path / "binary.toml").write_bytes(b"\xff\xfe")
     with pytest.raises(CatalogError, match=r"binary\.toml: is not UTF-8"):
