@@ -239,6 +239,7 @@ def _exactly(value: object) -> Mpf:
 
 
 _Compiled = Callable[..., Any]
+_Definitions = list[tuple[sp.Symbol, Any]]
 """A function of numbers or arrays."""
 
 
@@ -291,7 +292,7 @@ class _CompiledForm:
         return [region_test(c, r, self.symbols) for c, r in self.curves]
 
     @cached_property
-    def named(self) -> list[tuple[sp.Symbol, Any]]:
+    def named(self) -> _Definitions:
         """What the form rests on."""
         return self._definitions() if self.roots else []
 
@@ -370,9 +371,9 @@ class _CompiledForm:
             good, unsure = good & (inside | doubtful), unsure | doubtful
         return good, unsure
 
-    def _definitions(self) -> list[tuple[sp.Symbol, Any]]:
+    def _definitions(self) -> _Definitions:
         """Return what the form rests on, with its value for arrays, in order; of a root: polynomial and index."""
-        known, found = list(self.symbols), list[tuple[sp.Symbol, Any]]()
+        known, found = list(self.symbols), _Definitions()
         polynomials = dict[sp.Poly, RootsOfPolynomial]()
         where = self.arrange.definitions(self.roots) if self.arrange else self.form.where
         for symbol, meaning in needed_names(self.roots, where)[0].items():

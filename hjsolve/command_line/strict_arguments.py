@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import difflib
 import re
-from typing import Any, NoReturn
+from collections.abc import Sequence
+from typing import NoReturn
 
 from hjsolve.command_line.examples import EXAMPLES
 from hjsolve.errors import InvalidInputError
@@ -27,7 +28,9 @@ class StrictParser(argparse.ArgumentParser):
             message = _spoken(message)
         raise InvalidInputError(f"{message}; see `{self.prog} --help`")
 
-    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+    def parse_args(  # type: ignore[override]
+        self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
+    ) -> argparse.Namespace:
         """Parse a command line; what the command does not take is refused, with the nearest that it takes."""
         options, rest = self.parse_known_args(args, namespace)
         if rest:

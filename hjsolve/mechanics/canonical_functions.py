@@ -76,12 +76,12 @@ def _listed(symbols: Sequence[sp.Symbol]) -> str:
     return ", ".join(s.name for s in symbols)
 
 
-def _function(symbols: Sequence[sp.Symbol], formulas: list[sp.Expr], module: str) -> Callable[..., Sequence[Any]]:
+def _function(symbols: Sequence[sp.Symbol], formulas: list[sp.Expr], module: str) -> Callable[..., Sequence[object]]:
     if module not in MODULES:
         raise InvalidInputError(f'module: {module!r:.40} is not known; write "numpy" or "mpmath"')
     if any(formula.has(AppliedUndef) for formula in formulas):
         raise InvalidInputError("a function that is left undetermined has no values; write it out in T or V")
-    function: Callable[..., Sequence[Any]] = sp.lambdify(symbols, formulas, modules=module, cse=True)
+    function: Callable[..., Sequence[object]] = sp.lambdify(symbols, formulas, modules=module, cse=True)
     return function
 
 
