@@ -10,6 +10,7 @@ import sympy as sp
 from hjsolve.closed_form.branch_points import NamedRoots, named_roots
 from hjsolve.closed_form.carlson import CarlsonMap, carlson_integral, carlson_map, pairs_map
 from hjsolve.closed_form.change_of_variable import Substitution
+from hjsolve.closed_form.complex_poles import PairOfComplexPoles
 from hjsolve.closed_form.curves import MomentumCurve, W
 from hjsolve.closed_form.elementary import Antiderivative, elementary_antiderivative, positive_root
 from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
@@ -247,6 +248,9 @@ class _Task:
             value = value.xreplace({curve.x: s.place})
         else:
             law = elementary_antiderivative(R, curve.polynomial, self.signs, self.side)
+            if region.kind == "rotation" and any(isinstance(term, PairOfComplexPoles) for _, term in law.terms):
+                # past complex poles a whole turn has no form here, and a rest at its end is not seen in this variable
+                raise NoFormError("the integrand has poles at complex places, and no form over a turn is known here")
             value, whole = law.written(s.place), law.complete() if self._from_root_to_root() else None
         cycle = None
         if whole is not None:
