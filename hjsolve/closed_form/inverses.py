@@ -95,6 +95,8 @@ def inverse_forms(
         constant = constant.xreplace({q: place for q, place in along.items() if place is not None})
         place = equation.lhs - constant.subs(dict(special)) - moved
         found[c.name] = _in_time(place, c, context, names)
+    for name in found:  # an angle that stays needs none of the integrals that could not be inverted
+        why_not.pop(f"inverse.{name}", None)
     return found
 
 
