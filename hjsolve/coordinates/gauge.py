@@ -13,13 +13,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import mpmath
 import sympy as sp
 
 from hjsolve.algebra.integration import antiderivative, closed_form_potential
 from hjsolve.algebra.poly import Budget
 from hjsolve.algebra.readable import shortest_form
 from hjsolve.algebra.reader import Reader
-from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.mechanics.energy_shell import domain_bounds
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
 from hjsolve.precision import mp
@@ -165,7 +165,7 @@ def _kernel_in_digits(
     letters = sorted({s for row in rows for e in row for s in e.free_symbols}, key=str)
     values = {s: sp.Rational(2 * k + 3, 2 * k + 4) for k, s in enumerate(letters)}
     chosen: list[Sequence[sp.Expr]] = []
-    reduced: dict[int, list[Mpf]] = {}
+    reduced: dict[int, list[mpmath.mpf]] = {}
     with mp.workdps(2 * _DIGITS):
         for row in rows:
             left = [mp.mpmathify(sp.N(e.xreplace(values), 2 * _DIGITS)) for e in row]
@@ -188,7 +188,7 @@ def _kernel_in_digits(
     return chosen, kernel
 
 
-def _fraction(value: Mpf) -> sp.Rational:
+def _fraction(value: mpmath.mpf) -> sp.Rational:
     """Return the fraction with a small denominator next to a number."""
     return sp.Rational(str(mp.nstr(mp.re(value), 2 * _DIGITS))).limit_denominator(1000)
 
