@@ -293,9 +293,7 @@ def _add_report(kinds: _Commands) -> None:
         help="leave out closed forms, map of all motions and surface of section, which take longest",
     )  # fmt: skip
     report.add_argument("--paper", metavar="A4|Letter", help="paper size, also of a printed .html (default A4)")
-    report.add_argument(
-        "--format", choices=["html", "md", "json", "txt", "tex"], help='format of "-o -" (default txt)'
-    )
+    report.add_argument("--format", choices=["html", "md", "json", "txt", "tex"], help='format of "-o -" (default txt)')
     _motion_arguments(report)
     report.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the results (default 15)")
 
@@ -370,12 +368,8 @@ def _add_explore(kinds: _Commands) -> None:
     explore.add_argument("system", nargs="?", metavar="SYSTEM", help="catalog id, or .toml file of an entry or a scene")
     explore.add_argument("--port", type=int, default=0, metavar="N", help="port of the page (default: any free port)")
     explore.add_argument("--no-browser", action="store_true", help="print the address and do not open a browser")
-    explore.add_argument(
-        "--seconds", type=float, default=20.0, metavar="S", help="limit of a computation (default 20)"
-    )
-    explore.add_argument(
-        "--memory", type=int, default=1024, metavar="MB", help="limit of a computation (default 1024)"
-    )
+    explore.add_argument("--seconds", type=float, default=20.0, metavar="S", help="limit of a computation (default 20)")
+    explore.add_argument("--memory", type=int, default=1024, metavar="MB", help="limit of a computation (default 1024)")
 
 
 def _add_cost(kinds: _Commands) -> None:

@@ -145,6 +145,7 @@ def test_a_separatrix_is_asymptotic_and_a_double_domain_end_is_outside() -> None
 def test_statuses_tell_what_they_mean() -> None:
     assert {status.word for status in hjsolve.Status} == {
         "ok", "unbounded", "asymptotic", "reaches_boundary", "forbidden", "outside_domain", "not_finite", "not_converged",
+        "ambiguous",
     }  # fmt: skip
     assert all(status.meaning for status in hjsolve.Status)
     batch = kepler(**GOOD, want="constants")

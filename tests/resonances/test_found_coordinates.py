@@ -17,18 +17,19 @@ def isochrone():
     return hjsolve.solve(System(PLANE, KINETIC, "-1/(1 + sqrt(1 + x**2 + y**2))"), coordinates="find")
 
 
+@pytest.mark.nightly  # a family is looked through: 12 s
 def test_a_resonant_torus_is_a_closed_orbit_in_x_and_y(isochrone):
-    motion = isochrone.torus(ratio={"r": 3, "theta": 2}, fixed={"E": "-1/5"}, digits=30)
+    motion = isochrone.torus(ratio={"r": 3, "theta": 2}, fixed={"E": "-1/5"}, digits=20)
     closed = 3 * motion.periods["r"].value
     for t in (0, 2):
         now, later = motion.at(t), motion.at(closed + t)
         for axis in "xy":
-            assert abs(now.q[axis] - later.q[axis]) < 1e-27
+            assert abs(now.q[axis] - later.q[axis]) < 1e-17
     state = pickle.loads(pickle.dumps(motion)).at(2)
     r2 = state.q["x"] ** 2 + state.q["y"] ** 2
     energy = (state.p["x"] ** 2 + state.p["y"] ** 2) / 2 - 1 / (1 + (1 + r2) ** 0.5)
     assert abs(energy + 0.2) < 1e-15
-    assert abs(motion.as_solved.at(2).q["r"] ** 2 - r2) < 1e-27
+    assert abs(motion.as_solved.at(2).q["r"] ** 2 - r2) < 1e-17
 
 
 def test_constants_and_a_place_of_the_coordinates_that_were_found(isochrone):
