@@ -38,7 +38,10 @@ def has_two_branch_points(seed):
     return (A != 0 or B != 0) and B**2 != 4 * A * C
 
 
-@pytest.mark.parametrize("seed", [seed for seed in range(40) if has_two_branch_points(seed)])
+SEEDS = [seed for seed in range(40) if has_two_branch_points(seed)]
+
+
+@pytest.mark.parametrize("seed", [*SEEDS[:16], *(pytest.param(s, marks=pytest.mark.nightly) for s in SEEDS[16:])])
 def test_the_integral_is_that_of_a_quadrature(seed):
     (A, B, C), (p, q), (K, L) = drawn(seed)
     P = sp.Poly(A * x**2 + B * x + C, x)

@@ -237,8 +237,9 @@ def test_bad_input_names_what_is_wrong(arguments, words):
         hjsolve.ensemble("kepler-planar", **arguments)
 
 
+@pytest.mark.nightly_cases("0.0-isochrone")
 @pytest.mark.parametrize("name", ["kepler-planar", "pendulum", "isochrone", "stark"])
-@pytest.mark.parametrize("angle", [0.0, 1e-30])
+@pytest.mark.parametrize("angle", [0.0, pytest.param(1e-30, marks=pytest.mark.nightly)])
 def test_the_states_at_the_lower_turning_points_need_no_single_motions(name, angle):
     # angles left out are 0: not one Kepler orbit was ok without single motions
     solution = entries.solved(name)
