@@ -68,6 +68,8 @@ def made(folder: Path) -> dict[str, Any]:
         "derivatives": motion.derivatives(), "complete integral": complete, "flaw": wrong,
         "own motion": complete.along(solve(oscillator).motion(q={"x": "0.3"}, velocity={"x": "1"})),
         "canonical map": hjsolve.canonical({"Q": "p", "P": "-q"}), "proof": hjsolve.is_integral("p_theta", load("kepler-planar")),
+        "loop integral": hjsolve.loop_integral(solve("pendulum"), q={"theta": "1 + sin(s)/5"}, p={"theta": "cos(s)/5"}, times=[0, 1], tolerance=1e-6),
+        "action along a path": hjsolve.action_integral(oscillator, {"x": "t"}, between=(0, 1)),
         "impact": hjsolve.impact(hjsolve.System({"x": "line"}, "dot(x)**2/2", 0), q={"x": 0}, velocity={"x": -1}, constraints=["dot(x) = 0"]),
     }  # fmt: skip
 

@@ -35,6 +35,8 @@ from hjsolve.time_law.torus import torus_equations
 
 Values = Mapping[str, object]
 _KINDS = ("libration", "rotation", "equilibrium")
+_ALIKE = 1e-2
+"""The part of its width by which the ends of a libration may differ, and of J, between starts that lead to one torus."""
 
 
 @dataclass(frozen=True)
@@ -106,10 +108,28 @@ def tori_of(asked: AskedTorus, found: Iterable[Candidate]) -> list[tuple[Candida
     """
     tori: list[tuple[Candidate, Torus]] = []
     for candidate in found:
+        if any(_leads_to(candidate, other, torus) for other, torus in tori):
+            continue
         torus = polished(_goal(asked, candidate), asked.curves, candidate)
         if torus is not None and not any(_same(torus, other) for _, other in tori):
             tori.append((candidate, torus))
     return tori
+
+
+def _leads_to(candidate: Candidate, other: Candidate, torus: Torus) -> bool:
+    """Return whether Newton's method leads from a candidate to a torus that was found from another one.
+
+    It does where the two have the same turning points, nearly, and J differs by little between their constants: within
+    one family J(α) has an inverse.
+    """
+    κ = np.array([float(to_bits(x)(64)) for x in torus.initial.constants.values()])
+    for a, b in zip(candidate.cycles, other.cycles, strict=True):
+        alike = _ALIKE * (b.high - b.low)
+        if a.kind != b.kind or abs(a.low - b.low) > alike or abs(a.high - b.high) > alike:
+            return False
+        if not abs(float(a.slopes @ (κ - candidate.constants))) <= _ALIKE * abs(a.action):
+            return False
+    return True
 
 
 def motion_on_torus(

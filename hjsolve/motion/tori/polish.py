@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 import sympy as sp
 
@@ -26,8 +27,14 @@ from hjsolve.solution.quadratures import Solution
 
 _SPARE = 192
 """Bits of the constants beyond the digits asked: near a separatrix or a circle J depends on the last of them."""
-_STEPS, _HALVINGS, _FALLS = 20, 8, 0.9
-"""Steps of Newton's method, halvings of each, and the ratio by which a step must make the residual smaller."""
+_STEPS, _FALLS = 20, 0.9
+"""Steps of Newton's method, and the ratio by which a step must make the residual smaller."""
+_SHARES = (1, Fraction(9, 10), *(Fraction(1, 2**k) for k in range(1, 8)))
+"""The shares of a step that are tried. Next to a separatrix J ~ J₀ + δ ln δ, δ the distance of the constants from it, and
+Newton's method overshoots it by δ/ln δ: nine tenths of the step stay inside, and leave a twentieth of δ."""
+_ASIDE, _SAME_FAMILY = tuple(Fraction(1, 10**k) for k in (14, 12, 10, 8, 6, 4)), 0.1
+"""By which parts of J the search goes aside from constants that doubles do not distinguish from a separatrix, and by
+which part of J a torus there may differ: on the other side of a separatrix J is another multiple."""
 
 
 @dataclass(frozen=True)
@@ -118,6 +125,8 @@ def polished(goal: Goal, curves: Sequence[RadicandCurve], candidate: Candidate) 
     tops = [context.mpf(c.top) for c in candidate.cycles]
     kinds = [c.kind for c in candidate.cycles]
     trial = _tried(goal, curves, κ, tops, kinds, goals, bits)
+    if trial is None:
+        trial, κ = _aside(goal, curves, candidate, (κ, unknown, tops), (kinds, goals, bits))
     for _ in range(_STEPS):
         if trial is None:
             break
@@ -133,17 +142,44 @@ def polished(goal: Goal, curves: Sequence[RadicandCurve], candidate: Candidate) 
     return None
 
 
+def _aside(
+    goal: Goal, curves: Sequence[RadicandCurve], candidate: Candidate, about: tuple[list[Mpf], list[int], list[Mpf]],
+    wanted: tuple[Sequence[str], list[Mpf], int],
+) -> tuple[_Trial | None, list[Mpf]]:  # fmt: skip
+    """Return a torus next to constants of a separatrix: one with all actions a little smaller or larger."""
+    (κ, unknown, tops), (kinds, goals, bits) = about, wanted
+    context = multiprecision(bits)
+    matrix = context.matrix([[float(c.slopes[j]) for j in unknown] for c in candidate.cycles])
+    try:
+        step = context.lu_solve(matrix, context.matrix(goals))
+    except (ZeroDivisionError, ValueError):
+        return None, κ
+    for part in _ASIDE:
+        for share in (-part, part):
+            moved = _moved(κ, unknown, step, share)
+            trial = _tried(goal, curves, moved, tops, kinds, goals, bits)
+            if trial is not None and all(abs(r) <= _SAME_FAMILY * J for r, J in zip(trial.residuals, goals, strict=True)):
+                return trial, moved
+    return None, κ
+
+
+def _moved(κ: list[Mpf], unknown: Sequence[int], step: Sequence[Mpf], share: Fraction | int) -> list[Mpf]:
+    """Return the constants after a share of a step."""
+    moved = list(κ)
+    for j, change in zip(unknown, step, strict=True):
+        moved[j] = moved[j] + change * share.numerator / share.denominator
+    return moved
+
+
 def _damped(
     goal: Goal, curves: Sequence[RadicandCurve], move: tuple[list[Mpf], list[int], Sequence[Mpf]], before: _Trial,
     about: tuple[Sequence[str], list[Mpf], list[Mpf], int],
 ) -> tuple[_Trial | None, list[Mpf]]:  # fmt: skip
-    """Return the longest of a step and its halves after which the residual is less."""
+    """Return the torus after the longest share of a step that makes the residual less."""
     (κ, unknown, step), (kinds, goals, allowed, bits) = move, about
     old = max(abs(r) / a for r, a in zip(before.residuals, allowed, strict=True))
-    for halving in range(_HALVINGS):
-        moved = list(κ)
-        for j, change in zip(unknown, step, strict=True):
-            moved[j] = moved[j] + change.context.ldexp(change, -halving)
+    for share in _SHARES:
+        moved = _moved(κ, unknown, step, share)
         trial = _tried(goal, curves, moved, before.tops, kinds, goals, bits)
         if trial is not None and max(abs(r) / a for r, a in zip(trial.residuals, allowed, strict=True)) < max(
             _FALLS * old, 1

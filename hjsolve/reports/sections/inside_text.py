@@ -15,7 +15,7 @@ from hjsolve.errors import required
 from hjsolve.formulas.checked_arithmetic import FUNCTIONS
 from hjsolve.reports.document import Mathematics
 from hjsolve.reports.formulas.from_sympy import APPLY, MINUS, TIMES, on_a_line
-from hjsolve.reports.formulas.layout import Box, Fence, Fraction, Glyph, RadicalBox, Script, row
+from hjsolve.reports.formulas.layout import Box, Fence, Fraction, Glyph, RadicalBox, RowBox, Script, row
 from hjsolve.reports.formulas.names import FUNCTION_NAMES, GREEK, name_box
 
 _TOKEN = re.compile(
@@ -133,7 +133,10 @@ class _Reader:
         token = self._token(factor.end)
         if isinstance(above, Fraction) or (token and token["operator"] in {"*", "/"}):
             return Fraction(_bare(above), _bare(factor.box))
-        return row(above, Glyph("/", "operator"), factor.box)
+        below = factor.box
+        if isinstance(below, RowBox) and isinstance(below.items[0], Glyph) and below.items[0].kind == "number":
+            below = Fence(below)  # P^2/2m
+        return row(above, Glyph("/", "operator"), below)
 
     def _power(self, place: int) -> _Found | None:
         token = self._token(place)

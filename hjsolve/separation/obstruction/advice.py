@@ -102,7 +102,9 @@ def for_potential(system: System, pair: tuple[str, str]) -> str:
 
 def _search(system: System) -> str:
     """Return where other coordinates are looked for, if the system may be a particle in a plane or in space."""
-    if len(system.coordinates) not in {2, 3} or system.relativity is not None:
+    straight = not system.kinetic.free_symbols & {c.symbol for c in system.coordinates}
+    bounded = any(c.domain.kind != "line" for c in system.coordinates)
+    if len(system.coordinates) not in {2, 3} or system.relativity is not None or (straight and bounded):
         return "Try other coordinates in which the kinetic energy separates. "
     return (
         'To search for coordinates in which it does, write `solve(system, coordinates="find")` or, on the command '
