@@ -13,7 +13,8 @@ Four marks leave cases to the night (they are marked ``nightly``, which ``addopt
     About n of all tests of a file run, chosen alike.
 
 The rotation is a whole number N. Parts are numbered, and part N modulo their number runs, so that the rotations 0, 1, 2, …
-run every case. N comes from the commit, or from ``--rotation=N``, which runs the part of a run that failed again.
+run every case. N comes from the commit, or from ``--rotation=N``, which runs the part of a run that failed again;
+``--rotation=-1`` runs every part.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+EVERY = -1
+"""The rotation that leaves nothing out."""
 ENTRIES = {path.stem: path.parent.name for path in sorted((ROOT / "catalog").glob("*/*.toml"))}
 FIXED = {
     "Cartesian": "anisotropic-oscillator", "polar": "kepler-planar", "spherical": "kepler-spherical",
@@ -77,7 +80,7 @@ def leave_the_rest(items: list[pytest.Item], rotation: int) -> None:
         slow = {case for mark in item.iter_markers("nightly_cases") for case in mark.args}
         if item.nodeid.partition("[")[2][:-1] in slow:
             item.add_marker(pytest.mark.nightly)
-        if item.get_closest_marker("nightly"):
+        if item.get_closest_marker("nightly") or rotation == EVERY:
             continue
         if item.get_closest_marker("entries") and entry_of(item.nodeid) not in {None, *chosen}:
             item.add_marker(pytest.mark.nightly)
