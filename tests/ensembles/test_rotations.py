@@ -92,3 +92,21 @@ def test_the_strip_lies_in_its_disks(ratio: float, coarse: bool) -> None:
         place = complex(2 * mpmath.atan(ratio * mpmath.tan(θ / 2)))
         gap = np.abs((centres[0].real - place.real + np.pi) % (2 * np.pi) - np.pi + 1j * (centres[0].imag - place.imag))
         assert (gap <= spread[0]).any()
+
+
+@pytest.mark.parametrize(("V", "alone"), [("-cos(x)", False), ("-cos(3*x)/3", True)])
+def test_rotations_along_a_line_are_those_of_single_motions(V: str, alone: bool) -> None:
+    # they were unbounded in a batch, and rotations one by one
+    solution = hjsolve.solve(hjsolve.System({"x": "line"}, "dot(x)**2/2", V))
+    q, p = {"x": [0.1, -40.0, 13.0]}, {"x": [2.5, -3.0, 0.1]}
+    batch = hjsolve.ensemble(solution, q=q, p=p, want={"actions", "frequencies", "angles", "turning_points"})
+    assert batch.status.tolist() == ["ok"] * 3
+    assert batch.recomputed.tolist() == [alone, alone, False]
+    for k in range(3):
+        motion = solution.motion(q={"x": q["x"][k]}, p={"x": p["x"][k]}, digits=20)
+        θ = float(motion.angles(0).value["x"])
+        pairs = {"actions": float(motion.actions["x"]), "frequencies": float(motion.frequencies["x"]), "angles": θ}
+        for name, value in pairs.items():
+            off = getattr(batch, name)["x"][k] - value
+            off -= 2 * np.pi * round(off / (2 * np.pi)) if name == "angles" else 0
+            assert abs(off) <= batch.error[name]["x"][k] + 1e-15 * abs(value) < 1e-11, name

@@ -314,3 +314,26 @@ def test_actions_that_two_tori_have_are_ambiguous_and_the_others_keep_their_stat
         hjsolve.solve(system).motion(actions={"x": 1.5})
     chosen = hjsolve.ensemble(system, actions={"x": [1.5]}, angles={"x": 0.3}, kinds={"x": "rotation"}, want={"state"})
     assert chosen.status.tolist() == ["ok"]
+    # next to the separatrix the libration was missed, and the rotation was taken without a word
+    J = 8 / np.pi * (1 - np.array([1e-3, 1e-5, 1e-7]))
+    batch = hjsolve.ensemble(system, actions={"x": J}, angles={"x": 0.3}, want={"state"}, fallback=False)
+    assert batch.status.tolist() == ["ambiguous"] * 3
+
+
+def test_librations_next_to_a_separatrix_are_found_in_a_batch():
+    # J of the cubic well at E = (1 − d)/6, to 30 digits; d = 1e-3 was left to single motions
+    solution = hjsolve.solve(hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**2/2 - x**3/3"))
+    gaps = [1e-2, 1e-3, 1e-4, 1e-5]
+    energies = [sp.Rational(1, 6) * (1 - sp.Rational(str(d))) for d in gaps]
+    J = [
+        float(solution.motion(q={"x": 0}, constants={"E": E}, signs={"x": 1}, digits=30).actions["x"].value)
+        for E in energies
+    ]
+    batch = hjsolve.ensemble(solution, actions={"x": J}, angles={"x": 2.0}, want={"state"}, fallback=False)
+    assert batch.status.tolist() == ["ok"] * 4
+    for k, E in enumerate(energies):
+        x, p = (mp.mpf(float(group["x"][k])) for group in (batch.q, batch.p))
+        δx, δp = (float(batch.error[name]["x"][k]) for name in ("q", "p"))
+        off = p**2 / 2 + x**2 / 2 - x**3 / 3 - mp.mpf(E.p) / E.q
+        frequency = float(solution.motion(q={"x": 0}, constants={"E": E}, signs={"x": 1}).frequencies["x"])
+        assert abs(off) <= abs(p) * δp + abs(x - x**2) * δx + 2e-16 * frequency * J[k] < 1e-9

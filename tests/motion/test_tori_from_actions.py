@@ -220,3 +220,33 @@ def test_every_bounded_motion_of_the_catalog_returns(name):
     if set(motion.actions) != names or set(motion.frequencies) != names or not set(motion.kinds.values()) <= BOUNDED:
         pytest.skip("no torus")
     returns(solution, motion, way_back(solution, motion, parameters=given.get("parameters")), 1e-12)
+
+
+def pendulum_action(rest):
+    """J of the libration of dot(x)²/2 − cos x with modulus k, k² = 1 − rest: (8/π) (E(k) − (1 − k²) K(k))."""
+    return 8 / mp.pi * (mp.ellipe(1 - rest) - rest * mp.ellipk(1 - rest))
+
+
+@pytest.mark.parametrize(
+    "rest", ["1e-5", *(pytest.param(rest, marks=pytest.mark.nightly) for rest in ("1e-9", "1e-12", "1e-17"))]
+)
+@pytest.mark.parametrize("line", [False, pytest.param(True, marks=pytest.mark.nightly)])
+def test_librations_next_to_a_separatrix_have_their_actions(rest, line):
+    solution = hjsolve.solve(hjsolve.System({"x": "line" if line else "angle"}, "dot(x)**2/2", "-cos(x)"))
+    with mp.workdps(60):
+        J, E = pendulum_action(mp.mpf(rest)), 1 - 2 * mp.mpf(rest)
+        motion = solution.motion(actions={"x": J}, kinds={"x": "libration"}, digits=30)
+        found = motion.constants["E"]
+        assert abs(found.value - E) <= found.error < 2e-30
+    with pytest.raises(hjsolve.SeveralToriError, match="libration.*rotation"):
+        solution.motion(actions={"x": J})
+
+
+@pytest.mark.parametrize("gap", ["-1e-12", pytest.param("1e-12", marks=pytest.mark.nightly)])
+def test_double_wells_next_to_their_crest_have_their_actions(gap):
+    # E = V(0) ± a little: three starts lead to the one torus above
+    solution = hjsolve.solve(hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**4/4 - x**2/2"))
+    motion = solution.motion(q={"x": 1}, constants={"E": gap}, signs={"x": 1})
+    back = solution.motion(actions={"x": motion.actions["x"].value}, q={"x": 1})
+    assert float(back.constants["E"]) == pytest.approx(float(gap), rel=1e-2, abs=0)  # J in doubles knows no more
+    assert abs(back.actions["x"].value - motion.actions["x"].value) <= 2e-16

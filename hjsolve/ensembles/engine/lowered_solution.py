@@ -24,6 +24,7 @@ from hjsolve.formulas.removable_poles import without_removable_poles
 from hjsolve.lowering import lower, with_plain_exponents, without_inverse_functions
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.winding import radians_of_a_unit
 from hjsolve.solution.quadratures import Solution
 
 _HIGHEST_DEGREE = 4
@@ -62,7 +63,8 @@ class Separated:
         index: its place among all coordinates.
         plain: p²(q).
         lower, upper: p² seen from the ends of the domain, None where there is no end.
-        periodic: True where p² has period 2π.
+        periodic: True where p² has period 2π, of an angle or of a place on a line.
+        repeats: True where p² has another period along a line.
         shifted: True where P differs from p.
         even: True where p²(−q) = p²(q), on a domain that is even, too.
     """
@@ -73,6 +75,7 @@ class Separated:
     lower: LoweredFormula | None
     upper: LoweredFormula | None
     periodic: bool
+    repeats: bool
     shifted: bool
     even: bool
 
@@ -208,11 +211,15 @@ def _separated(
         return formula(end, sign, lambda e: multiplied_out(e.subs(q, end + sign * q), q))
 
     plain = formula(sp.Integer(0), 1, lambda e: e)
-    angle = domain.kind == "angle" and periodic(plain.squared, values, constants, parameters)
+    radians = radians_of_a_unit(F, q, values) if domain.kind == "line" else None
+    turns = domain.kind == "angle" or radians == 1
+    angle = turns and periodic(plain.squared, values, constants, parameters)
+    repeats = radians is not None and not angle
     open_ = lower_end is None and upper_end is None
     same = open_ or (lower_end is not None and upper_end is not None and sp.expand(lower_end + upper_end) == 0)
     even = bool(same and not angle and sp.expand(F.subs(q, -q) - F) == 0)
-    return Separated(name, index, plain, from_end(lower_end, 1), from_end(upper_end, -1), angle, shell[1], even)
+    below, above = from_end(lower_end, 1), from_end(upper_end, -1)
+    return Separated(name, index, plain, below, above, angle, repeats, shell[1], even)
 
 
 def _parts(F: sp.Expr, constants: Sequence[sp.Symbol]) -> list[sp.Expr] | None:

@@ -148,8 +148,10 @@ def run_escapes(model: Model, programs: SystemPrograms, names: Names, starts: St
         one = CoordinateOfOrbits.of(model, programs, start, k)
         total, found, round_ = integrated(one, modes, exact=False, places="turning_points" in names)
         directions[k, round_] = np.sign(start.P[k, round_])
-        # where p is shifted a coordinate may go round for ever, and comes back: that is left to single motions
-        away = np.zeros(count, dtype=bool) if coordinate.periodic else ~total.good & ~round_
+        # where p is shifted, or p² repeats itself along a line, a coordinate may go round for ever: that is left to
+        # single motions
+        returns = coordinate.periodic or coordinate.repeats
+        away = np.zeros(count, dtype=bool) if returns else ~total.good & ~round_
         out = np.flatnonzero(left & away & np.isnan(found.offsets).any(axis=0))
         endless[k, out], errors = escaping(one.take(out), model, found.offsets[:, out])
         found.errors[:, out] = errors

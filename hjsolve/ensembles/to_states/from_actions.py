@@ -157,7 +157,7 @@ def _lowered(task: InverseTask) -> tuple[Model, Mapping[sp.Symbol, sp.Expr]] | N
     """Return the lowered solution with the parameters; None for systems that are left to single motions."""
     values = parameter_values(task.solution.system, task.parameters)
     model = lowered_model(task.solution, values)
-    if not model.separated or any(c.shifted for c in model.separated) or task.solution.system.kinks:
+    if not model.separated or any(c.shifted or c.repeats for c in model.separated) or task.solution.system.kinks:
         return None
     return model, values
 
@@ -239,7 +239,8 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern:
         lost, good = np.flatnonzero(~solved.good), np.flatnonzero(solved.good)
         if not len(lost):
             break
-        rounds, start = (ROUNDS if attempt == _AGAIN - 1 or not len(good) else SOON), begin.take(lost)
+        rounds = ROUNDS if attempt == _AGAIN - 1 or not len(good) else SOON
+        start = begin[0].take(lost), begin[1][:, lost]
         if len(good):
             near = good[nearest(everything[:, good], everything[:, lost])]
             start = _begun(solved.tori, solved.actions, near, (goals.take(lost), momenta[:, lost], places))
@@ -247,8 +248,8 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern:
     return solved
 
 
-def _begun(tori: Tori, actions: Actions, near: Integers, wanted: tuple[Goals, Reals, list[int]]) -> Tori:
-    """Constants by J(α) to first order from other tori, where the actions are near theirs; else theirs as they are."""
+def _begun(tori: Tori, actions: Actions, near: Integers, wanted: tuple[Goals, Reals, list[int]]) -> tuple[Tori, Reals]:
+    """Constants of other tori, and the step to those with the actions wanted, to first order; none far from them."""
     goals, momenta, places = wanted
     values, there = tori.values[:, near], actions.values[:, near]
     values[places] = momenta
@@ -257,8 +258,7 @@ def _begun(tori: Tori, actions: Actions, near: Integers, wanted: tuple[Goals, Re
         moved = np.einsum("kcn,cn->kn", slopes, values - tori.values[:, near])
         step = newton_step(slopes[:, goals.unknown], goals.actions - there - moved)
         fine = (np.abs(goals.actions - there) <= _NEAR * there).all(axis=0) & np.isfinite(step).all(axis=0)
-    begun = Tori(values, np.zeros_like(values), tori.q[:, near])
-    return begun.moved(goals.unknown, np.where(fine, step, 0.0))
+    return Tori(values, np.zeros_like(values), tori.q[:, near]), np.where(fine, step, 0.0)
 
 
 def _written(

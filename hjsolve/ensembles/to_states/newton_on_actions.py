@@ -1,8 +1,9 @@
 """Constants of n tori from their actions: damped Newton's method on J(α) with the exact matrix ∂J/∂α.
 
 It is the method of ``motion.tori.polish`` over arrays. Constants are held in two doubles, since near a circle or the
-energy of escape J depends on digits that one double has not. A step is halved until the largest relative residual
-falls; orbits that do not converge are left to the search of single motions.
+energy of escape J depends on digits that one double has not. A step is shortened until the largest relative residual
+falls, first to nine tenths: next to a separatrix J ~ J₀ + δ ln δ, δ the distance of the constants from it, and a step
+goes beyond it by δ/ln δ. Orbits that do not converge are left to the search of single motions.
 
 Residuals of full steps fall like rₖ₊₁ = κ rₖ² (Kelley, Iterative methods for linear and nonlinear equations (1995),
 §5.3), so that the last step need not be tried: what it leaves is foreseen from those before it, and counted.
@@ -22,6 +23,8 @@ from hjsolve.ensembles.to_states.tori import DOUBLES, EXACT, ROUGH, Actions, Tor
 
 ROUNDS, SOON = 60, 9
 """Evaluations of J; and those of orbits that have another start to try."""
+_SHORT_OF = 0.9
+"""The share of a step that is tried where the whole one makes nothing better."""
 _LEAST_STEP = 2.0**-12
 """The share of a step below which an orbit is given up."""
 _CLOSE, _FALLS = 8 * EPS, 0.25
@@ -91,22 +94,22 @@ class Solved(NamedTuple):
 
 
 def constants_of_tori(
-    model: Model, programs: SystemPrograms, begin: Tori, goals: Goals, rounds: int = ROUNDS
+    model: Model, programs: SystemPrograms, begin: tuple[Tori, Reals], goals: Goals, rounds: int = ROUNDS
 ) -> Solved:
     """Find the constants of tori.
 
     Args:
         model: the lowered solution.
         programs: of the system.
-        begin: where Newton's method begins, of n orbits.
+        begin: n tori, and the first step from each, shape (unknown, n).
         goals: what is wanted.
         rounds: how often J is evaluated.
     """
     size, n = goals.actions.shape
     zero = goals.actions == 0
     weight = np.where(zero, _ACTION_OF_REST * goals.scale / _CLOSE, goals.actions)
-    base = Tori(*(x.copy() for x in begin))
-    trial, step = Tori(*(x.copy() for x in begin)), np.zeros((size, n))
+    base, step = Tori(*(x.copy() for x in begin[0])), begin[1].copy()
+    trial = base.moved(goals.unknown, step)
     share, merit, left = np.ones(n), np.full(n, np.inf), np.full((size, n), np.inf)
     best, how = no_actions(size, len(model.constants), n), np.full(n, ROUGH)
     active, done, curve = np.arange(n), np.zeros(n, dtype=bool), np.full(n, np.inf)
@@ -140,7 +143,8 @@ def constants_of_tori(
         merit[here], left[:, here] = own[better], np.abs(residual[:, better])
         step[:, here] = newton_step(found.slopes[:, goals.unknown][:, :, better], residual[:, better])
         share[here] = 1.0
-        share[active[~better]] *= 0.5
+        worse = active[~better]
+        share[worse] = np.where(share[worse] == 1.0, _SHORT_OF, np.minimum(0.5, 0.5 * share[worse]))
         done[active[finished | settled | last]] = True
         _stepped(base, best, goals.take(active[last]), (active[last], step[:, active[last]], after[last]))
         _refined(how, merit, active, (share, own, after))

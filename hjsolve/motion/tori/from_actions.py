@@ -36,7 +36,7 @@ from hjsolve.time_law.torus import torus_equations
 Values = Mapping[str, object]
 _KINDS = ("libration", "rotation", "equilibrium")
 _ALIKE = 1e-2
-"""The part of its width by which the ends of a libration may differ, and of J, between starts that lead to one torus."""
+"""By what part of its width the ends of a libration may differ, and by what part J, from starts of one torus."""
 
 
 @dataclass(frozen=True)

@@ -30,8 +30,8 @@ _SPARE = 192
 _STEPS, _FALLS = 20, 0.9
 """Steps of Newton's method, and the ratio by which a step must make the residual smaller."""
 _SHARES = (1, Fraction(9, 10), *(Fraction(1, 2**k) for k in range(1, 8)))
-"""The shares of a step that are tried. Next to a separatrix J ~ J₀ + δ ln δ, δ the distance of the constants from it, and
-Newton's method overshoots it by δ/ln δ: nine tenths of the step stay inside, and leave a twentieth of δ."""
+"""The shares of a step that are tried. Next to a separatrix J ~ J₀ + δ ln δ, δ the distance of the constants from it,
+and Newton's method overshoots it by δ/ln δ: nine tenths of the step stay inside, and leave a twentieth of δ."""
 _ASIDE, _SAME_FAMILY = tuple(Fraction(1, 10**k) for k in (14, 12, 10, 8, 6, 4)), 0.1
 """By which parts of J the search goes aside from constants that doubles do not distinguish from a separatrix, and by
 which part of J a torus there may differ: on the other side of a separatrix J is another multiple."""
@@ -158,7 +158,9 @@ def _aside(
         for share in (-part, part):
             moved = _moved(κ, unknown, step, share)
             trial = _tried(goal, curves, moved, tops, kinds, goals, bits)
-            if trial is not None and all(abs(r) <= _SAME_FAMILY * J for r, J in zip(trial.residuals, goals, strict=True)):
+            if trial is None:
+                continue
+            if all(abs(r) <= _SAME_FAMILY * J for r, J in zip(trial.residuals, goals, strict=True)):
                 return trial, moved
     return None, κ
 
