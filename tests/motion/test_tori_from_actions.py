@@ -238,7 +238,7 @@ def test_librations_next_to_a_separatrix_have_their_actions(rest, line):
         motion = solution.motion(actions={"x": J}, kinds={"x": "libration"}, digits=30)
         found = motion.constants["E"]
         assert abs(found.value - E) <= found.error < 2e-30
-    with pytest.raises(hjsolve.SeveralToriError, match="libration.*rotation"):
+    with pytest.raises(hjsolve.SeveralToriError, match=r"libration.*rotation"):
         solution.motion(actions={"x": J})
 
 
