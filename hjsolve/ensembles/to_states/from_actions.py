@@ -27,7 +27,7 @@ from hjsolve.motion.initial_data import parameter_values
 from hjsolve.motion.tori.radicand_curve import curves_of
 from hjsolve.solution.quadratures import Solution
 
-_CHUNK = 4096
+_CHUNK = 16384
 """Orbits that are worked on together."""
 _AGAIN = 3
 """How often orbits that are left over start again from the nearest that are solved."""
