@@ -97,6 +97,13 @@ class Solution(ShownSolution):
     chart: Chart | None = None
 
     @property
+    def _shown_names(self) -> list[str]:
+        """Return what a terminal shows: what follows from p² at once, and shifts that are zero, are left out."""
+        names = ["system", "coordinates", "constants", "momentum_squared"]
+        names += ["shift"] if any(self.shift.values()) else []
+        return [*names, "characteristic_function", "time_law", "orbit_equations", "chart"]
+
+    @property
     def system_as_given(self) -> System:
         """The system in the coordinates that motions are started in: the user's, where others were found."""
         return self.system if self.chart is None else self.chart.original
