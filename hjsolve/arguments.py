@@ -161,9 +161,6 @@ def ascii_name(name: Any) -> Any:
     """Return a name with its Greek letters spelled: ``θ1`` is theta1, ``p_φ`` is p_phi, ``λ`` is lam, ``Ω`` is Omega.
 
     Letters that have no such name are left as they are, and so is what is not text.
-
-    Args:
-        name: what came.
     """
     if not isinstance(name, str) or name.isascii():
         return name
@@ -218,9 +215,6 @@ def whole(value: object, source: str, lowest: int | None = None, highest: int | 
 def digits(value: object) -> int:
     """Return how many digits are asked.
 
-    Args:
-        value: what came.
-
     Raises:
         InvalidInputError: not a whole number from 1 to ``MOST_DIGITS``.
     """
@@ -246,11 +240,7 @@ def seconds(value: object, source: str) -> float:
 
 
 def described(value: object) -> str:
-    """Return a value as a message shows it: itself where that is short, else its kind.
-
-    Args:
-        value: what came.
-    """
+    """Return a value as a message shows it: itself where that is short, else its kind."""
     plain, shown = isinstance(value, (str, bytes, int, float, complex, type(None))), repr(value)
     return shown if plain and len(shown) < 40 else f"a value of type {type(value).__name__}"
 

@@ -161,11 +161,7 @@ class FixedContext(MPContext):
         return self.ln(x) if b is None else _in_own_context(self, "log", (x, b), {})
 
     def fprod(self, factors: Iterable[object]) -> mpmath.mpf:
-        """Return a product; mpmath's own writes the precision back that it never changed.
-
-        Args:
-            factors: numbers.
-        """
+        """Return a product; mpmath's own writes the precision back that it never changed."""
         product = self.one
         for factor in factors:
             product *= factor

@@ -10,12 +10,7 @@ import sympy as sp
 
 
 def is_shifted(argument: sp.Expr, coordinates: Collection[sp.Symbol]) -> bool:
-    """Tell whether an argument is that of one coordinate, moved by something that holds none.
-
-    Args:
-        argument: of a function.
-        coordinates: of the system.
-    """
+    """Tell whether an argument is that of one coordinate, moved by something that holds none."""
     parts = [part.free_symbols.intersection(coordinates) for part in sp.Add.make_args(sp.expand(argument))]
     return len(parts) > 1 and not all(parts) and len(set().union(*parts)) == 1
 

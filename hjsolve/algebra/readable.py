@@ -133,11 +133,7 @@ def _digits(x: sp.Rational) -> int:
 
 
 def printed_length(x: Element) -> int:
-    """Return a cheap measure of how long an element will print.
-
-    Args:
-        x: an expression.
-    """
+    """Return a cheap measure of how long an element will print."""
     if x.is_zero:
         return 0
     size = 2 * len(x.numerator) + len(str(x.coefficient)) - 1 + sum(m.bit_count() > 0 for m in x.numerator)

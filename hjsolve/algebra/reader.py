@@ -164,11 +164,7 @@ class Reader:
         return self.adjoined(Generator(x, "symbol", low=low, high=high))
 
     def adjoined(self, g: Generator) -> Element:
-        """Return the element of a generator, adjoined to the field when it is new.
-
-        Args:
-            g: a sympy expression.
-        """
+        """Return the element of a generator, adjoined to the field when it is new."""
         k = self.field.number_of(g.atom)
         if k is not None:
             return self.field.generator(k)

@@ -76,10 +76,6 @@ class PowerSeriesArithmetic:
     def unary(self, name: str, x: Series) -> Series:
         """Return f(x).
 
-        Args:
-            name: of the function.
-            x: its argument.
-
         Raises:
             NotConvergedError: no rule is known for the function.
         """

@@ -60,11 +60,7 @@ def titles(*, book: str | None = None) -> dict[str, str]:
 
 
 def kind_of(entry: str) -> str:
-    """Give the kind of an entry of the catalog: ``separable``, ``extended``, ``refused`` or ``outside``.
-
-    Args:
-        entry: its id.
-    """
+    """Give the kind of an entry of the catalog: ``separable``, ``extended``, ``refused`` or ``outside``."""
     return next(kind for kind in _FOLDERS if entry in ids(kind))
 
 

@@ -109,11 +109,7 @@ def constraints(table: Toml) -> tuple[Constraint, ...]:
 
 
 def stated(table: Toml) -> Stated | None:
-    """Return the system as the literature states it, or None.
-
-    Args:
-        table: of the entry.
-    """
+    """Return the system as the literature states it, or None."""
     if "stated" not in table:
         return None
     return Stated(**{**table["stated"], "coordinates": tuple(table["stated"].get("coordinates", ()))})

@@ -339,9 +339,6 @@ def motion_command(options: Namespace) -> int:
 def two_point_command(options: Namespace) -> int:
     """Find the motions that join two places in a time, and print them.
 
-    Args:
-        options: the parsed arguments.
-
     Returns:
         The exit status.
     """

@@ -14,9 +14,6 @@ _DONE, _INTERRUPTED = 0, 130
 def run_sweep(options: Namespace) -> int:
     """Sweep, and say what came of it.
 
-    Args:
-        options: the parsed arguments.
-
     Returns:
         The exit status; see ``hjsolve.command_line.main``.
     """

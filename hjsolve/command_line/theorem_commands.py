@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 def verify_command(options: Namespace) -> int:
     """Decide whether W or S is a complete integral, and print what follows from it or what fails.
 
-    Args:
-        options: the parsed arguments.
-
     Returns:
         The exit status: 0 it is one, 1 it is not, 3 neither was proved.
 
@@ -53,9 +50,6 @@ def verify_command(options: Namespace) -> int:
 def bracket_command(options: Namespace) -> int:
     """Print the Poisson brackets of every two functions.
 
-    Args:
-        options: the parsed arguments.
-
     Returns:
         The exit status, 0.
 
@@ -80,9 +74,6 @@ def bracket_command(options: Namespace) -> int:
 
 def integral_command(options: Namespace) -> int:
     """Decide whether functions are integrals of the motion, and whether they are in involution.
-
-    Args:
-        options: the parsed arguments.
 
     Returns:
         The exit status: 0 all of them are, 1 one is not, 3 neither was proved.
@@ -111,9 +102,6 @@ def integral_command(options: Namespace) -> int:
 
 def impact_command(options: Namespace) -> int:
     """Compute what constraints that appear do to the velocities.
-
-    Args:
-        options: the parsed arguments.
 
     Returns:
         The exit status, 0.
@@ -150,9 +138,6 @@ def impact_command(options: Namespace) -> int:
 def action_command(options: Namespace) -> int:
     """Compute the integral of L dt along a path.
 
-    Args:
-        options: the parsed arguments.
-
     Returns:
         The exit status, 0.
 
@@ -172,9 +157,6 @@ def action_command(options: Namespace) -> int:
 
 def loop_command(options: Namespace) -> int:
     """Compute the integral of p dq along a closed curve as it moves.
-
-    Args:
-        options: the parsed arguments.
 
     Returns:
         The exit status: 0 where the values agree, 1 where they do not.
@@ -229,9 +211,6 @@ def _subject(options: Namespace) -> Subject:
 
 def canonical_command(options: Namespace) -> int:
     """Decide whether a map is canonical, and print its generating functions or what fails.
-
-    Args:
-        options: the parsed arguments.
 
     Returns:
         The exit status: 0 it is, 1 it is not, 3 neither was proved.

@@ -107,11 +107,7 @@ class ShownSolution(Shown):
 
 
 def fields_of(value: Any) -> Iterator[tuple[str, object]]:
-    """Give the fields of a value that are shown: those that hold data.
-
-    Args:
-        value: a dataclass.
-    """
+    """Give the fields of a value that are shown: those that hold data."""
     names = getattr(value, "_shown_names", None) or [field.name for field in dataclasses.fields(value) if field.repr]
     for name in names:
         content = getattr(value, name)
@@ -124,11 +120,7 @@ def _is_empty(content: object) -> bool:
 
 
 def as_text(value: object) -> str:
-    """Write a value in at most ``MOST_LINES`` lines of at most ``WIDEST`` letters; in one where it fits.
-
-    Args:
-        value: a dataclass.
-    """
+    """Write a value in at most ``MOST_LINES`` lines of at most ``WIDEST`` letters; in one where it fits."""
     rows = [(name, brief(content, WIDEST)) for name, content in fields_of(value)]
     name = type(value).__name__
     if sum(len(key) + len(text) + 3 for key, text in rows) + len(name) <= WIDEST:

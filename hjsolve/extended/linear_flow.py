@@ -62,20 +62,12 @@ class LinearFlow:
     factors: tuple[Factor, ...]
 
     def exponents(self, bits: int) -> list[tuple[Mpc, Factor]]:
-        """Return the roots of the characteristic polynomial in so many bits, each once, with its factor.
-
-        Args:
-            bits: of the numbers.
-        """
+        """Return the roots of the characteristic polynomial in so many bits, each once, with its factor."""
         context = multiprecision(bits)
         return [(context.mpc(λ), factor) for factor in self.factors for λ in _roots(factor.polynomial, context)]
 
     def projections(self, bits: int) -> list[tuple[Mpc, MpfMatrix]]:
-        """Return for each exponent λ the projection V_{λ0} on its root space.
-
-        Args:
-            bits: of the numbers.
-        """
+        """Return for each exponent λ the projection V_{λ0} on its root space."""
         context = multiprecision(bits)
         A = _numbers(self.matrix, context)
         return [(λ, terms[0]) for λ, terms, _ in _terms(self, A, context.eye(A.rows), context)]

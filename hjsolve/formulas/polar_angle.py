@@ -31,11 +31,7 @@ def angle_of_point(y: sp.Expr, x: sp.Expr) -> sp.Expr:
 
 
 def largest_multiple(expression: sp.Expr) -> int:
-    """Return the largest whole number in an expression that holds atan2; 0 where none does.
-
-    Args:
-        expression: the argument of a function.
-    """
+    """Return the largest whole number in an expression that holds atan2; 0 where none does."""
     if not expression.has(sp.atan2):
         return 0
     bare = expression.replace(sp.atan2, lambda *_: sp.S.One)

@@ -12,11 +12,7 @@ Pairs = Sequence[tuple[sp.Symbol, sp.Symbol]]
 
 
 def conjugate_pairs(coordinates: Iterable[Coordinate]) -> list[tuple[sp.Symbol, sp.Symbol]]:
-    """Return the symbols (q, p) of every coordinate.
-
-    Args:
-        coordinates: of a system.
-    """
+    """Return the symbols (q, p) of every coordinate."""
     return [(c.symbol, c.momentum) for c in coordinates]
 
 

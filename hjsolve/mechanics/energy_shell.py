@@ -134,9 +134,6 @@ class _Lagrangian:
 def domain_bounds(system: System) -> dict[sp.Symbol, Bounds]:
     """Open interval of each coordinate; angles and lines have no ends.
 
-    Args:
-        system: whose coordinates are meant.
-
     Returns:
         Symbol of the coordinate → (lower, upper) end.
     """

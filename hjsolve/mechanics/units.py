@@ -33,11 +33,7 @@ _NONE: Exponents = {}
 
 
 def time_of(coordinates: Iterable[Coordinate], parameters: Iterable[Parameter]) -> str:
-    """Return what the time is called.
-
-    Args:
-        coordinates, parameters: of the system.
-    """
+    """Return what the time is called."""
     places = list(coordinates)
     momenta = [c.momentum.name for c in places]
     return time_letter([*(c.name for c in places), *(p.name for p in parameters), *momenta])

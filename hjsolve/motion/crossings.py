@@ -297,9 +297,6 @@ def _scanned(motion: SeparatedMotion, name: str, value: float, passage: int) -> 
 def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
     """Return, for every coordinate that will reach an end of its domain, when.
 
-    Args:
-        motion: the one looked at.
-
     Returns:
         Coordinate → t, in the units of t.
     """

@@ -59,12 +59,7 @@ def badly_rounded(motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[
 
 
 def roundings(motion: SeparatedMotion, course: CoordinateMotion) -> bool:
-    """Return whether a motion with one separated coordinate comes to places where its velocities are blurred.
-
-    Args:
-        motion: the one looked at.
-        course: of its separated coordinate.
-    """
+    """Return whether a motion with one separated coordinate comes to places where its velocities are blurred."""
     system, name = motion.solution.system, motion.solution.coordinates[0]
     χ = np.linspace(0, np.pi, 65) if course.cycle else np.linspace(-1, 1, 65)
     q, p = {}, {}
@@ -183,9 +178,6 @@ def lost_in_two_doubles(
     """Bounds on what ``worked_out`` loses before its last rounding: terms may cancel to less than two doubles know.
 
     Places count as exact: what they leave open is the same in all terms, and counted by the slopes of the whole.
-
-    Args:
-        motion, formulas, q, shell, ignorable: as there.
 
     Returns:
         One array a formula, of the shape of the places.

@@ -141,10 +141,6 @@ def _refined(
 def courses_of(motion: SeparatedMotion, phases: Phases) -> list[CoordinateMotion]:
     """Return the courses, reaching as far as the phases need.
 
-    Args:
-        motion: the one looked at.
-        phases: of its separated coordinates.
-
     Returns:
         One course a separated coordinate, in their order.
     """

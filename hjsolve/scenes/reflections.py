@@ -172,11 +172,7 @@ class Free:
         return self._angles[key] + (turns * self.turn(name) if turns else 0)
 
     def start(self, time: Mpf) -> Now:
-        """Return the beginning: all clocks at zero.
-
-        Args:
-            time: of the scene.
-        """
+        """Return the beginning: all clocks at zero."""
         values, system = self.motion.initial.values, self.motion.solution.system
         zero = self.context.mpf(0)
         place = {
@@ -187,11 +183,7 @@ class Free:
         return Now(self.context.convert(time), dict.fromkeys(self.separated, zero), place, sign)
 
     def back(self, flight: Flight) -> Now:
-        """Return the beginning of a flight.
-
-        Args:
-            flight: one arc of the motion.
-        """
+        """Return the beginning of a flight."""
         clock = dict(zip(self.separated, flight.clocks, strict=True))
         place = dict(zip(self.ignorable, flight.places, strict=True))
         sign = dict(zip((*self.separated, *self.ignorable), flight.signs, strict=True))

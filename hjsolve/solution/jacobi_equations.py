@@ -29,11 +29,7 @@ def separation_constants(verdict: Separation) -> tuple[Constant, ...]:
 
 
 def named_constants(verdict: Separation) -> dict[str, Constant]:
-    """Return the constants, those meanings made plainer that a physicist would recognise.
-
-    Args:
-        verdict: of a system that separates.
-    """
+    """Return the constants, those meanings made plainer that a physicist would recognise."""
     plainer = {c.name: _recognised(c, verdict) for c in separation_constants(verdict)[1:]}
     return {name: replace(c, meaning=plainer.get(name) or c.meaning) for name, c in verdict.constants.items()}
 

@@ -71,11 +71,7 @@ class InstructionWriter:
         return [self.parameter() for _ in range(count)]
 
     def number(self, x: float) -> Value:
-        """Return a constant.
-
-        Args:
-            x: its value.
-        """
+        """Return a constant."""
         key = float(x).hex()
         if key not in self._constants:
             self._constants[key] = self._new()

@@ -105,11 +105,7 @@ class Model:
 
 
 def next_to_poles(solution: Solution) -> Solution | None:
-    """Return a solution whose p² keeps its digits next to poles that cancel; None where there are none.
-
-    Args:
-        solution: of the system.
-    """
+    """Return a solution whose p² keeps its digits next to poles that cancel; None where there are none."""
     squares = {
         name: without_removable_poles(F, solution.system.coordinate(name).symbol, near=True)
         for name, F in solution.momentum_squared.items()
@@ -155,11 +151,7 @@ def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Mo
 
 
 def parameter_pair(value: sp.Expr) -> Pair:
-    """Return a number in two doubles.
-
-    Args:
-        value: of a parameter.
-    """
+    """Return a number in two doubles."""
     bits = to_bits(value)(160)
     high = float(bits)
     return Pair(high, float(bits - high))

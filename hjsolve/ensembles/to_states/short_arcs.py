@@ -77,11 +77,7 @@ class ShortArcs(NamedTuple):
         return cls(np.where(ends, 0.0, φ), known._replace(running=begin, running_errors=errors), inverse)
 
     def take(self, index: Integers | Mask) -> ShortArcs:
-        """Return some of them.
-
-        Args:
-            index: which.
-        """
+        """Return some of them."""
         known = Integrals._make(x[..., index] for x in self.known)
         return ShortArcs(self.phases[:, index], known, self.inverse[index])
 

@@ -45,11 +45,7 @@ class Tori(NamedTuple):
     q: Reals
 
     def take(self, index: Integers | Mask) -> Tori:
-        """Return some of them.
-
-        Args:
-            index: which.
-        """
+        """Return some of them."""
         return Tori(*(x[:, index] for x in self))
 
     def moved(self, unknown: Integers, step: Reals) -> Tori:
@@ -85,11 +81,7 @@ class Actions(NamedTuple):
     rotations: Mask
 
     def take(self, index: Integers | Mask) -> Actions:
-        """Return those of some tori.
-
-        Args:
-            index: which.
-        """
+        """Return those of some tori."""
         return Actions._make(x[..., index] for x in self)
 
 

@@ -72,10 +72,6 @@ class StartGiven:
 def start(solution: Solution, given: StartGiven) -> Motion:
     """Start a motion; see ``Solution.motion``.
 
-    Args:
-        solution: of the system.
-        given: the arguments.
-
     Raises:
         InvalidInputError, MissingValueError, ForbiddenMotionError, NotConvergedError: as of ``Solution.motion``.
     """

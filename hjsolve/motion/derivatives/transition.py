@@ -88,11 +88,7 @@ def _lacking(found: Bounded, digits: int) -> int:
 
 @lru_cache(maxsize=16)
 def first_frame(map_: ConstantsToState) -> StateByConstants:
-    """Return D(t₀).
-
-    Args:
-        map_: of the motion.
-    """
+    """Return D(t₀)."""
     return map_.first_frame()
 
 

@@ -208,9 +208,6 @@ def _again(
 def names_of_actions(solution: Solution) -> list[str]:
     """Return the coordinates that have an action.
 
-    Args:
-        solution: what is solved.
-
     Raises:
         InvalidInputError: some coordinate never comes back.
     """

@@ -112,11 +112,7 @@ def kinds_by_letter(grid: MapGrid) -> list[str]:
 
 
 def in_line(region: KindsOfMotion) -> str:
-    """Return the kinds of a region in a line of text, ``θ librates``.
-
-    Args:
-        region: of a map.
-    """
+    """Return the kinds of a region in a line of text, ``θ librates``."""
     if not all(region.kinds.values()):
         return region.name
     return ", ".join(f"{plain(name_box(name))} {region.name_of(name)}" for name in region.kinds)

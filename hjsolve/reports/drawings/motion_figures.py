@@ -42,9 +42,6 @@ def potential_name(well: EffectivePotential, *, several: bool, plain: bool = Fal
 def level_box(well: EffectivePotential) -> Box:
     """Name the constant that plays the part of the energy, with its sign.
 
-    Args:
-        well: the coordinate.
-
     Returns:
         E, α₂ or −α₂; 0 where no constant does.
     """
@@ -165,11 +162,7 @@ def phase_portrait(well: EffectivePotential, key: str) -> Figure:
 
 
 def phase_frame(well: EffectivePotential) -> svg.DrawingFrame:
-    """Give the part of the phase plane that ``phase_portrait`` shows, and where on the drawing.
-
-    Args:
-        well: the coordinate.
-    """
+    """Give the part of the phase plane that ``phase_portrait`` shows, and where on the drawing."""
     return svg.DrawingFrame(well.window, momenta_shown(well, own_loops(well), _other_loops(well)))
 
 
@@ -179,11 +172,7 @@ def _other_loops(well: EffectivePotential) -> list[tuple[Array, Array]]:
 
 # -------------------------------------------------------------------------------- what the motion covers
 def spans_covered(well: EffectivePotential) -> list[tuple[float, float]]:
-    """Give the intervals of the window that the motion itself covers.
-
-    Args:
-        well: the coordinate.
-    """
+    """Give the intervals of the window that the motion itself covers."""
     low, high = well.ends
     if well.kind == "equilibrium":
         return []
@@ -205,9 +194,6 @@ def _turns(well: EffectivePotential, low: float, high: float) -> list[float]:
 
 def own_loops(well: EffectivePotential) -> list[tuple[Array, Array]]:
     """Give the phase curves of the motion itself.
-
-    Args:
-        well: the coordinate.
 
     Returns:
         (q, p) of each.

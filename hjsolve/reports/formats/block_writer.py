@@ -68,11 +68,7 @@ class PieceWriter(ABC):
 
     @abstractmethod
     def mathematics(self, box: Box) -> str:
-        """Write a formula inside a sentence.
-
-        Args:
-            box: its layout.
-        """
+        """Write a formula inside a sentence."""
 
     @abstractmethod
     def code(self, text: str) -> str:
@@ -118,19 +114,11 @@ class BlockWriter(ABC, Generic[W]):
 
     @abstractmethod
     def paragraph(self, text: Text) -> W:
-        """Write a paragraph of prose.
-
-        Args:
-            text: its pieces.
-        """
+        """Write a paragraph of prose."""
 
     @abstractmethod
     def note(self, text: Text) -> W:
-        """Write a paragraph set apart.
-
-        Args:
-            text: its pieces.
-        """
+        """Write a paragraph set apart."""
 
     @abstractmethod
     def formula(self, formula: Formula) -> W:

@@ -157,9 +157,6 @@ def wrapped(content: Text, indent: str = "") -> str:
 def line(content: Text) -> str:
     """Write a sentence in one line.
 
-    Args:
-        content: the sentence in pieces.
-
     Returns:
         The line.
     """

@@ -48,9 +48,6 @@ _SIGNS = {"∫": r"\int", "∑": r"\sum"}
 def latex_of(box: Box) -> str:
     r"""Write a box as LaTeX mathematics, without the dollar signs.
 
-    Args:
-        box: the formula.
-
     Returns:
         Text for mathematics mode; needs ``amsmath`` only.
     """

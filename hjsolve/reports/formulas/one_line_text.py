@@ -45,9 +45,6 @@ def plain(box: Box) -> str:
     bracket. Nothing follows a quotient but a sum, so a quotient that is a factor, a function that is divided and a
     function before a bracket get brackets of their own. A letter never means a differential.
 
-    Args:
-        box: the formula.
-
     Returns:
         Unicode text; index letters without a Unicode form are written ``p_θ``.
     """
@@ -83,11 +80,7 @@ def plain(box: Box) -> str:
 
 
 def spoken(name: str) -> str:
-    """Write a name as it stands in a sentence that has no formulas, such as the description of a drawing.
-
-    Args:
-        name: as it is declared.
-    """
+    """Write a name as it stands in a sentence that has no formulas, such as the description of a drawing."""
     return plain(name_box(name))
 
 

@@ -27,9 +27,6 @@ _ASKED = (3, 6, 9, 12, 15, 20, 30, 50, 100)
 def cost_section(table: Cost) -> Section:
     """Write the section.
 
-    Args:
-        table: what was measured.
-
     Returns:
         The section: figure, the cheapest method for each accuracy, and the whole table.
     """
@@ -131,9 +128,6 @@ def with_cost(document: Document, subject: Motion | Scene, wish: Wish, progress:
 def cost_document(table: Cost) -> Document:
     """Write a document that holds nothing else.
 
-    Args:
-        table: what was measured.
-
     Returns:
         The document.
     """
@@ -148,9 +142,6 @@ def cost_document(table: Cost) -> Document:
 
 def plain_rows(table: Cost) -> dict[str, object]:
     """Return the table as plain data, for JSON.
-
-    Args:
-        table: what was measured.
 
     Returns:
         Its attributes; what is infinite is None.

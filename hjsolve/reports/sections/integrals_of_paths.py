@@ -12,11 +12,7 @@ from hjsolve.theorem.loop_integrals import LoopIntegral
 
 
 def action_section(found: PathAction) -> Section:
-    """Write down the Lagrangian along a path, and its integral.
-
-    Args:
-        found: the result.
-    """
+    """Write down the Lagrangian along a path, and its integral."""
     start, stop = found.between
     blocks: list[Block] = [
         Paragraph(("Along the path",)),
@@ -32,11 +28,7 @@ def action_section(found: PathAction) -> Section:
 
 
 def loop_section(found: LoopIntegral) -> Section:
-    """Write down the integral of p dq along a closed curve at several times.
-
-    Args:
-        found: the result.
-    """
+    """Write down the integral of p dq along a closed curve at several times."""
     rows: list[tuple[Text, ...]] = [
         ((f"{t:.10g}",), (Number(f"{x:.16g}"),), (bound(float(e)),))
         for t, x, e in zip(found.times, found.value, found.error, strict=True)

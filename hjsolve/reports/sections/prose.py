@@ -78,11 +78,7 @@ def _conditions() -> dict[str, Box]:
 
 
 def condition_formulas(text: str) -> tuple[Block, ...]:
-    """Write out the conditions of Levi-Civita that an argument speaks of.
-
-    Args:
-        text: of its steps.
-    """
+    """Write out the conditions of Levi-Civita that an argument speaks of."""
     written = {
         "S_ij": "S_ij(f) = d_i d_j f - (d_i ln g^jj) d_j f - (d_j ln g^ii) d_i f",
         "L_ij": "L_ij = H^i H^j H_ij + H_i H_j H^ij - H^i H_j H_i^j - H_i H^j H_j^i",

@@ -41,11 +41,7 @@ IN_A_CELL = 0.6 * LINE
 
 
 def math(expression: sp.Basic) -> Mathematics:
-    """Set an expression inside a sentence or a cell, a long one on several lines.
-
-    Args:
-        expression: of sympy.
-    """
+    """Set an expression inside a sentence or a cell, a long one on several lines."""
     return Mathematics(display(expression, IN_A_CELL))
 
 

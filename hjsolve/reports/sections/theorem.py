@@ -164,11 +164,7 @@ def own_motion_section(answer: OwnMotion | Undecided) -> Section:
 
 
 def flaw_section(answer: Flaw) -> Section:
-    """Say what fails, with the expression that is not zero and the point that shows it.
-
-    Args:
-        answer: the refutation.
-    """
+    """Say what fails, with the expression that is not zero and the point that shows it."""
     blocks: list[Block] = [Paragraph((_sentence(answer.statement),))]
     if answer.witness is not None:
         blocks += [Paragraph(("This ought to vanish:",)), Formula(box(answer.residual), str(answer.residual))]

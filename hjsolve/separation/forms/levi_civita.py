@@ -201,12 +201,7 @@ def sum_vanishes(reader: Reader, products: Products, sieve: Filter) -> bool:
 
 
 def sum_of_products(reader: Reader, products: Products) -> Element:
-    """Return the sum of products of sums as one element.
-
-    Args:
-        reader: of the field.
-        products: Σ Π Σ of elements.
-    """
+    """Return the sum of products of sums as one element."""
     field = reader.field
     return field.total(field.product([field.total(elements) for elements in factors]) for factors in products)
 
