@@ -90,6 +90,17 @@ class Tally:
         self._progress(self._done / max(self._total, 1), f"{words}; {remark}" if remark else words)
 
 
+def duration(value: float) -> str:
+    """Return a time with two digits and the unit that suits it.
+
+    Args:
+        value: seconds.
+    """
+    if value < 0.9995e-3:
+        return f"{value * 1e6:.0f} µs"
+    return f"{value * 1e3:.0f} ms" if value < 0.9995 else f"{value:.2g} s" if value < 9.95 else f"{value:.0f} s"
+
+
 def _bar(out: TextIO, part: float, words: str, *, stays: bool) -> _RichBar | _Line:
     try:
         return _RichBar(out, part, words, stays=stays)

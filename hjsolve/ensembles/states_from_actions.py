@@ -20,11 +20,9 @@ from hjsolve.ensembles.to_states.in_users_coordinates import carried_back
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.motion.initial_data import parameter_values
-from hjsolve.motion.tori.from_actions import names_of_actions
+from hjsolve.motion.tori.from_actions import kinds_given, names_of_actions
 from hjsolve.precision import shared_libraries
 from hjsolve.solution.quadratures import Solution
-
-_KINDS = ("libration", "rotation")
 
 
 def batch_of_states(
@@ -84,13 +82,7 @@ def task_of_tori(
     """
     refuse_kinks(solution.system.kinks, "actions=")
     names = names_of_actions(solution)
-    chosen = dict(arguments.table(kinds or {}, "kinds", '{"theta": "libration"}'))
-    for name, kind in chosen.items():
-        if name not in solution.coordinates or kind not in _KINDS:
-            raise InvalidInputError(
-                f"kinds[{name}]: a separated coordinate ({', '.join(solution.coordinates)}) and one of "
-                f"{', '.join(_KINDS)} are needed"
-            )
+    chosen = kinds_given(solution, kinds or {})
     parameter_values(solution.system, dict(parameters or {}))
     none = np.empty((len(names), 0))
     separated = replace(solution, chart=None)

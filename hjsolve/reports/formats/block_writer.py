@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Generic, TypeVar
 
+from hjsolve.arithmetic.printed_digits import raised
 from hjsolve.reports.document import (
     Block,
     Code,
@@ -82,13 +83,13 @@ class PieceWriter(ABC):
     def strong(self, text: str) -> str:
         """Write words that carry the answer."""
 
-    @abstractmethod
     def digits(self, text: str) -> str:
         """Write the digits of a number.
 
         Args:
             text: digits, with ``e`` before an exponent.
         """
+        return raised(text)
 
 
 class BlockWriter(ABC, Generic[W]):

@@ -6,7 +6,6 @@ import re
 from itertools import zip_longest
 from textwrap import fill, wrap
 
-from hjsolve.arithmetic.printed_digits import raised
 from hjsolve.reports.document import ArgumentStep, Document, Figure, Formula, Section, Steps, Table, Text
 from hjsolve.reports.formats.block_writer import BlockWriter, PieceWriter
 from hjsolve.reports.formulas.layout import Box
@@ -81,9 +80,6 @@ class _TextWriter(PieceWriter, BlockWriter[str]):
 
     def strong(self, text: str) -> str:
         return text
-
-    def digits(self, text: str) -> str:
-        return raised(text)
 
 
 def _widths(cells: list[list[list[str]]]) -> list[int]:

@@ -14,6 +14,7 @@ import sympy as sp
 from hjsolve._version import __version__
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Float64
+from hjsolve.display.progress import duration
 from hjsolve.lowering import lower
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.mechanics.system import hamiltonian
@@ -38,7 +39,7 @@ from hjsolve.reports.formulas.layout import Glyph, Script
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import spoken
 from hjsolve.reports.sections.prose import typeset_prose
-from hjsolve.reports.sections.rounded_numbers import bound, quantity, terminating, written_duration
+from hjsolve.reports.sections.rounded_numbers import bound, quantity, terminating
 from hjsolve.reports.sections.system_and_verdict import exactly, formula
 
 DASH: Text = ("–",)
@@ -234,7 +235,7 @@ def how_section(
         left_out = "Closed forms, wavefronts, the map of all motions and surfaces of section were left out: "
         blocks.append(Paragraph((left_out, "a brief report was asked.")))
     if "SOURCE_DATE_EPOCH" not in os.environ:  # what asks for reports that are the same byte for byte
-        spent = tuple(((part,), (written_duration(time),)) for part, time in clock.items())
+        spent = tuple(((part,), (duration(time),)) for part, time in clock.items())
         blocks.append(Table((("Part",), ("Time",)), spent, "Time spent"))
     versions = tuple(((name,), (number,)) for name, number in _versions().items())
     blocks.append(Table((("Software",), ("Version",)), versions, "Versions"))
