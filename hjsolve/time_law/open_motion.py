@@ -200,7 +200,7 @@ def _phases(
     if scheme.steps:
         first = scheme.steps[0]
         courses[first.index] = _one_direction(courses[first.index], first, time[0])
-    targets = _targets(courses, scheme.equations)
+    targets = [sum(integral_at_start(c, j) for c in courses) for j in range(scheme.equations)]
     n = len(courses)
     χ: list[Any] = [None] * n
     whole: list[Any] = [np.zeros_like(t)] * n
@@ -308,11 +308,6 @@ def reaching(
     others = 1.0 if weights[0] or len(scheme.coupled) == 2 else 64.0
     amount = here + others * span * max(abs(weights[0]), 1e-300) if weights[0] else here + others * span
     return course.with_amount(weights, amount, partly=True)
-
-
-def _targets(courses: list[CoordinateMotion], n: int) -> list[float]:
-    """Cⱼ = Σᵢ Gᵢⱼ at the start."""
-    return [sum(integral_at_start(c, j) for c in courses) for j in range(n)]
 
 
 def integral_at(course: CoordinateMotion, j: int, χ: Mpf | int) -> float:

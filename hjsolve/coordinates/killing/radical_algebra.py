@@ -122,10 +122,6 @@ def collected_generators(expressions: Sequence[sp.Expr], coordinates: Sequence[s
     return Generators(tuple(coordinates), ground_field(expressions, coordinates), found)
 
 
-def _is_constant(node: sp.Expr, coordinates: tuple[sp.Symbol, ...]) -> bool:
-    return not holds(node, coordinates) and not isinstance(node, AppliedUndef | sp.Subs | sp.Derivative)
-
-
 class PointAlgebra:
     """Evaluation of expressions at one point; every result is an element {monomial in the radicals: field element}."""
 
@@ -269,7 +265,7 @@ class PointAlgebra:
             return reduce(self.add, map(self.evaluate, node.args))
         if node.is_Mul:
             return reduce(self.multiply, map(self.evaluate, node.args))
-        if _is_constant(node, self.made_of.coordinates):
+        if not holds(node, self.made_of.coordinates) and not isinstance(node, AppliedUndef | sp.Subs | sp.Derivative):
             return self.constant(self.made_of.ground.convert(node))
         if node.is_Pow and node.exp.is_Rational:
             return self._root(node.base, Fraction(int(node.exp.p), int(node.exp.q)))

@@ -110,7 +110,7 @@ def _factor(item: Box, previous: Box | None, following: Box | None) -> str:
     text = plain(item)
     if isinstance(item, Fraction) and "/" in text and _continues(following):
         return f"({text})"
-    if _applies(previous) and isinstance(following, Fence):
+    if previous == _APPLY and isinstance(following, Fence):
         return f"({text})"  # cos(θ) (1 − r)
     return text
 
@@ -118,10 +118,6 @@ def _factor(item: Box, previous: Box | None, following: Box | None) -> str:
 def _continues(following: Box | None) -> bool:
     """Return whether another factor follows."""
     return following is not None and not (isinstance(following, Glyph) and following.kind in {"operator", "text"})
-
-
-def _applies(box: Box | None) -> bool:
-    return box == _APPLY
 
 
 def _is_operator(box: Box) -> bool:
