@@ -3,6 +3,8 @@
 Duplication (Carlson, Numer. Algorithms 10 (1995) 13, arXiv math/9409227; DLMF 19.36(i)); descending means (DLMF
 22.20(ii)).
 What is outside the domain of a function is nan. An element does not depend on its neighbours.
+
+Of the functions of Jacobi u is the argument and m the parameter k²; numbers or arrays that broadcast.
 """
 
 from __future__ import annotations
@@ -216,47 +218,27 @@ def _between(u: Doubles, m: Doubles) -> tuple[Doubles, ...]:
 
 
 def jacobi_am(u: Numbers, m: Numbers) -> Doubles:
-    """Jacobi's amplitude, continuous in u.
-
-    Args:
-        u, m: argument and parameter k².
-    """
+    """Jacobi's amplitude, continuous in u."""
     return jacobi_functions(u, m)[0]
 
 
 def jacobi_sn(u: Numbers, m: Numbers) -> Doubles:
-    """Jacobi's sn.
-
-    Args:
-        u, m: argument and parameter k².
-    """
+    """Jacobi's sn."""
     return jacobi_functions(u, m)[1]
 
 
 def jacobi_cn(u: Numbers, m: Numbers) -> Doubles:
-    """Jacobi's cn.
-
-    Args:
-        u, m: argument and parameter k².
-    """
+    """Jacobi's cn."""
     return jacobi_functions(u, m)[2]
 
 
 def jacobi_dn(u: Numbers, m: Numbers) -> Doubles:
-    """Jacobi's dn.
-
-    Args:
-        u, m: argument and parameter k².
-    """
+    """Jacobi's dn."""
     return jacobi_functions(u, m)[3]
 
 
 def jacobi_epsilon(u: Numbers, m: Numbers) -> Doubles:
-    """Jacobi's ℰ = ∫₀ᵘ dn².
-
-    Args:
-        u, m: argument and parameter k².
-    """
+    """Jacobi's ℰ = ∫₀ᵘ dn²."""
     return jacobi_functions(u, m)[4]
 
 

@@ -137,40 +137,21 @@ class JetWalk:
         return rational(int(x.p), int(x.q), self.precision)
 
     def plus(self, a: Slope, b: Slope) -> Slope:
-        """Return the sum.
-
-        Args:
-            a: an interval jet.
-            b: an interval jet.
-        """
+        """Return the sum."""
         if a is None or b is None:
             return b if a is None else a
         return libmp.mpi_add(a, b, self.precision)
 
     def times(self, a: Slope, b: Slope) -> Slope:
-        """Return the product.
-
-        Args:
-            a: an interval jet.
-            b: an interval jet.
-        """
+        """Return the product."""
         return None if a is None or b is None else libmp.mpi_mul(a, b, self.precision)
 
     def over(self, a: Slope, b: Interval) -> Slope:
-        """Return the quotient.
-
-        Args:
-            a: an interval jet.
-            b: an interval jet.
-        """
+        """Return the quotient."""
         return None if a is None else libmp.mpi_mul(a, enclose_inverse(b, self.precision), self.precision)
 
     def negative(self, a: Slope) -> Slope:
-        """Return the negative.
-
-        Args:
-            a: an interval jet.
-        """
+        """Return the negative."""
         return None if a is None else libmp.mpi_neg(a)
 
 
