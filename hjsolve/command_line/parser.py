@@ -32,11 +32,7 @@ _Commands: TypeAlias = "argparse._SubParsersAction[StrictParser]"
 
 
 def command_parser() -> argparse.ArgumentParser:
-    """Build the argument parser.
-
-    Returns:
-        The parser, with one sub-parser for each command.
-    """
+    """Build the argument parser."""
     top = StrictParser(
         prog="hjsolve",
         allow_abbrev=False,

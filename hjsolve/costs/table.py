@@ -125,11 +125,7 @@ _WORDS = {"ok": "", "too slow": "did not fit the budget"}
 
 
 def explanation(cost: Cost) -> list[str]:
-    """Return what the table is about, in sentences.
-
-    Returns:
-        One line a sentence.
-    """
+    """Return what the table is about, in sentences."""
     states = f" at {cost.times} times, compared at {cost.checked} of them" if cost.checked else ""
     return [
         f"Asked: {', '.join(cost.want)}{states}.",

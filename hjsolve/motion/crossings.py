@@ -295,11 +295,7 @@ def _scanned(motion: SeparatedMotion, name: str, value: float, passage: int) -> 
 
 
 def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
-    """Return, for every coordinate that will reach an end of its domain, when.
-
-    Returns:
-        Coordinate → t, in the units of t.
-    """
+    """Return, for every coordinate that will reach an end of its domain, when."""
     result = {}
     for k, name in enumerate(motion.solution.coordinates):
         course = motion.located[name].course

@@ -48,11 +48,7 @@ def html_of(value: object) -> str:
 
 
 def blocks_of(value: object) -> tuple[Block, ...]:
-    """Choose what is shown of a value.
-
-    Returns:
-        Blocks in reading order.
-    """
+    """Choose what is shown of a value."""
     match value:
         case System():
             return (_title(value), *_of(system_section(value, {}, "")))

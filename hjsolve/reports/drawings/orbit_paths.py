@@ -37,11 +37,7 @@ class Trace:
 
 
 def trace(motion: Motion) -> Trace:
-    """Follow a motion over a time worth showing.
-
-    Returns:
-        Where it is.
-    """
+    """Follow a motion over a time worth showing."""
     t, closed = times(motion)
     return Trace(t, motion.at(t), closed)
 

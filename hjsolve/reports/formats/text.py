@@ -30,11 +30,7 @@ def text_page(document: Document) -> str:
 
 
 def section_text(section: Section) -> str:
-    """Write one section.
-
-    Returns:
-        Its title, underlined, and its text.
-    """
+    """Write one section."""
     return "\n\n".join([f"{section.title}\n{'-' * len(section.title)}", *map(_WRITER.block, section.blocks)])
 
 
@@ -151,11 +147,7 @@ def wrapped(content: Text, indent: str = "") -> str:
 
 
 def line(content: Text) -> str:
-    """Write a sentence in one line.
-
-    Returns:
-        The line.
-    """
+    """Write a sentence in one line."""
     return _WRITER.text(content)
 
 

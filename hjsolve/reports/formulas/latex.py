@@ -140,11 +140,7 @@ def _definite(box: Definite) -> str:
 
 
 def escape(text: str) -> str:
-    """Escape prose for LaTeX.
-
-    Returns:
-        The text with LaTeX's special characters made harmless.
-    """
+    """Escape prose for LaTeX."""
     special = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
     special |= {sign: f"\\{sign}" for sign in "&%$#_{}"}
     return "".join(special.get(letter, letter) for letter in text)

@@ -22,9 +22,6 @@ def found_answer(found: SeparableCoordinates) -> Text:
 
     Args:
         found: what ``find_coordinates`` gave.
-
-    Returns:
-        The sentence in pieces.
     """
     count = found.kernel_dimension
     several = f" It has {count} quadratic integrals, including the energy."
@@ -129,9 +126,6 @@ def modes_answer(modes: NormalModes) -> Text:
 
     Args:
         modes: what ``normal_modes`` gave.
-
-    Returns:
-        The sentence in pieces.
     """
     return (Strong("Separates"), f" in its {len(modes.modes)} normal modes.")
 
@@ -141,9 +135,6 @@ def modes_section(modes: NormalModes) -> Section:
 
     Args:
         modes: what ``normal_modes`` gave.
-
-    Returns:
-        The section.
     """
     header: tuple[Text, ...] = (("Mode",), ("Frequency squared",), ("Kind",))
     rows = tuple(

@@ -124,11 +124,7 @@ def with_cost(document: Document, subject: Motion | Scene, wish: Wish, progress:
 
 
 def cost_document(table: Cost) -> Document:
-    """Write a document that holds nothing else.
-
-    Returns:
-        The document.
-    """
+    """Write a document that holds nothing else."""
     best = table.cheapest(15) or table.cheapest(12)
     answer: Text = ("No method reached 12 correct digits.",)
     if best is not None and best.seconds is not None:

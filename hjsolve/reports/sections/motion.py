@@ -54,9 +54,6 @@ def motion_section(motion: Motion, trace: orbit_paths.Trace, summary: str) -> Se
         motion: a ``Motion``.
         trace: where it is at the times shown.
         summary: what the catalog says about its initial data; may be empty.
-
-    Returns:
-        The section.
     """
     description = (": ", *typeset_prose(summary, motion.solution.system)) if summary else ()
     blocks: list[Block] = [Paragraph(("One motion, as an example", *description, ".")), _initial(motion)]
@@ -148,11 +145,7 @@ def _number(estimate: Estimate | None) -> Text:
 
 # ------------------------------------------------------------------------------------------------ numbers
 def numbers_section(motion: Motion) -> Section:
-    """Give constants, actions, frequencies, periods and boundary times, each with its error.
-
-    Returns:
-        The section.
-    """
+    """Give constants, actions, frequencies, periods and boundary times, each with its error."""
     values = [
         (Mathematics(name_box(p.name)), " = ", *exactly(motion.initial.values[p.symbol]), ", ")
         for p in motion.solution.system.parameters
@@ -217,9 +210,6 @@ def how_section(
         motion: a ``Motion``, or None where nothing numerical was done.
         trace: where it is at the times shown, or None.
         brief: whether closed forms and the map of all motions were left out.
-
-    Returns:
-        The section.
     """
     blocks: list[Block] = []
     if motion is not None and trace is not None:

@@ -33,9 +33,6 @@ def refusal_section(verdict: Obstruction | Undecided) -> Section:
 
     Args:
         verdict: an obstruction or an open question.
-
-    Returns:
-        The section.
     """
     blocks: list[Block] = []
     if verdict.residual is not sp.nan:  # where the budget ended before there was one
