@@ -155,22 +155,12 @@ class Disks:
         return result
 
     def derivative(self, name: str, x: Disk) -> Disk:
-        """Return Φ′ over a disk.
-
-        Args:
-            name: of the function, such as ``sqrt``.
-            x: a disk.
-        """
+        """Return Φ′ over a disk."""
         result: Disk = _SLOPES[name](self, x)
         return result
 
     def bend(self, name: str, x: Disk) -> Disk:
-        """Return Φ″ over a disk.
-
-        Args:
-            name: of the function, such as ``sqrt``.
-            x: a disk.
-        """
+        """Return Φ″ over a disk."""
         result: Disk = _BENDS[name](self, x)
         return result
 
@@ -183,7 +173,6 @@ class Disks:
         """Return by·x.
 
         Args:
-            x: a disk.
             by: the number.
         """
         return Disk(by * x.centre, abs(by) * x.radius + _UNIT * np.abs(by * x.centre))

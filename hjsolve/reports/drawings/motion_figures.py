@@ -1,4 +1,7 @@
-"""The drawings of a separated coordinate: its effective potential and its phase portrait."""
+"""The drawings of a separated coordinate: its effective potential and its phase portrait.
+
+``key`` is a name that is unique on the page, ``plain`` whether the potential is that of the system itself.
+"""
 
 from __future__ import annotations
 
@@ -27,9 +30,7 @@ def potential_name(well: EffectivePotential, *, several: bool, plain: bool = Fal
     """Name the effective potential of a coordinate, with the coordinate as index where there are several.
 
     Args:
-        well: the coordinate.
         several: whether the system has more than one separated coordinate.
-        plain: whether it is the potential of the system itself.
 
     Returns:
         V, or V with an index.
@@ -55,10 +56,7 @@ def effective_potential(well: EffectivePotential, key: str, *, several: bool, pl
     """Draw the effective potential, the level of the motion and its turning points.
 
     Args:
-        well: the coordinate.
-        key: a name that is unique on the page.
         several: whether there are other separated coordinates.
-        plain: whether it is the potential of the system itself.
 
     Returns:
         The figure.
@@ -112,10 +110,6 @@ def effective_potential(well: EffectivePotential, key: str, *, several: bool, pl
 
 def phase_portrait(well: EffectivePotential, key: str) -> Figure:
     """Draw the phase plane of a coordinate: some levels, the separatrices, the motion.
-
-    Args:
-        well: the coordinate.
-        key: a name that is unique on the page.
 
     Returns:
         The figure.
@@ -209,7 +203,6 @@ def loops_at(well: EffectivePotential, level: float) -> list[tuple[Array, Array]
     """Give the phase curves of another level, in the window.
 
     Args:
-        well: the coordinate.
         level: value of the level constant.
 
     Returns:
@@ -236,7 +229,6 @@ def levels_shown(well: EffectivePotential, q: Array, V: Array) -> tuple[float, f
     """Show the bottom of the well and as much above the level as is below it.
 
     Args:
-        well: the coordinate.
         q: places across the window.
         V: the potential there.
 
@@ -263,7 +255,6 @@ def momenta_shown(
     """Show the motion and as much again around it.
 
     Args:
-        well: the coordinate.
         own: phase curves of the motion.
         others: those of other levels.
 

@@ -1,4 +1,7 @@
-"""What the tools of the theorem answer, as sections: complete integrals, canonical maps, and what is wrong with one."""
+"""What the tools of the theorem answer, as sections: complete integrals, canonical maps, and what is wrong with one.
+
+An ``answer`` is that of ``verify`` or ``canonical``.
+"""
 
 from __future__ import annotations
 
@@ -35,11 +38,7 @@ _EQUATIONS = {"F1": "(6-18)", "F2": "(6-46)", "F3": "(6-52)", "F4": "(6-57)"}
 
 
 def complete_integral_section(answer: CompleteIntegral) -> Section:
-    """Write down what follows from a complete integral: the determinant, the momenta, Jacobi's equations.
-
-    Args:
-        answer: proved.
-    """
+    """Write down what follows from a complete integral: the determinant, the momenta, Jacobi's equations."""
     blocks: list[Block] = [
         Paragraph(("The Hamilton-Jacobi equation holds identically. With the principal function",)),
         formula(Glyph("S"), answer.principal_function, "Greenwood (5-52)"),
@@ -55,11 +54,7 @@ def complete_integral_section(answer: CompleteIntegral) -> Section:
 
 
 def canonical_section(answer: CanonicalMap) -> Section:
-    """Write down a canonical map: its valence, the exact differential, generating functions, K.
-
-    Args:
-        answer: proved.
-    """
+    """Write down a canonical map: its valence, the exact differential, generating functions, K."""
     μ, ψ = Glyph("μ"), Glyph("ψ")
     blocks: list[Block] = [
         Paragraph(("The map",)),
@@ -185,11 +180,7 @@ def undecided_section(answer: Undecided) -> Section:
 
 
 def theorem_answer(answer: CompleteIntegral | CanonicalMap | Flaw | Undecided) -> Text:
-    """Give the answer in one sentence.
-
-    Args:
-        answer: of ``verify`` or ``canonical``.
-    """
+    """Give the answer in one sentence."""
     if isinstance(answer, CompleteIntegral):
         return (Strong("Yes"), ": a complete integral.")
     if isinstance(answer, CanonicalMap):
@@ -200,11 +191,7 @@ def theorem_answer(answer: CompleteIntegral | CanonicalMap | Flaw | Undecided) -
 
 
 def theorem_section(answer: CompleteIntegral | CanonicalMap | Flaw | Undecided) -> Section:
-    """Give the section of an answer.
-
-    Args:
-        answer: of ``verify`` or ``canonical``.
-    """
+    """Give the section of an answer."""
     if isinstance(answer, CompleteIntegral):
         return complete_integral_section(answer)
     if isinstance(answer, CanonicalMap):
