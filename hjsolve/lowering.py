@@ -293,9 +293,6 @@ def with_plain_exponents(e: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.
     """Write xᶜ with the number of c where xᶜ is then a power or a root.
 
     The tape of a power with a letter in the exponent goes by exp(c log x), of which all arithmetics know less.
-
-    Args:
-        values: parameter → exact number.
     """
 
     def plain(power: sp.Pow) -> sp.Expr:

@@ -221,11 +221,7 @@ _making = threading.Lock()
 
 
 def multiprecision(bits: int) -> FixedContext:
-    """Return the mpmath context of one fixed precision; the same one in every thread.
-
-    Args:
-        bits: binary digits.
-    """
+    """Return the mpmath context of one fixed precision; the same one in every thread."""
     context = _made.get(bits)
     if context is None:
         with _making:

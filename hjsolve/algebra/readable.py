@@ -18,10 +18,6 @@ def shortest_form(reader: Reader, x: Element) -> sp.Expr:
     """Return the shortest of a few forms of an element.
 
     As it stands, factored, expanded over its denominator, sin² ↔ 1 − cos².
-
-    Args:
-        reader: reads into the field.
-        x: an element.
     """
     if x.is_zero:
         return sp.S.Zero

@@ -45,12 +45,7 @@ class _Term:
 
 
 def dependent(reader: FieldReader, g: Generator) -> Element | None:
-    """Return the element of the field that equals a new generator on the domain, proved; None where none was found.
-
-    Args:
-        reader: reads into the field.
-        g: a sympy expression.
-    """
+    """Return the element of the field that equals a new generator on the domain, proved; None where none was found."""
     start = time.thread_time()
     found = _dependent(reader, g)
     reader.seconds_for_relations -= time.thread_time() - start

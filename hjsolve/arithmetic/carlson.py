@@ -4,7 +4,7 @@ Duplication (Carlson, Numer. Algorithms 10 (1995) 13, arXiv math/9409227; DLMF 1
 22.20(ii)).
 What is outside the domain of a function is nan. An element does not depend on its neighbours.
 
-Of the functions of Jacobi u is the argument and m the parameter k²; numbers or arrays that broadcast.
+Arguments are numbers or arrays that broadcast; of the functions of Jacobi u is the argument and m the parameter k².
 """
 
 from __future__ import annotations
@@ -25,11 +25,7 @@ _MOST_DUPLICATIONS = 60
 
 
 def broadcast(*arguments: Numbers) -> list[Doubles]:
-    """Return copies of one shape.
-
-    Args:
-        arguments: numbers or arrays that broadcast.
-    """
+    """Return copies of one shape."""
     return [np.array(a) for a in np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in arguments))]
 
 
@@ -73,11 +69,7 @@ def duplicated(
 
 
 def carlson_rf(x: Numbers, y: Numbers, z: Numbers) -> Doubles:
-    """R_F(x, y, z) of non-negative arguments, at most one of them zero (Carlson 1995, (2.2)–(2.6)).
-
-    Args:
-        x, y, z: numbers or arrays that broadcast.
-    """
+    """R_F(x, y, z) of non-negative arguments, at most one of them zero (Carlson 1995, (2.2)–(2.6))."""
     x, y, z = broadcast(x, y, z)
     with np.errstate(all="ignore"):
         (x, y, z), A, _, _ = duplicated((x + y + z) / 3, (x, y, z), 3 * EPS)
@@ -89,11 +81,7 @@ def carlson_rf(x: Numbers, y: Numbers, z: Numbers) -> Doubles:
 
 
 def carlson_rc(x: Numbers, y: Numbers) -> Doubles:
-    """R_C(x, y), x ≥ 0; the principal value where y < 0 (DLMF 19.2.17–19.2.20).
-
-    Args:
-        x, y: numbers or arrays that broadcast.
-    """
+    """R_C(x, y), x ≥ 0; the principal value where y < 0 (DLMF 19.2.17–19.2.20)."""
     x, y = broadcast(x, y)
     with np.errstate(all="ignore"):
         factor = np.where(y < 0, np.sqrt(x / (x - y)), 1.0)
@@ -104,11 +92,7 @@ def carlson_rc(x: Numbers, y: Numbers) -> Doubles:
 
 
 def carlson_rd(x: Numbers, y: Numbers, z: Numbers) -> Doubles:
-    """R_D(x, y, z), x, y ≥ 0 and not both zero, z > 0 (Carlson 1995, (2.29)–(2.35)).
-
-    Args:
-        x, y, z: numbers or arrays that broadcast.
-    """
+    """R_D(x, y, z), x, y ≥ 0 and not both zero, z > 0 (Carlson 1995, (2.29)–(2.35))."""
     x, y, z = broadcast(x, y, z)
     with np.errstate(all="ignore"):
         (x, y, z), A, weight, total = duplicated(
@@ -120,11 +104,7 @@ def carlson_rd(x: Numbers, y: Numbers, z: Numbers) -> Doubles:
 
 
 def carlson_rj(x: Numbers, y: Numbers, z: Numbers, p: Numbers) -> Doubles:
-    """R_J(x, y, z, p), x, y, z ≥ 0 and at most one zero (Carlson 1995, (2.17)–(2.26)); p < 0 by DLMF 19.20.14.
-
-    Args:
-        x, y, z, p: numbers or arrays that broadcast.
-    """
+    """R_J(x, y, z, p), x, y, z ≥ 0 and at most one zero (Carlson 1995, (2.17)–(2.26)); p < 0 by DLMF 19.20.14."""
     x, y, z, p = broadcast(x, y, z, p)
     if not (p < 0).any():
         return _rj(x, y, z, p)

@@ -170,11 +170,7 @@ class Disks:
         return Disk(centre, x.radius + _UNIT * np.abs(centre))
 
     def times(self, x: Disk, by: complex) -> Disk:
-        """Return by·x.
-
-        Args:
-            by: the number.
-        """
+        """Return by·x."""
         return Disk(by * x.centre, abs(by) * x.radius + _UNIT * np.abs(by * x.centre))
 
 

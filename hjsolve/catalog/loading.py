@@ -155,11 +155,7 @@ def from_table(table: Toml, *, source: str = "system") -> System:
 
 
 def entry_of(system: System) -> Entry | None:
-    """Give the entry a system was loaded from; None where it has none or was changed since.
-
-    Args:
-        system: any system.
-    """
+    """Give the entry a system was loaded from; None where it has none or was changed since."""
     if not system.id or system.id not in ids():
         return None
     entry = describe(system.id)
@@ -168,9 +164,6 @@ def entry_of(system: System) -> Entry | None:
 
 def table_of(system: System) -> TomlTable:
     """Give a system as the table ``[system]`` that ``from_table`` reads back.
-
-    Args:
-        system: any system.
 
     Example:
         >>> from_table(table_of(load("kepler-planar"))) == load("kepler-planar")

@@ -71,11 +71,7 @@ class Tally:
         self.add(done)
 
     def add(self, more: int) -> None:
-        """Count orbits that were added, and tell.
-
-        Args:
-            more: how many.
-        """
+        """Count orbits that were added, and tell."""
         with self._lock:
             self._done += more
             self.tell()

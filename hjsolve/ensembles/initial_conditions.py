@@ -189,11 +189,7 @@ def _common_shape(arrays: Mapping[tuple[str, str], Any]) -> tuple[int, ...]:
 
 
 def is_dask(value: Any) -> bool:
-    """Return whether something is a dask array.
-
-    Args:
-        value: anything.
-    """
+    """Return whether something is a dask array."""
     return hasattr(value, "dask") and hasattr(value, "map_blocks")
 
 

@@ -57,11 +57,7 @@ class Enclosed:
 
 
 def work_bits(digits: int) -> int:
-    """Return the precision to begin with; two words for 15 digits.
-
-    Args:
-        digits: decimal digits asked.
-    """
+    """Return the precision to begin with; two words for 15 digits."""
     return bits_for(digits, 79)
 
 
@@ -175,11 +171,7 @@ def rounded(
 
 
 def exact_ball(value: sp.Expr) -> flint.arb:
-    """Enclose an exact number at the current precision.
-
-    Args:
-        value: exact number of sympy.
-    """
+    """Enclose an exact number at the current precision."""
     if value.is_Rational:
         return Balls().rational(int(value.p), int(value.q))
     return lower([value], []).run(Balls(), [])[0]

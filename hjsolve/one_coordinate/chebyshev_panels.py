@@ -54,11 +54,7 @@ class EndMap:
     pole: int = 0
 
     def last(self, context: Context) -> Mpf | None:
-        """Return the greatest y, None where there is none.
-
-        Args:
-            context: of mpmath.
-        """
+        """Return the greatest y, None where there is none."""
         if self.end == "kink":
             return context.mpf(1)
         if self.end != "boundary":
@@ -70,11 +66,7 @@ class EndMap:
         return replace(self, start=float(self.start), length=float(self.length))  # type: ignore[arg-type]
 
     def parameter(self, q: Mpf) -> Mpf | None:
-        """Return y of a place; None where the branch does not pass it.
-
-        Args:
-            q: the place.
-        """
+        """Return y of a place; None where the branch does not pass it."""
         x, context = self.side * (q - self.start) / self.length, q.context
         if x < 0 or (self.end == "kink" and x > 1) or (self.end not in {"infinity", "kink"} and x >= 1):
             return None

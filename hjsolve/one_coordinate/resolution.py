@@ -67,11 +67,7 @@ class Strip(NamedTuple):
     growth: float
 
     def nodes(self, digits: int) -> int:
-        """Return the nodes, for half a turn, that leave less than 10^−(digits + 1) of the size.
-
-        Args:
-            digits: decimal digits asked.
-        """
+        """Return the nodes, for half a turn, that leave less than 10^−(digits + 1) of the size."""
         wanted = (digits + 1) * math.log(10) + self.growth + math.log(4 / -math.expm1(-self.width))
         return math.ceil(wanted / self.width)
 

@@ -74,11 +74,7 @@ class SameConstants(Shown):
 
     # -------------------------------------------------------------------------------------------- wavefronts
     def levels(self, count: int) -> Reals:
-        """Choose values of W at equal steps, over one turn of a coordinate that goes round, else over the family.
-
-        Args:
-            count: how many.
-        """
+        """Choose values of W at equal steps, over one turn of a coordinate that goes round, else over the family."""
         (low, high) = (s.gained(np.array([s.low, s.high]))[0] for s in (self.first, self.second))
         if turn := self.second.turn:
             return turn * np.arange(count) / count

@@ -204,9 +204,6 @@ def solved(scene: Question) -> Solution | None:
 def first_arguments(scene: Question) -> dict[str, Any]:
     """Return the arguments of the first motion, as the scene gives them.
 
-    Args:
-        scene: with initial data and parameters.
-
     Returns:
         Keywords of ``Solution.motion``.
     """

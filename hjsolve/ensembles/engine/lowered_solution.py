@@ -115,12 +115,7 @@ def next_to_poles(solution: Solution) -> Solution | None:
 
 
 def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Model:
-    """Lower a solution.
-
-    Args:
-        solution: of the system.
-        values: every parameter → exact number.
-    """
+    """Lower a solution."""
     system = solution.system
     parameters = [p.symbol for p in system.parameters]
     constants = [c.symbol for c in solution.constants.values()]

@@ -87,12 +87,7 @@ class FoundStates:
 
 
 def states_of(task: InverseTask) -> FoundStates:
-    """Return the states of n orbits.
-
-    Args:
-        task: what is wanted.
-
-    """
+    """Return the states of n orbits."""
     found = _none(task)
     finite = np.isfinite(task.actions).all(axis=0) & np.isfinite(task.angles).all(axis=0)
     found.status[~finite] = Status.NOT_FINITE

@@ -354,12 +354,7 @@ def shift_slopes(
 
 
 def shift_tape(solution: Solution, variables: VariedSymbols) -> Tape | None:
-    """Return the formulas of all derivatives of the shift; None where no momentum is shifted.
-
-    Args:
-        solution: what is solved.
-        variables: what is varied.
-    """
+    """Return the formulas of all derivatives of the shift; None where no momentum is shifted."""
     if all(A == 0 for A in solution.shift.values()):
         return None
     system = solution.system

@@ -84,11 +84,7 @@ def _box(expression: sp.Basic) -> Box:
 
 
 def constants_outside(expression: sp.Basic) -> sp.Basic:
-    """Take constant factors and signs out of integrals, for reading; the value stays the same.
-
-    Args:
-        expression: any sympy object.
-    """
+    """Take constant factors and signs out of integrals, for reading; the value stays the same."""
     return expression.replace(lambda e: isinstance(e, sp.Integral), _outside)
 
 
