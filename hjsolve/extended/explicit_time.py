@@ -123,11 +123,7 @@ class QuadraticMotion(Shown):
         return found
 
     def at(self, t: object) -> State:
-        """Return the state at a time or at an array of times; as ``Motion.at``, angles not counted in turns.
-
-        Args:
-            t: a time or an array of times.
-        """
+        """Return the state at a time or at an array of times; as ``Motion.at``, angles not counted in turns."""
         shape, times = exact_numbers(t, "t")
         found, bounds = self.flow.integrate([list(self.start)], self.t0, times, max(self.digits, 15))
         n = len(self.system.coordinates)

@@ -126,20 +126,7 @@ def start_on_level(
     problem: NonlinearInMomentum, *, q: Mapping[str, object], velocity: Mapping[str, object] | None,
     p: Mapping[str, object] | None, parameters: Mapping[str, object], t0: object, digits: int,
 ) -> LevelMotion:  # fmt: skip
-    """Start a motion; see ``GeneralHamiltonian.motion``.
-
-    Args:
-        problem: H(q, p) of one coordinate.
-        q, p: numbers by name of the coordinate.
-        velocity: refused here, for several p may have the same velocity; None.
-        parameters: numbers by name.
-        t0: time of the initial data.
-        digits: relative digits wanted.
-
-    Raises:
-        InvalidInputError: a velocity, no p, q outside its domain, or H that is not a real number there.
-        MissingValueError: q or p is not given for this coordinate alone, or a parameter has no value.
-    """
+    """Start a motion; see ``GeneralHamiltonian.motion``."""
     coordinate, digits = problem.coordinate, arguments.digits(digits)
     name = coordinate.name
     if velocity is not None or p is None:

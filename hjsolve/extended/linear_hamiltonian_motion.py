@@ -159,20 +159,7 @@ def start_linear_motion(
     problem: LinearInMomentum, *, q: Mapping[str, object], velocity: Mapping[str, object] | None,
     p: Mapping[str, object] | None, parameters: Mapping[str, object], t0: object, digits: int,
 ) -> LinearMotion:  # fmt: skip
-    """Start a motion; see ``LinearHamiltonian.motion``.
-
-    Args:
-        problem: H = a(q) p + b(q).
-        q, p: numbers by name of the coordinate.
-        velocity: refused here, for dq/dt = a(q) does not say what p is; None.
-        parameters: numbers by name.
-        t0: time of the initial data.
-        digits: relative digits wanted.
-
-    Raises:
-        InvalidInputError: no momentum, or digits out of range.
-        MissingValueError: a number is missing.
-    """
+    """Start a motion; see ``LinearHamiltonian.motion``."""
     name = problem.coordinate.name
     if velocity is not None or p is None:
         raise InvalidInputError(f"initial data: give p={{{name!r}: …}}; dq/dt = a(q) says nothing about p here")

@@ -84,12 +84,7 @@ class AsItStands:
     points: BoundTape[Complexes]
 
     def over(self, q: Disk, *_: Disk | None) -> tuple[Disk, int]:
-        """Enclose R over disks, as ``Deflated.over`` does; one method gives it.
-
-        Args:
-            q: disks, shape (m,).
-            *_: for q − a and q − b, which a rotation has not.
-        """
+        """Enclose R over disks, as ``Deflated.over`` does; one method gives it."""
         return self.disks.run(q)[0], 0
 
     def at(self, q: Complexes, *_: Complexes | Integers | int | None) -> Complexes:

@@ -326,12 +326,7 @@ def integral_at(course: CoordinateMotion, j: int, χ: Mpf | int) -> float:
 
 
 def integral_at_start(course: CoordinateMotion, j: int) -> float:
-    """Return Gⱼ in doubles at the start, as ``integral_at``.
-
-    Args:
-        course: the coordinate.
-        j: position of the constant.
-    """
+    """Return Gⱼ in doubles at the start, as ``integral_at``."""
     return integral_at(course, j, course.start)
 
 
