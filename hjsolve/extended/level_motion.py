@@ -26,7 +26,7 @@ from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import InBits, complete_numbers, number_is_zero, to_bits, values_of
 from hjsolve.motion.shapes import gathered
-from hjsolve.motion.state import Errors, State
+from hjsolve.motion.state import Errors, KnownErrors, State
 from hjsolve.motion.times import exact_numbers, whole_numbers
 from hjsolve.one_coordinate.level_curve import Curve, Orbit, followed
 
@@ -78,13 +78,11 @@ class LevelMotion(Shown):
         rows = [self._state(time) for time in times]
         columns = list(zip(*rows, strict=True)) or [()] * 7
         q, p, v, turns, *errors = (gathered(column, shape) for column in columns)
+        bounds = Errors(*({name: error} for error in errors))
         counts = {name: turns} if self.problem.coordinate.domain.kind == "angle" else {}
 
-        def bounds() -> Errors:
-            return Errors(*({name: error} for error in errors))
-
         status = np.full(shape, "ok") if shape else "ok"
-        return State(t, {name: q}, {name: p}, {name: v}, counts, status, bounds)
+        return State(t, {name: q}, {name: p}, {name: v}, counts, status, KnownErrors(bounds))
 
     def _state(self, t: sp.Expr) -> tuple[object, ...]:
         """(q, p, q̇, turns, errors of the first three)."""
