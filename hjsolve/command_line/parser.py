@@ -204,7 +204,9 @@ def _add_impact(kinds: _Commands) -> None:
 
 
 def _of_argument(command: argparse.ArgumentParser) -> None:
-    _many(command, "--of", "FORMULA", "a function, e.g. p_theta or H (repeat)")
+    command.add_argument(
+        "--of", action="append", default=[], metavar="FORMULA", help="a function, e.g. p_theta or H (repeat)"
+    )
 
 
 def _json_argument(command: argparse.ArgumentParser) -> None:
@@ -421,8 +423,20 @@ def _system_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("system", nargs="?", metavar="SYSTEM", help="catalog id, or .toml file of an entry or a scene")
     _many(command, "--effect", "NAME", "switch on an effect of the entry (repeat)")
     own = command.add_argument_group("a system of your own")
-    _many(own, "--coordinate", '"NAME: DOMAIN"', 'e.g. "x: line", "theta: angle", "r: 0 < r", "x: -a < x < a" (repeat)')
-    _many(own, "--function", '"NAME(COORDINATE)"', 'a function that T or V leaves undetermined, e.g. "v1(r)" (repeat)')
+    own.add_argument(
+        "--coordinate",
+        action="append",
+        default=[],
+        metavar='"NAME: DOMAIN"',
+        help='e.g. "x: line", "theta: angle", "r: 0 < r", "x: -a < x < a" (repeat)',
+    )
+    own.add_argument(
+        "--function",
+        action="append",
+        default=[],
+        metavar='"NAME(COORDINATE)"',
+        help='a function that T or V leaves undetermined, e.g. "v1(r)" (repeat)',
+    )
     own.add_argument("-T", "--kinetic", metavar="FORMULA", help="kinetic energy, e.g. m/2*dot(x)**2")
     own.add_argument("-V", "--potential", metavar="FORMULA", help="potential energy (default 0)")
     own.add_argument(

@@ -146,16 +146,25 @@ class _OnSurface:
 
     def sharpened(self, time: Mpf) -> Mpf:
         """Newton's method on g(q(t)) = 0, q from the motion in all its digits."""
-        plain = Multi(bits_of(self._motion.digits))
-
-        def height(state: State) -> tuple[Mpf, Mpf]:
-            context = plain.context
+        digits = self._motion.digits
+        bits = bits_of(digits)
+        context, last = multiprecision(bits), multiprecision(bits).inf
+        goal = context.mpf(10) ** (5 - digits)
+        for _ in range(12):
+            state = self._motion.at(time)
             places = [context.convert(state.unwrapped(name)) for name in self._names]
-            rates = [context.convert(state.velocity[name]) for name in self._names]
-            speed = context.fdot(zip(self._slopes.run(plain, places), rates, strict=True))
-            return self._value.run(plain, places)[0], speed
-
-        return _passed(self._motion, time, height, "the motion touches the surface and does not pass it")
+            speed = context.fdot(
+                zip(self._slopes.run(Multi(bits), places), [context.convert(state.velocity[n]) for n in self._names],
+                    strict=True)
+            )  # fmt: skip
+            if not speed:
+                break
+            step = self._value.run(Multi(bits), places)[0] / speed
+            time -= step
+            if abs(step) <= goal * max(1, abs(time)) or (abs(step) >= last and abs(step) <= 1000 * goal):
+                return time
+            last = abs(step)
+        raise NotConvergedError("the motion touches the surface and does not pass it; the event has no definite time")
 
 
 def _paces(motion: Motion, start: float, horizon: float | None) -> Iterator[Reals]:
@@ -201,29 +210,20 @@ def sharpened(motion: Motion, name: str, value: sp.Expr, time: Mpf) -> Mpf:
     context = multiprecision(bits)
     target, turn = to_bits(value)(bits), 2 * context.pi
     turning = motion.solution.system.coordinate(name).domain.kind == "angle"
-
-    def distance(state: State) -> tuple[Mpf, Mpf]:
-        off = context.convert(state.q[name]) - target
-        off -= turn * context.nint(off / turn) if turning else 0
-        return off, context.convert(state.velocity[name])
-
-    return _passed(motion, time, distance, f"{name} touches {float(target):.12g} and does not pass")
-
-
-def _passed(motion: Motion, time: Mpf, off: Callable[[State], tuple[Mpf, Mpf]], touching: str) -> Mpf:
-    """Newton's method on what is zero at a passage, from its value and rate in a state of the motion."""
-    context = multiprecision(bits_of(motion.digits))
     goal, last = context.mpf(10) ** (5 - motion.digits), context.inf
     for _ in range(12):
-        value, rate = off(motion.at(time))
-        if not rate:
+        state = motion.at(time)
+        off = context.convert(state.q[name]) - target
+        off -= turn * context.nint(off / turn) if turning else 0
+        speed = context.convert(state.velocity[name])
+        if not speed:
             break
-        step = value / rate
+        step = off / speed
         time -= step
         if abs(step) <= goal * max(1, abs(time)) or (abs(step) >= last and abs(step) <= 1000 * goal):
             return time
         last = abs(step)
-    raise NotConvergedError(f"{touching}; the event has no definite time")
+    raise NotConvergedError(f"{name} touches {float(target):.12g} and does not pass; the event has no definite time")
 
 
 def restart(motion: Motion) -> dict[str, Any]:

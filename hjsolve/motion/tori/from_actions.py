@@ -34,6 +34,7 @@ from hjsolve.solution.quadratures import Solution
 from hjsolve.time_law.torus import torus_equations
 
 Values = Mapping[str, object]
+_KINDS = ("libration", "rotation", "equilibrium")
 
 
 @dataclass(frozen=True)
@@ -147,7 +148,7 @@ def motion_on_torus(
         values = {**asked.values, **{c.symbol: θ[c.name] for c in solution.system.coordinates}}
         initial = Initial(values, asked.constants, asked.exact)
         return started(solution, initial, exact_t0, digits, parts, certified=certified)
-    kinds = kinds_given(solution, kinds or {}, ("libration", "rotation", "equilibrium"))
+    kinds = kinds_given(solution, kinds or {}, _KINDS)
     left = _left(solution, asked.curves, list(candidates_of(asked, kinds)), (q or {}, kinds))
     tori = tori_of(asked, left)
     if not tori:
