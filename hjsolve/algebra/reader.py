@@ -268,12 +268,7 @@ class Reader:
     # derivatives and writing -----------------------------------------------------------------------------------------
 
     def diff(self, x: Element, symbol: sp.Symbol) -> Element:
-        """∂x/∂symbol.
-
-        Args:
-            x: an element.
-            symbol: a coordinate or parameter.
-        """
+        """∂x/∂symbol."""
         return self.field.total(self.diff_terms(x, symbol))
 
     def diff_terms(self, x: Element, symbol: sp.Symbol) -> list[Element]:
@@ -281,7 +276,6 @@ class Reader:
 
         Args:
             x: an element of the field.
-            symbol: what to differentiate by.
         """
         field = self.field
         slope = self._poly_diff(x.numerator, symbol)
@@ -296,21 +290,11 @@ class Reader:
         return terms
 
     def log_diff(self, x: Element, symbol: sp.Symbol) -> Element:
-        """∂ ln x/∂symbol: only the factors that hold the symbol enter.
-
-        Args:
-            x: an element that is not zero.
-            symbol: what to differentiate by.
-        """
+        """∂ ln x/∂symbol: only the factors that hold the symbol enter."""
         return self.field.total(self.log_diff_terms(x, symbol))
 
     def log_diff_terms(self, x: Element, symbol: sp.Symbol) -> list[Element]:
-        """∂ ln x/∂symbol as a sum that is left as it is.
-
-        Args:
-            x: an element that is not zero.
-            symbol: what to differentiate by.
-        """
+        """∂ ln x/∂symbol as a sum that is left as it is."""
         field = self.field
         terms = []
         for b, e in field.factored(x).factors.items():
@@ -333,7 +317,6 @@ class Reader:
 
         Args:
             k: the index of a generator of the field.
-            symbol: what to differentiate by.
         """
         if (k, symbol) not in self._derivatives:
             atom = self.field.generators[k].atom

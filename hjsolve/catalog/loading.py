@@ -2,6 +2,8 @@
 
 An entry is one TOML file (catalog/README.md). Loading checks it once and gives frozen values; a user's own file and an
 inline ``[system]`` table are read in the same way.
+
+``where`` is the place of a table in its file, for messages.
 """
 
 from __future__ import annotations
@@ -374,7 +376,6 @@ def motion_faults(where: str, data: Toml, names: list[str], declared: list[str])
     """Yield initial data: every coordinate once, velocity or p, numbers that parse, kinds that are known.
 
     Args:
-        where: place of the table in its file, for the messages.
         data: the table of one motion.
         names: of the coordinates.
         declared: names of the parameters.
@@ -400,7 +401,6 @@ def reference_faults(reference: Toml, where: str, names: list[str], motions: set
 
     Args:
         reference: the table of one reference value.
-        where: place of the table in its file, for the messages.
         names: of the coordinates.
         motions: names of the motions of the entry.
     """

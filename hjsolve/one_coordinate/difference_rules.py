@@ -75,8 +75,6 @@ class DifferenceRules(ABC, Generic[N]):
         """Return Φ[x, y].
 
         Args:
-            name: of Φ.
-            x, y: two values.
             at_x, at_y: Φ of them.
         """
 
@@ -85,8 +83,6 @@ class DifferenceRules(ABC, Generic[N]):
         """Return Φ[a, b, q] from Φ[a, b], Φ[a, q] and Φ[b, q].
 
         Args:
-            name: of Φ.
-            places: the values a, b and q.
             chord, near_a, near_b: Φ[a, b], Φ[a, q] and Φ[b, q].
         """
 
