@@ -9,9 +9,10 @@ each of its derivatives.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from fractions import Fraction
 from functools import cache
+from math import gcd
 
 import sympy as sp
 
@@ -20,7 +21,6 @@ from hjsolve.algebra.constants import constant_is_zero
 from hjsolve.algebra.elementary import INVERSE_CIRCULAR, INVERSE_HYPERBOLIC, at_one_place, circular_pair, composed
 from hjsolve.algebra.field import MAX_POWER, Element, Field, Generator, RootRelation
 from hjsolve.algebra.intervals import NoEnclosureError, enclose
-from hjsolve.algebra.linear_arguments import is_shifted, rational_gcd, rational_multiples
 from hjsolve.algebra.logarithms import Logarithms
 from hjsolve.algebra.poly import Budget, Poly, WorkLimitError
 from hjsolve.algebra.relations import dependent
@@ -371,3 +371,28 @@ _HANDLERS: dict[object, Callable[[Reader, sp.Expr], Element]] = {
     sp.acos: lambda reader, x: (reader.element(sp.pi) / 2) - reader.element(sp.asin(x)),
     sp.sign: lambda reader, x: reader.element(x) / reader.element(sp.Abs(x)),
 }
+
+
+def is_shifted(argument: sp.Expr, coordinates: Collection[sp.Symbol]) -> bool:
+    """Tell whether an argument is that of one coordinate, moved by something that holds none."""
+    parts = [part.free_symbols.intersection(coordinates) for part in sp.Add.make_args(sp.expand(argument))]
+    return len(parts) > 1 and not all(parts) and len(set().union(*parts)) == 1
+
+
+def rational_multiples(x: sp.Expr) -> list[tuple[sp.Expr, Fraction]]:
+    """Return an expression as Σ coefficient · monomial with rational coefficients.
+
+    Args:
+        x: an argument of a function, or an exponent.
+    """
+    pairs = sp.expand(x).as_coefficients_dict().items()
+    return [(m, Fraction(int(c.p), int(c.q))) for m, c in pairs if c.is_Rational and c != 0]
+
+
+def rational_gcd(a: Fraction, b: Fraction) -> Fraction:
+    """Return the greatest rational number of which both are integer multiples.
+
+    Args:
+        a, b: not both zero.
+    """
+    return Fraction(gcd(a.numerator * b.denominator, b.numerator * a.denominator), a.denominator * b.denominator)

@@ -144,7 +144,7 @@ def action_command(options: Namespace) -> int:
     Raises:
         InvalidInputError: no path, or no times.
     """
-    from hjsolve.reports.sections.integrals_of_paths import action_section
+    from hjsolve.reports.sections.theorem import action_section
     from hjsolve.theorem.action_along_path import action_integral
 
     first, colon, last = (options.between or "").partition(":")
@@ -166,7 +166,7 @@ def loop_command(options: Namespace) -> int:
     """
     from hjsolve.command_line.motion_tables import times_from_text
     from hjsolve.mechanics.typed_texts import typed_values
-    from hjsolve.reports.sections.integrals_of_paths import loop_section
+    from hjsolve.reports.sections.theorem import loop_section
     from hjsolve.solution.quadratures import solve
     from hjsolve.theorem.loop_integrals import loop_integral
 

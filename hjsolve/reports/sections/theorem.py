@@ -25,12 +25,14 @@ from hjsolve.reports.document import (
 from hjsolve.reports.formulas.from_sympy import box
 from hjsolve.reports.formulas.layout import Box, Glyph, Script
 from hjsolve.reports.formulas.names import name_box
-from hjsolve.reports.sections.rounded_numbers import quantity
+from hjsolve.reports.sections.rounded_numbers import bound, quantity
 from hjsolve.reports.sections.system_and_verdict import equation, formula, math
 from hjsolve.separation import Undecided
+from hjsolve.theorem.action_along_path import PathAction
 from hjsolve.theorem.answers import Flaw, Proof
 from hjsolve.theorem.canonical_maps import CanonicalMap
 from hjsolve.theorem.complete_integral import CompleteIntegral
+from hjsolve.theorem.loop_integrals import LoopIntegral
 from hjsolve.theorem.own_motion import OwnMotion
 
 _FUNCTIONS = ("F1", "F2", "F3", "F4")
@@ -211,6 +213,34 @@ def _witness(point: Mapping[str, object], lower: sp.Expr, upper: sp.Expr) -> Tex
     place = ", ".join(f"{name} = {value}" for name, value in point.items())
     where = f"at {place} " if place else ""
     return (f"A witness: {where}its value lies between {float(lower):.9g} and {float(upper):.9g}.",)
+
+
+def action_section(found: PathAction) -> Section:
+    """Write down the Lagrangian along a path, and its integral."""
+    start, stop = found.between
+    blocks: list[Block] = [
+        Paragraph(("Along the path",)),
+        *(formula(name_box(name), f) for name, f in found.path.items()),
+        Paragraph(("the Lagrangian is",)),
+        formula(Glyph("L"), found.lagrangian),
+        Paragraph((
+            "Its integral over the time from ", math(start), " to ", math(stop), " (4-2) is ",
+            quantity(found.value), ".",
+        )),
+    ]  # fmt: skip
+    return Section("action", "The action of the path", tuple(blocks))
+
+
+def loop_section(found: LoopIntegral) -> Section:
+    """Write down the integral of p dq along a closed curve at several times."""
+    rows: list[tuple[Text, ...]] = [
+        ((f"{t:.10g}",), (Number(f"{x:.16g}"),), (bound(float(e)),))
+        for t, x, e in zip(found.times, found.value, found.error, strict=True)
+    ]
+    words = "They agree within their errors." if found else "They do not agree within their errors."
+    caption = f"Poincaré's invariant, by {found.points} motions (6-396)"
+    table = Table((("t",), ("∮ ∑p dq",), ("Error",)), tuple(rows), caption)
+    return Section("loop", "The loop integral", (table, Paragraph((words,))))
 
 
 __all__ = [
