@@ -232,9 +232,3 @@ def described(value: object) -> str:
     """Return a value as a message shows it: itself where that is short, else its kind."""
     plain, shown = isinstance(value, (str, bytes, int, float, complex, type(None))), repr(value)
     return shown if plain and len(shown) < 40 else f"a value of type {type(value).__name__}"
-
-
-__all__ = [
-    "MOST_DIGITS", "ascii_name", "by_name", "described", "digits", "refuse_other", "refuse_unused", "seconds", "table",
-    "whole", "with_known_names", "words",
-]  # fmt: skip

@@ -218,9 +218,3 @@ def cut(text: str, room: int) -> str:
         room: letters it may have.
     """
     return text if len(text) <= room else text[: max(room - 2, 0)] + " …"
-
-
-__all__ = [
-    "MOST_LINES", "WIDEST", "Shown", "ShownMotion", "ShownSolution", "as_call", "as_text", "brief", "cut", "fields_of",
-    "listed_names",
-]  # fmt: skip

@@ -195,6 +195,3 @@ def is_dask(value: Any) -> bool:
 
 def _kind(value: Any) -> str:
     return f"a {type(value).__name__}"
-
-
-__all__ = ["InitialConditions", "arrays_of", "conditions", "is_dask"]

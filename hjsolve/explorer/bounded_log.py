@@ -55,6 +55,3 @@ def bound_logs(names: Iterable[str] = LOGGERS) -> BoundedLog:
     for name in names:
         logging.getLogger(name).addFilter(bounded)
     return bounded
-
-
-__all__ = ["LOGGERS", "MOST_MESSAGES", "BoundedLog", "bound_logs"]

@@ -256,6 +256,3 @@ def _quadratic_motion(
     nowhere = {x: 0 for c in system.coordinates for x in (c.symbol, c.momentum)}
     rest = hamiltonian(system).subs(nowhere).subs(fixed)
     return QuadraticMotion(system, numbers, tuple(map(sp.sympify, z)), start, digits, rest)
-
-
-__all__ = ["QuadraticMotion", "SolutionInTime", "solve_in_time"]

@@ -211,6 +211,3 @@ def _numbers(name: str, orbit: Orbit | None, E: Mpf, digits: int, bits: int) -> 
         {name: estimate(J * (orbit.turns or 1), blur)}, {name: estimate(T, off)},
         {name: estimate(rate, 2 * rate * off / T)},
     )  # fmt: skip
-
-
-__all__ = ["LevelMotion", "start_on_level"]

@@ -260,6 +260,3 @@ def _prepared(flow: LinearFlow, start: list[sp.Expr], bits: int) -> LinearPath:
         sizes.append((norms, [_size(r) for r in residuals]))
         total = total + v[0]
     return LinearPath(terms, sizes, _size(total), max(abs(x) for x in z), context)
-
-
-__all__ = ["Factor", "LinearFlow", "LinearPath", "affine", "flow_of", "path_of"]

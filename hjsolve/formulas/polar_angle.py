@@ -57,6 +57,3 @@ def _is_trigonometric_of_angle(node: sp.Basic) -> bool:
 def _arc_tangent(y: sp.Expr, x: sp.Expr) -> sp.Expr:
     known = angle_of_point(y, x)
     return 2 * sp.atan(y / (x + sp.sqrt(x**2 + y**2))) if known.has(sp.atan2) else known
-
-
-__all__ = ["MAX_MULTIPLE", "angle_of_point", "largest_multiple", "without_polar_angles"]

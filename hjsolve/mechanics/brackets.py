@@ -24,6 +24,3 @@ def bracket(u: sp.Expr, v: sp.Expr, pairs: Pairs) -> sp.Expr:
         pairs: the symbols (q, p) of every coordinate.
     """
     return sp.Add(*(u.diff(q) * v.diff(p) - u.diff(p) * v.diff(q) for q, p in pairs))
-
-
-__all__ = ["Pairs", "bracket", "conjugate_pairs"]

@@ -304,9 +304,3 @@ def written(powers: Powers) -> str:
     below = [factor(text, -power) for text, power in powers.items() if power < 0]
     divisor = f"({'*'.join(below)})" if len(below) > 1 else "".join(below)
     return "/".join(part for part in ("*".join(above) or "1", divisor) if part)
-
-
-__all__ = [
-    "ENERGY", "PURE", "Exponents", "Posed", "UnitTable", "Units", "check_units", "names_and_units", "read_units",
-    "unit_table", "written",
-]  # fmt: skip

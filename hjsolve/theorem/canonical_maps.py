@@ -244,6 +244,3 @@ def read_variables(
         Variables(coordinates), hamiltonian, tuple((c.symbol, c.momentum) for c in coordinates), {},
         symbols | constants, tuple(constants.values()), TIME, bounds | ranges,
     )  # fmt: skip
-
-
-__all__ = ["CanonicalMap", "canonical"]

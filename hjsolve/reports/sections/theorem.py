@@ -241,9 +241,3 @@ def loop_section(found: LoopIntegral) -> Section:
     caption = f"Poincaré's invariant, by {found.points} motions (6-396)"
     table = Table((("t",), ("∮ ∑p dq",), ("Error",)), tuple(rows), caption)
     return Section("loop", "The loop integral", (table, Paragraph((words,))))
-
-
-__all__ = [
-    "brackets_section", "canonical_section", "complete_integral_section", "flaw_section", "integrals_section",
-    "own_coordinates_section", "own_motion_section", "theorem_answer", "theorem_section", "undecided_section",
-]  # fmt: skip
