@@ -14,14 +14,7 @@ import mpmath
 import sympy as sp
 from mpmath import libmp
 
-from hjsolve.separation.zero_test.interval_evaluation import (
-    Interval,
-    NoEnclosureError,
-    Walk,
-    enclose_inverse,
-    finite,
-    rational,
-)
+from hjsolve.algebra.intervals import Interval, NoEnclosureError, Walk, enclose_inverse, finite, rational
 
 Slope: TypeAlias = Interval | None
 Jet: TypeAlias = tuple[Interval, Slope, Slope, Slope]
