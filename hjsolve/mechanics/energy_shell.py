@@ -319,11 +319,7 @@ def _curl(coordinates: tuple[Coordinate, ...], shift: list[Element], reader: Rea
 
 
 def _reduction_steps(
-    system: System,
-    ignorable: tuple[Coordinate, ...],
-    lagrangian: _Lagrangian,
-    eliminated: Eliminated,
-    reader: Reader,
+    system: System, ignorable: tuple[Coordinate, ...], lagrangian: _Lagrangian, eliminated: Eliminated, reader: Reader
 ) -> tuple[ReductionStep, ...]:
     steps = []
     if ignorable:

@@ -42,11 +42,7 @@ _BLOCK = 32_768
 
 
 def tabulated_state(
-    motion: SeparatedMotion,
-    t: object,
-    floats: Reals | None,
-    exact: Sequence[InBits],
-    shape: tuple[int, ...] | None,
+    motion: SeparatedMotion, t: object, floats: Reals | None, exact: Sequence[InBits], shape: tuple[int, ...] | None
 ) -> State | None:
     """Return the state at times; None where no table serves.
 

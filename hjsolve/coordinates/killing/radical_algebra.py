@@ -25,13 +25,7 @@ from sympy.polys.rings import PolyElement
 
 from hjsolve.algebra.shared_parts import holds, parts
 from hjsolve.algebra.time_limit import check_time
-from hjsolve.coordinates.killing.constant_field import (
-    FieldElement,
-    Ground,
-    Rows,
-    ground_field,
-    numerator_alone,
-)
+from hjsolve.coordinates.killing.constant_field import FieldElement, Ground, Rows, ground_field, numerator_alone
 from hjsolve.errors import InvalidSystemError
 
 Key = tuple[tuple[int, int, int], ...]

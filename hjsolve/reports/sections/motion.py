@@ -20,18 +20,7 @@ from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.motion.motion import Motion
 from hjsolve.precision import mp
-from hjsolve.reports.document import (
-    Block,
-    Figure,
-    Figures,
-    Inline,
-    Mathematics,
-    Note,
-    Paragraph,
-    Section,
-    Table,
-    Text,
-)
+from hjsolve.reports.document import Block, Figure, Figures, Inline, Mathematics, Note, Paragraph, Section, Table, Text
 from hjsolve.reports.drawings import orbit_paths
 from hjsolve.reports.drawings.effective_potential import Array, effective_potential_of, exact_values_of
 from hjsolve.reports.drawings.motion_figures import effective_potential, phase_portrait, potential_name

@@ -7,17 +7,7 @@ from collections.abc import Mapping
 import sympy as sp
 
 from hjsolve.arithmetic.printed_digits import shortest
-from hjsolve.reports.document import (
-    Block,
-    Formula,
-    Inline,
-    Mathematics,
-    Note,
-    Number,
-    Paragraph,
-    Section,
-    Text,
-)
+from hjsolve.reports.document import Block, Formula, Inline, Mathematics, Note, Number, Paragraph, Section, Text
 from hjsolve.reports.formulas.from_sympy import box
 from hjsolve.reports.formulas.layout import row
 from hjsolve.reports.formulas.line_breaks import display

@@ -162,12 +162,7 @@ class LeviCivitaConditions:
             return [mixed, [minus, log[j][i], log[i][j]]]
         if h == j:
             return [mixed, [minus, log[i][j], log[j][i]]]
-        return [
-            mixed,
-            [log[h][i], log[h][j]],
-            [minus, log[j][i], log[h][j]],
-            [minus, log[i][j], log[h][i]],
-        ]
+        return [mixed, [log[h][i], log[h][j]], [minus, log[j][i], log[h][j]], [minus, log[i][j], log[h][i]]]
 
     def of_potential(self, i: int, j: int) -> Products:
         """S_ij(U)."""
