@@ -109,7 +109,11 @@ def constraints(table: Toml) -> tuple[Constraint, ...]:
 
 
 def stated(table: Toml) -> Stated | None:
-    """Return the system as the literature states it, or None."""
+    """Return the system as the literature states it, or None.
+
+    Args:
+        table: of the entry.
+    """
     if "stated" not in table:
         return None
     return Stated(**{**table["stated"], "coordinates": tuple(table["stated"].get("coordinates", ()))})
@@ -133,3 +137,6 @@ def outside_faults(table: Toml) -> Iterator[str]:
         yield f'kinetic: T and V do not hold what is "{because}"; leave kinetic out, or refused_because'
     if "kinetic" in table and table.get("refused_because", {}).get("forces"):
         yield "refused_because.forces: T and V do not hold them; write an effect with the force, for scenes"
+
+
+__all__ = ["KEYS", "REFUSALS", "Constraint", "Refusal", "Stated", "constraints", "outside_faults", "refusal", "stated"]
