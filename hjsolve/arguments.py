@@ -2,6 +2,8 @@
 
 Values are checked where they are read (``formulas.read.number``, ``catalog.schema``); here is only what would otherwise
 end as an ``AttributeError`` or ``TypeError`` from deep inside.
+
+Here ``value`` is what came, and ``source`` what it is called in errors.
 """
 
 from __future__ import annotations
@@ -92,7 +94,6 @@ def refuse_other(value: object, kinds: type | tuple[type, ...], source: str, nee
     """Raise unless a value is of these kinds.
 
     Args:
-        value: what came.
         kinds: what it may be.
         source: the name of the argument, or of the function where it has only one.
         needed: what is needed, with what to write, e.g. "a System is needed, e.g. from catalog.load".
@@ -123,8 +124,6 @@ def table(value: object, source: str, example: str = '{"r": 1}') -> Mapping[str,
     """Return a table name → value, None counting as empty; Greek letters in names are spelled.
 
     Args:
-        value: what came.
-        source: what it is called in errors.
         example: what could be written instead, for the message.
 
     Raises:
@@ -143,8 +142,6 @@ def one_for_each(value: object, source: str, names: Sequence[str], example: str)
     """Return a table that has a formula for each of some names, and for nothing else.
 
     Args:
-        value: what came.
-        source: what it is called in errors.
         names: of coordinates.
         example: what could be written instead, for the message.
 
@@ -161,9 +158,6 @@ def ascii_name(name: Any) -> Any:
     """Return a name with its Greek letters spelled: ``θ1`` is theta1, ``p_φ`` is p_phi, ``λ`` is lam, ``Ω`` is Omega.
 
     Letters that have no such name are left as they are, and so is what is not text.
-
-    Args:
-        name: what came.
     """
     if not isinstance(name, str) or name.isascii():
         return name
@@ -182,8 +176,6 @@ def words(value: object, source: str, example: str) -> frozenset[str]:
     """One word or several.
 
     Args:
-        value: what came.
-        source: what it is called in errors.
         example: what could be written instead, for the message.
 
     Raises:
@@ -202,8 +194,6 @@ def whole(value: object, source: str, lowest: int | None = None, highest: int | 
     """Return a whole number; ``True`` is none.
 
     Args:
-        value: what came.
-        source: what it is called in errors.
         lowest, highest: bounds, both allowed; None for no bound.
 
     Raises:
@@ -218,9 +208,6 @@ def whole(value: object, source: str, lowest: int | None = None, highest: int | 
 def digits(value: object) -> int:
     """Return how many digits are asked.
 
-    Args:
-        value: what came.
-
     Raises:
         InvalidInputError: not a whole number from 1 to ``MOST_DIGITS``.
     """
@@ -229,10 +216,6 @@ def digits(value: object) -> int:
 
 def seconds(value: object, source: str) -> float:
     """Return a number of seconds, from 0 on; ``math.inf`` is one.
-
-    Args:
-        value: what came.
-        source: what it is called in errors.
 
     Raises:
         InvalidInputError: no number, negative, or NaN.
@@ -246,16 +229,6 @@ def seconds(value: object, source: str) -> float:
 
 
 def described(value: object) -> str:
-    """Return a value as a message shows it: itself where that is short, else its kind.
-
-    Args:
-        value: what came.
-    """
+    """Return a value as a message shows it: itself where that is short, else its kind."""
     plain, shown = isinstance(value, (str, bytes, int, float, complex, type(None))), repr(value)
     return shown if plain and len(shown) < 40 else f"a value of type {type(value).__name__}"
-
-
-__all__ = [
-    "MOST_DIGITS", "ascii_name", "by_name", "described", "digits", "refuse_other", "refuse_unused", "seconds", "table",
-    "whole", "with_known_names", "words",
-]  # fmt: skip

@@ -89,10 +89,6 @@ def recentred(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
 
     exp(−10⁶q² + 38·10⁵q − 361·10⁴) is narrow, but its terms are not: over an interval, or in doubles, nothing is known
     of their sum. (q − 19/10)² is known. Exponentials in a product become one, so that none of them overflows.
-
-    Args:
-        e: any formula.
-        q: symbol of the coordinate.
     """
     if not e.has(q) or e.is_Atom:
         return e
@@ -130,10 +126,6 @@ def over_one_denominator(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
     """Write a sum as one quotient where a sum in q is a denominator of all of its terms.
 
     Next to a zero of that denominator the terms are large and cancel: over an interval nothing is known of them.
-
-    Args:
-        e: any formula.
-        q: symbol of the coordinate.
     """
     terms = sp.Add.make_args(e)
     if len(terms) < 2 or not set.intersection(*(_denominators(term, q) for term in terms)):
@@ -301,10 +293,6 @@ def with_plain_exponents(e: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.
     """Write xᶜ with the number of c where xᶜ is then a power or a root.
 
     The tape of a power with a letter in the exponent goes by exp(c log x), of which all arithmetics know less.
-
-    Args:
-        e: any formula.
-        values: parameter → exact number.
     """
 
     def plain(power: sp.Pow) -> sp.Expr:
@@ -326,7 +314,6 @@ def momentum_squared_tapes(
 
     Args:
         F: p²(q; κ).
-        q: symbol of the coordinate.
         constants: symbols of the κⱼ.
         parameters: symbols of the parameters.
         exact: p² and then the kernels, with numbers for coefficients that nearly cancel; where they are not F's own.

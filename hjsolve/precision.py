@@ -161,11 +161,7 @@ class FixedContext(MPContext):
         return self.ln(x) if b is None else _in_own_context(self, "log", (x, b), {})
 
     def fprod(self, factors: Iterable[object]) -> mpmath.mpf:
-        """Return a product; mpmath's own writes the precision back that it never changed.
-
-        Args:
-            factors: numbers.
-        """
+        """Return a product; mpmath's own writes the precision back that it never changed."""
         product = self.one
         for factor in factors:
             product *= factor
@@ -225,11 +221,7 @@ _making = threading.Lock()
 
 
 def multiprecision(bits: int) -> FixedContext:
-    """Return the mpmath context of one fixed precision; the same one in every thread.
-
-    Args:
-        bits: binary digits.
-    """
+    """Return the mpmath context of one fixed precision; the same one in every thread."""
     context = _made.get(bits)
     if context is None:
         with _making:

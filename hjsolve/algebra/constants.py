@@ -261,6 +261,3 @@ def _product(a: Pair, b: Pair) -> Pair:
     """
     real, imaginary = a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]
     return sp.expand_mul(real), sp.expand_mul(imaginary)
-
-
-__all__ = ["NotAlgebraicError", "algebraic_is_zero", "constant_is_zero"]

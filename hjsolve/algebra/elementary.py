@@ -34,11 +34,7 @@ def composed(x: sp.Expr) -> sp.Expr:
 
 
 def at_one_place(x: sp.Expr) -> sp.Expr:
-    """Return the same constant with inverse functions only as log and atan.
-
-    Args:
-        x: an expression without symbols.
-    """
+    """Return the same constant with inverse functions only as log and atan."""
     return _rewritten(composed(x), _INVERSES)
 
 

@@ -36,13 +36,7 @@ def closed_form_potential(reader: Reader, symbols: Sequence[sp.Symbol], form: Se
 
 
 def antiderivative(reader: Reader, x: sp.Expr, q: sp.Symbol) -> sp.Expr:
-    """∫ x dq in closed form, verified by differentiation, else as an unevaluated ``Integral``.
-
-    Args:
-        reader: reads and differentiates.
-        x: the integrand.
-        q: the variable.
-    """
+    """∫ x dq in closed form, verified by differentiation, else as an unevaluated ``Integral``."""
     parts = []
     for term in sp.Add.make_args(sp.expand(x) if sp.count_ops(x) < MAX_OPERATIONS else x):
         constant, rest = term.as_independent(q, as_Add=False)

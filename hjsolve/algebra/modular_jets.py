@@ -33,9 +33,6 @@ class ModularJet:
     def logarithm(self, prime: int) -> ModularJet:
         """Return the jet of ln f but for its value.
 
-        Args:
-            prime: the modulus.
-
         Raises:
             ZeroDivisionError: f vanishes modulo the prime.
         """

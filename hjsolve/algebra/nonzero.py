@@ -89,6 +89,3 @@ def _square(term: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> int:
     """Return the sign of a term that may vanish: a coefficient of one sign times even powers."""
     rest = [f for f in sp.Mul.make_args(term) if not (f.is_Pow and f.exp.is_even and f.exp.is_positive)]
     return strict_sign(sp.Mul(*rest), bounds)
-
-
-__all__ = ["strict_sign"]

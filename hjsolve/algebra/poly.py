@@ -132,13 +132,7 @@ def exponents(monomial: int) -> list[tuple[int, int]]:
 
 
 def add(a: Poly, b: Poly, scale: int = 1) -> Poly:
-    """Return the sum a + scale·b.
-
-    Args:
-        a: a polynomial.
-        b: a polynomial.
-        scale: an integer.
-    """
+    """Return the sum a + scale·b."""
     total = dict(a)
     for m, c in b.items():
         value = total.get(m, 0) + scale * c
@@ -150,12 +144,7 @@ def add(a: Poly, b: Poly, scale: int = 1) -> Poly:
 
 
 def scale(a: Poly, n: int) -> Poly:
-    """n·a.
-
-    Args:
-        a: a polynomial.
-        n: an integer.
-    """
+    """n·a."""
     return {m: n * c for m, c in a.items()} if n else {}
 
 

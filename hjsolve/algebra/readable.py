@@ -18,10 +18,6 @@ def shortest_form(reader: Reader, x: Element) -> sp.Expr:
     """Return the shortest of a few forms of an element.
 
     As it stands, factored, expanded over its denominator, sin² ↔ 1 − cos².
-
-    Args:
-        reader: reads into the field.
-        x: an element.
     """
     if x.is_zero:
         return sp.S.Zero
@@ -133,11 +129,7 @@ def _digits(x: sp.Rational) -> int:
 
 
 def printed_length(x: Element) -> int:
-    """Return a cheap measure of how long an element will print.
-
-    Args:
-        x: an expression.
-    """
+    """Return a cheap measure of how long an element will print."""
     if x.is_zero:
         return 0
     size = 2 * len(x.numerator) + len(str(x.coefficient)) - 1 + sum(m.bit_count() > 0 for m in x.numerator)

@@ -9,9 +9,10 @@ each of its derivatives.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from fractions import Fraction
 from functools import cache
+from math import gcd
 
 import sympy as sp
 
@@ -20,7 +21,6 @@ from hjsolve.algebra.constants import constant_is_zero
 from hjsolve.algebra.elementary import INVERSE_CIRCULAR, INVERSE_HYPERBOLIC, at_one_place, circular_pair, composed
 from hjsolve.algebra.field import MAX_POWER, Element, Field, Generator, RootRelation
 from hjsolve.algebra.intervals import NoEnclosureError, enclose
-from hjsolve.algebra.linear_arguments import is_shifted, rational_gcd, rational_multiples
 from hjsolve.algebra.logarithms import Logarithms
 from hjsolve.algebra.poly import Budget, Poly, WorkLimitError
 from hjsolve.algebra.relations import dependent
@@ -164,11 +164,7 @@ class Reader:
         return self.adjoined(Generator(x, "symbol", low=low, high=high))
 
     def adjoined(self, g: Generator) -> Element:
-        """Return the element of a generator, adjoined to the field when it is new.
-
-        Args:
-            g: a sympy expression.
-        """
+        """Return the element of a generator, adjoined to the field when it is new."""
         k = self.field.number_of(g.atom)
         if k is not None:
             return self.field.generator(k)
@@ -272,12 +268,7 @@ class Reader:
     # derivatives and writing -----------------------------------------------------------------------------------------
 
     def diff(self, x: Element, symbol: sp.Symbol) -> Element:
-        """∂x/∂symbol.
-
-        Args:
-            x: an element.
-            symbol: a coordinate or parameter.
-        """
+        """∂x/∂symbol."""
         return self.field.total(self.diff_terms(x, symbol))
 
     def diff_terms(self, x: Element, symbol: sp.Symbol) -> list[Element]:
@@ -285,7 +276,6 @@ class Reader:
 
         Args:
             x: an element of the field.
-            symbol: what to differentiate by.
         """
         field = self.field
         slope = self._poly_diff(x.numerator, symbol)
@@ -300,21 +290,11 @@ class Reader:
         return terms
 
     def log_diff(self, x: Element, symbol: sp.Symbol) -> Element:
-        """∂ ln x/∂symbol: only the factors that hold the symbol enter.
-
-        Args:
-            x: an element that is not zero.
-            symbol: what to differentiate by.
-        """
+        """∂ ln x/∂symbol: only the factors that hold the symbol enter."""
         return self.field.total(self.log_diff_terms(x, symbol))
 
     def log_diff_terms(self, x: Element, symbol: sp.Symbol) -> list[Element]:
-        """∂ ln x/∂symbol as a sum that is left as it is.
-
-        Args:
-            x: an element that is not zero.
-            symbol: what to differentiate by.
-        """
+        """∂ ln x/∂symbol as a sum that is left as it is."""
         field = self.field
         terms = []
         for b, e in field.factored(x).factors.items():
@@ -337,7 +317,6 @@ class Reader:
 
         Args:
             k: the index of a generator of the field.
-            symbol: what to differentiate by.
         """
         if (k, symbol) not in self._derivatives:
             atom = self.field.generators[k].atom
@@ -392,3 +371,28 @@ _HANDLERS: dict[object, Callable[[Reader, sp.Expr], Element]] = {
     sp.acos: lambda reader, x: (reader.element(sp.pi) / 2) - reader.element(sp.asin(x)),
     sp.sign: lambda reader, x: reader.element(x) / reader.element(sp.Abs(x)),
 }
+
+
+def is_shifted(argument: sp.Expr, coordinates: Collection[sp.Symbol]) -> bool:
+    """Tell whether an argument is that of one coordinate, moved by something that holds none."""
+    parts = [part.free_symbols.intersection(coordinates) for part in sp.Add.make_args(sp.expand(argument))]
+    return len(parts) > 1 and not all(parts) and len(set().union(*parts)) == 1
+
+
+def rational_multiples(x: sp.Expr) -> list[tuple[sp.Expr, Fraction]]:
+    """Return an expression as Σ coefficient · monomial with rational coefficients.
+
+    Args:
+        x: an argument of a function, or an exponent.
+    """
+    pairs = sp.expand(x).as_coefficients_dict().items()
+    return [(m, Fraction(int(c.p), int(c.q))) for m, c in pairs if c.is_Rational and c != 0]
+
+
+def rational_gcd(a: Fraction, b: Fraction) -> Fraction:
+    """Return the greatest rational number of which both are integer multiples.
+
+    Args:
+        a, b: not both zero.
+    """
+    return Fraction(gcd(a.numerator * b.denominator, b.numerator * a.denominator), a.denominator * b.denominator)

@@ -45,12 +45,7 @@ class _Term:
 
 
 def dependent(reader: FieldReader, g: Generator) -> Element | None:
-    """Return the element of the field that equals a new generator on the domain, proved; None where none was found.
-
-    Args:
-        reader: reads into the field.
-        g: a sympy expression.
-    """
+    """Return the element of the field that equals a new generator on the domain, proved; None where none was found."""
     start = time.thread_time()
     found = _dependent(reader, g)
     reader.seconds_for_relations -= time.thread_time() - start
@@ -97,11 +92,8 @@ def _worth_while(reader: FieldReader, g: Generator, neighbours: Sequence[int]) -
     if any(max(abs(int(r.p)), int(r.q)) > MAX_NUMBER for r in g.atom.atoms(sp.Rational)):
         return False
     nested = (reader.field.generators[k] for k in neighbours)
-    return not (g.kind == "root" and g.atom.is_number) or any(_is_nested(h) for h in (g, *nested))
-
-
-def _is_nested(g: Generator) -> bool:
-    return g.root is not None and any(g.root.radicand)
+    plain = g.kind == "root" and g.atom.is_number
+    return not plain or any(h.root is not None and any(h.root.radicand) for h in (g, *nested))
 
 
 def _neighbours(reader: FieldReader, symbols: set[sp.Symbol], *, inverse: bool) -> list[int]:

@@ -32,12 +32,7 @@ def parts(expressions: Iterable[sp.Basic]) -> list[sp.Basic]:
 
 @lru_cache(maxsize=16384)
 def holds(e: sp.Basic, symbols: tuple[sp.Symbol, ...]) -> bool:
-    """Return whether an expression depends on one of some symbols; asked of the same parts again and again.
-
-    Args:
-        e: the expression.
-        symbols: those looked for.
-    """
+    """Return whether an expression depends on one of some symbols; asked of the same parts again and again."""
     if e.is_Add or e.is_Mul or e.is_Pow or isinstance(e, sp.Function):
         return any(holds(a, symbols) for a in e.args)
     return not e.free_symbols.isdisjoint(symbols)
@@ -115,9 +110,6 @@ def common_parts(expressions: Sequence[sp.Expr]) -> tuple[list[tuple[sp.Symbol, 
     """Give a name to every part that occurs more than once; the names, those they need before them, and what is left.
 
     For numbers, as the ``cse`` of ``sympy.lambdify``: nothing is looked for but parts that are equal as they stand.
-
-    Args:
-        expressions: those to write shorter.
     """
     every = parts(expressions)
     uses = Counter(a for node in every for a in node.args)

@@ -340,9 +340,6 @@ class Growths:
     def sign(self, x: Growth) -> int:
         """Return the sign that f has for all s ≥ Q.
 
-        Args:
-            x: a number.
-
         Raises:
             UnknownGrowthError: it could not be decided.
         """

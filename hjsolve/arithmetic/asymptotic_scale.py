@@ -49,9 +49,6 @@ class Remainder(NamedTuple):
     def times(self, other: Remainder) -> Remainder:
         """Return the product.
 
-        Args:
-            other: another one.
-
         Raises:
             UnknownGrowthError: the product is beyond doubles.
         """

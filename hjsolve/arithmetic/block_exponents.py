@@ -131,11 +131,7 @@ class InUnits:
         return Value(_BASES.convert(value), Scaled(slot, exponent_of(float(value))), constant=True)
 
     def whole(self, x: Value) -> Scaled:
-        """Return a value as one number.
-
-        Args:
-            x: the value.
-        """
+        """Return a value as one number."""
         return x.part if x.constant or x.base == 0 else self._sum("add", self._written(x.base), x.part)
 
     def _near(self, base: Mpf, part: Scaled) -> Value:

@@ -3,6 +3,8 @@
 Duplication (Carlson, Numer. Algorithms 10 (1995) 13, arXiv math/9409227; DLMF 19.36(i)); descending means (DLMF
 22.20(ii)).
 What is outside the domain of a function is nan. An element does not depend on its neighbours.
+
+Arguments are numbers or arrays that broadcast; of the functions of Jacobi u is the argument and m the parameter k².
 """
 
 from __future__ import annotations
@@ -23,11 +25,7 @@ _MOST_DUPLICATIONS = 60
 
 
 def broadcast(*arguments: Numbers) -> list[Doubles]:
-    """Return copies of one shape.
-
-    Args:
-        arguments: numbers or arrays that broadcast.
-    """
+    """Return copies of one shape."""
     return [np.array(a) for a in np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in arguments))]
 
 
@@ -71,11 +69,7 @@ def duplicated(
 
 
 def carlson_rf(x: Numbers, y: Numbers, z: Numbers) -> Doubles:
-    """R_F(x, y, z) of non-negative arguments, at most one of them zero (Carlson 1995, (2.2)–(2.6)).
-
-    Args:
-        x, y, z: numbers or arrays that broadcast.
-    """
+    """R_F(x, y, z) of non-negative arguments, at most one of them zero (Carlson 1995, (2.2)–(2.6))."""
     x, y, z = broadcast(x, y, z)
     with np.errstate(all="ignore"):
         (x, y, z), A, _, _ = duplicated((x + y + z) / 3, (x, y, z), 3 * EPS)
@@ -87,11 +81,7 @@ def carlson_rf(x: Numbers, y: Numbers, z: Numbers) -> Doubles:
 
 
 def carlson_rc(x: Numbers, y: Numbers) -> Doubles:
-    """R_C(x, y), x ≥ 0; the principal value where y < 0 (DLMF 19.2.17–19.2.20).
-
-    Args:
-        x, y: numbers or arrays that broadcast.
-    """
+    """R_C(x, y), x ≥ 0; the principal value where y < 0 (DLMF 19.2.17–19.2.20)."""
     x, y = broadcast(x, y)
     with np.errstate(all="ignore"):
         factor = np.where(y < 0, np.sqrt(x / (x - y)), 1.0)
@@ -102,11 +92,7 @@ def carlson_rc(x: Numbers, y: Numbers) -> Doubles:
 
 
 def carlson_rd(x: Numbers, y: Numbers, z: Numbers) -> Doubles:
-    """R_D(x, y, z), x, y ≥ 0 and not both zero, z > 0 (Carlson 1995, (2.29)–(2.35)).
-
-    Args:
-        x, y, z: numbers or arrays that broadcast.
-    """
+    """R_D(x, y, z), x, y ≥ 0 and not both zero, z > 0 (Carlson 1995, (2.29)–(2.35))."""
     x, y, z = broadcast(x, y, z)
     with np.errstate(all="ignore"):
         (x, y, z), A, weight, total = duplicated(
@@ -118,11 +104,7 @@ def carlson_rd(x: Numbers, y: Numbers, z: Numbers) -> Doubles:
 
 
 def carlson_rj(x: Numbers, y: Numbers, z: Numbers, p: Numbers) -> Doubles:
-    """R_J(x, y, z, p), x, y, z ≥ 0 and at most one zero (Carlson 1995, (2.17)–(2.26)); p < 0 by DLMF 19.20.14.
-
-    Args:
-        x, y, z, p: numbers or arrays that broadcast.
-    """
+    """R_J(x, y, z, p), x, y, z ≥ 0 and at most one zero (Carlson 1995, (2.17)–(2.26)); p < 0 by DLMF 19.20.14."""
     x, y, z, p = broadcast(x, y, z, p)
     if not (p < 0).any():
         return _rj(x, y, z, p)
@@ -216,47 +198,27 @@ def _between(u: Doubles, m: Doubles) -> tuple[Doubles, ...]:
 
 
 def jacobi_am(u: Numbers, m: Numbers) -> Doubles:
-    """Jacobi's amplitude, continuous in u.
-
-    Args:
-        u, m: argument and parameter k².
-    """
+    """Jacobi's amplitude, continuous in u."""
     return jacobi_functions(u, m)[0]
 
 
 def jacobi_sn(u: Numbers, m: Numbers) -> Doubles:
-    """Jacobi's sn.
-
-    Args:
-        u, m: argument and parameter k².
-    """
+    """Jacobi's sn."""
     return jacobi_functions(u, m)[1]
 
 
 def jacobi_cn(u: Numbers, m: Numbers) -> Doubles:
-    """Jacobi's cn.
-
-    Args:
-        u, m: argument and parameter k².
-    """
+    """Jacobi's cn."""
     return jacobi_functions(u, m)[2]
 
 
 def jacobi_dn(u: Numbers, m: Numbers) -> Doubles:
-    """Jacobi's dn.
-
-    Args:
-        u, m: argument and parameter k².
-    """
+    """Jacobi's dn."""
     return jacobi_functions(u, m)[3]
 
 
 def jacobi_epsilon(u: Numbers, m: Numbers) -> Doubles:
-    """Jacobi's ℰ = ∫₀ᵘ dn².
-
-    Args:
-        u, m: argument and parameter k².
-    """
+    """Jacobi's ℰ = ∫₀ᵘ dn²."""
     return jacobi_functions(u, m)[4]
 
 

@@ -2,6 +2,8 @@
 
 Duplication (Carlson, Numer. Algorithms 10 (1995) 13, (2.17)–(2.26)): of x, y, z ≥ 0 and p off the negative axis every
 root on the way is a principal one. What is outside the domain is nan.
+
+Arguments are numbers or arrays that broadcast.
 """
 
 from __future__ import annotations
@@ -18,38 +20,22 @@ Complexes = NDArray[np.complex128]
 
 
 def carlson_rcre(x: Numbers, a: Numbers, b: Numbers) -> Doubles:
-    """Re R_C(x, a + ib), x ≥ 0.
-
-    Args:
-        x, a, b: numbers or arrays that broadcast.
-    """
+    """Re R_C(x, a + ib), x ≥ 0."""
     return _rc(x, a, b).real
 
 
 def carlson_rcim(x: Numbers, a: Numbers, b: Numbers) -> Doubles:
-    """Im R_C(x, a + ib), x ≥ 0.
-
-    Args:
-        x, a, b: numbers or arrays that broadcast.
-    """
+    """Im R_C(x, a + ib), x ≥ 0."""
     return _rc(x, a, b).imag
 
 
 def carlson_rjre(x: Numbers, y: Numbers, z: Numbers, a: Numbers, b: Numbers) -> Doubles:
-    """Re R_J(x, y, z, a + ib), x, y, z ≥ 0, at most one of them zero.
-
-    Args:
-        x, y, z, a, b: numbers or arrays that broadcast.
-    """
+    """Re R_J(x, y, z, a + ib), x, y, z ≥ 0, at most one of them zero."""
     return _rj(x, y, z, a, b).real
 
 
 def carlson_rjim(x: Numbers, y: Numbers, z: Numbers, a: Numbers, b: Numbers) -> Doubles:
-    """Im R_J(x, y, z, a + ib), x, y, z ≥ 0, at most one of them zero.
-
-    Args:
-        x, y, z, a, b: numbers or arrays that broadcast.
-    """
+    """Im R_J(x, y, z, a + ib), x, y, z ≥ 0, at most one of them zero."""
     return _rj(x, y, z, a, b).imag
 
 

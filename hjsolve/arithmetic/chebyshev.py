@@ -10,11 +10,7 @@ from hjsolve.arithmetic.number_types import Elementwise
 
 
 def in_panel(x: Elementwise, left: Elementwise, right: Elementwise) -> Elementwise:
-    """Return the position of x in [left, right], from −1 to 1, without cancellation at either end.
-
-    Args:
-        x, left, right: numbers or arrays that broadcast.
-    """
+    """Return the position of x in [left, right], from −1 to 1, without cancellation at either end."""
     return ((x - left) - (right - x)) / (right - left)
 
 

@@ -155,22 +155,12 @@ class Disks:
         return result
 
     def derivative(self, name: str, x: Disk) -> Disk:
-        """Return Φ′ over a disk.
-
-        Args:
-            name: of the function, such as ``sqrt``.
-            x: a disk.
-        """
+        """Return Φ′ over a disk."""
         result: Disk = _SLOPES[name](self, x)
         return result
 
     def bend(self, name: str, x: Disk) -> Disk:
-        """Return Φ″ over a disk.
-
-        Args:
-            name: of the function, such as ``sqrt``.
-            x: a disk.
-        """
+        """Return Φ″ over a disk."""
         result: Disk = _BENDS[name](self, x)
         return result
 
@@ -180,12 +170,7 @@ class Disks:
         return Disk(centre, x.radius + _UNIT * np.abs(centre))
 
     def times(self, x: Disk, by: complex) -> Disk:
-        """Return by·x.
-
-        Args:
-            x: a disk.
-            by: the number.
-        """
+        """Return by·x."""
         return Disk(by * x.centre, abs(by) * x.radius + _UNIT * np.abs(by * x.centre))
 
 

@@ -59,11 +59,7 @@ class DisksInLogarithms:
     __slots__ = ()
 
     def variable(self, x: Disk) -> Logged:
-        """Take a disk as it is; a way leads to it from the real axis.
-
-        Args:
-            x: the disk, or the number.
-        """
+        """Take a disk as it is; a way leads to it from the real axis."""
         rise = np.linspace(0.0, 1.0, _PLACES_ON_THE_WAY) if np.any(np.imag(x.centre)) else np.ones(1)
         centre = np.asarray(x.centre)[..., None]
         return _logged(x, centre.real + 1j * centre.imag * rise)

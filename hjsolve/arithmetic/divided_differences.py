@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Generic, NamedTuple
 
+from hjsolve.arithmetic.floats import by_squaring
 from hjsolve.arithmetic.number_types import N
 from hjsolve.arithmetic.tape import Arithmetic
 
@@ -92,14 +93,10 @@ class FirstDifferences(Generic[N]):
 
     def power(self, x: FirstDifference[N], n: int) -> FirstDifference[N]:
         """Return xⁿ, by squaring."""
-        if n < 0:
-            return self.div(self.rational(1, 1), self.power(x, -n))
-        result = x
-        for bit in bin(n)[3:]:
-            result = self.mul(result, result)
-            if bit == "1":
-                result = self.mul(result, x)
-        return result if n else self.rational(1, 1)
+        if n <= 0:
+            return self.div(self.rational(1, 1), self.power(x, -n)) if n else self.rational(1, 1)
+        result: FirstDifference[N] = by_squaring(self.mul, x, n)
+        return result
 
     def unary(self, name: str, x: FirstDifference[N]) -> FirstDifference[N]:
         """Return Φ(x), its slope by Φ[x(e), x(q)] x[e, q]."""

@@ -1,6 +1,8 @@
 """Error-free transformations: sums and products of doubles with what their rounding left out.
 
 Knuth, TAOCP 2, §4.2.2; Dekker, Numer. Math. 18 (1971) 224. All of it works elementwise on floats and on arrays.
+
+Arguments are doubles or arrays of them.
 """
 
 from __future__ import annotations
@@ -35,12 +37,7 @@ def exact(value: Fraction) -> Pair:
 
 
 def two_sum(a: Elementwise, b: Elementwise) -> Pair:
-    """Return a + b exactly (Knuth).
-
-    Args:
-        a: a double, or an array.
-        b: a double, or an array.
-    """
+    """Return a + b exactly (Knuth)."""
     s = a + b
     part = s - a
     return Pair(s, (a - (s - part)) + (b - part))
@@ -58,23 +55,13 @@ def moved(base: Pair, more: Elementwise) -> Pair:
 
 
 def quick_two_sum(a: Elementwise, b: Elementwise) -> Pair:
-    """Return a + b exactly, where |a| ≥ |b| (Dekker).
-
-    Args:
-        a: a double, or an array.
-        b: a double, or an array.
-    """
+    """Return a + b exactly, where |a| ≥ |b| (Dekker)."""
     s = a + b
     return Pair(s, b - (s - a))
 
 
 def two_product(a: Elementwise, b: Elementwise) -> Pair:
-    """Return a·b exactly, for sizes below about 10²⁹² (Dekker).
-
-    Args:
-        a: a double, or an array.
-        b: a double, or an array.
-    """
+    """Return a·b exactly, for sizes below about 10²⁹² (Dekker)."""
     p = a * b
     ca, cb = _SPLITTER * a, _SPLITTER * b
     ah, bh = ca - (ca - a), cb - (cb - b)

@@ -52,11 +52,7 @@ class ByOperators:
 
 
 def multiprecision(bits: int) -> Context:
-    """Return an mpmath context of its own with this precision, so that no global is touched.
-
-    Args:
-        bits: binary digits.
-    """
+    """Return an mpmath context of its own with this precision, so that no global is touched."""
     context: Context = precision.multiprecision(bits)
     return context
 
@@ -126,27 +122,15 @@ class Float64(ByOperators):
         return chosen[()]  # one number stays a number
 
     def rint(self, x: Elementwise) -> Elementwise:
-        """Return the nearest whole number, elementwise.
-
-        Args:
-            x: a double or an array of doubles.
-        """
+        """Return the nearest whole number, elementwise."""
         return np.rint(x)
 
     def atan2(self, y: Elementwise, x: Elementwise) -> Elementwise:
-        """Return the angle of the point (x, y) in radians, −π … π.
-
-        Args:
-            y, x: doubles or arrays of doubles.
-        """
+        """Return the angle of the point (x, y) in radians, −π … π."""
         return np.arctan2(y, x)
 
     def copysign(self, size: Elementwise, sign: Elementwise) -> Elementwise:
-        """Return a size with the sign of another number, that of a zero included.
-
-        Args:
-            size, sign: doubles or arrays of doubles.
-        """
+        """Return a size with the sign of another number, that of a zero included."""
         return np.copysign(size, sign)
 
     def choose(self, doubles: Callable[[Float64], A], many: Callable[[Multi], A]) -> A:  # noqa: ARG002
@@ -168,11 +152,7 @@ class Float64(ByOperators):
         return np.float64(nearest), nearest == x
 
     def widened(self, low: Elementwise, high: Elementwise) -> tuple[Elementwise, Elementwise]:
-        """Return ends moved outward by more than the rounding of an operation; what overflowed is finite.
-
-        Args:
-            low, high: doubles or arrays of them.
-        """
+        """Return ends moved outward by more than the rounding of an operation; what overflowed is finite."""
         low, high = np.minimum(low, GREATEST), np.maximum(high, -GREATEST)
         return low - (self.few_units * abs(low) + 1e-300), high + (self.few_units * abs(high) + 1e-300)
 
@@ -187,11 +167,7 @@ class Float64(ByOperators):
 
 
 def sech(x: Elementwise) -> Elementwise:
-    """Return 1/cosh x of doubles, which does not overflow.
-
-    Args:
-        x: a double, or an array.
-    """
+    """Return 1/cosh x of doubles, which does not overflow."""
     decay = np.exp(-np.abs(x))
     return 2 * decay / (1 + decay * decay)
 

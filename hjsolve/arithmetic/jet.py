@@ -36,11 +36,7 @@ class Jets(Generic[N]):
     plain: Arithmetic[N]
 
     def variable(self, x: N) -> Jet[N]:
-        """Return the jet of q itself.
-
-        Args:
-            x: the disk, or the number.
-        """
+        """Return the jet of q itself."""
         return Jet(x, self.plain.rational(1, 1))
 
     def rational(self, numerator: int, denominator: int) -> Jet[N]:

@@ -332,12 +332,7 @@ class _Listening(Locals):
 
 
 def exponential_unit(tapes: Sequence[Tape], inputs: list[Disk]) -> float:
-    """Return c such that all exponentials of linear forms are powers of e^{cq}; 0 where there is none.
-
-    Args:
-        tapes: of the formulas.
-        inputs: constants and parameters.
-    """
+    """Return c such that all exponentials of linear forms are powers of e^{cq}; 0 where there is none."""
     place = Disk(np.array([0.0, 1.0]), np.array([0.0, 0.0]))
     listening = _Listening(place, 1, rate=1.0, q=place)
     for tape in tapes:

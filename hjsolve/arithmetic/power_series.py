@@ -76,10 +76,6 @@ class PowerSeriesArithmetic:
     def unary(self, name: str, x: Series) -> Series:
         """Return f(x).
 
-        Args:
-            name: of the function.
-            x: its argument.
-
         Raises:
             NotConvergedError: no rule is known for the function.
         """
@@ -166,5 +162,3 @@ _RULES: dict[str, Callable[[PowerSeriesArithmetic, Series], Series]] = {
     "exp": _exp, "sin": _circular(0), "cos": _circular(1), "sinh": _hyperbolic(0), "cosh": _hyperbolic(1),
     "tan": _tan, "tanh": _tanh, "log": _log, "sqrt": _sqrt,
 }  # fmt: skip
-
-__all__ = ["PowerSeriesArithmetic"]

@@ -126,11 +126,6 @@ def with_last_digits(value: float | Mpf, error: float | Mpf) -> tuple[str, int]:
     return f"{rounded.scaleb(-power_of_ten, context=WIDE):f}({units})", power_of_ten
 
 
-__all__ = [
-    "LARGE", "WIDE", "decimal", "plain_text", "rounded_pair", "scientific", "shortest", "special", "with_last_digits",
-]  # fmt: skip
-
-
 def raised(text: str) -> str:
     """Write a number's exponent with raised figures.
 

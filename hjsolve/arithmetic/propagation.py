@@ -28,11 +28,7 @@ _TWO_DIGITS = Context(prec=2, rounding=ROUND_CEILING)
 
 
 def is_real(x: object) -> bool:
-    """Whether something is a real number: int, float, Fraction, Decimal, mpf, a numpy scalar, a rational of sympy.
-
-    Args:
-        x: anything.
-    """
+    """Whether something is a real number: int, float, Fraction, Decimal, mpf, a numpy scalar, a rational of sympy."""
     if isinstance(x, (numbers.Real, Decimal)) or hasattr(x, "_mpf_"):
         return not isinstance(x, bool)
     return bool(getattr(x, "shape", None) == () and getattr(getattr(x, "dtype", None), "kind", "") in {"i", "u", "f"})

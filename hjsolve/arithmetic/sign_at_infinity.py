@@ -1,4 +1,8 @@
-"""The sign that a formula has from some place to infinity, proved by its asymptotic expansion."""
+"""The sign that a formula has from some place to infinity, proved by its asymptotic expansion.
+
+A ``tape`` is that of the formula, with one output and the inputs q, then numbers; a ``side`` is 1 towards +∞ and −1
+towards −∞, and ``start`` at least 3, for nothing is known below; ``bits`` are those of the coefficients.
+"""
 
 from __future__ import annotations
 
@@ -15,15 +19,7 @@ _NEAREST = 4
 
 
 def sign_beyond(tape: Tape, inputs: list[Mpf], side: int, start: float, bits: int = BITS) -> int:
-    """Return the sign that a formula has for all side·q ≥ start; 0 where that is not known.
-
-    Args:
-        tape: of the formula, one output; inputs q, then numbers.
-        inputs: these numbers, to so many bits.
-        side: 1 towards +∞, −1 towards −∞.
-        start: at least 3, for nothing is known below.
-        bits: of the coefficients.
-    """
+    """Return the sign that a formula has for all side·q ≥ start; 0 where that is not known."""
     if not 3 <= start < 1e300:
         return 0
     growths = Growths(start, bits)
@@ -39,12 +35,9 @@ def sign_before(tape: Tape, inputs: list[Mpf], end: Mpf, side: int, distance: Mp
     With q = end − side·4·distance/s it is the sign for all s ≥ 4.
 
     Args:
-        tape: of the formula, one output; inputs q, then numbers.
-        inputs: these numbers, to so many bits.
         end: where q ends.
         side: 1 from below, −1 from above.
         distance: from the end.
-        bits: of the coefficients.
     """
     growths = Growths(_NEAREST, bits)
     q = growths.add(growths.constant(end), Growth(((Monomial(0.0, -1.0, 0.0), -side * _NEAREST * distance),)))
@@ -60,11 +53,7 @@ def sign_beyond_for_all(
     """Return the sign that a formula has for all side·q ≥ start, whatever its numbers are; 0 where that is not known.
 
     Args:
-        tape: of the formula, one output; inputs q, then numbers.
         ranges: the least and the greatest value of each number; equal for one that is known.
-        side: 1 towards +∞, −1 towards −∞.
-        start: at least 3, for nothing is known below.
-        bits: of the coefficients.
     """
     if not 3 <= start < 1e300:
         return 0

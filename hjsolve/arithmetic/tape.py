@@ -44,35 +44,19 @@ class Arithmetic(Protocol[N]):
         ...
 
     def add(self, x: N, y: N, /) -> N:
-        """Return x + y.
-
-        Args:
-            x, y: numbers of this arithmetic.
-        """
+        """Return x + y."""
         ...
 
     def sub(self, x: N, y: N, /) -> N:
-        """Return x − y.
-
-        Args:
-            x, y: numbers of this arithmetic.
-        """
+        """Return x − y."""
         ...
 
     def mul(self, x: N, y: N, /) -> N:
-        """Return x·y.
-
-        Args:
-            x, y: numbers of this arithmetic.
-        """
+        """Return x·y."""
         ...
 
     def div(self, x: N, y: N, /) -> N:
-        """Return x/y.
-
-        Args:
-            x, y: numbers of this arithmetic.
-        """
+        """Return x/y."""
         ...
 
     def power(self, x: N, n: int) -> N:

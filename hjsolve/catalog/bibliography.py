@@ -117,6 +117,3 @@ def cited(references: Iterable[str]) -> list[tuple[Publication, str]]:
             if place and place not in places[key]:
                 places[key].append(place)
     return [(sources()[key], ", ".join(found)) for key, found in places.items()]
-
-
-__all__ = ["GREENWOOD", "Publication", "cited", "sources"]

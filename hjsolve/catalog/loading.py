@@ -2,6 +2,8 @@
 
 An entry is one TOML file (catalog/README.md). Loading checks it once and gives frozen values; a user's own file and an
 inline ``[system]`` table are read in the same way.
+
+``where`` is the place of a table in its file, for messages.
 """
 
 from __future__ import annotations
@@ -16,7 +18,6 @@ from pathlib import Path
 from hjsolve.catalog import outside as refusals
 from hjsolve.catalog import schema, toml_file
 from hjsolve.catalog.constraints import constraint_faults, to_eliminate
-from hjsolve.catalog.cross_checks import form_faults, motion_faults, reference_faults
 from hjsolve.catalog.effects import forces, with_effects
 from hjsolve.catalog.entry import Effect as Effect
 from hjsolve.catalog.entry import Entry as Entry
@@ -24,11 +25,16 @@ from hjsolve.catalog.entry import InitialData as InitialData
 from hjsolve.catalog.entry import Reference as Reference
 from hjsolve.catalog.toml_file import Toml, TomlTable
 from hjsolve.display.first_lines import few_lines
-from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
+from hjsolve.errors import CatalogError, ExpressionError, InvalidInputError, NotSeparableError
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, LinearHamiltonian, from_hamiltonian
+from hjsolve.formulas.read import number
 from hjsolve.formulas.tokens import printable
 from hjsolve.mechanics.system import Parameter, System, parameter
 from hjsolve.precision import one_at_a_time
+
+_OF_ENERGIES = (
+    "kinetic", "potential", "effects", "relativity", "signature", "frame", "functions", "place", "units",
+)  # fmt: skip
 
 _FOLDERS = {"separable": "systems", "extended": "extended", "refused": "refused", "outside": "outside"}
 _ENTRY = schema.ENTRY | refusals.KEYS
@@ -60,11 +66,7 @@ def titles(*, book: str | None = None) -> dict[str, str]:
 
 
 def kind_of(entry: str) -> str:
-    """Give the kind of an entry of the catalog: ``separable``, ``extended``, ``refused`` or ``outside``.
-
-    Args:
-        entry: its id.
-    """
+    """Give the kind of an entry of the catalog: ``separable``, ``extended``, ``refused`` or ``outside``."""
     return next(kind for kind in _FOLDERS if entry in ids(kind))
 
 
@@ -155,11 +157,7 @@ def from_table(table: Toml, *, source: str = "system") -> System:
 
 
 def entry_of(system: System) -> Entry | None:
-    """Give the entry a system was loaded from; None where it has none or was changed since.
-
-    Args:
-        system: any system.
-    """
+    """Give the entry a system was loaded from; None where it has none or was changed since."""
     if not system.id or system.id not in ids():
         return None
     entry = describe(system.id)
@@ -168,9 +166,6 @@ def entry_of(system: System) -> Entry | None:
 
 def table_of(system: System) -> TomlTable:
     """Give a system as the table ``[system]`` that ``from_table`` reads back.
-
-    Args:
-        system: any system.
 
     Example:
         >>> from_table(table_of(load("kepler-planar"))) == load("kepler-planar")
@@ -375,6 +370,73 @@ def _refused(source: str, problems: list[str]) -> CatalogError:
 
 def _one_line(error: Exception) -> str:
     return " ".join(str(error).split())
+
+
+def motion_faults(where: str, data: Toml, names: list[str], declared: list[str]) -> Iterator[str]:
+    """Yield initial data: every coordinate once, velocity or p, numbers that parse, kinds that are known.
+
+    Args:
+        data: the table of one motion.
+        names: of the coordinates.
+        declared: names of the parameters.
+    """
+    if ("velocity" in data) == ("p" in data):
+        yield f"{where}: give velocity or p, one of the two"
+    for key in ("q", "velocity", "p"):
+        given = data.get(key)
+        if given is None:
+            continue
+        yield from schema.unknown(given, names, f"{where}.{key}", "coordinate")
+        yield from (f"{where}.{key}.{name}: missing" for name in names if name not in given)
+        yield from _numbers(given, f"{where}.{key}")
+    yield from schema.unknown(data.get("parameters", {}), declared, f"{where}.parameters", "parameter")
+    yield from _numbers(data.get("parameters", {}), f"{where}.parameters")
+    for name, kind in data.get("kinds", {}).items():
+        yield from schema.unknown([name], names, f"{where}.kinds", "coordinate")
+        yield from schema.unknown([kind], schema.KINDS, f"{where}.kinds.{name}", "kind")
+
+
+def reference_faults(reference: Toml, where: str, names: list[str], motions: set[str]) -> Iterator[str]:
+    """Yield the faults of a reference value: unknown quantity, coordinate or motion; time missing or not wanted.
+
+    Args:
+        reference: the table of one reference value.
+        names: of the coordinates.
+        motions: names of the motions of the entry.
+    """
+    quantity, at = str(reference["quantity"]), reference["at"]
+    match = schema.QUANTITY.fullmatch(quantity)
+    if match is None:
+        yield f'{where}.quantity: "{quantity}" is not known; see "quantities" in catalog/README.md'
+    else:
+        coordinate = match["coordinate"] or match["turning"]
+        yield from schema.unknown([coordinate] if coordinate else [], names, f"{where}.quantity", "coordinate")
+        timed = quantity.partition(".")[0] in ("q", "p", "velocity")
+        if timed != ("t" in at):
+            yield f"{where}.at: {'needs' if timed else 'must not have'} a time t"
+    if "motion" in at:
+        yield from schema.unknown([str(at["motion"])], sorted(motions), f"{where}.at.motion", "motion")
+    yield from _numbers({key: value for key, value in at.items() if key != "motion"}, f"{where}.at")
+    yield from _numbers({"value": reference["value"]}, where)
+
+
+def _numbers(table: Toml, where: str) -> Iterator[str]:
+    for name, value in table.items():
+        try:
+            number(value, source=f"{where}.{name}")
+        except ExpressionError as error:
+            yield " ".join(str(error).split())
+
+
+def form_faults(table: Toml) -> Iterator[str]:
+    """Yield an entry gives T and V, or H(q, p) in their place; then its motions start from momenta."""
+    if "hamiltonian" not in table:
+        return
+    yield from (f"{key}: belongs to T and V; this entry gives H(q, p)" for key in _OF_ENERGIES if key in table)
+    motions = {"initial": table.get("initial", {"p": ()})}
+    motions |= {f"motions.{name}": data for name, data in table.get("motions", {}).items()}
+    without = [where for where, data in motions.items() if "p" not in data]
+    yield from (f"{where}: give p, since this entry gives H(q, p)" for where in without)
 
 
 __all__ = [

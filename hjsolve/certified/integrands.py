@@ -176,11 +176,7 @@ class CycleIntegrand:
         return self if map_ == self.map else replace(self, map=map_, fold=fold)
 
     def rounded(self, bits: int) -> CycleIntegrand:
-        """Return the same cycle for a low precision.
-
-        Args:
-            bits: of the balls.
-        """
+        """Return the same cycle for a low precision."""
         line = self.line.rounded(bits)
         if line is self.line:
             return self

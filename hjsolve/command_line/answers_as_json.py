@@ -49,6 +49,3 @@ def plain(value: object) -> Json:
     if is_dataclass(value):
         return {"kind": type(value).__name__, **{f.name: plain(getattr(value, f.name)) for f in fields(value)}}
     return str(value)
-
-
-__all__ = ["plain", "print_answer"]

@@ -256,9 +256,6 @@ def any_motion_meant(options: Namespace) -> AnyMotion:
 
     Of an entry with a frame it is the motion as posed, which knows the one in the frame too.
 
-    Args:
-        options: the parsed arguments.
-
     Raises:
         InvalidInputError, NotSeparableError: as ``motion_meant``.
     """
@@ -303,10 +300,6 @@ def _meant(options: Namespace) -> tuple[System, dict[str, Any]]:
 
 def entry_motion(entry: Entry, name: str) -> Mapping[str, Any]:
     """Return initial data of a motion of an entry, as keywords of ``Solution.motion``.
-
-    Args:
-        entry: of the catalog.
-        name: of the motion.
 
     Raises:
         InvalidInputError: the entry has no motion of that name.

@@ -36,11 +36,7 @@ ANSWER, REFUSED, BAD_INPUT, UNSETTLED, INTERRUPTED = 0, 1, 2, 3, 130
 
 
 def check_command(options: Namespace) -> int:
-    """Decide and print the evidence.
-
-    Returns:
-        The exit status.
-    """
+    """Decide and print the evidence."""
     with within(options.budget):
         return _check(options)
 
@@ -88,11 +84,7 @@ def _linear_modes(system: System) -> list[Section | None]:
 
 
 def solve_command(options: Namespace) -> int:
-    """Solve by quadratures and print the formulas.
-
-    Returns:
-        The exit status.
-    """
+    """Solve by quadratures and print the formulas."""
     from hjsolve.reports.sections import obstruction, system_and_verdict
     from hjsolve.reports.sections import solution as quadratures
     from hjsolve.reports.sections.chart import chart_section
@@ -169,11 +161,7 @@ def _closed(solved: Solution) -> list[Section]:
 
 
 def coordinates_command(options: Namespace) -> int:
-    """Find the coordinates in which a system separates, and print them.
-
-    Returns:
-        The exit status.
-    """
+    """Find the coordinates in which a system separates, and print them."""
     from hjsolve.reports.sections import coordinates as webs
 
     system = arguments_read.system(options)
@@ -213,11 +201,7 @@ def _modes(system: System) -> NormalModes | None:
 
 
 def report_command(options: Namespace) -> int:
-    """Write a report to a file, or to the standard output where the file is "-".
-
-    Returns:
-        The exit status.
-    """
+    """Write a report to a file, or to the standard output where the file is "-"."""
     from hjsolve.reports.document.files import checked_path
 
     if options.format and options.output != "-":
@@ -303,11 +287,7 @@ def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:
 
 
 def cost_command(options: Namespace) -> int:
-    """Measure accuracy against time, and print the table.
-
-    Returns:
-        The exit status.
-    """
+    """Measure accuracy against time, and print the table."""
     from hjsolve.command_line.cost import measure_and_print as measured
 
     own = {"--title": bool(options.title), "--function": bool(options.function)}
@@ -322,11 +302,7 @@ def cost_command(options: Namespace) -> int:
 
 
 def motion_command(options: Namespace) -> int:
-    """Compute a motion, and print its numbers or its states.
-
-    Returns:
-        The exit status.
-    """
+    """Compute a motion, and print its numbers or its states."""
     from hjsolve.command_line.motion_tables import print_motion, print_run
 
     if (scene := arguments_read.scene(options)) is not None:
@@ -337,14 +313,7 @@ def motion_command(options: Namespace) -> int:
 
 
 def two_point_command(options: Namespace) -> int:
-    """Find the motions that join two places in a time, and print them.
-
-    Args:
-        options: the parsed arguments.
-
-    Returns:
-        The exit status.
-    """
+    """Find the motions that join two places in a time, and print them."""
     from hjsolve.command_line.two_places import print_connections
 
     print_connections(options)
@@ -352,11 +321,7 @@ def two_point_command(options: Namespace) -> int:
 
 
 def explore_command(options: Namespace) -> int:
-    """Serve the explorer until it is interrupted.
-
-    Returns:
-        The exit status.
-    """
+    """Serve the explorer until it is interrupted."""
     from hjsolve.explorer.serve import serve_explorer
 
     serve_explorer(
@@ -367,11 +332,7 @@ def explore_command(options: Namespace) -> int:
 
 
 def completion_command(options: Namespace) -> int:
-    """Print the completion script of a shell.
-
-    Returns:
-        The exit status.
-    """
+    """Print the completion script of a shell."""
     from hjsolve.command_line.completion import completion_script
 
     print(completion_script(options.shell), end="")
@@ -379,11 +340,7 @@ def completion_command(options: Namespace) -> int:
 
 
 def sweep_command(options: Namespace) -> int:
-    """Compute the orbits that a scene declares into a folder.
-
-    Returns:
-        The exit status.
-    """
+    """Compute the orbits that a scene declares into a folder."""
     from hjsolve.command_line.sweep import run_sweep
 
     return run_sweep(options)
@@ -391,9 +348,6 @@ def sweep_command(options: Namespace) -> int:
 
 def catalog_command(options: Namespace) -> int:
     """List the catalog, show an entry or check a file.
-
-    Returns:
-        The exit status.
 
     Raises:
         InvalidInputError: options that do not go with the action, or no entry where one is needed.
@@ -481,9 +435,6 @@ def _print_hamiltonian(problem: LinearHamiltonian, *, solved: bool) -> int:
 
 def setup_command(_options: Namespace) -> int:
     """Compile the kernels of ensembles.
-
-    Returns:
-        The exit status.
 
     Raises:
         MissingExtraError: numba is not installed.

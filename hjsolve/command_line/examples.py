@@ -124,5 +124,3 @@ examples:
   hjsolve catalog show kepler-planar    one entry: T, V, parameters, motions, effects, literature
   hjsolve catalog check my-system.toml  what is wrong with a file of your own""",
 }
-
-__all__ = ["EXAMPLES"]

@@ -35,10 +35,6 @@ Json: TypeAlias = "str | float | list[Json] | dict[str, Json] | None"
 def print_motion(motion: AnyMotion, options: Namespace) -> None:
     """Print the results of a motion, or its states at the times asked.
 
-    Args:
-        motion: the motion.
-        options: the parsed arguments.
-
     Raises:
         InvalidInputError: times that cannot be read.
     """
@@ -71,10 +67,6 @@ def _state(motion: AnyMotion, times: Sequence[str | float]) -> State:
 
 def print_run(run: Run, options: Namespace) -> None:
     """Print the states of a scene at its times.
-
-    Args:
-        run: of the scene.
-        options: the parsed arguments.
 
     Raises:
         InvalidInputError: ``--times`` next to a scene, or a scene that wants no states.

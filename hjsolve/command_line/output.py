@@ -38,6 +38,3 @@ class VisibleStream:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)
-
-
-__all__ = ["VisibleStream"]

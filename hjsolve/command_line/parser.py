@@ -32,11 +32,7 @@ _Commands: TypeAlias = "argparse._SubParsersAction[StrictParser]"
 
 
 def command_parser() -> argparse.ArgumentParser:
-    """Build the argument parser.
-
-    Returns:
-        The parser, with one sub-parser for each command.
-    """
+    """Build the argument parser."""
     top = StrictParser(
         prog="hjsolve",
         allow_abbrev=False,
@@ -115,13 +111,8 @@ def _add_coordinates(kinds: _Commands) -> None:
     coordinates = _add(kinds, "coordinates", "in which coordinates does it separate?", about)
     _system_arguments(coordinates)
     own = coordinates.add_argument_group("coordinates of your own, in place of a search")
-    own.add_argument(
-        "--place", action="append", default=[], metavar="EQUATION",
-        help='an old coordinate in the new ones, e.g. "x = r*cos(phi)" (repeat, one for each)',
-    )  # fmt: skip
-    own.add_argument(
-        "--new", action="append", default=[], metavar='"NAME: DOMAIN"', help='e.g. "r: 0 < r", "phi: angle" (repeat)'
-    )
+    _many(own, "--place", "EQUATION", 'an old coordinate in the new ones, e.g. "x = r*cos(phi)" (repeat, one for each)')
+    _many(own, "--new", '"NAME: DOMAIN"', 'e.g. "r: 0 < r", "phi: angle" (repeat)')
 
 
 def _add_verify(kinds: _Commands) -> None:
@@ -172,9 +163,7 @@ def _add_action(kinds: _Commands) -> None:
     about = f"Compute Hamilton's integral of L dt along a path that you type; it need not be a motion.\n\n{_SYSTEMS}"
     command = _add(kinds, "action", "the integral of L dt along a path", about)
     _system_arguments(command)
-    command.add_argument(
-        "--path", action="append", default=[], metavar="EQUATION", help='e.g. "x = t**2" (repeat, one for each)'
-    )
+    _many(command, "--path", "EQUATION", 'e.g. "x = t**2" (repeat, one for each)')
     command.add_argument("--between", metavar="T:T", help="the first and the last time, e.g. 0:1")
     command.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the value (default 15)")
     _json_argument(command)
@@ -190,9 +179,7 @@ def _add_loop(kinds: _Commands) -> None:
     _system_arguments(command)
     _find_argument(command)
     for option, what in (("--q", "coordinates"), ("--momentum", "momenta")):
-        command.add_argument(
-            option, action="append", default=[], metavar="NAME=FORMULA", help=f"{what} of the curve, e.g. x=cos(s)"
-        )
+        _many(command, option, "NAME=FORMULA", f"{what} of the curve, e.g. x=cos(s)")
     command.add_argument("--times", default="0,1", metavar="TIMES", help="start:stop:count, or a list (default 0,1)")
     _json_argument(command)
 
@@ -206,14 +193,13 @@ def _add_impact(kinds: _Commands) -> None:
     command = _add(kinds, "impact", "an impact with an unknown impulse", about)
     _system_arguments(command)
     _motion_arguments(command)
-    command.add_argument(
-        "--meets", action="append", default=[], metavar="EQUATION",
-        help='what holds just after, e.g. "dot(y) = 0" or "x**2 + y**2 = 1" (repeat)',
-    )  # fmt: skip
-    command.add_argument(
-        "--restitution", action="append", default=[], metavar="E",
-        help="coefficient of restitution, 0 (default) to 1; one for all constraints or one for each",
-    )  # fmt: skip
+    _many(command, "--meets", "EQUATION", 'what holds just after, e.g. "dot(y) = 0" or "x**2 + y**2 = 1" (repeat)')
+    _many(
+        command,
+        "--restitution",
+        "E",
+        "coefficient of restitution, 0 (default) to 1; one for all constraints or one for each",
+    )
     _json_argument(command)
 
 
@@ -237,30 +223,25 @@ def _add_canonical(kinds: _Commands) -> None:
     canonical.add_argument(
         "formula", nargs="*", metavar="EQUATION", help='the coordinates first, then their momenta: "Q = atan(q/p)" …'
     )
-    canonical.add_argument(
-        "--pair", action="append", default=[], metavar='"q: p"', help="an old coordinate and its momentum (repeat)"
-    )
-    canonical.add_argument(
-        "--domain", action="append", default=[], metavar='"NAME: DOMAIN"',
-        help='where an old variable lies, e.g. "p: 0 < p < pi/2" (repeat)',
-    )  # fmt: skip
+    _many(canonical, "--pair", '"q: p"', "an old coordinate and its momentum (repeat)")
+    _many(canonical, "--domain", '"NAME: DOMAIN"', 'where an old variable lies, e.g. "p: 0 < p < pi/2" (repeat)')
     _constant_argument(canonical)
     canonical.add_argument("--hamiltonian", metavar="FORMULA", help="H(q, p, t), where the new one is wanted")
     canonical.add_argument(
         "--generating", metavar="EQUATION", help='in place of the map: "F2 = …", of kind F1(q, Q) to F4(p, P)'
     )
-    canonical.add_argument(
-        "--new", action="append", default=[], metavar='"Q: P"', help="with --generating, the new pairs (repeat)"
-    )
+    _many(canonical, "--new", '"Q: P"', "with --generating, the new pairs (repeat)")
     _budget_argument(canonical, "for each proof")
     _json_argument(canonical)
 
 
 def _constant_argument(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--constant", action="append", default=[], metavar='NAME or "NAME: DOMAIN"',
-        help='a constant in the formulas, e.g. E, or "a: 0 < a" where they hold on one side only (repeat)',
-    )  # fmt: skip
+    _many(
+        command,
+        "--constant",
+        'NAME or "NAME: DOMAIN"',
+        'a constant in the formulas, e.g. E, or "a: 0 < a" where they hold on one side only (repeat)',
+    )
 
 
 def _add_report(kinds: _Commands) -> None:
@@ -284,10 +265,12 @@ def _add_report(kinds: _Commands) -> None:
         "--live", action="store_true",
         help="begin the .html with sliders and a moving point, for motions that librate or rotate",
     )  # fmt: skip
-    report.add_argument(
-        "--slider", action="append", default=[], metavar="NAME[=LOW:HIGH]",
-        help="with --live: a slider for this constant or parameter, over this range or as far as possible (repeat)",
-    )  # fmt: skip
+    _many(
+        report,
+        "--slider",
+        "NAME[=LOW:HIGH]",
+        "with --live: a slider for this constant or parameter, over this range or as far as possible (repeat)",
+    )
     report.add_argument(
         "--brief", action="store_true",
         help="leave out closed forms, map of all motions and surface of section, which take longest",
@@ -320,7 +303,7 @@ def _motion_arguments(command: argparse.ArgumentParser) -> None:
         ("--velocity", "initial velocities, e.g. r=0 theta=1.2"),
         ("--momentum", "initial momenta, in place of velocities"),
     ):
-        motion.add_argument(option, action="append", default=[], metavar="NAME=VALUE", help=what)
+        _many(motion, option, "NAME=VALUE", what)
 
 
 def _add_motion(kinds: _Commands) -> None:
@@ -348,9 +331,7 @@ def _add_two_point(kinds: _Commands) -> None:
     _find_argument(command)
     places = command.add_argument_group("two places and a time")
     for option, name, what in (("--from", "start", "place at time 0"), ("--to", "goal", "place after the time")):
-        places.add_argument(
-            option, dest=name, action="append", default=[], metavar="NAME=VALUE", help=f"{what}, e.g. r=1 theta=0"
-        )
+        _many(places, option, "NAME=VALUE", f"{what}, e.g. r=1 theta=0", dest=name)
     places.add_argument("--time", metavar="T", help="time between the two places, > 0")
     places.add_argument("--turns", default="0", metavar="N:N", help="whole turns: 0:3 or 0,2 (default 0)")
     _budget_argument(command, "for the proof that these are all")
@@ -433,11 +414,14 @@ def _add_setup(kinds: _Commands) -> None:
     _add(kinds, "setup", "compile the kernels of ensembles, once", about)
 
 
+def _many(where: argparse._ActionsContainer, option: str, metavar: str, what: str, dest: str | None = None) -> None:
+    """Add an option that may be repeated."""
+    where.add_argument(option, action="append", default=[], metavar=metavar, help=what, dest=dest)
+
+
 def _system_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("system", nargs="?", metavar="SYSTEM", help="catalog id, or .toml file of an entry or a scene")
-    command.add_argument(
-        "--effect", action="append", default=[], metavar="NAME", help="switch on an effect of the entry (repeat)"
-    )
+    _many(command, "--effect", "NAME", "switch on an effect of the entry (repeat)")
     own = command.add_argument_group("a system of your own")
     own.add_argument(
         "--coordinate",
@@ -459,15 +443,16 @@ def _system_arguments(command: argparse.ArgumentParser) -> None:
         "--hamiltonian", metavar="FORMULA",
         help="instead of --kinetic and --potential: H with p_ before each coordinate, e.g. p_x**2/(2*m) + k*x**2/2",
     )  # fmt: skip
-    own.add_argument(
-        "--constraint", action="append", default=[], metavar="EQUATION",
-        help='holonomic, or linear in the velocities and integrable, e.g. "x**2 + y**2 = l**2" (repeat)',
-    )  # fmt: skip
+    _many(
+        own,
+        "--constraint",
+        "EQUATION",
+        'holonomic, or linear in the velocities and integrable, e.g. "x**2 + y**2 = l**2" (repeat)',
+    )
     own.add_argument("--title", metavar="TEXT", help="what the system is called in the output")
-    command.add_argument(
+    _many(
+        command,
         "--parameter",
-        action="append",
-        default=[],
-        metavar="NAME[=VALUE][:SIGN]",
-        help="a parameter of your own system, e.g. m=1:positive, or another value for one of the entry (repeat)",
+        "NAME[=VALUE][:SIGN]",
+        "a parameter of your own system, e.g. m=1:positive, or another value for one of the entry (repeat)",
     )

@@ -61,6 +61,3 @@ def _spoken(message: str) -> str:
 def _options_by_command(top: argparse.ArgumentParser) -> dict[str, list[str]]:
     kinds = next(action for action in top._actions if isinstance(action, argparse._SubParsersAction))
     return {name: list(parser._option_string_actions) for name, parser in kinds.choices.items()}
-
-
-__all__ = ["StrictParser"]

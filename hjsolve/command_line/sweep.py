@@ -12,14 +12,7 @@ _DONE, _INTERRUPTED = 0, 130
 
 
 def run_sweep(options: Namespace) -> int:
-    """Sweep, and say what came of it.
-
-    Args:
-        options: the parsed arguments.
-
-    Returns:
-        The exit status; see ``hjsolve.command_line.main``.
-    """
+    """Sweep, and say what came of it."""
     out = options.output
     try:
         done = sweep(

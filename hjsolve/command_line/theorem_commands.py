@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 def verify_command(options: Namespace) -> int:
     """Decide whether W or S is a complete integral, and print what follows from it or what fails.
 
-    Args:
-        options: the parsed arguments.
-
     Returns:
         The exit status: 0 it is one, 1 it is not, 3 neither was proved.
 
@@ -53,9 +50,6 @@ def verify_command(options: Namespace) -> int:
 def bracket_command(options: Namespace) -> int:
     """Print the Poisson brackets of every two functions.
 
-    Args:
-        options: the parsed arguments.
-
     Returns:
         The exit status, 0.
 
@@ -80,9 +74,6 @@ def bracket_command(options: Namespace) -> int:
 
 def integral_command(options: Namespace) -> int:
     """Decide whether functions are integrals of the motion, and whether they are in involution.
-
-    Args:
-        options: the parsed arguments.
 
     Returns:
         The exit status: 0 all of them are, 1 one is not, 3 neither was proved.
@@ -111,9 +102,6 @@ def integral_command(options: Namespace) -> int:
 
 def impact_command(options: Namespace) -> int:
     """Compute what constraints that appear do to the velocities.
-
-    Args:
-        options: the parsed arguments.
 
     Returns:
         The exit status, 0.
@@ -150,16 +138,13 @@ def impact_command(options: Namespace) -> int:
 def action_command(options: Namespace) -> int:
     """Compute the integral of L dt along a path.
 
-    Args:
-        options: the parsed arguments.
-
     Returns:
         The exit status, 0.
 
     Raises:
         InvalidInputError: no path, or no times.
     """
-    from hjsolve.reports.sections.integrals_of_paths import action_section
+    from hjsolve.reports.sections.theorem import action_section
     from hjsolve.theorem.action_along_path import action_integral
 
     first, colon, last = (options.between or "").partition(":")
@@ -173,9 +158,6 @@ def action_command(options: Namespace) -> int:
 def loop_command(options: Namespace) -> int:
     """Compute the integral of p dq along a closed curve as it moves.
 
-    Args:
-        options: the parsed arguments.
-
     Returns:
         The exit status: 0 where the values agree, 1 where they do not.
 
@@ -184,7 +166,7 @@ def loop_command(options: Namespace) -> int:
     """
     from hjsolve.command_line.motion_tables import times_from_text
     from hjsolve.mechanics.typed_texts import typed_values
-    from hjsolve.reports.sections.integrals_of_paths import loop_section
+    from hjsolve.reports.sections.theorem import loop_section
     from hjsolve.solution.quadratures import solve
     from hjsolve.theorem.loop_integrals import loop_integral
 
@@ -229,9 +211,6 @@ def _subject(options: Namespace) -> Subject:
 
 def canonical_command(options: Namespace) -> int:
     """Decide whether a map is canonical, and print its generating functions or what fails.
-
-    Args:
-        options: the parsed arguments.
 
     Returns:
         The exit status: 0 it is, 1 it is not, 3 neither was proved.

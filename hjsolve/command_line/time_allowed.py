@@ -35,6 +35,3 @@ def within(seconds: float) -> Iterator[None]:
         raise NotConvergedError(
             f"not decided in {seconds:g} s; give more time with --budget, or write T and V in a simpler form"
         ) from None
-
-
-__all__ = ["within"]

@@ -20,9 +20,6 @@ from hjsolve.two_point.asked.answers import Connection, Connections
 def print_connections(options: Namespace) -> None:
     """Print the motions that join two places, and how complete they are on the error stream.
 
-    Args:
-        options: the parsed arguments.
-
     Raises:
         InvalidInputError: a place or the time is missing or cannot be read.
     """

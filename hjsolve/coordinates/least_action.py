@@ -51,6 +51,3 @@ def jacobi_metric(system: System | str | Path, *, energy: str = "h") -> System:
         domains, T, 0, {p.name: p for p in given.parameters} | {name: h}, signature="indefinite",
         title=f"{given.title}, orbits as geodesics" if given.title else "",
     )  # fmt: skip
-
-
-__all__ = ["jacobi_metric"]

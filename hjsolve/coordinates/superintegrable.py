@@ -90,11 +90,7 @@ def _begin(found: SeparableCoordinates, cartesian: Cartesian) -> str:
 
 
 def modes_in_words(modes: NormalModes) -> str:
-    """Say which frequencies of normal modes are the same, or in a ratio of whole numbers; empty where none are.
-
-    Args:
-        modes: of a system.
-    """
+    """Say which frequencies of normal modes are the same, or in a ratio of whole numbers; empty where none are."""
     moving = [mode for mode in modes.modes if mode.kind == "oscillation"]
     found = []
     for one, other in combinations(moving, 2):

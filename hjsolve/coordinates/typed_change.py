@@ -176,6 +176,3 @@ def short_form(x: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> sp.Expr:
         return shortest_form(reader, reader.element(x))
     except (WorkLimitError, ZeroDivisionError):
         return x
-
-
-__all__ = ["change_coordinates", "short_form", "stays_inside", "transformed"]

@@ -34,11 +34,7 @@ class Answer:
 
 
 def scalars(run: Run) -> Numbers:
-    """Collect the results of every arc that are not states.
-
-    Args:
-        run: of the scene.
-    """
+    """Collect the results of every arc that are not states."""
     found: dict[str, tuple[tuple[Value, Value | None], ...]] = {}
     for place, arc in enumerate(run.arcs):
         suffix = f"@{place}" if place else ""
@@ -79,9 +75,6 @@ class Ruler:
 
     def measure(self, numbers: Numbers) -> Comparison:
         """Compare.
-
-        Args:
-            numbers: of an answer.
 
         Returns:
             The worst; all None where nothing can be compared.

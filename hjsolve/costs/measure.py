@@ -13,9 +13,9 @@ from dataclasses import dataclass, field, replace
 
 from hjsolve.costs.answers import Answer, Ruler
 from hjsolve.costs.reference import SPARE, TrueValues
-from hjsolve.costs.table import Row, duration
+from hjsolve.costs.table import Row
 from hjsolve.costs.trial import Task, Trial
-from hjsolve.display.progress import Progress
+from hjsolve.display.progress import Progress, duration
 from hjsolve.errors import HJSolveError, InvalidInputError, MissingExtraError, NotConvergedError
 
 _SAMPLE = 12

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from hjsolve.display.progress import duration
 from hjsolve.display.shown import Shown
 
 STATUSES = ("ok", "extrapolated", "lost", "claim broken", "not converged", "too slow", "not applicable", "missing")
@@ -124,11 +125,7 @@ _WORDS = {"ok": "", "too slow": "did not fit the budget"}
 
 
 def explanation(cost: Cost) -> list[str]:
-    """Return what the table is about, in sentences.
-
-    Returns:
-        One line a sentence.
-    """
+    """Return what the table is about, in sentences."""
     states = f" at {cost.times} times, compared at {cost.checked} of them" if cost.checked else ""
     return [
         f"Asked: {', '.join(cost.want)}{states}.",
@@ -163,14 +160,3 @@ def _error(value: float | None, floor: float) -> str:
     if value < floor:
         return f"< {floor:.0e}"
     return f"{value:.1e}" if value else "0"
-
-
-def duration(value: float) -> str:
-    """Return a time with two digits and the unit that suits it.
-
-    Args:
-        value: seconds.
-    """
-    if value < 0.9995e-3:
-        return f"{value * 1e6:.0f} µs"
-    return f"{value * 1e3:.0f} ms" if value < 0.9995 else f"{value:.2g} s" if value < 9.95 else f"{value:.0f} s"

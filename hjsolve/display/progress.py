@@ -71,11 +71,7 @@ class Tally:
         self.add(done)
 
     def add(self, more: int) -> None:
-        """Count orbits that were added, and tell.
-
-        Args:
-            more: how many.
-        """
+        """Count orbits that were added, and tell."""
         with self._lock:
             self._done += more
             self.tell()
@@ -88,6 +84,17 @@ class Tally:
         """
         words = f"{self._done} of {self._total} orbits"
         self._progress(self._done / max(self._total, 1), f"{words}; {remark}" if remark else words)
+
+
+def duration(value: float) -> str:
+    """Return a time with two digits and the unit that suits it.
+
+    Args:
+        value: seconds.
+    """
+    if value < 0.9995e-3:
+        return f"{value * 1e6:.0f} µs"
+    return f"{value * 1e3:.0f} ms" if value < 0.9995 else f"{value:.2g} s" if value < 9.95 else f"{value:.0f} s"
 
 
 def _bar(out: TextIO, part: float, words: str, *, stays: bool) -> _RichBar | _Line:

@@ -107,11 +107,7 @@ class ShownSolution(Shown):
 
 
 def fields_of(value: Any) -> Iterator[tuple[str, object]]:
-    """Give the fields of a value that are shown: those that hold data.
-
-    Args:
-        value: a dataclass.
-    """
+    """Give the fields of a value that are shown: those that hold data."""
     names = getattr(value, "_shown_names", None) or [field.name for field in dataclasses.fields(value) if field.repr]
     for name in names:
         content = getattr(value, name)
@@ -124,11 +120,7 @@ def _is_empty(content: object) -> bool:
 
 
 def as_text(value: object) -> str:
-    """Write a value in at most ``MOST_LINES`` lines of at most ``WIDEST`` letters; in one where it fits.
-
-    Args:
-        value: a dataclass.
-    """
+    """Write a value in at most ``MOST_LINES`` lines of at most ``WIDEST`` letters; in one where it fits."""
     rows = [(name, brief(content, WIDEST)) for name, content in fields_of(value)]
     name = type(value).__name__
     if sum(len(key) + len(text) + 3 for key, text in rows) + len(name) <= WIDEST:
@@ -226,9 +218,3 @@ def cut(text: str, room: int) -> str:
         room: letters it may have.
     """
     return text if len(text) <= room else text[: max(room - 2, 0)] + " …"
-
-
-__all__ = [
-    "MOST_LINES", "WIDEST", "Shown", "ShownMotion", "ShownSolution", "as_call", "as_text", "brief", "cut", "fields_of",
-    "listed_names",
-]  # fmt: skip

@@ -29,6 +29,3 @@ def visible(text: str) -> str:
 
 def _escape(found: re.Match[str]) -> str:
     return f"\\u{ord(found[0]):04x}"
-
-
-__all__ = ["hidden_character", "visible"]

@@ -37,12 +37,7 @@ def end_polynomials(own: CoordinateKinds) -> list[tuple[str, sp.Expr]]:
 
 
 def curves_at_ends(own: CoordinateKinds, window: Window) -> list[CriticalCurve]:
-    """Return the curves on which P² vanishes at an end of the domain.
-
-    Args:
-        own: the coordinate.
-        window: ranges of x and y.
-    """
+    """Return the curves on which P² vanishes at an end of the domain."""
     x, y = own.constants
     found: list[CriticalCurve] = []
     known: list[tuple[str, sp.Expr]] = []
@@ -80,10 +75,6 @@ def symmetric_curves(own: CoordinateKinds, window: Window) -> list[CriticalCurve
     """Return the curves P²(q; x, y) = 0 of places q at which ∂P²/∂q = 0 for all x and y.
 
     An equator, the line of two centres.
-
-    Args:
-        own: the coordinate.
-        window: ranges of x and y.
     """
     if own.polynomial is None:
         return []

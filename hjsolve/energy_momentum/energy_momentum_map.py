@@ -15,7 +15,6 @@ from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.display.by_value import ByValue
 from hjsolve.display.renderers import renderer
 from hjsolve.display.shown import Shown
-from hjsolve.energy_momentum.all_curves import critical_curves
 from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
 from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window, equations
 from hjsolve.energy_momentum.isolation import Reals
@@ -23,7 +22,7 @@ from hjsolve.energy_momentum.kinds_of_motion import KindsOfMotion
 from hjsolve.energy_momentum.momentum_polynomial import polynomial_of, with_domain
 from hjsolve.energy_momentum.monodromy import IsolatedCriticalValue, Monodromy, isolated_values, monodromy_round
 from hjsolve.energy_momentum.orbits import bounded_orbits
-from hjsolve.energy_momentum.windows import chosen_window, first_window
+from hjsolve.energy_momentum.windows import chosen_window, critical_curves, first_window
 from hjsolve.errors import InvalidInputError, MissingValueError, of_kind
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.energy_shell import time_name

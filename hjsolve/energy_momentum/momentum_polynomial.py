@@ -71,6 +71,8 @@ class _Piece(ByValue, Shown):
 class MomentumPolynomial(ByValue, Shown):
     """N(t; x, y) of one coordinate.
 
+    In its methods x and y are values of the two constants, shape (m,).
+
     Attributes:
         substitution: t = φ(q).
         polynomial: N.
@@ -89,18 +91,13 @@ class MomentumPolynomial(ByValue, Shown):
     backward: Tape = field(repr=False)
 
     def roots(self, x: Reals, y: Reals) -> tuple[IsolatedRoots, ...]:
-        """Isolate the zeros of P² at many points; one result for each piece.
-
-        Args:
-            x, y: values of the two constants, shape (m,).
-        """
+        """Isolate the zeros of P² at many points; one result for each piece."""
         return tuple(isolated_roots(*self._coefficients(piece, x, y)) for piece in self.pieces)
 
     def value(self, x: Reals, y: Reals, s: Reals) -> tuple[Reals, Reals]:
         """Return N at places s of (0, 1) or (1, 2), and bounds on its errors.
 
         Args:
-            x, y: values of the two constants, shape (m,).
             s: the places, shape (m,).
         """
         value, error = np.empty(len(s)), np.empty(len(s))
@@ -110,11 +107,7 @@ class MomentumPolynomial(ByValue, Shown):
         return value, error
 
     def values(self, x: Reals, y: Reals) -> Callable[[Reals], Reals]:
-        """Return N at many points as a function of the places s; the coefficients there are worked out once.
-
-        Args:
-            x, y: values of the two constants, shape (m,).
-        """
+        """Return N at many points as a function of the places s; the coefficients there are worked out once."""
         tables = [self._coefficients(piece, x, y)[0] for piece in self.pieces]
 
         def at(s: Reals) -> Reals:

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from hjsolve.energy_momentum.all_curves import critical_curves
 from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
-from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window
+from hjsolve.energy_momentum.critical_curves import ROUNDS, CriticalCurve, Window, double_zeros
+from hjsolve.energy_momentum.end_curves import curves_at_ends, symmetric_curves
 from hjsolve.energy_momentum.monodromy import rests_at_ends
 from hjsolve.errors import InvalidInputError, MissingValueError
 
@@ -83,3 +83,14 @@ def _seen(curve: CriticalCurve, across: tuple[float, float], up: tuple[float, fl
     """Heights that most of the curve lies between."""
     inside = (curve.x >= across[0]) & (curve.x <= across[1]) & (curve.y >= up[0]) & (curve.y <= up[1])
     return list(np.quantile(curve.y[inside], [_LOW, _HIGH])) if inside.sum() > 3 else []
+
+
+def critical_curves(own: CoordinateKinds, window: Window, rounds: int = ROUNDS) -> list[CriticalCurve]:
+    """Trace the critical curves of one coordinate in a window of the plane.
+
+    Args:
+        own: the coordinate.
+        window: ranges of x and y.
+        rounds: how often places are put between those that lie far apart.
+    """
+    return [*double_zeros(own, window, rounds), *symmetric_curves(own, window), *curves_at_ends(own, window)]

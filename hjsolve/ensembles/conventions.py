@@ -20,14 +20,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.coordinates.charts.curvilinear import curvilinear_map
-from hjsolve.coordinates.charts.outer_map import (
-    AZIMUTH,
-    COLATITUDE,
-    FROM_AXIS,
-    FROM_CENTRE,
-    HEIGHT,
-    LATITUDE,
-)
+from hjsolve.coordinates.charts.outer_map import AZIMUTH, COLATITUDE, FROM_AXIS, FROM_CENTRE, HEIGHT, LATITUDE
 from hjsolve.errors import InvalidInputError, InvalidSystemError
 from hjsolve.solution.quadratures import Solution
 

@@ -189,16 +189,9 @@ def _common_shape(arrays: Mapping[tuple[str, str], Any]) -> tuple[int, ...]:
 
 
 def is_dask(value: Any) -> bool:
-    """Return whether something is a dask array.
-
-    Args:
-        value: anything.
-    """
+    """Return whether something is a dask array."""
     return hasattr(value, "dask") and hasattr(value, "map_blocks")
 
 
 def _kind(value: Any) -> str:
     return f"a {type(value).__name__}"
-
-
-__all__ = ["InitialConditions", "arrays_of", "conditions", "is_dask"]

@@ -138,7 +138,7 @@ def _batch(
         from hjsolve.ensembles.dask_blocks import lazily
 
         return lazily(task, layout, given)
-    columns = _at_once(task, given, _thread_count(threads), shown)
+    columns = _at_once(task, given, None if threads is None else arguments.whole(threads, "threads", 1), shown)
     return Batch({name: column.reshape(given.shape) for name, column in columns.items()}, layout, given.shape)
 
 
@@ -191,10 +191,6 @@ def _numbers(parameters: Mapping[str, Any] | None) -> dict[str, Any]:
         if getattr(value, "shape", ()) != () or isinstance(value, (list, tuple)):
             raise InvalidInputError(f"parameters[{name}]: one number for all orbits is needed; call once a value")
     return dict(parameters or {})
-
-
-def _thread_count(threads: Any) -> int | None:
-    return None if threads is None else arguments.whole(threads, "threads", 1)
 
 
 def _at_once(task: EnsembleTask, given: InitialConditions, threads: int | None, shown: bool | None) -> Columns:

@@ -11,20 +11,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjsolve import arguments
+from hjsolve.coordinates.chart import Chart
 from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.compute import Columns
+from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.initial_conditions import arrays_of, is_dask
 from hjsolve.ensembles.layout import ERROR, RECOMPUTED, STATUS, Layout
-from hjsolve.ensembles.to_states.from_actions import InverseTask, states_of
-from hjsolve.ensembles.to_states.in_users_coordinates import carried_back
+from hjsolve.ensembles.to_states.from_actions import FoundStates, InverseTask, states_of
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.kinks import refuse_kinks
+from hjsolve.motion.charted.state_map import state_in
 from hjsolve.motion.initial_data import parameter_values
-from hjsolve.motion.tori.from_actions import names_of_actions
+from hjsolve.motion.state import Errors, State
+from hjsolve.motion.tori.from_actions import kinds_given, names_of_actions
 from hjsolve.precision import shared_libraries
 from hjsolve.solution.quadratures import Solution
-
-_KINDS = ("libration", "rotation")
 
 
 def batch_of_states(
@@ -84,13 +85,7 @@ def task_of_tori(
     """
     refuse_kinks(solution.system.kinks, "actions=")
     names = names_of_actions(solution)
-    chosen = dict(arguments.table(kinds or {}, "kinds", '{"theta": "libration"}'))
-    for name, kind in chosen.items():
-        if name not in solution.coordinates or kind not in _KINDS:
-            raise InvalidInputError(
-                f"kinds[{name}]: a separated coordinate ({', '.join(solution.coordinates)}) and one of "
-                f"{', '.join(_KINDS)} are needed"
-            )
+    chosen = kinds_given(solution, kinds or {})
     parameter_values(solution.system, dict(parameters or {}))
     none = np.empty((len(names), 0))
     separated = replace(solution, chart=None)
@@ -116,3 +111,28 @@ def state_columns(task: InverseTask, inputs: Sequence[NDArray[np.generic]]) -> C
     columns |= {f"q.{name}": x for name, x in found.q.items()} | {f"p.{name}": x for name, x in found.p.items()}
     columns |= {f"{ERROR}q.{name}": x for name, x in found.q_errors.items()}
     return columns | {f"{ERROR}p.{name}": x for name, x in found.p_errors.items()}
+
+
+def carried_back(task: InverseTask, chart: Chart, found: FoundStates) -> FoundStates:
+    """Return states in the user's coordinates; not converged where the map to them loses all digits, as on an axis.
+
+    Args:
+        task: what was wanted, in the separated coordinates.
+        chart: from these to the user's.
+        found: the states.
+    """
+    values = parameter_values(task.solution.system, task.parameters)
+    state = State(
+        0, found.q, found.p, {}, {}, np.where(found.status == Status.OK, "ok", "not_converged"),
+        lambda: Errors(found.q_errors, found.p_errors, {}),
+    )  # fmt: skip
+    there = state_in(chart, values, state)
+    groups = there.q, there.p, there.error.q, there.error.p
+    q, p, dq, dp = ({name: np.array(row, dtype=float) for name, row in group.items()} for group in groups)
+    rows = np.stack([*q.values(), *p.values(), *dq.values(), *dp.values()])
+    fine = (found.status == Status.OK) & np.isfinite(rows).all(axis=0)
+    for group in (q, p, dq, dp):
+        for row in group.values():
+            row[~fine] = np.nan
+    status = np.where((found.status == Status.OK) & ~fine, Status.NOT_CONVERGED, found.status)
+    return FoundStates(q, p, dq, dp, status.astype(np.int8), found.recomputed)

@@ -39,14 +39,7 @@ class EndSlopes(NamedTuple):
 
 
 def tape_of_ends(solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr], variables: VariedSymbols) -> Tape:
-    """Lower F and F_κⱼ of one coordinate; inputs q, the variables and, where they are not varied, the parameters.
-
-    Args:
-        solution: of the system.
-        name: of a separated coordinate.
-        values: every parameter → exact number.
-        variables: what is varied.
-    """
+    """Lower F and F_κⱼ of one coordinate; inputs q, the variables and, where they are not varied, the parameters."""
     q = solution.system.coordinate(name).symbol
     fixed = tuple(p.symbol for p in solution.system.parameters if p.symbol not in variables.symbols)
     return _lowered(solution.momentum_squared[name], q, variables.symbols, fixed, tuple(values.items()))

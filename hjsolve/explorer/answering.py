@@ -43,11 +43,7 @@ _CARRIED = 12
 
 
 def answer_question(question: PageQuestion) -> PageAnswer:
-    """Answer a question as far as possible; what is wrong is reported in ``problem``, never raised.
-
-    Args:
-        question: what was typed.
-    """
+    """Answer a question as far as possible; what is wrong is reported in ``problem``, never raised."""
     try:
         system = typed_system(question)
     except HJSolveError as error:
@@ -83,9 +79,6 @@ def _not_read(question: PageQuestion, error: HJSolveError) -> PageAnswer:
 
 def typed_system(question: PageQuestion) -> System:
     """Read the system.
-
-    Args:
-        question: what was typed.
 
     Raises:
         InvalidInputError: a field is too long, or cannot be read; so do its kinds for formulas and systems.
@@ -265,10 +258,6 @@ def _report(subject: Solution | Obstruction | Undecided | Separation, question: 
 
 def scene_text(question: PageQuestion, system: System) -> str:
     """Write the scene of a question as TOML.
-
-    Args:
-        question: what was typed.
-        system: read from it.
 
     Returns:
         A text that ``Scene.load`` reads, and ``hjsolve report`` and ``hjsolve explore`` too.

@@ -50,15 +50,8 @@ def _say(record: logging.LogRecord, text: str) -> None:
 
 
 def bound_logs(names: Iterable[str] = LOGGERS) -> BoundedLog:
-    """Bound some loggers together.
-
-    Returns:
-        Their filter, for removal.
-    """
+    """Bound some loggers together."""
     bounded = BoundedLog()
     for name in names:
         logging.getLogger(name).addFilter(bounded)
     return bounded
-
-
-__all__ = ["LOGGERS", "MOST_MESSAGES", "BoundedLog", "bound_logs"]

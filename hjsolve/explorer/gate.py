@@ -107,6 +107,3 @@ async def _answer(send: Send, status: int, text: str, headers: list[tuple[bytes,
     plain = [(b"content-type", b"text/plain; charset=utf-8"), (b"cache-control", b"no-store"), *_POLICY]
     await send({"type": "http.response.start", "status": status, "headers": [*plain, *(headers or [])]})
     await send({"type": "http.response.body", "body": text.encode()})
-
-
-__all__ = ["MOST_SOCKETS", "Gate"]

@@ -65,11 +65,7 @@ class Desk:
         self._busy = False
 
     def put(self, question: PageQuestion) -> None:
-        """Ask as soon as what is being computed is done.
-
-        Args:
-            question: what is typed now.
-        """
+        """Ask as soon as what is being computed is done."""
         self._waiting = question
         if not self._busy:
             self._busy = True

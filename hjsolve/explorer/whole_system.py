@@ -31,9 +31,6 @@ def lines_of(text: str) -> list[str]:
 def unfinished(question: PageQuestion) -> tuple[str, ...]:
     """Return what is missing in the system as a whole, one sentence each.
 
-    Args:
-        question: what was typed.
-
     Raises:
         InvalidInputError: one box is wrong, whatever the others hold; ExpressionError where it is a formula.
     """

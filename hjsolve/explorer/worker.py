@@ -58,11 +58,7 @@ class Worker:
             self.begin()
 
     def ask(self, question: PageQuestion) -> PageAnswer:
-        """Answer, or say which limit it went over.
-
-        Args:
-            question: what was typed.
-        """
+        """Answer, or say which limit it went over."""
         self.ready()
         connection = self._connection
         if connection is None:

@@ -108,9 +108,6 @@ class ChangeOfFrame(Shown):
 def verified(frame: C) -> C:
     """Give the frame back if it is what it claims.
 
-    Args:
-        frame: what is to be checked.
-
     Raises:
         InvalidSystemError: the map is not affine in Q, not invertible, or the identity fails; the residual is shown.
     """

@@ -124,6 +124,3 @@ def _rounded(
     return PrincipalCoefficients(
         t, matrix, np.array(list(B), dtype=object).astype(kind), Estimate(value, of_C), of_A, of_B
     )
-
-
-__all__ = ["PrincipalCoefficients", "principal_coefficients"]

@@ -123,11 +123,7 @@ class QuadraticMotion(Shown):
         return found
 
     def at(self, t: object) -> State:
-        """Return the state at a time or at an array of times; as ``Motion.at``, angles not counted in turns.
-
-        Args:
-            t: a time or an array of times.
-        """
+        """Return the state at a time or at an array of times; as ``Motion.at``, angles not counted in turns."""
         shape, times = exact_numbers(t, "t")
         found, bounds = self.flow.integrate([list(self.start)], self.t0, times, max(self.digits, 15))
         n = len(self.system.coordinates)
@@ -260,6 +256,3 @@ def _quadratic_motion(
     nowhere = {x: 0 for c in system.coordinates for x in (c.symbol, c.momentum)}
     rest = hamiltonian(system).subs(nowhere).subs(fixed)
     return QuadraticMotion(system, numbers, tuple(map(sp.sympify, z)), start, digits, rest)
-
-
-__all__ = ["QuadraticMotion", "SolutionInTime", "solve_in_time"]

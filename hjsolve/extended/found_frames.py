@@ -375,6 +375,3 @@ def _scaled(system: System, new: Mapping[str, str], posed: _Posed) -> Iterator[_
         yield _Posed(T, still, place, scaled.gauge)
         return
     yield from _accelerated(system, new, scaled)
-
-
-__all__ = ["find_frame"]

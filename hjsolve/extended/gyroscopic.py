@@ -143,11 +143,7 @@ class ModalMotion(Shown):
         return {"E": Estimate(E, abs(E) * E.context.mpf(10) ** -self.modes.digits)}
 
     def at(self, t: object) -> State:
-        """Return the state in the coordinates as posed at a time or at an array of times; as ``Motion.at``.
-
-        Args:
-            t: a time or an array of times.
-        """
+        """Return the state in the coordinates as posed at a time or at an array of times; as ``Motion.at``."""
         shape, times = exact_numbers(t, "t")
         path = self._path(max((sp.Abs(x) for x in times), default=sp.S.Zero))
         context, n = path.context, len(self.modes.system.coordinates)

@@ -26,7 +26,7 @@ from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import InBits, complete_numbers, number_is_zero, to_bits, values_of
 from hjsolve.motion.shapes import gathered
-from hjsolve.motion.state import Errors, State
+from hjsolve.motion.state import Errors, KnownErrors, State
 from hjsolve.motion.times import exact_numbers, whole_numbers
 from hjsolve.one_coordinate.level_curve import Curve, Orbit, followed
 
@@ -78,13 +78,11 @@ class LevelMotion(Shown):
         rows = [self._state(time) for time in times]
         columns = list(zip(*rows, strict=True)) or [()] * 7
         q, p, v, turns, *errors = (gathered(column, shape) for column in columns)
+        bounds = Errors(*({name: error} for error in errors))
         counts = {name: turns} if self.problem.coordinate.domain.kind == "angle" else {}
 
-        def bounds() -> Errors:
-            return Errors(*({name: error} for error in errors))
-
         status = np.full(shape, "ok") if shape else "ok"
-        return State(t, {name: q}, {name: p}, {name: v}, counts, status, bounds)
+        return State(t, {name: q}, {name: p}, {name: v}, counts, status, KnownErrors(bounds))
 
     def _state(self, t: sp.Expr) -> tuple[object, ...]:
         """(q, p, q̇, turns, errors of the first three)."""
@@ -126,20 +124,7 @@ def start_on_level(
     problem: NonlinearInMomentum, *, q: Mapping[str, object], velocity: Mapping[str, object] | None,
     p: Mapping[str, object] | None, parameters: Mapping[str, object], t0: object, digits: int,
 ) -> LevelMotion:  # fmt: skip
-    """Start a motion; see ``GeneralHamiltonian.motion``.
-
-    Args:
-        problem: H(q, p) of one coordinate.
-        q, p: numbers by name of the coordinate.
-        velocity: refused here, for several p may have the same velocity; None.
-        parameters: numbers by name.
-        t0: time of the initial data.
-        digits: relative digits wanted.
-
-    Raises:
-        InvalidInputError: a velocity, no p, q outside its domain, or H that is not a real number there.
-        MissingValueError: q or p is not given for this coordinate alone, or a parameter has no value.
-    """
+    """Start a motion; see ``GeneralHamiltonian.motion``."""
     coordinate, digits = problem.coordinate, arguments.digits(digits)
     name = coordinate.name
     if velocity is not None or p is None:
@@ -226,6 +211,3 @@ def _numbers(name: str, orbit: Orbit | None, E: Mpf, digits: int, bits: int) -> 
         {name: estimate(J * (orbit.turns or 1), blur)}, {name: estimate(T, off)},
         {name: estimate(rate, 2 * rate * off / T)},
     )  # fmt: skip
-
-
-__all__ = ["LevelMotion", "start_on_level"]

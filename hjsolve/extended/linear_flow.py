@@ -62,20 +62,12 @@ class LinearFlow:
     factors: tuple[Factor, ...]
 
     def exponents(self, bits: int) -> list[tuple[Mpc, Factor]]:
-        """Return the roots of the characteristic polynomial in so many bits, each once, with its factor.
-
-        Args:
-            bits: of the numbers.
-        """
+        """Return the roots of the characteristic polynomial in so many bits, each once, with its factor."""
         context = multiprecision(bits)
         return [(context.mpc(λ), factor) for factor in self.factors for λ in _roots(factor.polynomial, context)]
 
     def projections(self, bits: int) -> list[tuple[Mpc, MpfMatrix]]:
-        """Return for each exponent λ the projection V_{λ0} on its root space.
-
-        Args:
-            bits: of the numbers.
-        """
+        """Return for each exponent λ the projection V_{λ0} on its root space."""
         context = multiprecision(bits)
         A = _numbers(self.matrix, context)
         return [(λ, terms[0]) for λ, terms, _ in _terms(self, A, context.eye(A.rows), context)]
@@ -268,6 +260,3 @@ def _prepared(flow: LinearFlow, start: list[sp.Expr], bits: int) -> LinearPath:
         sizes.append((norms, [_size(r) for r in residuals]))
         total = total + v[0]
     return LinearPath(terms, sizes, _size(total), max(abs(x) for x in z), context)
-
-
-__all__ = ["Factor", "LinearFlow", "LinearPath", "affine", "flow_of", "path_of"]

@@ -23,7 +23,7 @@ from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import complete_numbers, to_bits, values_of
 from hjsolve.motion.shapes import gathered
-from hjsolve.motion.state import Errors, State
+from hjsolve.motion.state import Errors, KnownErrors, State
 from hjsolve.motion.times import exact_numbers
 
 _FLOAT_DIGITS, _GUARD_BITS, _LOST_BITS = 15, 96, 48
@@ -68,12 +68,10 @@ class LinearMotion(Shown):
         name = self.problem.coordinate.name
         columns = [gathered(column, shape) for column in (zip(*rows, strict=True) if rows else [()] * 8)]
         q, p, v, turns, status, *errors = columns
+        bounds = Errors(*({name: error} for error in errors))
         counts = {name: turns} if self.problem.coordinate.domain.kind == "angle" else {}
 
-        def bounds() -> Errors:
-            return Errors(*({name: error} for error in errors))
-
-        return State(t, {name: q}, {name: p}, {name: v}, counts, status, bounds)
+        return State(t, {name: q}, {name: p}, {name: v}, counts, status, KnownErrors(bounds))
 
     def reach(self, t: object) -> tuple[float | Mpf, float | Mpf]:
         """Return (q, p) at one time, angles with all their turns.
@@ -159,20 +157,7 @@ def start_linear_motion(
     problem: LinearInMomentum, *, q: Mapping[str, object], velocity: Mapping[str, object] | None,
     p: Mapping[str, object] | None, parameters: Mapping[str, object], t0: object, digits: int,
 ) -> LinearMotion:  # fmt: skip
-    """Start a motion; see ``LinearHamiltonian.motion``.
-
-    Args:
-        problem: H = a(q) p + b(q).
-        q, p: numbers by name of the coordinate.
-        velocity: refused here, for dq/dt = a(q) does not say what p is; None.
-        parameters: numbers by name.
-        t0: time of the initial data.
-        digits: relative digits wanted.
-
-    Raises:
-        InvalidInputError: no momentum, or digits out of range.
-        MissingValueError: a number is missing.
-    """
+    """Start a motion; see ``LinearHamiltonian.motion``."""
     name = problem.coordinate.name
     if velocity is not None or p is None:
         raise InvalidInputError(f"initial data: give p={{{name!r}: …}}; dq/dt = a(q) says nothing about p here")

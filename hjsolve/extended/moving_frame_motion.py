@@ -47,11 +47,7 @@ class FramedMotion(Shown):
         return self.motion.constants
 
     def at(self, t: object) -> State:
-        """Return the state of the original system at a time or times; as ``Motion.at``, angles not counted in turns.
-
-        Args:
-            t: a time or an array of times.
-        """
+        """Return the state of the original system at a time or times; as ``Motion.at``, angles not counted in turns."""
         carried = CarriedOver(self.frame, self.motion.initial.values, self.motion.digits)
         return carried.state(self.motion.at(t), t)
 
@@ -140,20 +136,7 @@ def start_framed_motion(
     p: Mapping[str, object] | None, parameters: Mapping[str, object], t0: object, digits: int,
     solution: Solution | None = None,
 ) -> FramedMotion:  # fmt: skip
-    """Start a motion; see ``Frame.motion``.
-
-    Args:
-        frame: with both systems.
-        q, velocity, p: numbers by name of the original coordinates; velocity or p.
-        parameters: numbers by name.
-        t0: time of the initial data.
-        digits: relative digits wanted.
-        solution: of the autonomous system; None for the one in its own coordinates.
-
-    Raises:
-        InvalidInputError: velocity and p both or neither.
-        MissingValueError: a coordinate without a value.
-    """
+    """Start a motion, see ``Frame.motion``; ``solution`` is that of the autonomous system."""
     time = number(t0, source="t0")
     values = {**parameter_values(frame.system, parameters), frame.time: time}
     data = carried_initial_data(frame, values, q, velocity, p)

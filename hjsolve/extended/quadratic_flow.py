@@ -230,6 +230,3 @@ class _Walk:
         """Taylor coefficients of the entries of A and b at the time."""
         arithmetic = PowerSeriesArithmetic(Multi(self._bits), order)
         return list(self._tape.run(arithmetic, [arithmetic.variable(self._t)]))
-
-
-__all__ = ["QuadraticFlow", "with_action"]

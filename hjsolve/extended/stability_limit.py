@@ -107,6 +107,3 @@ def _stable_at(modes: LinearModes, parameter: str, others: Mapping[sp.Symbol, sp
         return is_stable(modes.system, parameter_values(modes.system, given))
     except InvalidSystemError:
         return None
-
-
-__all__ = ["StableRange", "stability_ranges"]

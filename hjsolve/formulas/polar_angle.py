@@ -31,11 +31,7 @@ def angle_of_point(y: sp.Expr, x: sp.Expr) -> sp.Expr:
 
 
 def largest_multiple(expression: sp.Expr) -> int:
-    """Return the largest whole number in an expression that holds atan2; 0 where none does.
-
-    Args:
-        expression: the argument of a function.
-    """
+    """Return the largest whole number in an expression that holds atan2; 0 where none does."""
     if not expression.has(sp.atan2):
         return 0
     bare = expression.replace(sp.atan2, lambda *_: sp.S.One)
@@ -61,6 +57,3 @@ def _is_trigonometric_of_angle(node: sp.Basic) -> bool:
 def _arc_tangent(y: sp.Expr, x: sp.Expr) -> sp.Expr:
     known = angle_of_point(y, x)
     return 2 * sp.atan(y / (x + sp.sqrt(x**2 + y**2))) if known.has(sp.atan2) else known
-
-
-__all__ = ["MAX_MULTIPLE", "angle_of_point", "largest_multiple", "without_polar_angles"]

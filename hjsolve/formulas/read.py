@@ -20,14 +20,7 @@ from hjsolve.errors import ExpressionError
 from hjsolve.formulas.checked_arithmetic import FUNCTIONS, MAX_BITS, has_absolute_value
 from hjsolve.formulas.parser import Parser
 from hjsolve.formulas.polar_angle import without_polar_angles
-from hjsolve.formulas.tokens import (
-    MAX_DIGITS,
-    FormulaText,
-    coordinate_of_velocity,
-    instead_of_word,
-    printable,
-    scan,
-)
+from hjsolve.formulas.tokens import MAX_DIGITS, FormulaText, coordinate_of_velocity, instead_of_word, printable, scan
 
 _ARITHMETIC: tuple[type, ...] = (sp.Symbol, sp.Add, sp.Mul, sp.Pow, type(sp.pi), type(sp.E))
 _ELEMENTARY: tuple[type, ...] = (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, sp.atan2, sp.Abs)

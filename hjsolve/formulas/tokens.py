@@ -247,11 +247,7 @@ def nearest_name(word: str, known: Iterable[str]) -> str:
 
 
 def is_known_elsewhere(word: str) -> bool:
-    """Return whether the word has a meaning of its own in other programs, so that nobody left it undetermined.
-
-    Args:
-        word: what the user wrote.
-    """
+    """Return whether the word has a meaning of its own in other programs, so that nobody left it undetermined."""
     return word in _INSTEAD_OF_WORD
 
 

@@ -176,9 +176,6 @@ def in_c(expression: sp.Basic) -> sp.Basic:
     """Return an expression that ``sympy.ccode(…, allow_unknown_functions=True)`` can write.
 
     Legendre's integrals by name.
-
-    Args:
-        expression: any sympy object.
     """
     for function, (name, _) in _LEGENDRE.items():
         full = max(function.nargs)

@@ -21,11 +21,7 @@ class CarlsonRF(Printable):
 
     @classmethod
     def eval(cls, x: sp.Expr, y: sp.Expr, z: sp.Expr) -> sp.Expr | None:
-        """Order the arguments; give the values of DLMF 19.20(i).
-
-        Args:
-            x, y, z: the arguments.
-        """
+        """Order the arguments; give the values of DLMF 19.20(i)."""
         arranged = tuple(ordered((x, y, z)))
         if [x, y, z].count(sp.S.Zero) > 1:
             return sp.oo
@@ -56,11 +52,7 @@ class CarlsonRC(Printable):
 
     @classmethod
     def eval(cls, x: sp.Expr, y: sp.Expr) -> sp.Expr | None:
-        """Return the values R_C(x, x), R_C(0, y) (DLMF 19.6.15).
-
-        Args:
-            x, y: the arguments.
-        """
+        """Return the values R_C(x, x), R_C(0, y) (DLMF 19.6.15)."""
         if y.is_zero:
             return sp.oo
         if x == y and not _on_cut(x):
@@ -106,11 +98,7 @@ class CarlsonRD(Printable):
 
     @classmethod
     def eval(cls, x: sp.Expr, y: sp.Expr, z: sp.Expr) -> sp.Expr | None:
-        """Order x and y; give the values of DLMF 19.20(iv).
-
-        Args:
-            x, y, z: the arguments.
-        """
+        """Order x and y; give the values of DLMF 19.20(iv)."""
         if z.is_zero or (x.is_zero and y.is_zero):
             return sp.oo
         if x == y == z and not _on_cut(x):
@@ -152,11 +140,7 @@ class CarlsonRJ(Printable):
 
     @classmethod
     def eval(cls, x: sp.Expr, y: sp.Expr, z: sp.Expr, p: sp.Expr) -> sp.Expr | None:
-        """Order x, y, z; R_D where p is one of them.
-
-        Args:
-            x, y, z, p: the arguments.
-        """
+        """Order x, y, z; R_D where p is one of them."""
         if p.is_zero or [x, y, z].count(sp.S.Zero) > 1:
             return sp.oo
         arranged = list(ordered((x, y, z)))

@@ -1,6 +1,8 @@
 """Values of the elliptic functions to any number of digits, by mpmath, and what mpmath has no function for.
 
 Real formulas for real arguments; a value is worked out at two precisions and given where they agree.
+
+Of the functions of Jacobi u is the argument and m the parameter, the square of the modulus.
 """
 
 from __future__ import annotations
@@ -191,10 +193,6 @@ def jacobi_am(u: mpmath.mpf, m: mpmath.mpf) -> mpmath.mpf:
 
     For m > 1 it swings between ± arcsin(1/√m); for m < 1 it grows by π with every 2K(m).
 
-    Args:
-        u: real.
-        m: real; the square of the modulus.
-
     Raises:
         ValueError: u or m is not real.
     """
@@ -203,41 +201,25 @@ def jacobi_am(u: mpmath.mpf, m: mpmath.mpf) -> mpmath.mpf:
 
 @for_any_context
 def jacobi_sn(u: mpmath.mpf, m: mpmath.mpf) -> mpmath.mpf:
-    """Give Jacobi's sn(u|m), by real formulas where u and m are real.
-
-    Args:
-        u, m: argument and parameter, m the square of the modulus.
-    """
+    """Give Jacobi's sn(u|m), by real formulas where u and m are real."""
     return _jacobi(u, m)[1] if _real(u, m) else mp.ellipfun("sn", u, m=m)
 
 
 @for_any_context
 def jacobi_cn(u: mpmath.mpf, m: mpmath.mpf) -> mpmath.mpf:
-    """Give Jacobi's cn(u|m), by real formulas where u and m are real.
-
-    Args:
-        u, m: argument and parameter, m the square of the modulus.
-    """
+    """Give Jacobi's cn(u|m), by real formulas where u and m are real."""
     return _jacobi(u, m)[2] if _real(u, m) else mp.ellipfun("cn", u, m=m)
 
 
 @for_any_context
 def jacobi_dn(u: mpmath.mpf, m: mpmath.mpf) -> mpmath.mpf:
-    """Give Jacobi's dn(u|m), by real formulas where u and m are real.
-
-    Args:
-        u, m: argument and parameter, m the square of the modulus.
-    """
+    """Give Jacobi's dn(u|m), by real formulas where u and m are real."""
     return _jacobi(u, m)[3] if _real(u, m) else mp.ellipfun("dn", u, m=m)
 
 
 @for_any_context
 def jacobi_epsilon(u: mpmath.mpf, m: mpmath.mpf) -> mpmath.mpf:
     """Jacobi's ℰ(u|m) = ∫₀ᵘ dn²(v|m) dv for real u and m, DLMF 22.16.14.
-
-    Args:
-        u: real.
-        m: real; the square of the modulus.
 
     Raises:
         ValueError: u or m is not real.

@@ -12,11 +12,7 @@ Pairs = Sequence[tuple[sp.Symbol, sp.Symbol]]
 
 
 def conjugate_pairs(coordinates: Iterable[Coordinate]) -> list[tuple[sp.Symbol, sp.Symbol]]:
-    """Return the symbols (q, p) of every coordinate.
-
-    Args:
-        coordinates: of a system.
-    """
+    """Return the symbols (q, p) of every coordinate."""
     return [(c.symbol, c.momentum) for c in coordinates]
 
 
@@ -28,6 +24,3 @@ def bracket(u: sp.Expr, v: sp.Expr, pairs: Pairs) -> sp.Expr:
         pairs: the symbols (q, p) of every coordinate.
     """
     return sp.Add(*(u.diff(q) * v.diff(p) - u.diff(p) * v.diff(q) for q, p in pairs))
-
-
-__all__ = ["Pairs", "bracket", "conjugate_pairs"]

@@ -83,6 +83,3 @@ def _function(symbols: Sequence[sp.Symbol], formulas: list[sp.Expr], module: str
         raise InvalidInputError("a function that is left undetermined has no values; write it out in T or V")
     function: Callable[..., Sequence[object]] = sp.lambdify(symbols, formulas, modules=module, cse=True)
     return function
-
-
-__all__ = ["energy", "right_hand_side"]

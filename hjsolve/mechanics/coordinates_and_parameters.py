@@ -337,11 +337,7 @@ def _holds_time(formula: object) -> bool:
 
 
 def time_letter(names: Iterable[str]) -> str:
-    """Return what the parameter of a motion is called: t, or another letter where that is taken.
-
-    Args:
-        names: of coordinates, parameters and momenta.
-    """
+    """Return what the parameter of a motion is called: t, or another letter where that is taken."""
     taken = list(names)
     return next(name for name in ("t", "tau", "s", "sigma", "t_") if free_name(name, taken) == name)
 

@@ -134,9 +134,6 @@ class _Lagrangian:
 def domain_bounds(system: System) -> dict[sp.Symbol, Bounds]:
     """Open interval of each coordinate; angles and lines have no ends.
 
-    Args:
-        system: whose coordinates are meant.
-
     Returns:
         Symbol of the coordinate → (lower, upper) end.
     """
@@ -322,11 +319,7 @@ def _curl(coordinates: tuple[Coordinate, ...], shift: list[Element], reader: Rea
 
 
 def _reduction_steps(
-    system: System,
-    ignorable: tuple[Coordinate, ...],
-    lagrangian: _Lagrangian,
-    eliminated: Eliminated,
-    reader: Reader,
+    system: System, ignorable: tuple[Coordinate, ...], lagrangian: _Lagrangian, eliminated: Eliminated, reader: Reader
 ) -> tuple[ReductionStep, ...]:
     steps = []
     if ignorable:

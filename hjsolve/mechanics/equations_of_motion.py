@@ -68,6 +68,3 @@ def routhian(
     coupling = mass.extract(gone, left) * speeds if left else sp.zeros(len(gone), 1)
     lacking = [coordinates[i].momentum - linear[i] - coupling[k, 0] for k, i in enumerate(gone)]
     return stays - half_inverse_form(sp.ImmutableMatrix(block), lacking) + rest
-
-
-__all__ = ["canonical_equations", "routhian"]

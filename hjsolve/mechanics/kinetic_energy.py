@@ -1,6 +1,8 @@
 """The kinetic energy as a quadratic form: mass matrix, linear terms, rest, and the inverse in readable squares.
 
 T = ½ Σ m_ij(q) q̇_i q̇_j + Σ a_i(q) q̇_i + T₀(q)                                      Greenwood (2-5)–(2-10)
+
+In what follows ``kinetic`` is T(q, q̇), and ``velocities`` are the symbols q̇, shape (n,).
 """
 
 from __future__ import annotations
@@ -24,10 +26,6 @@ _MAX_EXPONENT = 12
 
 def check_quadratic(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.Expr:
     """Return T once it is a polynomial of degree two at most in the velocities.
-
-    Args:
-        kinetic: T(q, q̇).
-        velocities: the symbols q̇, shape (n,).
 
     Raises:
         InvalidSystemError: it is not, or a velocity does not occur.
@@ -73,22 +71,12 @@ Parts = dict[tuple[int, ...], sp.Expr]
 
 
 def mass_entries(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.ImmutableMatrix:
-    """m_ij = ∂²T/∂q̇_i∂q̇_j, shape (n, n), in readable entries.
-
-    Args:
-        kinetic: T(q, q̇).
-        velocities: the symbols q̇, shape (n,).
-    """
+    """m_ij = ∂²T/∂q̇_i∂q̇_j, shape (n, n), in readable entries."""
     return mass_as_written(kinetic, velocities).applyfunc(tidy)
 
 
 def mass_as_written(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.ImmutableMatrix:
-    """m_ij = ∂²T/∂q̇_i∂q̇_j, shape (n, n), as it falls out of T.
-
-    Args:
-        kinetic: T(q, q̇).
-        velocities: the symbols q̇, shape (n,).
-    """
+    """m_ij = ∂²T/∂q̇_i∂q̇_j, shape (n, n), as it falls out of T."""
     found = velocity_coefficients(kinetic, velocities)
 
     def entry(i: int, j: int) -> sp.Expr:
@@ -101,10 +89,6 @@ def velocity_coefficients(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> 
     """Return the coefficients of T as a polynomial in the velocities, by their positions: (), (i,), (i, j) with i ≤ j.
 
     Read off the structure; what holds no velocity is neither differentiated nor expanded.
-
-    Args:
-        kinetic: T(q, q̇).
-        velocities: the symbols q̇, shape (n,).
     """
     return _parts(kinetic, {velocity: i for i, velocity in enumerate(velocities)})
 

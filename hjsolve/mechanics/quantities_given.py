@@ -196,6 +196,3 @@ def _plain(system: Posed, value: object, name: str, group: str, alike: Alike) ->
         return measures(system, library, alike).number(value, name, role, source)
     except InvalidInputError as error:
         raise InvalidInputError(str(error) if str(error).startswith(source) else f"{source}: {error}") from None
-
-
-__all__ = ["Alike", "Measures", "in_units", "measures", "without_quantities"]

@@ -48,6 +48,3 @@ def _timeless(system: System, verb: str) -> System:
         f"{verb}: T or V holds the time; hjsolve.solve looks for a frame in which it does not, and gives the system "
         "there as solution.frame.system"
     )
-
-
-__all__ = ["A_SYSTEM", "system_of"]

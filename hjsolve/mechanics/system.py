@@ -397,30 +397,18 @@ def _speeds(system: System) -> list[sp.Symbol]:
 
 
 def mass_matrix(system: System) -> sp.ImmutableMatrix:
-    """m_ij(q) = ∂²T/∂q̇_i∂q̇_j, shape (n, n).
-
-    Args:
-        system: with T = ½ q̇ᵀM q̇ + aᵀq̇ + T₀.
-    """
+    """m_ij(q) = ∂²T/∂q̇_i∂q̇_j, shape (n, n)."""
     return mass_entries(system.kinetic, _speeds(system))
 
 
 def linear_terms(system: System) -> tuple[sp.Expr, ...]:
-    """a_i(q) of T₁ = Σ a_i q̇_i, one for each coordinate.
-
-    Args:
-        system: with T = ½ q̇ᵀM q̇ + aᵀq̇ + T₀.
-    """
+    """a_i(q) of T₁ = Σ a_i q̇_i, one for each coordinate."""
     found = velocity_coefficients(system.kinetic, _speeds(system))
     return tuple(found.get((i,), sp.S.Zero) for i in range(len(system.coordinates)))
 
 
 def kinetic_rest(system: System) -> sp.Expr:
-    """T₀(q), the part of T without velocities.
-
-    Args:
-        system: with T = ½ q̇ᵀM q̇ + aᵀq̇ + T₀.
-    """
+    """T₀(q), the part of T without velocities."""
     speeds = _speeds(system)
     rest = dict.fromkeys(speeds, sp.S.Zero)
 
@@ -432,11 +420,7 @@ def kinetic_rest(system: System) -> sp.Expr:
 
 
 def inverse_mass_matrix(system: System) -> sp.ImmutableMatrix:
-    """Return the inverse of the mass matrix, shape (n, n).
-
-    Args:
-        system: with T = ½ q̇ᵀM q̇ + aᵀq̇ + T₀.
-    """
+    """Return the inverse of the mass matrix, shape (n, n)."""
     return inverse_of_mass_matrix(mass_matrix(system))
 
 

@@ -33,11 +33,7 @@ _NONE: Exponents = {}
 
 
 def time_of(coordinates: Iterable[Coordinate], parameters: Iterable[Parameter]) -> str:
-    """Return what the time is called.
-
-    Args:
-        coordinates, parameters: of the system.
-    """
+    """Return what the time is called."""
     places = list(coordinates)
     momenta = [c.momentum.name for c in places]
     return time_letter([*(c.name for c in places), *(p.name for p in parameters), *momenta])
@@ -308,9 +304,3 @@ def written(powers: Powers) -> str:
     below = [factor(text, -power) for text, power in powers.items() if power < 0]
     divisor = f"({'*'.join(below)})" if len(below) > 1 else "".join(below)
     return "/".join(part for part in ("*".join(above) or "1", divisor) if part)
-
-
-__all__ = [
-    "ENERGY", "PURE", "Exponents", "Posed", "UnitTable", "Units", "check_units", "names_and_units", "read_units",
-    "unit_table", "written",
-]  # fmt: skip

@@ -73,15 +73,7 @@ class _Line:
 
 
 def angle_variables(motion: SeparatedMotion, t: object) -> AngleVariables:
-    """Return θ = θ₀ + Ω (t − t₀) in (−π, π]; see ``Motion.angles``.
-
-    Args:
-        motion: the one looked at.
-        t: a time or an array of times.
-
-    Raises:
-        InvalidInputError: a time that is not a finite real number, or beyond what two doubles hold.
-    """
+    """Return θ = θ₀ + Ω (t − t₀) in (−π, π]; see ``Motion.angles``."""
     shape, floats, exact = read_times(t)
     time, precise, bits = times_at(motion, floats, exact)
     time = within_doubles(time)

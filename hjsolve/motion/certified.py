@@ -4,6 +4,8 @@ The kinds of motion and first guesses come from the ordinary computation; everyt
 (``arithmetic/ball``): constants from the exact initial data, turning points by the interval Newton test, actions and
 mean growths by quadrature with a proved error, frequencies from the inverse of the matrix of growths in ball
 arithmetic.
+
+A ``motion`` is computed without proof, a ``line`` is p² of a coordinate in balls.
 """
 
 from __future__ import annotations
@@ -57,11 +59,7 @@ class Enclosed:
 
 
 def work_bits(digits: int) -> int:
-    """Return the precision to begin with; two words for 15 digits.
-
-    Args:
-        digits: decimal digits asked.
-    """
+    """Return the precision to begin with; two words for 15 digits."""
     return bits_for(digits, 79)
 
 
@@ -90,8 +88,6 @@ def enclosed_numbers(motion: SeparatedMotion, digits: int, known: Mapping[str, B
     """Enclose all numbers of a bounded motion.
 
     Args:
-        motion: the motion, computed without proof.
-        digits: relative digits wanted.
         known: p² of each separated coordinate; worked out anew where more precision is needed.
 
     Returns:
@@ -117,9 +113,6 @@ def enclosed_numbers(motion: SeparatedMotion, digits: int, known: Mapping[str, B
 
 def refuse_unfit(motion: SeparatedMotion) -> None:
     """Check that every coordinate librates, or is an angle that rotates.
-
-    Args:
-        motion: the motion, computed without proof.
 
     Raises:
         InvalidInputError: another kind, which is not certified yet.
@@ -155,7 +148,6 @@ def rounded(
 
     Args:
         motion: the motion.
-        digits: relative digits wanted.
         cycles: separated coordinate → its integrands.
         balls: constants, actions, and the growths of Jacobi's integrals of every separated coordinate.
 
@@ -175,11 +167,7 @@ def rounded(
 
 
 def exact_ball(value: sp.Expr) -> flint.arb:
-    """Enclose an exact number at the current precision.
-
-    Args:
-        value: exact number of sympy.
-    """
+    """Enclose an exact number at the current precision."""
     if value.is_Rational:
         return Balls().rational(int(value.p), int(value.q))
     return lower([value], []).run(Balls(), [])[0]
@@ -193,7 +181,6 @@ def proved_libration(
     Args:
         begin: the coordinate.
         initial, solution: where its initial place stands.
-        line: its p² in balls.
     """
     with working(line.bits):
         place = exact_ball(initial.values[solution.system.coordinate(begin.name).symbol])
@@ -214,7 +201,6 @@ def cycle_of(motion: SeparatedMotion, name: str, line: BallMomentumSquared) -> C
     Args:
         motion: computed without proof.
         name: of the coordinate.
-        line: its p² in balls.
 
     Raises:
         NotConvergedError: a turning point is not proved to be one.
@@ -315,7 +301,6 @@ def estimate(value: flint.arb, digits: int) -> Estimate:
 
     Args:
         value: a real ball.
-        digits: decimal digits asked.
 
     Raises:
         NotConvergedError: the ball is wider than the digits asked.

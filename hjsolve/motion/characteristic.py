@@ -34,16 +34,7 @@ FINER = 26
 
 
 def waves_along(motion: SeparatedMotion, t: object, *, principal: bool) -> Estimate | EstimateArray:
-    """Return W, or S = W − E (t − t₀), at times; see ``Motion.characteristic_function``.
-
-    Args:
-        motion: the motion.
-        t: a time or an array of times.
-        principal: True for S.
-
-    Raises:
-        InvalidInputError: a time that is not a finite real number.
-    """
+    """Return W, or S = W − E (t − t₀) where ``principal``, at times; see ``Motion.characteristic_function``."""
     shape, floats, exact = read_times(t)
     source = _finer(motion) if motion.digits <= FLOAT_DIGITS and needs_table(motion) else motion
     phases = phases_at(source, floats, exact)
@@ -170,11 +161,7 @@ def _energy_term(motion: SeparatedMotion, phases: Phases) -> tuple[Numbers, Real
 
 
 def betas(motion: SeparatedMotion) -> dict[str, Estimate]:
-    """Return Jacobi's constants; see ``Motion.betas``.
-
-    Args:
-        motion: with its equations.
-    """
+    """Return Jacobi's constants; see ``Motion.betas``."""
     result, energy = {}, motion.solution.separation.shell.energy.name
     for j, name in enumerate(motion.solution.constants):
         if name == energy and not motion.solution.coordinates:

@@ -36,18 +36,7 @@ _SCAN, _TREND, _MOST_PASSAGES = 200_000, 16, 2**60
 
 
 def crossing_time(motion: SeparatedMotion, name: str, value: object, passage: int) -> Estimate:
-    """Return the time of a crossing; see ``Motion.time_at``.
-
-    Args:
-        motion: where the crossing is looked for.
-        name: coordinate.
-        value: position; for an angle modulo 2π.
-        passage: 0 for the first crossing at t ≥ t₀, 1 for the next, −1 for the last before t₀ ….
-
-    Raises:
-        InvalidInputError: a value that is not a number, or a passage that is not whole or beyond 2⁶⁰.
-        OutsideMotionError: the motion never reaches that position, or not that often.
-    """
+    """Return the time of a crossing; see ``Motion.time_at``."""
     if abs(arguments.whole(passage, "passage")) > _MOST_PASSAGES:
         raise InvalidInputError("passage: more than 2**60; two doubles do not tell its phase")
     target = to_bits(number(value, source=f"value of {name}"))
@@ -295,14 +284,7 @@ def _scanned(motion: SeparatedMotion, name: str, value: float, passage: int) -> 
 
 
 def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
-    """Return, for every coordinate that will reach an end of its domain, when.
-
-    Args:
-        motion: the one looked at.
-
-    Returns:
-        Coordinate → t, in the units of t.
-    """
+    """Return, for every coordinate that will reach an end of its domain, when."""
     result = {}
     for k, name in enumerate(motion.solution.coordinates):
         course = motion.located[name].course

@@ -1,4 +1,7 @@
-"""Exact numbers: any number of their digits, their signs, and whether they are zero."""
+"""Exact numbers: any number of their digits, their signs, and whether they are zero.
+
+A ``value`` is an exact number of sympy.
+"""
 
 from __future__ import annotations
 
@@ -46,11 +49,7 @@ class InBits:
 
 
 def to_bits(value: sp.Expr) -> InBits:
-    """Return a rule that gives an exact number to any binary precision.
-
-    Args:
-        value: exact number of sympy.
-    """
+    """Return a rule that gives an exact number to any binary precision."""
     return InBits(value)
 
 
@@ -60,9 +59,6 @@ def number_is_zero(value: sp.Expr) -> bool:
     A long one that two precisions agree on is not; else by sympy's own rules, which take their time, or to 2048 bits
     (more for long integers): it is zero where it is that small against its largest term, or where two precisions find
     nothing but rounding.
-
-    Args:
-        value: exact number of sympy.
     """
     if value.is_Rational:
         return bool(value == 0)
@@ -90,11 +86,7 @@ def _agreed(value: sp.Expr, bits: int) -> bool:
 
 
 def expanded(value: sp.Expr) -> sp.Expr:
-    """Multiply an exact number out where that leaves it short; what is left as it is, is only worked out in digits.
-
-    Args:
-        value: exact number of sympy.
-    """
+    """Multiply an exact number out where that leaves it short; what is left as it is, is only worked out in digits."""
     if value.is_Rational:
         return value
     return sp.expand(value) if _terms(value) <= _MOST_TERMS else value

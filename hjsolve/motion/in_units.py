@@ -30,12 +30,7 @@ _QUANTITIES = ("turning_points", "constants", "actions", "frequencies", "periods
 
 
 def available(value: object, names: Iterable[str]) -> list[str]:
-    """Return the names of quantities that a value has, and whose units follow from those declared.
-
-    Args:
-        value: whose properties they are.
-        names: of the properties.
-    """
+    """Return the names of quantities that a value has, and whose units follow from those declared."""
 
     def is_available(name: str) -> bool:
         try:

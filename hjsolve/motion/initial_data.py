@@ -245,9 +245,6 @@ def with_numbers(formula: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Ex
 def clean(value: sp.Expr) -> sp.Expr:
     """Expand, and turn a number that is zero into 0.
 
-    Args:
-        value: exact number of sympy.
-
     Raises:
         ForbiddenPlaceError: it is infinite.
     """

@@ -258,10 +258,7 @@ class Motion(ShownMotion):
         return angle_variables(self._source, t)
 
     def derivatives(
-        self,
-        of: Iterable[str] = ("actions", "frequencies"),
-        by: Iterable[str] = ("constants",),
-        t: object = None,
+        self, of: Iterable[str] = ("actions", "frequencies"), by: Iterable[str] = ("constants",), t: object = None
     ) -> MotionDerivatives:
         """Return derivatives of the motion, from its differentiated integrals rather than from finite differences.
 

@@ -39,10 +39,6 @@ Places = Mapping[str, Pair]
 def badly_rounded(motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[str, Numbers]) -> Mask:
     """Return where some velocity in doubles is far from rounded well, because of the rounding of places and constants.
 
-    Args:
-        motion: the motion.
-        q, p: coordinates and momenta in doubles, shape (m,).
-
     Returns:
         Array of bools, shape (m,).
     """
@@ -59,12 +55,7 @@ def badly_rounded(motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[
 
 
 def roundings(motion: SeparatedMotion, course: CoordinateMotion) -> bool:
-    """Return whether a motion with one separated coordinate comes to places where its velocities are blurred.
-
-    Args:
-        motion: the one looked at.
-        course: of its separated coordinate.
-    """
+    """Return whether a motion with one separated coordinate comes to places where its velocities are blurred."""
     system, name = motion.solution.system, motion.solution.coordinates[0]
     χ = np.linspace(0, np.pi, 65) if course.cycle else np.linspace(-1, 1, 65)
     q, p = {}, {}
@@ -93,7 +84,6 @@ def places(
 
     Args:
         motion: the one looked at.
-        courses: of its separated coordinates.
         χ: phases in doubles, one array a coordinate, shape (m,).
     """
     q, shell = {}, {}
@@ -114,8 +104,6 @@ def sharpened_velocities(
     """Velocities, those of some times worked out in two doubles.
 
     Args:
-        motion: the motion.
-        courses: of its separated coordinates.
         χ: their phases in doubles.
         q, v: coordinates and velocities in doubles, shape (m,).
         where: which of them to work out anew, shape (m,).
@@ -135,7 +123,6 @@ def velocities_from_pairs(
     """As ``sharpened_velocities``, from separated coordinates in two doubles.
 
     Args:
-        motion: the motion.
         exact: its separated coordinates in two doubles, at the times chosen.
         shell: their shell momenta there.
         q, v: coordinates and velocities in doubles at all times, shape (m,).
@@ -159,11 +146,7 @@ def worked_out(
     """Return formulas in coordinates and momenta in two doubles, rounded once.
 
     Args:
-        motion: the motion.
         formulas: what to work out.
-        q: separated coordinates in two doubles.
-        shell: their shell momenta, with relative accuracy.
-        ignorable: the other coordinates, in doubles.
 
     Returns:
         One array a formula, of the shape of the places.
@@ -183,9 +166,6 @@ def lost_in_two_doubles(
     """Bounds on what ``worked_out`` loses before its last rounding: terms may cancel to less than two doubles know.
 
     Places count as exact: what they leave open is the same in all terms, and counted by the slopes of the whole.
-
-    Args:
-        motion, formulas, q, shell, ignorable: as there.
 
     Returns:
         One array a formula, of the shape of the places.

@@ -1,4 +1,8 @@
-"""The phases of a motion at given times: Jacobi's equations inverted, in doubles or in many digits."""
+"""The phases of a motion at given times: Jacobi's equations inverted, in doubles or in many digits.
+
+``floats`` is t as a double array of shape (m,), where all times are finite floats, else None; ``exact`` holds rules
+that give each t in any number of binary digits.
+"""
 
 from __future__ import annotations
 
@@ -40,13 +44,7 @@ class Phases:
 
 
 def phases_at(motion: SeparatedMotion, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]]) -> Phases:
-    """Solve Jacobi's equations at the times t.
-
-    Args:
-        motion: the one looked at.
-        floats: t as a double array of shape (m,), where all times are finite floats; None otherwise.
-        exact: rules that give each t in any number of binary digits.
-    """
+    """Solve Jacobi's equations at the times t."""
     many = motion.digits > 15
     time, precise, bits = times_at(motion, floats, exact)
     χ, whole, errors, ended = solve_phases(motion, within_doubles(time))
@@ -62,13 +60,7 @@ def phases_at(motion: SeparatedMotion, floats: Reals | None, exact: Sequence[Cal
 def times_at(
     motion: SeparatedMotion, floats: Reals | None, exact: Sequence[Callable[[int], Mpf]]
 ) -> tuple[tuple[Reals, Reals], list[Mpf], int]:
-    """Return t − t₀ as two doubles, in many digits (empty where doubles are enough), and the bits of these.
-
-    Args:
-        motion: the one looked at.
-        floats: t as a double array of shape (m,), where all times are finite floats; None otherwise.
-        exact: rules that give each t in any number of binary digits.
-    """
+    """Return t − t₀ as two doubles, in many digits (empty where doubles are enough), and the bits of these."""
     start = to_bits(motion.t0)
     many = motion.digits > 15
     bits = bits_for(motion.digits, 96)
@@ -90,7 +82,6 @@ def solve_phases(
     """Return phases, whole turns, error bounds and "has ended" at times relative to t₀ (two doubles, shape (m,)).
 
     Args:
-        motion: the one looked at.
         time: t − t₀ as two doubles, shape (m,).
     """
     never = np.zeros(time[0].shape, dtype=bool)
@@ -140,10 +131,6 @@ def _refined(
 
 def courses_of(motion: SeparatedMotion, phases: Phases) -> list[CoordinateMotion]:
     """Return the courses, reaching as far as the phases need.
-
-    Args:
-        motion: the one looked at.
-        phases: of its separated coordinates.
 
     Returns:
         One course a separated coordinate, in their order.

@@ -39,22 +39,13 @@ class PlaceFormulas(Shown):
     parameters: tuple[tuple[sp.Symbol, sp.Expr], ...]
 
     def values(self, state: State) -> dict[str, AtTimes]:
-        """Return axis → value, shaped like the times.
-
-        Args:
-            state: in the coordinates.
-        """
+        """Return axis → value, shaped like the times."""
         arrays = [np.ravel(np.asarray(state.q[name])) for name, _ in self.coordinates]
         shape = np.shape(state.status)
         return {axis: shaped(x, shape) for axis, x in zip(self.axes, self._run(arrays), strict=True)}
 
     def bounds(self, state: State, errors: Errors) -> dict[str, AtTimes]:
-        """Return axis → bound on the error, shaped like the times.
-
-        Args:
-            state: in the coordinates.
-            errors: of its numbers.
-        """
+        """Return axis → bound on the error, shaped like the times."""
         arrays = [np.ravel(np.asarray(state.q[name])) for name, _ in self.coordinates]
         uncertainties = [np.ravel(np.asarray(errors.q[name], dtype=float)) for name, _ in self.coordinates]
         bits = _bits(arrays)

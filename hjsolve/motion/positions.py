@@ -1,4 +1,7 @@
-"""From phases to positions and momenta: separated coordinates by their courses, ignorable ones by Greenwood (5-83)."""
+"""From phases to positions and momenta: separated coordinates by their courses, ignorable ones by Greenwood (5-83).
+
+q and p are coordinate → array of shape (m,); phases are those of the separated coordinates at m times.
+"""
 
 from __future__ import annotations
 
@@ -39,10 +42,6 @@ def positions_at(
     motion: SeparatedMotion, phases: Phases
 ) -> tuple[dict[str, Numbers], dict[str, Numbers], dict[str, Counts]]:
     """Return q, canonical p, and whole turns of the angles.
-
-    Args:
-        motion: the one looked at.
-        phases: of its separated coordinates at m times.
 
     Returns:
         Coordinate → array of shape (m,), three times; turns of angles only.
@@ -99,8 +98,6 @@ def canonical_momenta(
     """Canonical momenta: p = P − A for separated coordinates, the constants for ignorable ones.
 
     Args:
-        motion: the one looked at.
-        q: coordinate → array of shape (m,).
         shell: separated coordinate → P = p + A, shape (m,).
         wanted: names of the coordinates whose p is to be given.
     """
@@ -123,12 +120,7 @@ def canonical_momenta(
 def coordinate_velocities(
     motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[str, Numbers]
 ) -> dict[str, Numbers]:
-    """Return dq/dt of every coordinate.
-
-    Args:
-        motion: the one looked at.
-        q, p: coordinate → array of shape (m,).
-    """
+    """Return dq/dt of every coordinate."""
     formulas = velocities(motion.solution.system)
     return dict(zip(formulas, evaluate_along(motion, tuple(formulas.values()), q, p), strict=True))
 
@@ -150,8 +142,6 @@ def evaluate_along(
     """Evaluate formulas in coordinates, momenta, constants and parameters along the motion.
 
     Args:
-        motion: gives the values of constants and parameters.
-        formulas: what is evaluated.
         q, p: coordinate → array of shape (m,), doubles or many digits; those left out take their initial values.
 
     Returns:
@@ -183,11 +173,6 @@ def rounding(
 ) -> list[Reals | float]:
     """Bound what evaluating formulas in doubles loses, cancellation included (``arithmetic.running_error``).
 
-    Args:
-        motion: gives the values of constants and parameters.
-        formulas: what is evaluated.
-        q, p: coordinate → array of shape (m,).
-
     Returns:
         One array of absolute bounds, shape (m,), for each formula.
     """
@@ -207,8 +192,6 @@ def travelled(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str
     """Return how far an ignorable coordinate has come since t₀; an angle with all its turns.
 
     Args:
-        motion: the one looked at.
-        phases: of its separated coordinates at m times.
         name: of the ignorable coordinate.
         q: separated coordinate → array of shape (m,).
     """
@@ -271,9 +254,7 @@ def gauge_angle(motion: SeparatedMotion, constant: sp.Symbol, q: Mapping[str, Nu
     """∂χ/∂c at q minus its value at the start; 0 where no shift was made.
 
     Args:
-        motion: the one looked at.
         constant: c, the symbol of a constant of the motion.
-        q: coordinate → array of shape (m,).
     """
     formula = sp.diff(motion.solution.shift_potential, constant)
     # of q only what the formula has: a place that is not worked out yet may wait for this very angle

@@ -1,4 +1,8 @@
-"""Numbers of a motion from its courses: turning points, actions, frequencies and periods, rounded with their errors."""
+"""Numbers of a motion from its courses: turning points, actions, frequencies and periods, rounded with their errors.
+
+Here ``equations`` are Jacobi's equations made ready for inversion, and ``digits`` the decimal digits of what is
+returned.
+"""
 
 from __future__ import annotations
 
@@ -63,7 +67,6 @@ def turning_points_of(place: Located | AllowedRegion, digits: int) -> tuple[Esti
 
     Args:
         place: the region of one coordinate.
-        digits: decimal digits to give them to.
 
     Returns:
         Lower, upper.
@@ -85,10 +88,7 @@ def actions(solution: Solution, initial: Initial, located: Mapping[str, Located]
     """Return J of every coordinate that has one: signed like p for a rotation, p itself for an ignorable angle.
 
     Args:
-        solution: what is solved.
-        initial: the exact initial data and constants.
         located: separated coordinate → its motion and the ends of its region.
-        digits: decimal digits to give them to.
 
     Returns:
         Coordinate → J = (1/2π) ∮ p dq.
@@ -128,12 +128,6 @@ def _mean_shift(
 def frequencies(solution: Solution, initial: Initial, equations: Equations | None, digits: int) -> dict[str, Estimate]:
     """Ω = ∂H/∂J: the growth of the phases, and of the ignorable angles with them.
 
-    Args:
-        solution: what is solved.
-        initial: the exact initial data and constants.
-        equations: Jacobi's equations made ready for inversion.
-        digits: decimal digits to give them to.
-
     Returns:
         Coordinate → Ω, in radians per unit of t.
     """
@@ -157,12 +151,6 @@ def mean_velocities(
     solution: Solution, initial: Initial, equations: Equations | None, digits: int
 ) -> dict[str, Estimate]:
     """⟨dq/dt⟩ = ∂H/∂c, at constant actions, of the ignorable coordinates that are no angles (Greenwood (5-83)).
-
-    Args:
-        solution: what is solved.
-        initial: the exact initial data and constants.
-        equations: Jacobi's equations made ready for inversion.
-        digits: decimal digits to give them to.
 
     Returns:
         Coordinate → mean of dq/dt over all times.

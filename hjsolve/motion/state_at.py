@@ -8,7 +8,6 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.number_types import AtTimes, Numbers
-from hjsolve.motion.endings import end_statuses
 from hjsolve.motion.near_poles import badly_rounded, sharpened_velocities
 from hjsolve.motion.phases import Phases, courses_of, phases_at
 from hjsolve.motion.positions import coordinate_velocities, positions_at
@@ -17,7 +16,7 @@ from hjsolve.motion.separated import SeparatedMotion, separated_motion
 from hjsolve.motion.shapes import shaped
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.state_errors import errors_of_state
-from hjsolve.motion.state_from_table import tabulated_state
+from hjsolve.motion.state_from_table import end_statuses, tabulated_state
 from hjsolve.motion.tabulated import FEWEST, needs_table
 from hjsolve.motion.times import read_times, whole_numbers
 

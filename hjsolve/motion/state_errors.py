@@ -1,4 +1,7 @@
-"""Error bounds of a state, from the bounds on its phases and the rounding of what follows."""
+"""Error bounds of a state, from the bounds on its phases and the rounding of what follows.
+
+q, p and v are coordinate → array of shape (m,), ``unit`` is the relative rounding of the arithmetic.
+"""
 
 from __future__ import annotations
 
@@ -45,9 +48,7 @@ def errors_of_state(
     were.
 
     Args:
-        motion: the one looked at.
         phases: with their error bounds.
-        q, p: coordinate → array of shape (m,).
         whole: coordinate → turns of the angles, shape (m,).
         sharp: bool array of shape (m,), True where velocities come from places in two doubles; None where none do.
 
@@ -141,10 +142,7 @@ def table_errors(
     ``sharp`` as in ``errors_of_state``.
 
     Args:
-        motion: the one looked at.
         table: what the state was read from.
-        θ: its argument, shape (m,).
-        q, p, v: coordinate → array of shape (m,).
         sharp: as in ``errors_of_state``.
 
     Returns:
@@ -230,9 +228,7 @@ def phase_errors(motion: SeparatedMotion, phases: Phases, unit: float) -> list[R
     """Return the bounds on the phases, with the rounding of stretched anomalies; one array a separated coordinate.
 
     Args:
-        motion: the one looked at.
         phases: of its separated coordinates, with their own bounds.
-        unit: relative rounding of the arithmetic.
     """
     together = zip(phases.errors, courses_of(motion, phases), phases.χ, strict=True)
     return [np.asarray(e, dtype=float) + c.phase_rounding(x.astype(float)) * (unit / EPS) for e, c, x in together]
@@ -242,11 +238,9 @@ def ignorable_error(motion: SeparatedMotion, phases: Phases, phase_error: list[R
     """Return what the phases leave open of an ignorable coordinate, without the rounding of the last sum.
 
     Args:
-        motion: the one looked at.
         phases: of its separated coordinates.
         phase_error: bounds on them, one array of shape (m,) a separated coordinate.
         name: of the ignorable coordinate.
-        unit: relative rounding of the arithmetic.
     """
     χ = [x.astype(float) for x in phases.χ]
     total = 0.0 * phases.time[0]
@@ -279,10 +273,7 @@ def velocity_errors(
     """Return bounds on the errors of the velocities, from those of places and momenta and their own rounding.
 
     Args:
-        motion: the one looked at.
-        q, p: coordinate → array of shape (m,).
         dq, dp: coordinate → absolute bounds on their errors, shape (m,).
-        unit: relative rounding of the arithmetic.
 
     Returns:
         Coordinate → absolute bounds, shape (m,).

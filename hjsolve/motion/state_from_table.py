@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hjsolve.arithmetic.number_types import AtTimes, Counts, Mask, Numbers, Reals
 from hjsolve.errors import required
 from hjsolve.mechanics.system import velocities
-from hjsolve.motion.endings import end_statuses
 from hjsolve.motion.initial_data import InBits, to_bits
 from hjsolve.motion.near_poles import badly_rounded, velocities_from_pairs
 from hjsolve.motion.positions import (
@@ -30,18 +31,18 @@ from hjsolve.motion.tabulated import DenseOutput, OnDemand, dense_output
 from hjsolve.motion.times import whole_numbers, within_doubles
 from hjsolve.time_law.compiled import kernels
 from hjsolve.time_law.elapsed_time import halves, relative, relative_exact
+from hjsolve.time_law.open_motion import reaching
 from hjsolve.time_law.torus import mean_rate
+
+if TYPE_CHECKING:
+    from hjsolve.motion.separated import SeparatedMotion
 
 _BLOCK = 32_768
 """How many times are worked on at once: memory that is touched for the first time costs more than the arithmetic."""
 
 
 def tabulated_state(
-    motion: SeparatedMotion,
-    t: object,
-    floats: Reals | None,
-    exact: Sequence[InBits],
-    shape: tuple[int, ...] | None,
+    motion: SeparatedMotion, t: object, floats: Reals | None, exact: Sequence[InBits], shape: tuple[int, ...] | None
 ) -> State | None:
     """Return the state at times; None where no table serves.
 
@@ -240,3 +241,39 @@ def _state(found: _Quantities, t: object, shape: tuple[int, ...] | None) -> Stat
     else:
         status = np.broadcast_to(np.array("ok"), (found.times.size,))
     return State(t, view(found.q), view(found.p), view(found.velocity), turns, shaped(status, shape), errors)
+
+
+def end_statuses(motion: SeparatedMotion, time: tuple[Reals, Reals], ended: Mask) -> NDArray[np.str_]:
+    """Return the status of a motion at times.
+
+    Args:
+        motion: the motion.
+        time: high and low parts of the times relative to t₀, shape (m,).
+        ended: where the phases have ended, shape (m,).
+
+    Returns:
+        ``ok``; ``reaches_boundary`` past the end of a domain or of all time (infinity in a finite time);
+        ``not_converged`` where an unbounded motion is beyond the greatest phase that is integrated. Shape (m,).
+    """
+    status = np.full(ended.shape, "ok", dtype="<U16")
+    for direction in (1, -1):
+        chosen = ended & (direction * time[0] > 0)
+        if chosen.any():
+            span = 2 * float(np.max(np.abs(time[0][chosen])))
+            status[chosen] = "reaches_boundary" if _ends(motion, direction, span) else "not_converged"
+    status[ended & (time[0] == 0)] = "reaches_boundary"
+    return status
+
+
+def _ends(motion: SeparatedMotion, direction: int, span: float) -> bool:
+    """Return True where some coordinate has an end in that direction of time."""
+    scheme = motion.scheme
+    if scheme is None:
+        return False
+    for i, course in enumerate(scheme.courses):
+        whole = reaching(course, scheme, span, i)
+        if whole.finished(direction) or (
+            whole.ends(direction) == "asymptote" and np.isfinite(whole.limits()[direction > 0])
+        ):
+            return True
+    return False

@@ -143,9 +143,6 @@ def needs_table(motion: SeparatedMotion) -> bool:
 
     Where θ grows with χ at a rate d ≪ 1 (a fast perihelion), χ + D(χ) = θ solved in doubles leaves an error of about
     2⁻⁵² / d in χ; the table integrates the rate itself, without that cancellation.
-
-    Args:
-        motion: the one looked at.
     """
     torus = motion.torus
     if torus is None or len(torus.courses) != 1 or "place" not in motion.parts:

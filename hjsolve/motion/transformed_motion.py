@@ -31,36 +31,16 @@ class TransformedMotion(Motion):
         return cls(**{f.name: getattr(within, f.name) for f in fields(Motion)}, within=within, **own)
 
     def time_at(self, name: str, value: object, passage: int = 0) -> Estimate:
-        """Return the time of the passage-th crossing of a position, counted from t₀ on.
-
-        Args:
-            name: coordinate of ``within``, separated or continued through poles.
-            value: position; for an angle modulo 2π.
-            passage: 0 for the first crossing at t ≥ t₀, 1 for the next, −1 for the last before t₀ …
+        """As ``Motion.time_at``, of a coordinate of ``within``, separated or continued through poles.
 
         Raises:
-            InvalidInputError: an unknown coordinate, one that only states have, a value that is not a number, or
-                a passage that is not whole.
-            OutsideMotionError: the motion never reaches that position, or not that often.
+            InvalidInputError: also for a coordinate that only states have.
         """
         self._refuse_given(name)
         return self.within.time_at(name, value, passage)
 
     def orbit(self, name: str, *, along: str, values: object) -> Numbers:
-        """Return one coordinate where another passes given values for the first time after t₀.
-
-        Args:
-            name: coordinate of ``within`` that is wanted; unwrapped if it is an angle.
-            along: coordinate of ``within`` whose values are given.
-            values: positions of ``along``, shape (m,).
-
-        Returns:
-            Array of shape (m,).
-
-        Raises:
-            InvalidInputError: an unknown coordinate, one that only states have, or a value that is not a number.
-            OutsideMotionError: the motion never reaches a value.
-        """
+        """As ``Motion.orbit``, of coordinates of ``within``; a coordinate that only states have is refused."""
         for coordinate in (name, along):
             self._refuse_given(coordinate)
         return self.within.orbit(name, along=along, values=values)

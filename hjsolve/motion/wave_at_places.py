@@ -29,18 +29,7 @@ from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic
 
 
 def wave_at(motion: SeparatedMotion, q: Mapping[str, object], branch: Mapping[str, int]) -> Estimate | EstimateArray:
-    """Return W at places and branches; see ``Motion.characteristic_function``.
-
-    Args:
-        motion: the motion.
-        q: every coordinate → a place, or an array of places; arrays broadcast.
-        branch: separated coordinate → sign of its momentum, +1 or −1; 1 where left out and there are two.
-
-    Raises:
-        InvalidInputError: a coordinate that is missing or unknown, a place that is not a number, a branch that is not a
-            sign.
-        OutsideMotionError: a place, or a branch, that the motion never has.
-    """
+    """Return W at places and branches; see ``Motion.characteristic_function``."""
     solution = motion.solution
     q, branch = arguments.table(q, "q"), arguments.table(branch, "branch", '{"r": -1}')
     _check(motion, q, branch)

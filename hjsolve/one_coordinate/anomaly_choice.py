@@ -1,24 +1,37 @@
-"""Which map from phases to places a bounded motion is integrated over: the one that is proved to need fewest nodes."""
+"""Which map from phases to places a bounded motion is integrated over: the one that is proved to need fewest nodes.
+
+A barrier that is just overcome is a pair of complex zeros c ± iδ of F = p² close to the real axis: there F has a
+minimum, and F ≈ F(c) + ½F″(c)(q − c)² vanishes at δ = √(2F/F″). A pair of poles (a softened centre of force) is a
+maximum in the same way, with δ = √(2F/|F″|) up to a factor of order one. The pairs only choose a change of variable;
+no integral depends on how well they are known.
+"""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from hjsolve.arithmetic.floats import Multi
+import numpy as np
+
+from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.arithmetic.fourier import smooth
 from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.arithmetic.work_counter import count
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate import resolution
 from hjsolve.one_coordinate.anomaly import Libration, Rotation, barrier_anomaly, two_barrier_anomaly
 from hjsolve.one_coordinate.coordinate_motion import Anomaly, Kind, Periodic
 from hjsolve.one_coordinate.cycle_integrals import bounded
-from hjsolve.one_coordinate.near_zeros import complex_zero_pairs
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.stretched_anomaly import Inner, Stretched, stretched
 
 if TYPE_CHECKING:
     from hjsolve.one_coordinate.coordinate_start import CoordinateStart
+
+_GRID_PLACES = 257
+_NEWTON_STEPS = 40
+"""A simple zero of F′ takes log₂(bits) of them from nearby; a multiple one gains a bit a step."""
 
 _FEW, _MANY = 32, 120
 """Nodes above which a second and another change of variable is tried, for a double and half a cycle."""
@@ -143,3 +156,58 @@ def _spread(start: CoordinateStart, inner: Inner, bits: int) -> Iterator[Stretch
     map_ = stretched(inner, places) if places else None
     if map_ is not None:
         yield map_
+
+
+class ComplexZeroPair(NamedTuple):
+    """A complex pair place ± i·gap of zeros or poles of p²."""
+
+    place: Mpf
+    gap: Mpf
+
+
+def complex_zero_pairs(radicand: MomentumSquared, lower: Mpf, upper: Mpf, bits: int) -> list[ComplexZeroPair]:
+    """Return the pairs over a stretch of q, the closest to the real axis first.
+
+    Args:
+        radicand: p².
+        lower, upper: ends of the stretch, in many digits.
+        bits: working precision.
+    """
+    context = multiprecision(bits)
+    width = upper - lower
+    found = [
+        pair
+        for q in _extrema(radicand, float(lower), float(upper))
+        if (pair := _refined(radicand, context.convert(q), lower, upper, bits)) and pair.gap < width / 4
+    ]
+    distinct: list[ComplexZeroPair] = []
+    for pair in sorted(found, key=lambda c: c.gap):
+        if all(abs(pair.place - other.place) > width / _GRID_PLACES for other in distinct):
+            distinct.append(pair)
+    return distinct
+
+
+def _extrema(radicand: MomentumSquared, lower: float, upper: float) -> list[float]:
+    """Return places on a grid where p² stops growing or falling."""
+    q = np.linspace(lower, upper, _GRID_PLACES + 2)[1:-1]
+    count(squares=q.size)
+    inputs = [float(x) for x in radicand.inputs(64)]
+    with np.errstate(all="ignore"):
+        rise = np.diff(np.broadcast_to(radicand.squared.run(Float64(), [q, *inputs])[0], q.shape))
+    return [float(x) for x in q[1:-1][rise[:-1] * rise[1:] <= 0]]
+
+
+def _refined(radicand: MomentumSquared, q: Mpf, lower: Mpf, upper: Mpf, bits: int) -> ComplexZeroPair | None:
+    """Newton's method for F′ = 0; None where it leaves the stretch."""
+    tiny = (upper - lower) * Multi(bits).context.mpf(2) ** (32 - bits)
+    for _ in range(_NEWTON_STEPS):
+        value, slope, bend = radicand.jet(q, bits)
+        if not bend:
+            return None
+        q -= slope / bend
+        if not lower < q < upper:
+            return None
+        if abs(slope / bend) <= tiny:
+            break
+    value, _, bend = radicand.jet(q, bits)
+    return ComplexZeroPair(q, (2 * abs(value / bend)) ** 0.5) if value > 0 and bend else None

@@ -35,6 +35,8 @@ from hjsolve.one_coordinate.turning_points import EndKind
 class EndMap:
     """The map q(y) of one branch.
 
+    In its methods y ≥ 0 is the place on the branch, in an arithmetic.
+
     Attributes:
         turning: True where the branch starts at a turning point.
         end: ``infinity``, ``boundary``, ``fall``, ``asymptote`` or ``kink``.
@@ -52,11 +54,7 @@ class EndMap:
     pole: int = 0
 
     def last(self, context: Context) -> Mpf | None:
-        """Return the greatest y, None where there is none.
-
-        Args:
-            context: of mpmath.
-        """
+        """Return the greatest y, None where there is none."""
         if self.end == "kink":
             return context.mpf(1)
         if self.end != "boundary":
@@ -68,11 +66,7 @@ class EndMap:
         return replace(self, start=float(self.start), length=float(self.length))  # type: ignore[arg-type]
 
     def parameter(self, q: Mpf) -> Mpf | None:
-        """Return y of a place; None where the branch does not pass it.
-
-        Args:
-            q: the place.
-        """
+        """Return y of a place; None where the branch does not pass it."""
         x, context = self.side * (q - self.start) / self.length, q.context
         if x < 0 or (self.end == "kink" and x > 1) or (self.end not in {"infinity", "kink"} and x >= 1):
             return None
@@ -83,12 +77,7 @@ class EndMap:
         return context.atanh(context.sqrt(x)) if self.turning else -context.log(1 - x)
 
     def rest(self, y: Numeric, arithmetic: Float64 | Multi) -> Numeric | int:
-        """Return what |p|/|dq/dy| is multiplied by to stay finite: a power of the fraction of the way that is left.
-
-        Args:
-            y: place on the branch, y ≥ 0.
-            arithmetic: that y belongs to.
-        """
+        """Return what |p|/|dq/dy| is multiplied by to stay finite: a power of the fraction of the way that is left."""
         if self.end == "fall":
             root = arithmetic.unary("sqrt", self.distances(y, arithmetic)[1] / self.length)
             return root ** (self.pole + 2)
@@ -98,12 +87,7 @@ class EndMap:
         return 1
 
     def distances(self, y: Numeric, arithmetic: Float64 | Multi) -> tuple[Numeric, Numeric | None, Numeric]:
-        """Return x, the distance left to the end (None for infinity and kinks) and dx/dy, none of them by cancellation.
-
-        Args:
-            y: place on the branch, y ≥ 0.
-            arithmetic: that y belongs to.
-        """
+        """Return x, the distance left to the end (None for infinity and kinks) and dx/dy, none by cancellation."""
         call = arithmetic.unary
         if self.end in {"infinity", "kink"}:
             return (
@@ -125,12 +109,7 @@ class EndMap:
         return -self.length * call("expm1", -y), self.length * decay, self.length * decay
 
     def position(self, y: Numeric, arithmetic: Float64 | Multi) -> tuple[Numeric, Numeric]:
-        """Return q and dq/dy at y ≥ 0.
-
-        Args:
-            y: place on the branch, y ≥ 0.
-            arithmetic: that y belongs to.
-        """
+        """Return q and dq/dy at y ≥ 0."""
         x, left, slope = self.distances(y, arithmetic)
         q = self.start + self.side * x
         if left is not None:
@@ -142,6 +121,8 @@ class EndMap:
 @dataclass(frozen=True)
 class Panels:
     """Integrals along a branch, piecewise in Chebyshev polynomials.
+
+    In its methods y are places, shape (m,), and ``function`` is the position of an integrand.
 
     Attributes:
         edges: y at the panel ends, shape (panels + 1,).
@@ -158,33 +139,18 @@ class Panels:
     finished: bool
 
     def value(self, function: int, y: Numbers) -> Numbers:
-        """Return the integrand at y ≥ 0; doubles for doubles.
-
-        Args:
-            function: position of the integrand.
-            y: places, shape (m,).
-        """
+        """Return the integrand at y ≥ 0; doubles for doubles."""
         panels = self._for(y)
         return panels._sums(panels.coefficients[function], y)
 
     def integral(self, function: int, y: Numbers) -> Numbers:
-        """Return its integral from 0 to y ≥ 0; past the last panel the integrand is continued by its last value.
-
-        Args:
-            function: position of the integrand.
-            y: places, shape (m,).
-        """
+        """Return its integral from 0 to y ≥ 0; past the last panel the integrand is continued by its last value."""
         panels = self._for(y)
         inside = np.minimum(y, panels.edges[-1])
         return panels._sums(panels.sums[function], inside) + (y - inside) * panels.value(function, inside)
 
     def grain(self, function: int, y: Numbers) -> Reals:
-        """Return the size that the rounding of the integral in doubles refers to: that of its panel's coefficients.
-
-        Args:
-            function: position of the integrand.
-            y: places, shape (m,).
-        """
+        """Return the size that the rounding of the integral in doubles refers to: that of its panel's coefficients."""
         panels = self._for(y)
         sizes = np.sum(np.abs(panels.sums[function].astype(float)), axis=-1)
         return sizes[np.clip(np.searchsorted(panels.edges, y, side="right") - 1, 0, len(sizes) - 1)]

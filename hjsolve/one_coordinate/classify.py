@@ -56,10 +56,6 @@ class Located:
 def locate(start: CoordinateStart, digits: int) -> Located:
     """Classify the motion of one coordinate and integrate it.
 
-    Args:
-        start: the coordinate.
-        digits: decimal digits asked.
-
     Raises:
         NotConvergedError: a zero of p² could not be decided, or an integrand stays rough.
     """

@@ -5,7 +5,9 @@ The formulas are those at the head of ``one_coordinate.regular_factor``.
 
 from __future__ import annotations
 
+import operator
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import Generic, NamedTuple
 
 import numpy as np
@@ -46,7 +48,19 @@ class ProgramLine(NamedTuple):
 
 
 class DifferenceRules(ABC, Generic[N]):
-    """The rules for second differences, over some kind of numbers."""
+    """The rules for second differences, over some kind of numbers.
+
+    Φ is a function of ``tape.UNARY``, called by its name.
+
+    Attributes:
+        plus, times, reciprocal: x + y, x·y and 1/x.
+        call: (name, x) ↦ Φ(x).
+    """
+
+    plus: Callable[[N, N], N]
+    times: Callable[[N, N], N]
+    reciprocal: Callable[[N], N]
+    call: Callable[[str, N], N]
 
     @abstractmethod
     def fixed(self, disk: Disk) -> N:
@@ -57,45 +71,10 @@ class DifferenceRules(ABC, Generic[N]):
         """
 
     @abstractmethod
-    def plus(self, x: N, y: N) -> N:
-        """Return x + y.
-
-        Args:
-            x, y: values or differences.
-        """
-
-    @abstractmethod
-    def times(self, x: N, y: N) -> N:
-        """Return x·y.
-
-        Args:
-            x, y: values or differences.
-        """
-
-    @abstractmethod
-    def reciprocal(self, x: N) -> N:
-        """Return 1/x.
-
-        Args:
-            x: a value that is not zero.
-        """
-
-    @abstractmethod
-    def call(self, name: str, x: N) -> N:
-        """Return Φ(x).
-
-        Args:
-            name: of the function Φ, one of ``tape.UNARY``.
-            x: a value.
-        """
-
-    @abstractmethod
     def chord(self, name: str, x: N, y: N, at_x: N, at_y: N) -> N:
         """Return Φ[x, y].
 
         Args:
-            name: of the function Φ, one of ``tape.UNARY``.
-            x, y: two values.
             at_x, at_y: Φ of them.
         """
 
@@ -104,8 +83,6 @@ class DifferenceRules(ABC, Generic[N]):
         """Return Φ[a, b, q] from Φ[a, b], Φ[a, q] and Φ[b, q].
 
         Args:
-            name: of the function Φ, one of ``tape.UNARY``.
-            places: the values a, b and q.
             chord, near_a, near_b: Φ[a, b], Φ[a, q] and Φ[b, q].
         """
 
@@ -180,25 +157,12 @@ class DifferenceRules(ABC, Generic[N]):
 class OverDisks(DifferenceRules[Disk]):
     """The rules over disks: of several methods for a difference the narrowest result is taken."""
 
+    plus, times = staticmethod(_DISKS.add), staticmethod(_DISKS.mul)
+    reciprocal, call = staticmethod(_DISKS.inverse), staticmethod(_DISKS.unary)
+
     def fixed(self, disk: Disk) -> Disk:
         """Return the disk as it is."""
         return disk
-
-    def plus(self, x: Disk, y: Disk) -> Disk:
-        """Return a disk that holds every x + y."""
-        return _DISKS.add(x, y)
-
-    def times(self, x: Disk, y: Disk) -> Disk:
-        """Return a disk that holds every x·y."""
-        return _DISKS.mul(x, y)
-
-    def reciprocal(self, x: Disk) -> Disk:
-        """Return a disk that holds every 1/x."""
-        return _DISKS.inverse(x)
-
-    def call(self, name: str, x: Disk) -> Disk:
-        """Return a disk that holds every Φ(x)."""
-        return _DISKS.unary(name, x)
 
     def chord(self, name: str, x: Disk, y: Disk, at_x: Disk, at_y: Disk) -> Disk:
         """Return the quotient of differences, or the mean of Φ′ over the hull: the smaller disk."""
@@ -217,20 +181,14 @@ class OverDisks(DifferenceRules[Disk]):
 class AtPoints(DifferenceRules[Complexes]):
     """The rules at points in complex doubles."""
 
+    plus, times, reciprocal = staticmethod(operator.add), staticmethod(operator.mul), staticmethod(lambda x: 1 / x)
+
     def fixed(self, disk: Disk) -> Complexes:
         """Return the centre of a disk."""
         return disk.centre
 
-    def plus(self, x: Complexes, y: Complexes) -> Complexes:
-        return x + y
-
-    def times(self, x: Complexes, y: Complexes) -> Complexes:
-        return x * y
-
-    def reciprocal(self, x: Complexes) -> Complexes:
-        return 1 / x
-
-    def call(self, name: str, x: Complexes) -> Complexes:
+    @staticmethod
+    def call(name: str, x: Complexes) -> Complexes:
         return _DISKS.unary(name, Disk(x, np.zeros(()))).centre
 
     def chord(self, name: str, x: Complexes, y: Complexes, at_x: Complexes, at_y: Complexes) -> Complexes:

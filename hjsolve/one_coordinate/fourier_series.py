@@ -25,6 +25,8 @@ _GUARD = 16
 class FourierSeries:
     """c₀ + Σₖ cₖ cos kχ + sₖ sin kχ.
 
+    In its methods χ are phases, doubles or ``mpf`` of shape (m,), or one ``mpf``.
+
     Attributes:
         mean: c₀, in many digits.
         cosines, sines: k = 1, 2, …; float arrays, or object arrays of ``mpf`` above 15 digits;
@@ -40,21 +42,13 @@ class FourierSeries:
     tail: Mpf | float
 
     def value(self, χ: Elementwise) -> Elementwise:
-        """Return the function at χ.
-
-        Args:
-            χ: phases; doubles or ``mpf`` of shape (m,), or one ``mpf``.
-        """
+        """Return the function at χ."""
         real, _ = _horner(self.cosines, χ)
         total = _like(self.mean, χ) + real
         return total if self.sines is None else total + _horner(self.sines, χ)[1]
 
     def oscillation(self, χ: Elementwise) -> Elementwise:
-        """Return the periodic part of the integral from 0 to χ, that is ∫₀^χ − c₀ χ.
-
-        Args:
-            χ: phases; doubles or ``mpf`` of shape (m,), or one ``mpf``.
-        """
+        """Return the periodic part of the integral from 0 to χ, that is ∫₀^χ − c₀ χ."""
         k = np.arange(1, len(self.cosines) + 1)
         total = _horner(self.cosines / k, χ)[1]
         if self.sines is None:
@@ -98,22 +92,14 @@ class FourierSeries:
         )
 
     def unresolved(self, χ: Mpf) -> float:
-        """Return what rounded coefficients leave open of ``oscillation`` at one phase; nothing at a turning point.
-
-        Args:
-            χ: phase in many digits.
-        """
+        """Return what rounded coefficients leave open of ``oscillation`` at one phase; nothing at a turning point."""
         if self.constant or self.cosines.dtype == object:
             return 0.0
         total = self.wave_size_at(χ)
         return EPS * total if total > EPS * np.pi else 0.0
 
     def wave_size_at(self, χ: Mpf | int) -> float:
-        """Return what rounding of ``oscillation`` at one phase refers to; nothing at a turning point.
-
-        Args:
-            χ: phase in many digits.
-        """
+        """Return what rounding of ``oscillation`` at one phase refers to; nothing at a turning point."""
         if not χ:
             return 0.0
         context, total = cast("Mpf", χ).context, 0.0

@@ -70,6 +70,8 @@ class KindOfMotion(ABC):
     an ``AtRest`` rests, an ``Unbounded`` has branches and ends. Each kind gives itself, or None, as its ``cycle`` (a
     libration or rotation) and as ``bounded`` (it stays between two places).
 
+    In its methods χ are phases, shape (m,); j is the position of a constant; a side is 1 ahead and −1 behind.
+
     Attributes:
         kind: as in ``Motion.kinds``.
         start: χ of the initial place.
@@ -88,37 +90,19 @@ class KindOfMotion(ABC):
 
     @abstractmethod
     def place(self, χ: Numbers) -> tuple[Numbers, Numbers]:
-        """Return q (not reduced to one turn) and the shell momentum at χ.
-
-        Args:
-            χ: phases, shape (m,).
-        """
+        """Return q (not reduced to one turn) and the shell momentum at χ."""
 
     @abstractmethod
     def integral(self, j: int, χ: Numbers) -> Numbers:
-        """Return Gⱼ from 0 to χ.
-
-        Args:
-            j: position of the constant.
-            χ: phases, shape (m,).
-        """
+        """Return Gⱼ from 0 to χ."""
 
     @abstractmethod
     def rate(self, j: int, χ: Numbers) -> Numbers:
-        """Return dGⱼ/dχ.
-
-        Args:
-            j: position of the constant.
-            χ: phases, shape (m,).
-        """
+        """Return dGⱼ/dχ."""
 
     @abstractmethod
     def momentum_integral(self, χ: Numbers) -> tuple[Numbers, Numbers, Numbers]:
-        """Return ∫ P dq from the phase 0 to χ, |P dq/dχ|, and the size that rounding refers to; nan beyond the panels.
-
-        Args:
-            χ: phases, shape (m,); doubles or ``mpf``.
-        """
+        """Return ∫ P dq from the phase 0 to χ, |P dq/dχ|, and what rounding refers to; nan beyond the panels."""
 
     @abstractmethod
     def rounding_size(self, weights: Weights, χ: Reals) -> Reals:
@@ -126,7 +110,6 @@ class KindOfMotion(ABC):
 
         Args:
             weights: wⱼ, one a constant.
-            χ: phases in doubles, shape (m,).
         """
 
     @abstractmethod
@@ -134,17 +117,12 @@ class KindOfMotion(ABC):
         """Return q in two doubles, at phases in doubles.
 
         Args:
-            χ: phases, shape (m,).
             rough: q in doubles.
         """
 
     @abstractmethod
     def place_grain(self, χ: Reals) -> Reals:
-        """Return the size that the rounding of a place in two doubles refers to.
-
-        Args:
-            χ: phases in doubles, shape (m,).
-        """
+        """Return the size that the rounding of a place in two doubles refers to."""
 
     @property
     def branches(self) -> tuple[Branch | Chain, ...]:
@@ -185,27 +163,15 @@ class KindOfMotion(ABC):
         return np.zeros(0)
 
     def ends(self, side: int) -> str:
-        """Return how an open motion ends, ``boundary``, ``fall``, ``asymptote`` or ``infinity``; "" without an end.
-
-        Args:
-            side: 1 ahead, −1 behind.
-        """
+        """Return how an open motion ends, ``boundary``, ``fall``, ``asymptote`` or ``infinity``; "" without an end."""
         return self.branches[side < 0].end_map.end if self.branches else ""
 
     def finished(self, side: int) -> bool:  # noqa: ARG002  (asked of an open motion)
-        """Return whether the last phase held is the end of the motion, not of the panels.
-
-        Args:
-            side: 1 ahead, −1 behind.
-        """
+        """Return whether the last phase held is the end of the motion, not of the panels."""
         return False
 
     def covering(self, χ: Numbers) -> Self:  # noqa: ARG002
-        """Return the motion with enough panels for some phases, on each side as far as there are any.
-
-        Args:
-            χ: phases, shape (m,).
-        """
+        """Return the motion with enough panels for some phases, on each side as far as there are any."""
         return self
 
     def with_reach(self, ahead: float, back: float | None = None) -> Self:  # noqa: ARG002
@@ -228,11 +194,7 @@ class KindOfMotion(ABC):
         return self
 
     def carries(self, j: int) -> bool:  # noqa: ARG002  (asked of an open motion)
-        """Return False where the integral for a constant is zero all along.
-
-        Args:
-            j: position of the constant.
-        """
+        """Return False where the integral for a constant is zero all along."""
         return True
 
     def on_sides(self, *, ahead: bool, back: bool) -> Self:  # noqa: ARG002
@@ -248,28 +210,16 @@ class KindOfMotion(ABC):
         return np.linspace(-3.1, 3.1, 33)
 
     def stations(self, side: int) -> Reals:
-        """Return phases from the start outward between which a search may begin; the last one is the farthest there is.
-
-        Args:
-            side: 1 ahead, −1 behind.
-        """
+        """Return phases from the start outward between which a search may begin, to the farthest there is."""
         start = float(self.start)
         return np.concatenate([[start], start + side * 2.0 ** np.arange(-2, 61)])
 
     def phase_rounding(self, χ: Reals) -> Reals | float:  # noqa: ARG002
-        """Return the rounding of the map from phases to places as an uncertainty of χ in doubles; 0 where it has none.
-
-        Args:
-            χ: phases, shape (m,).
-        """
+        """Return the rounding of the map from phases to places as an uncertainty of χ in doubles; 0 of most."""
         return 0.0
 
     def momentum_noise(self, χ: Reals) -> Reals | float:  # noqa: ARG002
-        """Return the rounding of p next to that of its value, in units of the last place: of a sum, and of χ in it.
-
-        Args:
-            χ: phases in doubles, shape (m,).
-        """
+        """Return the rounding of p next to that of its value, in units of the last place: of a sum, and of χ in it."""
         return 0.0
 
     def in_doubles(self) -> Self:
@@ -277,18 +227,9 @@ class KindOfMotion(ABC):
         return self
 
     def rate_noise(self, j: int) -> float:  # noqa: ARG002
-        """Return what rounding in doubles leaves open of dGⱼ/dχ where it is small.
-
-        Args:
-            j: position of the constant.
-        """
+        """Return what rounding in doubles leaves open of dGⱼ/dχ where it is small."""
         return 0.0
 
     def grain(self, j: int, χ: Numbers) -> Reals:
-        """Return the size that the rounding of an integral refers to.
-
-        Args:
-            j: position of the constant.
-            χ: phases, shape (m,).
-        """
+        """Return the size that the rounding of an integral refers to."""
         return np.abs(np.asarray(self.integral(j, χ), dtype=float))

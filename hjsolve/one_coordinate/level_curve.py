@@ -78,6 +78,8 @@ class Piece:
 class Curve:
     """H(q, p) = E.
 
+    In its methods ``along`` is 0 where q is the parameter x, and 1 where p is.
+
     Attributes:
         tape: of H, ∂H/∂q and ∂H/∂p; inputs q, p, then parameters.
         parameters: their values at any precision.
@@ -108,7 +110,6 @@ class Curve:
         """H − E and its derivatives along x and y.
 
         Args:
-            along: 0 where q is the parameter x, 1 where p is.
             x, y: the parameter and the other of q and p.
         """
         h, *slopes = self._exact.run(*((x, y) if along == 0 else (y, x)))
@@ -118,7 +119,6 @@ class Curve:
         """y(x) by Newton's method from a place near it; ``size`` is what its accuracy refers to.
 
         Args:
-            along: 0 where q is the parameter x, 1 where p is.
             x: the parameter.
             y: where Newton's method begins.
             size: the size of y that the accuracy refers to.
@@ -145,7 +145,6 @@ class Curve:
         And half the time it takes, roughly.
 
         Args:
-            along: 0 where q is the parameter x, 1 where p is.
             point: (q, p) at its beginning.
             radius: greatest half length, in units of x.
             tries: how often the length is halved before None is given.
@@ -192,12 +191,7 @@ class Curve:
             return (_known(slopes[along]), _known(slopes[1 - along]))
 
     def integrals(self, piece: Piece, end: Mpf) -> tuple[Mpf, Mpf, list[tuple[Mpf, Mpf]]]:
-        """∫ dt and ∫ p dq from the beginning of a piece to a place on it; and (x, H_x) at the nodes.
-
-        Args:
-            piece: with its beginning.
-            end: x there.
-        """
+        """∫ dt and ∫ p dq from the beginning of a piece to a place on it; and (x, H_x) at the nodes."""
         along, half, y = piece.along, (end - piece.begin) / 2, piece.first
         time, action, signs, x, slope = 0 * half, 0 * half, [], piece.begin, None
         for node, weight in gauss_legendre(piece.nodes, self.bits):
@@ -212,12 +206,7 @@ class Curve:
         return time, action, signs
 
     def finished(self, piece: Piece, end: Mpf) -> tuple[Piece, tuple[Mpf, Mpf], list[tuple[Mpf, Mpf]]]:
-        """Return the piece up to an end with its integrals and their bounds, the point there, and H_x at the nodes.
-
-        Args:
-            piece: with its beginning.
-            end: x there.
-        """
+        """Return the piece up to an end with its integrals and their bounds, the point there, and H_x at the nodes."""
         time, action, signs = self.integrals(piece, end)
         along, half = piece.along, abs(float(end - piece.begin)) / 2
         y = self.root(along, end, piece.middle + 0 * end, piece.room)

@@ -29,6 +29,8 @@ Number = Callable[[int], Mpf]
 class MomentumSquared:
     """F(q) = p²(q; κ) and its kernels ½ ∂F/∂κⱼ, with the constants κ known exactly.
 
+    In its methods q is the position, ``bits`` the working precision.
+
     Attributes:
         squared: tape of F; inputs q, then constants and parameters.
         kernels: tape of ½ ∂F/∂κⱼ, one output a constant; same inputs.
@@ -42,22 +44,12 @@ class MomentumSquared:
     guard: int = 0
 
     def value(self, q: Numeric, bits: int) -> Mpf:
-        """Return F(q) at the working precision ``bits``.
-
-        Args:
-            q: position.
-            bits: working precision.
-        """
+        """Return F(q) at the working precision ``bits``."""
         count(squares=1)
         return self._bound("value", bits).run(q)[0]
 
     def jet(self, q: Numeric, bits: int) -> Derivatives[Mpf]:
-        """Return F, F′ and F″ at q; zeros where the formula does not contain q.
-
-        Args:
-            q: position.
-            bits: working precision.
-        """
+        """Return F, F′ and F″ at q; zeros where the formula does not contain q."""
         count(squares=1)
         bound = self._bound("jet", bits)
         jet = bound.run(Jet(q, Multi(bits).rational(1, 1)))[0]
@@ -65,12 +57,7 @@ class MomentumSquared:
         return Derivatives(*(zero if part is None else part for part in jet))
 
     def weights(self, q: Numeric, bits: int) -> list[Mpf]:
-        """Return ½ ∂F/∂κⱼ at q.
-
-        Args:
-            q: position.
-            bits: working precision.
-        """
+        """Return ½ ∂F/∂κⱼ at q."""
         count(kernels=1)
         return self._bound("weights", bits).run(q)
 
@@ -144,7 +131,6 @@ class MomentumSquared:
 
         Args:
             low, high: ends of the cells, shape (m,).
-            bits: working precision.
         """
         cells = self._bound("cells", bits)
         centres = self._bound("centre", bits)

@@ -140,11 +140,7 @@ def _disagreement(values: list[Mpf] | None, exact: list[Mpf] | None) -> int:
 
 
 def farthest(digits: int) -> int:
-    """Return the phase at which what is left of the branch to an asymptote, or of a fall, is below all digits.
-
-    Args:
-        digits: decimal digits asked.
-    """
+    """Return the phase at which what is left of the branch to an asymptote, or of a fall, is below all digits."""
     return 60 + 2 * digits
 
 

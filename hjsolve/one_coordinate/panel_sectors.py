@@ -59,11 +59,7 @@ class Sectors:
         return Sectors(self.inner[which], self.outer[which], self.first[which], self.last[which])
 
     def scaled(self, by: float) -> Sectors:
-        """Return sectors whose radii are multiplied.
-
-        Args:
-            by: the factor.
-        """
+        """Return sectors whose radii are multiplied."""
         return Sectors(by * self.inner, by * self.outer, self.first, self.last)
 
     def quartered(self) -> Sectors:

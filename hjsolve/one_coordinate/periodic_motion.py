@@ -100,19 +100,11 @@ class Periodic(KindOfMotion):
         return self.kernels[j].value(χ)
 
     def growth(self, j: int) -> float | Mpf:
-        """Return the growth of Gⱼ per unit phase, in the mean.
-
-        Args:
-            j: position of the constant.
-        """
+        """Return the growth of Gⱼ per unit phase, in the mean."""
         return self.kernels[j].mean
 
     def swing(self, j: int) -> float | Mpf:
-        """Return the size of the values whose mean the growth of Gⱼ is.
-
-        Args:
-            j: position of the constant.
-        """
+        """Return the size of the values whose mean the growth of Gⱼ is."""
         growth: Elementwise = self.growth(j)
         size: float | Mpf = abs(growth) + self.kernels[j].size
         return size
@@ -144,11 +136,7 @@ class Periodic(KindOfMotion):
         return 2.0**-48 * (abs(float(series.mean)) + series.size)
 
     def distances(self, χ: Reals) -> tuple[Reals, Reals]:
-        """Return distances from the lower and from the upper turning point of a libration, each to relative accuracy.
-
-        Args:
-            χ: phases in doubles, shape (m,).
-        """
+        """Return distances from the lower and the upper turning point of a libration, each to relative accuracy."""
         rest: Elementwise = χ - 2 * np.pi * np.rint(χ / (2 * np.pi))
         place: Elementwise = self.anomaly.in_doubles().place(rest, Float64())
         return place.below, place.above
@@ -196,7 +184,6 @@ class Periodic(KindOfMotion):
 
         Args:
             weights: wⱼ, one a constant.
-            χ: phases in doubles, shape (m,).
         """
         q, _ = self._inner_place(χ)
         count(kernels=q.size)
@@ -222,9 +209,6 @@ class Periodic(KindOfMotion):
         """Return |χ d ln(p/(dq/dχ))/dχ| for a float array: how the rounding of χ comes out in p, relative to p.
 
         p is a product of two factors; next to a pole both change fast with χ, and p may not.
-
-        Args:
-            χ: phases in doubles, shape (m,).
         """
         h, series = 1e-5, replace(self.momentum, mean=0.0)
         return np.abs(χ * (series.value(χ + h) - series.value(χ - h)) / (2 * h))

@@ -42,7 +42,6 @@ class Unstretched:
 
         Args:
             χ: phase; a number of the arithmetic, or an array of doubles.
-            arithmetic: in which q is worked out.
         """
         raise NotImplementedError
 
@@ -51,25 +50,16 @@ class Unstretched:
 
         Args:
             nodes: how many parts.
-            arithmetic: in which q is worked out.
         """
         for χ in midpoints(nodes, even=self.even, bits=arithmetic.bits):
             yield self.place(χ, arithmetic)
 
     def slope_at(self, χ: Reals) -> Reals | float:  # noqa: ARG002  (asked like a stretched one's)
-        """Return dχ/dψ, which is 1.
-
-        Args:
-            χ: phases in doubles, shape (m,).
-        """
+        """Return dχ/dψ, which is 1."""
         return 1.0
 
     def rounding(self, χ: Reals) -> Reals:
-        """Return the rounding of the map from phases to χ as an uncertainty of the phase: there is none.
-
-        Args:
-            χ: phases in doubles, shape (m,).
-        """
+        """Return the rounding of the map from phases to χ as an uncertainty of the phase: there is none."""
         return 0.0 * χ
 
     def in_doubles(self) -> Self:

@@ -67,11 +67,7 @@ class Strip(NamedTuple):
     growth: float
 
     def nodes(self, digits: int) -> int:
-        """Return the nodes, for half a turn, that leave less than 10^−(digits + 1) of the size.
-
-        Args:
-            digits: decimal digits asked.
-        """
+        """Return the nodes, for half a turn, that leave less than 10^−(digits + 1) of the size."""
         wanted = (digits + 1) * math.log(10) + self.growth + math.log(4 / -math.expm1(-self.width))
         return math.ceil(wanted / self.width)
 
@@ -88,12 +84,7 @@ class AsItStands:
     points: BoundTape[Complexes]
 
     def over(self, q: Disk, *_: Disk | None) -> tuple[Disk, int]:
-        """Enclose R over disks, as ``Deflated.over`` does; one method gives it.
-
-        Args:
-            q: disks, shape (m,).
-            *_: for q − a and q − b, which a rotation has not.
-        """
+        """Enclose R over disks, as ``Deflated.over`` does; one method gives it."""
         return self.disks.run(q)[0], 0
 
     def at(self, q: Complexes, *_: Complexes | Integers | int | None) -> Complexes:

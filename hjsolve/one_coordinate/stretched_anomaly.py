@@ -45,6 +45,8 @@ Inner = Libration | BarrierAnomaly | Rotation | TwoBarrierAnomaly
 class Stretched:
     """An anomaly whose phase ψ moves slowly through the rough places of another one's χ.
 
+    In its methods ψ is a phase, a number of the arithmetic, or an array of doubles.
+
     Attributes:
         inner: the anomaly in χ.
         slope: dχ/dψ, a trigonometric polynomial in doubles with mean 1.
@@ -89,7 +91,6 @@ class Stretched:
         """Return the place at ψ, |ψ| ≤ 2π.
 
         Args:
-            ψ: phase; a number of the arithmetic, or an array of doubles.
             arithmetic: in which q is worked out.
         """
         χ, rate = self.unstretched(ψ, arithmetic)
@@ -111,7 +112,6 @@ class Stretched:
         """Return χ(ψ) and dχ/dψ.
 
         Args:
-            ψ: phase; a number of the arithmetic, or an array of doubles.
             arithmetic: in which χ is worked out.
         """
         return arithmetic.choose(lambda _: self._by_series(ψ), lambda many: self._in_fixed_point(ψ, many))
@@ -151,19 +151,11 @@ class Stretched:
         return ψ
 
     def slope_at(self, ψ: Reals) -> Reals:
-        """Return dχ/dψ.
-
-        Args:
-            ψ: phases in doubles, shape (m,).
-        """
+        """Return dχ/dψ."""
         return self.unstretched(ψ, Float64())[1]  # type: ignore[return-value]
 
     def rounding(self, ψ: Reals) -> Reals:
-        """Return the rounding of χ(ψ) as an uncertainty of ψ.
-
-        Args:
-            ψ: phases in doubles, shape (m,).
-        """
+        """Return the rounding of χ(ψ) as an uncertainty of ψ."""
         return 8 * EPS * np.pi / np.abs(self.slope.value(ψ))
 
     def in_doubles(self) -> Stretched:

@@ -22,7 +22,7 @@ from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
 from hjsolve.motion.separated import SeparatedMotion
-from hjsolve.motion.state import Errors, Placing, State
+from hjsolve.motion.state import Errors, KnownErrors, Placing, State
 from hjsolve.motion.state_at import state_at_times
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic
 from hjsolve.rays.family_curve import FamilyCurve
@@ -74,11 +74,7 @@ class SameConstants(Shown):
 
     # -------------------------------------------------------------------------------------------- wavefronts
     def levels(self, count: int) -> Reals:
-        """Choose values of W at equal steps, over one turn of a coordinate that goes round, else over the family.
-
-        Args:
-            count: how many.
-        """
+        """Choose values of W at equal steps, over one turn of a coordinate that goes round, else over the family."""
         (low, high) = (s.gained(np.array([s.low, s.high]))[0] for s in (self.first, self.second))
         if turn := self.second.turn:
             return turn * np.arange(count) / count
@@ -246,12 +242,8 @@ class SameConstants(Shown):
                     {resting.name: 0 * χ, other.name: coarse}, {},
                 )  # fmt: skip
                 places, momenta = {resting.name: value + 0 * χ, other.name: q}, {resting.name: 0 * χ, other.name: p}
-                found.append(self._placed("caustic", value, places, momenta, partial(_known, errors)))
+                found.append(self._placed("caustic", value, places, momenta, KnownErrors(errors)))
         return tuple(found)
-
-
-def _known(errors: Errors) -> Errors:
-    return errors
 
 
 def _with_fixed(errors: Callable[[], Errors], still: Mapping[str, Reals]) -> Errors:

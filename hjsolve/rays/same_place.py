@@ -8,7 +8,6 @@ envelope. ∂q/∂ψ is a difference over the directions, of eighth order; the e
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import partial
 
 import numpy as np
 import sympy as sp
@@ -21,7 +20,7 @@ from hjsolve.display.shown import Shown
 from hjsolve.errors import HJSolveError, InvalidInputError, required
 from hjsolve.mechanics.system import mass_matrix
 from hjsolve.motion.motion import Motion
-from hjsolve.motion.state import Errors, Placing
+from hjsolve.motion.state import Errors, KnownErrors, Placing
 from hjsolve.motion.tabulated import needs_table
 from hjsolve.precision import mp
 from hjsolve.rays.family_curve import FamilyCurve
@@ -99,7 +98,7 @@ class SamePlace(Shown):
                 q_error[name] = _closed((states.q_error[k] + np.abs(states.velocity[k]) * doubts)[:, i])
                 p_error[name] = _closed((states.p_error[k] + forces[k])[:, i])
             curves.append(
-                FamilyCurve("front", float(value), q, p, partial(_known, Errors(q_error, p_error, {})), self.placing)
+                FamilyCurve("front", float(value), q, p, KnownErrors(Errors(q_error, p_error, {})), self.placing)
             )
         return tuple(curves)
 
@@ -193,9 +192,7 @@ class SamePlace(Shown):
                 {n: group[i][k] for i, n in enumerate(self.names)}
                 for group in (states.q, states.p, states.q_error, states.p_error)
             )
-            curves.append(
-                FamilyCurve("orbit", float(k), q, p, partial(_known, Errors(q_error, p_error, {})), self.placing)
-            )
+            curves.append(FamilyCurve("orbit", float(k), q, p, KnownErrors(Errors(q_error, p_error, {})), self.placing))
         return tuple(curves)
 
     # -------------------------------------------------------------------------------------------- the envelope
@@ -220,7 +217,7 @@ class SamePlace(Shown):
             p_error[name] = _closed(states.p_error[k][:, 0] + forces[k][:, 0])
         if np.isfinite(q[self.names[0]]).sum() < 2:
             return ()
-        return (FamilyCurve("caustic", np.nan, q, p, partial(_known, Errors(q_error, p_error, {})), self.placing),)
+        return (FamilyCurve("caustic", np.nan, q, p, KnownErrors(Errors(q_error, p_error, {})), self.placing),)
 
     def _roots(self, low: Reals, high: Reals) -> tuple[Reals, Reals]:
         """Zeros of the determinant between brackets, and how far they may be off.
@@ -276,10 +273,6 @@ class SamePlace(Shown):
         D = v[0] * slopes[1] - v[1] * slopes[0]
         blur = np.abs(v[0]) * blurs[1] + np.abs(v[1]) * blurs[0]
         return D, blur + 8 * EPS * (np.abs(v[0] * slopes[1]) + np.abs(v[1] * slopes[0]))
-
-
-def _known(errors: Errors) -> Errors:
-    return errors
 
 
 def _closed(values: Reals) -> Reals:

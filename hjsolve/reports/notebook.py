@@ -40,9 +40,6 @@ _ROOM, _MOST_ROWS, _LARGEST = 90, 18, 60
 def html_of(value: object) -> str:
     """Write a value as a piece of HTML that stands alone.
 
-    Args:
-        value: a public value.
-
     Returns:
         HTML with its style, nothing to fetch and no script.
     """
@@ -51,14 +48,7 @@ def html_of(value: object) -> str:
 
 
 def blocks_of(value: object) -> tuple[Block, ...]:
-    """Choose what is shown of a value.
-
-    Args:
-        value: a public value.
-
-    Returns:
-        Blocks in reading order.
-    """
+    """Choose what is shown of a value."""
     match value:
         case System():
             return (_title(value), *_of(system_section(value, {}, "")))

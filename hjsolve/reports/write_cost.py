@@ -17,9 +17,6 @@ from hjsolve.reports.write import write_document
 def checked_cost_path(path: str | Path) -> Path:
     """Check where a table shall go, as ``checked_path``; ``.svg`` is a suffix as well.
 
-    Args:
-        path: of the file.
-
     Raises:
         InvalidInputError: unknown suffix, or a place that cannot be written to.
     """

@@ -47,17 +47,7 @@ class Separatrix:
 
 
 def separatrices(solution: Solution, fixed: object, parameters: object, digits: int) -> tuple[Separatrix, ...]:
-    """Find the separatrices of a family; see ``Solution.separatrices``.
-
-    Args:
-        solution: what is solved.
-        fixed: constant → value, all but one.
-        parameters: name → value, where it differs from the default.
-        digits: of the results.
-
-    Raises:
-        InvalidInputError: names that are not known, or not one constant that is left.
-    """
+    """Find the separatrices of a family; see ``Solution.separatrices``."""
     held = {n: number(v, source=f"fixed[{n}]") for n, v in arguments.table(fixed, "fixed", '{"L": 1}').items()}
     unknown = [name for name in solution.constants if name not in held]
     if stray := [name for name in held if name not in solution.constants]:

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from fractions import Fraction
+from math import ceil, floor
 
 import numpy as np
 
@@ -22,9 +24,11 @@ from hjsolve.resonances.equations import Equation
 from hjsolve.resonances.families import OneParameterFamily
 from hjsolve.resonances.members import member_of
 from hjsolve.resonances.question import TorusQuestion, in_words
-from hjsolve.resonances.ratios_of_whole_numbers import simplest_ratios
 from hjsolve.resonances.scan import Bracket, Scan, scanned
 from hjsolve.resonances.several_unknowns import tori_by_newton
+
+_GREATEST, _MANY = 12, 6
+"""Largest denominator that is looked at, and how many ratios are given."""
 
 _SPARE = 5
 """Decimal digits that motions have beyond those asked while a root is looked for."""
@@ -158,3 +162,17 @@ def _ranges(asked: TorusQuestion, rates: Mapping[str, Reals]) -> str:
         simple = f"; simple ratios there are {', '.join(near)}" if near else ""
         parts.append(f"Ω_{names[0]}/Ω_{names[1]} goes from {low:.9g} to {high:.9g}{simple}")
     return " and ".join(parts)
+
+
+def simplest_ratios(low: float, high: float) -> list[str]:
+    """Return ratios between two numbers, those of the smallest whole numbers first, such as "3:2".
+
+    Args:
+        low, high: the ends, positive.
+    """
+    found: list[Fraction] = []
+    for n in range(1, _GREATEST + 1):
+        first = ceil(low * n)
+        found += [Fraction(m, n) for m in range(first, min(floor(high * n), first + _MANY) + 1) if m > 0]
+    simple = sorted(dict.fromkeys(found), key=lambda r: (r.numerator + r.denominator, r))
+    return [f"{r.numerator}:{r.denominator}" for r in simple[:_MANY]]

@@ -13,13 +13,12 @@ from hjsolve.formulas.read import number
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.initial_data import parameter_values
+from hjsolve.motion.tori.from_actions import kinds_given
 from hjsolve.motion.tori.radicand_curve import RadicandCurve, curves_of
 from hjsolve.resonances.equations import Equation
 from hjsolve.resonances.families import MotionFamily
 from hjsolve.resonances.kerr_elements import ELEMENTS, KerrFamily
 from hjsolve.solution.quadratures import Solution
-
-_KINDS = ("libration", "rotation")
 
 
 @dataclass(frozen=True)
@@ -109,7 +108,7 @@ def asked(
     names = [c.name for c in solution.system.coordinates if c.name in solution.coordinates or c.domain.kind == "angle"]
     equations, words = _equations(frequencies, ratio, names)
     result = TorusQuestion(
-        users, solution, unknowns, equations, held, letters, _kinds(solution, kinds), _bounds(unknowns, between),
+        users, solution, unknowns, equations, held, letters, kinds_given(solution, kinds), _bounds(unknowns, between),
         max(15, arguments.digits(digits)), bool(certified), words,
     )  # fmt: skip
     if len(result.unknown) != len(equations):
@@ -144,17 +143,6 @@ def in_words(value: sp.Expr) -> str:
         value: exact.
     """
     return str(value) if len(str(value)) < 12 else f"{float(value):.9g}"
-
-
-def _kinds(solution: Solution, kinds: object) -> dict[str, str]:
-    table = arguments.table(kinds, "kinds", '{"theta": "libration"}')
-    for name, kind in table.items():
-        if name not in solution.coordinates or kind not in _KINDS:
-            raise InvalidInputError(
-                f"kinds[{name}]: a separated coordinate ({', '.join(solution.coordinates)}) and one of "
-                f"{', '.join(_KINDS)} are needed"
-            )
-    return {name: str(kind) for name, kind in table.items()}
 
 
 def _bounds(unknowns: tuple[str, ...], between: object) -> dict[str, tuple[float, float]]:

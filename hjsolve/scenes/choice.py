@@ -62,11 +62,7 @@ class _Runner:
 
 
 def run_chosen(scene: Question) -> Run:
-    """Run a scene with the method its accuracy calls for; see ``Scene.run``.
-
-    Args:
-        scene: with the digits or the seconds it allows.
-    """
+    """Run a scene with the method its accuracy calls for; see ``Scene.run``."""
     begin = time.perf_counter()
     if scene.seconds is not None:
         return _within(scene, _Runner(scene, solved(scene)), scene.seconds, begin)

@@ -116,6 +116,3 @@ def budgets(
         events[0], numbers.convert(to_bits(time)(bits)), named(moving), named(moved), named(before), named(behind),
         tuple(numbers.convert(to_bits(x)(bits)) for x in λ), named(Q), T, more, residual,
     )]  # fmt: skip
-
-
-__all__ = ["ImpactBudget", "budgets"]

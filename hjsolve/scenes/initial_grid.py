@@ -214,11 +214,7 @@ def disagreements(sweep: Varied, names: list[str], fixed: Mapping[str, Mapping[s
 
 
 def keys(names: Iterable[str]) -> list[str]:
-    """Return the initial conditions that a table may have: ``q.r`` and so on.
-
-    Args:
-        names: of the coordinates.
-    """
+    """Return the initial conditions that a table may have: ``q.r`` and so on."""
     return [f"{group}.{name}" for group in GROUPS for name in names]
 
 

@@ -81,11 +81,7 @@ def integrated(scene: Question) -> Run:
 
 
 def numbers_of(scene: Question) -> Numbers:
-    """Work out where a scene starts, momenta from velocities.
-
-    Args:
-        scene: with initial data and parameters.
-    """
+    """Work out where a scene starts, momenta from velocities."""
     system, start = scene.system, required(scene.initial)
     values = dict(parameter_values(system, scene.parameters))
     parameters = dict(values)
@@ -118,9 +114,6 @@ def _compiled(formulas: list[sp.Expr], scene: Question, numbers: Numbers) -> Cal
 
 def slopes_of(scene: Question) -> list[sp.Expr]:
     """Hamilton's equations with the scene's forces: q̇ and then ṗ, in q, p and parameters.
-
-    Args:
-        scene: with its system and forces.
 
     Returns:
         Length 2n.

@@ -33,9 +33,6 @@ class Mirrors:
 def mirrors(solution: Solution) -> Mirrors | None:
     """Find what may be turned round, by the formulas alone.
 
-    Args:
-        solution: of the system.
-
     Returns:
         None where a separated coordinate has no clock of its own, or an ignorable one is carried by several.
     """

@@ -76,6 +76,8 @@ class Now:
 class Free:
     """A free motion, and when it passes the places that events stand at.
 
+    In its methods ``now`` is where the walk is; it is changed.
+
     Args:
         motion: with many digits, started at t₀ = 0.
         mirrors: what may be turned round.
@@ -141,7 +143,6 @@ class Free:
         """Return when the free motion has a separated coordinate at a place; looked up the second time.
 
         Args:
-            name: of the coordinate.
             value: the place, exact.
         """
         key = (name, value)
@@ -153,7 +154,6 @@ class Free:
         """Return a carried coordinate of the free motion at a clock, in radians with its whole turns.
 
         Args:
-            name: of the coordinate.
             clock: time of the free motion.
         """
         return self.context.convert(self.motion.at(clock).unwrapped(name))
@@ -162,7 +162,6 @@ class Free:
         """Return the same at a passage; the state is looked up the second time.
 
         Args:
-            name: of the coordinate.
             landed: the passages of its carrier, which of them, and whole turns to be added.
         """
         found, index, turns = landed
@@ -172,11 +171,7 @@ class Free:
         return self._angles[key] + (turns * self.turn(name) if turns else 0)
 
     def start(self, time: Mpf) -> Now:
-        """Return the beginning: all clocks at zero.
-
-        Args:
-            time: of the scene.
-        """
+        """Return the beginning: all clocks at zero."""
         values, system = self.motion.initial.values, self.motion.solution.system
         zero = self.context.mpf(0)
         place = {
@@ -187,11 +182,7 @@ class Free:
         return Now(self.context.convert(time), dict.fromkeys(self.separated, zero), place, sign)
 
     def back(self, flight: Flight) -> Now:
-        """Return the beginning of a flight.
-
-        Args:
-            flight: one arc of the motion.
-        """
+        """Return the beginning of a flight."""
         clock = dict(zip(self.separated, flight.clocks, strict=True))
         place = dict(zip(self.ignorable, flight.places, strict=True))
         sign = dict(zip((*self.separated, *self.ignorable), flight.signs, strict=True))
@@ -282,7 +273,6 @@ class Free:
         """Let all clocks run until a time.
 
         Args:
-            now: where the walk is; changed.
             time: of the scene, later than now.
         """
         step = time - now.time
@@ -294,12 +284,7 @@ class Free:
         now.uncertainty += self.unit * abs(step)
 
     def reflect(self, now: Now, name: str) -> None:
-        """Turn a coordinate round where it stands, after ``advance`` and its landing.
-
-        Args:
-            now: where the walk is; changed.
-            name: of the coordinate.
-        """
+        """Turn a coordinate round where it stands, after ``advance`` and its landing."""
         if name in now.clock:
             for other, carrier in self.carrier.items():
                 if carrier == name:

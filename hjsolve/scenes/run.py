@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Mpf, Numbers
 from hjsolve.arithmetic.work_counter import counted
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, MissingValueError, NotSeparableError, required
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
@@ -21,11 +22,71 @@ from hjsolve.scenes.arcs import FollowedArcs, FreeArc, free_arcs
 from hjsolve.scenes.crossing import bits_of
 from hjsolve.scenes.force_refusal import dissipative, force_words
 from hjsolve.scenes.lasting_constraints import afterwards, carried_back, joined
-from hjsolve.scenes.orbits import orbit_table
-from hjsolve.scenes.question import Question, Times
+from hjsolve.scenes.question import OrbitAsked, Question, Times
 from hjsolve.scenes.results import Arc, Choice, Run, Trajectory
 from hjsolve.scenes.trajectory import belongings, sampled, trajectory_of
 from hjsolve.solution.quadratures import Solution, solve
+
+_PLACES = 33
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class OrbitTable(Shown):
+    """An orbit equation as numbers, of the whole orbit that an arc is part of.
+
+    Attributes:
+        of, along: the coordinates.
+        places: of ``along``, shape (m,).
+        values: of ``of`` at its first passage of each place, shape (m,).
+    """
+
+    of: str
+    along: str
+    places: Numbers
+    values: Numbers
+
+
+def orbit_table(asked: OrbitAsked | None, motion: Motion) -> OrbitTable:
+    """Work out the orbit equation.
+
+    Args:
+        asked: which; None for the first separated coordinate that turns or goes round, and the first other one.
+        motion: with all that ``orbit`` needs.
+
+    Raises:
+        InvalidInputError: nothing was asked and the motion offers no such pair.
+        OutsideMotionError: a place that the motion never reaches.
+    """
+    if asked is None:
+        asked = _chosen(motion)
+    places = list(asked.values) or _places(motion, asked.along)
+    return OrbitTable(asked.of, asked.along, np.array(places), motion.orbit(asked.of, along=asked.along, values=places))
+
+
+def _chosen(motion: Motion) -> OrbitAsked:
+    names = [c.name for c in motion.solution.system.coordinates]
+    along = next((n for n in motion.separated.located if motion.kinds[n] in ("libration", "rotation")), None)
+    of = next((n for n in names if n != along), None)
+    if along is None or of is None:
+        raise InvalidInputError(
+            'orbit: say which, e.g. [orbit] of = "theta", along = "r", values = [1, 2]; no coordinate here comes back'
+        )
+    return OrbitAsked(of, along)
+
+
+def _places(motion: Motion, along: str) -> list[float]:
+    """Return places inside the region, closer together towards its ends."""
+    angles = np.pi * (np.arange(_PLACES) + 0.5) / _PLACES
+    if motion.kinds[along] == "rotation":
+        start = float(to_bits(motion.initial.values[motion.solution.system.coordinate(along).symbol])(64))
+        direction = 1 if float(motion.frequencies[along].value) > 0 else -1
+        return [float(x) for x in start + direction * 2 * angles]
+    ends = motion.turning_points.get(along)
+    if ends is None or ends[0] is None or ends[1] is None:
+        raise InvalidInputError(f"orbit: {along} does not turn on both sides; give orbit.values")
+    low, high = float(ends[0].value), float(ends[1].value)
+    return [float(x) for x in (low + high) / 2 - (high - low) / 2 * np.cos(angles)]
+
 
 __all__ = ["Arc", "Choice", "Run", "Trajectory", "first_arguments", "run_by_quadratures", "sampled", "solved"]
 _FIELDS = (
@@ -142,9 +203,6 @@ def solved(scene: Question) -> Solution | None:
 
 def first_arguments(scene: Question) -> dict[str, Any]:
     """Return the arguments of the first motion, as the scene gives them.
-
-    Args:
-        scene: with initial data and parameters.
 
     Returns:
         Keywords of ``Solution.motion``.

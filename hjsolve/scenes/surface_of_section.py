@@ -202,9 +202,6 @@ def path(plane: PlaneMotion, steps: int = 400) -> tuple[Reals, Reals]:
 def surface_of_section(plane: PlaneMotion) -> SurfaceOfSection | None:
     """Compute a surface of section at the energy of the user's motion.
 
-    Args:
-        plane: the equations.
-
     Returns:
         The section; None where the motion does not come back to one.
     """

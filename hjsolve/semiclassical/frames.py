@@ -34,6 +34,9 @@ FoundTorus = tuple[Candidate, Torus]
 class ContinuedFrame:
     """Coordinates for some ignorable momenta, continued through the poles of those that are zero.
 
+    In its methods ``candidate`` is the torus in doubles, ``circuits`` and ``actions`` are those of each separated
+    coordinate, the latter in the limit that ``Circuit`` speaks of.
+
     Attributes:
         solution: in these coordinates.
         asked: the momenta, with arbitrary other actions.
@@ -51,12 +54,7 @@ class ContinuedFrame:
     known: dict[tuple[tuple[Circuit, ...], tuple[sp.Expr, ...]], list[Candidate]] = field(repr=False)
 
     def candidates(self, circuits: tuple[Circuit, ...], actions: tuple[sp.Expr, ...]) -> list[Candidate]:
-        """Return the tori in doubles with given actions that go round in given circuits.
-
-        Args:
-            circuits: of each separated coordinate.
-            actions: of each, in the limit that ``Circuit`` speaks of.
-        """
+        """Return the tori in doubles with given actions that go round in given circuits."""
         if (circuits, actions) not in self.known:
             kinds = {name: circuit.kind for name, circuit in zip(self.solution.coordinates, circuits, strict=True)}
             found = candidates_of(self._with(circuits, actions), kinds, partial(self._meant, circuits))
@@ -64,12 +62,7 @@ class ContinuedFrame:
         return self.known[circuits, actions]
 
     def tori(self, circuits: tuple[Circuit, ...], actions: tuple[sp.Expr, ...]) -> list[FoundTorus]:
-        """Return the tori with given actions that go round in given circuits, to the digits asked.
-
-        Args:
-            circuits: of each separated coordinate.
-            actions: of each, in the limit that ``Circuit`` speaks of.
-        """
+        """Return the tori with given actions that go round in given circuits, to the digits asked."""
         return tori_of(self._with(circuits, actions), self.candidates(circuits, actions))
 
     def _with(self, circuits: tuple[Circuit, ...], actions: tuple[sp.Expr, ...]) -> AskedTorus:
@@ -90,18 +83,13 @@ class ContinuedFrame:
         return torus.initial.constants[next(iter(self.solution.constants))]
 
     def shape(self, candidate: Candidate) -> tuple[int, ...]:
-        """Count the maxima of p² inside the wells of a torus: tori of one family have as many.
-
-        Args:
-            candidate: the torus in doubles.
-        """
+        """Count the maxima of p² inside the wells of a torus: tori of one family have as many."""
         return tuple(_maxima(p) if c.kind != ROTATION else 1 for p, c in zip(*self._inside(candidate), strict=True))
 
     def has_barrier(self, candidate: Candidate, k: int) -> bool:
         """Tell whether a motion passes over a barrier along a coordinate, below which its family does not exist.
 
         Args:
-            candidate: the torus in doubles.
             k: position of the coordinate.
         """
         squares, cycles = self._inside(candidate)
@@ -137,7 +125,6 @@ class ContinuedFrame:
         """Return the greatest actions of some circuits on samples, shape (n,); None where no sample follows them.
 
         Args:
-            circuits: of each separated coordinate.
             samples: of this frame.
         """
         most: Reals | None = None

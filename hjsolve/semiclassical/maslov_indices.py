@@ -135,13 +135,7 @@ def circuits_of(
 
 
 def walls_of(solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[bool, bool]:
-    """Tell which ends of the domain of a coordinate are walls: p² is finite there.
-
-    Args:
-        solution: of the system.
-        name: of the coordinate.
-        values: symbol → exact number.
-    """
+    """Tell which ends of the domain of a coordinate are walls: p² is finite there."""
     q, F = solution.system.coordinate(name).symbol, solution.momentum_squared[name].subs(values)
     found = []
     for end in domain_ends(solution.system, name, values):

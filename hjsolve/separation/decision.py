@@ -8,11 +8,10 @@ from pathlib import Path
 import sympy as sp
 
 from hjsolve import arguments
-from hjsolve.algebra.linear_arguments import is_shifted
 from hjsolve.algebra.modular import Filter
 from hjsolve.algebra.poly import Budget, WorkLimitError
 from hjsolve.algebra.readable import shortest_form
-from hjsolve.algebra.reader import HYPERBOLIC
+from hjsolve.algebra.reader import HYPERBOLIC, is_shifted
 from hjsolve.errors import InvalidSystemError
 from hjsolve.mechanics.energy_shell import Irreducible, ReductionStep, Shell, reduce
 from hjsolve.mechanics.subjects import system_of

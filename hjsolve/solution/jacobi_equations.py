@@ -1,6 +1,8 @@
 """Jacobi's equations of a separated system: ∂W/∂E = t − t₀, ∂W/∂α = −β; and its constants in plain words.
 
 Greenwood (5-70), (5-71), (5-83); without a separated coordinate (5-74).
+
+``taken`` are names that symbols already have.
 """
 
 from __future__ import annotations
@@ -29,11 +31,7 @@ def separation_constants(verdict: Separation) -> tuple[Constant, ...]:
 
 
 def named_constants(verdict: Separation) -> dict[str, Constant]:
-    """Return the constants, those meanings made plainer that a physicist would recognise.
-
-    Args:
-        verdict: of a system that separates.
-    """
+    """Return the constants, those meanings made plainer that a physicist would recognise."""
     plainer = {c.name: _recognised(c, verdict) for c in separation_constants(verdict)[1:]}
     return {name: replace(c, meaning=plainer.get(name) or c.meaning) for name, c in verdict.constants.items()}
 
@@ -84,13 +82,7 @@ def _derivative(verdict: Separation, separated: Separated, constant: sp.Symbol) 
 
 
 def time_law_of(verdict: Separation, separated: Separated, taken: frozenset[str]) -> sp.Eq | None:
-    """Return t − t₀ = ∂W/∂E (5-71); None where every coordinate is ignorable.
-
-    Args:
-        verdict: of a system that separates.
-        separated: of it.
-        taken: names that symbols already have.
-    """
+    """Return t − t₀ = ∂W/∂E (5-71); None where every coordinate is ignorable."""
     if not separated:
         return None
     name = time_name(verdict.system)
@@ -99,13 +91,7 @@ def time_law_of(verdict: Separation, separated: Separated, taken: frozenset[str]
 
 
 def orbit_equations_of(verdict: Separation, separated: Separated, taken: frozenset[str]) -> dict[str, sp.Eq]:
-    """−β = ∂W/∂α, −β = q + ∂W′/∂c; with no separated coordinate −β = q − t ∂H/∂c, from S = Σ c q − H(c) t (5-74).
-
-    Args:
-        verdict: of a system that separates.
-        separated: of it.
-        taken: names that symbols already have.
-    """
+    """−β = ∂W/∂α, −β = q + ∂W′/∂c; with no separated coordinate −β = q − t ∂H/∂c, from S = Σ c q − H(c) t (5-74)."""
     position = {c.momentum: c.symbol for c in verdict.shell.ignorable}
     equations = {}
     for name, constant in verdict.constants.items():

@@ -88,7 +88,7 @@ def sweep(
     if not isinstance(scene, Scene):
         scene = Scene.load(scene)
     points, table = points_of(scene)
-    size = _checked_chunk(chunk) or scene.sweep.chunk  # type: ignore[union-attr] # points_of has seen it
+    size = (None if chunk is None else arguments.whole(chunk, "chunk", 1)) or scene.sweep.chunk  # type: ignore[union-attr] # points_of has seen it
     plan = SweepPlan(sweep_digest(scene, table, size), code(), points.count, size, scene.title)
     if verify:
         statuses = verified(Path(out), plan)
@@ -130,10 +130,6 @@ def _on_failures(statuses: Mapping[str, int]) -> tuple[str, ...]:
         f"{failed} of {total} orbits are not ok; {words[common]} of them are {common.word} ({common.meaning}): check "
         "the units and the columns of the initial conditions",
     )
-
-
-def _checked_chunk(chunk: object) -> int | None:
-    return None if chunk is None else arguments.whole(chunk, "chunk", 1)
 
 
 def _on_threads(work: SweepWork, threads: int | None) -> None:

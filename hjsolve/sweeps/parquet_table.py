@@ -49,12 +49,7 @@ class ParquetTable:
         return bool(pa.types.is_integer(kind) or pa.types.is_floating(kind))
 
     def read(self, names: tuple[str, ...], begin: int, end: int) -> pa.Table:
-        """Read some columns of the rows begin ≤ number < end.
-
-        Args:
-            names: of the columns.
-            begin, end: numbers of rows, begin < end.
-        """
+        """Read some columns of the rows begin ≤ number < end."""
         first, last = np.searchsorted(self.ends, [begin, end - 1], side="right")
         pieces = []
         for group in range(first, last + 1):
@@ -65,12 +60,7 @@ class ParquetTable:
         return pa.concat_tables(pieces)
 
     def doubles(self, names: tuple[str, ...], begin: int, end: int) -> dict[str, Reals]:
-        """Read columns of numbers as doubles; what is missing is NaN.
-
-        Args:
-            names: of the columns.
-            begin, end: numbers of rows, begin < end.
-        """
+        """Read columns of numbers as doubles; what is missing is NaN."""
         table = self.read(names, begin, end)
         return {name: table[name].to_numpy(zero_copy_only=False).astype(np.float64) for name in names}
 

@@ -100,6 +100,3 @@ def action_integral(
     rounding = abs(found[0]) * (2.0**-53 if wanted <= 15 else found[0].context.mpf(10) ** -wanted)
     bound = float(error + rounding) * (1 + 2.0**-50)
     return PathAction(formulas, L, (start, stop), Estimate(value, bound))
-
-
-__all__ = ["PathAction", "action_integral"]

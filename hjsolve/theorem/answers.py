@@ -58,6 +58,3 @@ class Flaw(Shown):
         value = f"{float((self.witness.lower + self.witness.upper) / 2):.6g}"
         where = f"at {place} " if place else ""
         return f"{self.statement}: {cut(str(self.residual), _LONGEST)} is not zero; {where}its value is {value}."
-
-
-__all__ = ["Flaw", "Proof"]

@@ -241,6 +241,3 @@ def _jacobi(S: sp.Expr, α: sp.Symbol, E: sp.Expr | None, time: sp.Symbol) -> sp
     if α == E:
         return sp.Eq(time - β, sp.diff(S + E * time, α), evaluate=False)
     return sp.Eq(-β, sp.diff(S, α), evaluate=False)
-
-
-__all__ = ["CompleteIntegral", "verify"]

@@ -224,6 +224,3 @@ def map_of(
         f"{name}: its equations could not be solved for {listed_names(kind.held)}; give the map itself, or a domain of "
         "the variables on which one solution holds"
     )
-
-
-__all__ = ["KINDS", "Generating", "functions_of", "map_of", "solutions"]

@@ -152,6 +152,3 @@ def short(value: sp.Expr, space: PhaseSpace) -> sp.Expr:
         return shortest_form(reader, reader.element(value))
     except (WorkLimitError, ZeroDivisionError):
         return value
-
-
-__all__ = ["involution", "is_integral", "poisson_bracket", "short"]

@@ -172,6 +172,3 @@ def _slope(values: Reals, *, turning: bool = False) -> Reals:
     waves[..., -1] = 0.0 if count % 2 == 0 else waves[..., -1]
     found: Reals = np.fft.irfft(waves, n=count, axis=-1) + turns[..., None]
     return found
-
-
-__all__ = ["LoopIntegral", "loop_integral"]

@@ -307,6 +307,3 @@ class _Along:
             symbols, e = [*self.q, *self.rates, *self.alphas], self.equations[k]
             self._rows[k] = sp.lambdify([self.space.time, *symbols], [e, *(sp.diff(e, s) for s in symbols)], NAMES)
         return self._rows[k]
-
-
-__all__ = ["OwnMotion", "along", "constants_in"]

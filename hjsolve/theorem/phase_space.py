@@ -183,6 +183,3 @@ def _bounds(coordinates: tuple[Coordinate, ...]) -> dict[sp.Symbol, Bounds]:
     return {
         c.symbol: (None, None) if c.domain.kind == "angle" else (c.domain.lower, c.domain.upper) for c in coordinates
     }
-
-
-__all__ = ["BUDGET", "PhaseSpace", "Subject", "Variables", "phase_space_of", "without_integrals"]

@@ -156,6 +156,3 @@ def _free(names: list[str], taken: Names, source: str) -> None:
             raise InvalidInputError(f"{source}: {name[:40]!r} is not a name; write a letter, then letters, digits or _")
         if name in taken or name in names[:place]:
             raise InvalidInputError(f"{source}: {name} means something already; choose another name")
-
-
-__all__ = ["new_names", "read_formula"]

@@ -57,12 +57,7 @@ def _solved(course: KindOfMotion, *_: object) -> tuple[Reals, Reals, Reals, Mask
 
 @_solved.register
 def _of_cycle(
-    course: Periodic,
-    weights: Weights,
-    value: Reals,
-    residual_bound: Reals,
-    own: float,
-    time: tuple[Reals, Reals],
+    course: Periodic, weights: Weights, value: Reals, residual_bound: Reals, own: float, time: tuple[Reals, Reals]
 ) -> tuple[Reals, Reals, Reals, Mask]:
     total = combine(list(weights), course.kernels[: len(weights)])
     scaled = combine([1 / total.mean], [total])

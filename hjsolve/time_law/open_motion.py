@@ -200,7 +200,7 @@ def _phases(
     if scheme.steps:
         first = scheme.steps[0]
         courses[first.index] = _one_direction(courses[first.index], first, time[0])
-    targets = _targets(courses, scheme.equations)
+    targets = [sum(integral_at_start(c, j) for c in courses) for j in range(scheme.equations)]
     n = len(courses)
     χ: list[Any] = [None] * n
     whole: list[Any] = [np.zeros_like(t)] * n
@@ -310,11 +310,6 @@ def reaching(
     return course.with_amount(weights, amount, partly=True)
 
 
-def _targets(courses: list[CoordinateMotion], n: int) -> list[float]:
-    """Cⱼ = Σᵢ Gᵢⱼ at the start."""
-    return [sum(integral_at_start(c, j) for c in courses) for j in range(n)]
-
-
 def integral_at(course: CoordinateMotion, j: int, χ: Mpf | int) -> float:
     """Return Gⱼ in doubles at a phase of many digits.
 
@@ -331,12 +326,7 @@ def integral_at(course: CoordinateMotion, j: int, χ: Mpf | int) -> float:
 
 
 def integral_at_start(course: CoordinateMotion, j: int) -> float:
-    """Return Gⱼ in doubles at the start, as ``integral_at``.
-
-    Args:
-        course: the coordinate.
-        j: position of the constant.
-    """
+    """Return Gⱼ in doubles at the start, as ``integral_at``."""
     return integral_at(course, j, course.start)
 
 

@@ -151,11 +151,7 @@ def _root(value: object) -> str:
 
 
 def library_of(value: object) -> UnitLibrary | None:
-    """Return the library that a quantity or a unit belongs to; None for what is neither.
-
-    Args:
-        value: anything.
-    """
+    """Return the library that a quantity or a unit belongs to; None for what is neither."""
     found: UnitLibrary | None = None
     match _root(value):
         case "astropy" if hasattr(value, "unit") or hasattr(value, "physical_type"):

@@ -6,12 +6,12 @@ import mpmath
 import pytest
 import sympy as sp
 
+from hjsolve.algebra.intervals import enclose
 from hjsolve.algebra.reader import Reader
 from hjsolve.mechanics.system import System
 from hjsolve.separation import Obstruction, Separation, region_of, separate
 from hjsolve.separation.forms import levi_civita
 from hjsolve.separation.obstruction import obstruction
-from hjsolve.separation.zero_test.interval_evaluation import enclose
 from hjsolve.separation.zero_test.interval_jets import has_jets
 from tests.support.random_staeckel import case
 from tests.support.separation_cases import REFUSED, SEPARABLE, decided

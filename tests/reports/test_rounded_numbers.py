@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.printed_digits import raised
+from hjsolve.display.progress import duration
 from hjsolve.reports.sections.rounded_numbers import (
     decimal,
     quantity,
     rounded_outward,
     shortest,
-    written_duration,
 )
 
 
@@ -71,7 +71,7 @@ def test_small_things() -> None:
     assert shortest(0.1) == "0.1"
     assert shortest(1e-9) == "1e-9"
     assert raised("-1.5e-9") == "−1.5×10⁻⁹"
-    assert [written_duration(t) for t in (2e-4, 0.0375, 1.23, 45.0)] == ["200 µs", "38 ms", "1.2 s", "45 s"]
+    assert [duration(t) for t in (2e-4, 0.0375, 1.23, 45.0)] == ["200 µs", "38 ms", "1.2 s", "45 s"]
 
 
 def test_a_negative_number_of_many_digits_keeps_its_sign():

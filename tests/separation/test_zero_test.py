@@ -11,10 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hjsolve.algebra import poly
+from hjsolve.algebra.intervals import NoEnclosureError, enclose
 from hjsolve.algebra.modular import PRIMES, products_vanish
 from hjsolve.algebra.poly import Budget
 from hjsolve.algebra.reader import Reader
-from hjsolve.separation.zero_test.interval_evaluation import NoEnclosureError, Region, enclose, find_witness
+from hjsolve.separation.zero_test.interval_evaluation import Region, find_witness
 from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, Zero, is_zero
 
 x, y, t = sp.symbols("x y t", real=True)

@@ -85,11 +85,7 @@ class ComplexWriter:
         return result
 
     def square(self, x: ComplexValue) -> Value:
-        """Write |x|².
-
-        Args:
-            x: a number.
-        """
+        """Write |x|²."""
         a, own = self.writer, self.writer.mul(x.re, x.re)
         return own if x.im is None else a.add(own, a.mul(x.im, x.im))
 

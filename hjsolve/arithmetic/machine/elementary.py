@@ -2,6 +2,8 @@
 
 Good to about two units in the last place: exp by Cody and Waite's reduction and a polynomial of degree 12, sin and
 cos by π/2 in three parts (|x| ≤ 10⁵, NaN beyond), sinh from its series below 1.
+
+Arguments are doubles.
 """
 
 from __future__ import annotations
@@ -35,11 +37,7 @@ def power_of_two(k: float) -> float:
 
 @of_numbers
 def exp_(x: float) -> float:
-    """Return the exponential; 0 below −708 and infinity above 709.
-
-    Args:
-        x: any double.
-    """
+    """Return the exponential; 0 below −708 and infinity above 709."""
     y = min(max(x, -708.0), 709.0)
     k = np.floor(y * 1.4426950408889634 + 0.5)
     r = (y - k * 0.693147180369123816490) - k * 1.90821492927058770002e-10
@@ -108,22 +106,14 @@ def tan_(x: float) -> float:
 
 @of_numbers
 def tanh_(x: float) -> float:
-    """Return sinh x/cosh x.
-
-    Args:
-        x: any double.
-    """
+    """Return sinh x/cosh x."""
     s, c = sinhcosh(max(min(x, 40.0), -40.0))
     return s / c
 
 
 @of_numbers
 def sech_(x: float) -> float:
-    """Return 1/cosh x.
-
-    Args:
-        x: any double.
-    """
+    """Return 1/cosh x."""
     decay = exp_(-min(abs(x), 700.0))
     return 2.0 * decay / (1.0 + decay * decay)
 
@@ -160,21 +150,13 @@ def acos_(x: float) -> float:
 
 @of_numbers
 def atan_(x: float) -> float:
-    """Return arctan.
-
-    Args:
-        x: any double.
-    """
+    """Return arctan."""
     return math.atan(x)
 
 
 @of_numbers
 def asinh_(x: float) -> float:
-    """Return arsinh.
-
-    Args:
-        x: any double.
-    """
+    """Return arsinh."""
     return math.asinh(x)
 
 
@@ -218,11 +200,7 @@ def _tails(square: float) -> tuple[float, float]:
 
 @of_numbers
 def sincos_bends(x: float, d: float) -> tuple[float, float, float, float]:
-    """Return sin x and cos x, and Φ[x, x, x + d] of both for |d| ≤ 0.7, NaN beyond; see ``second_differences``.
-
-    Args:
-        x, d: doubles.
-    """
+    """Return sin x and cos x, and Φ[x, x, x + d] of both for |d| ≤ 0.7, NaN beyond; see ``second_differences``."""
     s, c = sincos(x)
     even, odd = _tails(-d * d)
     return s, c, -s * even - c * (d * odd), s * (d * odd) - c * even
@@ -230,11 +208,7 @@ def sincos_bends(x: float, d: float) -> tuple[float, float, float, float]:
 
 @of_numbers
 def sinhcosh_bends(x: float, d: float) -> tuple[float, float, float, float]:
-    """Return the same of sinh and cosh.
-
-    Args:
-        x, d: doubles.
-    """
+    """Return the same of sinh and cosh."""
     s, c = sinhcosh(x)
     even, odd = _tails(d * d)
     return s, c, s * even + c * (d * odd), c * even + s * (d * odd)
@@ -242,11 +216,7 @@ def sinhcosh_bends(x: float, d: float) -> tuple[float, float, float, float]:
 
 @of_numbers
 def exp_bend(x: float, d: float) -> tuple[float, float]:
-    """Return the exponential and its Φ[x, x, x + d] for |d| ≤ 0.7.
-
-    Args:
-        x, d: doubles.
-    """
+    """Return the exponential and its Φ[x, x, x + d] for |d| ≤ 0.7."""
     e, total = exp_(x), _WHOLE[15]
     for n in range(14, -1, -1):
         total = total * d + _WHOLE[n]
@@ -271,39 +241,23 @@ def log_bend(x: float, d: float) -> tuple[float, float, float]:
 
 @of_numbers
 def common_sign(x: float, y: float) -> float:
-    """Return the sign of x, NaN where that of y is another.
-
-    Args:
-        x, y: doubles.
-    """
+    """Return the sign of x, NaN where that of y is another."""
     return math.copysign(1.0, x) if x * y > 0.0 else np.nan
 
 
 @of_numbers
 def min_(x: float, y: float) -> float:
-    """Return the lesser of two numbers, nan where one of them is.
-
-    Args:
-        x, y: doubles.
-    """
+    """Return the lesser of two numbers, nan where one of them is."""
     return x if (x <= y) | (x != x) else y
 
 
 @of_numbers
 def max_(x: float, y: float) -> float:
-    """Return the greater of two numbers, nan where one of them is.
-
-    Args:
-        x, y: doubles.
-    """
+    """Return the greater of two numbers, nan where one of them is."""
     return x if (x >= y) | (x != x) else y
 
 
 @of_numbers
 def signed(x: float, y: float) -> float:
-    """Return y where x is positive, −y elsewhere.
-
-    Args:
-        x, y: doubles.
-    """
+    """Return y where x is positive, −y elsewhere."""
     return y if x > 0.0 else -y

@@ -172,10 +172,7 @@ def _six_to_four(function: Callable[..., tuple[float, float, float, float]]) -> 
         c, k = np.int64(line[7]) * width, np.int64(line[8]) * width
         s, t = np.int64(line[9]) * width, np.int64(line[10]) * width
         for j in range(n):
-            at, step = (
-                (load(r, a, j), load(r, b, j), load(r, c, j), load(r, k, j)),
-                (load(r, s, j), load(r, t, j)),
-            )
+            at, step = ((load(r, a, j), load(r, b, j), load(r, c, j), load(r, k, j)), (load(r, s, j), load(r, t, j)))
             u, v, w, z = function(at[0], at[1], at[2], at[3], step[0], step[1])
             store0(r, d, j, u)
             store1(r, e, j, v)

@@ -47,11 +47,7 @@ def _quick(a: float, b: float) -> Two:
 
 @exactly
 def pair_add(x: float, x_low: float, y: float, y_low: float) -> Two:
-    """Return x + y.
-
-    Args:
-        x, x_low, y, y_low: two numbers.
-    """
+    """Return x + y."""
     s, e = _two_sum(x, y)
     t, f = _two_sum(x_low, y_low)
     s, e = _quick(s, e + t)
@@ -60,32 +56,20 @@ def pair_add(x: float, x_low: float, y: float, y_low: float) -> Two:
 
 @exactly
 def pair_sub(x: float, x_low: float, y: float, y_low: float) -> Two:
-    """Return x − y.
-
-    Args:
-        x, x_low, y, y_low: two numbers.
-    """
+    """Return x − y."""
     return pair_add(x, x_low, -y, -y_low)
 
 
 @exactly
 def pair_mul(x: float, x_low: float, y: float, y_low: float) -> Two:
-    """Return x·y.
-
-    Args:
-        x, x_low, y, y_low: two numbers.
-    """
+    """Return x·y."""
     p = x * y
     return _quick(p, fma(x, y, -p) + (x * y_low + x_low * y))
 
 
 @exactly
 def pair_div(x: float, x_low: float, y: float, y_low: float) -> Two:
-    """Return x/y, by long division with three quotients in doubles.
-
-    Args:
-        x, x_low, y, y_low: two numbers.
-    """
+    """Return x/y, by long division with three quotients in doubles."""
     first = x / y
     p, e = pair_mul(first, 0.0, y, y_low)
     r, r_low = pair_add(x, x_low, -p, -e)

@@ -50,11 +50,7 @@ class InstructionWriter:
         return self._inputs[-1]
 
     def inputs(self, count: int) -> list[Value]:
-        """Return several new inputs.
-
-        Args:
-            count: how many.
-        """
+        """Return several new inputs."""
         return [self.input() for _ in range(count)]
 
     def parameter(self) -> Value:
@@ -63,19 +59,11 @@ class InstructionWriter:
         return self._parameters[-1]
 
     def parameters(self, count: int) -> list[Value]:
-        """Return several new parameters.
-
-        Args:
-            count: how many.
-        """
+        """Return several new parameters."""
         return [self.parameter() for _ in range(count)]
 
     def number(self, x: float) -> Value:
-        """Return a constant.
-
-        Args:
-            x: its value.
-        """
+        """Return a constant."""
         key = float(x).hex()
         if key not in self._constants:
             self._constants[key] = self._new()

@@ -59,10 +59,7 @@ class CurvilinearMap(OuterMap):
         ρ, outward = sp.sqrt(square), x[0] * speed[0] + x[1] * speed[1]
         on_axis = square == 0
         out = sp.S.Zero if on_axis else outward / ρ
-        found = {
-            AZIMUTH: (sp.S.Zero if on_axis else spin / square, spin),
-            FROM_AXIS: (out, out),
-        }
+        found = {AZIMUTH: (sp.S.Zero if on_axis else spin / square, spin), FROM_AXIS: (out, out)}
         if len(x) == 3:
             r2 = square + x[2] ** 2
             r = sp.sqrt(r2)

@@ -72,11 +72,7 @@ def on_sphere(sphere: Sphere, values: Mapping[sp.Symbol, sp.Expr]) -> OnSphere:
 
 
 def sphere_kernel(given: OnSphere) -> tuple[Kernel, tuple[sp.ImmutableMatrix, ...]]:
-    """Return the Killing tensors of the sphere with d(K·dV) = 0, in the basis L_a ⊙ L_b that is returned too.
-
-    Args:
-        given: the system.
-    """
+    """Return the Killing tensors of the sphere with d(K·dV) = 0, in the basis L_a ⊙ L_b that is returned too."""
     basis = rotation_tensors(NORMAL)
     return kernel(given.space.potential, NORMAL, basis), basis
 

@@ -2,6 +2,9 @@
 
 An exact solution cannot be wrong, but radicals that depend on each other (√(r+x) √(r−x) = |y|) could hide one. The
 numerical rank bounds the dimension of the kernel from above; where the two meet, the kernel is complete.
+
+V(x) is the potential, ``table`` holds the equations, as terms in the derivatives of V, for each tensor, ``width`` is
+how many tensors there are.
 """
 
 from __future__ import annotations
@@ -90,14 +93,7 @@ def _numerical_echelon(rows: list[list[mpmath.mpf]], width: int) -> tuple[list[l
 
 
 def rank_in_numbers(V: sp.Expr, x: Sequence[sp.Symbol], table: EquationTable, width: int) -> int:
-    """Return the rank of d(K·dV) = 0 found by 60-digit numbers; it bounds the dimension of the kernel from above.
-
-    Args:
-        V: potential V(x).
-        x: Cartesian coordinates, two or three.
-        table: the equations, as terms in the derivatives of V, for each tensor.
-        width: how many tensors there are.
-    """
+    """Return the rank of d(K·dV) = 0 found by 60-digit numbers; it bounds the dimension of the kernel from above."""
     with mp.workdps(60):
         return len(_numerical_echelon(_numerical_rows(V, x, table, width), width)[1])
 
@@ -105,14 +101,7 @@ def rank_in_numbers(V: sp.Expr, x: Sequence[sp.Symbol], table: EquationTable, wi
 def reconstructed_kernel(
     V: sp.Expr, x: Sequence[sp.Symbol], table: EquationTable, width: int
 ) -> tuple[tuple[sp.Expr, ...], ...] | None:
-    """Recover the kernel from numbers where the radicals of V depend on each other; None unless it verifies.
-
-    Args:
-        V: potential V(x).
-        x: Cartesian coordinates, two or three.
-        table: the equations, as terms in the derivatives of V, for each tensor.
-        width: how many tensors there are.
-    """
+    """Recover the kernel from numbers where the radicals of V depend on each other; None unless it verifies."""
     with mp.workdps(60):
         rows, pivots = _numerical_echelon(_numerical_rows(V, x, table, width), width)
         free = [c for c in range(width) if c not in pivots]

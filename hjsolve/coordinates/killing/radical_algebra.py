@@ -25,13 +25,7 @@ from sympy.polys.rings import PolyElement
 
 from hjsolve.algebra.shared_parts import holds, parts
 from hjsolve.algebra.time_limit import check_time
-from hjsolve.coordinates.killing.constant_field import (
-    FieldElement,
-    Ground,
-    Rows,
-    ground_field,
-    numerator_alone,
-)
+from hjsolve.coordinates.killing.constant_field import FieldElement, Ground, Rows, ground_field, numerator_alone
 from hjsolve.errors import InvalidSystemError
 
 Key = tuple[tuple[int, int, int], ...]
@@ -120,10 +114,6 @@ def collected_generators(expressions: Sequence[sp.Expr], coordinates: Sequence[s
                 key = ("power", sp.Pow(node.base, rest, evaluate=False))
                 found[key] = lcm(found.get(key, 1), int(coefficient.q))
     return Generators(tuple(coordinates), ground_field(expressions, coordinates), found)
-
-
-def _is_constant(node: sp.Expr, coordinates: tuple[sp.Symbol, ...]) -> bool:
-    return not holds(node, coordinates) and not isinstance(node, AppliedUndef | sp.Subs | sp.Derivative)
 
 
 class PointAlgebra:
@@ -269,7 +259,7 @@ class PointAlgebra:
             return reduce(self.add, map(self.evaluate, node.args))
         if node.is_Mul:
             return reduce(self.multiply, map(self.evaluate, node.args))
-        if _is_constant(node, self.made_of.coordinates):
+        if not holds(node, self.made_of.coordinates) and not isinstance(node, AppliedUndef | sp.Subs | sp.Derivative):
             return self.constant(self.made_of.ground.convert(node))
         if node.is_Pow and node.exp.is_Rational:
             return self._root(node.base, Fraction(int(node.exp.p), int(node.exp.q)))

@@ -49,9 +49,6 @@ class Samples:
     def at(self, k: int) -> tuple[list[FieldElement], list[Element]]:
         """Return the k-th point, in numbers of the field of constants, and the derivatives there.
 
-        Args:
-            k: from 0 on.
-
         Raises:
             InternalError: there are no regular points.
         """

@@ -34,11 +34,7 @@ class Sign:
         return 0 if abs(number) < sp.Float("1e-20") else 1 if number > 0 else -1
 
     def in_numbers(self, matrix: sp.MatrixBase) -> sp.MatrixBase:
-        """Return a matrix with the values of its parameters.
-
-        Args:
-            matrix: of constants.
-        """
+        """Return a matrix with the values of its parameters."""
         return matrix.xreplace(self._numbers(matrix))
 
     def _numbers(self, holder: sp.Expr | sp.MatrixBase) -> dict[sp.Symbol, sp.Expr]:
@@ -72,11 +68,7 @@ def tidy_constant(expression: sp.Expr) -> sp.Expr:
 
 
 def real_root(square: sp.Expr) -> sp.Expr:
-    """Return a square root of a non-negative quantity; its sign is of no importance, so |c| is written c.
-
-    Args:
-        square: the quantity under the root.
-    """
+    """Return a square root of a non-negative quantity; its sign is of no importance, so |c| is written c."""
     value = tidy_constant(sp.sqrt(sp.factor(square)))
     return value.replace(sp.Abs, lambda u: u)
 
@@ -145,11 +137,7 @@ def stepped(origin: Vector, terms: Sequence[tuple[sp.Expr, Vector]]) -> Vector:
 
 
 def attempt(search: Callable[[], list[Geometry]]) -> list[Geometry]:
-    """Return what a search finds; where it is too hard, one geometry of kind ``unresolved`` says so.
-
-    Args:
-        search: what is to be tried.
-    """
+    """Return what a search finds; where it is too hard, one geometry of kind ``unresolved`` says so."""
     try:
         return search()
     except TooHardError:

@@ -34,11 +34,7 @@ _PAIRS = tuple(combinations_with_replacement(range(3), 2))
 
 
 def rotation_tensors(x: Sequence[sp.Symbol]) -> tuple[sp.ImmutableMatrix, ...]:
-    """Return the six Killing tensors L_a ⊙ L_b of rotations about the origin.
-
-    Args:
-        x: Cartesian coordinates.
-    """
+    """Return the six Killing tensors L_a ⊙ L_b of rotations about the origin."""
     radius = sp.Matrix(list(x))
     turns = [sp.Matrix([int(i == a) for i in range(3)]).cross(radius) for a in range(3)]
     products = [(turns[a] * turns[b].T + turns[b] * turns[a].T) / 2 for a, b in _PAIRS]

@@ -161,12 +161,7 @@ def _phase_rate(unitless: bool, u: Reals, p: Reals, slope: Reals, bend: Reals) -
 
 
 def in_two_doubles(chart: ChartMap, starts: Starts) -> Starts:
-    """Return starts with momenta at û to 32 digits, the constants being those of the exact initial data.
-
-    Args:
-        chart: the map.
-        starts: made by it.
-    """
+    """Return starts with momenta at û to 32 digits, the constants being those of the exact initial data."""
     velocity = required(starts.velocity)
     q, n = starts.q, len(starts.q)
     with np.errstate(all="ignore"):

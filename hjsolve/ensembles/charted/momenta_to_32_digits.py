@@ -2,6 +2,9 @@
 
 The exact position u comes from û by Newton's method, p_u and the constants there, then √F(û), all in two doubles;
 bounds on what doubles lose of them come from a running error.
+
+Here x and ``rates`` are in the user's coordinates and q is û, in the order of the system, each of shape (coordinates,
+n).
 """
 
 from __future__ import annotations
@@ -76,13 +79,7 @@ def formulas_of(chart: ChartMap) -> ChartFormulas:
 
 
 def exact_starts(chart: ChartMap, q: Reals, x: Reals, rates: Reals) -> ExactStarts:
-    """Compute the momenta.
-
-    Args:
-        chart: the map.
-        q: û, in the order of the system, shape (coordinates, n).
-        x, rates: in the user's coordinates.
-    """
+    """Compute the momenta."""
     n, m = len(q), len(chart.model.separated)
     formulas, known, given = formulas_of(chart), parameter_values(chart), np.concatenate([q, x, rates])
     made = run_rows(_starts(formulas, True), known, given)
@@ -93,13 +90,7 @@ def exact_starts(chart: ChartMap, q: Reals, x: Reals, rates: Reals) -> ExactStar
 
 
 def exact_point(chart: ChartMap, q: Reals, x: Reals, rates: Reals) -> list[Pair]:
-    """Return the exact positions u in two doubles, in the order of the system.
-
-    Args:
-        chart: the map.
-        q: û, in the order of the system, shape (coordinates, n).
-        x, rates: in the user's coordinates.
-    """
+    """Return the exact positions u in two doubles, in the order of the system."""
     made = run_rows(_point(formulas_of(chart)), parameter_values(chart), np.concatenate([q, x, rates]))
     return [Pair(*both) for both in zip(*np.split(made, 2), strict=True)]
 
@@ -112,11 +103,9 @@ def exactly(
     """Return u, p_u, the constants and √F(û), in the order of the system.
 
     Args:
-        formulas: of the map.
         pairs: an arithmetic of two doubles, or of more digits.
         numbers, parameters: values of the map's and the system's.
         q: û, in the order of the system.
-        x, rates: in the user's coordinates.
         moved: adds a small step to a position.
     """
     u = in_order_of_chart(formulas.order, q)
@@ -190,7 +179,6 @@ def known_values(writer: InstructionWriter, formulas: ChartFormulas) -> tuple[Kn
 
     Args:
         writer: of the program, whose parameters they become.
-        formulas: of the map.
     """
     rows = [writer.parameters(3) for _ in range(formulas.numbers + formulas.parameters)]
     bounded, pairs = [WithErrorBound(row[0], row[2]) for row in rows], [PairOfValues(row[0], row[1]) for row in rows]

@@ -50,11 +50,7 @@ class CoordinateOfOrbits:
         return CoordinateOfOrbits(model.separated[k], *known, q, P, start.values, start.low, start.uncertainty)
 
     def take(self, index: Integers) -> CoordinateOfOrbits:
-        """Return some of the orbits.
-
-        Args:
-            index: which.
-        """
+        """Return some of the orbits."""
         if len(index) == len(self.q) and bool((index == np.arange(len(index))).all()):
             return self
         constants, low, uncertainty = (np.take(x, index, axis=1) for x in (self.constants, self.low, self.uncertainty))

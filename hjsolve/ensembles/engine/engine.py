@@ -130,11 +130,7 @@ def _chunks(orbits: Integers) -> list[Integers]:
     return [orbits[first : first + CHUNK] for first in range(0, len(orbits), CHUNK)]
 
 
-def build(
-    solution: Solution,
-    want: frozenset[str],
-    parameters: Mapping[str, Any] | None = None,
-) -> Engine:
+def build(solution: Solution, want: frozenset[str], parameters: Mapping[str, Any] | None = None) -> Engine:
     """Make a system ready for many orbits.
 
     Args:
@@ -149,13 +145,7 @@ def build(
     for name in sorted(want - set(QUANTITIES)):
         raise InvalidInputError(f'want: "{name}" is not known for many orbits; known are {", ".join(QUANTITIES)}')
     values = parameter_values(solution.system, parameters or {})
-    return Engine(
-        solution,
-        want,
-        lowered_model(solution, values),
-        _names(solution, want),
-        values,
-    )
+    return Engine(solution, want, lowered_model(solution, values), _names(solution, want), values)
 
 
 def _names(solution: Solution, want: frozenset[str]) -> dict[str, tuple[str, ...]]:

@@ -49,6 +49,8 @@ _BITS = 256
 class EscapeRoute:
     """The route of n orbits, from a place to infinity; arrays (n,).
 
+    In its methods x are cells, ``index`` the orbit of every cell.
+
     Attributes:
         formula: of p² as a function of x.
         constants, uncertainty: of the motion, and bounds on their errors, shape (constants, n).
@@ -99,22 +101,12 @@ class EscapeRoute:
         return [Interval(c - e, c + e) for c, e in wide]
 
     def radicand(self, index: Integers, x: Interval) -> Interval:
-        """Return an enclosure of F over cells.
-
-        Args:
-            index: the orbit of every cell.
-            x: the cells.
-        """
+        """Return an enclosure of F over cells."""
         found = self.formula.squared.run(_INTERVALS, [x, *self.numbers(index)])[0]
         return Interval(found.low + 0.0 * x.low, found.high + 0.0 * x.low)
 
     def slope(self, index: Integers, x: Interval) -> Interval:
-        """Return an enclosure of F′ over cells.
-
-        Args:
-            index: the orbit of every cell.
-            x: the cells.
-        """
+        """Return an enclosure of F′ over cells."""
         jets = Jets(_INTERVALS)
         known = [Jet(number) for number in self.numbers(index)]
         first = self.formula.squared.run(jets, [jets.variable(x), *known])[0].first
@@ -124,10 +116,6 @@ class EscapeRoute:
         """Return a lower bound of F over cells by its mean value form, F(m) + F′·(x − m).
 
         Where large terms nearly cancel, F = 2E + 1 − √(x/(x + a)) far out, the plain enclosure is useless.
-
-        Args:
-            index: the orbit of every cell.
-            x: the cells.
         """
         middle = 0.5 * (x.low + x.high)
         point = Interval(middle, middle)

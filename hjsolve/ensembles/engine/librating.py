@@ -72,12 +72,7 @@ class TurningPoints:
     errors: Reals
 
     def put(self, index: Integers, places: Reals, errors: Reals) -> None:
-        """Write those of some orbits.
-
-        Args:
-            index: which.
-            places, errors: of these.
-        """
+        """Write those of some orbits."""
         self.places[:, index], self.errors[:, index] = places, errors
 
 

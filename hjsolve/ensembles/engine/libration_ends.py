@@ -34,11 +34,7 @@ class LibrationEnds(NamedTuple):
     even: Mask
 
     def take(self, index: Integers) -> LibrationEnds:
-        """Return those of some motions.
-
-        Args:
-            index: which.
-        """
+        """Return those of some motions."""
         return self._replace(bends=self.bends[..., index], even=self.even[index])
 
     def maps(self, width: Reals, *, alike: bool = False) -> tuple[Integers, Integers]:

@@ -108,11 +108,7 @@ class Model:
 
 
 def next_to_poles(solution: Solution) -> Solution | None:
-    """Return a solution whose p² keeps its digits next to poles that cancel; None where there are none.
-
-    Args:
-        solution: of the system.
-    """
+    """Return a solution whose p² keeps its digits next to poles that cancel; None where there are none."""
     squares = {
         name: without_removable_poles(F, solution.system.coordinate(name).symbol, near=True)
         for name, F in solution.momentum_squared.items()
@@ -122,12 +118,7 @@ def next_to_poles(solution: Solution) -> Solution | None:
 
 
 def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Model:
-    """Lower a solution.
-
-    Args:
-        solution: of the system.
-        values: every parameter → exact number.
-    """
+    """Lower a solution."""
     system = solution.system
     parameters = [p.symbol for p in system.parameters]
     constants = [c.symbol for c in solution.constants.values()]
@@ -158,11 +149,7 @@ def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Mo
 
 
 def parameter_pair(value: sp.Expr) -> Pair:
-    """Return a number in two doubles.
-
-    Args:
-        value: of a parameter.
-    """
+    """Return a number in two doubles."""
     bits = to_bits(value)(160)
     high = float(bits)
     return Pair(high, float(bits - high))

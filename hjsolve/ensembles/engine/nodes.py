@@ -9,6 +9,9 @@ p² does happens within a small part of the period. So the nodes are drawn toget
     u = K/π (χ + γ₁ sin χ + ½ γ₂ sin 2χ)
 
 keeps the symmetries of χ = 0 and π, with γ such that du/dχ is least at χ = 0, π/4, π/2, 3π/4 or π (``WARPS``).
+
+A ``level`` is l in k′² = 4^−l, ``count`` the nodes in half a period, ``node_map`` the place in the table of crowdings;
+phases χ are in two doubles.
 """
 
 from __future__ import annotations
@@ -78,9 +81,7 @@ def libration_nodes(count: int, level: int, node_map: int = 0) -> Nodes:
     """Return the nodes of half a period between turning points; k′² = 4^−level.
 
     Args:
-        count: nodes in half a period.
         level: l in k′² = 4^−l; 0 for the circular functions.
-        node_map: place in the table of crowdings.
     """
     symmetry = 2 if node_map >= EVEN else 1
     χ = equal_anomalies(count, symmetry * count)
@@ -101,13 +102,7 @@ def series(count: int) -> Reals:
 
 
 def libration_places(χ: Pair, level: int, node_map: int) -> tuple[float, float, Reals, Reals, Reals]:
-    """Return k′² and K, and ``low``, ``high``, ``derivative`` of ``libration_nodes`` at some anomalies.
-
-    Args:
-        χ: in two doubles.
-        level: l in k′² = 4^−l.
-        node_map: place in the table of crowdings.
-    """
+    """Return k′² and K, and ``low``, ``high``, ``derivative`` of ``libration_nodes`` at some anomalies."""
     D = DoubleDouble()
     γ, δ = (Pair(c, 0.0) for c in WARPS[node_map])
     turned, twice = D.unary("sin", χ), D.unary("sin", _twice(χ))
@@ -119,23 +114,13 @@ def libration_places(χ: Pair, level: int, node_map: int) -> tuple[float, float,
 
 @cache
 def crest_nodes(count: int, level: int) -> Nodes:
-    """Return the nodes of half a period that crowd about a crest half way; k′² = 4^−level.
-
-    Args:
-        count: nodes in half a period.
-        level: l in k′² = 4^−l.
-    """
+    """Return the nodes of half a period that crowd about a crest half way; k′² = 4^−level."""
     χ, quarter = equal_anomalies(count, count), float(_moduli(level)[1].high)
     return Nodes(χ.high, 1, 4.0**-level, quarter, WARPS[0], lambda: crest_places(χ, level)[2:])
 
 
 def crest_places(χ: Pair, level: int) -> tuple[float, float, Reals, Reals, Reals]:
-    """Return k′² and K, and X = (1 − cn)/2, 1 − X and dX/dχ with cn of 2K χ/π: the nodes of ``nodes_about_crests``.
-
-    Args:
-        χ: in two doubles.
-        level: l in k′² = 4^−l.
-    """
+    """Return k′² and K, and X = (1 − cn)/2, 1 − X and dX/dχ with cn of 2K χ/π: the nodes of ``nodes_about_crests``."""
     D, half = DoubleDouble(), Pair(0.5, 0.0)
     complement, quarter, sn, cn, dn = _functions(_twice(χ), level)
     below = cn.high < 0
@@ -151,7 +136,6 @@ def rotation_nodes(count: int, level: int, slow: int = 1) -> Nodes:
 
     Args:
         count: nodes in a whole turn, a multiple of four.
-        level: l in k′² = 4^−l.
         slow: how many slow places there are, 1 or 2; with two of them ``low`` is θ of ``turned_circle``.
     """
     χ, quarter = equal_anomalies(count, count // 2), float(_moduli(level)[1].high)

@@ -11,6 +11,8 @@ the real χ as the poles of am where k′ is half its distance (DLMF 22.2.2, 22.
 
 The same nodes serve where a pair of singularities of the potential itself lies next to the motion, as √(1 + q²) has
 them for wide motions: where the clearance of p² (``clearance``) is least, and how wide it is, say where.
+
+``lower`` are the lower turning points, offsets in the view of the lower half, ``width`` is b − a.
 """
 
 from __future__ import annotations
@@ -52,13 +54,7 @@ class Crests(NamedTuple):
 
 
 def crests(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> Crests:
-    """Find the crests that motions pass most slowly.
-
-    Args:
-        one: the coordinate of n orbits.
-        lower: the lower turning points, offsets in the view of the lower half.
-        width: b − a.
-    """
+    """Find the crests that motions pass most slowly."""
     formula, code = sides(one.coordinate)[0], one.programs.views[0].bend
     n, sign = len(width), formula.sign
     with np.errstate(all="ignore"):
@@ -83,13 +79,7 @@ def crests(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> Crests:
 
 
 def singular_pairs(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> Crests:
-    """Find where motions pass nearest by singularities of p².
-
-    Args:
-        one: the coordinate of n orbits.
-        lower: the lower turning points, offsets in the view of the lower half.
-        width: b − a.
-    """
+    """Find where motions pass nearest by singularities of p²."""
     formula, n = sides(one.coordinate)[0], len(width)
     radius, sign = formula.clearance.radius, formula.sign
 

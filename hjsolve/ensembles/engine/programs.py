@@ -120,12 +120,6 @@ class CoordinatePrograms:
 
 
 # ------------------------------------------------------------------------------------------------------- views
-def _codes(tape: Tape) -> set[str]:
-    return {operation.code for operation in tape.operations}
-
-
-def _chorded(squared: Tape) -> bool:
-    return bool(squared.operations) and _codes(squared) <= CHORDS | ARITHMETIC
 
 
 def _jet(writer: InstructionWriter, squared: Tape, constants: int, parameters: int) -> list[Value]:
@@ -141,7 +135,9 @@ def _jet(writer: InstructionWriter, squared: Tape, constants: int, parameters: i
 def _view(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool) -> ViewPrograms:
     writer = InstructionWriter()
     parts = _jet(writer, squared, constants, parameters)
-    chorded = kernels and _chorded(squared)
+    chorded = kernels and (
+        bool(squared.operations) and {operation.code for operation in squared.operations} <= CHORDS | ARITHMETIC
+    )
     return ViewPrograms(
         bend=writer.code(parts),
         slopes=writer.code(parts[:2]),

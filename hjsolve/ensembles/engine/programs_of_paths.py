@@ -57,14 +57,7 @@ def pairs(constants: int, varied: int) -> list[tuple[int, int]]:
 def path_programs(
     solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr], variables: VariedSymbols
 ) -> list[PathPrograms]:
-    """Return the codes of the lower and of the upper half of a coordinate.
-
-    Args:
-        solution: of the system.
-        name: of a separated coordinate.
-        values: every parameter → exact number.
-        variables: what is varied.
-    """
+    """Return the codes of the lower and of the upper half of a coordinate."""
     system, coordinate = solution.system, solution.system.coordinate(name)
     varied = set(variables.symbols)
     exponents = {s: v for s, v in values.items() if s not in varied}

@@ -29,11 +29,7 @@ _ROUNDED, _OFFSETS = 6 * UNIT, 16 * UNIT
 
 
 def has_slopes(formula: LoweredFormula) -> bool:
-    """Tell whether F[q₀, q₀, q] has (``second_differences``), so that small motions can be seen from their start.
-
-    Args:
-        formula: of p².
-    """
+    """Tell whether F[q₀, q₀, q] has (``second_differences``), so that small motions can be seen from their start."""
     return {operation.code for operation in formula.squared.operations} <= SLOPES | ARITHMETIC
 
 

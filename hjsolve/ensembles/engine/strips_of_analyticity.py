@@ -5,6 +5,9 @@ Where a function of q is analytic in the strip |Im χ| ≤ a of the anomaly and 
 running integrals miss those from N on; the last coefficients before N, which are seen, tell how large these are.) The
 strip is cut into rectangles; in q each lies in a disk about the place of its middle, whose radius is found on the edge
 of the rectangle, because the map from χ to q is analytic in it.
+
+``coarse`` is whether by fewer and larger disks, where anomalies are stretched; ``symmetry`` is 2 for an even motion,
+else 1.
 """
 
 from __future__ import annotations
@@ -78,7 +81,6 @@ def half_width(count: int, symmetry: int) -> float:
 
     Args:
         count: N.
-        symmetry: 2 for an even motion, else 1.
     """
     return EXPONENT / (2 * symmetry * count)
 
@@ -92,7 +94,6 @@ def across(count: int, node_map: tuple[float, float], symmetry: int) -> float:
     Args:
         count: number of nodes.
         node_map: γ and δ, the crowding of the nodes.
-        symmetry: 2 for an even motion, else 1.
     """
     a = half_width(count, symmetry)
     γ, δ = node_map
@@ -104,10 +105,6 @@ def covered_strip(table: Nodes, *, coarse: bool = False) -> CoveredStrip:
     """Return the strip over which functions are to be known for a table of nodes between turning points.
 
     Of the three functions f that one is taken whose disks are smallest for typical motions with these nodes.
-
-    Args:
-        table: of nodes.
-        coarse: whether by fewer and larger disks, where anomalies are stretched.
     """
     a, length = half_width(len(table.χ), table.symmetry), np.pi / table.symmetry
     middles, corners = _rectangles(table, a, length, _shape(table, coarse))
@@ -200,12 +197,7 @@ def _halves(χ: Complexes, table: Nodes) -> tuple[Complexes, Complexes]:
 
 @cache
 def covered_turn(table: Nodes, *, coarse: bool = False) -> CoveredTurn:
-    """Return the strip over which functions are to be known for a table of nodes of rotations.
-
-    Args:
-        table: of nodes.
-        coarse: whether by fewer and larger disks, where anomalies are stretched.
-    """
+    """Return the strip over which functions are to be known for a table of nodes of rotations."""
     a = half_width(len(table.χ) // 2, table.symmetry)
     middles, corners = _rectangles(table, a, 2 * np.pi, _shape(table, coarse))
     place = _turns if table.slow == 1 else _half_turns
@@ -239,7 +231,6 @@ def squares(χ: Complexes, table: Nodes) -> tuple[Complexes, Complexes]:
 
     Args:
         χ: anomalies of nodes as they are crowded, any shape.
-        table: of nodes.
     """
     sn, cn, _ = _sines(χ, table)
     return sn * sn, cn * cn

@@ -37,10 +37,6 @@ def moved_disks(E: Complexes, reach: Reals, m: Reals) -> tuple[Complexes, Reals]
 
 
 def reach(m: Reals) -> Reals:
-    """Return how far from the real line q is first infinite: Im θ = 2 artanh(min(m, 1/m)).
-
-    Args:
-        m: of the transformation.
-    """
+    """Return how far from the real line q is first infinite: Im θ = 2 artanh(min(m, 1/m))."""
     with np.errstate(divide="ignore"):
         return np.asarray(2 * np.arctanh(np.minimum(m, 1 / m)))

@@ -45,11 +45,7 @@ class AnglesFound(NamedTuple):
     good: Mask
 
     def take(self, index: Integers) -> AnglesFound:
-        """Return those of some states.
-
-        Args:
-            index: which.
-        """
+        """Return those of some states."""
         integrals = Integrals._make(x[..., index] for x in self.integrals)
         return AnglesFound(
             self.separated[:, index], self.errors[:, index], self.ignorable[:, index], self.ignorable_errors[:, index],

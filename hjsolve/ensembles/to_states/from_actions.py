@@ -1,4 +1,9 @@
-"""States of n orbits from actions and angles: seeds, constants, states; what is left over goes to single motions."""
+"""States of n orbits from actions and angles: seeds, constants, states; what is left over goes to single motions.
+
+Units in which tori with small or large actions have numbers of order one: a coordinate is as long as makes p q of the
+order of the action: where p² without constants, U(q), is 2^f at q = 2^e, e is the solution of e + f/2 = A. In a core,
+where U is kept as a difference (``arithmetic.block_exponents``), f = 2e.
+"""
 
 from __future__ import annotations
 
@@ -9,23 +14,27 @@ from typing import Any, NamedTuple
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.block_exponents import NOTHING, Unit, tape_in_units, unit_of
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.coordinates.chart import Chart
-from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model, next_to_poles
+from hjsolve.ensembles.engine.lowered_solution import Model, Separated, lowered_model, next_to_poles
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
-from hjsolve.ensembles.engine.units_of_orbits import LARGE_BITS, model_in_units, rounded_exponents
-from hjsolve.ensembles.to_states.lengths_of_tori import units_of_tori
+from hjsolve.ensembles.engine.units_of_orbits import LARGE_BITS, UnitsOfOrbits, model_in_units, rounded_exponents
 from hjsolve.ensembles.to_states.newton_on_actions import ROUNDS, SOON, Goals, Solved, constants_of_tori, newton_step
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, frames_of
 from hjsolve.ensembles.to_states.seeds import Scales, Seeds, nearest, seeds_of
 from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
 from hjsolve.ensembles.to_states.tori import FINER, Actions, Tori
 from hjsolve.errors import InvalidInputError, NotConvergedError, SeveralToriError
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.motion.tori.radicand_curve import curves_of
 from hjsolve.solution.quadratures import Solution
+
+_FARTHEST_EXPONENT = 1000
+"""Of the length of a coordinate."""
 
 _CHUNK = 16384
 """Orbits that are worked on together."""
@@ -78,12 +87,7 @@ class FoundStates:
 
 
 def states_of(task: InverseTask) -> FoundStates:
-    """Return the states of n orbits.
-
-    Args:
-        task: what is wanted.
-
-    """
+    """Return the states of n orbits."""
     found = _none(task)
     finite = np.isfinite(task.actions).all(axis=0) & np.isfinite(task.angles).all(axis=0)
     found.status[~finite] = Status.NOT_FINITE
@@ -337,3 +341,42 @@ def _one(task: InverseTask, found: FoundStates, k: int) -> None:
         found.q[name][k], found.p[name][k] = float(state.q[name]), float(state.p[name])
         found.q_errors[name][k], found.p_errors[name][k] = float(state.error.q[name]), float(state.error.p[name])
     found.status[k] = Status.OK
+
+
+def units_of_tori(solution: Solution, model: Model, action: int) -> UnitsOfOrbits:
+    """Return units for tori.
+
+    Args:
+        solution: of the system.
+        model: the same, lowered.
+        action: exponent of the largest action, about.
+    """
+    places = [0] * len(model.names)
+    for one in model.separated:
+        if not one.periodic and _grows_from_zero(solution.system.coordinate(one.name)):
+            places[one.index] = _length(one, model, action)
+    return UnitsOfOrbits(tuple(places), action)
+
+
+def _grows_from_zero(coordinate: Coordinate) -> bool:
+    """Return whether the domain is a line or a half of it, which every unit leaves as it is."""
+    ends = [end for end in (coordinate.domain.lower, coordinate.domain.upper) if end is not None]
+    return len(ends) < 2 and all(end == 0 for end in ends)
+
+
+def _length(one: Separated, model: Model, action: int) -> int:
+    """Return the exponent of a coordinate's length; 0 where there is none."""
+    constants = [Unit(NOTHING)] * len(model.constants)
+    own = [unit_of(pair) for pair in model.numbers]
+
+    def too_short(e: int) -> bool:
+        (f,) = tape_in_units(one.plain.squared, [Unit(e), *constants, *own]).exponents
+        return 2 * e + f < 2 * action
+
+    low, high = -_FARTHEST_EXPONENT, _FARTHEST_EXPONENT
+    if not too_short(low) or too_short(high):
+        return 0
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if too_short(middle) else (low, middle)
+    return high

@@ -60,11 +60,7 @@ class Goals(NamedTuple):
     unknown: Integers
 
     def take(self, index: Integers) -> Goals:
-        """Return those of some orbits.
-
-        Args:
-            index: which.
-        """
+        """Return those of some orbits."""
         return Goals(self.actions[:, index], self.rotating[:, index], self.scale[index], self.unknown)
 
 

@@ -57,11 +57,7 @@ class Frames(NamedTuple):
     good: Mask
 
     def take(self, index: Integers | Mask) -> Frames:
-        """Return those of some tori.
-
-        Args:
-            index: which.
-        """
+        """Return those of some tori."""
         return Frames._make(x[..., index] for x in self)
 
 
@@ -84,11 +80,7 @@ class Placed(NamedTuple):
     rounding: Reals
 
     def take(self, index: Integers | Mask) -> Placed:
-        """Return those of some states.
-
-        Args:
-            index: which.
-        """
+        """Return those of some states."""
         return Placed._make(x[..., index] for x in self)
 
 

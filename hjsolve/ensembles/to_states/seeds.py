@@ -53,11 +53,7 @@ class Seeds(NamedTuple):
     actions: Reals
 
     def take(self, index: Integers | Mask) -> Seeds:
-        """Return some of them.
-
-        Args:
-            index: which.
-        """
+        """Return some of them."""
         return Seeds(self.tori.take(index), self.shells.take(index), self.actions[:, index])
 
 

@@ -8,6 +8,9 @@ in 1e-15 of a period; there the difference of those two has no digits, but G is 
 
 by the rule of Gauss and Legendre (Trefethen, SIAM Review 50 (2008) 67, §1), with φ₀ the turning point, G = 0, where θ
 is small, and the phase at which the engine gave G elsewhere. The difference of two rules is part of the claim.
+
+Of the tori of n orbits none has a coordinate that rotates or rests; ``frames`` are between what they move, ``arcs``
+where integrals begin, and ``exact`` is whether p² is from 32 digits.
 """
 
 from __future__ import annotations
@@ -77,11 +80,7 @@ class ShortArcs(NamedTuple):
         return cls(np.where(ends, 0.0, φ), known._replace(running=begin, running_errors=errors), inverse)
 
     def take(self, index: Integers | Mask) -> ShortArcs:
-        """Return some of them.
-
-        Args:
-            index: which.
-        """
+        """Return some of them."""
         known = Integrals._make(x[..., index] for x in self.known)
         return ShortArcs(self.phases[:, index], known, self.inverse[index])
 
@@ -101,12 +100,7 @@ def angles_by_arcs(
     """Return angles at phases.
 
     Args:
-        task: the system.
-        tori: of n orbits; none of their coordinates rotates or rests.
-        frames: between what they move.
-        arcs: where integrals begin.
         φ: phases, shape (separated, n).
-        exact: whether p² is from 32 digits.
         proved: whether a second rule tells the error of the first; else bounds hold rounding only.
     """
     more, sizes = _integrated((task, tori, frames), arcs.phases, φ, _MORE if proved else _NODES, exact=exact)
@@ -148,12 +142,7 @@ def phases_by_arcs(
     """Find the phases with given angles from other phases, by Newton's method with steps that have to shrink.
 
     Args:
-        task: the system.
-        tori: of n orbits; none of their coordinates rotates or rests.
-        frames: between what they move.
-        arcs: where integrals begin.
         given: angles, and phases to begin with, shape (separated, n).
-        exact: whether p² is from 32 digits.
 
     Returns:
         Phases, and which of them are known to rounding.
@@ -202,11 +191,7 @@ def wrapped(angle: Reals) -> Reals:
 
 
 def inverses(matrices: Reals) -> Reals:
-    """Return inverses of small matrices, shape (n, i, j); NaN where there is none.
-
-    Args:
-        matrices: of n orbits.
-    """
+    """Return inverses of small matrices, shape (n, i, j); NaN where there is none."""
     found = np.full(matrices.shape, np.nan)
     finite = np.flatnonzero(np.isfinite(matrices).all(axis=(1, 2)))
     fine = finite[np.linalg.det(matrices[finite]) != 0]
@@ -218,7 +203,6 @@ def times(matrices: Reals, vectors: Reals) -> Reals:
     """Return matrices (n, i, j) times vectors (j, n), shape (i, n).
 
     Args:
-        matrices: of n orbits.
         vectors: of n orbits.
     """
     found: Reals = (matrices @ vectors.T[..., None])[..., 0].T

@@ -45,11 +45,7 @@ class Tori(NamedTuple):
     q: Reals
 
     def take(self, index: Integers | Mask) -> Tori:
-        """Return some of them.
-
-        Args:
-            index: which.
-        """
+        """Return some of them."""
         return Tori(*(x[:, index] for x in self))
 
     def moved(self, unknown: Integers, step: Reals) -> Tori:
@@ -85,11 +81,7 @@ class Actions(NamedTuple):
     rotations: Mask
 
     def take(self, index: Integers | Mask) -> Actions:
-        """Return those of some tori.
-
-        Args:
-            index: which.
-        """
+        """Return those of some tori."""
         return Actions._make(x[..., index] for x in self)
 
 
@@ -113,9 +105,6 @@ def coordinate_at(
     """Return one coordinate of tori, started at its place.
 
     Args:
-        model: the lowered solution.
-        programs: of the system.
-        tori: of n orbits.
         k: which coordinate.
         P: its momenta there, shape (n,); None for 1.
     """
@@ -129,9 +118,6 @@ def coordinate_at(
 
 def tops(one: CoordinateOfOrbits) -> tuple[Reals, Reals]:
     """Return the maxima of F next to the places of a coordinate, and F″ there.
-
-    Args:
-        one: the coordinate of n orbits.
 
     Returns:
         Places and F″ there, shape (n,); F″ ≥ 0 where no maximum was found next to a place.
@@ -177,9 +163,6 @@ def actions_of(
     """Work out the actions of tori, and places next to the maxima of F for them.
 
     Args:
-        model: the lowered solution.
-        programs: of the system.
-        tori: of n orbits.
         zero: where J is to be zero, shape (separated, n).
         rotating: where a coordinate is to go round, shape (separated, n).
         how: ``ROUGH``, ``DOUBLES`` or ``EXACT``.
@@ -217,11 +200,7 @@ def actions_of(
 
 
 def kernels(one: CoordinateOfOrbits) -> Reals:
-    """Return ½ ∂F/∂c at the places of a coordinate, shape (constants, n).
-
-    Args:
-        one: the coordinate of n orbits.
-    """
+    """Return ½ ∂F/∂c at the places of a coordinate, shape (constants, n)."""
     given = np.stack([one.q, *one.constants, *one.uncertainty])
     with np.errstate(all="ignore"):
         return np.split(run_rows(one.programs.small.kernels, one.parameters, given), 2)[0]

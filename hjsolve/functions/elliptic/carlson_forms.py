@@ -27,15 +27,7 @@ from functools import cached_property, partial
 import sympy as sp
 
 from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
-from hjsolve.functions.complex_pole import (
-    CarlsonRCIm,
-    CarlsonRCRe,
-    CarlsonRJIm,
-    CarlsonRJRe,
-    Parts,
-    divided,
-    times,
-)
+from hjsolve.functions.complex_pole import CarlsonRCIm, CarlsonRCRe, CarlsonRJIm, CarlsonRJRe, Parts, divided, times
 from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, PartialFractions
 from hjsolve.functions.elliptic.moments import (
     INFINITY,

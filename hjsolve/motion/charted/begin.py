@@ -21,14 +21,7 @@ from hjsolve.mechanics.quantities_given import in_units
 from hjsolve.mechanics.system import kinetic_rest, mass_matrix
 from hjsolve.motion.charted.initial_map import carried
 from hjsolve.motion.charted.starting import in_users_coordinates, start_charted
-from hjsolve.motion.initial_data import (
-    all_exact,
-    clean,
-    number_is_zero,
-    read_initial_data,
-    read_places,
-    with_numbers,
-)
+from hjsolve.motion.initial_data import all_exact, clean, number_is_zero, read_initial_data, read_places, with_numbers
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.through_poles.continued_motion import motion_through_poles
@@ -71,10 +64,6 @@ class StartGiven:
 @one_at_a_time
 def start(solution: Solution, given: StartGiven) -> Motion:
     """Start a motion; see ``Solution.motion``.
-
-    Args:
-        solution: of the system.
-        given: the arguments.
 
     Raises:
         InvalidInputError, MissingValueError, ForbiddenMotionError, NotConvergedError: as of ``Solution.motion``.

@@ -55,17 +55,7 @@ class ChartedMotion(TransformedMotion):
         return self.solution.chart
 
     def at(self, t: object) -> State:
-        """Return the state at a time or times, in the user's coordinates.
-
-        Args:
-            t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
-
-        Returns:
-            The state; float64 up to 15 digits, mpf above.
-
-        Raises:
-            InvalidInputError: a time that is not a finite real number.
-        """
+        """As ``Motion.at``; the state is in the user's coordinates."""
         inner, values = self.within, self.within.initial.values
         if isinstance(inner, ContinuedMotion):
             state = state_in(self.chart, values, inner.unfolded(t), inner.dropped)
@@ -77,30 +67,19 @@ class ChartedMotion(TransformedMotion):
     def characteristic_function(
         self, t: object = None, *, q: Mapping[str, object] | None = None, branch: Mapping[str, int] | None = None
     ) -> Estimate | EstimateArray:
-        """Return W = ∫ p·dq from t₀ to a time or times, or at places; it is the same in all coordinates.
+        """As ``Motion.characteristic_function``; q and branch are those of the separated coordinates.
 
-        Args:
-            t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
-            q: instead of t: separated coordinate → places; branches belong to separated coordinates.
-            branch: separated coordinate → +1 or −1.
+        W is the same in all coordinates.
 
         Raises:
-            InvalidInputError: a time or place that is not a finite real number, a motion that ends in a collision,
-                or that separates in another gauge, where ∫ p·dq is another.
+            InvalidInputError: also for a motion that ends in a collision, or that separates in another gauge, where
+                ∫ p·dq is another.
         """
         self._refuse_collision()
         return self.within.characteristic_function(t, q=q, branch=branch)
 
     def principal_function(self, t: object) -> Estimate | EstimateArray:
-        """Return S = W − E (t − t₀) at a time or times; it is the same in all coordinates.
-
-        Args:
-            t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
-
-        Raises:
-            InvalidInputError: a time that is not a finite real number, a motion that ends in a collision, or
-                that separates in another gauge, where ∫ p·dq is another.
-        """
+        """As ``Motion.principal_function``; the same errors as ``characteristic_function``."""
         self._refuse_collision()
         return self.within.principal_function(t)
 

@@ -34,10 +34,6 @@ _FOCI = {
 def collision_times(chart: Chart, motion: Motion) -> tuple[str, Ends] | None:
     """Return the coordinate that reaches a focus where V is infinite, and when: last before and first after t₀.
 
-    Args:
-        chart: of the separated coordinates.
-        motion: in them.
-
     Returns:
         None where the motion meets no such focus.
     """

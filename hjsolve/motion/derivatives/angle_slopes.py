@@ -24,12 +24,7 @@ from hjsolve.one_coordinate.anomaly import TwoBarrierAnomaly
 
 
 def angles_by(map_: ConstantsToState, means: MeanMatrix) -> dict[str, Bounded]:
-    """Return the derivatives of the angles at t₀ by (B, x, a, y) and the parameters, coordinate → one row.
-
-    Args:
-        map_: of the motion.
-        means: K of it.
-    """
+    """Return the derivatives of the angles at t₀ by (B, x, a, y) and the parameters, coordinate → one row."""
     solution, n, nf = map_.source.solution, map_.freedoms, len(map_.free)
     columns = 2 * n + len(map_.variables.parameters)
     Z = variations(map_, columns)
@@ -53,11 +48,7 @@ def angles_by(map_: ConstantsToState, means: MeanMatrix) -> dict[str, Bounded]:
 
 
 def differentiable_angles(map_: ConstantsToState) -> bool:
-    """Whether the places from which angles are counted have derivatives: not those of two barriers.
-
-    Args:
-        map_: of the motion.
-    """
+    """Whether the places from which angles are counted have derivatives: not those of two barriers."""
     return not any(
         isinstance(part, CycleVariations)
         and isinstance(getattr(part.course.anomaly, "inner", part.course.anomaly), TwoBarrierAnomaly)

@@ -117,18 +117,7 @@ class _Collected:
 
 
 def derivatives_of(motion: Motion, of: Iterable[str], by: Iterable[str], t: object) -> MotionDerivatives:
-    """Differentiate a motion; see ``Motion.derivatives``.
-
-    Args:
-        motion: told in its separated coordinates.
-        of: names of ``OF``.
-        by: names of ``BY``.
-        t: times of the state and the angles; None for t₀.
-
-    Raises:
-        InvalidInputError: another name, a time that is not a finite real number, or a motion that has no derivatives.
-        NotConvergedError: an integral did not converge to the digits asked.
-    """
+    """Differentiate a motion; see ``Motion.derivatives``."""
     wanted, varied = _words(of, "of", OF), _words(by, "by", BY)
     if "actions" in varied and wanted & {"state", "angles"}:
         raise InvalidInputError(

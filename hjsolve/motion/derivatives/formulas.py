@@ -80,11 +80,7 @@ class SquareDerivatives:
     exponents: tuple[tuple[sp.Symbol, sp.Expr], ...] = ()
 
     def bound(self, bits: int) -> Evaluation:
-        """Return the rule for places, in so many bits.
-
-        Args:
-            bits: binary digits of the arithmetic.
-        """
+        """Return the rule for places, in so many bits."""
         tape = _second_order(self.squared, self.q, self.variables, self._symbols, self.exponents)
         return Evaluation(tape.bind(Multi(bits), self.numbers(bits)), len(self.variables.constants), bits)
 
@@ -97,12 +93,7 @@ class SquareDerivatives:
         return [to_bits(value)(bits) for _, value in self.arguments]
 
     def expansions(self, q: Mpf, bits: int) -> list[list[Mpf]]:
-        """Return the derivatives by q of F (orders 0 to 4), of each F_b (0 to 2) and of each F_jb (0) at a place.
-
-        Args:
-            q: the place.
-            bits: binary digits of the arithmetic.
-        """
+        """Return the derivatives by q of F (orders 0 to 4), of each F_b (0 to 2) and of each F_jb (0) at a place."""
         tape = _high_order(self.squared, self.q, self.variables, self._symbols, self.exponents)
         values = tape.run(Multi(bits), [q, *self.numbers(bits)])
         rows, position = [values[: HIGHEST + 1]], HIGHEST + 1
@@ -131,11 +122,7 @@ class Evaluation:
     bits: int
 
     def at(self, q: Mpf) -> AtPlace:
-        """Return F and its derivatives.
-
-        Args:
-            q: the place.
-        """
+        """Return F and its derivatives."""
         values = self.tape.run(q)
         rest, n = values[3:], self.constants
         count = len(rest) // (n + 2)
@@ -158,14 +145,7 @@ def variables_of(solution: Solution, *, parameters: bool) -> VariedSymbols:
 
 
 def formulas_of(solution: Solution, initial: Initial, name: str, variables: VariedSymbols) -> SquareDerivatives:
-    """Return the derivatives of p² of one separated coordinate.
-
-    Args:
-        solution: what is solved.
-        initial: the exact initial data and constants.
-        name: of the coordinate.
-        variables: what is varied.
-    """
+    """Return the derivatives of p² of one separated coordinate."""
     arguments = [(solution.constants[c].symbol, initial.constants[c]) for c in solution.constants]
     arguments += [(p.symbol, initial.values[p.symbol]) for p in solution.system.parameters]
     F, symbol = solution.momentum_squared[name], solution.system.coordinate(name).symbol

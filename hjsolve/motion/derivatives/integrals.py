@@ -59,20 +59,12 @@ class MeanMatrix:
 
 
 def has_means(part: object) -> bool:
-    """Whether the action of a coordinate exists, with all its derivatives.
-
-    Args:
-        part: a separated coordinate.
-    """
+    """Whether the action of a coordinate exists, with all its derivatives."""
     return isinstance(part, CycleVariations) or (isinstance(part, RestVariations) and part.course.stable)
 
 
 def mean_matrix(map_: ConstantsToState) -> MeanMatrix | None:
-    """Return K; None where some coordinate has no action.
-
-    Args:
-        map_: of the motion.
-    """
+    """Return K; None where some coordinate has no action."""
     if not all(map(has_means, map_.parts)):
         return None
     solution, c, n = map_.source.solution, map_.context, len(map_.variables.constants)

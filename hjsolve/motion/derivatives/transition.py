@@ -30,16 +30,7 @@ _TRIES = 4
 
 
 def transition_matrix(motion: Motion, t: object) -> EstimateArray:
-    """Return ∂(q, p)(t)/∂(q, p)(t₀); see ``Motion.transition_matrix``.
-
-    Args:
-        motion: told in its separated coordinates.
-        t: a time or an array of times.
-
-    Raises:
-        InvalidInputError: a time that is not a finite real number, or a motion that has no derivatives.
-        NotConvergedError: the matrix did not converge to the digits asked.
-    """
+    """Return ∂(q, p)(t)/∂(q, p)(t₀); see ``Motion.transition_matrix``."""
     shape, floats, exact = read_times(t)
     found = matrices(motion, floats, exact, parameters=False)[0]
     return without_collisions(motion, t, rounded(found, motion.digits, shape))
@@ -88,11 +79,7 @@ def _lacking(found: Bounded, digits: int) -> int:
 
 @lru_cache(maxsize=16)
 def first_frame(map_: ConstantsToState) -> StateByConstants:
-    """Return D(t₀).
-
-    Args:
-        map_: of the motion.
-    """
+    """Return D(t₀)."""
     return map_.first_frame()
 
 

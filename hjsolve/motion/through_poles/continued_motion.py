@@ -56,17 +56,7 @@ class ContinuedMotion(TransformedMotion):
         return self.given_initial
 
     def at(self, t: object) -> State:
-        """Return the state at a time or times, in the given coordinates.
-
-        Args:
-            t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
-
-        Returns:
-            The state; float64 up to 15 digits, mpf above.
-
-        Raises:
-            InvalidInputError: a time that is not a finite real number.
-        """
+        """As ``Motion.at``; the state is in the given coordinates."""
         state = folded(self.continued, self.initial, self.within.at(t), self.solution)
         return with_place(self.solution.system, self.initial.values, state)
 

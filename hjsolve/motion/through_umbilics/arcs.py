@@ -43,11 +43,7 @@ class UmbilicArc:
     rest: int | None = None
 
     def ends(self, paths: tuple[Path, Path]) -> tuple[Mpf, Mpf]:
-        """Return the times at which it leaves an umbilic and reaches the next.
-
-        Args:
-            paths: of both coordinates.
-        """
+        """Return the times at which it leaves an umbilic and reaches the next."""
         moving = [(p, d) for k, (p, d) in enumerate(zip(paths, self.directions, strict=True)) if k != self.rest]
         one = self.offset.context.mpf(1)
         begin, end = (self.offset + sum(d * p.time(side * d * one) for p, d in moving) for side in (-1, 1))

@@ -98,10 +98,7 @@ def branches_only(
             return False
         along, across, other = (number(f, one, two) for f in slopes)
         ratio = along / other
-        sums = (
-            (along**2, ratio**3 * across**2),
-            (number(squares[0], one, two), ratio * number(squares[1], one, two)),
-        )
+        sums = ((along**2, ratio**3 * across**2), (number(squares[0], one, two), ratio * number(squares[1], one, two)))
         if any(abs(x + y) > sp.Float(10) ** (-_SLACK) * (abs(x) + abs(y)) for x, y in sums):
             return False
     return True

@@ -122,6 +122,8 @@ class Series:
 class Path:
     """The integrals of a coordinate over its path.
 
+    In its methods x = tanh z is the position.
+
     Attributes:
         course: q(x).
         weight: w.
@@ -147,33 +149,18 @@ class Path:
         return self.clock[1].at(x)
 
     def rates(self, z: Mpf, x: Mpf) -> tuple[Mpf, Mpf]:
-        """Return N jac and k₂ jac; the second with all its digits, however near x is to ±1.
-
-        Args:
-            z: x = tanh z.
-            x: the same position.
-        """
+        """Return N jac and k₂ jac; the second with all its digits, however near x is to ±1."""
         c, (before, after) = z.context, self.residues
         level = before * (1 + c.exp(-2 * z)) / 2 + after * (1 + c.exp(2 * z)) / 2 + self.smooth[0].at(x)
         return self.clock[0].at(x), level
 
     def momentum(self, z: Mpf, x: Mpf) -> Mpf:
-        """Return |p| = |dq/dx| k₂/(k₂ jac), which loses no digits next to a double zero.
-
-        Args:
-            z: x = tanh z.
-            x: the same position.
-        """
+        """Return |p| = |dq/dx| k₂/(k₂ jac), which loses no digits next to a double zero."""
         kernel = self.course.radicand.weights(self.course.place(x), self.bits)[1]
         return abs(self.course.slope(x) * kernel / self.rates(z, x)[1])
 
     def level(self, z: Mpf, x: Mpf) -> Mpf:
-        """Return ∫ k₂ jac dx from x = 0.
-
-        Args:
-            z: x = tanh z.
-            x: the same position.
-        """
+        """Return ∫ k₂ jac dx from x = 0."""
         c, (before, after) = z.context, self.residues
         return before * (c.ln2 - _softplus(-2 * z)) - after * (c.ln2 - _softplus(2 * z)) + self.smooth[1].at(x)
 

@@ -52,15 +52,9 @@ class UmbilicMotion(TransformedMotion):
     unfolding: int = 0
 
     def at(self, t: object) -> State:
-        """Return the state at a time or times.
-
-        At an umbilic itself velocities of the coordinates are infinite; places and momenta are given.
-
-        Args:
-            t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
+        """As ``Motion.at``; at an umbilic itself velocities of the coordinates are infinite.
 
         Raises:
-            InvalidInputError: a time that is not a finite real number.
             NotConvergedError: there are too many umbilics before that time.
         """
         self._require("trajectory")

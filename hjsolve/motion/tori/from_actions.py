@@ -168,7 +168,7 @@ def motion_on_torus(
         values = {**asked.values, **{c.symbol: θ[c.name] for c in solution.system.coordinates}}
         initial = Initial(values, asked.constants, asked.exact)
         return started(solution, initial, exact_t0, digits, parts, certified=certified)
-    kinds = _kinds_given(solution, kinds)
+    kinds = kinds_given(solution, kinds or {}, _KINDS)
     left = _left(solution, asked.curves, list(candidates_of(asked, kinds)), (q or {}, kinds))
     tori = tori_of(asked, left)
     if not tori:
@@ -228,9 +228,6 @@ def _again(
 def names_of_actions(solution: Solution) -> list[str]:
     """Return the coordinates that have an action.
 
-    Args:
-        solution: what is solved.
-
     Raises:
         InvalidInputError: some coordinate never comes back.
     """
@@ -281,14 +278,22 @@ def _goal(asked: AskedTorus, chosen: Candidate) -> Goal:
     )  # fmt: skip
 
 
-def _kinds_given(solution: Solution, kinds: Values | None) -> Values:
-    for name, kind in arguments.table(kinds or {}, "kinds", '{"theta": "libration"}').items():
-        if name not in solution.coordinates or kind not in _KINDS:
+def kinds_given(
+    solution: Solution, kinds: object, known: tuple[str, ...] = ("libration", "rotation")
+) -> dict[str, str]:
+    """Return the kinds of motion that are asked for, by separated coordinate.
+
+    Raises:
+        InvalidInputError: no separated coordinate, or a kind that is not known.
+    """
+    table = arguments.table(kinds, "kinds", '{"theta": "libration"}')
+    for name, kind in table.items():
+        if name not in solution.coordinates or kind not in known:
             raise InvalidInputError(
                 f"kinds[{name}]: a separated coordinate ({', '.join(solution.coordinates)}) and one of "
-                f"{', '.join(_KINDS)} are needed"
+                f"{', '.join(known)} are needed"
             )
-    return kinds or {}
+    return {name: str(kind) for name, kind in table.items()}
 
 
 def _left(

@@ -3,6 +3,9 @@
 The matrix ∂J/∂α consists of the mean growths of Jacobi's integrals, which the motion knows. One step from constants in
 doubles leaves an error near the square of theirs, so most tori need two evaluations. A coordinate whose J is zero
 rests at a double zero of p²: there p² = 0 at its maximum takes the place of the action.
+
+A libration against walls (ends of the domain at which p² is finite and p changes its sign) is that through kinks
+(``kinked_libration``) with one cell, the whole domain.
 """
 
 from __future__ import annotations
@@ -21,8 +24,10 @@ from hjsolve.motion.initial_data import Initial, to_bits
 from hjsolve.motion.separated import checked, coordinate_start
 from hjsolve.motion.tori.radicand_curve import RadicandCurve
 from hjsolve.motion.tori.search import Candidate
-from hjsolve.one_coordinate.classify import Located, at_rest
-from hjsolve.one_coordinate.walls import between_walls
+from hjsolve.one_coordinate import kinks
+from hjsolve.one_coordinate.classify import Located, at_rest, locate
+from hjsolve.one_coordinate.coordinate_start import Cell, CoordinateStart
+from hjsolve.one_coordinate.turning_points import End
 from hjsolve.solution.quadratures import Solution
 
 _SPARE = 192
@@ -254,3 +259,31 @@ def _top(curve: RadicandCurve, κ: list[Mpf], top: Mpf, bits: int) -> Mpf:
         if abs(step) <= abs(top) * top.context.ldexp(1, 8 - bits) or not step:
             return top
     return top
+
+
+def between_walls(start: CoordinateStart, walls: tuple[bool, bool], digits: int) -> Located:
+    """Classify and integrate the motion of one coordinate that some ends of its domain throw back.
+
+    Args:
+        start: the coordinate, at a place inside its domain.
+        walls: whether the lower and the upper end of the domain throw it back.
+        digits: decimal digits asked.
+
+    Returns:
+        The motion; ends that it is thrown back by are of the kind ``wall``.
+
+    Raises:
+        NotConvergedError: a zero of p² could not be decided, or an integrand stays rough.
+    """
+    if not any(walls):
+        return locate(start, digits)
+    whole = replace(start, cells=(Cell(start.lower, start.upper, start.radicand),), winding=None)
+    lower, upper = (_thrown_back(kinks.reached(whole, side, digits), walls[side > 0]) for side in (-1, 1))
+    if "wall" not in {lower.end.kind, upper.end.kind} or not {lower.end.kind, upper.end.kind} <= {"turning", "wall"}:
+        return locate(start, digits)
+    return Located(kinks.libration(whole, lower, upper, start.forward, digits), lower.end, upper.end)
+
+
+def _thrown_back(reached: kinks.Reached, wall: bool) -> kinks.Reached:
+    end = reached.end
+    return reached._replace(end=End("wall", end.place)) if wall and end.kind == "boundary" else reached

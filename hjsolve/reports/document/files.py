@@ -19,10 +19,6 @@ _LONGEST_TITLE = 200
 def checked_path(path: str | Path, suffixes: tuple[str, ...] = SUFFIXES) -> Path:
     """Check where a report shall go before anything is computed.
 
-    Args:
-        path: the file.
-        suffixes: those it may have.
-
     Returns:
         The path.
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hjsolve.reports.drawings.svg import Array
+from hjsolve.reports.drawings.svg import Array, DrawingFrame
 
 
 def segments(x: Array, y: Array, values: Array, level: float) -> Array:
@@ -38,6 +38,13 @@ def segments(x: Array, y: Array, values: Array, level: float) -> Array:
         edges = np.flatnonzero(crossed[k])
         found += [(px[k, a], py[k, a], px[k, b], py[k, b]) for a, b in zip(edges[::2], edges[1::2])]
     return np.array(found).reshape(-1, 4)
+
+
+def drawn_level(frame: DrawingFrame, x: Array, y: Array, values: Array, level: float) -> str:
+    """Write the segments of ``segments`` as the data of a path."""
+    ends = segments(x, y, values, level)
+    a, b, c, d = frame.px(ends[:, 0]), frame.py(ends[:, 1]), frame.px(ends[:, 2]), frame.py(ends[:, 3])
+    return "".join(f"M{p:.1f} {q:.1f}L{r:.1f} {s:.1f}" for p, q, r, s in zip(a, b, c, d))
 
 
 def spread_levels(values: Array, many: int) -> Sequence[float]:

@@ -149,11 +149,7 @@ def _direction(solution: Solution, coordinate: Coordinate, exact: Mapping[sp.Sym
 
 
 def exact_values_of(motion: Motion) -> dict[sp.Symbol, sp.Expr]:
-    """Give every symbol of a motion its exact value: parameters, initial place, constants.
-
-    Returns:
-        symbol → exact number.
-    """
+    """Give every symbol of a motion its exact value: parameters, initial place, constants."""
     constants = {c.symbol: motion.initial.constants[name] for name, c in motion.solution.constants.items()}
     return {**motion.initial.values, **constants}
 
@@ -181,11 +177,7 @@ def _level(
 
 
 def readable_quotient(expression: sp.Expr) -> sp.Expr:
-    """Expand a quotient and cancel term by term, as an effective potential is read; many terms as one fraction.
-
-    Returns:
-        An equal expression.
-    """
+    """Expand a quotient and cancel term by term, as an effective potential is read; many terms as one fraction."""
     terms = sp.Add.make_args(sp.expand(expression))
     whole = sp.Add(*(sp.powsimp(sp.cancel(term) if term.is_rational_function() else term) for term in terms))
     return compact(whole)

@@ -14,7 +14,7 @@ from hjsolve.energy_momentum.kinds_of_motion import KindsOfMotion
 from hjsolve.energy_momentum.orbits import drawn_actions
 from hjsolve.reports.document import Figure, Inline, Mathematics, Text
 from hjsolve.reports.drawings import svg
-from hjsolve.reports.drawings.contours import segments, spread_levels
+from hjsolve.reports.drawings.contours import drawn_level, spread_levels
 from hjsolve.reports.drawings.svg import Array
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import plain, spoken
@@ -112,11 +112,7 @@ def kinds_by_letter(grid: MapGrid) -> list[str]:
 
 
 def in_line(region: KindsOfMotion) -> str:
-    """Return the kinds of a region in a line of text, ``θ librates``.
-
-    Args:
-        region: of a map.
-    """
+    """Return the kinds of a region in a line of text, ``θ librates``."""
     if not all(region.kinds.values()):
         return region.name
     return ", ".join(f"{plain(name_box(name))} {region.name_of(name)}" for name in region.kinds)
@@ -191,9 +187,7 @@ def action_lines(found: EnergyMomentumMap, frame: svg.DrawingFrame) -> list[str]
     parts = []
     for J in values.values():
         for level in spread_levels(J, _LEVELS):
-            ends = segments(x, y, J, level)
-            a, b, c, d = frame.px(ends[:, 0]), frame.py(ends[:, 1]), frame.px(ends[:, 2]), frame.py(ends[:, 3])
-            path = "".join(f"M{p:.1f} {q:.1f}L{r:.1f} {s:.1f}" for p, q, r, s in zip(a, b, c, d))
+            path = drawn_level(frame, x, y, J, level)
             parts.append(f'<path class="level" style="opacity:.55;stroke-width:.7" d="{path}"/>')
     return parts
 

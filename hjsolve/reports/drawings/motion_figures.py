@@ -1,4 +1,7 @@
-"""The drawings of a separated coordinate: its effective potential and its phase portrait."""
+"""The drawings of a separated coordinate: its effective potential and its phase portrait.
+
+``key`` is a name that is unique on the page, ``plain`` whether the potential is that of the system itself.
+"""
 
 from __future__ import annotations
 
@@ -27,9 +30,7 @@ def potential_name(well: EffectivePotential, *, several: bool, plain: bool = Fal
     """Name the effective potential of a coordinate, with the coordinate as index where there are several.
 
     Args:
-        well: the coordinate.
         several: whether the system has more than one separated coordinate.
-        plain: whether it is the potential of the system itself.
 
     Returns:
         V, or V with an index.
@@ -41,9 +42,6 @@ def potential_name(well: EffectivePotential, *, several: bool, plain: bool = Fal
 
 def level_box(well: EffectivePotential) -> Box:
     """Name the constant that plays the part of the energy, with its sign.
-
-    Args:
-        well: the coordinate.
 
     Returns:
         E, α₂ or −α₂; 0 where no constant does.
@@ -58,10 +56,7 @@ def effective_potential(well: EffectivePotential, key: str, *, several: bool, pl
     """Draw the effective potential, the level of the motion and its turning points.
 
     Args:
-        well: the coordinate.
-        key: a name that is unique on the page.
         several: whether there are other separated coordinates.
-        plain: whether it is the potential of the system itself.
 
     Returns:
         The figure.
@@ -116,10 +111,6 @@ def effective_potential(well: EffectivePotential, key: str, *, several: bool, pl
 def phase_portrait(well: EffectivePotential, key: str) -> Figure:
     """Draw the phase plane of a coordinate: some levels, the separatrices, the motion.
 
-    Args:
-        well: the coordinate.
-        key: a name that is unique on the page.
-
     Returns:
         The figure.
     """
@@ -165,11 +156,7 @@ def phase_portrait(well: EffectivePotential, key: str) -> Figure:
 
 
 def phase_frame(well: EffectivePotential) -> svg.DrawingFrame:
-    """Give the part of the phase plane that ``phase_portrait`` shows, and where on the drawing.
-
-    Args:
-        well: the coordinate.
-    """
+    """Give the part of the phase plane that ``phase_portrait`` shows, and where on the drawing."""
     return svg.DrawingFrame(well.window, momenta_shown(well, own_loops(well), _other_loops(well)))
 
 
@@ -179,11 +166,7 @@ def _other_loops(well: EffectivePotential) -> list[tuple[Array, Array]]:
 
 # -------------------------------------------------------------------------------- what the motion covers
 def spans_covered(well: EffectivePotential) -> list[tuple[float, float]]:
-    """Give the intervals of the window that the motion itself covers.
-
-    Args:
-        well: the coordinate.
-    """
+    """Give the intervals of the window that the motion itself covers."""
     low, high = well.ends
     if well.kind == "equilibrium":
         return []
@@ -206,9 +189,6 @@ def _turns(well: EffectivePotential, low: float, high: float) -> list[float]:
 def own_loops(well: EffectivePotential) -> list[tuple[Array, Array]]:
     """Give the phase curves of the motion itself.
 
-    Args:
-        well: the coordinate.
-
     Returns:
         (q, p) of each.
     """
@@ -223,7 +203,6 @@ def loops_at(well: EffectivePotential, level: float) -> list[tuple[Array, Array]
     """Give the phase curves of another level, in the window.
 
     Args:
-        well: the coordinate.
         level: value of the level constant.
 
     Returns:
@@ -250,7 +229,6 @@ def levels_shown(well: EffectivePotential, q: Array, V: Array) -> tuple[float, f
     """Show the bottom of the well and as much above the level as is below it.
 
     Args:
-        well: the coordinate.
         q: places across the window.
         V: the potential there.
 
@@ -277,7 +255,6 @@ def momenta_shown(
     """Show the motion and as much again around it.
 
     Args:
-        well: the coordinate.
         own: phase curves of the motion.
         others: those of other levels.
 

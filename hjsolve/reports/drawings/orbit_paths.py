@@ -1,4 +1,7 @@
-"""The drawings of the motion itself: its orbit in space, and its coordinates against time."""
+"""The drawings of the motion itself: its orbit in space, and its coordinates against time.
+
+``key`` is a name that is unique on the page, t are the times drawn.
+"""
 
 from __future__ import annotations
 
@@ -37,11 +40,7 @@ class Trace:
 
 
 def trace(motion: Motion) -> Trace:
-    """Follow a motion over a time worth showing.
-
-    Returns:
-        Where it is.
-    """
+    """Follow a motion over a time worth showing."""
     t, closed = times(motion)
     return Trace(t, motion.at(t), closed)
 
@@ -122,11 +121,6 @@ def times(motion: Motion) -> tuple[Array, bool]:
 def orbit(motion: Motion, trace: Trace, key: str) -> Figure | None:
     """Draw the path in space; None for one coordinate, whose path is its graph against time.
 
-    Args:
-        motion: a ``Motion``.
-        trace: where it is.
-        key: a name that is unique on the page.
-
     Returns:
         The figure, or None.
     """
@@ -142,8 +136,6 @@ def first_cycle(motion: Motion, t: Array, closed: bool) -> int:
     """Count the samples of the first cycle, which is drawn strong; the rest is faint.
 
     Args:
-        motion: a ``Motion``.
-        t: the times drawn.
         closed: whether the motion repeats itself after the last.
     """
     periods = [float(motion.periods[n].value) for n in motion.solution.coordinates if n in motion.periods]
@@ -264,11 +256,6 @@ def _caption(motion: Motion, t: Array, closed: bool, faint: bool, *, sphere: boo
 def history(motion: Motion, trace: Trace, key: str) -> Figure:
     """Draw the separated coordinates against time, each in its own band.
 
-    Args:
-        motion: a ``Motion``.
-        trace: where it is.
-        key: a name that is unique on the page.
-
     Returns:
         The figure.
     """
@@ -307,12 +294,7 @@ def history(motion: Motion, trace: Trace, key: str) -> Figure:
 
 
 def few_cycles(motion: Motion, t: Array) -> slice:
-    """Choose the times of the first few cycles.
-
-    Args:
-        motion: a ``Motion``.
-        t: the times drawn.
-    """
+    """Choose the times of the first few cycles."""
     periods = [float(motion.periods[n].value) for n in motion.solution.coordinates if n in motion.periods]
     if not periods:
         return slice(None)

@@ -13,9 +13,6 @@ _SCAN = 1200
 def window_places(well: EffectivePotential) -> Array:
     """Return places across the window, without the ends of the domain, where the potential may be infinite.
 
-    Args:
-        well: the coordinate.
-
     Returns:
         Increasing places, shape (1200,).
     """
@@ -73,9 +70,6 @@ def loop(well: EffectivePotential, level: float, low: float, high: float, points
 
 def hills(well: EffectivePotential) -> list[tuple[float, str]]:
     """Find the levels that divide the motions: interior maxima of the effective potential, and its limit far out.
-
-    Args:
-        well: the coordinate.
 
     Returns:
         (level, what it is), each level once; what is ``separatrix`` or ``edge of the bound motions``.

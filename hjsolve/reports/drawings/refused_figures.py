@@ -7,7 +7,7 @@ import numpy as np
 from hjsolve.mechanics.system import Coordinate
 from hjsolve.reports.document import Figure, Inline, Mathematics
 from hjsolve.reports.drawings import svg
-from hjsolve.reports.drawings.contours import segments
+from hjsolve.reports.drawings.contours import drawn_level
 from hjsolve.reports.drawings.svg import Array
 from hjsolve.reports.formulas.layout import Glyph
 from hjsolve.reports.formulas.names import name_box
@@ -104,10 +104,7 @@ def _smooth(plane: PlaneMotion, times: Array, states: Array) -> tuple[Array, Arr
 
 
 def _lines(frame: svg.DrawingFrame, x: Array, y: Array, values: Array, level: float, style: str) -> str:
-    ends = segments(x, y, values, level)
-    a, b, c, d = frame.px(ends[:, 0]), frame.py(ends[:, 1]), frame.px(ends[:, 2]), frame.py(ends[:, 3])
-    strokes = "".join(f"M{p:.1f} {q:.1f}L{r:.1f} {s:.1f}" for p, q, r, s in zip(a, b, c, d))
-    return f'<path class="{style}" d="{strokes}"/>'
+    return f'<path class="{style}" d="{drawn_level(frame, x, y, values, level)}"/>'
 
 
 def section_figure(plane: PlaneMotion, found: SurfaceOfSection, key: str) -> Figure:

@@ -1,4 +1,7 @@
-"""A small drawing board: frames with axes, curves, areas, marks, as SVG text that follows the page's colours."""
+"""A small drawing board: frames with axes, curves, areas, marks, as SVG text that follows the page's colours.
+
+A ``style`` is one of the classes of ``drawing_style.STYLE``.
+"""
 
 from __future__ import annotations
 
@@ -82,10 +85,7 @@ def curve(frame: DrawingFrame, x: Array, y: Array, style: str = "curve") -> str:
     """Draw a curve; gaps where a value is not finite.
 
     Args:
-        frame: where.
-        x: places, shape (n,).
         y: values, shape (n,).
-        style: one of the classes of ``drawing_style.STYLE``.
 
     Returns:
         SVG text, clipped to the frame by the caller's ``assemble``.
@@ -97,11 +97,8 @@ def area(frame: DrawingFrame, x: Array, lower: Array, upper: Array, style: str =
     """Fill between two curves.
 
     Args:
-        frame: where.
-        x: places, shape (n,).
         lower: values of one curve, shape (n,).
         upper: values of the other, shape (n,).
-        style: one of the classes of ``drawing_style.STYLE``.
 
     Returns:
         SVG text.
@@ -114,10 +111,6 @@ def disc(frame: DrawingFrame, x: float, y: float, style: str = "dot", size: floa
     """Draw a small disc.
 
     Args:
-        frame: where.
-        x: place.
-        y: value.
-        style: one of the classes of ``drawing_style.STYLE``.
         size: radius in pixels.
 
     Returns:
@@ -139,11 +132,7 @@ def annotate(
     """Write words at a place.
 
     Args:
-        frame: where.
-        x: place.
-        y: value.
         text: SVG text content, already escaped (see ``label``).
-        style: one of the classes of ``drawing_style.STYLE``.
         anchor: ``start``, ``middle`` or ``end``.
         shift: pixels to the right and down.
 
@@ -194,7 +183,6 @@ def axes(
     """Draw the axes with ticks and names.
 
     Args:
-        frame: where.
         across: name of the horizontal axis, SVG text (see ``label``).
         up: name of the vertical axis, written above it.
         angles: whether each axis is an angle.

@@ -67,12 +67,7 @@ def points_shown(family: Wavefronts, curve: FamilyCurve) -> tuple[Array, Array]:
 
 
 def one_sheet(family: Wavefronts, curve: FamilyCurve) -> Array:
-    """Mark the points of a curve at which both momenta have the sign that the motion starts with, or vanish.
-
-    Args:
-        family: it belongs to.
-        curve: one of its curves.
-    """
+    """Mark the points of a curve at which both momenta have the sign that the motion starts with, or vanish."""
     start = family.motion.initial.values
     kept = np.ones(len(next(iter(curve.q.values()))), dtype=bool)
     for name in family.motion.solution.coordinates:

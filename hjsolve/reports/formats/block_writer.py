@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Generic, TypeVar
 
+from hjsolve.arithmetic.printed_digits import raised
 from hjsolve.reports.document import (
     Block,
     Code,
@@ -68,11 +69,7 @@ class PieceWriter(ABC):
 
     @abstractmethod
     def mathematics(self, box: Box) -> str:
-        """Write a formula inside a sentence.
-
-        Args:
-            box: its layout.
-        """
+        """Write a formula inside a sentence."""
 
     @abstractmethod
     def code(self, text: str) -> str:
@@ -86,13 +83,13 @@ class PieceWriter(ABC):
     def strong(self, text: str) -> str:
         """Write words that carry the answer."""
 
-    @abstractmethod
     def digits(self, text: str) -> str:
         """Write the digits of a number.
 
         Args:
             text: digits, with ``e`` before an exponent.
         """
+        return raised(text)
 
 
 class BlockWriter(ABC, Generic[W]):
@@ -118,19 +115,11 @@ class BlockWriter(ABC, Generic[W]):
 
     @abstractmethod
     def paragraph(self, text: Text) -> W:
-        """Write a paragraph of prose.
-
-        Args:
-            text: its pieces.
-        """
+        """Write a paragraph of prose."""
 
     @abstractmethod
     def note(self, text: Text) -> W:
-        """Write a paragraph set apart.
-
-        Args:
-            text: its pieces.
-        """
+        """Write a paragraph set apart."""
 
     @abstractmethod
     def formula(self, formula: Formula) -> W:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TypeAlias
 
 from hjsolve.reports.document import Document, Figure, Formula, Number, Steps, Table, Text
@@ -63,16 +63,11 @@ class _JsonWriter(BlockWriter[JsonTable]):
         return {"kind": "steps", "steps": told}
 
     def figure(self, figure: Figure) -> JsonTable:
-        data = {name: _with_gaps(values) for name, values in figure.data.items()}
+        data = {name: [x if math.isfinite(x) else None for x in values] for name, values in figure.data.items()}
         return {"kind": "figure", "title": figure.title, "description": figure.description, "data": data}
 
     def figures(self, figures: tuple[Figure, ...]) -> JsonTable:
         return {"kind": "figures", "figures": [self.figure(figure) for figure in figures]}
-
-
-def _with_gaps(values: Sequence[float]) -> list[float | None]:
-    """Return the values of a line; null where it is interrupted."""
-    return [x if math.isfinite(x) else None for x in values]
 
 
 def _cell(cell: Text) -> str | JsonTable:

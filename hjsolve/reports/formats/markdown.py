@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from base64 import b64encode
 
-from hjsolve.arithmetic.printed_digits import raised
 from hjsolve.reports.document import ArgumentStep, Document, Figure, Formula, Section, Steps, Table, Text
 from hjsolve.reports.document.drawing_style import standalone
 from hjsolve.reports.formats.block_writer import BlockWriter, PieceWriter
@@ -81,9 +80,6 @@ class _MarkdownWriter(PieceWriter, BlockWriter[str]):
 
     def strong(self, text: str) -> str:
         return f"**{_plain(text)}**"
-
-    def digits(self, text: str) -> str:
-        return raised(text)
 
 
 def _plain(text: str) -> str:

@@ -6,7 +6,6 @@ import re
 from itertools import zip_longest
 from textwrap import fill, wrap
 
-from hjsolve.arithmetic.printed_digits import raised
 from hjsolve.reports.document import ArgumentStep, Document, Figure, Formula, Section, Steps, Table, Text
 from hjsolve.reports.formats.block_writer import BlockWriter, PieceWriter
 from hjsolve.reports.formulas.layout import Box
@@ -31,11 +30,7 @@ def text_page(document: Document) -> str:
 
 
 def section_text(section: Section) -> str:
-    """Write one section.
-
-    Returns:
-        Its title, underlined, and its text.
-    """
+    """Write one section."""
     return "\n\n".join([f"{section.title}\n{'-' * len(section.title)}", *map(_WRITER.block, section.blocks)])
 
 
@@ -81,9 +76,6 @@ class _TextWriter(PieceWriter, BlockWriter[str]):
 
     def strong(self, text: str) -> str:
         return text
-
-    def digits(self, text: str) -> str:
-        return raised(text)
 
 
 def _widths(cells: list[list[list[str]]]) -> list[int]:
@@ -155,14 +147,7 @@ def wrapped(content: Text, indent: str = "") -> str:
 
 
 def line(content: Text) -> str:
-    """Write a sentence in one line.
-
-    Args:
-        content: the sentence in pieces.
-
-    Returns:
-        The line.
-    """
+    """Write a sentence in one line."""
     return _WRITER.text(content)
 
 

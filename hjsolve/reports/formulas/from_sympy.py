@@ -84,14 +84,7 @@ def _box(expression: sp.Basic) -> Box:
 
 
 def constants_outside(expression: sp.Basic) -> sp.Basic:
-    """Take constant factors and signs out of integrals, for reading; the value stays the same.
-
-    Args:
-        expression: any sympy object.
-
-    Returns:
-        An equal expression.
-    """
+    """Take constant factors and signs out of integrals, for reading; the value stays the same."""
     return expression.replace(lambda e: isinstance(e, sp.Integral), _outside)
 
 
@@ -324,11 +317,7 @@ def _under_root(base: sp.Expr) -> Box:
 
 
 def on_a_line(inner: Box) -> Box:
-    """Set a formula that shall not grow in height, such as an exponent: with slashes where it has fractions.
-
-    Returns:
-        The flat box.
-    """
+    """Set a formula that shall not grow in height, such as an exponent: with slashes where it has fractions."""
     items = inner.items if isinstance(inner, RowBox) else (inner,)
     flat: list[Box] = []
     for item, following in zip(items, [*items[1:], None]):

@@ -48,9 +48,6 @@ _SIGNS = {"∫": r"\int", "∑": r"\sum"}
 def latex_of(box: Box) -> str:
     r"""Write a box as LaTeX mathematics, without the dollar signs.
 
-    Args:
-        box: the formula.
-
     Returns:
         Text for mathematics mode; needs ``amsmath`` only.
     """
@@ -143,11 +140,7 @@ def _definite(box: Definite) -> str:
 
 
 def escape(text: str) -> str:
-    """Escape prose for LaTeX.
-
-    Returns:
-        The text with LaTeX's special characters made harmless.
-    """
+    """Escape prose for LaTeX."""
     special = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
     special |= {sign: f"\\{sign}" for sign in "&%$#_{}"}
     return "".join(special.get(letter, letter) for letter in text)

@@ -114,11 +114,7 @@ _SPACE_ABOUT = {"=": 1.2, "+": 1.2, "−": 1.2, ",": 0.6}
 
 
 def width(box: Box) -> float:
-    """Estimate how wide a box is, in letters; good enough to decide where a line must break.
-
-    Returns:
-        The width, in widths of an average letter.
-    """
+    """Estimate how wide a box is, in letters; good enough to decide where a line must break."""
     match box:
         case Glyph(text, kind):
             return len(text) + (_SPACE_ABOUT.get(text, 0.1) if kind == "operator" else 0.1)

@@ -45,9 +45,6 @@ def plain(box: Box) -> str:
     bracket. Nothing follows a quotient but a sum, so a quotient that is a factor, a function that is divided and a
     function before a bracket get brackets of their own. A letter never means a differential.
 
-    Args:
-        box: the formula.
-
     Returns:
         Unicode text; index letters without a Unicode form are written ``p_θ``.
     """
@@ -83,11 +80,7 @@ def plain(box: Box) -> str:
 
 
 def spoken(name: str) -> str:
-    """Write a name as it stands in a sentence that has no formulas, such as the description of a drawing.
-
-    Args:
-        name: as it is declared.
-    """
+    """Write a name as it stands in a sentence that has no formulas, such as the description of a drawing."""
     return plain(name_box(name))
 
 
@@ -117,7 +110,7 @@ def _factor(item: Box, previous: Box | None, following: Box | None) -> str:
     text = plain(item)
     if isinstance(item, Fraction) and "/" in text and _continues(following):
         return f"({text})"
-    if _applies(previous) and isinstance(following, Fence):
+    if previous == _APPLY and isinstance(following, Fence):
         return f"({text})"  # cos(θ) (1 − r)
     return text
 
@@ -125,10 +118,6 @@ def _factor(item: Box, previous: Box | None, following: Box | None) -> str:
 def _continues(following: Box | None) -> bool:
     """Return whether another factor follows."""
     return following is not None and not (isinstance(following, Glyph) and following.kind in {"operator", "text"})
-
-
-def _applies(box: Box | None) -> bool:
-    return box == _APPLY
 
 
 def _is_operator(box: Box) -> bool:

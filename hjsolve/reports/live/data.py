@@ -30,11 +30,7 @@ Json = dict[str, Any]
 
 
 def live_data(tables: LiveTables) -> Json:
-    """Return everything that the script reads.
-
-    Args:
-        tables: of the page.
-    """
+    """Return everything that the script reads."""
     subject = tables.neighbours
     motion = subject.motion
     system, values = motion.solution.system, motion.initial.values

@@ -88,12 +88,7 @@ def slider_ranges(
 
 
 def shrunk(ranges: Sequence[SliderRange], fraction: float) -> tuple[SliderRange, ...]:
-    """Return ranges of which a part is left on each side of the motion, since the tables are inaccurate beyond it.
-
-    Args:
-        ranges: the whole.
-        fraction: the part.
-    """
+    """Return ranges of which a part is left on each side of the motion, since the tables are inaccurate beyond it."""
     why = ({INACCURATE: 1}, {INACCURATE: 1}) if fraction < 1 else None
     return tuple(
         replace(

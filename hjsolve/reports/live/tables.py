@@ -58,11 +58,7 @@ class LiveTables:
     bounds: Mapping[str, float]
 
     def motion(self, values: Sequence[float]) -> PageMotion:
-        """Return the motion that the page shows.
-
-        Args:
-            values: of the sliders.
-        """
+        """Return the motion that the page shows."""
         u = [(2 * v - s.low - s.high) / (s.high - s.low) for s, v in zip(self.sliders, values, strict=True)]
         T = [np.cos(self.degrees[:, k] * np.arccos(np.clip(x, -1, 1))) for k, x in enumerate(u)]
         row = np.prod(T, axis=0) @ self.table

@@ -17,9 +17,6 @@ def chart_section(chart: Chart, motion: Motion | None = None) -> Section:
     Args:
         chart: of the solution.
         motion: the motion reported, whose frequencies tell the relations that a superintegrable system has.
-
-    Returns:
-        The section.
     """
     blocks: list[Block] = [
         Paragraph(("The system was given as",)),

@@ -1,4 +1,7 @@
-"""The sections that say in which coordinates a system separates: webs found, parameter values, normal modes."""
+"""The sections that say in which coordinates a system separates: webs found, parameter values, normal modes.
+
+``found`` is what ``find_coordinates`` gave, ``modes`` what ``normal_modes`` gave.
+"""
 
 from __future__ import annotations
 
@@ -18,14 +21,7 @@ from hjsolve.reports.sections.system_and_verdict import EQUALS, formula, math
 
 
 def found_answer(found: SeparableCoordinates) -> Text:
-    """Say the result in a sentence.
-
-    Args:
-        found: what ``find_coordinates`` gave.
-
-    Returns:
-        The sentence in pieces.
-    """
+    """Say the result in a sentence."""
     count = found.kernel_dimension
     several = f" It has {count} quadratic integrals, including the energy."
     integrals = several if count > 1 else " The energy is its only quadratic integral." if count else ""
@@ -40,9 +36,6 @@ def found_answer(found: SeparableCoordinates) -> Text:
 
 def found_sections(found: SeparableCoordinates) -> list[Section]:
     """Describe each web with its system, then what else was found.
-
-    Args:
-        found: what ``find_coordinates`` gave.
 
     Returns:
         A section for every web, and one of remarks.
@@ -125,26 +118,12 @@ def _vectors(vectors: tuple[Vector, ...]) -> Text:
 
 
 def modes_answer(modes: NormalModes) -> Text:
-    """Say in a sentence that a system separates in its normal modes.
-
-    Args:
-        modes: what ``normal_modes`` gave.
-
-    Returns:
-        The sentence in pieces.
-    """
+    """Say in a sentence that a system separates in its normal modes."""
     return (Strong("Separates"), f" in its {len(modes.modes)} normal modes.")
 
 
 def modes_section(modes: NormalModes) -> Section:
-    """Describe the normal modes of a system.
-
-    Args:
-        modes: what ``normal_modes`` gave.
-
-    Returns:
-        The section.
-    """
+    """Describe the normal modes of a system."""
     header: tuple[Text, ...] = (("Mode",), ("Frequency squared",), ("Kind",))
     rows = tuple(
         ((Mathematics(name_box(mode.name)),), (math(mode.frequency_squared),), (mode.kind,)) for mode in modes.modes

@@ -9,12 +9,11 @@ from typing import TypeAlias
 
 from hjsolve.costs import Cost, cost
 from hjsolve.costs.table import cells_of
-from hjsolve.display.progress import Progress
+from hjsolve.display.progress import Progress, duration
 from hjsolve.errors import HJSolveError, InvalidInputError
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Code, Document, Figures, Note, Paragraph, Section, Table, Text
 from hjsolve.reports.drawings.work_precision import figure
-from hjsolve.reports.sections.rounded_numbers import written_duration
 from hjsolve.scenes import Scene
 
 Wish: TypeAlias = bool | float
@@ -26,9 +25,6 @@ _ASKED = (3, 6, 9, 12, 15, 20, 30, 50, 100)
 
 def cost_section(table: Cost) -> Section:
     """Write the section.
-
-    Args:
-        table: what was measured.
 
     Returns:
         The section: figure, the cheapest method for each accuracy, and the whole table.
@@ -74,8 +70,7 @@ def _cheapest(table: Cost) -> Table | None:
         found = [table.cheapest(digits, covers) for covers, _ in columns]
         if any(found):
             cells = (
-                "–" if best is None else f"{best.method}, {_nowrap(written_duration(best.seconds or 0))}"
-                for best in found
+                "–" if best is None else f"{best.method}, {_nowrap(duration(best.seconds or 0))}" for best in found
             )
             rows.append(((str(digits),), *((cell,) for cell in cells)))
     head: tuple[Text, ...] = (("Correct digits",), *((name,) for _, name in columns))
@@ -129,28 +124,18 @@ def with_cost(document: Document, subject: Motion | Scene, wish: Wish, progress:
 
 
 def cost_document(table: Cost) -> Document:
-    """Write a document that holds nothing else.
-
-    Args:
-        table: what was measured.
-
-    Returns:
-        The document.
-    """
+    """Write a document that holds nothing else."""
     best = table.cheapest(15) or table.cheapest(12)
     answer: Text = ("No method reached 12 correct digits.",)
     if best is not None and best.seconds is not None:
         reached = "15" if table.cheapest(15) is best else "12"
-        how = f"{best.method}: {written_duration(best.seconds)}"
+        how = f"{best.method}: {duration(best.seconds)}"
         answer = (f"The fastest method with {reached} correct digits in every result is {how}.",)
     return Document(table.title, table.id, answer, (cost_section(table),))
 
 
 def plain_rows(table: Cost) -> dict[str, object]:
     """Return the table as plain data, for JSON.
-
-    Args:
-        table: what was measured.
 
     Returns:
         Its attributes; what is infinite is None.

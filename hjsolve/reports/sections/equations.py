@@ -79,6 +79,3 @@ def _least_action(system: System) -> list[Block]:
             V, T = row(V, Glyph("+", "operator"), Script(T, Glyph("0", "number"))), Script(T, Glyph("2", "number"))
         shown = replace(shown, box=row(left, EQUALS, Glyph("2", "number"), Fence(row(h, minus, V)), T))
     return [Paragraph((words,)), shown]
-
-
-__all__ = ["equations_section"]

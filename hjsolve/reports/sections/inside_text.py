@@ -29,10 +29,6 @@ _SIGNS = {"+": "+", "-": MINUS, "-+": "∓", "+-": "±"}
 def formulas(text: str, names: Collection[str]) -> Iterator[str | Mathematics]:
     """Split a sentence into words and formulas.
 
-    Args:
-        text: the sentence.
-        names: what the system declares.
-
     Returns:
         Its pieces in order; empty words are left out.
     """

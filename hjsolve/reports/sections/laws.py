@@ -29,9 +29,6 @@ def laws_section(solution: Solution) -> Section:
 
     Args:
         solution: the solution as it is printed.
-
-    Returns:
-        The section.
     """
     found = check(solution, budget=BUDGET)
     rows: tuple[tuple[Text, ...], ...] = tuple(

@@ -1,4 +1,7 @@
-"""The report of a Hamiltonian H = a(q) p + b(q): what was given, its solution, one motion with numbers."""
+"""The report of a Hamiltonian H = a(q) p + b(q): what was given, its solution, one motion with numbers.
+
+``summary`` is what the catalog says about a problem, ``meanings`` coordinate → (unit, meaning); both may be empty.
+"""
 
 from __future__ import annotations
 
@@ -24,11 +27,7 @@ _SHOWN = 9
 
 
 def hamiltonian_answer(problem: LinearHamiltonian) -> Text:
-    """Say in one sentence what the verdict is.
-
-    Args:
-        problem: H = a(q) p + b(q), solved.
-    """
+    """Say in one sentence what the verdict is."""
     q = Mathematics(name_box(problem.coordinate.name))
     return (
         "Separates: ", q, " is the only coordinate, and H is linear in its momentum, so H = E gives the momentum "
@@ -37,13 +36,7 @@ def hamiltonian_answer(problem: LinearHamiltonian) -> Text:
 
 
 def given_section(problem: LinearHamiltonian, meanings: Mapping[str, tuple[str, str]], summary: str) -> Section:
-    """Write down what was given.
-
-    Args:
-        problem: the Hamiltonian.
-        meanings: coordinate → (unit, meaning); may be empty.
-        summary: what the catalog says about it; may be empty.
-    """
+    """Write down what was given."""
     c = problem.coordinate
     unit, meaning = meanings.get(c.name, ("", ""))
     blocks: list[Block] = [Paragraph(typeset_prose(summary, problem))] if summary else []
@@ -65,11 +58,7 @@ def given_section(problem: LinearHamiltonian, meanings: Mapping[str, tuple[str, 
 
 
 def hamiltonian_solution_sections(problem: LinearHamiltonian) -> list[Section]:
-    """Give p(q; E), W and S, and the time law.
-
-    Args:
-        problem: H = a(q) p + b(q), solved.
-    """
+    """Give p(q; E), W and S, and the time law."""
     name = problem.coordinate.name
     E = Glyph("E")
     functions = (
@@ -132,9 +121,6 @@ def hamiltonian_document(
     """Write the report.
 
     Args:
-        problem: the Hamiltonian.
-        meanings: coordinate → (unit, meaning); may be empty.
-        summary: what the catalog says about it; may be empty.
         motion: one motion of it, or None.
         about: what the catalog says about that motion.
         entry: of the catalog, whose literature is given; or None.

@@ -171,6 +171,3 @@ def _complex(value: Any) -> str:
     if real == 0:
         return words if imag > 0 else f"−{words}"
     return f"{shortest(real, _DIGITS).replace('-', '−')} {'+' if imag > 0 else '−'} {words}"
-
-
-__all__ = ["linear_modes_section"]

@@ -14,23 +14,13 @@ import sympy as sp
 from hjsolve._version import __version__
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Float64
+from hjsolve.display.progress import duration
 from hjsolve.lowering import lower
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.motion.motion import Motion
 from hjsolve.precision import mp
-from hjsolve.reports.document import (
-    Block,
-    Figure,
-    Figures,
-    Inline,
-    Mathematics,
-    Note,
-    Paragraph,
-    Section,
-    Table,
-    Text,
-)
+from hjsolve.reports.document import Block, Figure, Figures, Inline, Mathematics, Note, Paragraph, Section, Table, Text
 from hjsolve.reports.drawings import orbit_paths
 from hjsolve.reports.drawings.effective_potential import Array, effective_potential_of, exact_values_of
 from hjsolve.reports.drawings.motion_figures import effective_potential, phase_portrait, potential_name
@@ -38,7 +28,7 @@ from hjsolve.reports.formulas.layout import Glyph, Script
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import spoken
 from hjsolve.reports.sections.prose import typeset_prose
-from hjsolve.reports.sections.rounded_numbers import bound, quantity, terminating, written_duration
+from hjsolve.reports.sections.rounded_numbers import bound, quantity, terminating
 from hjsolve.reports.sections.system_and_verdict import exactly, formula
 
 DASH: Text = ("–",)
@@ -53,9 +43,6 @@ def motion_section(motion: Motion, trace: orbit_paths.Trace, summary: str) -> Se
         motion: a ``Motion``.
         trace: where it is at the times shown.
         summary: what the catalog says about its initial data; may be empty.
-
-    Returns:
-        The section.
     """
     description = (": ", *typeset_prose(summary, motion.solution.system)) if summary else ()
     blocks: list[Block] = [Paragraph(("One motion, as an example", *description, ".")), _initial(motion)]
@@ -147,11 +134,7 @@ def _number(estimate: Estimate | None) -> Text:
 
 # ------------------------------------------------------------------------------------------------ numbers
 def numbers_section(motion: Motion) -> Section:
-    """Give constants, actions, frequencies, periods and boundary times, each with its error.
-
-    Returns:
-        The section.
-    """
+    """Give constants, actions, frequencies, periods and boundary times, each with its error."""
     values = [
         (Mathematics(name_box(p.name)), " = ", *exactly(motion.initial.values[p.symbol]), ", ")
         for p in motion.solution.system.parameters
@@ -216,9 +199,6 @@ def how_section(
         motion: a ``Motion``, or None where nothing numerical was done.
         trace: where it is at the times shown, or None.
         brief: whether closed forms and the map of all motions were left out.
-
-    Returns:
-        The section.
     """
     blocks: list[Block] = []
     if motion is not None and trace is not None:
@@ -234,7 +214,7 @@ def how_section(
         left_out = "Closed forms, wavefronts, the map of all motions and surfaces of section were left out: "
         blocks.append(Paragraph((left_out, "a brief report was asked.")))
     if "SOURCE_DATE_EPOCH" not in os.environ:  # what asks for reports that are the same byte for byte
-        spent = tuple(((part,), (written_duration(time),)) for part, time in clock.items())
+        spent = tuple(((part,), (duration(time),)) for part, time in clock.items())
         blocks.append(Table((("Part",), ("Time",)), spent, "Time spent"))
     versions = tuple(((name,), (number,)) for name, number in _versions().items())
     blocks.append(Table((("Software",), ("Version",)), versions, "Versions"))

@@ -18,9 +18,6 @@ def frame_section(frame: Frame, solution: Solution | None) -> Section:
     Args:
         frame: the verified change.
         solution: of the autonomous system, or None.
-
-    Returns:
-        The section.
     """
     old, new = ([c.name for c in system.coordinates] for system in (frame.original, frame.system))
     blocks: list[Block] = [

@@ -7,17 +7,7 @@ from collections.abc import Mapping
 import sympy as sp
 
 from hjsolve.arithmetic.printed_digits import shortest
-from hjsolve.reports.document import (
-    Block,
-    Formula,
-    Inline,
-    Mathematics,
-    Note,
-    Number,
-    Paragraph,
-    Section,
-    Text,
-)
+from hjsolve.reports.document import Block, Formula, Inline, Mathematics, Note, Number, Paragraph, Section, Text
 from hjsolve.reports.formulas.from_sympy import box
 from hjsolve.reports.formulas.layout import row
 from hjsolve.reports.formulas.line_breaks import display
@@ -33,9 +23,6 @@ def refusal_section(verdict: Obstruction | Undecided) -> Section:
 
     Args:
         verdict: an obstruction or an open question.
-
-    Returns:
-        The section.
     """
     blocks: list[Block] = []
     if verdict.residual is not sp.nan:  # where the budget ended before there was one

@@ -14,9 +14,6 @@ def outside_document(entry: Entry) -> Document:
 
     Args:
         entry: with a ``refusal``.
-
-    Returns:
-        The document, the same for every format.
     """
     refusal = required(entry.refusal)
     names = {name for constraint in entry.constraints for name in constraint.coordinates} - {"a"}

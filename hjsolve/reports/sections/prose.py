@@ -78,11 +78,7 @@ def _conditions() -> dict[str, Box]:
 
 
 def condition_formulas(text: str) -> tuple[Block, ...]:
-    """Write out the conditions of Levi-Civita that an argument speaks of.
-
-    Args:
-        text: of its steps.
-    """
+    """Write out the conditions of Levi-Civita that an argument speaks of."""
     written = {
         "S_ij": "S_ij(f) = d_i d_j f - (d_i ln g^jj) d_j f - (d_j ln g^ii) d_i f",
         "L_ij": "L_ij = H^i H^j H_ij + H_i H_j H^ij - H^i H_j H_i^j - H_i H^j H_j^i",
@@ -119,9 +115,6 @@ def typeset_prose(text: str, system: System | LinearInMomentum) -> Text:
     Args:
         text: the sentence.
         system: whose names they are.
-
-    Returns:
-        The sentence in pieces.
     """
     return with_names(text, {c.name for c in system.coordinates} | {p.name for p in system.parameters})
 
@@ -132,9 +125,6 @@ def with_names(text: str, names: Collection[str]) -> Text:
     Args:
         text: the sentence.
         names: what is a name in it; single letters and Greek ones in formulas are names anyway.
-
-    Returns:
-        The sentence in pieces.
     """
     for ascii_form, better in _SPELLED:
         text = text.replace(ascii_form, better)
@@ -226,11 +216,7 @@ def listed(names: tuple[str, ...] | list[str], word: str = "and") -> Text:
 
 
 def typeset(text: str) -> str:
-    """Write the plain powers and products of units and remarks properly: ``kg*m^2/s^2`` as kg·m²/s².
-
-    Returns:
-        The same with raised digits and centred dots.
-    """
+    """Write the plain powers and products of units and remarks properly: ``kg*m^2/s^2`` as kg·m²/s²."""
     raised = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
     text = re.sub(r"(?:\^|\*\*)(?:\((-?\d+)\)|(-?\d+)(?![\w.]))", lambda m: (m[1] or m[2]).translate(raised), text)
     text = re.sub(r"(?<=[=(,] )-(?=\w)|(?<=[=(])-(?=\w)|(?<=\b\w )-(?= \w\b)", "−", text)

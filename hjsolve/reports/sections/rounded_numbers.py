@@ -93,20 +93,6 @@ def terminating(value: sp.Basic, digits: int = 15) -> Number | None:
     return Number(str(int(quotient)) if whole else plain_text(quotient))
 
 
-def written_duration(value: float) -> str:
-    """Write a duration with two digits and the unit that suits it.
-
-    Args:
-        value: seconds.
-
-    Returns:
-        Such as ``37 ms`` or ``1.4 s``.
-    """
-    if value < 0.9995e-3:
-        return f"{value * 1e6:.0f} µs"
-    return f"{value * 1e3:.0f} ms" if value < 0.9995 else f"{value:.2g} s" if value < 9.95 else f"{value:.0f} s"
-
-
 def bound(value: float) -> Number:
     """Write a bound in two digits, rounded up.
 

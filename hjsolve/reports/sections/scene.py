@@ -47,11 +47,7 @@ _TITLES = {
 
 
 def scene_document(run: Run) -> Document:
-    """Write the report of a scene that has been run.
-
-    Returns:
-        The document, the same for every format.
-    """
+    """Write the report of a scene that has been run."""
     scene = run.scene
     sections: list[Section | None] = [_asked(run), system_and_verdict.system_section(scene.system, {}, "")]
     if run.solution is not None:

@@ -157,12 +157,7 @@ def solution_sections(solution: Solution) -> list[Section]:
 
 
 def source_of_equation(solution: Solution, name: str) -> str:
-    """Return where the book has one of Jacobi's equations other than the time law.
-
-    Args:
-        solution: whose equation.
-        name: of the constant.
-    """
+    """Return where the book has one of Jacobi's equations other than the time law."""
     if _holds_time(solution, solution.orbit_equations[name]):
         return "Greenwood (5-76)"
     passive = {c.momentum.name for c in solution.separation.shell.ignorable}

@@ -41,11 +41,7 @@ IN_A_CELL = 0.6 * LINE
 
 
 def math(expression: sp.Basic) -> Mathematics:
-    """Set an expression inside a sentence or a cell, a long one on several lines.
-
-    Args:
-        expression: of sympy.
-    """
+    """Set an expression inside a sentence or a cell, a long one on several lines."""
     return Mathematics(display(expression, IN_A_CELL))
 
 
@@ -112,9 +108,6 @@ def system_section(
         meanings: coordinate → (unit, meaning); may be empty.
         summary: what the catalog says about it; may be empty.
         letters: sums that are abbreviated → their letters.
-
-    Returns:
-        The section.
     """
     blocks: list[Block] = [Paragraph(typeset_prose(summary, system))] if summary else []
     if system.relativity is not None:
@@ -254,11 +247,7 @@ _LEFT = {"Stäckel matrix": "Φ", "Stäckel column": "ψ"}
 
 
 def reduction_section(verdict: Separation | Obstruction | Undecided) -> Section | None:
-    """Tell how the system was reduced to its energy shell; None where it never had one.
-
-    Returns:
-        The section, or None.
-    """
+    """Tell how the system was reduced to its energy shell; None where it never had one."""
     if verdict.shell is None:
         return None
     text = (
@@ -292,11 +281,7 @@ def evidence_section(verdict: Separation | Obstruction | Undecided, *, lead: boo
 
 
 def answer(verdict: Separation | Obstruction | Undecided) -> Text:
-    """Say the verdict in a sentence or two.
-
-    Returns:
-        The sentence in pieces.
-    """
+    """Say the verdict in a sentence or two."""
     names = [c.name for c in verdict.system.coordinates]
     inside = ("in ", *listed(names))
     match verdict:

@@ -1,4 +1,7 @@
-"""What the tools of the theorem answer, as sections: complete integrals, canonical maps, and what is wrong with one."""
+"""What the tools of the theorem answer, as sections: complete integrals, canonical maps, and what is wrong with one.
+
+An ``answer`` is that of ``verify`` or ``canonical``.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +25,14 @@ from hjsolve.reports.document import (
 from hjsolve.reports.formulas.from_sympy import box
 from hjsolve.reports.formulas.layout import Box, Glyph, Script
 from hjsolve.reports.formulas.names import name_box
-from hjsolve.reports.sections.rounded_numbers import quantity
+from hjsolve.reports.sections.rounded_numbers import bound, quantity
 from hjsolve.reports.sections.system_and_verdict import equation, formula, math
 from hjsolve.separation import Undecided
+from hjsolve.theorem.action_along_path import PathAction
 from hjsolve.theorem.answers import Flaw, Proof
 from hjsolve.theorem.canonical_maps import CanonicalMap
 from hjsolve.theorem.complete_integral import CompleteIntegral
+from hjsolve.theorem.loop_integrals import LoopIntegral
 from hjsolve.theorem.own_motion import OwnMotion
 
 _FUNCTIONS = ("F1", "F2", "F3", "F4")
@@ -35,11 +40,7 @@ _EQUATIONS = {"F1": "(6-18)", "F2": "(6-46)", "F3": "(6-52)", "F4": "(6-57)"}
 
 
 def complete_integral_section(answer: CompleteIntegral) -> Section:
-    """Write down what follows from a complete integral: the determinant, the momenta, Jacobi's equations.
-
-    Args:
-        answer: proved.
-    """
+    """Write down what follows from a complete integral: the determinant, the momenta, Jacobi's equations."""
     blocks: list[Block] = [
         Paragraph(("The Hamilton-Jacobi equation holds identically. With the principal function",)),
         formula(Glyph("S"), answer.principal_function, "Greenwood (5-52)"),
@@ -55,11 +56,7 @@ def complete_integral_section(answer: CompleteIntegral) -> Section:
 
 
 def canonical_section(answer: CanonicalMap) -> Section:
-    """Write down a canonical map: its valence, the exact differential, generating functions, K.
-
-    Args:
-        answer: proved.
-    """
+    """Write down a canonical map: its valence, the exact differential, generating functions, K."""
     μ, ψ = Glyph("μ"), Glyph("ψ")
     blocks: list[Block] = [
         Paragraph(("The map",)),
@@ -164,11 +161,7 @@ def own_motion_section(answer: OwnMotion | Undecided) -> Section:
 
 
 def flaw_section(answer: Flaw) -> Section:
-    """Say what fails, with the expression that is not zero and the point that shows it.
-
-    Args:
-        answer: the refutation.
-    """
+    """Say what fails, with the expression that is not zero and the point that shows it."""
     blocks: list[Block] = [Paragraph((_sentence(answer.statement),))]
     if answer.witness is not None:
         blocks += [Paragraph(("This ought to vanish:",)), Formula(box(answer.residual), str(answer.residual))]
@@ -189,11 +182,7 @@ def undecided_section(answer: Undecided) -> Section:
 
 
 def theorem_answer(answer: CompleteIntegral | CanonicalMap | Flaw | Undecided) -> Text:
-    """Give the answer in one sentence.
-
-    Args:
-        answer: of ``verify`` or ``canonical``.
-    """
+    """Give the answer in one sentence."""
     if isinstance(answer, CompleteIntegral):
         return (Strong("Yes"), ": a complete integral.")
     if isinstance(answer, CanonicalMap):
@@ -204,11 +193,7 @@ def theorem_answer(answer: CompleteIntegral | CanonicalMap | Flaw | Undecided) -
 
 
 def theorem_section(answer: CompleteIntegral | CanonicalMap | Flaw | Undecided) -> Section:
-    """Give the section of an answer.
-
-    Args:
-        answer: of ``verify`` or ``canonical``.
-    """
+    """Give the section of an answer."""
     if isinstance(answer, CompleteIntegral):
         return complete_integral_section(answer)
     if isinstance(answer, CanonicalMap):
@@ -230,7 +215,29 @@ def _witness(point: Mapping[str, object], lower: sp.Expr, upper: sp.Expr) -> Tex
     return (f"A witness: {where}its value lies between {float(lower):.9g} and {float(upper):.9g}.",)
 
 
-__all__ = [
-    "brackets_section", "canonical_section", "complete_integral_section", "flaw_section", "integrals_section",
-    "own_coordinates_section", "own_motion_section", "theorem_answer", "theorem_section", "undecided_section",
-]  # fmt: skip
+def action_section(found: PathAction) -> Section:
+    """Write down the Lagrangian along a path, and its integral."""
+    start, stop = found.between
+    blocks: list[Block] = [
+        Paragraph(("Along the path",)),
+        *(formula(name_box(name), f) for name, f in found.path.items()),
+        Paragraph(("the Lagrangian is",)),
+        formula(Glyph("L"), found.lagrangian),
+        Paragraph((
+            "Its integral over the time from ", math(start), " to ", math(stop), " (4-2) is ",
+            quantity(found.value), ".",
+        )),
+    ]  # fmt: skip
+    return Section("action", "The action of the path", tuple(blocks))
+
+
+def loop_section(found: LoopIntegral) -> Section:
+    """Write down the integral of p dq along a closed curve at several times."""
+    rows: list[tuple[Text, ...]] = [
+        ((f"{t:.10g}",), (Number(f"{x:.16g}"),), (bound(float(e)),))
+        for t, x, e in zip(found.times, found.value, found.error, strict=True)
+    ]
+    words = "They agree within their errors." if found else "They do not agree within their errors."
+    caption = f"Poincaré's invariant, by {found.points} motions (6-396)"
+    table = Table((("t",), ("∮ ∑p dq",), ("Error",)), tuple(rows), caption)
+    return Section("loop", "The loop integral", (table, Paragraph((words,))))

@@ -99,15 +99,9 @@ CHARTS = (
         lambda r, θ: (sp.S.One, r**2),
         (Integral(L**2, "L the angular momentum", lambda r, θ: (sp.S.Zero, sp.S.One)),),
     ),
+    KnownChart("parabolic", lambda u, v: (u**2 + v**2,) * 2, (Integral(A, _RUNGE_LENZ, _parabolic, _along, _KEPLER),)),
     KnownChart(
-        "parabolic",
-        lambda u, v: (u**2 + v**2,) * 2,
-        (Integral(A, _RUNGE_LENZ, _parabolic, _along, _KEPLER),),
-    ),
-    KnownChart(
-        "elliptic",
-        lambda u, v: (sp.sinh(u) ** 2 + sp.sin(v) ** 2,) * 2,
-        (Integral(L1 * L2, _FOCI, _confocal),),
+        "elliptic", lambda u, v: (sp.sinh(u) ** 2 + sp.sin(v) ** 2,) * 2, (Integral(L1 * L2, _FOCI, _confocal),)
     ),
     KnownChart(
         "circular cylinder",
@@ -136,11 +130,7 @@ CHARTS = (
         (
             Integral(L_Z**2, _AXIAL, lambda u, v, φ: (sp.S.Zero, sp.S.Zero, sp.S.One)),
             Integral(
-                A,
-                _RUNGE_LENZ,
-                lambda u, v, φ: (*_parabolic(u, v), (u**2 - v**2) / (2 * u**2 * v**2)),
-                _along,
-                _KEPLER,
+                A, _RUNGE_LENZ, lambda u, v, φ: (*_parabolic(u, v), (u**2 - v**2) / (2 * u**2 * v**2)), _along, _KEPLER
             ),
         ),
     ),
@@ -167,10 +157,7 @@ CHARTS = (
             Integral(
                 L**2 + sp.Symbol("a") ** 2 * (P_X**2 + P_Y**2),
                 "L the total angular momentum and a the radius of the focal circle",
-                lambda u, v, φ: (
-                    *_flat(u, v),
-                    1 + ((sp.sinh(u) * sp.cos(v)) ** 2 + 1) / (sp.cosh(u) * sp.sin(v)) ** 2,
-                ),
+                lambda u, v, φ: (*_flat(u, v), 1 + ((sp.sinh(u) * sp.cos(v)) ** 2 + 1) / (sp.cosh(u) * sp.sin(v)) ** 2),
             ),
         ),
     ),
@@ -204,20 +191,13 @@ CHARTS = (
     ),
     KnownChart(
         "prolate spheroidal, z = a ξ η",
-        lambda ξ, η, φ: (
-            (ξ**2 - η**2) / (ξ**2 - 1),
-            (ξ**2 - η**2) / (1 - η**2),
-            (ξ**2 - 1) * (1 - η**2),
-        ),
+        lambda ξ, η, φ: ((ξ**2 - η**2) / (ξ**2 - 1), (ξ**2 - η**2) / (1 - η**2), (ξ**2 - 1) * (1 - η**2)),
         (
             Integral(L_Z**2, _AXIAL, lambda ξ, η, φ: (sp.S.Zero, sp.S.Zero, sp.S.One)),
             Integral(
                 L1 * L2,
                 _FOCI,
-                lambda ξ, η, φ: (
-                    *_confocal_algebraic(ξ, η),
-                    1 + ((ξ * η) ** 2 - 1) / ((ξ**2 - 1) * (1 - η**2)),
-                ),
+                lambda ξ, η, φ: (*_confocal_algebraic(ξ, η), 1 + ((ξ * η) ** 2 - 1) / ((ξ**2 - 1) * (1 - η**2))),
             ),
         ),
     ),
@@ -232,11 +212,7 @@ CHARTS = (
         (
             Integral(L_Z**2, _AXIAL, lambda ξ, η, φ: (sp.S.Zero, sp.S.Zero, sp.S.One)),
             Integral(
-                A,
-                _RUNGE_LENZ_2,
-                lambda ξ, η, φ: (*_squared(ξ, η), (ξ - η) / (2 * ξ * η)),
-                _along_squared,
-                _KEPLER_2,
+                A, _RUNGE_LENZ_2, lambda ξ, η, φ: (*_squared(ξ, η), (ξ - η) / (2 * ξ * η)), _along_squared, _KEPLER_2
             ),
         ),
     ),

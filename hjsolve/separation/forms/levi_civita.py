@@ -72,6 +72,8 @@ class Condition:
 class LeviCivitaConditions:
     """The conditions of an orthogonal shell; derivatives are taken when they are asked for, and once.
 
+    In its methods i and j are positions of two coordinates.
+
     Args:
         reader: reads and differentiates.
         symbols: essential coordinates.
@@ -118,7 +120,6 @@ class LeviCivitaConditions:
         None when no point could be found.
 
         Args:
-            i, j: positions of the two coordinates.
             about: h, or None for the potential.
         """
         if self._jets is None:
@@ -126,11 +127,7 @@ class LeviCivitaConditions:
         return not any(self._value(i, j, about, *place) for place in self._jets)
 
     def one_factor(self, i: int, j: int) -> bool | None:
-        """Return whether S_ij(gʰʰ)/gʰʰ is the same for every h at random points modulo primes; None when there is none.
-
-        Args:
-            i, j: positions of the two coordinates.
-        """
+        """Return whether S_ij(gʰʰ)/gʰʰ is the same for every h at random points modulo primes; None for no points."""
         if self._jets is None:
             return None
         n = range(len(self.symbols))
@@ -157,7 +154,6 @@ class LeviCivitaConditions:
         """S_ij(gʰʰ)/gʰʰ.
 
         Args:
-            i, j: positions of the two coordinates.
             h: position of the entry of the inverse metric.
         """
         log, minus = self.log, self.minus
@@ -166,19 +162,10 @@ class LeviCivitaConditions:
             return [mixed, [minus, log[j][i], log[i][j]]]
         if h == j:
             return [mixed, [minus, log[i][j], log[j][i]]]
-        return [
-            mixed,
-            [log[h][i], log[h][j]],
-            [minus, log[j][i], log[h][j]],
-            [minus, log[i][j], log[h][i]],
-        ]
+        return [mixed, [log[h][i], log[h][j]], [minus, log[j][i], log[h][j]], [minus, log[i][j], log[h][i]]]
 
     def of_potential(self, i: int, j: int) -> Products:
-        """S_ij(U).
-
-        Args:
-            i, j: positions of the two coordinates.
-        """
+        """S_ij(U)."""
         mixed = [self._again(self.slope[i], j)]
         return [mixed, [self.minus, self.log[j][i], self.slope[j]], [self.minus, self.log[i][j], self.slope[i]]]
 
@@ -201,12 +188,7 @@ def sum_vanishes(reader: Reader, products: Products, sieve: Filter) -> bool:
 
 
 def sum_of_products(reader: Reader, products: Products) -> Element:
-    """Return the sum of products of sums as one element.
-
-    Args:
-        reader: of the field.
-        products: Σ Π Σ of elements.
-    """
+    """Return the sum of products of sums as one element."""
     field = reader.field
     return field.total(field.product([field.total(elements) for elements in factors]) for factors in products)
 

@@ -13,11 +13,12 @@ from fractions import Fraction
 import sympy as sp
 
 from hjsolve.algebra.field import Element
+from hjsolve.algebra.intervals import NoEnclosureError, enclose
 from hjsolve.algebra.readable import printed_length, shortest_form, variants
 from hjsolve.algebra.reader import Reader
 from hjsolve.separation.forms.base_points import find_base_points
 from hjsolve.separation.verdicts import Liouville
-from hjsolve.separation.zero_test.interval_evaluation import NoEnclosureError, Region, enclose
+from hjsolve.separation.zero_test.interval_evaluation import Region
 
 
 def recognise(

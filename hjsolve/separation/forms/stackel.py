@@ -10,6 +10,9 @@ V hold if and only if the shell separates (Eisenhart 1934; docs/theory).
 
 What may be changed without changing anything (Greenwood after (5-140)): columns 2 … n of Φ mixed by a constant
 nonsingular matrix, multiples of them added to column 1 and to ψ. ``columns`` uses this freedom.
+
+Here ``matrix`` holds Φ and ψ as elements, ``metric`` is c = (gᵃᵃ), one element a coordinate, and ``potential`` is V or
+V_eff.
 """
 
 from __future__ import annotations
@@ -50,7 +53,6 @@ def construct(
         reader: reads and differentiates.
         symbols: essential coordinates.
         metric: gᵃᵃ, one element a coordinate.
-        potential: V or V_eff.
     """
     if len(metric) == 1:
         matrix = Matrix([[metric[0] ** -1]], [reader.field.cancelled(potential / metric[0])])
@@ -69,14 +71,7 @@ def construct(
 
 
 def certified(reader: Reader, metric: Sequence[Element], potential: Element, matrix: Matrix) -> bool:
-    """Exact proof of cᵀΦ = (1, 0, …, 0) and cᵀψ = V.
-
-    Args:
-        reader: of the field.
-        metric: c = (gᵃᵃ), one element a coordinate.
-        potential: V or V_eff.
-        matrix: Φ and ψ as elements.
-    """
+    """Exact proof of cᵀΦ = (1, 0, …, 0) and cᵀψ = V."""
     return all(
         levi_civita.sum_of_products(reader, identity).is_zero
         for identity in _identities(reader, metric, potential, matrix)
@@ -87,12 +82,6 @@ def plausible(reader: Reader, metric: Sequence[Element], potential: Element, mat
     """Return the identities of ``certified`` at random points modulo primes.
 
     What fails here is not worth making readable.
-
-    Args:
-        reader: of the field.
-        metric: c = (gᵃᵃ), one element a coordinate.
-        potential: V or V_eff.
-        matrix: Φ and ψ as elements.
     """
     sieve = Filter(reader.field)
     return all(sieve.vanishes(identity) is not False for identity in _identities(reader, metric, potential, matrix))
@@ -120,10 +109,8 @@ def at_base_point(
     With ``blocks``, row i is a function of all coordinates of block i, and ``metric`` has one entry per block.
 
     Args:
-        reader: of the field.
         point: q⁰.
         metric: gᵃᵃ, one element a coordinate, or one a block.
-        potential: V or V_eff.
         blocks: positions of the coordinates, block by block; by default every coordinate is one.
 
     Raises:
@@ -159,11 +146,8 @@ def finished(
     With one coordinate ψ = V/c is written term by term as the user wrote V.
 
     Args:
-        reader: of the field.
         names: of the essential coordinates.
         metric: gᵃᵃ, one expression a coordinate.
-        potential: V or V_eff.
-        matrix: Φ and ψ as elements.
     """
     entries = [[shortest_form(reader, x) for x in row] for row in matrix.rows]
     if len(names) == 1:

@@ -14,8 +14,9 @@ from statistics import median
 import mpmath
 import sympy as sp
 
+from hjsolve.algebra.intervals import NoEnclosureError, Walk, finite
 from hjsolve.precision import mp
-from hjsolve.separation.zero_test.interval_evaluation import UNKNOWNS, NoEnclosureError, Region, Walk, finite
+from hjsolve.separation.zero_test.interval_evaluation import UNKNOWNS, Region
 
 SAMPLES = 6
 ATTEMPTS = 60

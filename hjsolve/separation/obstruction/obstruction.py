@@ -293,6 +293,3 @@ def _general_obstruction(
         ReductionStep("Levi-Civita's general condition", text, residual),
     )
     return Obstruction(system, None, pair, found.reason, residual, answer.witness, words, steps)
-
-
-__all__ = ["Setting", "of_shell", "refuse_condition", "refuse_without_shell", "region_of"]

@@ -15,18 +15,10 @@ from mpmath import libmp
 
 from hjsolve.algebra import poly
 from hjsolve.algebra.field import Element, Field
+from hjsolve.algebra.intervals import Interval, Walk, enclose_inverse, finite, rational
 from hjsolve.algebra.modular import Products
 from hjsolve.algebra.poly import Budget, Poly
-from hjsolve.separation.zero_test.interval_evaluation import (
-    Interval,
-    Region,
-    Walk,
-    Witness,
-    enclose_inverse,
-    finite,
-    rational,
-    search,
-)
+from hjsolve.separation.zero_test.interval_evaluation import Region, Witness, search
 
 
 def find_witness_of_products(field: Field, products: Products, region: Region, budget: Budget) -> Witness | None:

@@ -14,7 +14,7 @@ from functools import partial
 import mpmath
 import sympy as sp
 
-from hjsolve.algebra.intervals import Interval, NoEnclosureError, Walk, enclose, enclose_inverse, finite, rational
+from hjsolve.algebra.intervals import NoEnclosureError, enclose
 from hjsolve.algebra.poly import Budget
 from hjsolve.algebra.signs import Bounds
 from hjsolve.display.shown import Shown
@@ -196,19 +196,3 @@ def value_to_40_digits(expression: sp.Expr, region: Region) -> tuple[dict[str, s
         with mp.workdps(40):
             return {sp.sstr(s): v for s, v in point.items()}, (lower + upper) / 2
     return None
-
-
-__all__ = [
-    "Interval",
-    "NoEnclosureError",
-    "Region",
-    "Walk",
-    "Witness",
-    "enclose",
-    "enclose_inverse",
-    "find_witness",
-    "finite",
-    "rational",
-    "search",
-    "value_to_40_digits",
-]  # fmt: skip

@@ -14,14 +14,7 @@ import mpmath
 import sympy as sp
 from mpmath import libmp
 
-from hjsolve.separation.zero_test.interval_evaluation import (
-    Interval,
-    NoEnclosureError,
-    Walk,
-    enclose_inverse,
-    finite,
-    rational,
-)
+from hjsolve.algebra.intervals import Interval, NoEnclosureError, Walk, enclose_inverse, finite, rational
 
 Slope: TypeAlias = Interval | None
 Jet: TypeAlias = tuple[Interval, Slope, Slope, Slope]
@@ -137,40 +130,21 @@ class JetWalk:
         return rational(int(x.p), int(x.q), self.precision)
 
     def plus(self, a: Slope, b: Slope) -> Slope:
-        """Return the sum.
-
-        Args:
-            a: an interval jet.
-            b: an interval jet.
-        """
+        """Return the sum."""
         if a is None or b is None:
             return b if a is None else a
         return libmp.mpi_add(a, b, self.precision)
 
     def times(self, a: Slope, b: Slope) -> Slope:
-        """Return the product.
-
-        Args:
-            a: an interval jet.
-            b: an interval jet.
-        """
+        """Return the product."""
         return None if a is None or b is None else libmp.mpi_mul(a, b, self.precision)
 
     def over(self, a: Slope, b: Interval) -> Slope:
-        """Return the quotient.
-
-        Args:
-            a: an interval jet.
-            b: an interval jet.
-        """
+        """Return the quotient."""
         return None if a is None else libmp.mpi_mul(a, enclose_inverse(b, self.precision), self.precision)
 
     def negative(self, a: Slope) -> Slope:
-        """Return the negative.
-
-        Args:
-            a: an interval jet.
-        """
+        """Return the negative."""
         return None if a is None else libmp.mpi_neg(a)
 
 

@@ -30,6 +30,3 @@ def vanishes(
     given = set(parameters)
     free = {symbol: ends for symbol, ends in free_region(residual).bounds.items() if symbol not in given}
     return is_zero(residual, Region({**free, **bounds}, defaults), budget=budget)
-
-
-__all__ = ["vanishes"]

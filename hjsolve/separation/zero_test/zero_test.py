@@ -114,11 +114,7 @@ def not_zero(expression: sp.Expr, region: Region, budget: Budget, reason: str) -
 
 
 def free_region(expression: sp.Expr) -> Region:
-    """Return every symbol over the reals that its own assumptions allow.
-
-    Args:
-        expression: whose symbols are meant.
-    """
+    """Return every symbol over the reals that its own assumptions allow."""
     bounds = {}
     for s in expression.free_symbols:
         lower = sp.S.Zero if s.is_nonnegative else None
