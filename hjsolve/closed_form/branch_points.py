@@ -8,6 +8,7 @@ import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve, named_constants
 from hjsolve.closed_form.no_form import NoFormError
+from hjsolve.closed_form.pairs_by_division import remaining_pair
 from hjsolve.closed_form.regions import RootInterval, ordered_real_roots
 from hjsolve.closed_form.signs import Signs
 from hjsolve.closed_form.tidy import shortened_powers
@@ -55,7 +56,7 @@ def named_roots(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix
         symbols = _by_numbers(left, found, signs, prefix)
         where |= {symbol: (left, k) for k, symbol in enumerate(symbols)}
         found = [*found, *symbols]
-        pairs += _remaining_pair(left, symbols) if symbols else _two_pairs(left, signs, prefix, where)
+        pairs += remaining_pair(left, symbols) if symbols else _two_pairs(left, signs, prefix, where)
     real = tuple(sorted(found, key=lambda e: mp.mpf(signs.number(e))))
     if left is None and any(sp.count_ops(r) > LONGEST_ROOT or _nested(r) for r in real):
         real, where = _by_names(real, signs, prefix)
@@ -120,19 +121,6 @@ def _part_by_name(
     where[symbol] = im
     signs.name({symbol: sp.Float(signs.number(im), 50)})
     return symbol
-
-
-def _remaining_pair(P: sp.Poly, real: list[sp.Symbol]) -> tuple[tuple[sp.Expr, sp.Expr], ...]:
-    """Return the complex pair that is left next to named real roots: x² + βx + γ by Vieta."""
-    if len(real) == P.degree():
-        return ()
-    if len(real) != P.degree() - 2:
-        raise NoFormError("P has no real root")
-    A, b, c = P.all_coeffs()[:3]
-    total = sp.Add(*real)
-    β = b / A + total
-    γ = c / A - (real[0] * real[1] if len(real) == 2 else 0) + β * total
-    return ((-β / 2, sp.sqrt(γ - β**2 / 4)),)
 
 
 def _two_pairs(

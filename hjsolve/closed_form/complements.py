@@ -15,6 +15,7 @@ from sympy.core.relational import Relational
 
 from hjsolve.closed_form.common_factors import grouped
 from hjsolve.closed_form.complete_integrals import CompleteIntegrals, Where, roots_by_polynomial
+from hjsolve.closed_form.pairs_by_division import deflated_pair, remaining_pair
 from hjsolve.closed_form.tidy import elliptic, longer_than, operations
 
 _LONGEST = 60
@@ -62,9 +63,19 @@ class ForDoubles:
                 found[symbol] = meaning
                 waiting += meaning[0].free_symbols_in_domain
             else:
-                found[symbol] = made = self.form(meaning)
+                found[symbol] = made = self._part_of_pair(meaning) or self.form(meaning)
                 waiting += made.free_symbols
         return found
+
+    def _part_of_pair(self, meaning: sp.Expr) -> sp.Expr | None:
+        """Return the real or imaginary part of the pair that is left next to named real roots; None of another one."""
+        for P, numbers in roots_by_polynomial(self.where).items():
+            real = sorted(meaning.free_symbols & numbers.keys(), key=numbers.__getitem__)
+            if len(real) == P.degree() - 2 and real:
+                (pair,) = remaining_pair(P, real)
+                if meaning in pair:
+                    return deflated_pair(P, real)[pair.index(meaning)]
+        return None
 
 
 def _gaps(expression: sp.Expr, where: Where, roots: Mapping[sp.Symbol, mpmath.mpf]) -> dict[sp.Expr, sp.Expr]:

@@ -8,7 +8,9 @@ coordinate are verified together: they share the momentum, the nodes and the ell
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import mpmath
 import sympy as sp
@@ -25,6 +27,22 @@ _MOST, _NODES, _HALVINGS = 4096, 4, 9
 _PARTS = ("0.31", "0.52", "0.77")
 
 
+@dataclass(frozen=True)
+class Compared:
+    """An integral against the quadrature, its slopes against the integrand, its cycle against that of the quadrature.
+
+    Attributes:
+        flaw: what is wrong; empty where nothing is.
+        difference: the largest, in units of what is allowed: at most 1 where nothing is wrong.
+    """
+
+    flaw: str = ""
+    difference: float = 0.0
+
+    def __or__(self, other: Compared) -> Compared:
+        return Compared(self.flaw or other.flaw, max(self.difference, other.difference))
+
+
 def flaws(piece: CoordinateIntegrals, keys: Sequence[sp.Symbol], digits: int = DIGITS) -> dict[sp.Symbol, str]:
     """Return what is wrong with integrals of a coordinate: no key of one that passes.
 
@@ -33,16 +51,30 @@ def flaws(piece: CoordinateIntegrals, keys: Sequence[sp.Symbol], digits: int = D
         keys: which of them.
         digits: to which they are compared.
     """
-    found, left = dict[sp.Symbol, str](), dict[int, dict[sp.Symbol, PieceIntegral]]()
+    return {key: one.flaw for key, one in compared(piece, keys, digits).items() if one.flaw}
+
+
+def compared(
+    piece: CoordinateIntegrals, keys: Sequence[sp.Symbol], digits: int = DIGITS
+) -> dict[sp.Symbol, Compared]:  # fmt: skip
+    """Return how integrals of a coordinate compare with the quadrature.
+
+    Args:
+        piece: the coordinate's integrals in a regime, with the sample they are tried at.
+        keys: which of them.
+        digits: to which they are compared.
+    """
+    found, left = dict[sp.Symbol, Compared](), dict[int, dict[sp.Symbol, PieceIntegral]]()
     for key, integral in _held(piece, keys):
         check_time()
         if integral.law is not None and integral.law.residual(integral.rational) != 0:
-            found[key] = "not verified: its derivative was not proved to be the integrand"
+            found[key] = Compared("not verified: its derivative was not proved to be the integrand", math.inf)
             continue
         left.setdefault(id(integral.curve), {})[key] = integral
     for own in left.values():
         with mp.workdps(digits + GUARD):
-            found |= _Trial(piece, own, digits).flaws()
+            for key, one in _Trial(piece, own, digits).compared().items():
+                found[key] = found.get(key, Compared()) | one
     return found
 
 
@@ -69,38 +101,48 @@ class _Trial:
         root = mp.sqrt(square)
         return [N / root for N in numerators]
 
-    def flaws(self) -> dict[sp.Symbol, str]:
-        """Return what is wrong with antiderivatives, and with values over cycles."""
+    def compared(self) -> dict[sp.Symbol, Compared]:
+        """Return how antiderivatives compare, and the values over cycles of those that pass."""
         found = self._antiderivatives([k for k, own in enumerate(self.integrals) if own.value is not sp.nan])
-        kept = [k for k, own in enumerate(self.integrals) if self.keys[k] not in found and own.cycle is not None]
-        return found | self._cycles(kept)
+        sound = [k for k, key in enumerate(self.keys) if not found.get(key, Compared()).flaw]
+        for key, one in self._cycles([k for k in sound if self.integrals[k].cycle is not None]).items():
+            found[key] = found.get(key, Compared()) | one
+        return found
 
-    def _antiderivatives(self, wanted: list[int]) -> dict[sp.Symbol, str]:
+    def _antiderivatives(self, wanted: list[int]) -> dict[sp.Symbol, Compared]:
         if not wanted:
             return {}
         low, high = monotone_span(self.piece, self.integrals[0])
         places = [low + (high - low) * mp.mpf(part) for part in _PARTS]
-        found = dict[sp.Symbol, str]()
+        found = dict[sp.Symbol, Compared]()
         integrands = [self.integrands(place) for place in places]
         forms = [self.forms(place) for place in places]
         expected = self._between(places[0], places[2])
         for k in wanted:
             key, size = self.keys[k], max(abs(values[k]) for values in integrands)
             slopes = [values[len(self.keys) + k] for values in forms]
-            if not all(self._close(s, f[k], size) for s, f in zip(slopes, integrands, strict=True)):
-                found[key] = "not verified: its derivative is not the integrand at a place tried"
+            off = max(self._difference(s, f[k], size) for s, f in zip(slopes, integrands, strict=True))
+            if off > 1:
+                found[key] = Compared("not verified: its derivative is not the integrand at a place tried", off)
                 continue
             begin, end = _real(forms[0][k]), _real(forms[2][k])
             size = max(abs(begin), abs(end), abs(expected[k]))
-            if not self._close(end - begin, expected[k], size):
-                found[key] = f"not verified: it is {_few(end - begin)} where the quadrature is {_few(expected[k])}"
+            found[key] = Compared(difference=off) | self._judged("it is", end - begin, expected[k], size)
         return found
 
-    def _close(self, one: mpmath.mpf, other: mpmath.mpf, size: mpmath.mpf) -> bool:
+    def _judged(self, what: str, got: mpmath.mpf, expected: mpmath.mpf, size: mpmath.mpf) -> Compared:
+        off = self._difference(got, expected, size)
+        words = f"not verified: {what} {_few(got)} where the quadrature is {_few(expected)}"
+        return Compared(words if off > 1 else "", off)
+
+    def _difference(self, one: mpmath.mpf, other: mpmath.mpf, size: mpmath.mpf) -> float:
+        """Return a difference in units of what is allowed; infinite where a value is not a real number."""
         one = _real(one)
         if not (mp.isfinite(one) and mp.isfinite(other)) or isinstance(other, mp.mpc):
-            return False
-        return bool(abs(one - other) <= size * mp.mpf(10) ** (-self.digits))
+            return math.inf
+        if one == other:
+            return 0.0
+        return float(abs(one - other) / size * mp.mpf(10) ** self.digits) if size else math.inf
 
     def _between(self, start: mpmath.mpf, stop: mpmath.mpf) -> list[mpmath.mpf]:
         """Return the quadratures between two places, by Gauss's rule; nan where it does not settle."""
@@ -130,18 +172,15 @@ class _Trial:
         tiny = mp.mpf(10) ** (-self.digits - 2)
         return not mp.isfinite(once) or bool(abs(once - twice) <= (abs(twice) + abs(once)) * tiny)
 
-    def _cycles(self, wanted: list[int]) -> dict[sp.Symbol, str]:
-        """Return what is wrong with integrals over cycles."""
+    def _cycles(self, wanted: list[int]) -> dict[sp.Symbol, Compared]:
+        """Return how integrals over cycles compare."""
         if not wanted:
             return {}
-        found = dict[sp.Symbol, str]()
         given = Evaluator([self.integrals[k].cycle for k in wanted]).at(self.numbers)
         expected = self._around()
-        for k, got in zip(wanted, given, strict=True):
-            value, size = expected[k]
-            if not self._close(got, value, size):
-                found[self.keys[k]] = f"not verified: a cycle gives {_few(got)}, the quadrature {_few(value)}"
-        return found
+        return {
+            self.keys[k]: self._judged("a cycle is", got, *expected[k]) for k, got in zip(wanted, given, strict=True)
+        }
 
     def _around(self) -> list[tuple[mpmath.mpf, mpmath.mpf]]:
         """∮ N dq/P by the midpoint rule, trebled until it no longer moves; and ∮ |N| dq/P."""
