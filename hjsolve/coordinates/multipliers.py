@@ -12,7 +12,7 @@ Q and Q̇ as well.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -61,7 +61,7 @@ class ConstraintForces(Shown):
 
 
 @one_at_a_time
-def constraint_forces(system: System | str | Path, constraints: Iterable[str] = ()) -> ConstraintForces:
+def constraint_forces(system: System | str | Path, constraints: Sequence[str] = ()) -> ConstraintForces:
     """Write Lagrange's equations with multipliers, and solve them for the constraint forces.
 
     Args:
@@ -89,7 +89,9 @@ def constraint_forces(system: System | str | Path, constraints: Iterable[str] = 
         Greenwood, Classical Dynamics (1977), (2-48), (5-22)–(5-25), P2-3, P2-9, P4-4.
     """
     system = system_of(system, "constraint_forces")
-    given = (constraints,) if isinstance(constraints, str) else tuple(constraints)
+    given = (constraints,) if isinstance(constraints, str) else constraints
+    if not isinstance(given, (list, tuple)):
+        raise InvalidSystemError('constraints: texts are needed, such as ["x**2 + y**2 = 1"]')
     if given:
         return forces_of(
             system, given, [read_constraint(system, x, f"constraints[{n}]") for n, x in enumerate(given, 1)]

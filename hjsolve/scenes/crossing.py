@@ -9,7 +9,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.floats import Float64, Multi, bits_for, multiprecision
-from hjsolve.arithmetic.number_types import Mpf, Reals
+from hjsolve.arithmetic.number_types import AtTimes, Mpf, Reals
 from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.errors import NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
@@ -149,7 +149,7 @@ class _OnSurface:
         with np.errstate(all="ignore"):
             return np.broadcast_to(self._value.run(Float64(), places)[0], places[0].shape)
 
-    def _state(self, state: State) -> list[Any]:
+    def _state(self, state: State) -> list[AtTimes]:
         return [*(state.unwrapped(name) for name in self._names), *(state.p[name] for name in self._names)]
 
     def sharpened(self, time: Mpf) -> Mpf:

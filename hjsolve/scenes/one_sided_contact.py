@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import sympy as sp
@@ -97,6 +97,7 @@ class Contact(Shown):
             motion.
         released: the state of ``system`` then, exact as it is handed on to the motion that follows; None where contact
             lasts.
+        until: the last time that was looked at; None for no limit.
     """
 
     system: System
@@ -111,6 +112,7 @@ class Contact(Shown):
     velocity: Mapping[str, Estimate]
     proved: bool
     released: Released | None
+    until: sp.Expr | None = None
 
     def next_arc(self) -> tuple[System, dict[str, object]]:
         """Return the system in which the other constraints last, and its initial data.
@@ -197,7 +199,7 @@ def contact(
         Greenwood, Classical Dynamics (1977), (2-48), (5-22)–(5-25); unilateral constraints, Fig. 1-6.
     """
     system = system_of(system, "contact")
-    values = parameter_values(system, parameters or {})
+    values = parameter_values(system, {} if parameters is None else parameters)
     typed = _read(system, constraints)
     at = _state(system, values, typed, q, velocity, p)
     change = constrained(system, [x.equation for x in typed])
@@ -219,7 +221,10 @@ def contact(
         time = _released(sharp, λ, last) if one is None else _first_zero(sharp, text, one)
         if time is not None and (last is None or time <= to_bits(last)(bits_of(work))):
             ends[text] = time
-    return _answer(change, (typed, multipliers, along), motion, sharp, ends, proved=along.keys() == multipliers.keys())
+    answer = _answer(
+        change, (typed, multipliers, along), motion, sharp, ends, proved=along.keys() == multipliers.keys()
+    )
+    return replace(answer, until=last)
 
 
 # ------------------------------------------------------------------------------------------------ what was typed

@@ -123,6 +123,33 @@ def test_a_refusal_has_the_equations_with_multipliers() -> None:
     assert len(refused.value.equations.multipliers) == 2
 
 
+@pytest.mark.parametrize("name", ["skate", "rod-with-knife-edge", "rolling-disk-vertical", "knife-edges-turning",
+                                  "constraint-sin-t-squared"])  # fmt: skip
+def test_a_refused_entry_has_its_equations(name: str) -> None:
+    """Ex 2-6: λ = −2 m v₀ ω with x = (v₀/ω)(cos ω t − 1), y = (v₀/ω) sin ω t; the disk rolls on a circle evenly."""
+    entry = hjsolve.catalog.describe(name)
+    found = entry.equations
+    assert found.texts == tuple(c.form for c in entry.constraints)
+    assert list(found.equations) == list(entry.stated.coordinates)
+    assert hjsolve.catalog.describe("kepler-planar").equations is None
+    symbols, t = found.system.symbols, sp.Symbol("t", real=True)
+    v, w = sp.symbols("v w", positive=True)
+    if name == "knife-edges-turning":
+        path = {"x": v / w * (sp.cos(w * t) - 1), "y": v / w * sp.sin(w * t)}
+        values = {symbols["omega"]: w}
+    elif name == "rolling-disk-vertical":
+        path = {"phi": v * t, "alpha": w * t, "x": -symbols["r"] * v / w * sp.cos(w * t)}
+        path, values = path | {"y": symbols["r"] * v / w * sp.sin(w * t)}, {}
+    else:
+        return
+    put = {found.system.coordinate(n).velocity: sp.diff(q, t) for n, q in path.items()}
+    put |= {symbols[n]: q for n, q in path.items()} | values
+    for n, q in path.items():
+        assert sp.simplify(found.accelerations[n].subs(put, simultaneous=True) - sp.diff(q, t, 2)) == 0
+    if name == "knife-edges-turning":
+        assert sp.simplify(found.multipliers[0].subs(put, simultaneous=True) + 2 * symbols["m"] * v * w) == 0
+
+
 @pytest.mark.parametrize(("constraints", "message"), [
     ([], "give constraints"),
     (["dot(x)**2 = 1"], "linear"),

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.coordinates.multipliers import ConstraintForces, constraint_forces
 from hjsolve.errors import HJSolveError
 from hjsolve.mechanics.system import System
@@ -14,7 +14,10 @@ from hjsolve.reports.document import Block, Code, Mathematics, Paragraph, Sectio
 from hjsolve.reports.formulas.layout import Glyph
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.sections.system_and_verdict import equation, formula
-from hjsolve.scenes.one_sided_contact import Contact
+
+if TYPE_CHECKING:
+    from hjsolve.arithmetic.estimate import Estimate
+    from hjsolve.scenes.one_sided_contact import Contact
 
 _MOST_OPERATIONS = 150
 """Of one multiplier: a longer one fills a page, and is not read."""
@@ -76,9 +79,10 @@ def contact_section(found: Contact) -> Section:
         if text in found.along:
             blocks += [Paragraph(("along the motion, in its constants:",)), formula(Glyph("λ"), found.along[text])]
     if found.time is None:
+        before = "" if found.until is None else f" before t = {found.until}"
         words = (
-            "No multiplier changes its sign: contact does not end." if found.proved
-            else "No change of sign was found at the samples along the motion."
+            f"No multiplier changes its sign: contact does not end{before}." if found.proved
+            else f"No change of sign was found{before} at the samples along the motion."
         )  # fmt: skip
         return Section("contact", "Contact", (*blocks, Paragraph((words,))))
     many = len(found.ended) > 1
