@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from hjsolve.closed_form.regime import Regime as Regime
     from hjsolve.coordinates.find import find_coordinates as find_coordinates
     from hjsolve.coordinates.least_action import jacobi_metric as jacobi_metric
+    from hjsolve.coordinates.multipliers import ConstraintForces as ConstraintForces
+    from hjsolve.coordinates.multipliers import constraint_forces as constraint_forces
     from hjsolve.coordinates.results import SeparableCoordinates as SeparableCoordinates
     from hjsolve.coordinates.results import Web as Web
     from hjsolve.coordinates.small_oscillations import NormalModes as NormalModes
@@ -51,6 +53,7 @@ if TYPE_CHECKING:
     from hjsolve.errors import InvalidSystemError as InvalidSystemError
     from hjsolve.errors import MissingExtraError as MissingExtraError
     from hjsolve.errors import MissingValueError as MissingValueError
+    from hjsolve.errors import NonholonomicError as NonholonomicError
     from hjsolve.errors import NotConvergedError as NotConvergedError
     from hjsolve.errors import NotSeparableError as NotSeparableError
     from hjsolve.errors import OutsideMotionError as OutsideMotionError
@@ -75,6 +78,8 @@ if TYPE_CHECKING:
     from hjsolve.reports.single_figures import figures as figures
     from hjsolve.resonances.kerr_elements import separatrix as separatrix
     from hjsolve.scenes import Scene as Scene
+    from hjsolve.scenes.one_sided_contact import Contact as Contact
+    from hjsolve.scenes.one_sided_contact import contact as contact
     from hjsolve.semiclassical.level import Level as Level
     from hjsolve.semiclassical.level import Levels as Levels
     from hjsolve.semiclassical.level_search import levels as levels
@@ -105,6 +110,7 @@ _PUBLIC = {
     "mechanics.system": "Coordinate Domain Parameter System parameter",
     "coordinates.find": "find_coordinates",
     "coordinates.least_action": "jacobi_metric",
+    "coordinates.multipliers": "ConstraintForces constraint_forces",
     "coordinates.results": "SeparableCoordinates Web",
     "coordinates.small_oscillations": "NormalModes normal_modes",
     "coordinates.typed_change": "change_coordinates",
@@ -139,12 +145,13 @@ _PUBLIC = {
     "theorem.integrals": "involution is_integral poisson_bracket",
     "theorem.loop_integrals": "LoopIntegral loop_integral",
     "scenes": "Scene",
+    "scenes.one_sided_contact": "Contact contact",
     "extended.gyroscopic": "gyroscopic_modes",
     "extended.impacts": "impact Impact",
     "extended.linear_hamiltonian": "from_hamiltonian",
     "errors": "CatalogError ClusterError ExpressionError ForbiddenMotionError ForbiddenPlaceError HJSolveError "
-    "InternalError InvalidInputError InvalidSystemError MissingExtraError MissingValueError NotConvergedError "
-    "NotSeparableError OutsideMotionError SeveralToriError ",
+    "InternalError InvalidInputError InvalidSystemError MissingExtraError MissingValueError NonholonomicError "
+    "NotConvergedError NotSeparableError OutsideMotionError SeveralToriError ",
 }
 _HOMES = {name: home for home, names in _PUBLIC.items() for name in names.split()}
 _MODULES = {"catalog": "catalog", "functions": "functions", "frames": "catalog.moving_frames"}

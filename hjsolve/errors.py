@@ -33,6 +33,19 @@ class InvalidSystemError(InvalidInputError):
     """T, V, the coordinates or the parameters do not make a mechanical system."""
 
 
+class NonholonomicError(InvalidSystemError):
+    """A constraint on velocities that is proved not to be integrable.
+
+    Attributes:
+        equations: the ``ConstraintForces``, Lagrange's equations with multipliers. It has a default because pickle
+            makes an error from its message alone and sets the attributes afterwards.
+    """
+
+    def __init__(self, message: str, equations: object = None):
+        super().__init__(message)
+        self.equations = equations
+
+
 class MissingValueError(InvalidInputError):
     """A number was asked for and a parameter or an initial value has none."""
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from hjsolve.catalog import outside
+from hjsolve.coordinates.multipliers import ConstraintForces
 from hjsolve.display.shown import Shown
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.mechanics.system import System
@@ -106,3 +107,8 @@ class Entry(Shown):
     constraints: tuple[outside.Constraint, ...] = ()
     stated: outside.Stated | None = None
     hamiltonian: LinearHamiltonian | None = None
+
+    @property
+    def equations(self) -> ConstraintForces | None:
+        """Lagrange's equations with multipliers of a nonholonomic entry whose T is stated; else None."""
+        return outside.equations(self.constraints, self.stated) if self.refusal is not None else None

@@ -1,17 +1,21 @@
 """What a catalog entry says besides T and V: why it is refused, its constraints, and the system as the book states it.
 
 A system with a nonintegrable constraint, friction or explicit time is not given by T and V, so it has no ``System``;
-the entry still says what was asked (Greenwood ch. 1, 3 and 7) and ``load`` answers with its reason.
+the entry still says what was asked (Greenwood ch. 1, 3 and 7) and ``load`` answers with its reason. Where T is stated,
+a nonholonomic one has Lagrange's equations with multipliers.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from hjsolve.catalog.schema import Key
 from hjsolve.catalog.toml_file import Toml
+from hjsolve.coordinates.multipliers import ConstraintForces, constraint_forces
 from hjsolve.display.shown import Shown
+from hjsolve.mechanics.system import System, parameter
 
 REFUSALS = (
     "nonholonomic", "dissipative", "unilateral", "impulsive", "explicit time", "variable mass", "collision",
@@ -119,6 +123,22 @@ def stated(table: Toml) -> Stated | None:
     return Stated(**{**table["stated"], "coordinates": tuple(table["stated"].get("coordinates", ()))})
 
 
+def equations(constraints: tuple[Constraint, ...], stated: Stated | None) -> ConstraintForces | None:
+    """Return Lagrange's equations with multipliers, where the literature's T and V are stated.
+
+    Args:
+        constraints: of an entry that is refused because of them.
+        stated: T and V without them; names that are not coordinates are parameters.
+    """
+    if stated is None or not (constraints and stated.kinetic):
+        return None
+    words = " ".join((stated.kinetic, stated.potential, *(c.form for c in constraints)))
+    names = set(re.findall(r"[A-Za-z_]\w*", words)) - set(stated.coordinates) - {"dot", "t", "sin", "cos", "sqrt"}
+    parameters = {name: parameter(name, assume="positive") for name in sorted(names)}
+    free = System(dict.fromkeys(stated.coordinates, "line"), stated.kinetic, stated.potential or 0, parameters)
+    return constraint_forces(free, [c.form for c in constraints])
+
+
 def outside_faults(table: Toml) -> Iterator[str]:
     """Yield what is missing in an entry without T and V, one line each."""
     because = table.get("refused_because", {}).get("kind", "")
@@ -139,4 +159,7 @@ def outside_faults(table: Toml) -> Iterator[str]:
         yield "refused_because.forces: T and V do not hold them; write an effect with the force, for scenes"
 
 
-__all__ = ["KEYS", "REFUSALS", "Constraint", "Refusal", "Stated", "constraints", "outside_faults", "refusal", "stated"]
+__all__ = [
+    "KEYS", "REFUSALS", "Constraint", "Refusal", "Stated", "constraints", "equations", "outside_faults", "refusal",
+    "stated",
+]  # fmt: skip

@@ -12,14 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from hjsolve.arguments import refuse_unused
 from hjsolve.command_line import arguments_read
-from hjsolve.command_line.theorem_commands import action_command as action_command
-from hjsolve.command_line.theorem_commands import bracket_command as bracket_command
-from hjsolve.command_line.theorem_commands import canonical_command as canonical_command
-from hjsolve.command_line.theorem_commands import impact_command as impact_command
-from hjsolve.command_line.theorem_commands import integral_command as integral_command
-from hjsolve.command_line.theorem_commands import loop_command as loop_command
 from hjsolve.command_line.theorem_commands import own_coordinates
-from hjsolve.command_line.theorem_commands import verify_command as verify_command
 from hjsolve.command_line.time_allowed import within
 from hjsolve.errors import InternalError, InvalidInputError, MissingExtraError, NotSeparableError, required
 

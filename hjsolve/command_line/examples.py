@@ -62,6 +62,18 @@ examples:
       --q q1=0 q2=0 --velocity q1=-1 q2=0 --meets "dot(q1) - dot(q2)/2 = 0"
   hjsolve impact --coordinate "x: line" --coordinate "y: line" -T "(dot(x)**2 + dot(y)**2)/2" \\
       --q x=3 y=4 --velocity x=5 y=0 --meets "x**2 + y**2 = 25" --json""",
+    "forces": """\
+examples:
+  hjsolve forces --coordinate "x: line" --coordinate "y: line" -T "m/2*(dot(x)**2 + dot(y)**2)" -V "m*g*y" \\
+      --parameter m --parameter g --holds "y = 3*x**2"
+  hjsolve forces --coordinate "x: line" --coordinate "y: line" --coordinate "theta: angle" \\
+      -T "(dot(x)**2 + dot(y)**2 + dot(theta)**2)/2" --holds "dot(x)*cos(theta) + dot(y)*sin(theta) = 0" --json""",
+    "contact": """\
+examples:
+  hjsolve contact --coordinate "x: line" --coordinate "y: line" -T "(dot(x)**2 + dot(y)**2)/2" -V y \\
+      --q x=3/5 y=4/5 --velocity x=0 y=0 --holds "x**2 + y**2 >= 1"
+  hjsolve contact --coordinate "x: line" --coordinate "y: line" -T "(dot(x)**2 + dot(y)**2)/2" -V y \\
+      --q x=0 y=-1 --velocity x=2 y=0 --holds "x**2 + y**2 <= 1" --digits 30 --json""",
     "coordinates": """\
 examples:
   hjsolve coordinates henon-heiles

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from contextlib import redirect_stdout
 from typing import TextIO, cast
 
-from hjsolve.command_line import commands
+from hjsolve.command_line import commands, theorem_commands
 from hjsolve.command_line.commands import ANSWER, BAD_INPUT, INTERRUPTED, REFUSED, UNSETTLED
 from hjsolve.command_line.output import VisibleStream
 from hjsolve.command_line.parser import command_parser
@@ -121,7 +121,8 @@ def _valued(top: argparse.ArgumentParser) -> dict[str, str]:
 
 
 def _run(options: argparse.Namespace) -> int:
-    return int(getattr(commands, f"{options.command.replace('-', '_')}_command")(options))
+    name = f"{options.command.replace('-', '_')}_command"
+    return int(getattr(commands if hasattr(commands, name) else theorem_commands, name)(options))
 
 
 def _complain(message: str, status: int) -> int:

@@ -54,6 +54,8 @@ def command_parser() -> argparse.ArgumentParser:
     _add_action(kinds)
     _add_loop(kinds)
     _add_impact(kinds)
+    _add_forces(kinds)
+    _add_contact(kinds)
     _add_motion(kinds)
     _add_two_point(kinds)
     _add_report(kinds)
@@ -201,6 +203,37 @@ def _add_impact(kinds: _Commands) -> None:
         "coefficient of restitution, 0 (default) to 1; one for all constraints or one for each",
     )
     _json_argument(command)
+
+
+def _add_forces(kinds: _Commands) -> None:
+    about = (
+        "Write Lagrange's equations with multipliers, and the constraint forces and accelerations as functions of the\n"
+        f"state. The constraints need not be integrable.\n\n{_SYSTEMS}"
+    )
+    command = _add(kinds, "forces", "constraint forces by Lagrange's multipliers", about)
+    _system_arguments(command)
+    _holds_argument(command, '"dot(x)*cos(theta) + dot(y)*sin(theta) = 0"')
+    _json_argument(command)
+
+
+def _add_contact(kinds: _Commands) -> None:
+    about = (
+        "Find when a body leaves a surface that pushes it and cannot pull: the constraint force as a formula, the\n"
+        f"instant at which it changes sign, and the state there.\n\n{_SYSTEMS}"
+    )
+    command = _add(kinds, "contact", "when a body leaves a one-sided constraint", about)
+    _system_arguments(command)
+    _motion_arguments(command)
+    _holds_argument(command, '"x**2 + y**2 >= 1" of the outside of a circle; "=" lasts on both sides')
+    command.add_argument("--until", metavar="T", help="the last time of interest (default: no limit)")
+    command.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the time (default 15)")
+    _json_argument(command)
+
+
+def _holds_argument(command: argparse.ArgumentParser, example: str) -> None:
+    command.add_argument(
+        "--holds", action="append", default=[], metavar="CONSTRAINT", help=f"a constraint, e.g. {example} (repeat)"
+    )
 
 
 def _of_argument(command: argparse.ArgumentParser) -> None:
@@ -424,19 +457,13 @@ def _system_arguments(command: argparse.ArgumentParser) -> None:
     _many(command, "--effect", "NAME", "switch on an effect of the entry (repeat)")
     own = command.add_argument_group("a system of your own")
     own.add_argument(
-        "--coordinate",
-        action="append",
-        default=[],
-        metavar='"NAME: DOMAIN"',
+        "--coordinate", action="append", default=[], metavar='"NAME: DOMAIN"',
         help='e.g. "x: line", "theta: angle", "r: 0 < r", "x: -a < x < a" (repeat)',
-    )
+    )  # fmt: skip
     own.add_argument(
-        "--function",
-        action="append",
-        default=[],
-        metavar='"NAME(COORDINATE)"',
+        "--function", action="append", default=[], metavar='"NAME(COORDINATE)"',
         help='a function that T or V leaves undetermined, e.g. "v1(r)" (repeat)',
-    )
+    )  # fmt: skip
     own.add_argument("-T", "--kinetic", metavar="FORMULA", help="kinetic energy, e.g. m/2*dot(x)**2")
     own.add_argument("-V", "--potential", metavar="FORMULA", help="potential energy (default 0)")
     own.add_argument(

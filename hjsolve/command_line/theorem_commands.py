@@ -135,6 +135,57 @@ def impact_command(options: Namespace) -> int:
     return _sections(impact_section(hit, later))
 
 
+def forces_command(options: Namespace) -> int:
+    """Print Lagrange's equations with multipliers.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        The exit status, 0.
+    """
+    from hjsolve.coordinates.multipliers import constraint_forces
+
+    found = constraint_forces(arguments_read.system(options), options.holds)
+    if options.json:
+        return _json(found)
+    from hjsolve.reports.sections.constraint_forces import forces_section
+
+    return _sections(forces_section(found))
+
+
+def contact_command(options: Namespace) -> int:
+    """Compute when a one-sided constraint lets go.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        The exit status, 0.
+
+    Raises:
+        InvalidInputError: no constraint, no place, or a motion with a name.
+    """
+    from hjsolve.scenes.one_sided_contact import contact
+
+    if not options.holds:
+        raise InvalidInputError('contact: give the one-sided constraint, e.g. --holds "x**2 + y**2 >= 1"')
+    refuse_unused({"--motion": options.motion != "default"}, "contact begins at the place of --q")
+    data = arguments_read.initial(options)
+    if data is None:
+        raise InvalidInputError("contact: give --q and --velocity (or --momentum), for every coordinate")
+    groups = {key: of_kind(group, dict) for key, group in data.items()}
+    found = contact(
+        arguments_read.system(options), **groups, constraints=options.holds, until=options.until, digits=options.digits
+    )
+    if options.json:
+        told = ("constraints", "multipliers", "along", "ended", "time", "place", "q", "velocity", "proved")
+        return _json({name: getattr(found, name) for name in told})
+    from hjsolve.reports.sections.constraint_forces import contact_section
+
+    return _sections(contact_section(found))
+
+
 def action_command(options: Namespace) -> int:
     """Compute the integral of L dt along a path.
 

@@ -19,9 +19,9 @@ from hjsolve.algebra.integration import closed_form_potential
 from hjsolve.algebra.nonzero import strict_sign
 from hjsolve.algebra.poly import Budget, WorkLimitError
 from hjsolve.algebra.reader import Reader
+from hjsolve.coordinates.multipliers import TIME, forces_of, read_constraint
 from hjsolve.coordinates.typed_change import SECONDS, short_form, stays_inside, transformed
-from hjsolve.errors import InvalidSystemError
-from hjsolve.formulas.read import parse
+from hjsolve.errors import InvalidSystemError, NonholonomicError
 from hjsolve.mechanics.coordinates_and_parameters import Parameter, free_name, parameter, read_coordinates
 from hjsolve.mechanics.energy_shell import domain_bounds
 from hjsolve.mechanics.kinetic_energy import degree, velocity_coefficients
@@ -29,7 +29,6 @@ from hjsolve.mechanics.system import System
 from hjsolve.separation.zero_test.interval_evaluation import Region
 from hjsolve.separation.zero_test.zero_test import NonZero, Zero, is_zero
 
-_TIME = sp.Symbol("t", real=True)
 _CURE = "write T and V in coordinates in which the constraint holds"
 
 
@@ -58,23 +57,29 @@ def without_constraints(system: System, constraints: Iterable[str]) -> System:
         InvalidSystemError: a constraint that is not integrable, that moves, or that was not solved.
         ExpressionError: one cannot be read.
     """
-    if isinstance(constraints, str):
-        constraints = [constraints]
+    texts = (constraints,) if isinstance(constraints, str) else tuple(constraints)
     if system.kinks or system.relativity is not None:
         raise InvalidSystemError(f"constraints: not with kinks of V or relativity; {_CURE}")
     speeds = frozenset(c.velocity for c in system.coordinates)
-    given = [(f"constraints[{n}]", _read(system, text, f"constraints[{n}]")) for n, text in enumerate(constraints, 1)]
+    given = [
+        (f"constraints[{n}]", read_constraint(system, text, f"constraints[{n}]")) for n, text in enumerate(texts, 1)
+    ]
     first, formulas = _reduced(system, [(s, g) for s, g in given if degree(g, speeds) == 0], [])
     put = dict(zip([c.symbol for c in system.coordinates], formulas, strict=True))
     rates = {
-        c.velocity: sp.diff(put[c.symbol], _TIME)
+        c.velocity: sp.diff(put[c.symbol], TIME)
         + sp.Add(*(sp.diff(put[c.symbol], Q.symbol) * Q.velocity for Q in first.coordinates))
         for c in system.coordinates
     }
     moving = [(s, sp.expand(g.xreplace({**put, **rates}))) for s, g in given if degree(g, speeds) > 0]
     forms = [(s, _coefficients(g, [c.velocity for c in first.coordinates], s)) for s, g in moving]
     levels, constants = list[tuple[str, sp.Expr]](), list[Parameter]()
-    for source, f in _integrals(first, [form for form in forms if any(a != 0 for a in form[1])]):
+    try:
+        integrals = _integrals(first, [form for form in forms if any(a != 0 for a in form[1])])
+    except NonholonomicError as error:
+        error.equations = forces_of(system, texts, [g for _, g in given])
+        raise
+    for source, f in integrals:
         name = free_name(f"c_{len(constants) + 1}", first.symbols)
         sign = "positive" if domain_bounds(first).get(f) == (0, None) else "real"  # f is a coordinate that stays
         constants.append(parameter(name, assume=sign, meaning=f"constant of integration of {source}"))
@@ -83,7 +88,10 @@ def without_constraints(system: System, constraints: Iterable[str]) -> System:
     onward = dict(zip([c.symbol for c in first.coordinates], later, strict=True))
     whole = [(c.name, f.xreplace(onward)) for c, f in zip(system.coordinates, formulas, strict=True)]
     kept = {c.name: c.symbol for c in second.coordinates}
-    object.__setattr__(second, "eliminated", tuple((name, f) for name, f in whole if f != kept.get(name)))
+    remembered = {"eliminated": tuple((name, f) for name, f in whole if f != kept.get(name)),
+                  "unconstrained": system, "constraints": texts}  # fmt: skip
+    for key, value in remembered.items():
+        object.__setattr__(second, key, value)
     return second
 
 
@@ -106,14 +114,6 @@ def _reduced(
     return transformed(system, new, formulas, bounds, left.domains, constants), formulas
 
 
-def _read(system: System, text: object, source: str) -> sp.Expr:
-    if not isinstance(text, str) or text.count("=") > 1:
-        raise InvalidSystemError(f'{source}: one equation as text is needed, such as "x**2 + y**2 = l**2"')
-    speeds = {c.name: c.velocity for c in system.coordinates}
-    sides = [parse(side, {**system.symbols, "t": _TIME}, velocities=speeds, source=source) for side in text.split("=")]
-    return sides[0] - (sides[1] if len(sides) == 2 else 0)
-
-
 def _coefficients(given: sp.Expr, speeds: Sequence[sp.Symbol], source: str) -> list[sp.Expr]:
     if degree(given, frozenset(speeds)) != 1:
         raise InvalidSystemError(f"{source}: a constraint on velocities must be linear in them; {_CURE}")
@@ -126,24 +126,21 @@ def _integrals(system: System, forms: list[tuple[str, list[sp.Expr]]]) -> list[t
     """Return a function for each form that is constant where all of them hold."""
     if not forms:
         return []
-    symbols = [c.symbol for c in system.coordinates] + [_TIME]
-    moves = any(form[-1] != 0 or any(_TIME in a.free_symbols for a in form) for _, form in forms)
+    symbols = [c.symbol for c in system.coordinates] + [TIME]
+    moves = any(form[-1] != 0 or any(TIME in a.free_symbols for a in form) for _, form in forms)
     if not moves:
         symbols, forms = symbols[:-1], [(source, form[:-1]) for source, form in forms]
     region = Region(domain_bounds(system), system.defaults)
     found = [(source, _exact(symbols, form, region)) for source, form in forms]
-    if any(f is None for _, f in found) and moves:
-        raise InvalidSystemError(
-            f"{', '.join(source for source, _ in forms)}: the constraint moves, and no integral of it was found; write "
-            'the integral, "f(q, t) = constant"'
-        )
     if any(f is None for _, f in found):
         solved = _solved(symbols, forms, region)
         found = [(source, _exact(symbols, form, region)) for source, form in solved]
     for source, f in found:
         if f is None:
+            integral = "f(q, t)" if moves else "f(q)"
             raise InvalidSystemError(
-                f'{source}: it is integrable, but its integral was not found; write the integral, "f(q) = constant"'
+                f"{source}: it is integrable, but its integral was not found; write the integral, "
+                f'"{integral} = constant"'
             )
     return [(source, f) for source, f in found if f is not None]
 
@@ -201,10 +198,11 @@ def _not_integrable(forms: list[tuple[str, list[sp.Expr]]], curvature: sp.Expr, 
     if not isinstance(answer, NonZero):
         return InvalidSystemError(f"{names}: whether it is integrable was not decided; {_CURE}")
     place = ", ".join(f"{name} = {value}" for name, value in answer.witness.point.items())
-    return InvalidSystemError(
+    return NonholonomicError(
         f"{names}: not integrable, since {curvature} in Frobenius' condition (1-20) is not zero"
         + (f" at {place}" if place else "")
-        + "; the system is nonholonomic, and the Hamilton-Jacobi method does not apply to it (5-22)-(5-25)"
+        + "; the system is nonholonomic, and the Hamilton-Jacobi method does not apply to it (5-22)-(5-25); "
+        "constraint_forces gives its equations with multipliers"
     )
 
 

@@ -21,7 +21,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, InvalidSystemError
-from hjsolve.extended.system_under_constraints import Exact, constrained, momenta_in, place_in
+from hjsolve.extended.system_under_constraints import Exact, constrained, initial_data_in
 from hjsolve.formulas.read import number, parse
 from hjsolve.mechanics.kinetic_energy import degree, velocity_coefficients
 from hjsolve.mechanics.subjects import system_of
@@ -106,18 +106,10 @@ class Impact(Shown):
         if any(e != 0 for e in self.forms.restitution):
             raise InvalidSystemError("next_arc: the constraints must keep what meets them, restitution 0")
         change = constrained(self.system, self.forms.texts)
-        left = change.system
         here = {change.time: sp.S.Zero} | dict(self.values)
         here |= {c.symbol: self.q[c.name] for c in self.system.coordinates}
-        told = place_in(change, here, Exact())
-        told |= {c.momentum: self.p[c.name] for c in self.system.coordinates}
-        P = momenta_in(change, told, Exact())
-        told |= {c.momentum: P[c.name] for c in left.coordinates}
-        return left, {
-            "q": {c.name: told[c.symbol] for c in left.coordinates},
-            "velocity": {name: clean(f.xreplace(told)) for name, f in velocities(left).items()},
-            "parameters": {p.name: told[p.symbol] for p in left.parameters if p.symbol != left.time},
-        }
+        here |= {c.momentum: self.p[c.name] for c in self.system.coordinates}
+        return change.system, initial_data_in(change, here, Exact())
 
 
 @one_at_a_time

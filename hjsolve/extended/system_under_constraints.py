@@ -15,7 +15,7 @@ import sympy as sp
 
 from hjsolve.errors import InvalidSystemError
 from hjsolve.extended.change_of_frame import ChangeOfFrame
-from hjsolve.mechanics.system import System
+from hjsolve.mechanics.system import System, velocities
 from hjsolve.motion.initial_data import clean
 
 _TIME = sp.Symbol("t", real=True)
@@ -144,4 +144,26 @@ def momenta_in(change: ChangeOfFrame, at: Numbers, short: Short) -> dict[str, sp
     return found
 
 
-__all__ = ["Exact", "Short", "constrained", "momenta_in", "place_in", "through"]
+def initial_data_in(change: ChangeOfFrame, at: Numbers, short: Short) -> dict[str, dict[str, sp.Expr]]:
+    """Return ``q``, ``velocity`` and ``parameters`` for ``Solution.motion`` in the coordinates that are left.
+
+    Args:
+        change: of ``constrained``.
+        at: old coordinates and momenta, parameters and the time, as numbers.
+        short: how numbers are written.
+
+    Raises:
+        InvalidSystemError: as of ``place_in``.
+    """
+    left = change.system
+    told = place_in(change, at, short) | {c.momentum: at[c.momentum] for c in change.original.coordinates}
+    P = momenta_in(change, told, short)
+    told |= {c.momentum: P[c.name] for c in left.coordinates}
+    return {
+        "q": {c.name: told[c.symbol] for c in left.coordinates},
+        "velocity": {name: short(f.xreplace(told)) for name, f in velocities(left).items()},
+        "parameters": {p.name: told[p.symbol] for p in left.parameters if p.symbol != left.time},
+    }
+
+
+__all__ = ["Exact", "Numbers", "Short", "constrained", "initial_data_in", "momenta_in", "place_in", "through"]

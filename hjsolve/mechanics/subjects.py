@@ -37,7 +37,9 @@ def system_of(subject: object, verb: str) -> System:
     raise InvalidInputError(f"{verb}: {A_SYSTEM}, not {described(subject)}")
 
 
-_OF_THE_TIME = ("solve", "separate", "verify", "poisson_bracket", "is_integral", "action_integral")
+_OF_THE_TIME = (
+    "solve", "separate", "verify", "poisson_bracket", "is_integral", "action_integral", "constraint_forces",
+)  # fmt: skip
 """Verbs that take a system whose T or V holds the time."""
 
 

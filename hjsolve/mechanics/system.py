@@ -86,7 +86,8 @@ class System(Shown):
             ``declared_units`` is what was declared.
         constraints: equations such as ``x**2 + y**2 = l**2`` or ``dot(x) - dot(y) = 0`` (linear in the velocities).
             Holonomic and integrable ones are eliminated, so that fewer coordinates are left; ``eliminated`` says how
-            the others follow. A constraint that is proved not to be integrable is refused.
+            the others follow, and ``unconstrained`` is the system without them. One that is proved not to be
+            integrable is refused by a ``NonholonomicError``, whose ``equations`` have multipliers.
 
     Raises:
         InvalidSystemError: the parts do not make a mechanical system; the message says which and why.
@@ -112,6 +113,8 @@ class System(Shown):
     kinks: tuple[Kink, ...]
     eliminated: tuple[tuple[str, sp.Expr], ...] = field(compare=False)
     time: sp.Symbol | None
+    unconstrained: System | None = field(default=None, compare=False, repr=False)
+    constraints: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     @arguments.with_known_names('System({"x": "line"}, kinetic="dot(x)**2/2", potential="x**2/2")')
     @one_at_a_time
@@ -150,8 +153,7 @@ class System(Shown):
         constants = (*constants, *clock)
         _set(self, coordinates=places, parameters=constants, title=str(title), id=str(id), eliminated=())
         _set(self, time=next((p.symbol for p in constants if p.name == "t"), None))
-        _set(self, relativity=relativity_of(relativity, constants))
-        _set(self, signature=read_signature(signature))
+        _set(self, relativity=relativity_of(relativity, constants), signature=read_signature(signature))
         unknowns = read_functions(functions, (c.name for c in places), self.symbols)
         formulas = Formulas(places, self.symbols, unknowns)
         _set(self, kinetic=formulas.kinetic(kinetic))
@@ -362,8 +364,7 @@ def with_values(system: System, values: Mapping[str, object]) -> System:
     for name in values:
         if name not in names:
             raise unknown_names(name, names, "parameter")
-    changed = replaced(system.parameters, in_units(system, values, "parameters"))
-    other = object.__new__(System)
+    other, changed = object.__new__(System), replaced(system.parameters, in_units(system, values, "parameters"))
     _set(other, **{**vars(system), "parameters": tuple(changed)})
     _check_values(other)
     return other
@@ -454,13 +455,13 @@ def momenta(system: System) -> dict[str, sp.Expr]:
     Args:
         system: T and V as declared.
     """
-    names = [c.name for c in system.coordinates]
     if system.relativity is None:
         return {c.name: _slope(system.kinetic, c.velocity) for c in system.coordinates}
     speeds = sp.Matrix(_speeds(system))
     classical = mass_matrix(system) * speeds
     square = (speeds.T * classical)[0, 0]
-    return dict(zip(names, system.relativity.momenta(linear_terms(system), list(classical), square)))
+    found = system.relativity.momenta(linear_terms(system), list(classical), square)
+    return {c.name: p for c, p in zip(system.coordinates, found)}
 
 
 @lru_cache(maxsize=256)

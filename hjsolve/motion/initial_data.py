@@ -81,6 +81,7 @@ def values_of(parameters: Sequence[Parameter], given: Values) -> dict[sp.Symbol,
         MissingValueError: a parameter without any value.
     """
     known = {p.name: p for p in parameters}
+    given = arguments.table(given, "parameters", '{"m": 1}')
     for name in given:
         if name not in known:
             raise InvalidInputError(f"parameters: {name!r} is not a parameter of this system; it has {_listed(known)}")

@@ -9,11 +9,12 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.floats import Float64, Multi, bits_for, multiprecision
-from hjsolve.arithmetic.number_types import Mpf, Reals
+from hjsolve.arithmetic.number_types import AtTimes, Mpf, Reals
 from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.errors import NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
+from hjsolve.mechanics.system import hamiltonian, velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import State
@@ -91,11 +92,11 @@ def _walked(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None) 
 
 
 def surface_crossings(motion: Motion, surface: sp.Expr, horizon: sp.Expr | None) -> Iterator[Mpf]:
-    """Give the times at which a motion passes the surface g(q) = 0 after the start, one after the other.
+    """Give the times at which a motion passes the surface g(q, p) = 0 after the start, one after the other.
 
     Args:
         motion: at least as many digits as the times shall have.
-        surface: g, of coordinates and parameters.
+        surface: g, of coordinates, momenta and parameters.
         horizon: the last time of interest; None for no limit.
 
     Yields:
@@ -123,7 +124,7 @@ def surface_crossings(motion: Motion, surface: sp.Expr, horizon: sp.Expr | None)
 
 
 class _OnSurface:
-    """g(q) along a motion, in doubles and in all its digits.
+    """g(q, p) along a motion, in doubles and in all its digits; ġ = ∂g/∂q ∂H/∂p − ∂g/∂p ∂H/∂q.
 
     Args:
         motion: in the coordinates of g.
@@ -132,31 +133,35 @@ class _OnSurface:
 
     def __init__(self, motion: Motion, surface: sp.Expr):
         system = motion.solution.system_as_given
+        H, rates, held = hamiltonian(system), velocities(system), surface.free_symbols
+        slopes = {c.symbol: rates[c.name] for c in system.coordinates}
+        slopes |= {c.momentum: -sp.diff(H, c.symbol) for c in system.coordinates if c.momentum in held}
+        speed = sp.Add(*(sp.diff(surface, s) * f for s, f in slopes.items()))
         self._names = [c.name for c in system.coordinates]
-        self._motion, variables = motion, [c.symbol for c in system.coordinates]
-        fixed = {s: v for s, v in motion.initial.values.items() if s in surface.free_symbols and s not in variables}
-        self._value = lower([surface.xreplace(fixed)], variables)
-        self._slopes = lower([sp.diff(surface.xreplace(fixed), s) for s in variables], variables)
+        self._motion = motion
+        variables = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
+        fixed = {p.symbol: motion.initial.values[p.symbol] for p in system.parameters}
+        self._value, self._speed = (lower([f.xreplace(fixed)], variables) for f in (surface, speed))
 
     def level(self, state: State) -> Reals:
         """Return g in doubles."""
-        places = [np.asarray(state.unwrapped(name), dtype=float) for name in self._names]
+        places = [np.asarray(x, dtype=float) for x in self._state(state)]
         with np.errstate(all="ignore"):
             return np.broadcast_to(self._value.run(Float64(), places)[0], places[0].shape)
 
+    def _state(self, state: State) -> list[AtTimes]:
+        return [*(state.unwrapped(name) for name in self._names), *(state.p[name] for name in self._names)]
+
     def sharpened(self, time: Mpf) -> Mpf:
-        """Newton's method on g(q(t)) = 0, q from the motion in all its digits."""
+        """Newton's method on g(q(t), p(t)) = 0, the state from the motion in all its digits."""
         digits = self._motion.digits
         bits = bits_of(digits)
         context, last = multiprecision(bits), multiprecision(bits).inf
         goal = context.mpf(10) ** (5 - digits)
         for _ in range(12):
             state = self._motion.at(time)
-            places = [context.convert(state.unwrapped(name)) for name in self._names]
-            speed = context.fdot(
-                zip(self._slopes.run(Multi(bits), places), [context.convert(state.velocity[n]) for n in self._names],
-                    strict=True)
-            )  # fmt: skip
+            places = [context.convert(x) for x in self._state(state)]
+            speed = self._speed.run(Multi(bits), places)[0]
             if not speed:
                 break
             step = self._value.run(Multi(bits), places)[0] / speed
@@ -182,7 +187,9 @@ def _paces(motion: Motion, start: float, horizon: float | None) -> Iterator[Real
         return
     else:
         yield start + np.concatenate([[0.0], 1e-3 * 1.02 ** np.arange(3000)])
-    raise NotConvergedError("a surface was not passed in the time searched; give times, to say when the scene ends")
+    raise NotConvergedError(
+        "no passage was found in the time searched; say when to stop, by times of a scene or until of a contact"
+    )
 
 
 def _halved(level: Callable[[Reals], Reals], low: float, high: float, before: float) -> float:

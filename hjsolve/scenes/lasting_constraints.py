@@ -69,7 +69,7 @@ def afterwards(scene: Question, followed: FollowedArcs, times: Times | None) -> 
     texts = [text for e in events if e.lasts and e.forms is not None for text in e.forms.texts]
     change = constrained(scene.system, texts)
     change, solution = _solved(change)
-    short = _Rational(followed.digits)
+    short = RationalNumbers(followed.digits)
     names = scene.system.symbols
     given = {**leg.arguments["q"], **leg.arguments["parameters"]}
     at = {names[name]: short(sp.sympify(x)) for name, x in given.items()}
@@ -97,7 +97,7 @@ def _solved(change: ChangeOfFrame) -> tuple[ChangeOfFrame, Solution]:
     """Return the change to the system that goes on, which holds no time, and its solution."""
     try:
         if change.system.time is None:
-            return change, _found(change.system)
+            return change, solved_or_found(change.system)
         found = solve_in_time(change.system, DEFAULT_BUDGET, FIND)
     except NotSeparableError as error:
         raise NotSeparableError(f"after the constraint that lasts: {error}", error.verdict) from error
@@ -108,14 +108,22 @@ def _solved(change: ChangeOfFrame) -> tuple[ChangeOfFrame, Solution]:
     return through(change, found.frame), found.solution
 
 
-def _found(system: System) -> Solution:
+def solved_or_found(system: System) -> Solution:
+    """Solve a system in its coordinates, or in others that are found.
+
+    Args:
+        system: in the coordinates that a constraint leaves.
+
+    Raises:
+        NotSeparableError: it separates in none.
+    """
     try:
         return solve(system)
     except NotSeparableError:
         return solve(system, FIND)
 
 
-class _Rational:
+class RationalNumbers:
     """Numbers as the rationals of so many digits that they are.
 
     Args:
@@ -126,6 +134,7 @@ class _Rational:
         self._digits, self._bits = digits, bits_of(digits)
 
     def __call__(self, x: sp.Expr) -> sp.Expr:
+        """Return the rational number nearest to a number, in so many digits."""
         return x if x.is_Rational else as_rational(to_bits(x)(self._bits), self._digits)
 
     def without(self, x: sp.Expr, terms: Iterable[sp.Expr]) -> sp.Expr:
@@ -266,4 +275,4 @@ def joined(first: Trajectory | None, second: Trajectory | None, places: Sequence
     )  # fmt: skip
 
 
-__all__ = ["Afterwards", "afterwards", "carried_back", "joined"]
+__all__ = ["Afterwards", "RationalNumbers", "afterwards", "carried_back", "joined", "solved_or_found"]

@@ -16,6 +16,11 @@ START = {"q": {"r": 1, "theta": 0}, "p": {"r": "0.1", "theta": 1}}
 MOTION = SOLUTION.motion(**START)
 SYSTEM = {"coordinates": {"x": "line"}, "kinetic": "dot(x)**2/2", "potential": "x**2", "parameters": {}}
 
+CONTACT = {
+    "system": hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "y"),
+    "q": {"x": "3/5", "y": "4/5"}, "velocity": {"x": 0, "y": 0}, "constraints": ["x**2 + y**2 >= 1"],
+}  # fmt: skip
+
 DOORS = {
     "solve": hjsolve.solve,
     "separate": hjsolve.separate,
@@ -35,6 +40,12 @@ DOORS = {
     "action_integral: between": lambda value: hjsolve.action_integral(
         "kepler-planar", {"r": "1", "theta": "t"}, between=value
     ),
+    "constraint_forces": hjsolve.constraint_forces,
+    "constraint_forces: constraints": lambda value: hjsolve.constraint_forces(CONTACT["system"], value),
+    **{
+        f"contact: {key}": lambda value, key=key: hjsolve.contact(**{**CONTACT, key: value})
+        for key in ("system", "q", "velocity", "constraints", "parameters", "t0", "until", "digits")
+    },
     "loop_integral": lambda value: hjsolve.loop_integral(value, q={}, p={}),
     "loop_integral: q": lambda value: hjsolve.loop_integral(SOLUTION, q=value, p={"r": "0", "theta": "1"}),
     "loop_integral: most": lambda value: hjsolve.loop_integral(

@@ -15,7 +15,7 @@ from tests.support.book_table import REFUSED_ROWS, ROWS, entries_of
 from tests.support.entries import described, table
 from tests.support.pfaff import curvature, one_form
 
-STATED = [n for n in catalog.ids() if table(n).get("stated", {}).get("kinetic")]
+STATED = [n for n in catalog.ids() if table(n).get("stated", {}).get("kinetic") and "kinetic" in table(n)]
 CONSTRAINED = [n for n in catalog.ids() if "constraint" in table(n)]
 INTEGRATED = [n for n in CONSTRAINED if described(n).system is not None]
 NONHOLONOMIC = [n for n in CONSTRAINED if (r := described(n).refusal) and r.kind == "nonholonomic"]

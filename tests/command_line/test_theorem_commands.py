@@ -80,6 +80,7 @@ PLANE = ["--coordinate", "x: line", "--coordinate", "y: line", "-T", "(dot(x)**2
 KEPLER_PLANE = [*PLANE, "-V", "-1/sqrt(x**2 + y**2)"]
 RHOMBUS = ["--coordinate", "q1: line", "--coordinate", "q2: line", "-T", "2*dot(q1)**2 + dot(q2)**2/3"]
 HIT = ["--q", "q1=0", "q2=0", "--velocity", "q1=-1", "q2=0", "--meets", "dot(q1) - dot(q2)/2 = 0"]
+SLIDES = ["--q", "x=3/5", "y=4/5", "--velocity", "x=0", "y=0"]
 PARABOLIC = ["--place", "x = (u**2 - v**2)/2", "--place", "y = u*v", "--new", "u: 0 < u", "--new", "v: line"]
 POLAR = ["--place", "x = r*cos(phi)", "--place", "y = r*sin(phi)", "--new", "phi: angle"]
 LENZ = "p_y*(x*p_y - y*p_x) - x/sqrt(x**2 + y**2)"
@@ -105,6 +106,15 @@ LENZ = "p_y*(x*p_y - y*p_x) - x/sqrt(x**2 + y**2)"
         (["impact", *RHOMBUS, *HIT[:-2]], 2, ["--meets"]),
         (["impact", *RHOMBUS, *HIT[-2:]], 2, ["--q and --velocity"]),
         (["impact", *RHOMBUS, *HIT, "--restitution", "2"], 2, ["from 0"]),
+        (["forces", *PLANE, "--holds", "y = 3*x**2"], 0, ["ẍ = −6 λ₁ x", "(5-22)", "6 ẋ²/(36 x² + 1)"]),
+        (["forces", *PLANE, "--constraint", "y = 3*x**2"], 0, ["ẍ = −6 λ₁ x"]),
+        (["forces", *PLANE], 2, ["give constraints"]),
+        (["check", *PLANE, "--constraint", "y = 3*x**2"], 0, ["The constraints exert the forces", "λ = 6 ẋ²/(36 x² + 1)"]),
+        (["contact", *PLANE, "-V", "y", *SLIDES, "--holds", "x**2 + y**2 >= 1"], 0,
+         ["λ = (3/2) sin θ − E", "0.5333333333333333", "lets go", "is proved"]),
+        (["contact", *PLANE, "-V", "y", *SLIDES, "--holds", "x**2 + y**2 >= 1", "--until", "1"], 0, ["does not end before t = 1"]),
+        (["contact", *PLANE, "-V", "y", *SLIDES], 2, ["--holds"]),
+        (["contact", *PLANE, "-V", "y", "--holds", "y >= 0"], 2, ["--q and --velocity"]),
         (["coordinates", *KEPLER_PLANE, *PARABOLIC], 0, ["Separates in u and v", "keeps its sign", "hjsolve solve"]),
         (["coordinates", *KEPLER_PLANE, *POLAR, "--new", "r: -1 < r"], 2, ["changes its sign"]),
         (["coordinates", *KEPLER_PLANE, "--place", "x"], 2, ["not an equation"]),
@@ -130,6 +140,12 @@ def test_answers_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert found["impact"]["velocity"] == {"q1": "-3/5", "q2": "-6/5"}
     assert found["next_arc"][0]["eliminated"] == {"q1": "c_1 + q2/2"}
     assert found["budget"] == {"q1": "0", "q2": "0", "energy": "0"}
+    assert main(["contact", *PLANE, "-V", "y", *SLIDES, "--holds", "x**2 + y**2 >= 1", "--json"]) == 0
+    left = json.loads(capsys.readouterr().out)
+    assert (left["ended"], left["proved"], left["along"]["x**2 + y**2 >= 1"]) == (
+        ["x**2 + y**2 >= 1"], True, "-E + 3*sin(theta)/2"
+    )  # fmt: skip
+    assert abs(left["q"]["y"]["value"] - 8 / 15) < 1e-15
     assert main(["integral", "kepler-planar", "--of", "p_r", "--json"]) == 1
     flaw = json.loads(capsys.readouterr().out)["integrals"]["p_r"]
     assert (flaw["kind"], flaw["witness"]["point"]["r"]) == ("Flaw", "3/2")

@@ -31,7 +31,7 @@ def _options(command: str) -> set[str]:
 def test_no_tool_is_left_out() -> None:
     names = {row[1].split(".")[-1] for row in _rows()}
     wanted = "verify two_point change_coordinates poisson_bracket canonical System impact gyroscopic_modes solve"
-    assert {*wanted.split(), "from_hamiltonian"} <= names
+    assert {*wanted.split(), "from_hamiltonian", "constraint_forces", "contact"} <= names
 
 
 @pytest.mark.parametrize("row", _rows(), ids=lambda row: row[0])

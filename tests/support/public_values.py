@@ -71,6 +71,8 @@ def made(folder: Path) -> dict[str, Any]:
         "loop integral": hjsolve.loop_integral(solve("pendulum"), q={"theta": "1 + sin(s)/5"}, p={"theta": "cos(s)/5"}, times=[0, 1], tolerance=1e-6),
         "action along a path": hjsolve.action_integral(oscillator, {"x": "t"}, between=(0, 1)),
         "impact": hjsolve.impact(hjsolve.System({"x": "line"}, "dot(x)**2/2", 0), q={"x": 0}, velocity={"x": -1}, constraints=["dot(x) = 0"]),
+        "contact": hjsolve.contact(hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "y"), q={"x": "3/5", "y": "4/5"}, velocity={"x": 0, "y": 0}, constraints=["x**2 + y**2 >= 1"]),
+        "forces": hjsolve.constraint_forces(hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "y", constraints=["y = x**2"])),
     }  # fmt: skip
 
 

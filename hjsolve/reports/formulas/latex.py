@@ -63,8 +63,8 @@ def latex_of(box: Box) -> str:
         case Script(base, sub, sup):
             scripts = (f"_{{{latex_of(sub)}}}" if sub else "") + (f"^{{{latex_of(sup)}}}" if sup else "")
             return latex_of(base) + scripts
-        case Dotted(base):
-            return rf"\dot{{{latex_of(base)}}}"
+        case Dotted(base, dots):
+            return rf"\{'d' * dots}ot{{{latex_of(base)}}}"
         case Fence(body, left, right):
             return rf"\left{left}{latex_of(body)}\right{right}"
         case Grid():

@@ -53,9 +53,10 @@ class Script:
 
 @dataclass(frozen=True)
 class Dotted:
-    """A base with a dot over it: a velocity."""
+    """A base with one dot over it, a velocity, or with two, an acceleration."""
 
     base: Box
+    dots: int = 1
 
 
 @dataclass(frozen=True)

@@ -52,8 +52,9 @@ def _write(box: Box) -> str:
             return f"<mroot>{_write(body)}{_write(index)}</mroot>" if index else ""
         case Script():
             return _script(box)
-        case Dotted(base):
-            return f'<mover accent="true">{_write(base)}<mo stretchy="false">˙</mo></mover>'
+        case Dotted(base, dots):
+            over = "˙" if dots == 1 else "¨"
+            return f'<mover accent="true">{_write(base)}<mo stretchy="false">{over}</mo></mover>'
         case Fence(body, left, right):
             return f"<mrow>{_fence(left, 'prefix')}{_write(body)}{_fence(right, 'postfix')}</mrow>"
         case Grid():

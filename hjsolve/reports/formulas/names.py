@@ -74,7 +74,7 @@ FUNCTION_NAMES = {
 
 
 def name_box(name: str) -> Box:
-    """Set a name the way a physicist writes it: ``p_theta1`` as p with index θ₁, ``dot(r)`` as ṙ.
+    """Set a name the way a physicist writes it: ``p_theta1`` as p with index θ₁, ``dot(r)`` as ṙ, ``ddot(r)`` as r̈.
 
     Args:
         name: the name of a coordinate, parameter, velocity, momentum or constant.
@@ -82,8 +82,8 @@ def name_box(name: str) -> Box:
     Returns:
         Its box.
     """
-    if match := re.fullmatch(r"dot\((.+)\)", name):
-        return Dotted(name_box(match[1]))
+    if match := re.fullmatch(r"(d?d)ot\((.+)\)", name):
+        return Dotted(name_box(match[2]), len(match[1]))
     if name.endswith("_") and name.strip("_"):
         bare = name.rstrip("_")
         primes = len(name) - len(bare) - iskeyword(bare)  # lambda_ is a λ that Python lets stand

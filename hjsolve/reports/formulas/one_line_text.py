@@ -66,9 +66,9 @@ def plain(box: Box) -> str:
             return f"exp({plain(sup)})"
         case Script(base, sub, sup):
             return plain(base) + (_index(plain(sub)) if sub else "") + (_exponent(plain(sup)) if sup else "")
-        case Dotted(base):
-            text = plain(base)
-            return unicodedata.normalize("NFC", text[0] + "\u0307" + text[1:])
+        case Dotted(base, dots):
+            text, over = plain(base), "\u0307" if dots == 1 else "\u0308"
+            return unicodedata.normalize("NFC", text[0] + over + text[1:])
         case Fence(body, "|", "|"):
             return f"|{plain(body)}|" if "|" not in plain(body) else f"abs({plain(body)})"
         case Fence(body, left, right):

@@ -13,6 +13,7 @@ from hjsolve.reports.document import Block, Code, Paragraph, Section
 from hjsolve.reports.formulas.layout import Box, Fence, Glyph, Script, row, width
 from hjsolve.reports.formulas.line_breaks import NARROW, narrowed
 from hjsolve.reports.formulas.names import name_box
+from hjsolve.reports.sections.constraint_forces import force_blocks
 from hjsolve.reports.sections.system_and_verdict import EQUALS, equation, formula
 
 _MOST_OPERATIONS = 150
@@ -22,7 +23,7 @@ _WIDEST = NARROW / 0.65
 
 
 def equations_section(system: System) -> Section:
-    """Write down the canonical equations, the Routhian where coordinates are ignorable, and the metric of the orbits.
+    """Write down the canonical equations, the Routhian, the metric of the orbits, and the forces of constraints.
 
     Args:
         system: the system.
@@ -38,6 +39,7 @@ def equations_section(system: System) -> Section:
         blocks += [equation(e, tags[name]) for name, e in own.items()]
     blocks += _routhian(system)
     blocks += _least_action(system)
+    blocks += force_blocks(system)
     return Section("equations", "Equations of motion", tuple(blocks))
 
 

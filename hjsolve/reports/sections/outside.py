@@ -5,6 +5,7 @@ from __future__ import annotations
 from hjsolve.catalog.entry import Entry
 from hjsolve.errors import required
 from hjsolve.reports.document import Block, Document, Note, Paragraph, Section, Strong, Text
+from hjsolve.reports.sections.constraint_forces import forces_section
 from hjsolve.reports.sections.literature import literature_section
 from hjsolve.reports.sections.prose import heading, with_names
 
@@ -33,6 +34,8 @@ def outside_document(entry: Entry) -> Document:
             (Paragraph(with_names(refusal.reason, names)), *obstacles, Note(with_names(refusal.instead, names))),
         ),
     ]  # fmt: skip
+    if (forces := entry.equations) is not None:
+        sections.append(forces_section(forces))
     literature = literature_section(sections, entry)
     sections += [literature] if literature is not None else []
     return Document(heading(entry.title, names), entry.id, answer, tuple(sections), "no")
