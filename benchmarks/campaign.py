@@ -80,15 +80,17 @@ class Finding:
     seconds: float = 0.0
     message: str = ""
 
-    def compare(self, what: str, value: Any, claimed: Any, truth: Any, blur: float = 1e-22, floor: float = 0.0) -> None:
-        """Take down one claim; ``blur`` is the relative doubt of the truth itself, ``floor`` the absolute one."""
+    def compare(
+        self, what: str, value: Any, claimed: Any, truth: Any, rounding_error: float = 1e-22, floor: float = 0.0
+    ) -> None:
+        """Take down one claim; ``rounding_error`` is that of the truth, relative, ``floor`` the absolute one."""
         self.claims += 1
         true = abs(exact.convert(value) - exact.convert(truth))
         if not np.isfinite(float(value)) or not float(claimed) >= 0:
             self.lies.append((what, float(claimed), math.inf))
         elif not true:
             self.exact += 1
-        elif true > exact.convert(claimed) + blur * abs(exact.convert(truth)) + floor:
+        elif true > exact.convert(claimed) + rounding_error * abs(exact.convert(truth)) + floor:
             self.lies.append((what, float(claimed), float(true)))
         elif claimed:
             bin_ = str(math.floor(2 * float(exact.log10(exact.convert(claimed) / true))))
@@ -251,7 +253,7 @@ def _passages(finding: Finding, motion: Any, better: Any) -> None:
             except (OutsideMotionError, InvalidInputError):
                 continue
             finding.compare(f"time_at.{name}.{passage}", ours.value, ours.error, truth.value,
-                            blur=1e-22 if _alone(better) else 1e-13)  # fmt: skip
+                            rounding_error=1e-22 if _alone(better) else 1e-13)  # fmt: skip
 
 
 def _alone(better: Any) -> bool:

@@ -62,8 +62,8 @@ def family(name: str, count: int, seed: int = 1) -> Array:
         return np.stack([R, small * v * ξ[0], v * (1 + small * ξ[1]), small * R * ξ[2], small * v * ξ[3]], axis=1)
     if name == "near-planar":
         z = z * small
-    share = 1 - small if name == "near-unbound" else rng.uniform(0.15, 0.8, count) ** 2
-    v = np.sqrt(-2 * potential(R, z) * share)
+    fraction = 1 - small if name == "near-unbound" else rng.uniform(0.15, 0.8, count) ** 2
+    v = np.sqrt(-2 * potential(R, z) * fraction)
     direction = rng.normal(size=(3, count))
     if name == "near-planar":
         direction[2] *= small

@@ -34,7 +34,7 @@ def oscillator_square(m: int, size: int) -> np.ndarray:
     return np.diag(2.0 * n + m + 1) + np.diag(side, 1) + np.diag(side, -1)
 
 
-def share(E: float, field: float, n: int, m: int) -> float:
+def fraction(E: float, field: float, n: int, m: int) -> float:
     """Return the n-th eigenvalue Z of p^2/2 - E r^2 + field r^4/2 in the plane, for one m."""
     frequency = np.sqrt(-2 * E)
     square = oscillator_square(m, SIZE + 4)
@@ -48,7 +48,7 @@ def stark(n1: int, n2: int, m: int, field: float) -> float:
     """E at which the shares of both parabolic coordinates add up to 2, below the barrier; bisection."""
 
     def excess(E: float) -> float:
-        return share(E, field, n1, m) + share(E, -field, n2, m) - 2
+        return fraction(E, field, n1, m) + fraction(E, -field, n2, m) - 2
 
     low, high = -0.6 / (n1 + n2 + m + 1) ** 2, -0.45 / (n1 + n2 + m + 1) ** 2
     for _ in range(60):

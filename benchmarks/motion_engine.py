@@ -54,11 +54,11 @@ def pendulum() -> None:
                 (abs(exact_pendulum(gap, t[i]) - mpmath.mpf(state[i])), claimed[i]) for i in range(0, 100_000, 2500)
             ]
             worst = max(e for e, _ in errors)
-            slack = min(float(c / e) if e else np.inf for e, c in errors)
+            tolerance = min(float(c / e) if e else np.inf for e, c in errors)
             print(
                 f" {gap:6} {periods:8.0e} {motion.nodes:6} {first * 1e4:9.0f} {ours:9.0f} {theirs:8.0f}"
                 f" {ours / theirs:7.2f}"
-                f"  {float(worst):9.1e}  {slack:9.1f}"
+                f"  {float(worst):9.1e}  {tolerance:9.1f}"
             )
 
 
@@ -171,7 +171,7 @@ def certified() -> None:
 
             def integral(motion: Any, digits: int = digits) -> float:
                 work = proof.work_bits(digits)
-                radicands = {"theta": motion.separated.located["theta"].course.radicand}
+                radicands = {"theta": motion.separated.located["theta"].coordinate_motion.radicand}
                 line = proof.lines(radicands, motion.initial, solution, work)["theta"]
                 with working(work):
                     cycle = proof.cycle_of(motion.separated, "theta", line)

@@ -22,13 +22,13 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.separation import Obstruction, Separation, separate
 from tests.support.random_staeckel import Case, case
 
-SHARES = {2: 0.56, 3: 0.38, 4: 0.06}
+FRACTIONS = {2: 0.56, 3: 0.38, 4: 0.06}
 
 
 def cases(count: int) -> Iterator[tuple[int, Case]]:
     """As many separable cases as near misses, in turn; n = 2, 3 and 4 mixed throughout, so that a part is a sample."""
-    wanted = {n: round(share * count) for n, share in SHARES.items()}
-    sources = {n: _alternating(n) for n in SHARES}
+    wanted = {n: round(fraction * count) for n, fraction in FRACTIONS.items()}
+    sources = {n: _alternating(n) for n in FRACTIONS}
     for k in range(max(wanted.values())):
         for n, number in wanted.items():
             if k * number // max(wanted.values()) < (k + 1) * number // max(wanted.values()):

@@ -111,14 +111,14 @@ def _campaign(name, solution, ranges, speed, times, problems, seed) -> None:
             print(name, "missed:", q0, velocity, T, "found", len(answer), answer.complete.statement, file=sys.stderr)
         for c in answer:
             y0 = [*q0.values(), *(float(c.p0[n].value) for n in q0)]
-            end, rough = (
+            end, approximate = (
                 solve_ivp(rhs, (0, T), y0, method="DOP853", rtol=r, atol=r / 10).y[:, -1] for r in (1e-13, 1e-11)
             )
             off = np.array([end[i] - q1[n] for i, n in enumerate(q0)])
             angle = np.array([k.domain.kind == "angle" for k in system.coordinates])
             off = np.where(angle, off - 2 * np.pi * np.rint(off / (2 * np.pi)), off)
             error = float(np.max(np.abs(off)))
-            unsure = 10 * float(np.max(np.abs(end - rough)[: len(q0)]))
+            unsure = 10 * float(np.max(np.abs(end - approximate)[: len(q0)]))
             worst = max(worst, error if unsure < 1e-7 else 0.0)
             wrong += error > 1e-7 + unsure
     row = {"system": name, "problems": problems, "known motion found": found, "missed": missed, "refused": refused,

@@ -165,10 +165,10 @@ def _shared_exponential(e: sp.Expr, below: sp.Add, n: int) -> sp.Expr:
     found = [node.args[0] for term in below.args for node in sp.Mul.make_args(term) if isinstance(node, sp.exp)]
     if above is None or not found:
         return e
-    shares = [(ratio, a) for a in found if (ratio := sp.cancel(above / a)).is_Rational and ratio >= 1]
-    if not shares:
+    fractions = [(ratio, a) for a in found if (ratio := sp.cancel(above / a)).is_Rational and ratio >= 1]
+    if not fractions:
         return e
-    ratio, a = min(shares, key=lambda share: share[0])
+    ratio, a = min(fractions, key=lambda fraction: fraction[0])
     k = min(n, int(ratio))
     return _times_exponential(e * below**k, -k * a) / sp.Add(*(_times_exponential(t, -a) for t in below.args)) ** k
 

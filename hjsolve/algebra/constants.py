@@ -28,7 +28,7 @@ from hjsolve.precision import mp
 
 MAX_DEGREE, MAX_BITS = 4096, 40_000
 MAX_MULTIPLE = 240
-_SLACK = 1e-6
+_TOLERANCE = 1e-6
 Pair = tuple[sp.Expr, sp.Expr]
 
 
@@ -49,7 +49,7 @@ class _Bound:
 
     def plus(self, other: _Bound) -> _Bound:
         a, b = self.up + other.down, other.up + self.down
-        return _Bound(max(a, b) + math.log2(1 + 2.0 ** -min(abs(a - b), 60)) + _SLACK, self.down + other.down)
+        return _Bound(max(a, b) + math.log2(1 + 2.0 ** -min(abs(a - b), 60)) + _TOLERANCE, self.down + other.down)
 
     def times(self, other: _Bound) -> _Bound:
         return _Bound(self.up + other.up, self.down + other.down)
@@ -59,13 +59,13 @@ class _Bound:
 
     def root(self, k: int) -> _Bound:
         if self.up >= self.down:
-            return _Bound((self.up + (k - 1) * self.down) / k + _SLACK, self.down)
-        return _Bound(self.up, (self.down + (k - 1) * self.up) / k + _SLACK)
+            return _Bound((self.up + (k - 1) * self.down) / k + _TOLERANCE, self.down)
+        return _Bound(self.up, (self.down + (k - 1) * self.up) / k + _TOLERANCE)
 
 
 def _log2(n: int) -> float:
     """Return an upper bound of log₂ n, at least 0."""
-    return 0.0 if n <= 1 else math.log2(n) + _SLACK if n < 2**900 else float(n.bit_length())
+    return 0.0 if n <= 1 else math.log2(n) + _TOLERANCE if n < 2**900 else float(n.bit_length())
 
 
 class _Measure:

@@ -152,12 +152,12 @@ def _column(reader: FieldReader, symbol: sp.Symbol, count: int, k: int) -> list[
     if any(e is not None and e.free_symbols for e in (low, high)):
         return []
     a, b = (None if e is None else sp.Rational(str(sp.N(e, 30))) for e in (low, high))
-    shares = [sp.Rational((377 * j + 101 * k * j * j) % 997 or 1, 997) for j in range(1, count + 1)]
+    fractions = [sp.Rational((377 * j + 101 * k * j * j) % 997 or 1, 997) for j in range(1, count + 1)]
     if a is not None and b is not None:
-        return [a + (b - a) * share for share in shares]
+        return [a + (b - a) * fraction for fraction in fractions]
     if a is None and b is None:
-        return [6 * share - 3 for share in shares]
-    return [a + 4 * share if a is not None else b - 4 * share for share in shares]
+        return [6 * fraction - 3 for fraction in fractions]
+    return [a + 4 * fraction if a is not None else b - 4 * fraction for fraction in fractions]
 
 
 def _ends(reader: FieldReader, symbol: sp.Symbol) -> Bounds:

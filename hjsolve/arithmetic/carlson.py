@@ -223,7 +223,7 @@ def jacobi_epsilon(u: Numbers, m: Numbers) -> Doubles:
 
 
 # ------------------------------------------------------------------------------------------------ Legendre's integrals
-def _folded(φ: Numbers, m: Numbers) -> tuple[Doubles, Doubles, Doubles, Doubles, Doubles]:
+def _reduced(φ: Numbers, m: Numbers) -> tuple[Doubles, Doubles, Doubles, Doubles, Doubles]:
     """Return half turns, sin φ, cos² φ and 1 − m sin² φ of φ brought to −π/2 … π/2; and m."""
     φ, m = broadcast(φ, m)
     turns = np.round(φ / np.pi)
@@ -238,7 +238,7 @@ def legendre_f(φ: Numbers, m: Numbers) -> Doubles:
     Args:
         φ, m: amplitude and parameter k².
     """
-    turns, s, square, Δ, m = _folded(φ, m)
+    turns, s, square, Δ, m = _reduced(φ, m)
     return s * carlson_rf(square, Δ, 1) + np.where(turns == 0, 0.0, 2 * turns * carlson_rf(0, 1 - m, 1))
 
 
@@ -262,7 +262,7 @@ def legendre_e(*arguments: Numbers) -> Doubles:
     whole = carlson_rf(0, complement, 1) - m * carlson_rd(0, complement, 1) / 3
     if not φ:
         return whole
-    turns, s, square, Δ, m = _folded(φ[0], m)
+    turns, s, square, Δ, m = _reduced(φ[0], m)
     return (
         s * carlson_rf(square, Δ, 1)
         - m * s**3 * carlson_rd(square, Δ, 1) / 3
@@ -282,6 +282,6 @@ def legendre_pi(n: Numbers, *arguments: Numbers) -> Doubles:
     whole = carlson_rf(0, complement, 1) + n * carlson_rj(0, complement, 1, 1 - n) / 3
     if not φ:
         return whole
-    turns, s, square, Δ, m = _folded(φ[0], m)
+    turns, s, square, Δ, m = _reduced(φ[0], m)
     third = n * s**3 * carlson_rj(square, Δ, 1, 1 - n * s * s) / 3
     return s * carlson_rf(square, Δ, 1) + third + np.where(turns == 0, 0.0, 2 * turns * whole)

@@ -136,8 +136,8 @@ class Disks:
         size = np.abs(x.centre)
         # 1/x has its centre at c̄/(|c|² − r²) and the radius r/(|c|² − r²)
         room = (size - x.radius) * (size + x.radius)
-        share = x.radius / room
-        return Disk(x.centre.conj() / room, np.where(room > 0, share + _UNIT * (share + 1 / size), np.inf))
+        fraction = x.radius / room
+        return Disk(x.centre.conj() / room, np.where(room > 0, fraction + _UNIT * (fraction + 1 / size), np.inf))
 
     def power(self, x: Disk, n: int) -> Disk:
         """Return a disk that holds every xⁿ, narrower than a product of n different disks."""
@@ -230,14 +230,14 @@ def _off_cut(x: Disk) -> Mask:
 
 def _log(_: Disks, x: Disk) -> Disk:
     value = np.log(x.centre)
-    share = np.minimum(x.radius / np.abs(x.centre), 1.0)
-    return _where(_off_cut(x), Disk(value, -np.log1p(-share) + _UNIT * (1 + np.abs(value))))
+    fraction = np.minimum(x.radius / np.abs(x.centre), 1.0)
+    return _where(_off_cut(x), Disk(value, -np.log1p(-fraction) + _UNIT * (1 + np.abs(value))))
 
 
 def _sqrt(_: Disks, x: Disk) -> Disk:
-    share = np.minimum(x.radius / np.abs(x.centre), 1.0)
+    fraction = np.minimum(x.radius / np.abs(x.centre), 1.0)
     root = np.sqrt(x.centre)
-    return _where(_off_cut(x), Disk(root, np.abs(root) * (share / (1 + np.sqrt(1 - share)) + _UNIT)))
+    return _where(_off_cut(x), Disk(root, np.abs(root) * (fraction / (1 + np.sqrt(1 - fraction)) + _UNIT)))
 
 
 def _by_slope(d: Disks, x: Disk, name: str) -> Disk:

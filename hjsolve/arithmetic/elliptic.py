@@ -96,8 +96,8 @@ def jacobi(
         arithmetic: where to compute.
     """
     size = abs(u)
-    folded = size > quarter
-    v = arithmetic.where(folded, 2 * quarter - size, size)
+    reduced = size > quarter
+    v = arithmetic.where(reduced, 2 * quarter - size, size)
     beyond, v = v < 0, abs(v)  # 2K rounded up
     far = v > quarter / 2
     v = arithmetic.where(far, quarter - v, v)
@@ -111,4 +111,4 @@ def jacobi(
     k = arithmetic.unary("sqrt", complement)
     sn, cn, dn = (arithmetic.where(far, *x) for x in ((cn / dn, sn), (k * sn / dn, cn), (k / dn, dn)))
     sn = arithmetic.copysign(sn, u)
-    return arithmetic.where(beyond, -sn, sn), arithmetic.where(folded, -cn, cn), dn
+    return arithmetic.where(beyond, -sn, sn), arithmetic.where(reduced, -cn, cn), dn

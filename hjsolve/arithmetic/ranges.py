@@ -188,10 +188,10 @@ def _wave(c: Context, name: str, x: Range) -> Range:
     low, high = max(min(a for a, _ in ends), -c.one), min(max(b for _, b in ends), c.one)
     # in quarter turns, maxima of the sine lie at 1 + 4k and troughs at 3 + 4k; of the cosine at 4k and 2 + 4k
     first, last = (divide(c, (end, end), quarter_turns(c, 1)) for end in x)
-    crest = 1 if name == "sin" else 0
+    barrier_top = 1 if name == "sin" else 0
     return (
-        -c.one if _meets(c, first[0], last[1], crest + 2) else low,
-        c.one if _meets(c, first[0], last[1], crest) else high,
+        -c.one if _meets(c, first[0], last[1], barrier_top + 2) else low,
+        c.one if _meets(c, first[0], last[1], barrier_top) else high,
     )
 
 

@@ -66,8 +66,8 @@ class _Rewriter:
             return self._emit("mul", *operands)
         factors.remove(wave)
         rest = [slot for slot in factors if slot not in decays]
-        exponent = self._folded("add", [self._line(slot).operands[0] for slot in decays])
-        return self._folded("mul", [*rest, self._packet(exponent, self._line(wave))])
+        exponent = self._reduced("add", [self._line(slot).operands[0] for slot in decays])
+        return self._reduced("mul", [*rest, self._packet(exponent, self._line(wave))])
 
     def _factors(self, slot: int) -> list[int]:
         line = self._line(slot)
@@ -77,7 +77,7 @@ class _Rewriter:
             return [self._emit("rational", payload=(-1, 1)), *self._factors(line.operands[0])]
         return [slot]
 
-    def _folded(self, code: str, slots: list[int]) -> int:
+    def _reduced(self, code: str, slots: list[int]) -> int:
         return reduce(lambda x, y: self._emit(code, x, y), slots)
 
     def _packet(self, exponent: int, wave: Operation) -> int:

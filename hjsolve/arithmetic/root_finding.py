@@ -73,12 +73,12 @@ def interpolated_root(
         within: (x, f) ↦ whether x is good enough.
     """
     (b, a), (fb, fa) = ends, values
-    c, fc, share = a, fa, a * 0 + 0.5
+    c, fc, fraction = a, fa, a * 0 + 0.5
     best = min(((abs(fa), a, fa), (abs(fb), b, fb)), key=lambda one: one[0])
     for _ in range(_MOST_VALUES):
         if within(best[1], best[2]):
             break
-        x = a + share * (b - a)
+        x = a + fraction * (b - a)
         if x in (a, b):
             break
         f = function(x)
@@ -92,9 +92,9 @@ def interpolated_root(
             break
         ξ, φ = (a - b) / (c - b), (fa - fb) / (fc - fb)
         if φ**2 < ξ and (1 - φ) ** 2 < 1 - ξ:
-            share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+            fraction = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
         else:
-            share = a * 0 + 0.5
+            fraction = a * 0 + 0.5
     return best[1]
 
 

@@ -32,7 +32,7 @@ TERMS = 8
 """Terms of Taylor's formula at a turning point, without the remainder; Arb's series are cut off at ten."""
 
 
-class Shares(NamedTuple):
+class Fractions(NamedTuple):
     """s²/(s² + c²), c²/(s² + c²), 2 (s′c − sc′)/(s² + c²), s² + c², s and c."""
 
     low: Ball
@@ -59,7 +59,7 @@ class AnomalyMap:
         """True for s = sin χ/2, c = cos χ/2."""
         return not (self.lower or self.upper)
 
-    def shares(self, χ: Ball) -> Shares:
+    def fractions(self, χ: Ball) -> Fractions:
         """Return the map at a real or complex ball.
 
         Args:
@@ -67,12 +67,12 @@ class AnomalyMap:
         """
         sine, cosine = (χ / 2).sin_cos()
         if self.plain:
-            return Shares(sine * sine, cosine * cosine, flint.arb(1), flint.arb(1), sine, cosine)
+            return Fractions(sine * sine, cosine * cosine, flint.arb(1), flint.arb(1), sine, cosine)
         s, ds = _slowed(self.lower, sine)
         c, dc = _slowed(self.upper, cosine)
         denominator = s * s + c * c
         stretch = (cosine * ds * c + sine * dc * s) / denominator
-        return Shares(*_shared(s, c), stretch, denominator, s, c)
+        return Fractions(*_shared(s, c), stretch, denominator, s, c)
 
 
 def _shared(s: Ball, c: Ball) -> tuple[Ball, Ball]:
@@ -146,8 +146,8 @@ class CycleIntegrand:
         spread: a map for where another zero of p² is near; None where there is none.
         near: the largest W|R′/R| at a turning point, W = b − a and R = p²/((q − a)(b − q)): W over the distance of the
             next zero of p² outside.
-        fold: into how many equal parts the integrands divide a turn: 2 where they are even in χ, as over a libration, 4
-            where χ ↦ π − χ leaves them what they are as well; 1 where nothing is known.
+        symmetry: into how many equal parts the integrands divide a turn: 2 where they are even in χ, as over a
+            libration, 4 where χ ↦ π − χ leaves them what they are as well; 1 where nothing is known.
     """
 
     line: BallMomentumSquared
@@ -158,7 +158,7 @@ class CycleIntegrand:
     map: AnomalyMap = AnomalyMap()
     spread: AnomalyMap | None = None
     near: float = 0.0
-    fold: int = 1
+    symmetry: int = 1
 
     @property
     def librates(self) -> bool:
@@ -172,8 +172,8 @@ class CycleIntegrand:
 
     def over(self, map_: AnomalyMap) -> CycleIntegrand:
         """Return the same cycle with another map."""
-        fold = self.fold if map_.lower == map_.upper else min(self.fold, 2)  # χ ↦ π − χ exchanges s and c
-        return self if map_ == self.map else replace(self, map=map_, fold=fold)
+        symmetry = self.symmetry if map_.lower == map_.upper else min(self.symmetry, 2)  # χ ↦ π − χ exchanges s and c
+        return self if map_ == self.map else replace(self, map=map_, symmetry=symmetry)
 
     def rounded(self, bits: int) -> CycleIntegrand:
         """Return the same cycle for a low precision."""
@@ -209,28 +209,28 @@ class CycleIntegrand:
         """True where p² and the kernels are entire functions of q by their form."""
         return _entire(self.line.radicand.squared) and _entire(self.line.radicand.kernels)
 
-    def spot(self, χ: Ball) -> CycleNode:
+    def sample(self, χ: Ball) -> CycleNode:
         """Return where χ is.
 
         Args:
             χ: phase, a ball.
         """
-        share = self.map.shares(χ)
+        fraction = self.map.fractions(χ)
         if self.lower is None:
-            return CycleNode(self._turned(χ, share), None, None, share.stretch, share.denominator)
-        from_lower, to_upper = self.width * share.low, self.width * share.high
-        near_lower = bool(share.low.real < 0.5)  # the shares add up to 1
+            return CycleNode(self._turned(χ, fraction), None, None, fraction.stretch, fraction.denominator)
+        from_lower, to_upper = self.width * fraction.low, self.width * fraction.high
+        near_lower = bool(fraction.low.real < 0.5)  # the shares add up to 1
         q = self.lower + from_lower if near_lower else self.upper - to_upper
-        return CycleNode(q, from_lower, to_upper, share.stretch, share.denominator, near_lower)
+        return CycleNode(q, from_lower, to_upper, fraction.stretch, fraction.denominator, near_lower)
 
-    def _turned(self, χ: Ball, share: Shares) -> Ball:
+    def _turned(self, χ: Ball, fraction: Fractions) -> Ball:
         """Return the q of a rotation; on a complex ball up to whole turns, which p² does not see."""
         if self.map.plain:
             return self.slow + χ - flint.arb.pi()
-        s, c = share.s, share.c
+        s, c = fraction.s, fraction.c
         if isinstance(s, flint.arb) and isinstance(c, flint.arb):
             return self.slow + 2 * flint.arb.atan2(s, c) - flint.arb.pi()
-        if share.high.real > 0.5:
+        if fraction.high.real > 0.5:
             return self.slow + 2 * Balls().unary("atan", s / c) - flint.arb.pi()
         side = 1 if χ.real.mid() > 0 else -1  # c/s is small near χ = ±π and keeps its relative width there
         return self.slow - 2 * Balls().unary("atan", c / s) + (side - 1) * flint.arb.pi()
@@ -241,27 +241,27 @@ class CycleIntegrand:
         Args:
             χ: phase, a real ball.
         """
-        spot = self.spot(χ)
-        square = self.line.value(spot.q)
-        if spot.from_lower is None:
+        sample = self.sample(χ)
+        square = self.line.value(sample.q)
+        if sample.from_lower is None:
             product: Ball = flint.arb(1)
             root = square.sqrt()
         else:
-            product = spot.from_lower * spot.to_upper
+            product = sample.from_lower * sample.to_upper
             root = (square / product).sqrt()
-        return self.integrands(spot, product, root)
+        return self.integrands(sample, product, root)
 
-    def integrands(self, spot: CycleNode, product: Ball, root: Ball) -> list[Ball]:
+    def integrands(self, sample: CycleNode, product: Ball, root: Ball) -> list[Ball]:
         """Return the wanted integrands from √(p²/((q − a)(b − q))).
 
         Args:
-            spot: the place.
+            sample: the place.
             product: (q − a)(b − q), 1 for a rotation.
             root: √(p²/product).
         """
-        weights = iter(self.weights.run(spot.q) if self.weights.outputs else ())
-        scale = spot.stretch / root
-        return [product * root * spot.stretch if j < 0 else next(weights) * scale for j in self.wanted]
+        weights = iter(self.weights.run(sample.q) if self.weights.outputs else ())
+        scale = sample.stretch / root
+        return [product * root * sample.stretch if j < 0 else next(weights) * scale for j in self.wanted]
 
 
 def _entire(tape: Tape) -> bool:

@@ -8,7 +8,7 @@ than 2M/(e^(aN) − 1) (Trefethen & Weideman, SIAM Review 56 (2014) 385, theorem
   edge, and each lies in a disk without 0 about its centre. Likewise s² + c², where q has its poles;
 - so the integrand, a kernel times dq/dχ over √R, is analytic, and largest on the edge (maximum principle).
 
-f(χ̄) = f̄(χ), and what else is known of f (``CycleIntegrand.fold``), let a part of the edge stand for the whole.
+f(χ̄) = f̄(χ), and what else is known of f (``CycleIntegrand.symmetry``), let a part of the edge stand for the whole.
 Doubles only choose the width a.
 """
 
@@ -163,11 +163,11 @@ def midpoint(cycle: CycleIntegrand, strip: StripBound, bits: int, sizes: list[fl
     """
     # 2M/(e^{aN} − 1) (Trefethen & Weideman 2014, theorem 3.2) below 2^−(bits + 4) of the size
     excess = max(float((4 * most / size).log().upper()) for most, size in zip(strip.most, sizes, strict=True))
-    nodes = math.ceil((excess + (bits + 4) * _LN2) / (cycle.fold * strip.width)) + 1  # the others are mirror images
+    nodes = math.ceil((excess + (bits + 4) * _LN2) / (cycle.symmetry * strip.width)) + 1  # the others are mirror images
     count(squares=nodes, kernels=nodes)
-    angle = 2 * flint.arb.pi() / (cycle.fold * nodes)
+    angle = 2 * flint.arb.pi() / (cycle.symmetry * nodes)
     rows = zip(*(cycle.values(angle * (2 * m + 1) / 2) for m in range(nodes)), strict=True)
-    rest = (flint.arb(strip.width) * nodes * cycle.fold).exp() - 1
+    rest = (flint.arb(strip.width) * nodes * cycle.symmetry).exp() - 1
     return [
         sum(row, flint.arb(0)) / nodes + flint.arb(0, (2 * most / rest).upper())
         for row, most in zip(rows, strip.most, strict=True)
@@ -210,7 +210,7 @@ def bound_in_strip(cycle: CycleIntegrand, a: float) -> StripBound | None:
         The bound; None where the strip could not be proved to be free of singularities.
     """
     with working(_BITS):
-        sure = cycle.line.value(cycle.spot(flint.arb(1)).q).rel_accuracy_bits()
+        sure = cycle.line.value(cycle.sample(flint.arb(1)).q).rel_accuracy_bits()
     bits = _BITS + min(max(0, _SURE - sure), cycle.line.bits)
     with working(bits):
         low = cycle.rounded(bits)
@@ -218,9 +218,9 @@ def bound_in_strip(cycle: CycleIntegrand, a: float) -> StripBound | None:
             return None
         # no zero of R, nor of s² + c², inside: their arguments return along the edge
         boxes = _edge(low, a)
-        if boxes is None or not _returns([b.centre for b in boxes], even=low.fold > 1):
+        if boxes is None or not _returns([b.centre for b in boxes], even=low.symmetry > 1):
             return None
-        if not (low.map.plain or _returns([b.denominator for b in boxes], even=low.fold > 1)):
+        if not (low.map.plain or _returns([b.denominator for b in boxes], even=low.symmetry > 1)):
             return None
         # the maximum principle: the largest ball of the edge bounds the strip
         most = boxes[0].sizes
@@ -231,7 +231,7 @@ def bound_in_strip(cycle: CycleIntegrand, a: float) -> StripBound | None:
 
 def _edge(cycle: CycleIntegrand, a: float) -> list[_Box] | None:
     """Cover the edge Im χ = a with balls from left to right, as wide as they may be; None where that takes too many."""
-    x, end = (-_PI, _PI) if cycle.fold == 1 else (0.0, 2 * _PI / cycle.fold)
+    x, end = (-_PI, _PI) if cycle.symmetry == 1 else (0.0, 2 * _PI / cycle.symmetry)
     found: list[_Box] = []
     step, growth, work = _PI / _PIECES, _GROWTH, _MOST_BOXES
     while x < end:
@@ -249,28 +249,28 @@ def _edge(cycle: CycleIntegrand, a: float) -> list[_Box] | None:
 
 def _box(cycle: CycleIntegrand, χ: Ball) -> _Box:
     """Evaluate on a ball of the edge; R = F/P with P = (q − a)(b − q), or R = F for a rotation."""
-    spot = cycle.spot(χ)
-    denominator, _, _, width = (flint.acb(1), 1, 1, 0.0) if cycle.map.plain else _ring(spot.denominator)
+    sample = cycle.sample(χ)
+    denominator, _, _, width = (flint.acb(1), 1, 1, 0.0) if cycle.map.plain else _ring(sample.denominator)
     if width >= 1:
         return _Box([], denominator, denominator, math.inf)
-    product = flint.arb(1) if spot.from_lower is None else spot.from_lower * spot.to_upper
+    product = flint.arb(1) if sample.from_lower is None else sample.from_lower * sample.to_upper
     best = None
-    for form in _forms(cycle, spot):
-        ring = _ring(form(cycle, spot, product))
+    for form in _forms(cycle, sample):
+        ring = _ring(form(cycle, sample, product))
         best = ring if best is None or ring[3] < best[3] else best
         if best[3] < _GOOD:
             break
     centre, least, most, spread = required(best)
     spread = max(spread, width)
-    sizes = cycle.integrands(spot, product, least.union(most).sqrt()) if spread < _CLEAR else []
+    sizes = cycle.integrands(sample, product, least.union(most).sqrt()) if spread < _CLEAR else []
     return _Box([abs(x) for x in sizes], centre, denominator, spread + 1e-9)
 
 
-def _forms(cycle: CycleIntegrand, spot: CycleNode) -> list[Callable[[CycleIntegrand, CycleNode, Ball], Ball]]:
+def _forms(cycle: CycleIntegrand, sample: CycleNode) -> list[Callable[[CycleIntegrand, CycleNode, Ball], Ball]]:
     """Ways to enclose R on a ball, the best one first."""
-    if spot.from_lower is None:
+    if sample.from_lower is None:
         return [_of_a_rotation]
-    nearest = abs(spot.nearest)
+    nearest = abs(sample.nearest)
     return [_from_an_end, _from_the_middle] if nearest < _NEAR * cycle.width else [_from_the_middle]
 
 
@@ -282,32 +282,32 @@ def _ring(x: Ball) -> tuple[Ball, flint.arb, flint.arb, float]:
     return middle, (size - spread).lower(), (size + spread).upper(), float(ratio) if ratio.is_finite() else math.inf
 
 
-def _of_a_rotation(cycle: CycleIntegrand, spot: CycleNode, _product: Ball) -> Ball:
+def _of_a_rotation(cycle: CycleIntegrand, sample: CycleNode, _product: Ball) -> Ball:
     """F from its value and slope at the centre."""
-    middle = spot.q.mid()
-    (value, slope), bend, h = cycle.line.taylor(middle, 2), cycle.line.taylor(spot.q, 3)[2], spot.q - middle
+    middle = sample.q.mid()
+    (value, slope), bend, h = cycle.line.taylor(middle, 2), cycle.line.taylor(sample.q, 3)[2], sample.q - middle
     return value + (slope + bend * h) * h
 
 
-def _from_an_end(cycle: CycleIntegrand, spot: CycleNode, _product: Ball) -> Ball:
+def _from_an_end(cycle: CycleIntegrand, sample: CycleNode, _product: Ball) -> Ball:
     """R from F = (q − a) F[a, q] at the nearer turning point a, by Taylor's formula with its remainder on the hull."""
-    lower = spot.near_lower
-    from_lower, to_upper = required(spot.from_lower), required(spot.to_upper)
+    lower = sample.near_lower
+    from_lower, to_upper = required(sample.from_lower), required(sample.to_upper)
     end, h = (cycle.ends[0], from_lower) if lower else (cycle.ends[1], -to_upper)
-    hull = flint.acb(spot.q.real.union(end), spot.q.imag.union(flint.arb(0)))
+    hull = flint.acb(sample.q.real.union(end), sample.q.imag.union(flint.arb(0)))
     value = cycle.line.taylor(hull, TERMS + 1)[TERMS]
     for coefficient in (cycle.lower_series if lower else cycle.upper_series)[:0:-1]:
         value = coefficient + value * h
     return value / to_upper if lower else -value / from_lower
 
 
-def _from_the_middle(cycle: CycleIntegrand, spot: CycleNode, product: Ball) -> Ball:
+def _from_the_middle(cycle: CycleIntegrand, sample: CycleNode, product: Ball) -> Ball:
     """R from F = F₀ + F₁h + F₂(ball)h² about the centre of the ball, h = q − m.
 
     With P = P₀ + P₁h − h² that is R₀ + h (F₁ − R₀P₁ + (F₂ + R₀)h)/P: no difference of quotients that are nearly equal.
     """
-    middle = spot.q.mid()
-    h, (value, slope), bend = spot.q - middle, cycle.line.taylor(middle, 2), cycle.line.taylor(spot.q, 3)[2]
+    middle = sample.q.mid()
+    h, (value, slope), bend = sample.q - middle, cycle.line.taylor(middle, 2), cycle.line.taylor(sample.q, 3)[2]
     from_lower, to_upper = middle - cycle.ends[0], cycle.ends[1] - middle
     start = value / (from_lower * to_upper)
     return start + h * (slope - start * (to_upper - from_lower) + (bend + start) * h) / product
@@ -337,7 +337,7 @@ def _covered(cycle: CycleIntegrand, a: float) -> bool:
 
     No operation meets a singularity.
     """
-    start, pieces = (0.0, 16 // cycle.fold) if cycle.fold > 1 else (-np.pi, 16)
+    start, pieces = (0.0, 16 // cycle.symmetry) if cycle.symmetry > 1 else (-np.pi, 16)
     step = 3.1415926535897936 / 8
     todo = [(start + k * step, start + (k + 1) * step, 0.0, a) for k in range(pieces)]
     work = _MOST_CELLS
@@ -345,7 +345,7 @@ def _covered(cycle: CycleIntegrand, a: float) -> bool:
         x0, x1, y0, y1 = todo.pop()
         if (work := work - 1) < 0 or x1 - x0 < _SMALLEST_CELL:
             return False
-        q = cycle.spot(flint.acb(_between(x0, x1), _between(y0, y1))).q
+        q = cycle.sample(flint.acb(_between(x0, x1), _between(y0, y1))).q
         if all(x.is_finite() for x in (cycle.line.value(q), *cycle.weights.run(q))):
             continue
         if x1 - x0 > y1 - y0:

@@ -287,8 +287,8 @@ def holds_place(curve: MomentumCurve, like: RootInterval, place: mpmath.mpf, num
     """
     s = curve.substitution
     with mp.workdps(DIGITS):
-        slack = (1 + abs(place)) * mp.mpf(10) ** -12  # of ends that were given in doubles
-        if s.closed and abs(place - middle_of(curve, numbers)) > number_of(s.turn, numbers) / 2 + slack:
+        tolerance = (1 + abs(place)) * mp.mpf(10) ** -12  # of ends that were given in doubles
+        if s.closed and abs(place - middle_of(curve, numbers)) > number_of(s.turn, numbers) / 2 + tolerance:
             return False
         roots, _ = real_roots(curve, numbers)
         low, high = (number_of(end, numbers) for end in (s.lower, s.upper))
@@ -297,8 +297,8 @@ def holds_place(curve: MomentumCurve, like: RootInterval, place: mpmath.mpf, num
         if isinstance(x, mp.mpc) or mp.isnan(x):
             return True  # at the place where the variable is infinite, an end of the domain
         start, stop = marks.get(like.lower, low), marks.get(like.upper, high)
-        slack *= 1 + abs(x)
-        return bool(start - slack <= x <= stop + slack)
+        tolerance *= 1 + abs(x)
+        return bool(start - tolerance <= x <= stop + tolerance)
 
 
 def middle_of(curve: MomentumCurve, numbers: Numbers) -> mpmath.mpf:

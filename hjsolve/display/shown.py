@@ -165,10 +165,10 @@ def brief(content: Any, room: int) -> str:
     if isinstance(content, Shown):
         return cut(f"{type(content).__name__}({content._label()})", room)
     if isinstance(content, Mapping):
-        pairs = (f"{key}: {brief(item, _share(room, len(content)))}" for key, item in content.items())
+        pairs = (f"{key}: {brief(item, _fraction(room, len(content)))}" for key, item in content.items())
         return cut("{" + _listed(pairs, len(content), room) + "}", room)
     if isinstance(content, (tuple, list)) and not hasattr(content, "_fields"):
-        inside = _listed((brief(x, _share(room, len(content))) for x in content), len(content), room)
+        inside = _listed((brief(x, _fraction(room, len(content))) for x in content), len(content), room)
         return cut(f"({inside}{',' if len(content) == 1 else ''})", room)
     if getattr(content, "ndim", 0):
         return cut(f"array {content.shape} of {_ends(content.ravel(), room)}", room)
@@ -180,7 +180,7 @@ def brief(content: Any, room: int) -> str:
     return cut(" ".join(text.split()), room)
 
 
-def _share(room: int, count: int) -> int:
+def _fraction(room: int, count: int) -> int:
     return room // min(max(count, 1), 3)
 
 

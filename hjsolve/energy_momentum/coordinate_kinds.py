@@ -102,7 +102,7 @@ class CoordinateKinds(ByValue, Shown):
     def _open_kind(self, s: float, x: float, y: float) -> str:
         place = sp.Rational(float(required(self.polynomial).places(np.array([s]))[0]))
         try:
-            return str(locate(at_place(self.solution, self.name, self.exactly(x, y), place), 15).course.kind)
+            return str(locate(at_place(self.solution, self.name, self.exactly(x, y), place), 15).coordinate_motion.kind)
         except NotConvergedError:
             return UNDECIDED
 
@@ -235,7 +235,7 @@ class Regions:
         own, x, y = self.coordinate, float(self.x[i]), float(self.y[i])
         if self.doubtful[i] or own.polynomial is None:
             return self._kind_found_exactly(x, y, q)
-        s = float(own.polynomial.shares(np.array([q]))[0])
+        s = float(own.polynomial.fractions(np.array([q]))[0])
         mine = slice(int(self.first[i]), int(self.first[i] + self.count[i]))
         low, high = self.low[mine], self.high[mine]
         j = int((high <= s).sum())

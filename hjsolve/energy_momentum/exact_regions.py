@@ -93,7 +93,7 @@ def _kind(start: CoordinateStart, region: AllowedRegion) -> str:
         return "libration"
     if lower.place is not None and upper.place is not None and lower.place(256) == upper.place(256):
         return "equilibrium"
-    return str(locate(replace(start, place=partial(_inside, lower, upper, start)), 15).course.kind)
+    return str(locate(replace(start, place=partial(_inside, lower, upper, start)), 15).coordinate_motion.kind)
 
 
 def _inside(lower: End, upper: End, start: CoordinateStart, bits: int) -> Mpf:

@@ -17,7 +17,7 @@ from hjsolve.arithmetic.floats import EPS
 
 Reals = NDArray[np.float64]
 _DEEPEST = 60
-_SHARES = (0.5, 0.4609375, 0.5703125, 0.390625)
+_FRACTIONS = (0.5, 0.4609375, 0.5703125, 0.390625)
 """Where an interval is divided: at its middle, or next to it where the polynomial may vanish there."""
 
 
@@ -116,9 +116,9 @@ def _variations(b: Reals, e: Reals) -> tuple[NDArray[np.int64], NDArray[np.bool_
     return (np.diff(forward, axis=1) != 0).sum(axis=1), ~open_.any(axis=1)
 
 
-def _divided(b: Reals, e: Reals, share: Reals) -> tuple[tuple[Reals, Reals], tuple[Reals, Reals]]:
+def _divided(b: Reals, e: Reals, fraction: Reals) -> tuple[tuple[Reals, Reals], tuple[Reals, Reals]]:
     """Both parts of each polynomial, and of the bounds on their errors."""
-    return _parts(b, share), _parts(_widened(b, e), share)
+    return _parts(b, fraction), _parts(_widened(b, e), fraction)
 
 
 def _widened(b: Reals, e: Reals) -> Reals:
@@ -126,8 +126,8 @@ def _widened(b: Reals, e: Reals) -> Reals:
     return e + 4 * b.shape[1] * EPS * np.abs(b).max(axis=1, keepdims=True)
 
 
-def _parts(b: Reals, share: Reals) -> tuple[Reals, Reals]:
-    left, right, row, s = [b[:, 0]], [b[:, -1]], b, share[:, None]
+def _parts(b: Reals, fraction: Reals) -> tuple[Reals, Reals]:
+    left, right, row, s = [b[:, 0]], [b[:, -1]], b, fraction[:, None]
     while row.shape[1] > 1:
         row = (1 - s) * row[:, :-1] + s * row[:, 1:]
         left.append(row[:, 0])
@@ -139,17 +139,17 @@ def _halves(
     b: Reals, e: Reals, owner: NDArray[np.int64], low: Reals, high: Reals
 ) -> tuple[Reals, Reals, NDArray[np.int64], Reals, Reals, NDArray[np.int64]]:
     """Divide every interval where the polynomial is proved not to vanish; the owners of those with no such place."""
-    share = np.full(len(b), _SHARES[0])
-    for other in (*_SHARES[1:], None):
-        value, uncertainty = bernstein_value(b, e, share)
+    fraction = np.full(len(b), _FRACTIONS[0])
+    for other in (*_FRACTIONS[1:], None):
+        value, uncertainty = bernstein_value(b, e, fraction)
         unresolved = ~(np.abs(value) > uncertainty)
         if other is None or not unresolved.any():
             break
-        share = np.where(unresolved, other, share)
+        fraction = np.where(unresolved, other, fraction)
     lost, kept = owner[unresolved], ~unresolved
-    b, e, owner, low, high, share = b[kept], e[kept], owner[kept], low[kept], high[kept], share[kept]
-    (b0, b1), (e0, e1) = _divided(b, e, share)
-    middle = low + share * (high - low)
+    b, e, owner, low, high, fraction = b[kept], e[kept], owner[kept], low[kept], high[kept], fraction[kept]
+    (b0, b1), (e0, e1) = _divided(b, e, fraction)
+    middle = low + fraction * (high - low)
     return (
         np.concatenate([b0, b1]), np.concatenate([e0, e1]), np.concatenate([owner, owner]),
         np.concatenate([low, middle]), np.concatenate([middle, high]), lost,

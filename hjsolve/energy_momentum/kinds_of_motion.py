@@ -20,12 +20,12 @@ class KindsOfMotion(Shown):
     Attributes:
         kinds: separated coordinate → the kinds of its regions, in order of q; none where it cannot move.
         example: a point (x, y).
-        share: part of the window.
+        fraction: part of the window.
     """
 
     kinds: Mapping[str, tuple[str, ...]]
     example: tuple[float, float]
-    share: float
+    fraction: float
 
     @property
     def name(self) -> str:

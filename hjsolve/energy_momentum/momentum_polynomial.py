@@ -49,7 +49,7 @@ class _Piece(ByValue, Shown):
     length: float
     table: Reals = field(repr=False)
 
-    def share(self, t: Reals) -> Reals:
+    def fraction(self, t: Reals) -> Reals:
         """Return the s in (0, 1) of t; outside of it where t is outside of the part."""
         with np.errstate(all="ignore"):
             if np.isinf(self.start):
@@ -119,7 +119,7 @@ class MomentumPolynomial(ByValue, Shown):
 
         return at
 
-    def shares(self, q: Reals) -> Reals:
+    def fractions(self, q: Reals) -> Reals:
         """Return s of places q.
 
         Args:
@@ -129,7 +129,7 @@ class MomentumPolynomial(ByValue, Shown):
             t = np.broadcast_to(np.asarray(self.forward.run(Float64(), [np.asarray(q, float)])[0], float), np.shape(q))
         result = np.full(np.shape(q), np.nan)
         for k, piece in enumerate(self.pieces):
-            s = piece.share(t)
+            s = piece.fraction(t)
             result = np.where((s >= 0) & (s <= 1), s + k, result)
         return result
 

@@ -65,8 +65,12 @@ def _status(motion: Motion) -> Status:
     for kind in ("boundary", "escape", "asymptotic"):
         if kind in kinds:
             return _KINDS[kind]
-    frozen = (place.course for place in motion.separated.located.values() if isinstance(place.course, AtRest))
-    return Status.OK if all(course.settled for course in frozen) else Status.ASYMPTOTIC
+    frozen = (
+        place.coordinate_motion
+        for place in motion.separated.located.values()
+        if isinstance(place.coordinate_motion, AtRest)
+    )
+    return Status.OK if all(coordinate_motion.settled for coordinate_motion in frozen) else Status.ASYMPTOTIC
 
 
 def _row(motion: Motion, layout: Layout) -> Row:

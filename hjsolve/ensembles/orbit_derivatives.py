@@ -325,8 +325,8 @@ def _collected(
     for i, name in enumerate(order):
         if name in batch.actions:
             value["actions"][name] = {c: shaped(K[i, j]) for j, c in enumerate(varied)}
-            doubt = K_error[i].max(axis=0) + 64 * EPS * np.abs(K[i]).max(axis=0)
-            errors["actions"][name] = {c: shaped(doubt) for c in varied}
+            uncertainty = K_error[i].max(axis=0) + 64 * EPS * np.abs(K[i]).max(axis=0)
+            errors["actions"][name] = {c: shaped(uncertainty) for c in varied}
         if name in batch.frequencies:
             value["frequencies"][name] = {c: shaped(dΩ[:, i, j]) for j, c in enumerate(varied)}
             errors["frequencies"][name] = {c: shaped(bound[:, i, j]) for j, c in enumerate(varied)}

@@ -134,7 +134,7 @@ class ExplorerPage:
         self.find = ui.checkbox("Search for coordinates that separate", on_change=self._typed)
         with ui.row():
             ui.button("Check the system", on_click=self._submitted).props("outline no-caps")
-            ui.button("Copy link", on_click=self._share).props("outline no-caps")
+            ui.button("Copy link", on_click=self._fraction).props("outline no-caps")
         self.linked = ui.label().classes("hint").props('role="status"').mark("linked")
         with ui.row():
             ui.button("Download report", on_click=lambda: self._download("report")).props("outline no-caps")
@@ -192,7 +192,7 @@ class ExplorerPage:
         self.question = replace(self._read(), drag=None)
         self.desk.put(self.question)
 
-    def _share(self) -> None:
+    def _fraction(self) -> None:
         """Put the question into the address and on the clipboard."""
         fragment = self._read().fragment()
         ui.run_javascript(

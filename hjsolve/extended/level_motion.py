@@ -107,16 +107,16 @@ class LevelMotion(Shown):
         plain = [float(x) for x in (q, p, rate)]
         return *plain, turns, *(float(e) + EPS * abs(x) for e, x in zip(errors, plain, strict=True))
 
-    def _errors(self, uncertainty: Mpf, slopes: tuple[Mpf, ...], grain: Mpf) -> tuple[Mpf, Mpf, Mpf]:
+    def _errors(self, uncertainty: Mpf, slopes: tuple[Mpf, ...], spacing: Mpf) -> tuple[Mpf, Mpf, Mpf]:
         """Return the errors of q, p and q̇ from that of time, to second order, and from the rounding of the curve."""
         if self.orbit is None:
             return uncertainty, uncertainty, uncertainty
         rate, falls, more, bend = (abs(slope) for slope in slopes)
         T, (wide, high) = self.orbit.period, self.orbit.extents
         return (
-            2 * (rate + bend * uncertainty) * uncertainty + grain * wide,
-            2 * (falls + more * uncertainty) * uncertainty + grain * high,
-            2 * bend * uncertainty + grain * (rate + bend * T + wide / T),
+            2 * (rate + bend * uncertainty) * uncertainty + spacing * wide,
+            2 * (falls + more * uncertainty) * uncertainty + spacing * high,
+            2 * bend * uncertainty + spacing * (rate + bend * T + wide / T),
         )
 
 
@@ -199,7 +199,7 @@ def _numbers(name: str, orbit: Orbit | None, E: Mpf, digits: int, bits: int) -> 
     if orbit is None:
         return {name: "equilibrium"}, energy, {}, {name: estimate(context.zero)}, {}, {}
     T, off = orbit.period, orbit.period_error
-    J, blur = orbit.action
+    J, rounding_error = orbit.action
     small = context.mpf(2) ** (_SPARE - bits)
     turns = {}
     if orbit.ends is not None:
@@ -208,6 +208,6 @@ def _numbers(name: str, orbit: Orbit | None, E: Mpf, digits: int, bits: int) -> 
     rate = 2 * context.pi / T
     return (
         {name: "rotation" if orbit.turns else "libration"}, energy, turns,
-        {name: estimate(J * (orbit.turns or 1), blur)}, {name: estimate(T, off)},
+        {name: estimate(J * (orbit.turns or 1), rounding_error)}, {name: estimate(T, off)},
         {name: estimate(rate, 2 * rate * off / T)},
     )  # fmt: skip

@@ -101,8 +101,8 @@ class CarriedOver:
         fixed = {s: v for s, v in self.values.items() if s not in variables}
         tape = lower([formula], [*variables, *fixed])
         if self.digits <= 15:
-            rough = [float(to_bits(v)(64)) for v in fixed.values()]
-            return np.broadcast_to(tape.run(Float64(), [*arrays, *rough])[0], times.shape)
+            approximate = [float(to_bits(v)(64)) for v in fixed.values()]
+            return np.broadcast_to(tape.run(Float64(), [*arrays, *approximate])[0], times.shape)
         bits = bits_for(self.digits, 64)
         numbers = [to_bits(v)(bits) for v in fixed.values()]
         rows = zip(*arrays, strict=True)

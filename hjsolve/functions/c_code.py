@@ -127,7 +127,7 @@ _PARTS = {
     letter: f"static double jacobi_{letter}(double u, double m) {{ return jacobi_part(u, m, {i}); }}\n"
     for i, letter in enumerate(("am", "sn", "cn", "dn", "epsilon"))
 }
-_FOLDED = """
+_REDUCED = """
 static double legendre_folded(double phi, double m, double f[4]) { /* sin, cos^2, 1 - m sin^2 within a half turn */
     double turns = rint(phi / 3.14159265358979323846);
     f[0] = sin(phi) * (fmod(turns, 2) == 0 ? 1 : -1); f[1] = cos(phi); f[1] *= f[1];
@@ -160,9 +160,9 @@ static double legendre_pi(double n, double phi, double m) {
 """
 _LEGENDRE = {
     sp.elliptic_k: ("legendre_k", (_RF, _K)),
-    sp.elliptic_f: ("legendre_f", (_RF, _FOLDED, _F)),
-    sp.elliptic_e: ("legendre_e", (_RF, _RC, _RJ_POSITIVE, _RD, _FOLDED, _E)),
-    sp.elliptic_pi: ("legendre_pi", (_RF, _RC, _RJ_POSITIVE, _RJ, _FOLDED, _PI)),
+    sp.elliptic_f: ("legendre_f", (_RF, _REDUCED, _F)),
+    sp.elliptic_e: ("legendre_e", (_RF, _RC, _RJ_POSITIVE, _RD, _REDUCED, _E)),
+    sp.elliptic_pi: ("legendre_pi", (_RF, _RC, _RJ_POSITIVE, _RJ, _REDUCED, _PI)),
 }
 """sympy's function → its name in C, and what it needs; complete integrals are those up to π/2."""
 _NEEDED = {
@@ -212,6 +212,6 @@ def c_source(expression: sp.Basic) -> str:
 
 
 _ORDER = (
-    _RF, _RC, _RJ_POSITIVE, _RD, _RJ, _FOLDED, _K, _F, _E, _PI,
+    _RF, _RC, _RJ_POSITIVE, _RD, _RJ, _REDUCED, _K, _F, _E, _PI,
     _COMPLEX_POLE, *_COMPLEX_PARTS.values(), _JACOBI, *_PARTS.values(),
 )  # fmt: skip

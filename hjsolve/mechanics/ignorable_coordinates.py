@@ -96,10 +96,12 @@ def _sweep(reader: Reader, mass: Rows, r: list[Element], pivots: tuple[int, int]
     pivot = mass[k][n]
     term = r[k] ** 2 / pivot * Fraction(1, 2) if k == n else r[k] * r[n] / pivot  # a power keeps its factors
     both = [(k, n)] if k == n else [(k, n), (n, k)]
-    share = {i: [(field.cancelled(mass[i][a] / pivot), b) for a, b in both if not mass[i][a].is_zero] for i in others}
+    fraction = {
+        i: [(field.cancelled(mass[i][a] / pivot), b) for a, b in both if not mass[i][a].is_zero] for i in others
+    }
     rows = {b: list(mass[b]) for b in pivots}
     for i in others:
-        for weight, b in share[i]:
+        for weight, b in fraction[i]:
             r[i] = field.cancelled(r[i] - weight * r[b])
             for j in others:
                 if not rows[b][j].is_zero:

@@ -98,19 +98,19 @@ class _Writer:
                 "potential: a Piecewise without a last piece has no value somewhere; add (…, True)"
             )
         (value, condition), rest = pieces[0], pieces[1:]
-        share = self._share(condition)
-        return value if share == 1 else share * value + (1 - share) * self._pieces(rest)
+        fraction = self._fraction(condition)
+        return value if fraction == 1 else fraction * value + (1 - fraction) * self._pieces(rest)
 
-    def _share(self, condition: sp.Basic) -> sp.Expr:
+    def _fraction(self, condition: sp.Basic) -> sp.Expr:
         """1 where a condition holds, 0 where it does not."""
         if isinstance(condition, BooleanTrue | BooleanFalse):
             return sp.Integer(bool(condition))
         if isinstance(condition, sp.And):
-            return sp.Mul(*map(self._share, condition.args))
+            return sp.Mul(*map(self._fraction, condition.args))
         if isinstance(condition, sp.Or):
-            return 1 - sp.Mul(*(1 - self._share(part) for part in condition.args))
+            return 1 - sp.Mul(*(1 - self._fraction(part) for part in condition.args))
         if isinstance(condition, sp.Not):
-            return 1 - self._share(condition.args[0])
+            return 1 - self._fraction(condition.args[0])
         if isinstance(condition, sp.StrictGreaterThan | sp.GreaterThan):
             return (1 + self._sign(condition.lhs - condition.rhs)) / 2
         if isinstance(condition, sp.StrictLessThan | sp.LessThan):

@@ -113,24 +113,27 @@ def _lines(motion: SeparatedMotion, bits: int) -> dict[str, _Line]:
     if torus is None:
         return {name: _even(motion, name, bits) for name in motion.frequencies}
     context, unit = multiprecision(bits), unit_of(motion)
-    begins = [phase_of_zero(course, context, bits) for course in torus.courses]
+    begins = [phase_of_zero(coordinate_motion, context, bits) for coordinate_motion in torus.coordinate_motions]
     result = {}
     for name, frequency in motion.frequencies.items():
         if name in motion.located:
             k = list(motion.solution.coordinates).index(name)
             rate, series = torus.rates[k], torus.oscillations[k]
             direction = 1 if float(frequency.value) * float(rate) > 0 else -1
-            start, doubt = torus.starts[k] - begins[k], torus.roundings[k] + _slopes(torus.courses, series, unit)
+            start, uncertainty = (
+                torus.starts[k] - begins[k],
+                torus.roundings[k] + _slopes(torus.coordinate_motions, series, unit),
+            )
             start -= sum(oscillation_at(s, begin) for s, begin in zip(series, begins, strict=True))
         else:
             j = constant_index(motion, name)
             rate, direction = mean_rate(torus, j), 1  # Ω is the mean growth itself, which may be 0
             start = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(bits)
-            series = tuple(oscillation(torus, i, j) for i in range(len(torus.courses)))
-            for course, s, begin in zip(torus.courses, series, begins, strict=True):
-                start -= oscillation_at(s, context.mpf(course.start)) - oscillation_at(s, begin)
-            doubt = _slopes(torus.courses, series, unit)
-        result[name] = _Line(rate, start, direction, float(doubt) + sum(map(_inexact, series)) * unit)
+            series = tuple(oscillation(torus, i, j) for i in range(len(torus.coordinate_motions)))
+            for coordinate_motion, s, begin in zip(torus.coordinate_motions, series, begins, strict=True):
+                start -= oscillation_at(s, context.mpf(coordinate_motion.start)) - oscillation_at(s, begin)
+            uncertainty = _slopes(torus.coordinate_motions, series, unit)
+        result[name] = _Line(rate, start, direction, float(uncertainty) + sum(map(_inexact, series)) * unit)
     return result
 
 
@@ -142,8 +145,8 @@ def _lines_of_own_clocks(motion: SeparatedMotion, scheme: TriangularScheme, bits
         if (name := names[own.index]) in motion.frequencies:
             begin = phase_of_zero(own.cycle, context, bits)
             start = own.start - begin - oscillation_at(own.series, begin)
-            doubt = own.rounding + _slopes([own.cycle], [own.series], unit) + _inexact(own.series) * unit
-            result[name] = _Line(own.rate, start, own.cycle.direction, doubt)
+            uncertainty = own.rounding + _slopes([own.cycle], [own.series], unit) + _inexact(own.series) * unit
+            result[name] = _Line(own.rate, start, own.cycle.direction, uncertainty)
     return result
 
 
@@ -154,18 +157,24 @@ def _even(motion: SeparatedMotion, name: str, bits: int) -> _Line:
     return _Line(to_bits(rate)(bits), to_bits(values[coordinate.symbol])(bits), 1, 0.0)
 
 
-def phase_of_zero(course: Periodic | AtRest, context: Context, bits: int) -> Mpf:
+def phase_of_zero(coordinate_motion: Periodic | AtRest, context: Context, bits: int) -> Mpf:
     """Return the phase from which an angle is counted: of a rotation that of the place opposite to its highest barrier.
 
     Args:
-        course: of the coordinate.
+        coordinate_motion: of the coordinate.
         context, bits: of the arithmetic.
     """
-    if isinstance(course, Periodic):
-        anomaly = course.anomaly.inner if isinstance(course.anomaly, Stretched) else course.anomaly
+    if isinstance(coordinate_motion, Periodic):
+        anomaly = (
+            coordinate_motion.anomaly.inner
+            if isinstance(coordinate_motion.anomaly, Stretched)
+            else coordinate_motion.anomaly
+        )
         if isinstance(anomaly, Rotation | TwoBarrierAnomaly):
             arithmetic = Multi(bits)
-            return context.mpf(course.anomaly.phase(arithmetic.convert(anomaly.slow) + arithmetic.pi(), 1, arithmetic))
+            return context.mpf(
+                coordinate_motion.anomaly.phase(arithmetic.convert(anomaly.slow) + arithmetic.pi(), 1, arithmetic)
+            )
     return context.mpf(0)
 
 
@@ -187,12 +196,16 @@ def _inexact(series: FourierSeries) -> float:
     return 0.0 if series.constant else 2 * series.oscillation_size
 
 
-def _slopes(courses: Sequence[Periodic | AtRest], series: Sequence[FourierSeries], unit: float) -> float:
+def _slopes(coordinate_motions: Sequence[Periodic | AtRest], series: Sequence[FourierSeries], unit: float) -> float:
     """Return what the phases at t₀ leave open of the angle: dθ/dχ at the start, times the rounding of χ."""
     total = 0.0
-    for course, s in zip(courses, series, strict=True):
-        phase = float(course.start)
+    for coordinate_motion, s in zip(coordinate_motions, series, strict=True):
+        phase = float(coordinate_motion.start)
         slope = abs(float(s.value(np.array([phase]))[0]) - float(s.mean)) if not s.constant else 0.0
-        grown = course.phase_rounding(np.array([phase]))[0] * (unit / EPS) if isinstance(course, Periodic) else 0.0
+        grown = (
+            coordinate_motion.phase_rounding(np.array([phase]))[0] * (unit / EPS)
+            if isinstance(coordinate_motion, Periodic)
+            else 0.0
+        )
         total += (1 + slope) * (unit * abs(phase) + float(grown))
     return total

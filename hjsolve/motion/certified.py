@@ -117,11 +117,10 @@ def refuse_unfit(motion: SeparatedMotion) -> None:
     Raises:
         InvalidInputError: another kind, which is not certified yet.
     """
-    unfit = [
-        (name, course.kind) for name, place in motion.located.items() if (course := place.course).cycle is None
-    ] + [
-        (name, "rotation along a line") for name, place in motion.located.items()
-        if place.course.rotates and motion.solution.system.coordinate(name).domain.kind != "angle"
+    located = {name: place.coordinate_motion for name, place in motion.located.items()}
+    unfit = [(name, own.kind) for name, own in located.items() if own.cycle is None] + [
+        (name, "rotation along a line") for name, own in located.items()
+        if own.rotates and motion.solution.system.coordinate(name).domain.kind != "angle"
     ]  # fmt: skip
     if unfit:
         raise InvalidInputError(
@@ -205,9 +204,9 @@ def cycle_of(motion: SeparatedMotion, name: str, line: BallMomentumSquared) -> C
     Raises:
         NotConvergedError: a turning point is not proved to be one.
     """
-    solution, course = motion.solution, motion.located[name].course.cycle
-    course = required(course)
-    anomaly = course.anomaly
+    solution, coordinate_motion = motion.solution, motion.located[name].coordinate_motion.cycle
+    coordinate_motion = required(coordinate_motion)
+    anomaly = coordinate_motion.anomaly
     F = solution.momentum_squared[name]
     held = [j for j, c in enumerate(solution.constants.values()) if c.symbol in F.free_symbols]
     wanted = tuple(held) if "time" in motion.parts else ()
@@ -216,16 +215,18 @@ def cycle_of(motion: SeparatedMotion, name: str, line: BallMomentumSquared) -> C
     if not anomaly.even:
         slow = from_mpf(anomaly.slow) if isinstance(anomaly, Rotation) else flint.arb(0)
         centre = _centre(F, q, slow, turns=True)
-        fold = 1 if centre is None else 2
+        symmetry = 1 if centre is None else 2
         slow = slow if centre is None else centre
-        return CycleIntegrand(line, None, None, slow, wanted, spread=_spread_round(anomaly), fold=fold)
-    a, b = (turning_point(line, from_mpf(guess), line.bits) for guess in course.turning_points)
+        return CycleIntegrand(line, None, None, slow, wanted, spread=_spread_round(anomaly), symmetry=symmetry)
+    a, b = (turning_point(line, from_mpf(guess), line.bits) for guess in coordinate_motion.turning_points)
     centre = _centre(F, q, (a + b) / 2, turns=False)
     mirrored = centre is not None and a < centre < b  # p² > 0 between: what is mirrored is the same region
     below = _near(line, a, b - a)
     near = (below, below if mirrored else _near(line, b, a - b))
     spread = between_turns(*near) if max(near) > 1 else None
-    return CycleIntegrand(line, a, b, flint.arb(0), wanted, spread=spread, near=max(near), fold=4 if mirrored else 2)
+    return CycleIntegrand(
+        line, a, b, flint.arb(0), wanted, spread=spread, near=max(near), symmetry=4 if mirrored else 2
+    )
 
 
 def _near(line: BallMomentumSquared, end: flint.arb, inward: flint.arb) -> float:
@@ -269,7 +270,7 @@ def _actions(motion: SeparatedMotion, found: Mapping[str, Mapping[int, flint.arb
     result = {}
     for c in motion.solution.system.coordinates:
         if c.name in found:
-            direction = motion.located[c.name].course.direction
+            direction = motion.located[c.name].coordinate_motion.direction
             if -1 in found[c.name]:
                 result[c.name] = direction * found[c.name][-1]
         elif c.name not in motion.located and c.domain.kind == "angle":
@@ -288,7 +289,7 @@ def _frequencies(motion: SeparatedMotion, growths: Mapping[str, list[flint.arb]]
     result = {}
     for c in motion.solution.system.coordinates:
         if c.name in names:
-            direction = motion.located[c.name].course.direction
+            direction = motion.located[c.name].coordinate_motion.direction
             result[c.name] = direction * rates[names.index(c.name)]
         elif c.domain.kind == "angle":
             j = list(motion.solution.constants).index(c.momentum.name)
@@ -307,10 +308,10 @@ def estimate(value: flint.arb, digits: int) -> Estimate:
     """
     middle = value.mid()
     if digits <= 15:
-        rough = float(middle)
-        number: float | Mpf = rough
-        error: float | Mpf = float((value - flint.arb(rough)).abs_upper()) * (1 + 2.0**-50)
-        widest: float | Mpf = abs(rough) * 10.0 ** (1 - digits)
+        approximate = float(middle)
+        number: float | Mpf = approximate
+        error: float | Mpf = float((value - flint.arb(approximate)).abs_upper()) * (1 + 2.0**-50)
+        widest: float | Mpf = abs(approximate) * 10.0 ** (1 - digits)
     else:
         fine = to_mpf(middle, bits_for(digits, 16))
         number = fine

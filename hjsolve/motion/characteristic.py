@@ -19,7 +19,7 @@ from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Counts, Mpf, Numbers, Reals
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.motion.phases import Phases, courses_of, phases_at
+from hjsolve.motion.phases import Phases, coordinate_motions_of, phases_at
 from hjsolve.motion.positions import evaluate_along, positions_at, travelled
 from hjsolve.motion.quantities import FLOAT_DIGITS, rounded
 from hjsolve.motion.separated import SeparatedMotion, separated_motion
@@ -72,8 +72,8 @@ def _characteristic(motion: SeparatedMotion, phases: Phases) -> tuple[Numbers, R
     many = phases.exact is not None
     value, error = _zeros(motion, phases), 0.0 * phases.time[0]
     phase_error = phase_errors(motion, phases, unit)
-    for k, course in enumerate(courses_of(motion, phases)):
-        part, slope, size = swept_from_start(course, phases.χ[k], phases.whole[k], many=many)
+    for k, coordinate_motion in enumerate(coordinate_motions_of(motion, phases)):
+        part, slope, size = swept_from_start(coordinate_motion, phases.χ[k], phases.whole[k], many=many)
         value = value + part
         error = error + slope.astype(float) * phase_error[k] + 4 * unit * size.astype(float)
     q, _, whole = positions_at(motion, phases)
@@ -98,25 +98,25 @@ def _zeros(motion: SeparatedMotion, phases: Phases) -> Numbers:
 
 
 def swept_from_start(
-    course: CoordinateMotion, χ: Numbers, whole: Counts, *, many: bool
+    coordinate_motion: CoordinateMotion, χ: Numbers, whole: Counts, *, many: bool
 ) -> tuple[Numbers, Numbers, Numbers]:
     """Return ∫ P dq from the start to χ + 2π·whole, its slope by χ, and the size that rounding refers to.
 
     Args:
-        course: of a separated coordinate.
+        coordinate_motion: of a separated coordinate.
         χ: phases, shape (m,).
         whole: turns next to them, shape (m,).
         many: whether they have many digits.
     """
-    start = np.array([course.start], dtype=object) if many else np.array([float(course.start)])
-    there, slope, size = course.momentum_integral(χ)
-    begin, rate, first = course.momentum_integral(start)
+    start = np.array([coordinate_motion.start], dtype=object) if many else np.array([float(coordinate_motion.start)])
+    there, slope, size = coordinate_motion.momentum_integral(χ)
+    begin, rate, first = coordinate_motion.momentum_integral(start)
     if not many:  # the rounding of the phase of the start, to first order
-        begin = begin + rate * float(course.start - start[0])
+        begin = begin + rate * float(coordinate_motion.start - start[0])
     value, size = there - begin[0], size + first[0]
-    if course.cycle is not None and whole.any():
-        context = course.cycle.density.mean.context  # type: ignore[union-attr]
-        cycle = 2 * context.pi * course.action
+    if coordinate_motion.cycle is not None and whole.any():
+        context = coordinate_motion.cycle.density.mean.context  # type: ignore[union-attr]
+        cycle = 2 * context.pi * coordinate_motion.action
         turned = whole.astype(int) * (cycle if many else float(cycle))
         value, size = value + turned, size + abs(turned)
     return value, slope, size
@@ -179,26 +179,26 @@ def _integrals_at_start(motion: SeparatedMotion, j: int) -> tuple[Mpf, float, in
     """Σᵢ Gᵢⱼ from the lower limits to the place at t₀, the size its rounding refers to, and the nodes behind it."""
     total, size, nodes = multiprecision(bits_for(motion.digits, 96)).zero, 0.0, 0
     for place in motion.located.values():
-        course = place.course
-        if course.rests or not _turns(course):
+        coordinate_motion = place.coordinate_motion
+        if coordinate_motion.rests or not _turns(coordinate_motion):
             continue
-        if (cycle := course.cycle) is not None:
+        if (cycle := coordinate_motion.cycle) is not None:
             series = cycle.kernels[j]
-            periodic = 0 if series.constant else series.oscillation(course.start)
-            part, nodes = series.mean * course.start + periodic, max(nodes, series.nodes)
-            size += abs(float(series.mean * course.start)) + series.wave_size_at(course.start)
+            periodic = 0 if series.constant else series.oscillation(coordinate_motion.start)
+            part, nodes = series.mean * coordinate_motion.start + periodic, max(nodes, series.nodes)
+            size += abs(float(series.mean * coordinate_motion.start)) + series.wave_size_at(coordinate_motion.start)
         else:
-            begin = np.array([course.start], dtype=object if motion.digits > FLOAT_DIGITS else float)
-            reaching = course.with_reach(abs(float(course.start)))
+            begin = np.array([coordinate_motion.start], dtype=object if motion.digits > FLOAT_DIGITS else float)
+            reaching = coordinate_motion.with_reach(abs(float(coordinate_motion.start)))
             part = reaching.integral(j, begin)[0]
-            size += float(reaching.grain(j, begin.astype(float))[0])
+            size += float(reaching.spacing(j, begin.astype(float))[0])
         total += part
     return total, size, nodes
 
 
-def _turns(course: CoordinateMotion) -> bool:
+def _turns(coordinate_motion: CoordinateMotion) -> bool:
     """Whether phase 0 is a turning point; else the lower limit is the place at t₀ itself, and nothing is integrated."""
-    return all(branch.end_map.turning for branch in course.branches[:1]) and not course.rotates
+    return all(branch.end_map.turning for branch in coordinate_motion.branches[:1]) and not coordinate_motion.rotates
 
 
 def _outside_integrals(motion: SeparatedMotion, name: str) -> tuple[Mpf, float]:
@@ -223,15 +223,15 @@ def lower_limits(motion: SeparatedMotion) -> dict[str, Estimate]:
     """Return where the quadratures of ``betas`` begin; see ``Motion.lower_limits``."""
     result = {}
     for name, place in motion.located.items():
-        course, bits = place.course, bits_for(motion.digits, 96)
-        if course.rests:
-            value = course.place(np.zeros(1, dtype=object))[0][0]
-        elif not _turns(course):
+        coordinate_motion, bits = place.coordinate_motion, bits_for(motion.digits, 96)
+        if coordinate_motion.rests:
+            value = coordinate_motion.place(np.zeros(1, dtype=object))[0][0]
+        elif not _turns(coordinate_motion):
             value = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(bits)
-        elif course.cycle is not None:
-            value = course.cycle.turning_points[0]
+        elif coordinate_motion.cycle is not None:
+            value = coordinate_motion.cycle.turning_points[0]
         else:
-            value = course.branches[0].end_map.start
+            value = coordinate_motion.branches[0].end_map.start
         result[name] = rounded(value, motion.digits)
     return result
 

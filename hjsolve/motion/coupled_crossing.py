@@ -38,9 +38,9 @@ def coupled_crossing_time(motion: SeparatedMotion, k: int, target: Mpf) -> tuple
         OutsideMotionError: the other coordinate ends, or runs away, before.
     """
     scheme = motion.scheme
-    if scheme is None or len(scheme.courses) != 2:
+    if scheme is None or len(scheme.coordinate_motions) != 2:
         return None
-    own, other = scheme.courses[k], scheme.courses[1 - k]
+    own, other = scheme.coordinate_motions[k], scheme.coordinate_motions[1 - k]
     kind = object if motion.digits > 15 else float
     noise = 2.0**-50 if kind is float else multiprecision(64).mpf(10) ** (1 - motion.digits)
     convert = float if kind is float else multiprecision(bits_for(motion.digits, 64)).convert
@@ -63,30 +63,30 @@ def coupled_crossing_time(motion: SeparatedMotion, k: int, target: Mpf) -> tuple
     return time, 4 * noise * (sum(sizes) + slide + abs(there.rate(0, χ)) * (1 + abs(χ)))
 
 
-def _falling(course: CoordinateMotion) -> bool:
-    return "fall" in (course.ends(1), course.ends(-1))
+def _falling(coordinate_motion: CoordinateMotion) -> bool:
+    return "fall" in (coordinate_motion.ends(1), coordinate_motion.ends(-1))
 
 
 class _Values(Generic[X]):
     """Integrals of a course at single phases up to a largest one."""
 
-    def __init__(self, course: CoordinateMotion, kind: type, largest: X):
-        self.course, self.kind = course.with_reach(abs(float(largest))), kind
+    def __init__(self, coordinate_motion: CoordinateMotion, kind: type, largest: X):
+        self.coordinate_motion, self.kind = coordinate_motion.with_reach(abs(float(largest))), kind
 
     def integral(self, j: int, χ: X) -> X:
-        return np.ravel(self.course.integral(j, np.array([χ], dtype=self.kind)))[0]
+        return np.ravel(self.coordinate_motion.integral(j, np.array([χ], dtype=self.kind)))[0]
 
     def size(self, j: int, χ: X) -> float:
         """Return what the rounding of an integral, and of its phase, refers to."""
         near: Numbers = np.array([χ], dtype=self.kind)
-        return float(self.course.grain(j, near)[0]) + abs(float(self.rate(j, χ)) * float(χ))
+        return float(self.coordinate_motion.spacing(j, near)[0]) + abs(float(self.rate(j, χ)) * float(χ))
 
     def rate(self, j: int, χ: X) -> X:
-        return np.ravel(self.course.rate(j, np.array([χ], dtype=self.kind)))[0]
+        return np.ravel(self.coordinate_motion.rate(j, np.array([χ], dtype=self.kind)))[0]
 
 
 def _solved(
-    course: CoordinateMotion, kind: type, start: X, goal: X, side: int, noise: float | Mpf
+    coordinate_motion: CoordinateMotion, kind: type, start: X, goal: X, side: int, noise: float | Mpf
 ) -> tuple[_Values[X], X] | None:
     """Return the phase at which the second integral has grown by ``goal``, on one side of the start.
 
@@ -94,8 +94,8 @@ def _solved(
     """
     reach, step, gains = abs(start) + 1, start * 0 + 1, [start * 0]
     while True:
-        values = _Values(course, kind, reach + step)
-        floor, ceiling = values.course.limits()
+        values = _Values(coordinate_motion, kind, reach + step)
+        floor, ceiling = values.coordinate_motion.limits()
         last = start + side * step
         ended = not floor <= last <= ceiling
         last = last if not ended else (ceiling if side > 0 else floor) + 0 * start
@@ -143,5 +143,5 @@ def _monotone(values: _Values[X], first: X, last: X) -> bool:
     At the end of a domain its rate may vanish, next to a pole be all rounding.
     """
     rates = [values.rate(1, first + (last - first) * k / 16) for k in range(16)]
-    noise = values.course.rate_noise(1) if values.kind is float else 0.0
+    noise = values.coordinate_motion.rate_noise(1) if values.kind is float else 0.0
     return all(r > -noise for r in rates) or all(r < noise for r in rates)

@@ -42,8 +42,8 @@ def crossing_time(motion: SeparatedMotion, name: str, value: object, passage: in
     target = to_bits(number(value, source=f"value of {name}"))
     if name not in motion.located:
         return _scanned(motion, name, float(target(64)), passage)
-    course = motion.located[name].course
-    phase = _phase_of(motion, name, course, target, passage)
+    coordinate_motion = motion.located[name].coordinate_motion
+    phase = _phase_of(motion, name, coordinate_motion, target, passage)
     elapsed, error = _elapsed(motion, list(motion.solution.coordinates).index(name), phase)
     return _shifted(motion, elapsed, error)
 
@@ -65,19 +65,21 @@ def _shifted(motion: SeparatedMotion, elapsed: Time, error: Time) -> Estimate:
         bits = bits_for(motion.digits, 32)
         value = to_bits(motion.t0)(bits) + elapsed
         return Estimate(value, abs(error) + abs(value) * multiprecision(bits).mpf(10) ** -motion.digits)
-    rough = float(to_bits(motion.t0)(160) + elapsed)
-    return Estimate(rough, float(error) + EPS * abs(rough))
+    approximate = float(to_bits(motion.t0)(160) + elapsed)
+    return Estimate(approximate, float(error) + EPS * abs(approximate))
 
 
 def _phase_of(
-    motion: SeparatedMotion, name: str, course: CoordinateMotion, target: Callable[[int], Mpf], passage: int
+    motion: SeparatedMotion, name: str, coordinate_motion: CoordinateMotion, target: Callable[[int], Mpf], passage: int
 ) -> Mpf:
     """Phase of the passage-th crossing, counted from the start."""
     bits = bits_for(motion.digits, 128)
     place, arithmetic = target(bits), Multi(bits)
-    if course.rests:
-        raise OutsideMotionError(f"{name} rests at {float(course.place(np.zeros(1))[0][0]):.12g}: it crosses nothing")
-    if (cycle := course.cycle) is not None:
+    if coordinate_motion.rests:
+        raise OutsideMotionError(
+            f"{name} rests at {float(coordinate_motion.place(np.zeros(1))[0][0]):.12g}: it crosses nothing"
+        )
+    if (cycle := coordinate_motion.cycle) is not None:
         χ = cycle.phase(between_turning_points(motion, name, cycle, place), arithmetic)
         turn = 2 * arithmetic.pi()
         if cycle.rotates and motion.solution.system.coordinate(name).domain.kind == "line":
@@ -86,8 +88,12 @@ def _phase_of(
         start = cycle.start
         first = sorted(x + turn * arithmetic.context.ceil((start - x) / turn) for x in around.values())
         return first[passage % len(first)] + turn * (passage // len(first))
-    phases = sorted(x for x in open_phases(name, course, place, bits))
-    later = [x for x in phases if x >= course.start] if passage >= 0 else [x for x in phases if x < course.start][::-1]
+    phases = sorted(x for x in open_phases(name, coordinate_motion, place, bits))
+    later = (
+        [x for x in phases if x >= coordinate_motion.start]
+        if passage >= 0
+        else [x for x in phases if x < coordinate_motion.start][::-1]
+    )
     index = passage if passage >= 0 else -passage - 1
     if index >= len(later):
         raise OutsideMotionError(
@@ -112,21 +118,21 @@ def _only_phase(name: str, cycle: Periodic, place: Mpf, χ: Mpf, passage: int) -
     return χ
 
 
-def between_turning_points(motion: SeparatedMotion, name: str, course: Periodic, place: Mpf) -> Mpf:
+def between_turning_points(motion: SeparatedMotion, name: str, coordinate_motion: Periodic, place: Mpf) -> Mpf:
     """Return a place that is passed; a turning point itself where it is that, but for the rounding of both.
 
     Args:
         motion: the motion.
         name: of a separated coordinate.
-        course: its libration or rotation.
+        coordinate_motion: its libration or rotation.
         place: a position.
 
     Raises:
         OutsideMotionError: it lies beyond.
     """
-    if course.rotates:
+    if coordinate_motion.rotates:
         return place
-    a, b = course.turning_points
+    a, b = coordinate_motion.turning_points
     phase_rounding = (abs(a) + abs(b)) * multiprecision(64).mpf(2) ** -(bits_for(motion.digits, 96))
     if not a - phase_rounding <= place <= b + phase_rounding:
         low, high = motion.turning_points[name]
@@ -134,12 +140,12 @@ def between_turning_points(motion: SeparatedMotion, name: str, course: Periodic,
     return min(max(place, a), b)
 
 
-def open_phases(name: str, course: CoordinateMotion, place: Mpf, bits: int) -> list[Mpf]:
+def open_phases(name: str, coordinate_motion: CoordinateMotion, place: Mpf, bits: int) -> list[Mpf]:
     """Return the phases of an unbounded course at a place: one on a branch, two where the branch turns.
 
     Args:
         name: of the coordinate.
-        course: its motion.
+        coordinate_motion: its motion.
         place: a position.
         bits: of the phases.
 
@@ -147,7 +153,7 @@ def open_phases(name: str, course: CoordinateMotion, place: Mpf, bits: int) -> l
         OutsideMotionError: the motion never has that place.
     """
     found = []
-    for sign, branch in zip((1, -1), course.branches, strict=True):
+    for sign, branch in zip((1, -1), coordinate_motion.branches, strict=True):
         y = branch.end_map.parameter(multiprecision(bits).convert(place))
         if y is not None:
             found.append(sign * y)
@@ -177,7 +183,7 @@ def _elapsed(motion: SeparatedMotion, k: int, phase: Mpf) -> tuple[Time, Time]:
         and step is scheme.steps[0]
         and step.weights[0]
     ):
-        return _own_time(motion, scheme.courses[k], step, phase)
+        return _own_time(motion, scheme.coordinate_motions[k], step, phase)
     return coupled_crossing_time(motion, k, phase) or _sought(motion, k, float(phase))
 
 
@@ -185,25 +191,31 @@ def _noise(motion: SeparatedMotion) -> Time:
     return 4 * EPS if motion.digits <= 15 else multiprecision(64).mpf(10) ** -motion.digits
 
 
-def _own_time(motion: SeparatedMotion, course: CoordinateMotion, step: DecoupledStep, phase: Mpf) -> tuple[Time, Time]:
+def _own_time(
+    motion: SeparatedMotion, coordinate_motion: CoordinateMotion, step: DecoupledStep, phase: Mpf
+) -> tuple[Time, Time]:
     """Return the time of a coordinate whose equation holds no other."""
-    course = course.with_reach(abs(float(phase)))
+    coordinate_motion = coordinate_motion.with_reach(abs(float(phase)))
     total: Time = 0.0
     size = 0.0
     for j, w in enumerate(step.weights):
         if w:
-            (there, first), (begin, second) = (_integral_at(motion, course, j, χ) for χ in (phase, course.start))
+            (there, first), (begin, second) = (
+                _integral_at(motion, coordinate_motion, j, χ) for χ in (phase, coordinate_motion.start)
+            )
             total, size = total + w * (there - begin), size + abs(w) * (first + second)
     return total / step.weights[0], _noise(motion) * size / abs(step.weights[0])
 
 
-def _integral_at(motion: SeparatedMotion, course: CoordinateMotion, j: int, χ: Mpf | int) -> tuple[Time, float]:
+def _integral_at(
+    motion: SeparatedMotion, coordinate_motion: CoordinateMotion, j: int, χ: Mpf | int
+) -> tuple[Time, float]:
     """Gⱼ at one phase of many digits, and the size that its rounding refers to: that of the series of its panel."""
     near = np.array([float(χ)])
-    size = float(course.grain(j, near)[0])
+    size = float(coordinate_motion.spacing(j, near)[0])
     if motion.digits > FLOAT_DIGITS:
-        return course.integral(j, np.array([χ], dtype=object))[0], size
-    return integral_at(course, j, χ), size
+        return coordinate_motion.integral(j, np.array([χ], dtype=object))[0], size
+    return integral_at(coordinate_motion, j, χ), size
 
 
 def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[float, float]:
@@ -287,10 +299,10 @@ def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
     """Return, for every coordinate that will reach an end of its domain, when."""
     result = {}
     for k, name in enumerate(motion.solution.coordinates):
-        course = motion.located[name].course
-        if course.ends(1) in {"boundary", "fall"}:
+        coordinate_motion = motion.located[name].coordinate_motion
+        if coordinate_motion.ends(1) in {"boundary", "fall"}:
             context = multiprecision(bits_for(motion.digits, 64))
-            phase = course.branches[0].end_map.last(context) or context.mpf(farthest(motion.digits))
+            phase = coordinate_motion.branches[0].end_map.last(context) or context.mpf(farthest(motion.digits))
             with suppress(OutsideMotionError):  # the others run away before, in a time of its own that ends
                 result[name] = _shifted(motion, *_elapsed(motion, k, phase))
     return result

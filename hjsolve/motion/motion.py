@@ -100,7 +100,7 @@ class Motion(ShownMotion):
     @property
     def nodes(self) -> int:
         """The largest number of quadrature nodes used for a coordinate."""
-        return max((place.course.nodes for place in self.separated.located.values()), default=0)
+        return max((place.coordinate_motion.nodes for place in self.separated.located.values()), default=0)
 
     @property
     def mean_velocities(self) -> dict[str, Estimate]:

@@ -54,12 +54,12 @@ def badly_rounded(motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[
     return np.any(np.broadcast_arrays(*lost, np.zeros(arrays[0].shape, dtype=bool)), axis=0)
 
 
-def roundings(motion: SeparatedMotion, course: CoordinateMotion) -> bool:
+def roundings(motion: SeparatedMotion, coordinate_motion: CoordinateMotion) -> bool:
     """Return whether a motion with one separated coordinate comes to places where its velocities are blurred."""
     system, name = motion.solution.system, motion.solution.coordinates[0]
-    χ = np.linspace(0, np.pi, 65) if course.cycle else np.linspace(-1, 1, 65)
+    χ = np.linspace(0, np.pi, 65) if coordinate_motion.cycle else np.linspace(-1, 1, 65)
     q, p = {}, {}
-    q[name], p[name] = course.place(χ)
+    q[name], p[name] = coordinate_motion.place(χ)
     for c in system.coordinates:
         if c.name != name:
             exact = (motion.initial.values[s] for s in (c.symbol, c.momentum))
@@ -78,7 +78,7 @@ def _arguments(
 
 
 def places(
-    motion: SeparatedMotion, courses: list[CoordinateMotion], χ: list[Reals]
+    motion: SeparatedMotion, coordinate_motions: list[CoordinateMotion], χ: list[Reals]
 ) -> tuple[dict[str, Pair], dict[str, Numbers]]:
     """Separated coordinates in two doubles, and their shell momenta, at phases in doubles.
 
@@ -87,15 +87,15 @@ def places(
         χ: phases in doubles, one array a coordinate, shape (m,).
     """
     q, shell = {}, {}
-    for name, course, phase in zip(motion.solution.coordinates, courses, χ, strict=True):
-        rough, shell[name] = course.place(phase)
-        q[name] = course.place_in_two_doubles(phase, rough.astype(float))
+    for name, coordinate_motion, phase in zip(motion.solution.coordinates, coordinate_motions, χ, strict=True):
+        approximate, shell[name] = coordinate_motion.place(phase)
+        q[name] = coordinate_motion.place_in_two_doubles(phase, approximate.astype(float))
     return q, shell
 
 
 def sharpened_velocities(
     motion: SeparatedMotion,
-    courses: list[CoordinateMotion],
+    coordinate_motions: list[CoordinateMotion],
     χ: list[Reals],
     q: Mapping[str, Numbers],
     v: Mapping[str, Numbers],
@@ -108,7 +108,7 @@ def sharpened_velocities(
         q, v: coordinates and velocities in doubles, shape (m,).
         where: which of them to work out anew, shape (m,).
     """
-    exact, shell = places(motion, courses, [x[where] for x in χ])
+    exact, shell = places(motion, coordinate_motions, [x[where] for x in χ])
     return velocities_from_pairs(motion, exact, shell, q, v, where)
 
 

@@ -50,7 +50,7 @@ def phases_at(motion: SeparatedMotion, floats: Reals | None, exact: Sequence[Cal
     χ, whole, errors, ended = solve_phases(motion, within_doubles(time))
     for cycles in whole:
         whole_numbers(cycles)
-    χ = [_where_it_goes_on(ended, x, c) for x, c in zip(χ, _courses(motion), strict=True)]
+    χ = [_where_it_goes_on(ended, x, c) for x, c in zip(χ, _coordinate_motions(motion), strict=True)]
     if many and precise:
         refined, errors_left = _refined_where(~ended, motion, χ, whole, precise, bits)
         return Phases(time, precise, refined, whole, errors_left, ended)
@@ -90,13 +90,13 @@ def solve_phases(
     return ([], [], [], never) if motion.scheme is None else open_motion.open_phases(motion.scheme, time)
 
 
-def _courses(motion: SeparatedMotion) -> Sequence[CoordinateMotion]:
-    return motion.equations.courses if motion.equations is not None else ()
+def _coordinate_motions(motion: SeparatedMotion) -> Sequence[CoordinateMotion]:
+    return motion.equations.coordinate_motions if motion.equations is not None else ()
 
 
-def _where_it_goes_on(ended: Mask, χ: Reals, course: CoordinateMotion) -> Reals:
+def _where_it_goes_on(ended: Mask, χ: Reals, coordinate_motion: CoordinateMotion) -> Reals:
     """Phases, and that of the start where the motion has ended: at an end itself momenta may be infinite."""
-    return np.where(ended, float(course.start), χ) if ended.any() else χ
+    return np.where(ended, float(coordinate_motion.start), χ) if ended.any() else χ
 
 
 def _refined_where(
@@ -105,8 +105,8 @@ def _refined_where(
     """Return phases in many digits where the motion goes on; where it has ended there is nothing to refine."""
     if going.all():
         return _refined(motion, χ, whole, precise, bits)
-    rough = np.frompyfunc(multiprecision(bits).mpf, 1, 1)
-    phases, errors = [rough(x) for x in χ], [rough(0 * x) for x in χ]
+    approximate = np.frompyfunc(multiprecision(bits).mpf, 1, 1)
+    phases, errors = [approximate(x) for x in χ], [approximate(0 * x) for x in χ]
     if going.any():
         kept = [t for t, goes in zip(precise, going, strict=True) if goes]
         finer, bounds = _refined(motion, [x[going] for x in χ], [n[going] for n in whole], kept, bits)
@@ -123,13 +123,13 @@ def _refined(
     if motion.scheme is None:
         return χ, []
     full: list[Reals] = [phase + 2 * np.pi * n for phase, n in zip(χ, whole, strict=True)]
-    courses = [c.covering(x) for c, x in zip(motion.scheme.courses, full, strict=True)]
-    found, errors = refine.unbounded(courses, motion.scheme.equations, full, precise, bits)
+    coordinate_motions = [c.covering(x) for c, x in zip(motion.scheme.coordinate_motions, full, strict=True)]
+    found, errors = refine.unbounded(coordinate_motions, motion.scheme.equations, full, precise, bits)
     turn: Elementwise = 2 * multiprecision(bits).pi
     return [x - turn * n.astype(int) for x, n in zip(found, whole, strict=True)], errors
 
 
-def courses_of(motion: SeparatedMotion, phases: Phases) -> list[CoordinateMotion]:
+def coordinate_motions_of(motion: SeparatedMotion, phases: Phases) -> list[CoordinateMotion]:
     """Return the courses, reaching as far as the phases need.
 
     Returns:
@@ -137,7 +137,7 @@ def courses_of(motion: SeparatedMotion, phases: Phases) -> list[CoordinateMotion
     """
     if motion.equations is None:
         return []
-    return [c.covering(x) for c, x in zip(motion.equations.courses, phases.χ, strict=True)]
+    return [c.covering(x) for c, x in zip(motion.equations.coordinate_motions, phases.χ, strict=True)]
 
 
 def _rule(x: float) -> Callable[[int], Mpf]:

@@ -21,7 +21,7 @@ from hjsolve.arithmetic.tape import Tape
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.motion.phases import Phases, courses_of
+from hjsolve.motion.phases import Phases, coordinate_motions_of
 from hjsolve.one_coordinate.coordinate_motion import arithmetic_of
 from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.time_law.open_motion import integral_at_start
@@ -49,12 +49,12 @@ def positions_at(
     q: dict[str, Numbers] = {}
     shell: dict[str, Numbers] = {}
     whole: dict[str, Counts] = {}
-    for name, course, χ, n in zip(
-        motion.solution.coordinates, courses_of(motion, phases), phases.χ, phases.whole, strict=True
+    for name, coordinate_motion, χ, n in zip(
+        motion.solution.coordinates, coordinate_motions_of(motion, phases), phases.χ, phases.whole, strict=True
     ):
-        q[name], shell[name] = course.place(χ)
-        whole[name] = course.direction * n if course.rotates else 0 * n
-        cycle, domain = course.cycle, motion.solution.system.coordinate(name).domain
+        q[name], shell[name] = coordinate_motion.place(χ)
+        whole[name] = coordinate_motion.direction * n if coordinate_motion.rotates else 0 * n
+        cycle, domain = coordinate_motion.cycle, motion.solution.system.coordinate(name).domain
         if cycle is not None and cycle.rotates and domain.kind == "line":
             q[name] = q[name] + cycle.length_of_turns(n, q[name])
     for coordinate in motion.solution.system.coordinates:
@@ -226,19 +226,25 @@ def _grown_from(
     gauge = gauge_angle(motion, coordinate.momentum, q)
     if torus is not None:
         wave = gauge
-        for i, bounded in enumerate(torus.courses):
+        for i, bounded in enumerate(torus.coordinate_motions):
             series = oscillation(torus, i, j)
             if not series.constant:
                 wave = wave + _rise(series, phases.χ[i], bounded.start)
         return grown(begin, mean_rate(torus, j), phases.time, phases.exact, angle, wave)
     total = gauge
-    for course, χ, n in zip(courses_of(motion, phases), phases.χ, phases.whole, strict=True):
+    for coordinate_motion, χ, n in zip(coordinate_motions_of(motion, phases), phases.χ, phases.whole, strict=True):
         many = χ.dtype == object
-        first = course.integral(j, np.array([course.start], dtype=object))[0] if many else integral_at_start(course, j)
-        total = total - (course.integral(j, χ) - first)
-        if course.cycle is not None and n.any():
+        first = (
+            coordinate_motion.integral(j, np.array([coordinate_motion.start], dtype=object))[0]
+            if many
+            else integral_at_start(coordinate_motion, j)
+        )
+        total = total - (coordinate_motion.integral(j, χ) - first)
+        if coordinate_motion.cycle is not None and n.any():
             turn = 2 * multiprecision(bits_for(motion.digits, 96)).pi if χ.dtype == object else 2 * np.pi
-            growth = course.cycle.growth(j) if χ.dtype == object else float(course.cycle.growth(j))
+            growth = (
+                coordinate_motion.cycle.growth(j) if χ.dtype == object else float(coordinate_motion.cycle.growth(j))
+            )
             total = total - n.astype(int) * (turn * growth)
     return grown(begin, 0, phases.time, phases.exact, angle, total)
 

@@ -101,13 +101,13 @@ def actions(solution: Solution, initial: Initial, located: Mapping[str, Located]
                     to_bits(initial.values[coordinate.momentum])(bits_for(digits, 64)), digits
                 )
             continue
-        course = located[coordinate.name].course
-        value = course.signed_action
+        coordinate_motion = located[coordinate.name].coordinate_motion
+        value = coordinate_motion.signed_action
         if value is not None:
-            if course.rotates:
-                radian = course.cycle.radian if course.cycle is not None else 1
+            if coordinate_motion.rotates:
+                radian = coordinate_motion.cycle.radian if coordinate_motion.cycle is not None else 1
                 value -= _mean_shift(solution, initial, coordinate, radian, digits)
-            result[coordinate.name] = rounded(value, digits, course.nodes)
+            result[coordinate.name] = rounded(value, digits, coordinate_motion.nodes)
     return result
 
 
@@ -137,9 +137,9 @@ def frequencies(solution: Solution, initial: Initial, equations: Equations | Non
     result = {}
     if (torus := equations.torus) is not None:
         for k, name in enumerate(names):
-            course = torus.courses[k]
-            if course.stable:
-                result[name] = rounded(course.direction * torus.rates[k], digits, course.nodes)
+            coordinate_motion = torus.coordinate_motions[k]
+            if coordinate_motion.stable:
+                result[name] = rounded(coordinate_motion.direction * torus.rates[k], digits, coordinate_motion.nodes)
         result |= _ignorable_rates(solution, torus, digits, angles=True)
         return {c.name: result[c.name] for c in system.coordinates if c.name in result}
     for own in own_turns(required(equations.scheme), bits_for(digits, 128)):
@@ -178,9 +178,9 @@ def _ignorable_rate(equations: TorusEquations, j: int, digits: int) -> Estimate:
     What is below the noise of its terms is zero.
     """
     value = mean_rate(equations, j)
-    sizes = [abs(rate) * c.swing(j) for rate, c in zip(equations.rates, equations.courses, strict=True)]
+    sizes = [abs(rate) * c.libration(j) for rate, c in zip(equations.rates, equations.coordinate_motions, strict=True)]
     noise = sum(sizes) * multiprecision(64).mpf(10) ** (-2 * digits)
-    nodes = max(c.nodes for c in equations.courses)
+    nodes = max(c.nodes for c in equations.coordinate_motions)
     plain = rounded(value if abs(value) > noise else 0, digits, nodes)
     return Estimate(plain.value, plain.error + (noise if digits > FLOAT_DIGITS else float(noise)), nodes=nodes)
 

@@ -93,11 +93,15 @@ def separated_motion(
     """
     begins = {name: replace(coordinate_start(solution, initial, name), parts=parts) for name in solution.coordinates}
     located = {name: locate(checked(begin), digits) for name, begin in begins.items()}
-    courses = [located[name].course for name in solution.coordinates]
-    bounded = [stays for c in courses if (stays := c.bounded) is not None]
+    coordinate_motions = [located[name].coordinate_motion for name in solution.coordinates]
+    bounded = [stays for c in coordinate_motions if (stays := c.bounded) is not None]
     equations: TorusEquations | TriangularScheme | None = None
-    if courses and "time" in parts:
-        equations = torus_equations(bounded, bits_for(digits, 128)) if len(bounded) == len(courses) else plan(courses)
+    if coordinate_motions and "time" in parts:
+        equations = (
+            torus_equations(bounded, bits_for(digits, 128))
+            if len(bounded) == len(coordinate_motions)
+            else plan(coordinate_motions)
+        )
     return SeparatedMotion(
         solution, initial, t0, digits, parts, located, equations, turning_points(located, digits),
         quantities.frequencies(solution, initial, equations, digits) if "time" in parts else {},

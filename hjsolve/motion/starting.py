@@ -107,6 +107,6 @@ class _States:
 
 def _kinds(solution: Solution, located: Mapping[str, Located]) -> dict[str, str]:
     return {
-        c.name: str(located[c.name].course.kind) if c.name in located else "ignorable"
+        c.name: str(located[c.name].coordinate_motion.kind) if c.name in located else "ignorable"
         for c in solution.system.coordinates
     }

@@ -9,7 +9,7 @@ import numpy as np
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.number_types import AtTimes, Numbers
 from hjsolve.motion.near_poles import badly_rounded, sharpened_velocities
-from hjsolve.motion.phases import Phases, courses_of, phases_at
+from hjsolve.motion.phases import Phases, coordinate_motions_of, phases_at
 from hjsolve.motion.positions import coordinate_velocities, positions_at
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.separated import SeparatedMotion, separated_motion
@@ -44,7 +44,9 @@ def state_at_times(motion: SeparatedMotion, t: object, digits: int | None = None
     v = coordinate_velocities(motion, q, p)
     sharp = None if phases.exact is not None else badly_rounded(motion, q, p)
     if sharp is not None and sharp.any():
-        v = sharpened_velocities(motion, courses_of(motion, phases), [x.astype(float) for x in phases.χ], q, v, sharp)
+        v = sharpened_velocities(
+            motion, coordinate_motions_of(motion, phases), [x.astype(float) for x in phases.χ], q, v, sharp
+        )
     status = end_statuses(motion, phases.time, phases.ended)
     turns = {name: whole_numbers(n) for name, n in whole.items()}
     for group in (q, p, v):

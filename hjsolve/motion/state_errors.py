@@ -17,7 +17,7 @@ from hjsolve.arithmetic.number_types import Counts, Mask, Numbers, Reals
 from hjsolve.errors import required
 from hjsolve.mechanics.system import hamiltonian, velocities
 from hjsolve.motion.near_poles import lost_in_two_doubles, places, worked_out
-from hjsolve.motion.phases import Phases, courses_of
+from hjsolve.motion.phases import Phases, coordinate_motions_of
 from hjsolve.motion.positions import constant_index, evaluate_along, rounding
 from hjsolve.motion.tabulated import DenseOutput
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
@@ -58,17 +58,19 @@ def errors_of_state(
     unit = EPS if phases.exact is None else float(multiprecision(64).mpf(10) ** -motion.digits)
     dq, dp = {}, {}
     χ = [x.astype(float) for x in phases.χ]
-    courses = courses_of(motion, phases)
+    coordinate_motions = coordinate_motions_of(motion, phases)
     phase_error = phase_errors(motion, phases, unit)
-    for name, course, x, e in zip(motion.solution.coordinates, courses, χ, phase_error, strict=True):
-        slope_q, slope_p = _slopes(course, x, e)
-        size_q, size_p = _unreduced(course, q[name], whole.get(name)), np.abs(p[name].astype(float))
+    for name, coordinate_motion, x, e in zip(
+        motion.solution.coordinates, coordinate_motions, χ, phase_error, strict=True
+    ):
+        slope_q, slope_p = _slopes(coordinate_motion, x, e)
+        size_q, size_p = _unreduced(coordinate_motion, q[name], whole.get(name)), np.abs(p[name].astype(float))
         if motion.turning_points.get(name, (None, None))[0] is not None and _straddles(motion, name):
             size_q = size_q + _width(motion, name)
         dq[name] = slope_q * e + 4 * unit * size_q + _LEAST
         moved, shift = _shifted(motion, name, q)
         size_p = size_p + shift
-        dp[name] = slope_p * e + moved * dq[name] + (16 + course.momentum_noise(x)) * unit * size_p + _LEAST
+        dp[name] = slope_p * e + moved * dq[name] + (16 + coordinate_motion.momentum_noise(x)) * unit * size_p + _LEAST
     for coordinate in motion.solution.system.coordinates:
         name = coordinate.name
         if name not in dq:
@@ -79,7 +81,7 @@ def errors_of_state(
     dv = velocity_errors(motion, q, p, dq, dp, unit)
     if sharp is not None and sharp.any():
         phases_there, errors_there = [x[sharp] for x in χ], [e[sharp] for e in phase_error]
-        _put_in(dv, _sharp_errors(motion, courses, phases_there, errors_there, q, sharp), sharp)
+        _put_in(dv, _sharp_errors(motion, coordinate_motions, phases_there, errors_there, q, sharp), sharp)
     return dq, dp, dv
 
 
@@ -91,26 +93,28 @@ def _put_in(errors: dict[str, Reals], better: Mapping[str, Numbers], where: Mask
 
 def _sharp_errors(
     motion: SeparatedMotion,
-    courses: list[CoordinateMotion],
+    coordinate_motions: list[CoordinateMotion],
     χ: list[Reals],
     phase_error: list[Reals],
     q: Mapping[str, Numbers],
     where: Mask,
 ) -> dict[str, Reals]:
     """Return bounds on velocities worked out in two doubles: what the phases leave open, and the last rounding."""
-    exact, shell = places(motion, courses, χ)
+    exact, shell = places(motion, coordinate_motions, χ)
     uncertainties: dict[sp.Symbol, Reals] = {}
-    for name, course, x, e in zip(motion.solution.coordinates, courses, χ, phase_error, strict=True):
+    for name, coordinate_motion, x, e in zip(
+        motion.solution.coordinates, coordinate_motions, χ, phase_error, strict=True
+    ):
         c = motion.solution.system.coordinate(name)
-        slope_q, slope_p = _slopes(course, x, e)
+        slope_q, slope_p = _slopes(coordinate_motion, x, e)
         moved, _ = _shifted(motion, name, {n: values[where] for n, values in q.items()})
-        uncertainties[c.symbol] = slope_q * e + 16 * EPS * course.place_grain(x) + _LEAST
-        own = slope_p * e + (16 + course.momentum_noise(x)) * EPS * np.abs(shell[name]) + _LEAST
+        uncertainties[c.symbol] = slope_q * e + 16 * EPS * coordinate_motion.place_spacing(x) + _LEAST
+        own = slope_p * e + (16 + coordinate_motion.momentum_noise(x)) * EPS * np.abs(shell[name]) + _LEAST
         uncertainties[c.momentum] = own + moved * uncertainties[c.symbol]
-    return _by_doubts(motion, uncertainties, exact, shell, q, where)
+    return _by_uncertainties(motion, uncertainties, exact, shell, q, where)
 
 
-def _by_doubts(
+def _by_uncertainties(
     motion: SeparatedMotion, uncertainties: Mapping[sp.Symbol, Reals], exact: Mapping[str, Pair],
     shell: Mapping[str, Numbers], q: Mapping[str, Numbers], where: Mask,
 ) -> dict[str, Reals]:  # fmt: skip
@@ -162,7 +166,9 @@ def table_errors(
     for c, force in zip(system.coordinates, forces, strict=True):
         index = 0 if c.name == separated else table.waves[c.name][0]
         inner = _TABLE * table.table.sizes(index, θ)
-        runs_on = c.name != separated or (c.domain.kind == "line" and motion.located[separated].course.rotates)
+        runs_on = c.name != separated or (
+            c.domain.kind == "line" and motion.located[separated].coordinate_motion.rotates
+        )
         inner = inner if not runs_on else np.maximum(inner, _ANGLE * (np.pi + np.abs(q[c.name])))
         dq[c.name] = np.abs(v[c.name]) * delay + inner
         own = _TABLE * table.table.sizes(1, θ) if c.name == separated else 2 * EPS * np.abs(p[c.name])
@@ -173,13 +179,13 @@ def table_errors(
     if sharp is not None and sharp.any():
         c = system.coordinate(separated)
         below, above = (table.table.sizes(end, θ) for end in required(table.ends))
-        grain_q = np.where(below < above, above, below)  # either may have been the nearer one on the panel
+        spacing_q = np.where(below < above, above, below)  # either may have been the nearer one on the panel
         moved, _ = _shifted(motion, separated, q)
         delay = np.broadcast_to(delay, θ.shape)
-        dq_inner = np.abs(v[separated]) * delay + _TABLE * grain_q + _LEAST
+        dq_inner = np.abs(v[separated]) * delay + _TABLE * spacing_q + _LEAST
         dp_inner = np.abs(forces[list(dq).index(separated)]) * delay + _TABLE * table.table.sizes(1, θ) + _LEAST
         uncertainties = {c.symbol: dq_inner[sharp], c.momentum: (dp_inner + moved * dq_inner)[sharp]}
-        _put_in(dv, _by_doubts(motion, uncertainties, *table.places(motion, θ[sharp]), q, sharp), sharp)
+        _put_in(dv, _by_uncertainties(motion, uncertainties, *table.places(motion, θ[sharp]), q, sharp), sharp)
     return dq, dp, dv
 
 
@@ -194,12 +200,12 @@ def _shifted(motion: SeparatedMotion, name: str, q: Mapping[str, Numbers]) -> tu
     return np.abs(np.asarray(slope, dtype=float)), np.abs(np.asarray(value, dtype=float)) + own
 
 
-def _unreduced(course: CoordinateMotion, q: Numbers, whole: Counts | None) -> Reals:
+def _unreduced(coordinate_motion: CoordinateMotion, q: Numbers, whole: Counts | None) -> Reals:
     """Return the size of q before whole turns were taken from it: that is what was rounded."""
     if whole is None:
         return np.abs(q.astype(float))
-    if course.cycle is not None and course.rotates:  # whole turns of its phase were never added
-        middle = course.cycle.anomaly.place(multiprecision(64).zero, Multi(64)).q
+    if coordinate_motion.cycle is not None and coordinate_motion.rotates:  # whole turns of its phase were never added
+        middle = coordinate_motion.cycle.anomaly.place(multiprecision(64).zero, Multi(64)).q
         return np.abs(q.astype(float)) + (abs(float(middle)) + np.pi) / 4
     return np.abs(q.astype(float) + 2 * np.pi * whole.astype(float))
 
@@ -213,12 +219,12 @@ def _width(motion: SeparatedMotion, name: str) -> float:
     return sum(abs(float(end.value)) for end in motion.turning_points[name] if end is not None)
 
 
-def _slopes(course: CoordinateMotion, χ: Reals, error: Reals) -> tuple[Reals, Reals]:
+def _slopes(coordinate_motion: CoordinateMotion, χ: Reals, error: Reals) -> tuple[Reals, Reals]:
     """|dq/dχ| and |dp/dχ| by differences over the error of χ, or small ones; generous where they vary."""
-    course = course.in_doubles()
-    scale = np.maximum(1.0, np.abs(χ)) if course.branches else 1.0  # far out, steps must be seen
+    coordinate_motion = coordinate_motion.in_doubles()
+    scale = np.maximum(1.0, np.abs(χ)) if coordinate_motion.branches else 1.0  # far out, steps must be seen
     h, rest = np.clip(error, 1e-6 * scale, 0.5 * scale), 1e-6 / scale
-    (q1, p1), (q0, p0), (q2, p2) = (course.place(χ + s) for s in (-h, 0.0, h))
+    (q1, p1), (q0, p0), (q2, p2) = (coordinate_motion.place(χ + s) for s in (-h, 0.0, h))
     return 2 * np.maximum(np.abs(q2 - q0), np.abs(q0 - q1)) / h + rest * np.abs(q2 - q1), 2 * np.maximum(
         np.abs(p2 - p0), np.abs(p0 - p1)
     ) / h + rest * np.abs(p2 - p1)
@@ -230,7 +236,7 @@ def phase_errors(motion: SeparatedMotion, phases: Phases, unit: float) -> list[R
     Args:
         phases: of its separated coordinates, with their own bounds.
     """
-    together = zip(phases.errors, courses_of(motion, phases), phases.χ, strict=True)
+    together = zip(phases.errors, coordinate_motions_of(motion, phases), phases.χ, strict=True)
     return [np.asarray(e, dtype=float) + c.phase_rounding(x.astype(float)) * (unit / EPS) for e, c, x in together]
 
 
@@ -247,18 +253,20 @@ def ignorable_error(motion: SeparatedMotion, phases: Phases, phase_error: list[R
     if motion.equations is None:
         return total
     j = constant_index(motion, name)
-    for i, course in enumerate(courses_of(motion, phases)):
-        rate = np.abs(np.asarray(course.rate(j, χ[i] if phases.exact is None else phases.χ[i]), dtype=float))
+    for i, coordinate_motion in enumerate(coordinate_motions_of(motion, phases)):
+        rate = np.abs(np.asarray(coordinate_motion.rate(j, χ[i] if phases.exact is None else phases.χ[i]), dtype=float))
         total = total + rate * phase_error[i]
         if motion.torus is not None:
             total = total + 4 * unit * oscillation(motion.torus, i, j).size
-        elif course.branches:
-            begin = np.array([float(course.start)])
-            total = total + 4 * unit * (course.grain(j, χ[i]) + course.grain(j, begin)[0])
+        elif coordinate_motion.branches:
+            begin = np.array([float(coordinate_motion.start)])
+            total = total + 4 * unit * (coordinate_motion.spacing(j, χ[i]) + coordinate_motion.spacing(j, begin)[0])
         else:
-            total = total + 4 * unit * course.grain(j, phases.χ[i])
-            if course.cycle is not None:
-                total = total + 4 * unit * 2 * np.pi * np.abs(phases.whole[i] * float(course.cycle.growth(j)))
+            total = total + 4 * unit * coordinate_motion.spacing(j, phases.χ[i])
+            if coordinate_motion.cycle is not None:
+                total = total + 4 * unit * 2 * np.pi * np.abs(
+                    phases.whole[i] * float(coordinate_motion.cycle.growth(j))
+                )
     return total
 
 

@@ -182,7 +182,7 @@ class _Quantities:
 
     def _position(self, name: str) -> Numbers:
         if name == self.separated and name not in self.angles:
-            value, cycle = self.times.values(self.table, 0), self.motion.located[name].course.cycle
+            value, cycle = self.times.values(self.table, 0), self.motion.located[name].coordinate_motion.cycle
             if cycle is not None and cycle.rotates:
                 value = value + cycle.length_of_turns(self.arguments[1], value)
             return self.until_the_end(value)
@@ -193,8 +193,11 @@ class _Quantities:
         value: Numbers
         count: Counts
         if name == self.separated:
-            course, whole = motion.located[name].course, self.arguments[1]
-            value, count = self.times.values(self.table, 0), course.direction * whole if course.rotates else 0 * whole
+            coordinate_motion, whole = motion.located[name].coordinate_motion, self.arguments[1]
+            value, count = (
+                self.times.values(self.table, 0),
+                coordinate_motion.direction * whole if coordinate_motion.rotates else 0 * whole,
+            )
         else:
             index, begin = self.table.waves[name]
             wave = self.times.values(self.table, index) - begin
@@ -270,8 +273,8 @@ def _ends(motion: SeparatedMotion, direction: int, span: float) -> bool:
     scheme = motion.scheme
     if scheme is None:
         return False
-    for i, course in enumerate(scheme.courses):
-        whole = reaching(course, scheme, span, i)
+    for i, coordinate_motion in enumerate(scheme.coordinate_motions):
+        whole = reaching(coordinate_motion, scheme, span, i)
         if whole.finished(direction) or (
             whole.ends(direction) == "asymptote" and np.isfinite(whole.limits()[direction > 0])
         ):

@@ -98,9 +98,9 @@ class DenseOutput:
             θ: argument, shape (m,).
         """
         name = motion.solution.coordinates[0]
-        course = required(motion.located[name].course.cycle)
+        coordinate_motion = required(motion.located[name].coordinate_motion.cycle)
         below, above, shell = self.table.evaluate([*required(self.ends), 1], θ)
-        return {name: course.beside(below, above)}, {name: shell}
+        return {name: coordinate_motion.beside(below, above)}, {name: shell}
 
     def argument(self, motion: SeparatedMotion, time: tuple[Reals, Reals]) -> tuple[Reals, Counts, Mask]:
         """Return the table's argument, the whole turns, and where the motion has ended, at times relative to t₀.
@@ -122,18 +122,18 @@ class DenseOutput:
                     θ += 2 * np.pi * shift
                     whole -= shift
             return θ, whole, np.zeros(θ.shape, dtype=bool)
-        course = required(scheme).courses[0]
+        coordinate_motion = required(scheme).coordinate_motions[0]
         value = (time[0] + self.begin) + time[1]
         low = -self.table.edges[-1] if self.table.even else self.table.edges[0]
         return (
             np.clip(value, low, self.table.edges[-1]),
             np.zeros(value.shape),
-            _ended(course, value, low, self.table.edges[-1]),
+            _ended(coordinate_motion, value, low, self.table.edges[-1]),
         )
 
 
-def _ended(course: CoordinateMotion, value: Reals, low: float, high: float) -> Mask:
-    floor, ceiling = course.limits()
+def _ended(coordinate_motion: CoordinateMotion, value: Reals, low: float, high: float) -> Mask:
+    floor, ceiling = coordinate_motion.limits()
     return ((value > high) & np.isfinite(ceiling)) | ((value < low) & np.isfinite(floor))
 
 
@@ -145,13 +145,17 @@ def needs_table(motion: SeparatedMotion) -> bool:
     2⁻⁵² / d in χ; the table integrates the rate itself, without that cancellation.
     """
     torus = motion.torus
-    if torus is None or len(torus.courses) != 1 or "place" not in motion.parts:
+    if torus is None or len(torus.coordinate_motions) != 1 or "place" not in motion.parts:
         return False
-    course = torus.courses[0].cycle
-    if course is None or not course.tabular:
+    coordinate_motion = torus.coordinate_motions[0].cycle
+    if coordinate_motion is None or not coordinate_motion.tabular:
         return False
-    pace = np.abs(course.pace((1.0,), np.linspace(0.0 if course.anomaly.even else -np.pi, np.pi, 129)))
-    return bool(np.min(pace) < 0.05 * float(course.kernels[0].mean))
+    weighted_rate = np.abs(
+        coordinate_motion.weighted_rate(
+            (1.0,), np.linspace(0.0 if coordinate_motion.anomaly.even else -np.pi, np.pi, 129)
+        )
+    )
+    return bool(np.min(weighted_rate) < 0.05 * float(coordinate_motion.kernels[0].mean))
 
 
 def dense_output(motion: SeparatedMotion, span: float) -> DenseOutput | None:
@@ -162,15 +166,19 @@ def dense_output(motion: SeparatedMotion, span: float) -> DenseOutput | None:
         span: greatest |t − t₀|, in the units of t.
     """
     equations = motion.equations
-    if motion.digits > 15 or equations is None or len(equations.courses) != 1:
+    if motion.digits > 15 or equations is None or len(equations.coordinate_motions) != 1:
         return None
-    course = equations.courses[0]
-    if not all(part.tabular for part in (*course.branches, *filter(None, [course.cycle]))):
+    coordinate_motion = equations.coordinate_motions[0]
+    if not all(part.tabular for part in (*coordinate_motion.branches, *filter(None, [coordinate_motion.cycle]))):
         return None
     try:
-        if course.branches:
-            return None if roundings(motion, course) else _open(motion, int(np.ceil(np.log2(max(span, 1e-290)))))
-        return _resting(motion) if course.rests else _bounded(motion)
+        if coordinate_motion.branches:
+            return (
+                None
+                if roundings(motion, coordinate_motion)
+                else _open(motion, int(np.ceil(np.log2(max(span, 1e-290)))))
+            )
+        return _resting(motion) if coordinate_motion.rests else _bounded(motion)
     except NotConvergedError:
         return None
 
@@ -178,13 +186,17 @@ def dense_output(motion: SeparatedMotion, span: float) -> DenseOutput | None:
 @lru_cache(maxsize=64)
 def _bounded(motion: SeparatedMotion) -> DenseOutput:
     equations = required(motion.torus)
-    course = required(equations.courses[0].cycle)
-    mean = float(course.kernels[0].mean)
+    coordinate_motion = required(equations.coordinate_motions[0].cycle)
+    mean = float(coordinate_motion.kernels[0].mean)
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     series = [oscillation(equations, 0, constant_index(motion, n)) for n in names]
-    ends = (2 + len(names), 3 + len(names)) if course.anomaly.even and roundings(motion, course) else None
+    ends = (
+        (2 + len(names), 3 + len(names))
+        if coordinate_motion.anomaly.even and roundings(motion, coordinate_motion)
+        else None
+    )
     more = [None, None] if ends else []
-    even = (True, False, *(False for _ in names), *(True for _ in more)) if course.anomaly.even else ()
+    even = (True, False, *(False for _ in names), *(True for _ in more)) if coordinate_motion.anomaly.even else ()
     flat = [0.0] * (len(names) + len(more))
     edges = np.linspace(0 if even else -np.pi, np.pi, 17)
     own = equations.oscillations[0][0]
@@ -192,27 +204,31 @@ def _bounded(motion: SeparatedMotion) -> DenseOutput:
     first = 0.0 if even else float(-np.pi + moved)
 
     def outputs(χ: Reals) -> list[Numbers]:
-        return [*course.place(χ), *(_wave(s, χ) for s in series), *(course.distances(χ) if ends else ())]
+        return [
+            *coordinate_motion.place(χ),
+            *(_wave(s, χ) for s in series),
+            *(coordinate_motion.distances(χ) if ends else ()),
+        ]
 
     table = tabulate(
         edges,
-        lambda χ: course.pace((1.0,), χ) / mean,
+        lambda χ: coordinate_motion.weighted_rate((1.0,), χ) / mean,
         outputs,
         [_scale(motion), None, *(np.pi for _ in names), *more],
         even=even,
         origin=first,
         total=np.pi if even else 2 * np.pi,
         known=lambda χ: _angle(equations.oscillations[0][0], χ),
-        grains=lambda χ: [0.0, np.abs(course.place(χ)[1]) * course.crowding(χ) / _FINE, *flat],
+        spacings=lambda χ: [0.0, np.abs(coordinate_motion.place(χ)[1]) * coordinate_motion.crowding(χ) / _FINE, *flat],
     )
-    begin = np.array([float(course.start)])
+    begin = np.array([float(coordinate_motion.start)])
     waves = {name: (2 + k, float(_wave(s, begin)[0])) for k, (name, s) in enumerate(zip(names, series, strict=True))}
     return DenseOutput(table, waves, first, ends=ends)
 
 
 def _resting(motion: SeparatedMotion) -> DenseOutput:
     """Return a table of constants: the coordinate rests, the ignorable ones grow evenly."""
-    place = float(motion.located[motion.solution.coordinates[0]].course.rest)  # type: ignore[union-attr]
+    place = float(motion.located[motion.solution.coordinates[0]].coordinate_motion.rest)  # type: ignore[union-attr]
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     rows = [np.zeros((DEGREE + 1, 1)) for _ in range(2 + len(names))]
     rows[0][0] = place
@@ -238,7 +254,7 @@ def _scale(motion: SeparatedMotion) -> float:
     name = motion.solution.coordinates[0]
     ends = motion.turning_points.get(name)
     if ends is None:
-        cycle = motion.located[name].course.cycle
+        cycle = motion.located[name].coordinate_motion.cycle
         return float(np.pi) * float(1 if cycle is None else cycle.radian)
     values = [float(e.value) for e in ends if e is not None]
     domain = motion.solution.system.coordinate(name).domain
@@ -247,35 +263,36 @@ def _scale(motion: SeparatedMotion) -> float:
         return 0.0
     if values:
         return max(abs(v) for v in values)
-    maps = [branch.end_map for branch in motion.located[name].course.branches]
+    maps = [branch.end_map for branch in motion.located[name].coordinate_motion.branches]
     return float(maps[0].length) if maps else float(np.pi)
 
 
 @lru_cache(maxsize=8)
 def _open(motion: SeparatedMotion, power: int) -> DenseOutput:
     scheme = required(motion.scheme)
-    course = reaching(scheme.courses[0], scheme, 2.0**power, 0)
-    folded = not course.both_directions
-    edges = course.edges()
+    coordinate_motion = reaching(scheme.coordinate_motions[0], scheme, 2.0**power, 0)
+    reduced = not coordinate_motion.both_directions
+    edges = coordinate_motion.edges()
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     indices = [constant_index(motion, n) for n in names]
-    even = (True, False, *(False for _ in names)) if folded else ()
+    even = (True, False, *(False for _ in names)) if reduced else ()
 
     def outputs(y: Reals) -> list[Numbers]:
-        return [*course.place(y), *(-course.integral(j, y) for j in indices)]
+        return [*coordinate_motion.place(y), *(-coordinate_motion.integral(j, y) for j in indices)]
 
-    used = edges[edges >= 0] if folded else edges
-    first = 0.0 if folded else float(course.integral(0, edges[:1])[0])
+    used = edges[edges >= 0] if reduced else edges
+    first = 0.0 if reduced else float(coordinate_motion.integral(0, edges[:1])[0])
     table = tabulate(
         used,
-        lambda y: course.rate(0, y),
+        lambda y: coordinate_motion.rate(0, y),
         outputs,
         [_scale(motion), None, *(np.pi for _ in names)],
         even=even,
         origin=first,
-        grains=lambda y: [0.0, 0.0, *(course.grain(j, y) for j in indices)],
+        spacings=lambda y: [0.0, 0.0, *(coordinate_motion.spacing(j, y) for j in indices)],
     )
     waves = {
-        name: (2 + k, -integral_at_start(course, j)) for k, (name, j) in enumerate(zip(names, indices, strict=True))
+        name: (2 + k, -integral_at_start(coordinate_motion, j))
+        for k, (name, j) in enumerate(zip(names, indices, strict=True))
     }
-    return DenseOutput(table, waves, first, integral_at_start(course, 0))
+    return DenseOutput(table, waves, first, integral_at_start(coordinate_motion, 0))

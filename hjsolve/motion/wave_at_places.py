@@ -45,10 +45,10 @@ def wave_at(motion: SeparatedMotion, q: Mapping[str, object], branch: Mapping[st
     }
     value, error = 0 * next(iter(places.values())), np.zeros(int(np.prod(shape)))
     for name in solution.coordinates:
-        sign, slack = branch.get(name), 4 * EPS if fine is not motion else 0.0
-        found = [_phase(fine, name, _on_turning_point(fine, name, x, slack), sign) for x in places[name]]
+        sign, tolerance = branch.get(name), 4 * EPS if fine is not motion else 0.0
+        found = [_phase(fine, name, _on_turning_point(fine, name, x, tolerance), sign) for x in places[name]]
         χ, whole = np.array([x for x, _ in found], dtype=object), np.array([n for _, n in found], dtype=object)
-        part, slope, size = swept_from_start(fine.located[name].course, χ, whole, many=True)
+        part, slope, size = swept_from_start(fine.located[name].coordinate_motion, χ, whole, many=True)
         value = value + part
         error = error + unit * ((1 + abs(χ.astype(float))) * abs(slope.astype(float)) + 4 * size.astype(float))
     for coordinate in solution.system.coordinates:
@@ -84,28 +84,28 @@ def _check(motion: SeparatedMotion, q: Mapping[str, object], branch: Mapping[str
             raise InvalidInputError(f"branch of {name}: +1 or -1, not {sign!r}")
 
 
-def _on_turning_point(motion: SeparatedMotion, name: str, place: Mpf, slack: float) -> Mpf:
+def _on_turning_point(motion: SeparatedMotion, name: str, place: Mpf, tolerance: float) -> Mpf:
     """Return a place beyond a turning point by the rounding of a double is the turning point."""
-    cycle = motion.located[name].course.cycle
+    cycle = motion.located[name].coordinate_motion.cycle
     if cycle is None or cycle.rotates:
         return place
     low, high = cycle.turning_points
-    rounding = slack * (abs(low) + abs(high))
+    rounding = tolerance * (abs(low) + abs(high))
     return min(max(place, low), high) if low - rounding <= place <= high + rounding else place
 
 
 def _phase(motion: SeparatedMotion, name: str, place: Mpf, sign: int | None) -> tuple[Mpf, int]:
     """Return the phase of a place on a branch, and whole turns next to it."""
-    course, bits = motion.located[name].course, bits_for(motion.digits, 128)
-    if course.rests:
-        rest = course.place(np.array([0 * place], dtype=object))[0][0]
+    coordinate_motion, bits = motion.located[name].coordinate_motion, bits_for(motion.digits, 128)
+    if coordinate_motion.rests:
+        rest = coordinate_motion.place(np.array([0 * place], dtype=object))[0][0]
         if abs(place - rest) > (1 + abs(rest)) * 10.0**-FLOAT_DIGITS:
             raise OutsideMotionError(f"{name} rests at {float(rest):.12g}: it is nowhere else")
         return 0 * place, 0
-    if course.cycle is not None:
-        return _on_cycle(motion, name, course.cycle, place, sign, Multi(bits))
-    phases = open_phases(name, course, place, bits)
-    signs = [_sign(course, phase) for phase in phases]
+    if coordinate_motion.cycle is not None:
+        return _on_cycle(motion, name, coordinate_motion.cycle, place, sign, Multi(bits))
+    phases = open_phases(name, coordinate_motion, place, bits)
+    signs = [_sign(coordinate_motion, phase) for phase in phases]
     wanted = sign if sign is not None else 1 if 1 in signs else -1
     if wanted not in signs:
         raise OutsideMotionError(f"{name} has no branch {wanted:+d} at {float(place):.9g}")
@@ -120,7 +120,7 @@ def _on_cycle(
     χ = cycle.phase(between_turning_points(motion, name, cycle, place), arithmetic)
     if not cycle.rotates:
         χ = abs(χ) if sign != -1 else turn - abs(χ)
-        begin = motion.located[name].course.start
+        begin = motion.located[name].coordinate_motion.start
         return χ, int(arithmetic.context.floor(begin / turn))
     if sign is not None and sign != cycle.direction:
         raise OutsideMotionError(f"{name} rotates in one direction only, so it has no branch {sign:+d}")
@@ -131,7 +131,7 @@ def _on_cycle(
     return χ, int(turns[0] - turns[1])
 
 
-def _sign(course: CoordinateMotion, phase: Mpf) -> int:
+def _sign(coordinate_motion: CoordinateMotion, phase: Mpf) -> int:
     """Of the momentum at a phase of an open course: one that turns comes back with the other sign."""
-    end_map = course.branches[0].end_map
+    end_map = coordinate_motion.branches[0].end_map
     return int(end_map.side) * (-1 if end_map.turning and phase < 0 else 1)

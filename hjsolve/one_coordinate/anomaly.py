@@ -106,8 +106,8 @@ class BarrierAnomaly(Unstretched):
     direction = 1
 
     def place(self, χ: Numeric, arithmetic: Float64 | Multi) -> Place:
-        folded = χ - 2 * arithmetic.pi() * arithmetic.rint(χ / (2 * arithmetic.pi()))
-        sn, cn, dn = jacobi(2 * folded * self.quarter / arithmetic.pi(), self.complement, self.quarter, arithmetic)
+        reduced = χ - 2 * arithmetic.pi() * arithmetic.rint(χ / (2 * arithmetic.pi()))
+        sn, cn, dn = jacobi(2 * reduced * self.quarter / arithmetic.pi(), self.complement, self.quarter, arithmetic)
         small = sn * sn / (1 + abs(cn)) / 2
         large = (1 + abs(cn)) / 2
         low, high = _ordered(small, large, cn > 0, arithmetic)  # sin²(φ/2), cos²(φ/2)
@@ -232,16 +232,16 @@ def libration_anomaly(lower: Mpf, upper: Mpf, below: Mpf | None, above: Mpf | No
     return Libration(lower, width, upper, near_lower, near_upper, complement, quarter_period(complement, arithmetic))
 
 
-def barrier_anomaly(lower: Mpf, upper: Mpf, crest: Mpf, gap: Mpf, arithmetic: Multi) -> BarrierAnomaly:
+def barrier_anomaly(lower: Mpf, upper: Mpf, barrier_top: Mpf, gap: Mpf, arithmetic: Multi) -> BarrierAnomaly:
     """Make the anomaly between two turning points with a barrier just overcome between them.
 
     Args:
         lower, upper: a < b.
-        crest, gap: the complex pair crest ± i·gap next to the motion, a < crest < b.
+        barrier_top, gap: the complex pair crest ± i·gap next to the motion, a < crest < b.
         arithmetic: precision of all of them.
     """
     width = upper - lower
-    left, right, δ = ((x / width) for x in (crest - lower, upper - crest, gap))
+    left, right, δ = ((x / width) for x in (barrier_top - lower, upper - barrier_top, gap))
     A, B = (arithmetic.unary("sqrt", x * x + δ * δ) for x in (left, right))
     excess = δ * δ / (A + left) + δ * δ / (B + right)  # (A + B) − W, which may be tiny
     complement = excess * (A + B + 1) / (4 * A * B)
@@ -263,7 +263,7 @@ def rotation_anomaly(slow: Mpf, direction: int, gap: Mpf | None, arithmetic: Mul
 
 
 def two_barrier_anomaly(
-    crest: Mpf, gap: Mpf, other: Mpf, other_gap: Mpf, direction: int, arithmetic: Multi
+    barrier_top: Mpf, gap: Mpf, other: Mpf, other_gap: Mpf, direction: int, arithmetic: Multi
 ) -> TwoBarrierAnomaly:
     """Make the anomaly of an angle that goes round over two barriers.
 
@@ -271,14 +271,14 @@ def two_barrier_anomaly(
     takes iε to z₁ and i/ε to z₂ exists when both pairs have the same hyperbolic distance, 2 ln(1/ε).
 
     Args:
-        crest, gap: the highest maximum of V, a complex pair crest ± i·gap.
+        barrier_top, gap: the highest maximum of V, a complex pair crest ± i·gap.
         other, other_gap: the second one.
         direction: sign of p.
         arithmetic: precision of all of them.
     """
     context = arithmetic.context
     e1 = context.tanh(gap / 2)
-    z2 = context.tan(context.mpc(other - crest, other_gap) / 2)
+    z2 = context.tan(context.mpc(other - barrier_top, other_gap) / 2)
     x2, e2 = z2.real, z2.imag
     ρ = (x2 * x2 + (e2 - e1) ** 2) / (2 * e1 * e2)
     ε = context.sqrt(1 / (1 + ρ + context.sqrt(ρ * (ρ + 2))))
@@ -287,7 +287,7 @@ def two_barrier_anomaly(
     A, B = D * e1 / ε, -C * ε * e1
     complement = (2 * ε / (1 + ε * ε)) ** 2
     return TwoBarrierAnomaly(
-        crest + 2 * context.atan2(B, D), direction, B * B + D * D, A * B + C * D, complement,
+        barrier_top + 2 * context.atan2(B, D), direction, B * B + D * D, A * B + C * D, complement,
         quarter_period(complement, arithmetic),
     )  # fmt: skip
 

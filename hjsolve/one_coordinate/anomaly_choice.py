@@ -152,7 +152,7 @@ def over_other_near_zeros(start: CoordinateStart, anomaly: Rotation, gap: Mpf | 
 def _spread(start: CoordinateStart, inner: Inner, bits: int) -> Iterator[Stretched]:
     """Stretch the phase of an anomaly through the places where its integrands are rough; nothing where none is."""
     subject = resolution.integrands_to_resolve(inner, start.radicand, start.skipped, start.parts, bits)
-    places = resolution.rough_places(subject)
+    places = resolution.approximate_places(subject)
     map_ = stretched(inner, places) if places else None
     if map_ is not None:
         yield map_

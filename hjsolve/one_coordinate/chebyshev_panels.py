@@ -149,7 +149,7 @@ class Panels:
         inside = np.minimum(y, panels.edges[-1])
         return panels._sums(panels.sums[function], inside) + (y - inside) * panels.value(function, inside)
 
-    def grain(self, function: int, y: Numbers) -> Reals:
+    def spacing(self, function: int, y: Numbers) -> Reals:
         """Return the size that the rounding of the integral in doubles refers to: that of its panel's coefficients."""
         panels = self._for(y)
         sizes = np.sum(np.abs(panels.sums[function].astype(float)), axis=-1)

@@ -44,11 +44,11 @@ class Located:
     """A course with the ends of its region.
 
     Attributes:
-        course: the motion of the coordinate.
+        coordinate_motion: the motion of the coordinate.
         lower, upper: the ends found, in order of q.
     """
 
-    course: CoordinateMotion
+    coordinate_motion: CoordinateMotion
     lower: End
     upper: End
 
@@ -330,9 +330,9 @@ def _wound(start: CoordinateStart, winding: Winding, digits: int) -> Located | N
     around = replace(winding.start, parts=start.parts)
     if start.forward == 0 or first_end(ray(around, start.forward), digits=digits).kind != "round":
         return None
-    course = _rotation(around, start.forward, digits)
+    coordinate_motion = _rotation(around, start.forward, digits)
     bits = bits_for(digits, 128) + start.radicand.guard
-    return Located(replace(course, radian=winding.scale(bits)), End("round"), End("round"))
+    return Located(replace(coordinate_motion, radian=winding.scale(bits)), End("round"), End("round"))
 
 
 def _open(start: CoordinateStart, forward: int, lower: End, upper: End, digits: int) -> Unbounded:

@@ -47,16 +47,22 @@ class Growing:
     The panels do not depend on how far is asked for: a shorter reach has the first ones of a longer.
     """
 
-    def __init__(self, end_map: EndMap, course: Integrated, *, digits: int, bits: int):
+    def __init__(self, end_map: EndMap, coordinate_motion: Integrated, *, digits: int, bits: int):
         """Start at y = 0.
 
         Args:
             end_map: the branch.
-            course: what is integrated.
+            coordinate_motion: what is integrated.
             digits: relative digits wanted.
             bits: working precision.
         """
-        self.end_map, self.course, self.digits, self.bits, self.extra = end_map, course, digits, bits, 0
+        self.end_map, self.coordinate_motion, self.digits, self.bits, self.extra = (
+            end_map,
+            coordinate_motion,
+            digits,
+            bits,
+            0,
+        )
         self.context = multiprecision(bits)
         self.last = end_map.last(self.context)
         self.step = self.context.mpf(_FIRST) / _GROWTH
@@ -127,8 +133,8 @@ class Growing:
         self.totals.append(after)
         self.edges.append(y)
         self.nodes.append(nodes)
-        share = max(context.mpf(1), y / self.step)  # a short panel adds little, far from where the integrals settle
-        self.blown = self.end_map.end == "infinity" and _settled(before, after, share, self.digits)
+        fraction = max(context.mpf(1), y / self.step)  # a short panel adds little, far from where the integrals settle
+        self.blown = self.end_map.end == "infinity" and _settled(before, after, fraction, self.digits)
         # the end; or, where it is not analytic there, near enough
         self.over = self.blown or (
             self.last is not None and self.last - y <= self.last * context.mpf(10) ** -self.digits
@@ -142,7 +148,7 @@ class Growing:
                 f"more than {_MAX_PANELS} panels on the way to {self.end_map.end}; {self._reached(y)}"
             )
         rest = 0.0 if self.last is None else float(self.last - y)
-        around, most = self.course.around(y, rest), _GROWTH * float(self.step)
+        around, most = self.coordinate_motion.around(y, rest), _GROWTH * float(self.step)
         if self.last is not None:
             most = min(most, rest) if most < rest / 2 else rest
         elif self.end_map.end != "infinity":
@@ -154,10 +160,10 @@ class Growing:
             self.step = self.last - y if reach.length == rest else self._to_a_double(y, reach.length)
             count, most = reach.nodes, reach.length / 2
             ends = [y + self.step] if self.last is None or y + self.step < self.last else []
-            extra = max([self.extra, *(self.course.cancelled(end, self.extra) for end in ends)])
+            extra = max([self.extra, *(self.coordinate_motion.cancelled(end, self.extra) for end in ends)])
             while count <= _COSTLIEST * nodes_for(0.0, self.digits):
                 points = chebyshev_points(smooth(count), self.bits)
-                rows = _expand(self.course, y, self.step, points, self.bits, extra)
+                rows = _expand(self.coordinate_motion, y, self.step, points, self.bits, extra)
                 nodes += len(points)
                 count = reach.nodes_for([max(abs(c) for c in row) for row in rows], self.digits)
                 if count <= len(points):
@@ -189,19 +195,21 @@ def _filled(rows: list[list[list[Mpf]]]) -> list[list[list[Mpf]]]:
     return [[[*series, *[0 * series[0]] * (longest_ - len(series))] for series in panel] for panel in rows]
 
 
-def _settled(before: list[Mpf], after: list[Mpf], share: Mpf, digits: int) -> bool:
+def _settled(before: list[Mpf], after: list[Mpf], fraction: Mpf, digits: int) -> bool:
     """Return True when the integrals (the momentum's apart) no longer grow: infinity is reached in a finite time.
 
     A panel that is the share-th part of the way would have added so much more, had it been as long as the way.
     """
-    tiny = share.context.mpf(10) ** -(digits + 3)
-    return all(share * abs(b - a) <= tiny * abs(b) for a, b in zip(before[:-1], after[:-1], strict=True))
+    tiny = fraction.context.mpf(10) ** -(digits + 3)
+    return all(fraction * abs(b - a) <= tiny * abs(b) for a, b in zip(before[:-1], after[:-1], strict=True))
 
 
-def _expand(course: Integrated, y: Mpf, step: Mpf, points: list[Mpf], bits: int, extra: int) -> list[list[Mpf]]:
+def _expand(
+    coordinate_motion: Integrated, y: Mpf, step: Mpf, points: list[Mpf], bits: int, extra: int
+) -> list[list[Mpf]]:
     """Chebyshev coefficients on [y, y + step] from values at Chebyshev points."""
     context, n = multiprecision(bits), len(points)
-    samples = [course.integrands(y + step * (1 + x) / 2, extra) for x in points]
+    samples = [coordinate_motion.integrands(y + step * (1 + x) / 2, extra) for x in points]
     rows = []
     for column in zip(*samples, strict=True):
         values = [context.convert(v) for v in column]

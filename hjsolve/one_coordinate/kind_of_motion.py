@@ -113,15 +113,15 @@ class KindOfMotion(ABC):
         """
 
     @abstractmethod
-    def place_in_two_doubles(self, χ: Reals, rough: Reals) -> Pair:
+    def place_in_two_doubles(self, χ: Reals, approximate: Reals) -> Pair:
         """Return q in two doubles, at phases in doubles.
 
         Args:
-            rough: q in doubles.
+            approximate: q in doubles.
         """
 
     @abstractmethod
-    def place_grain(self, χ: Reals) -> Reals:
+    def place_spacing(self, χ: Reals) -> Reals:
         """Return the size that the rounding of a place in two doubles refers to."""
 
     @property
@@ -230,6 +230,6 @@ class KindOfMotion(ABC):
         """Return what rounding in doubles leaves open of dGⱼ/dχ where it is small."""
         return 0.0
 
-    def grain(self, j: int, χ: Numbers) -> Reals:
+    def spacing(self, j: int, χ: Numbers) -> Reals:
         """Return the size that the rounding of an integral refers to."""
         return np.abs(np.asarray(self.integral(j, χ), dtype=float))

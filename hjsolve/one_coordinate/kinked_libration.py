@@ -54,7 +54,7 @@ class PieceMap:
             return self.length * y * (1 + z), self.length * z * z, 2 * self.length * z
         return self.length * y, self.length * z, self.length + 0 * y
 
-    def share(self, q: Mpf) -> Mpf:
+    def fraction(self, q: Mpf) -> Mpf:
         """Return y of a place."""
         x = (q - self.lower) / self.length
         root: Mpf = x.context.sqrt(abs(x if self.turning < 0 else 1 - x)) if self.turning else x
@@ -79,18 +79,18 @@ class PieceByPiece(Unstretched):
 
     def place(self, χ: Elementwise, arithmetic: Float64 | Multi) -> Place:
         n, pi = len(self.pieces), arithmetic.pi()
-        folded = χ - 2 * pi * arithmetic.rint(χ / (2 * pi))
+        reduced = χ - 2 * pi * arithmetic.rint(χ / (2 * pi))
         step = pi / n
         if context_of(χ) is not None:
-            k = min(int(abs(folded) / step), n - 1)
-            below, above, speed = self._within(k, (abs(folded) - k * step) / step, step)
-            sign: Elementwise = 1 if folded >= 0 else -1
+            k = min(int(abs(reduced) / step), n - 1)
+            below, above, speed = self._within(k, (abs(reduced) - k * step) / step, step)
+            sign: Elementwise = 1 if reduced >= 0 else -1
         else:
-            a = np.abs(folded)
+            a = np.abs(reduced)
             inside = np.clip((a / step).astype(int), 0, n - 1)
             below, above, speed = (np.choose(inside, part) for part in zip(
                 *(self._within(k, (a - k * step) / step, step) for k in range(n)), strict=True))  # fmt: skip
-            sign = np.where(folded >= 0, 1.0, -1.0)
+            sign = np.where(reduced >= 0, 1.0, -1.0)
         q = arithmetic.where(below < above, self.lower + below, self.upper - above)
         product = below * above
         return Place(q, sign * speed, product, abs(speed), 1, below, above)
@@ -112,7 +112,7 @@ class PieceByPiece(Unstretched):
         if forward == 0:
             return arithmetic.pi() if q - self.lower > self.upper - q else 0 * q
         k = max([0, *(k for k, piece in enumerate(self.pieces) if q > piece.lower)])
-        return forward * arithmetic.pi() * (k + self.pieces[k].share(q)) / len(self.pieces)
+        return forward * arithmetic.pi() * (k + self.pieces[k].fraction(q)) / len(self.pieces)
 
     def in_doubles(self) -> Self:
         return self._converted(float)
@@ -144,7 +144,7 @@ class KinkedLibration(Periodic):
         """Return p/(dq/dχ) to full relative accuracy; χ a float array or one ``mpf``."""
         return self.momentum.value(χ)
 
-    def pace(self, weights: Weights, χ: Reals) -> Reals:
+    def weighted_rate(self, weights: Weights, χ: Reals) -> Reals:
         """Return Σ wⱼ dGⱼ/dχ."""
         found: Elementwise = sum(w * self.rate(j, χ) for j, w in enumerate(weights) if w)
         return found

@@ -70,8 +70,8 @@ class Piece:
             point: (q, p).
         """
         x, y = point[self.along], point[1 - self.along]
-        share = (x - self.begin) / (self.end - self.begin)
-        return bool(0 < share <= 1 and abs(y - self.middle) < self.room)
+        fraction = (x - self.begin) / (self.end - self.begin)
+        return bool(0 < fraction <= 1 and abs(y - self.middle) < self.room)
 
 
 @dataclass(frozen=True, eq=False)

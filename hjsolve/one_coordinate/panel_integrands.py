@@ -24,7 +24,15 @@ from hjsolve.arithmetic.reciprocals import without_overflow
 from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.errors import InvalidInputError
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
-from hjsolve.one_coordinate.panel_images import RootBounds, Scale, Spots, largest_power, root_bounds, scale_along, spots
+from hjsolve.one_coordinate.panel_images import (
+    RootBounds,
+    Samples,
+    Scale,
+    largest_power,
+    root_bounds,
+    samples,
+    scale_along,
+)
 from hjsolve.one_coordinate.panel_length import Sizes
 
 if TYPE_CHECKING:
@@ -99,7 +107,7 @@ class View:
         centred = bool(abs(self._finish) < abs(self.end_map.length) * 2.0**-300)
         return local.variable(_D.point(self._finish), -side, centred=centred)
 
-    def root(self, q: Disk, places: Spots) -> RootBounds:
+    def root(self, q: Disk, places: Samples) -> RootBounds:
         """Return |r|, the root of |u|/length.
 
         Args:
@@ -205,8 +213,8 @@ class Sight:
                 most.append(self.scale.rate * largest_power(low, high, k) * w.largest / least)
                 inside.append(self.scale.rate * middle**k * np.abs(w.centre) / centre)
             k = self.scale.b + order // 2
-            most.append(self.scale.pace * largest_power(low, high, k) * np.sqrt(squared.largest))
-            inside.append(self.scale.pace * middle**k * centre)
+            most.append(self.scale.weighted_rate * largest_power(low, high, k) * np.sqrt(squared.largest))
+            inside.append(self.scale.weighted_rate * middle**k * centre)
             known = squared.known & (least > 0)
             rows = [np.where(known & np.isfinite(row), row, np.inf) for row in most]
             both = rows, _numbers(inside)
@@ -253,7 +261,7 @@ class Surrounding:
             return self._seen(z, careful)
 
     def _seen(self, z: Disk, careful: bool) -> Sizes:
-        places = spots(self.sight.end_map, float(self.y), self.rest, z)
+        places = samples(self.sight.end_map, float(self.y), self.rest, z)
         sizes = self._plainly(places)
         for look in self._others(careful):
             bad = ~np.all(np.isfinite(sizes.most), axis=0)
@@ -264,10 +272,10 @@ class Surrounding:
                 part[:, bad] = better
         return sizes
 
-    def _others(self, careful: bool) -> list[Callable[[Spots], Sizes]]:
+    def _others(self, careful: bool) -> list[Callable[[Samples], Sizes]]:
         """Other enclosures of disks for which the plain formula gives no bound, those that apply here."""
         end_map = self.sight.end_map
-        here: list[Callable[[Spots], Sizes]] = []
+        here: list[Callable[[Samples], Sizes]] = []
         if end_map.end not in {"infinity", "kink"}:
             here.append(self._from_end)
         elif end_map.end == "infinity" and self._far:
@@ -282,7 +290,7 @@ class Surrounding:
         natural: Elementwise = max(abs(end_map.start), min(end_map.length, 1))
         return bool(x > _AWAY * natural and end_map.side * end_map.start > -x / 2)
 
-    def _place(self, places: Spots) -> Disk:
+    def _place(self, places: Samples) -> Disk:
         """q, from the start or from the end of the branch."""
         sight, side = self.sight, float(self.sight.end_map.side)
         q = _D.add(sight.start, _D.times(places.x, side))
@@ -291,7 +299,7 @@ class Surrounding:
         left = _D.times(_D.power(places.root, 2), float(sight.end_map.length))
         return tighter(q, _D.sub(sight.finish, _D.times(left, side)))
 
-    def _plainly(self, places: Spots) -> Sizes:
+    def _plainly(self, places: Samples) -> Sizes:
         """p² by its formula, or by its first difference from the turning point at the start."""
         sight, q = self.sight, self._place(places)
         if sight.end_map.turning:
@@ -306,11 +314,11 @@ class Surrounding:
             squared = sight.plain[0].run(q)[0]
         return self._plain_sizes(squared, q, places)
 
-    def _plain_sizes(self, squared: Disk, q: Disk, places: Spots) -> Sizes:
+    def _plain_sizes(self, squared: Disk, q: Disk, places: Samples) -> Sizes:
         weights = self.sight.plain[1].run(q)
         return self.sight.integrands(squared, weights, root_bounds(places.root, places), [0] * len(weights), 0)
 
-    def _closely(self, places: Spots) -> Sizes:
+    def _closely(self, places: Samples) -> Sizes:
         """p² from the place of the panel, where its value and slope are known to many digits."""
         sight, end_map = self.sight, self.sight.end_map
         here = end_map.position(self.y, Multi(sight.bits + 64))[0] if self.y else end_map.start
@@ -330,7 +338,7 @@ class Surrounding:
             squared = _D.add(start[1], bend) if not self.y else _D.div(squared, places.x)
         return self._plain_sizes(squared, self._place(places), places)
 
-    def _from_end(self, places: Spots) -> Sizes:
+    def _from_end(self, places: Samples) -> Sizes:
         """p² and the kernels from the end of the branch, what vanishes or has a pole there taken out."""
         sight, end_map = self.sight, self.sight.end_map
         view = sight.view
@@ -350,7 +358,7 @@ class Surrounding:
         powers = [2 * order for order, _ in weights]
         return sight.integrands(factor, [w for _, w in weights], view.root(q, places), powers, 2 * squared[0])
 
-    def _by_rates(self, places: Spots) -> Sizes:
+    def _by_rates(self, places: Samples) -> Sizes:
         """Return the formulas with their exponentials taken out."""
         sight, q = self.sight, self._place(places)
         rates = Rates(q, sight.end_map.side)
@@ -386,6 +394,6 @@ def _nothing(like: Disk, kernels: int) -> Sizes:
     return Sizes(np.full(shape, np.inf), np.zeros(shape))
 
 
-def _chosen(places: Spots, which: Mask) -> Spots:
+def _chosen(places: Samples, which: Mask) -> Samples:
     """Return some of the places."""
-    return Spots(*(Disk(x.centre[which], x.radius[which]) if np.ndim(x.radius) else x for x in places))
+    return Samples(*(Disk(x.centre[which], x.radius[which]) if np.ndim(x.radius) else x for x in places))

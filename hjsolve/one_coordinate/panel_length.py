@@ -27,7 +27,7 @@ _WORTH = 2.5
 """Sectors are quartered up to so many times the panel that the nearest one allows."""
 _SHORT = 1 / 64
 """Of the way so far, or of the longest panel; where one is shorter, the surroundings are looked at with all care."""
-_SHARES = 0.84 ** np.arange(13)
+_FRACTIONS = 0.84 ** np.arange(13)
 """Parts of the longest panel that is proved, from which the one with the fewest nodes for its length is taken."""
 _MOST_NODES = 2.0
 """Nodes, over those for integrands that are no larger in the ellipse than on the panel."""
@@ -142,7 +142,7 @@ def _best(sectors: Sectors, sizes: Sizes, length: float, digits: int) -> Reach:
     met = sectors.lengths()[order]
     most = np.maximum.accumulate(sizes.most[:, order], axis=1)
     inside = np.maximum.accumulate(np.where(sectors.first[order] == 0, sizes.inside[:, order], 0.0), axis=1)
-    steps = length * _SHARES
+    steps = length * _FRACTIONS
     outer = np.searchsorted(met, steps) - 1
     inner = np.searchsorted(met, real_lengths(steps)) - 1
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -103,7 +103,7 @@ class Periodic(KindOfMotion):
         """Return the growth of Gⱼ per unit phase, in the mean."""
         return self.kernels[j].mean
 
-    def swing(self, j: int) -> float | Mpf:
+    def libration(self, j: int) -> float | Mpf:
         """Return the size of the values whose mean the growth of Gⱼ is."""
         growth: Elementwise = self.growth(j)
         size: float | Mpf = abs(growth) + self.kernels[j].size
@@ -151,13 +151,13 @@ class Periodic(KindOfMotion):
         end = Pair(np.where(low, a.high, b.high), np.where(low, a.low, b.low))
         return moved(end, np.where(low, below, -above))
 
-    def place_in_two_doubles(self, χ: Reals, rough: Reals) -> Pair:
+    def place_in_two_doubles(self, χ: Reals, approximate: Reals) -> Pair:
         """Return q in two doubles, at phases in doubles; the second is 0 of a rotation."""
         if self.rotates:
-            return Pair(rough, 0 * rough)
+            return Pair(approximate, 0 * approximate)
         return self.beside(*self.distances(χ))
 
-    def place_grain(self, χ: Reals) -> Reals:
+    def place_spacing(self, χ: Reals) -> Reals:
         if self.rotates:
             return np.abs(cast("Reals", self.place(χ)[0])) + np.pi * float(self.radian)
         return np.minimum(*self.distances(χ))
@@ -179,7 +179,7 @@ class Periodic(KindOfMotion):
         """Return the rounding of the anomaly itself as an uncertainty of χ in doubles; 0 where it has none."""
         return self.anomaly.rounding(χ)
 
-    def pace(self, weights: tuple[float, ...], χ: Reals) -> Reals:
+    def weighted_rate(self, weights: tuple[float, ...], χ: Reals) -> Reals:
         """Return Σ wⱼ dGⱼ/dχ for a float array |χ| ≤ π by the formula, not the series: small values keep digits.
 
         Args:

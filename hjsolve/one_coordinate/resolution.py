@@ -240,7 +240,7 @@ def obstacles(subject: Integrands) -> list[tuple[float, float]] | None:
     return [(float(x), float(y)) for x, y in found[:, order].T]
 
 
-def rough_places(subject: Integrands) -> list[tuple[float, float]] | None:
+def approximate_places(subject: Integrands) -> list[tuple[float, float]] | None:
     """Choose the obstacles that explain all others: what lies as high as half its distance from one of them is its.
 
     Returns:

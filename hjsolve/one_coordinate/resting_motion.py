@@ -51,7 +51,7 @@ class AtRest(KindOfMotion):
         """Series of what is left of the kernels next to their means: nothing."""
         return [zero() for _ in self.rates]
 
-    def swing(self, j: int) -> Mpf:
+    def libration(self, j: int) -> Mpf:
         """Return the size of the terms that the growth of Gⱼ is the sum of."""
         return self.sizes[j]
 
@@ -62,12 +62,12 @@ class AtRest(KindOfMotion):
     def rounding_size(self, weights: Weights, χ: Reals) -> Reals:
         return cast("Reals", sum(abs(w) * phase_times(self.growth(j), χ) for j, w in enumerate(weights) if w))
 
-    def place_in_two_doubles(self, χ: Reals, rough: Reals) -> Pair:  # noqa: ARG002
+    def place_in_two_doubles(self, χ: Reals, approximate: Reals) -> Pair:  # noqa: ARG002
         """Return the place in two doubles."""
         rest = split(self.rest)
         return Pair(rest.high + 0 * χ, rest.low + 0 * χ)
 
-    def place_grain(self, χ: Reals) -> Reals:
+    def place_spacing(self, χ: Reals) -> Reals:
         """Return 0: the place is known to any precision."""
         return 0.0 * χ
 

@@ -193,9 +193,9 @@ def _inverse_slope(places: list[tuple[float, float]], *, even: bool) -> FourierS
     growth = _Growth.through(places)
     samples = _SAMPLES
     while samples <= _MOST_SAMPLES:
-        share = np.arange(samples) / samples
+        fraction = np.arange(samples) / samples
         # dχ/dψ at equal steps of ψ from −π, and its Fourier coefficients
-        values = growth.rate(share)
+        values = growth.rate(fraction)
         waves = np.fft.rfft(np.roll(values, samples // 2)) / samples
         size = np.abs(waves[1:])
         # the coefficients that matter for the least value; there must be samples enough for them
@@ -204,7 +204,7 @@ def _inverse_slope(places: list[tuple[float, float]], *, even: bool) -> FourierS
             cosines, sines = 2 * waves.real[1 : top + 1], -2 * waves.imag[1 : top + 1]
             slope = FourierSeries(1, cosines, None if even else sines, samples, 0.0)
             # cut off, the polynomial is still near dχ/dψ > 0 everywhere, so it is positive itself
-            good = np.abs(slope.value(2 * np.pi * share - np.pi) - values) < values / 4
+            good = np.abs(slope.value(2 * np.pi * fraction - np.pi) - values) < values / 4
             return slope if np.all(good) else None
         samples *= 2
     return None
@@ -234,10 +234,10 @@ class _Growth:
         rates = (values * weights) @ np.polynomial.legendre.legvander(nodes, _LEGENDRE_TERMS - 1) * (k + 0.5)
         return cls(edges, np.concatenate([[0.0], np.cumsum(2 * half * rates[:, 0])]), rates)
 
-    def rate(self, share: Reals) -> Reals:
+    def rate(self, fraction: Reals) -> Reals:
         """dχ/dψ where a fraction of ψ's whole turn is reached, by Newton steps within a piece."""
         # the piece that holds the goal, and what is left of it there in units of half the piece
-        goal = share * self.levels[-1]
+        goal = fraction * self.levels[-1]
         piece = np.clip(np.searchsorted(self.levels, goal, side="right") - 1, 0, len(self.rates) - 1)
         half = (self.edges[piece + 1] - self.edges[piece]) / 2
         goal = (goal - self.levels[piece]) / half

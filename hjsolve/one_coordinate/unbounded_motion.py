@@ -118,9 +118,9 @@ class Unbounded(KindOfMotion):
         slopes: Numbers = np.abs(np.where(forward, ahead.value(0, y), behind.value(0, y)))
         beyond = np.where(forward, y > ahead.edges[-1], y > behind.edges[-1])
         values = np.where(beyond, np.nan, values) if beyond.any() else values
-        return values, slopes, np.where(forward, ahead.grain(0, y), behind.grain(0, y))
+        return values, slopes, np.where(forward, ahead.spacing(0, y), behind.spacing(0, y))
 
-    def place_in_two_doubles(self, χ: Reals, rough: Reals) -> Pair:  # noqa: ARG002
+    def place_in_two_doubles(self, χ: Reals, approximate: Reals) -> Pair:  # noqa: ARG002
         """Return start or end of a branch and the distance from it."""
         pairs = []
         for branch in self.branches:
@@ -139,7 +139,7 @@ class Unbounded(KindOfMotion):
         ahead, behind = pairs
         return Pair(*(np.where(χ >= 0, a, b) for a, b in zip(ahead, behind, strict=True)))
 
-    def place_grain(self, χ: Reals) -> Reals:
+    def place_spacing(self, χ: Reals) -> Reals:
         """Return the size that the rounding of a place in two doubles refers to: its distance from the start."""
         return np.abs(cast("Reals", self.place(χ)[0]) - float(self.ahead.end_map.start))
 
@@ -147,10 +147,10 @@ class Unbounded(KindOfMotion):
         forward, ahead, behind = self._sides(χ)
         return np.where(forward, ahead.integral(j, np.abs(χ)), -behind.integral(j, np.abs(χ)))
 
-    def grain(self, j: int, χ: Numbers) -> Reals:
+    def spacing(self, j: int, χ: Numbers) -> Reals:
         """Return the size that the rounding of an integral in doubles refers to."""
         forward, ahead, behind = self._sides(χ)
-        return np.where(forward, ahead.grain(j, np.abs(χ)), behind.grain(j, np.abs(χ)))
+        return np.where(forward, ahead.spacing(j, np.abs(χ)), behind.spacing(j, np.abs(χ)))
 
     def rate(self, j: int, χ: Numbers) -> Numbers:
         forward, ahead, behind = self._sides(χ)

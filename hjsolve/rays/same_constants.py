@@ -30,9 +30,9 @@ from hjsolve.rays.sweeps_of_phase import (
     IgnorableSweep,
     PhaseSweep,
     SeparatedSweep,
-    doubt_of_place,
-    phase_slack,
+    phase_tolerance,
     separated_sweep,
+    uncertainty_of_place,
 )
 from hjsolve.time_law.open_motion import plan
 from hjsolve.time_law.torus import torus_equations
@@ -123,22 +123,22 @@ class SameConstants(Shown):
     def _curve(self, value: float, phases: Reals, second_solved: Mask) -> FamilyCurve:
         places = [s.place(χ) for s, χ in zip(self._sweeps, phases, strict=True)]
         q, p = ({s.name: found[i] for s, found in zip(self._sweeps, places, strict=True)} for i in (0, 1))
-        return self._placed("front", value, q, p, partial(self._doubts, value, phases, second_solved))
+        return self._placed("front", value, q, p, partial(self._uncertainties, value, phases, second_solved))
 
     @property
     def _sweeps(self) -> tuple[PhaseSweep, PhaseSweep]:
         return self.first, self.second
 
-    def _doubts(self, value: float, phases: Reals, second_solved: Mask) -> Errors:
+    def _uncertainties(self, value: float, phases: Reals, second_solved: Mask) -> Errors:
         """Return the errors of a front: of the coordinate that was solved for, how far its phase may be off."""
         sums = [s.gained(χ) for s, χ in zip(self._sweeps, phases, strict=True)]
-        doubt = np.abs(sums[0][0] + sums[1][0] - value) + sums[0][2] + sums[1][2] + EPS * abs(value)
+        uncertainty = np.abs(sums[0][0] + sums[1][0] - value) + sums[0][2] + sums[1][2] + EPS * abs(value)
         q_error, p_error = {}, {}
         for s, χ, solved in zip(self._sweeps, phases, (~second_solved, second_solved), strict=True):
             _, _, q_error[s.name], p_error[s.name] = s.place(χ)
             if solved.any():
-                slack = phase_slack(s, χ[solved], doubt[solved])
-                q_error[s.name][solved], p_error[s.name][solved] = doubt_of_place(s, χ[solved], slack)
+                tolerance = phase_tolerance(s, χ[solved], uncertainty[solved])
+                q_error[s.name][solved], p_error[s.name][solved] = uncertainty_of_place(s, χ[solved], tolerance)
         return Errors(q_error, p_error, {})
 
     def _placed(
@@ -184,13 +184,15 @@ class SameConstants(Shown):
         name, bits = self.second.name, bits_for(self.motion.digits, 128)
         low, high = self.second.low, self.second.high
         place = self.motion.located[name]
-        phase = float(place.course.start) + step
+        phase = float(place.coordinate_motion.start) + step
         phase = phase if phase < high else phase - (high - low)
-        course = replace(place.course, start=multiprecision(bits).mpf(phase))
-        located = {**self.motion.located, name: replace(place, course=course)}
-        courses = [located[n].course for n in self.motion.solution.coordinates]
-        bounded = [stays for c in courses if (stays := c.bounded) is not None]
-        equations = torus_equations(bounded, bits) if len(bounded) == len(courses) else plan(courses)
+        coordinate_motion = replace(place.coordinate_motion, start=multiprecision(bits).mpf(phase))
+        located = {**self.motion.located, name: replace(place, coordinate_motion=coordinate_motion)}
+        coordinate_motions = [located[n].coordinate_motion for n in self.motion.solution.coordinates]
+        bounded = [stays for c in coordinate_motions if (stays := c.bounded) is not None]
+        equations = (
+            torus_equations(bounded, bits) if len(bounded) == len(coordinate_motions) else plan(coordinate_motions)
+        )
         return replace(self.motion, located=located, equations=equations)
 
     def _orbit(self, motion: SeparatedMotion, number: int) -> FamilyCurve:
@@ -201,7 +203,7 @@ class SameConstants(Shown):
         p = {n: np.asarray(state.p[n], float) for n in names}
         outside = np.zeros(len(t), dtype=bool)
         for sweep in (self.first, self.second):
-            if isinstance(sweep, SeparatedSweep) and sweep.course.cycle is None:
+            if isinstance(sweep, SeparatedSweep) and sweep.coordinate_motion.cycle is None:
                 ends = sweep.place(np.array([sweep.low, 0.0, sweep.high]))[0]
                 outside |= (q[sweep.name] < ends.min()) | (q[sweep.name] > ends.max())
         q = {n: np.where(outside, np.nan, v) for n, v in q.items()}
@@ -213,11 +215,13 @@ class SameConstants(Shown):
         if motion.torus is not None:
             longest = max(2 * np.pi / abs(float(motion.frequencies[n].value)) for n in motion.solution.coordinates)
             return np.linspace(start, start + longest, _ORBIT_POINTS)
-        open_ = [s for s in (self.first, self.second) if isinstance(s, SeparatedSweep) and s.course.cycle is None]
+        open_ = [
+            s for s in (self.first, self.second) if isinstance(s, SeparatedSweep) and s.coordinate_motion.cycle is None
+        ]
         j = list(motion.solution.constants).index(motion.solution.separation.shell.energy.name)
         ends = []
         for side in (-1, 1):
-            reach = max(abs(float(s.course.integral(j, np.array([s.high]))[0])) for s in open_) or 1.0
+            reach = max(abs(float(s.coordinate_motion.integral(j, np.array([s.high]))[0])) for s in open_) or 1.0
             for _ in range(_DOUBLINGS):
                 q = state_at_times(motion, np.array([start + side * reach])).q
                 if any(_beyond(s, float(np.asarray(q[s.name], float)[0])) for s in open_):
@@ -235,10 +239,10 @@ class SameConstants(Shown):
             ends = self.motion.turning_points.get(resting.name, ()) if resting.turning else ()
             for end in (e for e in ends if e is not None):
                 χ = np.linspace(other.low, other.high, _POINTS)
-                q, p, rough, coarse = other.place(χ)
+                q, p, approximate, coarse = other.place(χ)
                 value = float(end.value)
                 errors = Errors(
-                    {resting.name: float(end.error) + EPS * abs(value) + 0 * χ, other.name: rough},
+                    {resting.name: float(end.error) + EPS * abs(value) + 0 * χ, other.name: approximate},
                     {resting.name: 0 * χ, other.name: coarse}, {},
                 )  # fmt: skip
                 places, momenta = {resting.name: value + 0 * χ, other.name: q}, {resting.name: 0 * χ, other.name: p}
@@ -285,7 +289,7 @@ def started_with_same_constants(motion: Motion, placing: Placing | None) -> Same
     rest = [c.name for c in motion.solution.system.coordinates if c.name not in names]
     if not (len(names) == 2 and len(rest) <= 1) and not (len(names) == 1 and len(rest) == 1):
         raise InvalidInputError("wavefronts: two coordinates are needed, or two next to one ignorable one")
-    if resting := [n for n in names if taken.located[n].course.rests]:
+    if resting := [n for n in names if taken.located[n].coordinate_motion.rests]:
         raise InvalidInputError(f"wavefronts: {resting[0]} rests, so the orbits of the family fill no area")
     separated = [_separated(taken, name) for name in names]
     if len(names) == 1:
@@ -295,23 +299,25 @@ def started_with_same_constants(motion: Motion, placing: Placing | None) -> Same
 
 
 def _separated(motion: SeparatedMotion, name: str) -> SeparatedSweep:
-    course = motion.located[name].course
-    if isinstance(course, Periodic):
-        return separated_sweep(name, 0.0, 2 * np.pi, course, () if course.rotates else (0.0, np.pi, 2 * np.pi))
-    low, high = _window(course)
-    turning = (0.0,) if course.branches[0].end_map.turning else ()
-    return separated_sweep(name, low, high, course.with_reach(1.01 * max(-low, high, 1e-9)), turning)
+    coordinate_motion = motion.located[name].coordinate_motion
+    if isinstance(coordinate_motion, Periodic):
+        return separated_sweep(
+            name, 0.0, 2 * np.pi, coordinate_motion, () if coordinate_motion.rotates else (0.0, np.pi, 2 * np.pi)
+        )
+    low, high = _window(coordinate_motion)
+    turning = (0.0,) if coordinate_motion.branches[0].end_map.turning else ()
+    return separated_sweep(name, low, high, coordinate_motion.with_reach(1.01 * max(-low, high, 1e-9)), turning)
 
 
-def _window(course: CoordinateMotion) -> tuple[float, float]:
+def _window(coordinate_motion: CoordinateMotion) -> tuple[float, float]:
     """Return phases within which an open motion goes several times its own size away."""
-    begin, start = (float(course.place(np.array([x]))[0][0]) for x in (0.0, float(course.start)))
+    begin, start = (float(coordinate_motion.place(np.array([x]))[0][0]) for x in (0.0, float(coordinate_motion.start)))
     size = max(abs(begin), abs(start - begin), 0.3)
     ends = []
     for side in (-1, 1):
-        χ = max(1.0, abs(float(course.start)))
+        χ = max(1.0, abs(float(coordinate_motion.start)))
         for _ in range(_DOUBLINGS):
-            reaching = course.with_reach(χ)
+            reaching = coordinate_motion.with_reach(χ)
             limit = 0.999 * abs(reaching.limits()[side > 0])
             if χ >= limit or abs(float(reaching.place(np.array([side * χ]))[0][0]) - begin) > _FAR * size:
                 χ = min(χ, limit)
@@ -331,7 +337,7 @@ def _ignorable(motion: SeparatedMotion, other: SeparatedSweep, name: str) -> Ign
     c = float(to_bits(motion.initial.values[coordinate.momentum])(64))
     if coordinate.domain.kind == "angle":
         return IgnorableSweep(name, 0.0, 2 * np.pi, c, start, angle=True)
-    sums = other.course.integral(constant_index(motion, name), np.linspace(other.low, other.high, 65))
+    sums = other.coordinate_motion.integral(constant_index(motion, name), np.linspace(other.low, other.high, 65))
     extent = np.ptp(other.place(np.linspace(other.low, other.high, 65))[0])
     half = 0.75 * max(float(np.ptp(np.asarray(sums, float))), float(extent))
     sense = -1.0 if c < 0 else 1.0

@@ -88,29 +88,31 @@ class SamePlace(Shown):
     def fronts(self, values: Reals) -> tuple[FamilyCurve, ...]:
         """Return the lines on which W has some values."""
         found = [self._times_of(ray, values) for ray in self.rays]
-        times, doubts = (np.array(x) for x in zip(*found, strict=True))
-        states, forces = self._states_and_forces(times, doubts)
+        times, uncertainties = (np.array(x) for x in zip(*found, strict=True))
+        states, forces = self._states_and_forces(times, uncertainties)
         curves = []
         for i, value in enumerate(values):
             q, p, q_error, p_error = {}, {}, {}, {}
             for k, name in enumerate(self.names):
                 q[name], p[name] = (_closed(x[k][:, i]) for x in (states.q, states.p))
-                q_error[name] = _closed((states.q_error[k] + np.abs(states.velocity[k]) * doubts)[:, i])
+                q_error[name] = _closed((states.q_error[k] + np.abs(states.velocity[k]) * uncertainties)[:, i])
                 p_error[name] = _closed((states.p_error[k] + forces[k])[:, i])
             curves.append(
                 FamilyCurve("front", float(value), q, p, KnownErrors(Errors(q_error, p_error, {})), self.placing)
             )
         return tuple(curves)
 
-    def _states_and_forces(self, times: Reals, doubts: Reals) -> tuple[_States, tuple[Reals, Reals]]:
+    def _states_and_forces(self, times: Reals, uncertainties: Reals) -> tuple[_States, tuple[Reals, Reals]]:
         """Return states at times, and how far p moves while the time does, from neighbouring states."""
         m = times.shape[1]
-        far = np.where(np.isfinite(doubts), doubts, 0.0)
+        far = np.where(np.isfinite(uncertainties), uncertainties, 0.0)
         asked = self._states(np.concatenate([times, times + far, times - far], axis=1))
         here, ahead, behind = (asked.columns(k * m, (k + 1) * m) for k in range(3))
         first, second = (
             np.where(
-                np.isfinite(doubts), np.abs(ahead.p[k] - behind.p[k]) + ahead.p_error[k] + behind.p_error[k], np.nan
+                np.isfinite(uncertainties),
+                np.abs(ahead.p[k] - behind.p[k]) + ahead.p_error[k] + behind.p_error[k],
+                np.nan,
             )
             for k in range(2)
         )
@@ -136,10 +138,10 @@ class SamePlace(Shown):
                 break
             t = np.where(moving, t - np.clip(step, -reach / _TIMES, reach / _TIMES), t)
         with np.errstate(all="ignore"):
-            doubt = 2 * (np.abs(W - values) + error + EPS * np.abs(values)) / speed + 2 * EPS * (
+            uncertainty = 2 * (np.abs(W - values) + error + EPS * np.abs(values)) / speed + 2 * EPS * (
                 abs(self.start) + np.abs(t)
             )
-        return t, doubt
+        return t, uncertainty
 
     def _growth(self, ray: Motion, t: Reals) -> Reals:
         """dW/dt = p·dq/dt, twice the kinetic energy."""
@@ -205,15 +207,15 @@ class SamePlace(Shown):
         first = change.argmax(axis=1)
         row = np.arange(rays)
         met = change[row, first]
-        t, doubt = self._roots(grid[row, first], grid[row, first + 1])
+        t, uncertainty = self._roots(grid[row, first], grid[row, first + 1])
         t = np.where(met, t, np.nan)
-        states, forces = self._states_and_forces(t[:, None], doubt[:, None])
+        states, forces = self._states_and_forces(t[:, None], uncertainty[:, None])
         q, p, q_error, p_error = {}, {}, {}, {}
-        unclear = ~np.isfinite(doubt) | (doubt > _UNCLEAR * self.length)
+        unclear = ~np.isfinite(uncertainty) | (uncertainty > _UNCLEAR * self.length)
         for k, name in enumerate(self.names):
             values = np.where(unclear, np.nan, states.q[k][:, 0])
             q[name], p[name] = _closed(values), _closed(states.p[k][:, 0])
-            q_error[name] = _closed(2 * np.abs(states.velocity[k][:, 0]) * doubt + states.q_error[k][:, 0])
+            q_error[name] = _closed(2 * np.abs(states.velocity[k][:, 0]) * uncertainty + states.q_error[k][:, 0])
             p_error[name] = _closed(states.p_error[k][:, 0] + forces[k][:, 0])
         if np.isfinite(q[self.names[0]]).sum() < 2:
             return ()
@@ -235,13 +237,17 @@ class SamePlace(Shown):
             )
             t = middle + half * (begin + end) / 2
             for _ in range(_REFINEMENTS):
-                D, blurs = self._meeting(t[:, None] * _BESIDE)
-                value, blur, slope = D[:, 1], blurs[:, 1], (D[:, 2] - D[:, 0]) / (t * (_BESIDE[2] - _BESIDE[0]))
+                D, rounding_errors = self._meeting(t[:, None] * _BESIDE)
+                value, rounding_error, slope = (
+                    D[:, 1],
+                    rounding_errors[:, 1],
+                    (D[:, 2] - D[:, 0]) / (t * (_BESIDE[2] - _BESIDE[0])),
+                )
                 step = value / slope
-                if not ((np.abs(value) > blur) & (np.abs(step) <= half)).any():
+                if not ((np.abs(value) > rounding_error) & (np.abs(step) <= half)).any():
                     break
-                t = np.where((np.abs(value) > blur) & (np.abs(step) <= half), t - step, t)
-            return t, 2 * (np.abs(value) + blur) / np.abs(slope) + 4 * EPS * t
+                t = np.where((np.abs(value) > rounding_error) & (np.abs(step) <= half), t - step, t)
+            return t, 2 * (np.abs(value) + rounding_error) / np.abs(slope) + 4 * EPS * t
 
     def _meeting(self, t: Reals) -> tuple[Reals, Reals]:
         """Return determinant of velocity and ∂q/∂ψ at times of each ray, shape (rays, m), and a bound on its error."""
@@ -256,23 +262,23 @@ class SamePlace(Shown):
             place = shifts.index(k) * many
             return np.roll(values[:, place : place + many], -k, axis=0)
 
-        slopes, blurs = [], []
+        slopes, rounding_errors = [], []
         for c in range(2):
             q, noise = states.q[c], states.q_error[c] + 4 * EPS * np.abs(states.q[c])
             steps = [of_neighbour(q, k) - of_neighbour(q, -k) for k in range(1, _SIDE + 1)]
-            doubts = [of_neighbour(noise, k) + of_neighbour(noise, -k) for k in range(1, _SIDE + 1)]
+            uncertainties = [of_neighbour(noise, k) + of_neighbour(noise, -k) for k in range(1, _SIDE + 1)]
             fourth, sixth, eighth = (
                 np.asarray(sum(w * s for w, s in zip(weights, steps, strict=True))) / h
                 for weights in (_FOURTH, _SIXTH, _EIGHTH)
             )
-            rounding = sum(abs(w) * d for w, d in zip(_EIGHTH, doubts, strict=True)) / h
+            rounding = sum(abs(w) * d for w, d in zip(_EIGHTH, uncertainties, strict=True)) / h
             last, before = np.abs(eighth - sixth), np.abs(sixth - fourth)
             slopes.append(eighth)
-            blurs.append(np.where(last > _SLOWEST * before + rounding, np.inf, 2 * last + rounding))
+            rounding_errors.append(np.where(last > _SLOWEST * before + rounding, np.inf, 2 * last + rounding))
         v = [of_neighbour(x, 0) for x in states.velocity]
         D = v[0] * slopes[1] - v[1] * slopes[0]
-        blur = np.abs(v[0]) * blurs[1] + np.abs(v[1]) * blurs[0]
-        return D, blur + 8 * EPS * (np.abs(v[0] * slopes[1]) + np.abs(v[1] * slopes[0]))
+        rounding_error = np.abs(v[0]) * rounding_errors[1] + np.abs(v[1]) * rounding_errors[0]
+        return D, rounding_error + 8 * EPS * (np.abs(v[0] * slopes[1]) + np.abs(v[1] * slopes[0]))
 
 
 def _closed(values: Reals) -> Reals:

@@ -84,7 +84,7 @@ class SeparatedSweep(Shown):
     Attributes:
         name: of the coordinate.
         low, high: phases of the family.
-        course: reaching over all of them.
+        coordinate_motion: reaching over all of them.
         turning: phases in [low, high] at which the momentum vanishes.
         table: phases all along, and W there from phase 0.
         begin: W of the start from phase 0.
@@ -93,7 +93,7 @@ class SeparatedSweep(Shown):
     name: str
     low: float
     high: float
-    course: CoordinateMotion = field(repr=False)
+    coordinate_motion: CoordinateMotion = field(repr=False)
     turning: tuple[float, ...]
     table: tuple[Reals, Reals] = field(repr=False)
     begin: float
@@ -101,19 +101,23 @@ class SeparatedSweep(Shown):
     @property
     def turn(self) -> float:
         """W of a whole turn of a rotation."""
-        return 2 * np.pi * float(self.course.cycle.action or 0) if self.course.rotates and self.course.cycle else 0.0
+        return (
+            2 * np.pi * float(self.coordinate_motion.cycle.action or 0)
+            if self.coordinate_motion.rotates and self.coordinate_motion.cycle
+            else 0.0
+        )
 
     def gained(self, χ: Reals) -> tuple[Reals, Reals, Reals]:
         """Return ∫ P dq from the start, its slope, and its rounding."""
-        value, slope, size = (cast("Reals", x) for x in self.course.momentum_integral(χ))
+        value, slope, size = (cast("Reals", x) for x in self.coordinate_motion.momentum_integral(χ))
         return value - self.begin, slope, 8 * EPS * (size + np.abs(value) + abs(self.begin))
 
     def place(self, χ: Reals) -> tuple[Reals, Reals, Reals, Reals]:
         """Return q, P and their rounding."""
-        q, p = (cast("Reals", x) for x in self.course.place(χ))
-        noise = 16 + np.asarray(self.course.momentum_noise(χ))
-        rounding = np.asarray(self.course.phase_rounding(χ)) + 4 * EPS * np.abs(χ)
-        beside, steeper = (cast("Reals", x) for x in self.course.place(χ + rounding))
+        q, p = (cast("Reals", x) for x in self.coordinate_motion.place(χ))
+        noise = 16 + np.asarray(self.coordinate_motion.momentum_noise(χ))
+        rounding = np.asarray(self.coordinate_motion.phase_rounding(χ)) + 4 * EPS * np.abs(χ)
+        beside, steeper = (cast("Reals", x) for x in self.coordinate_motion.place(χ + rounding))
         return q, p, 8 * EPS * np.abs(q) + 2 * np.abs(beside - q), noise * EPS * np.abs(p) + 2 * np.abs(steeper - p)
 
     def phase_of(self, amount: Reals) -> Reals:
@@ -141,53 +145,53 @@ PhaseSweep = IgnorableSweep | SeparatedSweep
 
 
 def separated_sweep(
-    name: str, low: float, high: float, course: CoordinateMotion, turning: tuple[float, ...]
+    name: str, low: float, high: float, coordinate_motion: CoordinateMotion, turning: tuple[float, ...]
 ) -> SeparatedSweep:
     """Make a coordinate ready.
 
     Args:
         name, low, high, turning: see ``SeparatedSweep``.
-        course: its motion.
+        coordinate_motion: its motion.
     """
     table = np.linspace(low, high, _CELLS + 1)
-    sums = np.maximum.accumulate(cast("Reals", course.momentum_integral(table)[0]))
-    begin = float(course.momentum_integral(np.array([float(course.start)]))[0][0])
-    return SeparatedSweep(name, low, high, course, turning, (table, sums), begin)
+    sums = np.maximum.accumulate(cast("Reals", coordinate_motion.momentum_integral(table)[0]))
+    begin = float(coordinate_motion.momentum_integral(np.array([float(coordinate_motion.start)]))[0][0])
+    return SeparatedSweep(name, low, high, coordinate_motion, turning, (table, sums), begin)
 
 
-def phase_slack(sweep: PhaseSweep, χ: Reals, doubt: Reals) -> Reals:
+def phase_tolerance(sweep: PhaseSweep, χ: Reals, uncertainty: Reals) -> Reals:
     """Return how far a phase may be from the one at which W has the value wanted, from how W changes next to it.
 
     Args:
         sweep: the coordinate.
         χ: phases found, shape (m,).
-        doubt: how far W there may be from the value wanted.
+        uncertainty: how far W there may be from the value wanted.
     """
     here = sweep.gained(χ)[0]
-    slack = 4 * EPS * (1 + np.abs(χ))
+    tolerance = 4 * EPS * (1 + np.abs(χ))
     left = np.flatnonzero(np.isfinite(χ))
     for _ in range(_WIDENINGS):
         if not left.size:
             break
-        ahead, _, noise = sweep.gained(χ[left] + slack[left])
-        behind, _, more = sweep.gained(χ[left] - slack[left])
-        needed = doubt[left] + noise + more
+        ahead, _, noise = sweep.gained(χ[left] + tolerance[left])
+        behind, _, more = sweep.gained(χ[left] - tolerance[left])
+        needed = uncertainty[left] + noise + more
         enough = (ahead - here[left] >= needed) & (here[left] - behind >= needed)
         left = left[~enough]
-        slack[left] *= 2
-    return slack
+        tolerance[left] *= 2
+    return tolerance
 
 
-def doubt_of_place(sweep: PhaseSweep, χ: Reals, slack: Reals) -> tuple[Reals, Reals]:
+def uncertainty_of_place(sweep: PhaseSweep, χ: Reals, tolerance: Reals) -> tuple[Reals, Reals]:
     """Return how far q and p may be from their values where the phase is only known so well.
 
     Args:
         sweep: the coordinate.
         χ: phases, shape (m,).
-        slack: how far each may be off, shape (m,).
+        tolerance: how far each may be off, shape (m,).
     """
-    q, p, rough, coarse = sweep.place(χ)
-    beyond = [sweep.place(χ + side * slack) for side in (-1.0, -0.5, 0.5, 1.0)]
+    q, p, approximate, coarse = sweep.place(χ)
+    beyond = [sweep.place(χ + side * tolerance) for side in (-1.0, -0.5, 0.5, 1.0)]
     reach = np.max([np.abs(x[0] - q) for x in beyond], axis=0)
-    swing = np.max([np.abs(x[1] - p) for x in beyond], axis=0)
-    return 2 * reach + rough, 2 * swing + coarse
+    libration = np.max([np.abs(x[1] - p) for x in beyond], axis=0)
+    return 2 * reach + approximate, 2 * libration + coarse

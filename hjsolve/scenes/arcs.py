@@ -249,7 +249,7 @@ def _one_arc(solution: Solution, leg: Leg, pending: list[Pending], horizon: sp.E
         q, p = (_known(group, bound) for group, bound in ((state.q, state.error.q), (state.p, state.error.p)))
         return Stretch([FreeArc(leg, time, events)], _later(motion, pending, happening, time),
                        Change(motion, time, events, q, p, {}))  # fmt: skip
-    resting = {name for name, place in motion.separated.located.items() if place.course.rests}
+    resting = {name for name, place in motion.separated.located.items() if place.coordinate_motion.rests}
     q = {c.name: given[c.symbol] if c.name in resting else state.q[c.name] for c in system.coordinates}
     p = {c.name: given[c.momentum] if c.name in resting or c.name not in motion.separated.located else state.p[c.name]
          for c in system.coordinates}  # fmt: skip

@@ -48,10 +48,10 @@ def crossings(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None
     if name in motion.separated.located:
         first = next(_known(motion, name, value, 0), None)
         at_start = first is not None and first[0] - start <= tolerance
-        rough, skip = _known(motion, name, value, skip + at_start), 0
+        approximate, skip = _known(motion, name, value, skip + at_start), 0
     else:
-        rough = _walked(motion, name, value, horizon)
-    for guess, error in rough:
+        approximate = _walked(motion, name, value, horizon)
+    for guess, error in approximate:
         time = guess if error < tolerance / 1000 else sharpened(motion, name, value, guess)
         if horizon is not None and time > to_bits(horizon)(bits_of(motion.digits)):
             return
@@ -83,7 +83,7 @@ def _walked(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None) 
         off = quick.at(times).unwrapped(name) - target
         return np.floor(off / (2 * np.pi)) if turning else (off >= 0).astype(float)
 
-    for times in _paces(quick, start, None if horizon is None else float(to_bits(horizon)(64))):
+    for times in _weighted_rates(quick, start, None if horizon is None else float(to_bits(horizon)(64))):
         levels = level(times)
         for k in np.nonzero(np.diff(levels))[0]:
             yield context.convert(float(_halved(level, times[k], times[k + 1], levels[k]))), context.mpf(1)
@@ -110,7 +110,7 @@ def surface_crossings(motion: Motion, surface: sp.Expr, horizon: sp.Expr | None)
     def level(times: Reals) -> Reals:
         return (function.level(quick.at(times)) >= 0).astype(float)
 
-    for times in _paces(quick, float(start), None if horizon is None else float(to_bits(horizon)(64))):
+    for times in _weighted_rates(quick, float(start), None if horizon is None else float(to_bits(horizon)(64))):
         levels = level(times)
         for k in np.nonzero(np.diff(levels))[0]:
             guess = context.convert(float(_halved(level, times[k], times[k + 1], levels[k])))
@@ -172,7 +172,7 @@ class _OnSurface:
         raise NotConvergedError("the motion touches the surface and does not pass it; the event has no definite time")
 
 
-def _paces(motion: Motion, start: float, horizon: float | None) -> Iterator[Reals]:
+def _weighted_rates(motion: Motion, start: float, horizon: float | None) -> Iterator[Reals]:
     """Yield times close enough to see every passage, in pieces that share their ends."""
     rates = [abs(float(f.value)) for f in motion.frequencies.values()]
     if rates:

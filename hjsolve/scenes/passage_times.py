@@ -80,17 +80,17 @@ def passes(motion: Motion, name: str, value: sp.Expr) -> Passes:
             return Passes((), None, 0)
         (*times, last), error = [t for t, _ in found], max(e for _, e in found)
         period = last - times[0]
-        if len(times) == 2 and min(times[1] - times[0], last - times[1]) <= _slack(motion, last):
+        if len(times) == 2 and min(times[1] - times[0], last - times[1]) <= _tolerance(motion, last):
             return Passes((), None, 0)
         return Passes(tuple(times), period, 2 * error)
     there = [one for k in (-2, -1, 0, 1) if (one := _passage(motion, name, value, k)) is not None]
     several = sorted(there, key=lambda one: one[0])
-    if any(b[0] - a[0] <= _slack(motion, b[0]) for a, b in itertools.pairwise(several)):
+    if any(b[0] - a[0] <= _tolerance(motion, b[0]) for a, b in itertools.pairwise(several)):
         return Passes((), None, 0)
     return Passes(tuple(t for t, _ in several), None, max((e for _, e in several), default=0))
 
 
-def _slack(motion: Motion, time: Mpf) -> Mpf:
+def _tolerance(motion: Motion, time: Mpf) -> Mpf:
     return multiprecision(64).mpf(10) ** (8 - motion.digits) * max(1, abs(time))
 
 
@@ -100,7 +100,7 @@ def _passage(motion: Motion, name: str, value: sp.Expr, passage: int) -> tuple[M
     except OutsideMotionError:
         return None
     time = multiprecision(bits_of(motion.digits)).convert(estimate.value)
-    tolerance = _slack(motion, time) / 1000
+    tolerance = _tolerance(motion, time) / 1000
     if abs(estimate.error) <= tolerance:
         return time, abs(estimate.error)
     return sharpened(motion, name, value, time), tolerance
@@ -116,18 +116,21 @@ class Carried:
     """
 
     def __init__(self, motion: Motion, name: str, carrier: str):
-        course = required(motion.separated.located[carrier].course.cycle)
+        coordinate_motion = required(motion.separated.located[carrier].coordinate_motion.cycle)
         equations = required(motion.separated.torus)
         j, k = constant_index(motion.separated, name), list(motion.solution.coordinates).index(carrier)
         self.digits, self.context = motion.digits, multiprecision(bits_of(motion.digits) + 64)
         bits, convert = self.context.prec, self.context.convert
         self.begin = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(bits)
         self.rate, self.start = convert(equations.rates[k]), convert(equations.starts[k])
-        self.kernel, self.clock = Fixed(course.kernels[j], bits), Fixed(equations.oscillations[k][k], bits)
-        self.mean, self.turn = convert(course.growth(j)), -2 * self.context.pi * convert(course.growth(j))
-        self.origin = self._integral(convert(course.start))
+        self.kernel, self.clock = Fixed(coordinate_motion.kernels[j], bits), Fixed(equations.oscillations[k][k], bits)
+        self.mean, self.turn = (
+            convert(coordinate_motion.growth(j)),
+            -2 * self.context.pi * convert(coordinate_motion.growth(j)),
+        )
+        self.origin = self._integral(convert(coordinate_motion.start))
         self.noise = self.context.mpf(10) ** -motion.digits * (4 + self.clock.size * _GRID) / abs(self.rate)
-        phases = [course.start + 2 * self.context.pi * n / (_GRID - 1) for n in range(_GRID)]
+        phases = [coordinate_motion.start + 2 * self.context.pi * n / (_GRID - 1) for n in range(_GRID)]
         self.phases = np.array([float(x) for x in phases])
         self.grid = np.array([float(self.angle(x) - self.begin) for x in phases])
         self.times = np.array([float(self.time_of(x)) for x in phases])

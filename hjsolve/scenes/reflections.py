@@ -100,7 +100,7 @@ class Free:
         """Ignorable coordinate → the one that carries it, where that does not rest."""
         located = self.motion.separated.located
         pairs = ((n, c) for n, c in self.mirrors.carrier.items() if c is not None)
-        return {name: c for name, c in pairs if not located[c].course.rests}
+        return {name: c for name, c in pairs if not located[c].coordinate_motion.rests}
 
     @cached_property
     def rates(self) -> dict[str, Mpf]:
@@ -122,7 +122,11 @@ class Free:
         """Ignorable coordinates that walls may stand at, as functions of their carriers' phases."""
         if self.motion.separated.torus is None:
             return {}
-        bounded = {n: c for n, c in self.carrier.items() if self.motion.separated.located[c].course.cycle is not None}
+        bounded = {
+            n: c
+            for n, c in self.carrier.items()
+            if self.motion.separated.located[c].coordinate_motion.cycle is not None
+        }
         return {name: Carried(self.motion, name, c) for name, c in bounded.items()}
 
     def serves(self, events: Sequence[Event]) -> bool:
@@ -134,7 +138,7 @@ class Free:
         if any(e.surface is not None for e in events):
             return False
         for place in self.motion.separated.located.values():
-            if any(place.course.ends(side) in {"boundary", "fall"} for side in (1, -1)):
+            if any(place.coordinate_motion.ends(side) in {"boundary", "fall"} for side in (1, -1)):
                 return False
         placed = {e.coordinate for e in events if e.coordinate in self.carrier}
         return all(name in self.carried and self.carried[name].monotone for name in placed)
@@ -310,8 +314,12 @@ class Free:
 
     def turn(self, name: str) -> Mpf:
         """Return what a carried coordinate gains in a period of the one that carries it."""
-        course = required(self.motion.separated.located[self.carrier[name]].course.cycle)
-        return -2 * self.context.pi * self.context.convert(course.growth(constant_index(self.motion.separated, name)))
+        coordinate_motion = required(self.motion.separated.located[self.carrier[name]].coordinate_motion.cycle)
+        return (
+            -2
+            * self.context.pi
+            * self.context.convert(coordinate_motion.growth(constant_index(self.motion.separated, name)))
+        )
 
     def state(self, now: Now) -> tuple[dict[str, sp.Expr | Mpf], dict[str, sp.Expr | Mpf], dict[str, int]]:
         """Positions, angles in (−π, π]; momenta; turns of the angles. Exact where constant, else in many digits."""
@@ -322,7 +330,7 @@ class Free:
         for name in self.separated:
             c = system.coordinate(name)
             q[name], p[name] = values[c.symbol], values[c.momentum]
-            if not self.motion.separated.located[name].course.rests:
+            if not self.motion.separated.located[name].coordinate_motion.rests:
                 state = self.motion.at(now.clock[name])
                 q[name], p[name] = state.q[name], now.sign[name] * state.p[name]
                 if name in state.turns:

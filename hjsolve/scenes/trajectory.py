@@ -187,8 +187,8 @@ def _resting(scene: Question, rest: Rest, times: Numbers) -> State:
         end = rest.limit + abs(rest.limit.context.convert(rest.time.error))
         left = [float(end - (t if times.dtype == float else to_bits(t)(end.context.prec))) for t in times]
         whole = float(end - rest.last) * float(rest.wall.restitution)
-        share = np.array([2.0 if x > whole else 2 * x / whole if x > 0 else 0.0 for x in left])
-        speed, push = (abs(float(x)) * share for x in (rest.speed, rest.push))
+        fraction = np.array([2.0 if x > whole else 2 * x / whole if x > 0 else 0.0 for x in left])
+        speed, push = (abs(float(x)) * fraction for x in (rest.speed, rest.push))
         height = speed * np.maximum(left, 0.0)
 
         def bound(own: float | Mpf, more: Reals) -> Reals:

@@ -159,7 +159,10 @@ def frame_of(
             other = solve(beyond.system)
         except NotSeparableError:
             continue
-        poles |= {c: poles_in_doubles(fold.lower, fold.upper, values) for c, fold in beyond.folds.items()}
+        poles |= {
+            c: poles_in_doubles(reflection.lower, reflection.upper, values)
+            for c, reflection in beyond.reflections.items()
+        }
     own = {p.symbol: values[p.symbol] for p in other.system.parameters}
     actions = {c.name: momenta.get(c.name, sp.S.Zero) for c in other.system.coordinates}
     known = own | {c.momentum: actions[c.name] for c in other.system.coordinates if c.name not in other.coordinates}

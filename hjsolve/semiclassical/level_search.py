@@ -381,7 +381,7 @@ class _Counting:
         constants = list(self.frame.solution.constants)
         unknown = [j for j, name in enumerate(constants) if name not in self.frame.asked.constants]
         rates = torus.rates(unknown)
-        actions = [place.course.action for place in torus.located.values()]
+        actions = [place.coordinate_motion.action for place in torus.located.values()]
         spread = sum(abs(Ω * J) for Ω, J in zip(rates, actions, strict=True) if J is not None)
         more = float(spread) * EPS if digits <= FLOAT_DIGITS else spread * own.value.context.mpf(10) ** -digits
         return replace(own, error=own.error + more)

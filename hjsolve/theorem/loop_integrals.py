@@ -153,10 +153,10 @@ def _rule(table: Reals, coordinates: tuple[Coordinate, ...]) -> tuple[Reals, Rea
     slopes = np.empty_like(q)
     for k, c in enumerate(coordinates):
         slopes[k] = _slope(np.unwrap(q[k], axis=-1), turning=True) if c.domain.kind == "angle" else _slope(q[k])
-    share = 2 * np.pi / count
-    value = share * (p * slopes).sum(axis=(0, 2))
-    error = share * (np.abs(slopes) * δp + np.abs(_slope(p)) * δq).sum(axis=(0, 2))
-    return value, error + 64 * np.finfo(float).eps * share * np.abs(p * slopes).sum(axis=(0, 2))
+    fraction = 2 * np.pi / count
+    value = fraction * (p * slopes).sum(axis=(0, 2))
+    error = fraction * (np.abs(slopes) * δp + np.abs(_slope(p)) * δq).sum(axis=(0, 2))
+    return value, error + 64 * np.finfo(float).eps * fraction * np.abs(p * slopes).sum(axis=(0, 2))
 
 
 def _slope(values: Reals, *, turning: bool = False) -> Reals:

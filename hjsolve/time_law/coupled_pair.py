@@ -26,7 +26,7 @@ from hjsolve.time_law.one_phase import solve_alone
 
 _BRACKET_STEPS, _NEWTON_STEPS = 120, 3
 """Steps of one search, of which every fourth halves where Newton's steps do not; steps of both equations at the end."""
-_NEAR, _BLUR = 1e-11, 1e-13
+_NEAR, _ROUNDING_ERROR = 1e-11, 1e-13
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,12 @@ class CoupledPair:
     """Two courses and the two combinations of the equations that they share.
 
     Attributes:
-        courses: of the two coordinates.
+        coordinate_motions: of the two coordinates.
         level: u, monotone in each of them.
         clock: v, any other combination; the energy's where it can be.
     """
 
-    courses: tuple[CoordinateMotion, CoordinateMotion]
+    coordinate_motions: tuple[CoordinateMotion, CoordinateMotion]
     level: Weights
     clock: Weights
 
@@ -62,41 +62,41 @@ class CoupledPhases:
 
 
 def choose_pair(
-    courses: tuple[CoordinateMotion, CoordinateMotion], used: Sequence[Weights], equations: int
+    coordinate_motions: tuple[CoordinateMotion, CoordinateMotion], used: Sequence[Weights], equations: int
 ) -> CoupledPair | None:
     """Choose the two combinations; None where no single equation is monotone in both coordinates.
 
     Args:
-        courses: of the two coordinates.
+        coordinate_motions: of the two coordinates.
         used: combinations spent on other coordinates.
         equations: number of the equations.
     """
-    rows = [_kernels(c, equations) for c in courses]
+    rows = [_kernels(c, equations) for c in coordinate_motions]
     units = [tuple(float(j == k) for j in range(equations)) for k in range(equations)]
     for level in (*units[1:], units[0]):
-        signs = [_sign(c, part, level) for c, part in zip(courses, rows, strict=True)]
+        signs = [_sign(c, part, level) for c, part in zip(coordinate_motions, rows, strict=True)]
         if signs[0] * signs[1] != -1:
             continue
         size = [abs(np.linalg.det(np.array([*used, level, clock]))) for clock in units]
         clock = units[0] if size[0] > 1e-9 else units[int(np.argmax(size))]
         if max(size) > 1e-9:
-            return CoupledPair(courses, level, clock)
+            return CoupledPair(coordinate_motions, level, clock)
     return None
 
 
-def _kernels(course: CoordinateMotion, n: int) -> Reals:
+def _kernels(coordinate_motion: CoordinateMotion, n: int) -> Reals:
     """Rows of kernels at phases all along a course, shape (phases, n)."""
-    χ = course.probes()
-    return np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
+    χ = coordinate_motion.probes()
+    return np.stack([np.broadcast_to(coordinate_motion.rate(j, χ), χ.shape) for j in range(n)], axis=1)
 
 
-def _sign(course: CoordinateMotion, rows: Reals, level: Weights) -> int:
+def _sign(coordinate_motion: CoordinateMotion, rows: Reals, level: Weights) -> int:
     """Return the sign of a combination of kernels all along a course, 0 where it has none.
 
     Beside a pole in a coordinate a kernel may be smaller than the rounding of its series: that counts as zero.
     """
     values = rows @ np.array(level)
-    error_bounds = _BLUR * float(np.max(np.abs(rows) @ np.abs(level))) if course.one_scale else 0.0
+    error_bounds = _ROUNDING_ERROR * float(np.max(np.abs(rows) @ np.abs(level))) if coordinate_motion.one_scale else 0.0
     side = 1 if values[int(np.argmax(np.abs(values)))] > 0 else -1
     return side if np.all(side * values >= -error_bounds) and np.any(values) and (error_bounds or np.all(values)) else 0
 
@@ -125,9 +125,9 @@ def solve_pair(couple: CoupledPair, goals: Reals, noise: Reals, time: Reals) -> 
 
 def _one_direction(pair: CoupledPair, side: int, goals: Reals, error_bounds: Reals) -> CoupledPhases:
     """Return times on one side of t₀."""
-    gains = [_gain(c, pair.level, side) for c in pair.courses]
+    gains = [_gain(c, pair.level, side) for c in pair.coordinate_motions]
     k = int(gains[1] < gains[0])
-    outer, inner = pair.courses[k], pair.courses[1 - k]
+    outer, inner = pair.coordinate_motions[k], pair.coordinate_motions[1 - k]
     search = _Search(pair, outer, inner, goals)
     places = outer.stations(side)
     last = search.late(np.broadcast_to(places[-1:], goals.shape[1:]))
@@ -141,24 +141,29 @@ def _one_direction(pair: CoupledPair, side: int, goals: Reals, error_bounds: Rea
     return CoupledPhases(χ, errors, passed & finished, passed & (not finished))
 
 
-def _gain(course: CoordinateMotion, level: Weights, side: int) -> float:
+def _gain(coordinate_motion: CoordinateMotion, level: Weights, side: int) -> float:
     """Return how much the first equation can still grow along a course; infinite where it goes on for ever."""
-    limit = course.limits()[side > 0]
+    limit = coordinate_motion.limits()[side > 0]
     if not np.isfinite(limit):
         return np.inf
-    return abs(float(_amount(course, level, np.array([float(limit)]))[0] - _amount(course, level, _start(course))[0]))
+    return abs(
+        float(
+            _amount(coordinate_motion, level, np.array([float(limit)]))[0]
+            - _amount(coordinate_motion, level, _start(coordinate_motion))[0]
+        )
+    )
 
 
-def _start(course: CoordinateMotion) -> Reals:
-    return np.array([float(course.start)])
+def _start(coordinate_motion: CoordinateMotion) -> Reals:
+    return np.array([float(coordinate_motion.start)])
 
 
-def _amount(course: CoordinateMotion, weights: Weights, χ: Reals) -> Reals:
-    return cast("Reals", sum(w * course.integral(j, χ) for j, w in enumerate(weights) if w))
+def _amount(coordinate_motion: CoordinateMotion, weights: Weights, χ: Reals) -> Reals:
+    return cast("Reals", sum(w * coordinate_motion.integral(j, χ) for j, w in enumerate(weights) if w))
 
 
-def _pace(course: CoordinateMotion, weights: Weights, χ: Reals) -> Reals:
-    return cast("Reals", sum(w * course.rate(j, χ) for j, w in enumerate(weights) if w))
+def _weighted_rate(coordinate_motion: CoordinateMotion, weights: Weights, χ: Reals) -> Reals:
+    return cast("Reals", sum(w * coordinate_motion.rate(j, χ) for j, w in enumerate(weights) if w))
 
 
 @dataclass(frozen=True)
@@ -194,8 +199,8 @@ class _Search:
         """Growth of the left side of the second equation along the first one's curve."""
         level, clock = self.pair.level, self.pair.clock
         with np.errstate(all="ignore"):
-            ratio = -_pace(self.outer, level, x) / _pace(self.inner, level, y)
-        return _pace(self.outer, clock, x) + _pace(self.inner, clock, y) * ratio
+            ratio = -_weighted_rate(self.outer, level, x) / _weighted_rate(self.inner, level, y)
+        return _weighted_rate(self.outer, clock, x) + _weighted_rate(self.inner, clock, y) * ratio
 
     @cached_property
     def _sign(self) -> float:
@@ -237,14 +242,16 @@ def _polished(pair: CoupledPair, goals: Reals, χ: Reals) -> Reals:
             step = np.stack([b * residual[1] - d * residual[0], c * residual[0] - a * residual[1]]) / (a * d - b * c)
             small = np.all(np.abs(step) <= 1e-3 * np.abs(χ) + 1e-8, axis=0)
         trial = np.where(small, χ + step, χ)
-        for row, course in enumerate(pair.courses):
-            trial[row] = np.clip(trial[row], *course.limits())
+        for row, coordinate_motion in enumerate(pair.coordinate_motions):
+            trial[row] = np.clip(trial[row], *coordinate_motion.limits())
         χ = trial
     return χ
 
 
 def _residual(pair: CoupledPair, goals: Reals, χ: Reals) -> Reals:
-    sums = [sum(_amount(c, w, x) for c, x in zip(pair.courses, χ, strict=True)) for w in (pair.level, pair.clock)]
+    sums = [
+        sum(_amount(c, w, x) for c, x in zip(pair.coordinate_motions, χ, strict=True)) for w in (pair.level, pair.clock)
+    ]
     return np.stack(sums) - goals
 
 
@@ -252,7 +259,7 @@ def _slopes(pair: CoupledPair, χ: Reals) -> Reals:
     """Rows: equations; columns: coordinates; shape (2, 2, m)."""
     return np.stack(
         [
-            np.stack([_pace(c, w, x) + 0 * x for c, x in zip(pair.courses, χ, strict=True)])
+            np.stack([_weighted_rate(c, w, x) + 0 * x for c, x in zip(pair.coordinate_motions, χ, strict=True)])
             for w in (pair.level, pair.clock)
         ]
     )
@@ -261,7 +268,10 @@ def _slopes(pair: CoupledPair, χ: Reals) -> Reals:
 def _bound(pair: CoupledPair, goals: Reals, error_bounds: Reals, χ: Reals) -> Reals:
     """Bound the errors of the phases from the residuals and the rounding of the sums."""
     (a, b), (c, d) = _slopes(pair, χ)
-    sizes = [sum(c.rounding_size(w, x) for c, x in zip(pair.courses, χ, strict=True)) for w in (pair.level, pair.clock)]
+    sizes = [
+        sum(c.rounding_size(w, x) for c, x in zip(pair.coordinate_motions, χ, strict=True))
+        for w in (pair.level, pair.clock)
+    ]
     left = np.abs(_residual(pair, goals, χ)) + error_bounds + 4 * EPS * np.stack(sizes)
     with np.errstate(all="ignore"):
         inverse = np.abs(np.stack([np.stack([d, -b]), np.stack([-c, a])]) / (a * d - b * c))

@@ -25,7 +25,7 @@ from hjsolve.time_law.torus import _alone
 
 
 def solve_alone(
-    course: CoordinateMotion,
+    coordinate_motion: CoordinateMotion,
     weights: Weights,
     value: Reals,
     residual_bound: Reals,
@@ -35,7 +35,7 @@ def solve_alone(
     """Solve Σ wⱼ Gⱼ(χ) = value for one coordinate.
 
     Args:
-        course: of the coordinate.
+        coordinate_motion: of the coordinate.
         weights: w.
         value: right side at each time, shape (m,).
         residual_bound: a bound on its error, shape (m,).
@@ -45,21 +45,26 @@ def solve_alone(
     Returns:
         χ, whole turns, a bound on the error of χ, and True where the coordinate has ended before; shape (m,).
     """
-    found: tuple[Reals, Reals, Reals, Mask] = _solved(course, weights, value, residual_bound, own, time)
+    found: tuple[Reals, Reals, Reals, Mask] = _solved(coordinate_motion, weights, value, residual_bound, own, time)
     return found
 
 
 @singledispatch
-def _solved(course: KindOfMotion, *_: object) -> tuple[Reals, Reals, Reals, Mask]:
+def _solved(coordinate_motion: KindOfMotion, *_: object) -> tuple[Reals, Reals, Reals, Mask]:
     """Solve the same for each kind of motion."""
-    raise NotImplementedError(type(course))
+    raise NotImplementedError(type(coordinate_motion))
 
 
 @_solved.register
 def _of_cycle(
-    course: Periodic, weights: Weights, value: Reals, residual_bound: Reals, own: float, time: tuple[Reals, Reals]
+    coordinate_motion: Periodic,
+    weights: Weights,
+    value: Reals,
+    residual_bound: Reals,
+    own: float,
+    time: tuple[Reals, Reals],
 ) -> tuple[Reals, Reals, Reals, Mask]:
-    total = combine(list(weights), course.kernels[: len(weights)])
+    total = combine(list(weights), coordinate_motion.kernels[: len(weights)])
     scaled = combine([1 / total.mean], [total])
     angle, whole = value / float(total.mean), 0.0 * value
     if own:
@@ -73,38 +78,40 @@ def _of_cycle(
 
 @_solved.register
 def _of_rest(
-    course: AtRest, weights: Weights, value: Reals, residual_bound: Reals, *_: object
+    coordinate_motion: AtRest, weights: Weights, value: Reals, residual_bound: Reals, *_: object
 ) -> tuple[Reals, Reals, Reals, Mask]:
-    rate = float(sum(w * float(r) for w, r in zip(weights, course.rates, strict=False)))
+    rate = float(sum(w * float(r) for w, r in zip(weights, coordinate_motion.rates, strict=False)))
     error = residual_bound / abs(rate) + EPS * np.abs(value / rate)
     return value / rate, 0.0 * value, error, np.zeros(value.shape, dtype=bool)
 
 
 @_solved.register
 def _of_open(
-    course: Unbounded, weights: Weights, value: Reals, error_bound: Reals, *_: object
+    coordinate_motion: Unbounded, weights: Weights, value: Reals, error_bound: Reals, *_: object
 ) -> tuple[Reals, Reals, Reals, Mask]:
     def function(χ: Reals) -> tuple[Reals, Reals]:
-        pairs = [(w * course.integral(j, χ), w * course.rate(j, χ)) for j, w in enumerate(weights) if w]
+        pairs = [
+            (w * coordinate_motion.integral(j, χ), w * coordinate_motion.rate(j, χ)) for j, w in enumerate(weights) if w
+        ]
         return cast("Reals", sum(p[0] for p in pairs)), cast("Reals", sum(p[1] for p in pairs))
 
     sign = 1.0 if function(np.array([0.1]))[1][0] > 0 else -1.0
-    edges = course.edges()
+    edges = coordinate_motion.edges()
     levels = sign * function(edges)[0]
     goal = sign * value
     position = np.clip(np.searchsorted(levels, goal) - 1, 0, len(edges) - 2)
     low, high = edges[position], edges[position + 1]
-    floor, ceiling = course.limits()
+    floor, ceiling = coordinate_motion.limits()
     if not np.isfinite(ceiling):
         high = np.where(
             goal > levels[-1],
-            edges[-1] + 2 + 2 * (goal - levels[-1]) / np.abs(course.rate_sum(weights, edges[-1:]))[0],
+            edges[-1] + 2 + 2 * (goal - levels[-1]) / np.abs(coordinate_motion.rate_sum(weights, edges[-1:]))[0],
             high,
         )
     if not np.isfinite(floor):
         low = np.where(
             goal < levels[0],
-            edges[0] - 2 - 2 * (levels[0] - goal) / np.abs(course.rate_sum(weights, edges[:1]))[0],
+            edges[0] - 2 - 2 * (levels[0] - goal) / np.abs(coordinate_motion.rate_sum(weights, edges[:1]))[0],
             low,
         )
     ended = ((goal > levels[-1]) & np.isfinite(ceiling)) | ((goal < levels[0]) & np.isfinite(floor))
@@ -114,7 +121,7 @@ def _of_open(
         return sign * f - goal, sign * slope
 
     χ, residual, slope = bracketed_roots(equation, (low + high) / 2, low, high)
-    summed: Elementwise = sum(np.abs(w * course.integral(j, edges)) for j, w in enumerate(weights) if w)
+    summed: Elementwise = sum(np.abs(w * coordinate_motion.integral(j, edges)) for j, w in enumerate(weights) if w)
     rounding = np.maximum(summed[position], summed[position + 1])  # a panel's series is rounded like its greatest value
     rounding_and_error = (
         error_bound + 4 * EPS * np.abs(goal) + 2 * EPS * rounding + np.where(ended, 0.0, np.abs(residual))

@@ -38,13 +38,13 @@ class TriangularScheme:
     """How the equations are solved.
 
     Attributes:
-        courses: one a coordinate.
+        coordinate_motions: one a coordinate.
         equations: number of constants the quadratures are taken for, the energy first.
         steps: coordinates solved alone, in order.
         coupled: the others.
     """
 
-    courses: tuple[CoordinateMotion, ...]
+    coordinate_motions: tuple[CoordinateMotion, ...]
     equations: int
     steps: tuple[DecoupledStep, ...]
     coupled: tuple[int, ...]
@@ -60,17 +60,17 @@ class TriangularScheme:
         return self
 
 
-def plan(courses: Sequence[CoordinateMotion]) -> TriangularScheme:
+def plan(coordinate_motions: Sequence[CoordinateMotion]) -> TriangularScheme:
     """Find which coordinates have a time of their own.
 
     Args:
-        courses: of the separated coordinates, in their order.
+        coordinate_motions: of the separated coordinates, in their order.
 
     Raises:
         NotConvergedError: the integrals are beyond the range of doubles.
     """
-    n = len(courses)
-    samples = [_sample(c, n) for c in courses]
+    n = len(coordinate_motions)
+    samples = [_sample(c, n) for c in coordinate_motions]
     steps: list[DecoupledStep] = []
     left = list(range(n))
     while left:
@@ -79,18 +79,18 @@ def plan(courses: Sequence[CoordinateMotion]) -> TriangularScheme:
             break
         steps.append(found)
         left.remove(found.index)
-    return TriangularScheme(tuple(courses), n, tuple(steps), tuple(left))
+    return TriangularScheme(tuple(coordinate_motions), n, tuple(steps), tuple(left))
 
 
-def _sample(course: CoordinateMotion, n: int) -> Reals:
+def _sample(coordinate_motion: CoordinateMotion, n: int) -> Reals:
     """Rows of kernels at a few phases, each scaled to unit size; without those that are rounding.
 
     A periodic series is rounded like its greatest value, panels each like their own.
     """
-    χ = np.array([0.37, 0.81, 1.23, 1.77, 2.41, 2.93]) * (0.3 if course.branches else 1.0)
-    rows = np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
+    χ = np.array([0.37, 0.81, 1.23, 1.77, 2.41, 2.93]) * (0.3 if coordinate_motion.branches else 1.0)
+    rows = np.stack([np.broadcast_to(coordinate_motion.rate(j, χ), χ.shape) for j in range(n)], axis=1)
     sizes = np.max(np.abs(rows), axis=1, keepdims=True)
-    significant = sizes[:, 0] > 1e-12 * (float(np.max(sizes)) if course.one_scale else 0.0)
+    significant = sizes[:, 0] > 1e-12 * (float(np.max(sizes)) if coordinate_motion.one_scale else 0.0)
     if not (significant.any() and np.isfinite(sizes).all()):
         raise NotConvergedError(
             "the times of this motion are beyond doubles, 1e-308 to 1e308; write lengths and times in other "
@@ -147,7 +147,7 @@ def own_turns(scheme: TriangularScheme, bits: int) -> list[OwnTurns]:
     """
     context, found = multiprecision(bits), []
     for step in scheme.steps:
-        cycle = scheme.courses[step.index].cycle
+        cycle = scheme.coordinate_motions[step.index].cycle
         if cycle is None or not step.weights[0] or not (step == scheme.steps[0] or _alone(scheme, step)):
             continue
         kernels = cycle.kernels[: scheme.equations]
@@ -163,7 +163,7 @@ def own_turns(scheme: TriangularScheme, bits: int) -> list[OwnTurns]:
 
 def _alone(scheme: TriangularScheme, step: DecoupledStep) -> bool:
     """Return True when a coordinate's equation holds none of the other coordinates."""
-    others = [c for i, c in enumerate(scheme.courses) if i != step.index]
+    others = [c for i, c in enumerate(scheme.coordinate_motions) if i != step.index]
     phase = np.array([0.7])
     return all(
         abs(float(np.ravel(sum(w * c.rate(j, phase) for j, w in enumerate(step.weights) if w))[0])) == 0 for c in others
@@ -196,35 +196,37 @@ def _phases(
 ) -> tuple[list[Reals], list[Counts], list[Reals], Mask, Mask]:
     """Return the same with panels that reach so far; True last where that is not far enough."""
     t = time[0] + time[1]
-    courses = [reaching(c, scheme, span * 8.0**attempt, i, attempt) for i, c in enumerate(scheme.courses)]
+    coordinate_motions = [
+        reaching(c, scheme, span * 8.0**attempt, i, attempt) for i, c in enumerate(scheme.coordinate_motions)
+    ]
     if scheme.steps:
         first = scheme.steps[0]
-        courses[first.index] = _one_direction(courses[first.index], first, time[0])
-    targets = [sum(integral_at_start(c, j) for c in courses) for j in range(scheme.equations)]
-    n = len(courses)
+        coordinate_motions[first.index] = _one_direction(coordinate_motions[first.index], first, time[0])
+    targets = [sum(integral_at_start(c, j) for c in coordinate_motions) for j in range(scheme.equations)]
+    n = len(coordinate_motions)
     χ: list[Any] = [None] * n
     whole: list[Any] = [np.zeros_like(t)] * n
     errors: list[Any] = [None] * n
     ended, short = np.zeros(t.shape, dtype=bool), np.zeros(t.shape, dtype=bool)
     for step in scheme.steps:
-        known = [(l, c) for l, c in enumerate(courses) if χ[l] is not None]
+        known = [(l, c) for l, c in enumerate(coordinate_motions) if χ[l] is not None]
         full = [None if x is None else x + 2 * np.pi * n for x, n in zip(χ, whole, strict=True)]
         value, error_bound = _right_side(step, targets, known, full, errors, t)
         own = step.weights[0] if not known else 0.0
-        course = courses[step.index]
+        coordinate_motion = coordinate_motions[step.index]
         χ[step.index], whole[step.index], errors[step.index], ended_here = solve_alone(
-            course, step.weights, value, error_bound, own, time
+            coordinate_motion, step.weights, value, error_bound, own, time
         )
-        further = np.where(t >= 0, *(_goes_on(course, side) for side in (1, -1)))
+        further = np.where(t >= 0, *(_goes_on(coordinate_motion, side) for side in (1, -1)))
         short |= ended_here & further
         ended |= ended_here & ~further
     if scheme.coupled:
         full = [None if x is None else x + 2 * np.pi * n for x, n in zip(χ, whole, strict=True)]
-        pair = _couple(courses, scheme)
+        pair = _couple(coordinate_motions, scheme)
         if pair is None:
-            _march(courses, scheme, targets, t, full, χ, errors, ended)
+            _march(coordinate_motions, scheme, targets, t, full, χ, errors, ended)
         else:
-            goals, error_bounds = _right_sides(courses, scheme, targets, t, full, errors)
+            goals, error_bounds = _right_sides(coordinate_motions, scheme, targets, t, full, errors)
             both = solve_pair(pair, goals, error_bounds, t)
             for row, i in enumerate(scheme.coupled):
                 χ[i], errors[i] = both.χ[row], both.errors[row]
@@ -232,31 +234,35 @@ def _phases(
     return χ, whole, errors, ended, short
 
 
-def _goes_on(course: CoordinateMotion, side: int) -> bool:
+def _goes_on(coordinate_motion: CoordinateMotion, side: int) -> bool:
     """Return True where a course is longer than its panels."""
-    return course.ends(side) in {"infinity", "boundary"} and not course.finished(side)
+    return coordinate_motion.ends(side) in {"infinity", "boundary"} and not coordinate_motion.finished(side)
 
 
-def _one_direction(course: CoordinateMotion, step: DecoupledStep, times: Reals) -> CoordinateMotion:
+def _one_direction(coordinate_motion: CoordinateMotion, step: DecoupledStep, times: Reals) -> CoordinateMotion:
     """Return a coordinate motion that is its own clock and starts at phase 0, with panels where there are times.
 
     Its phase has the sign of the time.
     """
-    if not course.both_directions or course.start or not step.weights[0]:
-        return course
-    return course.on_sides(ahead=bool(np.max(times, initial=0.0) > 0), back=bool(np.min(times, initial=0.0) < 0))
+    if not coordinate_motion.both_directions or coordinate_motion.start or not step.weights[0]:
+        return coordinate_motion
+    return coordinate_motion.on_sides(
+        ahead=bool(np.max(times, initial=0.0) > 0), back=bool(np.min(times, initial=0.0) < 0)
+    )
 
 
-def _couple(courses: list[CoordinateMotion], scheme: TriangularScheme) -> CoupledPair | None:
+def _couple(coordinate_motions: list[CoordinateMotion], scheme: TriangularScheme) -> CoupledPair | None:
     """Return two coupled coordinates that can be searched one within the other."""
     if len(scheme.coupled) != 2:
         return None
     first, second = scheme.coupled
-    return choose_pair((courses[first], courses[second]), [s.weights for s in scheme.steps], scheme.equations)
+    return choose_pair(
+        (coordinate_motions[first], coordinate_motions[second]), [s.weights for s in scheme.steps], scheme.equations
+    )
 
 
 def _right_sides(
-    courses: list[CoordinateMotion],
+    coordinate_motions: list[CoordinateMotion],
     scheme: TriangularScheme,
     targets: list[float],
     t: Reals,
@@ -266,20 +272,20 @@ def _right_sides(
     """Right sides of all equations for the coupled coordinates and bounds on their errors, shape (equations, m)."""
     goals = np.array(targets)[:, None] + 0 * t
     goals[0] += t
-    starts = [sum(abs(float(np.ravel(c.integral(j, np.array([float(c.start)])))[0])) for c in courses)
+    starts = [sum(abs(float(np.ravel(c.integral(j, np.array([float(c.start)])))[0])) for c in coordinate_motions)
               for j in range(scheme.equations)]  # fmt: skip
     error_bounds = 4 * EPS * (np.array(starts)[:, None] + np.abs(goals))
     for l, χ in enumerate(known):
         if χ is not None:
             for j in range(scheme.equations):
-                part = courses[l].integral(j, χ)
+                part = coordinate_motions[l].integral(j, χ)
                 goals[j] -= part
-                error_bounds[j] += np.abs(courses[l].rate(j, χ)) * errors[l] + 4 * EPS * np.abs(part)
+                error_bounds[j] += np.abs(coordinate_motions[l].rate(j, χ)) * errors[l] + 4 * EPS * np.abs(part)
     return goals, error_bounds
 
 
 def reaching(
-    course: CoordinateMotion, scheme: TriangularScheme, span: float, i: int, attempt: int = _REACHES - 1
+    coordinate_motion: CoordinateMotion, scheme: TriangularScheme, span: float, i: int, attempt: int = _REACHES - 1
 ) -> CoordinateMotion:
     """Let an open course hold enough panels for a time span: of its own clock, or of its part of the time.
 
@@ -287,47 +293,53 @@ def reaching(
     every attempt. Where panels cannot be had so far, there are fewer.
 
     Args:
-        course: of one coordinate; one that comes back is given back as it is.
+        coordinate_motion: of one coordinate; one that comes back is given back as it is.
         scheme: which coordinates have a time of their own.
         span: length of time, in the units of t.
         i: position of the coordinate.
         attempt: how often panels have been too short.
     """
-    if not course.branches:
-        return course
+    if not coordinate_motion.branches:
+        return coordinate_motion
     weights = next(
         (s.weights for s in scheme.steps if s.index == i), tuple(float(j == 0) for j in range(scheme.equations))
     )
-    least = max(1.0, abs(float(course.start)))
-    if not any(w and course.carries(j) for j, w in enumerate(weights)):
-        return course.with_amount(None, min(4.0 * least * 2.0 ** min(2**attempt - 1, 1000), 1e300), partly=True)
-    begin = course.with_amount(None, least)
+    least = max(1.0, abs(float(coordinate_motion.start)))
+    if not any(w and coordinate_motion.carries(j) for j, w in enumerate(weights)):
+        return coordinate_motion.with_amount(
+            None, min(4.0 * least * 2.0 ** min(2**attempt - 1, 1000), 1e300), partly=True
+        )
+    begin = coordinate_motion.with_amount(None, least)
     here = sum(
-        abs(w * float(begin.integral(j, np.array([float(course.start)]))[0])) for j, w in enumerate(weights) if w
+        abs(w * float(begin.integral(j, np.array([float(coordinate_motion.start)]))[0]))
+        for j, w in enumerate(weights)
+        if w
     )
     others = 1.0 if weights[0] or len(scheme.coupled) == 2 else 64.0
     amount = here + others * span * max(abs(weights[0]), 1e-300) if weights[0] else here + others * span
-    return course.with_amount(weights, amount, partly=True)
+    return coordinate_motion.with_amount(weights, amount, partly=True)
 
 
-def integral_at(course: CoordinateMotion, j: int, χ: Mpf | int) -> float:
+def integral_at(coordinate_motion: CoordinateMotion, j: int, χ: Mpf | int) -> float:
     """Return Gⱼ in doubles at a phase of many digits.
 
     Where Gⱼ is steep, next to the top of a barrier, the phase rounded to a double is another time.
 
     Args:
-        course: the coordinate.
+        coordinate_motion: the coordinate.
         j: position of the constant.
         χ: phase.
     """
     near = np.array([float(χ)])
-    value, slope = (float(np.ravel(np.asarray(f(j, near)))[0]) for f in (course.integral, course.rate))
+    value, slope = (
+        float(np.ravel(np.asarray(f(j, near)))[0]) for f in (coordinate_motion.integral, coordinate_motion.rate)
+    )
     return value + slope * float(χ - near[0])
 
 
-def integral_at_start(course: CoordinateMotion, j: int) -> float:
+def integral_at_start(coordinate_motion: CoordinateMotion, j: int) -> float:
     """Return Gⱼ in doubles at the start, as ``integral_at``."""
-    return integral_at(course, j, course.start)
+    return integral_at(coordinate_motion, j, coordinate_motion.start)
 
 
 def _right_side(
@@ -341,19 +353,19 @@ def _right_side(
     value = sum(w * c for w, c in zip(step.weights, targets, strict=True)) + step.weights[0] * t
     size = sum(abs(w * c) for w, c in zip(step.weights, targets, strict=True)) + np.abs(step.weights[0] * t)
     error_bound = 0.0 * t
-    for l, course in known:
-        start = np.array([float(course.start)])
+    for l, coordinate_motion in known:
+        start = np.array([float(coordinate_motion.start)])
         for j, w in enumerate(step.weights):
             if w:
-                part = w * course.integral(j, χ[l])
+                part = w * coordinate_motion.integral(j, χ[l])
                 value = value - part
-                size = size + np.abs(part) + 2 * np.abs(w * course.integral(j, start))
-                error_bound = error_bound + np.abs(w * course.rate(j, χ[l]) * errors[l])
+                size = size + np.abs(part) + 2 * np.abs(w * coordinate_motion.integral(j, start))
+                error_bound = error_bound + np.abs(w * coordinate_motion.rate(j, χ[l]) * errors[l])
     return value, error_bound + 2 * EPS * size
 
 
 def _march(
-    courses: list[CoordinateMotion],
+    coordinate_motions: list[CoordinateMotion],
     scheme: TriangularScheme,
     targets: list[float],
     t: Reals,
@@ -364,8 +376,8 @@ def _march(
 ) -> None:
     """Follow the coupled coordinates from t₀ through the sorted times, Newton's method at every step."""
     block = scheme.coupled
-    begin = np.array([float(courses[i].start) for i in block])
-    limits = [courses[i].limits() for i in block]
+    begin = np.array([float(coordinate_motions[i].start) for i in block])
+    limits = [coordinate_motions[i].limits() for i in block]
     found = np.empty((len(block), len(t)))
     bounds = np.empty_like(found)
     for direction in (1, -1):
@@ -373,7 +385,7 @@ def _march(
         chosen = np.where(direction * t >= 0)[0] if direction == 1 else np.where(t < 0)[0]
         for m in chosen[np.argsort(direction * t[chosen])]:
             equations = _Equations(
-                courses, scheme, targets, {l: float(x[m]) for l, x in enumerate(known) if x is not None}
+                coordinate_motions, scheme, targets, {l: float(x[m]) for l, x in enumerate(known) if x is not None}
             )
             state, now = equations.advance(state, now, float(t[m]), limits)
             found[:, m] = state
@@ -387,7 +399,7 @@ def _march(
 class _Equations:
     """Jacobi's equations in the coupled coordinates, at one value of those already known."""
 
-    courses: list[CoordinateMotion]
+    coordinate_motions: list[CoordinateMotion]
     scheme: TriangularScheme
     targets: list[float]
     known: dict[int, float]
@@ -398,11 +410,11 @@ class _Equations:
         residual[0] -= t
         jacobian = np.zeros((n, len(x)))
         for l, value in self.known.items():
-            residual += [float(self.courses[l].integral(j, np.array([value]))[0]) for j in range(n)]
+            residual += [float(self.coordinate_motions[l].integral(j, np.array([value]))[0]) for j in range(n)]
         for column, i in enumerate(self.scheme.coupled):
             place = np.array([x[column]])
-            residual += [float(np.ravel(self.courses[i].integral(j, place))[0]) for j in range(n)]
-            jacobian[:, column] = [float(np.ravel(self.courses[i].rate(j, place))[0]) for j in range(n)]
+            residual += [float(np.ravel(self.coordinate_motions[i].integral(j, place))[0]) for j in range(n)]
+            jacobian[:, column] = [float(np.ravel(self.coordinate_motions[i].rate(j, place))[0]) for j in range(n)]
         return residual, jacobian
 
     def advance(self, x: Reals, now: float, goal: float, limits: list[tuple[float, float]]) -> tuple[Reals, float]:

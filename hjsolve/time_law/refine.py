@@ -39,7 +39,7 @@ def on_torus(
         The phases as object arrays near [−π, π], and bounds on their errors.
     """
     context = multiprecision(bits)
-    n, turn = len(system.courses), 2 * context.pi
+    n, turn = len(system.coordinate_motions), 2 * context.pi
     t: Elementwise = np.array(time, dtype=object)
     goal: list[Numbers] = [system.starts[k] + system.rates[k] * t - turn * whole[k].astype(object) for k in range(n)]
     cut = np.array([float(sum(series.left_out for series in row)) for row in system.oscillations])
@@ -81,8 +81,8 @@ def _together(
         if not len(open_):
             break
         at = [c[open_] for c in x]
-        ripples = [oscillations([row[i] for row in system.oscillations], at[i]) for i in range(n)]
-        residual = [at[k] - goal[k][open_] + sum(ripples[i][k] for i in range(n)) for k in range(n)]
+        variations = [oscillations([row[i] for row in system.oscillations], at[i]) for i in range(n)]
+        residual = [at[k] - goal[k][open_] + sum(variations[i][k] for i in range(n)) for k in range(n)]
         step = (inverse @ np.stack([r.astype(float) for r in residual], axis=1)[:, :, None])[:, :, 0]
         size = np.max(np.abs(step), axis=1)
         for k in range(n):
@@ -105,7 +105,7 @@ def _alone(
 
     def equations(x: list[Mpf]) -> tuple[MpfMatrix, MpfMatrix]:
         residual = context.matrix(
-            [x[k] - goal[k] + sum(_ripple(system, k, i, x[i]) for i in range(n)) for k in range(n)]
+            [x[k] - goal[k] + sum(_oscillation(system, k, i, x[i]) for i in range(n)) for k in range(n)]
         )
         slopes = context.matrix([[(k == i) + _slope(system, k, i, x[i]) for i in range(n)] for k in range(n)])
         return residual, slopes
@@ -114,7 +114,7 @@ def _alone(
     return x, error, equations(x)[1] ** -1
 
 
-def _ripple(system: TorusEquations, k: int, i: int, x: Elementwise) -> Elementwise:
+def _oscillation(system: TorusEquations, k: int, i: int, x: Elementwise) -> Elementwise:
     series = system.oscillations[k][i]
     return 0 if series.constant else series.oscillation(x)
 
@@ -128,24 +128,24 @@ def _slope(system: TorusEquations, k: int, i: int, x: Elementwise) -> Elementwis
 
 
 def unbounded(
-    courses: list[CoordinateMotion], equations: int, χ: list[Reals], time: list[Mpf], bits: int
+    coordinate_motions: list[CoordinateMotion], equations: int, χ: list[Reals], time: list[Mpf], bits: int
 ) -> tuple[list[Numbers], list[Numbers]]:
     """Refine phases where some coordinate does not come back; arguments as in ``on_torus``.
 
     Args:
-        courses: of the separated coordinates, in their order.
+        coordinate_motions: of the separated coordinates, in their order.
         equations: number of Jacobi's equations.
         χ: phases in doubles, one array a coordinate, shape (m,).
         time: t − t₀ in many digits, m numbers.
         bits: binary digits wanted.
     """
     context = multiprecision(bits)
-    n = len(courses)
+    n = len(coordinate_motions)
 
     def single(value: object) -> NDArray[np.object_]:
         return np.array([value], dtype=object)
 
-    targets = [sum(c.integral(j, single(c.start))[0] for c in courses) for j in range(equations)]
+    targets = [sum(c.integral(j, single(c.start))[0] for c in coordinate_motions) for j in range(equations)]
     result = [np.empty(len(time), dtype=object) for _ in range(n)]
     bounds = [np.empty(len(time), dtype=object) for _ in range(n)]
     for m, t in enumerate(time):
@@ -153,14 +153,14 @@ def unbounded(
         def system(x: list[Mpf], t: Mpf = t) -> tuple[MpfMatrix, MpfMatrix]:
             residual = context.matrix(
                 [
-                    sum(c.integral(j, single(x[i]))[0] for i, c in enumerate(courses))
+                    sum(c.integral(j, single(x[i]))[0] for i, c in enumerate(coordinate_motions))
                     - targets[j]
                     - (t if j == 0 else 0)
                     for j in range(equations)
                 ]
             )
             slopes = context.matrix(
-                [[c.rate(j, single(x[i]))[0] for i, c in enumerate(courses)] for j in range(equations)]
+                [[c.rate(j, single(x[i]))[0] for i, c in enumerate(coordinate_motions)] for j in range(equations)]
             )
             return residual, slopes
 

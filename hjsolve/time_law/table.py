@@ -118,8 +118,8 @@ class InterpolationTable:
         return results
 
     def _chunk(self, quantities: Sequence[int], θ: Reals, out: list[Reals]) -> None:
-        folded = bool(self.even)
-        u = np.abs(θ) if folded else θ
+        reduced = bool(self.even)
+        u = np.abs(θ) if reduced else θ
         panel = self.panels(u)
         left, right = np.take(self.edges, panel), np.take(self.edges[1:], panel)
         x = ((u - left) - (right - u)) / (right - left)
@@ -131,7 +131,7 @@ class InterpolationTable:
                 result *= x
                 np.take(row, panel, out=buffer)
                 result += buffer
-            if folded and not self.even[quantity]:
+            if reduced and not self.even[quantity]:
                 np.copysign(1.0, θ, out=buffer)
                 result *= buffer
 
@@ -146,7 +146,7 @@ def tabulate(
     origin: float = 0.0,
     total: float | None = None,
     known: Callable[[Reals], Numbers] | None = None,
-    grains: Callable[[Reals], list[Elementwise]] | None = None,
+    spacings: Callable[[Reals], list[Elementwise]] | None = None,
 ) -> InterpolationTable:
     """Build a table.
 
@@ -160,7 +160,7 @@ def tabulate(
         total: known length of the table in θ, to which the sum is adjusted in the last bits.
         known: phase ↦ θ to a few units in the last place of ``total``: what the sum of many panels is not. Where θ has
             not grown far the sum is better, whose error is relative.
-        grains: phases at the left ends of panels ↦ sizes that the quantities are rounded against, where those are
+        spacings: phases at the left ends of panels ↦ sizes that the quantities are rounded against, where those are
             larger than the quantities.
 
     Raises:
@@ -192,7 +192,7 @@ def tabulate(
         np.ascontiguousarray(np.concatenate([d[2][k] for d in done], axis=1)[:, order]) for k in range(len(scales))
     )
     begins, ends = (np.concatenate([d[k] for d in done])[order] for k in (0, 3))
-    floors: list[Elementwise] = grains(begins) if grains else [0.0] * len(scales)
+    floors: list[Elementwise] = spacings(begins) if spacings else [0.0] * len(scales)
     bounds = tuple(
         np.maximum(np.sum(np.abs(rows), axis=0), np.maximum(scale or 0.0, floor))
         for rows, scale, floor in zip(tables, scales, floors)

@@ -30,7 +30,7 @@ class TorusEquations:
     """The equations of a motion all of whose coordinates are bounded.
 
     Attributes:
-        courses: one a coordinate.
+        coordinate_motions: one a coordinate.
         rates: Ωₖ in many digits.
         starts: θₖ⁰, the angle at t₀.
         growth: inverse of the matrix of mean growths, growth[k][j].
@@ -40,7 +40,7 @@ class TorusEquations:
         roundings: how far rounded series leave the angles at t₀ open; 0 where the motion starts at turning points.
     """
 
-    courses: tuple[Periodic | AtRest, ...]
+    coordinate_motions: tuple[Periodic | AtRest, ...]
     rates: tuple[Mpf, ...]
     starts: tuple[Mpf, ...]
     growth: tuple[tuple[Mpf, ...], ...]
@@ -60,35 +60,37 @@ class TorusEquations:
         return None
 
 
-def torus_equations(courses: Sequence[Periodic | AtRest], bits: int) -> TorusEquations:
+def torus_equations(coordinate_motions: Sequence[Periodic | AtRest], bits: int) -> TorusEquations:
     """Set up the angle form of Jacobi's equations.
 
     Args:
-        courses: of the separated coordinates, in their order.
+        coordinate_motions: of the separated coordinates, in their order.
         bits: binary digits of the arithmetic.
 
     Raises:
         NotConvergedError: the matrix of mean growths is singular, so the angles do not exist.
     """
-    n = len(courses)
+    n = len(coordinate_motions)
     context = multiprecision(bits)
-    means = context.matrix([[c.growth(j) for c in courses] for j in range(n)])
+    means = context.matrix([[c.growth(j) for c in coordinate_motions] for j in range(n)])
     try:
         inverse = means**-1
     except ZeroDivisionError:
         raise NotConvergedError("the separated integrals are dependent: this motion has no angle variables") from None
     growth = tuple(tuple(inverse[k, j] for j in range(n)) for k in range(n))
-    oscillations = tuple(tuple(_ripple(growth[k], c, n) for c in courses) for k in range(n))
+    oscillations = tuple(tuple(_oscillation(growth[k], c, n) for c in coordinate_motions) for k in range(n))
     starts, roundings = [], []
     for k in range(n):
         total = context.mpf(0)
-        for i, c in enumerate(courses):
+        for i, c in enumerate(coordinate_motions):
             total += (c.start if i == k else 0) + _at(oscillations[k][i], c.start, context)
         starts.append(total)
-        roundings.append(sum(_rounding(oscillations[k][i], c.start, context) for i, c in enumerate(courses)))
+        roundings.append(sum(_rounding(oscillations[k][i], c.start, context) for i, c in enumerate(coordinate_motions)))
     order, coupled = _ordering([[i for i in range(n) if not oscillations[k][i].constant] for k in range(n)])
     rates = tuple(growth[k][0] for k in range(n))
-    return TorusEquations(tuple(courses), rates, tuple(starts), growth, oscillations, order, coupled, tuple(roundings))
+    return TorusEquations(
+        tuple(coordinate_motions), rates, tuple(starts), growth, oscillations, order, coupled, tuple(roundings)
+    )
 
 
 def mean_rate(system: TorusEquations, j: int) -> Mpf:
@@ -98,7 +100,13 @@ def mean_rate(system: TorusEquations, j: int) -> Mpf:
         system: the equations in angle form.
         j: position of the constant.
     """
-    return -cast("Mpf", sum(rate * course.growth(j) for rate, course in zip(system.rates, system.courses, strict=True)))
+    return -cast(
+        "Mpf",
+        sum(
+            rate * coordinate_motion.growth(j)
+            for rate, coordinate_motion in zip(system.rates, system.coordinate_motions, strict=True)
+        ),
+    )
 
 
 def oscillation(system: TorusEquations, i: int, j: int) -> FourierSeries:
@@ -109,13 +117,15 @@ def oscillation(system: TorusEquations, i: int, j: int) -> FourierSeries:
         i: position of the separated coordinate.
         j: position of the constant, an ignorable momentum.
     """
-    course = system.courses[i]
-    own = combine([-1], [course.kernels[j]])
-    return combine([1, *(c.growth(j) for c in system.courses)], [own, *(row[i] for row in system.oscillations)])
+    coordinate_motion = system.coordinate_motions[i]
+    own = combine([-1], [coordinate_motion.kernels[j]])
+    return combine(
+        [1, *(c.growth(j) for c in system.coordinate_motions)], [own, *(row[i] for row in system.oscillations)]
+    )
 
 
-def _ripple(weights: Sequence[Mpf], course: Periodic | AtRest, n: int) -> FourierSeries:
-    return combine(list(weights), course.kernels[:n])
+def _oscillation(weights: Sequence[Mpf], coordinate_motion: Periodic | AtRest, n: int) -> FourierSeries:
+    return combine(list(weights), coordinate_motion.kernels[:n])
 
 
 def _at(series: FourierSeries, χ: Mpf | int, context: Context) -> Mpf | int:
@@ -148,7 +158,7 @@ def torus_phases(system: TorusEquations, time: tuple[Reals, Reals]) -> tuple[lis
     Returns:
         For each coordinate: χ near [−π, π], the whole turns (integers), and a bound on the error of χ; shape (m,).
     """
-    n = len(system.courses)
+    n = len(system.coordinate_motions)
     angles: list[Reals] = []
     whole: list[Counts] = []
     for k in range(n):
@@ -194,8 +204,8 @@ def _alone(periodic: FourierSeries, goal: Reals, error_bound: Reals) -> tuple[Re
     position = np.clip(np.searchsorted(table, goal - offset) - 1, 0, len(grid) - 2)
     low, high = grid[position] + offset, grid[position + 1] + offset
     # start by interpolation, then Newton's method that never leaves the bracket
-    share = (goal - offset - table[position]) / np.maximum(table[position + 1] - table[position], 1e-300)
-    χ = low + (high - low) * np.clip(share, 0, 1)
+    fraction = (goal - offset - table[position]) / np.maximum(table[position + 1] - table[position], 1e-300)
+    χ = low + (high - low) * np.clip(fraction, 0, 1)
     χ, residual, slope = bracketed_roots(
         lambda x: (x + periodic.oscillation(x) - goal, 1 + periodic.value(x) - float(periodic.mean)), χ, low, high
     )
@@ -274,17 +284,17 @@ def _follow(system: TorusEquations, goal: Reals) -> Reals:
         NotConvergedError: the steps became too small.
     """
     block = system.coupled
-    begin = np.array([[float(system.courses[k].start)] for k in block])
-    origin = begin + sum_ripples(system, begin)
+    begin = np.array([[float(system.coordinate_motions[k].start)] for k in block])
+    origin = begin + sum_oscillations(system, begin)
     result = np.empty_like(goal)
     for m in range(goal.shape[1]):
         x, done, step = begin.copy(), 0.0, 0.25
         while done < 1:
-            share = min(1.0, done + step)
-            target = origin + share * (goal[:, m : m + 1] - origin)
+            fraction = min(1.0, done + step)
+            target = origin + fraction * (goal[:, m : m + 1] - origin)
             trial = _newton(system, target, x, 12)
             if np.max(np.abs(_residual(system, target, trial))) < 1e-10:
-                x, done, step = trial, share, 2 * step
+                x, done, step = trial, fraction, 2 * step
             elif step < 1e-6:
                 raise NotConvergedError("the phases of coupled coordinates could not be followed from the start")
             else:
@@ -293,7 +303,7 @@ def _follow(system: TorusEquations, goal: Reals) -> Reals:
     return result
 
 
-def sum_ripples(system: TorusEquations, x: Reals) -> Reals:
+def sum_oscillations(system: TorusEquations, x: Reals) -> Reals:
     """Return Σᵢ Dₖᵢ(χᵢ) over the coupled block; shapes (coordinates, m).
 
     Args:

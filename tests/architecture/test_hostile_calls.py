@@ -46,7 +46,7 @@ KEPLER = hjsolve.solve("kepler-planar")
 LINEAR = hjsolve.from_hamiltonian("q*p", {"q": "line"})
 QUARTIC = hjsolve.from_hamiltonian("p**4 + q**2", {"q": "line"})
 ROUND = QUARTIC.motion(q={"q": 1}, p={"q": 0})
-SWING, ORBIT = (
+LIBRATION, ORBIT = (
     LINE.motion(q={"x": 1}, velocity={"x": 0}),
     KEPLER.motion(q={"r": 1, "theta": 0}, p={"r": 0, "theta": "1.1"}),
 )
@@ -75,7 +75,7 @@ DOORS = {
     "line: parameter": lambda v: LINE.motion(q={"x": 1}, p={"x": 1}, parameters={"k": v}).periods,
     "line: energy": lambda v: LINE.motion(q={"x": 0}, constants={"E": v}, signs={"x": 1}).turning_points,
     "line: t0": lambda v: LINE.motion(q={"x": 1}, p={"x": 1}, t0=v).at(0.5).error.q,
-    "line: at": lambda v: SWING.at(v).error.q,
+    "line: at": lambda v: LIBRATION.at(v).error.q,
     "kepler: r": lambda v: KEPLER.motion(q={"r": v, "theta": 0}, p={"r": 0, "theta": 1}).kinds,
     "kepler: p": lambda v: KEPLER.motion(q={"r": 1, "theta": 0}, p={"r": 0, "theta": v}).kinds,
     "kepler: at": lambda v: ORBIT.at(v).velocity,

@@ -47,11 +47,11 @@ def truth(tree, place):
 
 
 @pytest.mark.parametrize("bits", [53, 90])
-@given(tree=trees, left=places, width=st.integers(0, 256), share=st.floats(0, 1))
+@given(tree=trees, left=places, width=st.integers(0, 256), fraction=st.floats(0, 1))
 @settings(max_examples=150)
-def test_an_enclosure_holds_the_value_at_every_place_inside(bits, tree, left, width, share):
+def test_an_enclosure_holds_the_value_at_every_place_inside(bits, tree, left, width, fraction):
     tape, right = lowered(tree), left + width / 128
-    place = left + share * (right - left)
+    place = left + fraction * (right - left)
     assume(left <= place <= right)
     try:
         value = truth(tree, place)

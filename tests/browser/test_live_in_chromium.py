@@ -18,10 +18,10 @@ def page(tmp_path_factory: pytest.TempPathFactory, browser):
     return browser
 
 
-def slide(page, number: int, share: float) -> list[float]:
+def slide(page, number: int, fraction: float) -> list[float]:
     return page.execute_script(
         "const s = document.getElementById(`live-slider-${arguments[0]}`); s.value = 1000 * arguments[1];"
-        "s.dispatchEvent(new Event('input')); return hjsolveLive.settings;", number, share,
+        "s.dispatchEvent(new Event('input')); return hjsolveLive.settings;", number, fraction,
     )  # fmt: skip
 
 
@@ -53,12 +53,12 @@ def test_a_slider_moves_orbit_point_and_numbers_to_those_of_the_engine(page, p, 
     # the start is the lower turning point; r from there on by Kepler's equation: nothing of hjsolve
     a, T = (low + high) / 2, motion.periods["r"].value
     e = (high - low) / (high + low)
-    for share in (0.11, 0.5, 0.83, 1.37):
-        M = 2 * math.pi * share
+    for fraction in (0.11, 0.5, 0.83, 1.37):
+        M = 2 * math.pi * fraction
         u = M
         for _ in range(100):
             u -= (u - e * math.sin(u) - M) / (1 - e * math.cos(u))
-        shown = page.execute_script("return hjsolveLive.state(arguments[0])", share * T)["q"]
+        shown = page.execute_script("return hjsolveLive.state(arguments[0])", fraction * T)["q"]
         assert abs(shown["r"] - a * (1 - e * math.cos(u))) <= bounds["r"]
         ν = 2 * math.atan2(math.sqrt(1 + e) * math.sin(u / 2), math.sqrt(1 - e) * math.cos(u / 2))
         turned = shown["theta"] - ν
@@ -100,7 +100,7 @@ def pixel_of(page, momentum: float, energy: float) -> tuple[float, float]:
 
 def test_a_click_on_the_map_chooses_the_motion_there(page):
     ranges = page.execute_script("return JSON.parse(document.getElementById('live-data').textContent).sliders")
-    wanted = [s["low"] + share * (s["high"] - s["low"]) for s, share in zip(ranges, (0.3, 0.6))]
+    wanted = [s["low"] + fraction * (s["high"] - s["low"]) for s, fraction in zip(ranges, (0.3, 0.6))]
     page.execute_script("document.getElementById('live-map').scrollIntoView()")
     x, y = pixel_of(page, *wanted)
     page.execute_script(
@@ -223,8 +223,8 @@ def test_point_and_numbers_are_those_of_the_engine_wherever_the_sliders_stand(ot
     separated = solution.coordinates
     for _ in range(3):
         before = page.execute_script("return document.getElementById('live-orbit').toDataURL()")
-        for k, share in enumerate(rng.random(len(ranges))):
-            slide(page, k, share)
+        for k, fraction in enumerate(rng.random(len(ranges))):
+            slide(page, k, fraction)
         values = dict(zip((s["name"] for s in ranges), page.execute_script("return hjsolveLive.settings")))
         assert page.execute_script("return document.getElementById('live-orbit').toDataURL()") != before
         rates = page.execute_script("return hjsolveLive.rates()")
@@ -282,10 +282,10 @@ def test_the_point_on_the_torus_goes_by_the_frequencies_of_the_engine(tmp_path_f
     )  # fmt: skip
     T = motion.periods["theta"].value
     begin = browser.execute_script("return hjsolveLive.phases(0)")
-    for share in (0.2, 0.9, 1.9):
-        own, across = browser.execute_script("return hjsolveLive.phases(arguments[0])", share * T)
-        assert abs(own - begin[0] - 2 * math.pi * share) <= 4 * bounds["theta"] / (high - low)
-        assert abs(across - begin[1] - motion.frequencies["phi"].value * share * T) <= 2 * bounds["phi"]
+    for fraction in (0.2, 0.9, 1.9):
+        own, across = browser.execute_script("return hjsolveLive.phases(arguments[0])", fraction * T)
+        assert abs(own - begin[0] - 2 * math.pi * fraction) <= 4 * bounds["theta"] / (high - low)
+        assert abs(across - begin[1] - motion.frequencies["phi"].value * fraction * T) <= 2 * bounds["phi"]
     turned = [browser.execute_script("return document.getElementById('live-torus').toDataURL()")]
     browser.find_element("id", "live-torus").send_keys("\ue014" * 5)
     turned.append(browser.execute_script("return document.getElementById('live-torus').toDataURL()"))

@@ -78,9 +78,10 @@ def turntable_motion():
     """y oscillates with sqrt(k/m - Omega^2), and runs off like a hyperbolic cosine where k < m*Omega^2."""
     time, rate = mp.mpf(3), mp.sqrt(mp.mpf(1) / 2)
     out = mp.mpf("0.4") * mp.cosh(rate * time) - mp.mpf("0.2") / rate * mp.sinh(rate * time)
-    swing = mp.mpf("0.4") * mp.cos(time) + mp.mpf("0.3") * mp.sin(time)
+    libration = mp.mpf("0.4") * mp.cos(time) + mp.mpf("0.3") * mp.sin(time)
     return max(
-        off(motion("turntable-slot", "thrown-out").at(3).q["y"], out), off(motion("turntable-slot").at(3).q["y"], swing)
+        off(motion("turntable-slot", "thrown-out").at(3).q["y"], out),
+        off(motion("turntable-slot").at(3).q["y"], libration),
     )
 
 

@@ -104,7 +104,7 @@ def test_a_motion_that_escapes_is_refused_with_its_name():
 
 def cycle(name, motion, map_=None, bits=200):
     """The integrands of one coordinate of a certified motion, in balls."""
-    radicands = {name: motion.separated.located[name].course.radicand}
+    radicands = {name: motion.separated.located[name].coordinate_motion.radicand}
     line = certified.lines(radicands, motion.initial, motion.solution, bits)[name]
     with ball.working(bits):
         made = certified.cycle_of(motion.separated, name, line)
@@ -231,7 +231,7 @@ def test_symmetry_is_used_where_it_is_proved_and_nowhere_else(potential, even):
     motion = hjsolve.solve(system).motion(
         q={"x": 0}, velocity={"x": "3/2"}, certified=True, digits=40, want=["periods", "actions"]
     )
-    assert cycle("x", motion).fold == (4 if even else 2)
+    assert cycle("x", motion).reflection == (4 if even else 2)
     with mpmath.workdps(60):
         a, b = (mpmath.mpf(end.value) for end in motion.turning_points["x"])
 
@@ -254,11 +254,12 @@ def test_the_folds_of_a_turn_give_the_same_mean():
     motion = pendulum(velocity={"theta": "1.9"}, want=["periods", "actions"])
     whole = cycle("theta", motion)
     spinning = cycle("theta", pendulum(velocity={"theta": "2.2"}, want=["periods", "actions"]))
-    assert (whole.fold, spinning.fold) == (4, 2)
+    assert (whole.reflection, spinning.reflection) == (4, 2)
     with ball.working(200):
         for integrand in (whole, spinning):
             means = [
-                strip_bound.certified_means(replace(integrand, fold=integrand.fold // part), 100) for part in (1, 2)
+                strip_bound.certified_means(replace(integrand, reflection=integrand.reflection // part), 100)
+                for part in (1, 2)
             ]
             for one, other in zip(*means, strict=True):
                 assert one.overlaps(other)

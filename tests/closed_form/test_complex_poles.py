@@ -50,7 +50,9 @@ def test_the_integral_is_that_of_a_quadrature(seed):
         with mp.workdps(30):
             value = sp.lambdify(x, found.written(x), "mpmath")
             integrand = sp.lambdify(x, found.integrand(x) / sp.sqrt(P.as_expr()), "mpmath")
-            a, b = (mp.mpf(str(low + share * (high - low))) for share in (sp.Rational(1, 20), sp.Rational(19, 20)))
+            a, b = (
+                mp.mpf(str(low + fraction * (high - low))) for fraction in (sp.Rational(1, 20), sp.Rational(19, 20))
+            )
             assert abs(value(b) - value(a) - mp.quad(integrand, mp.linspace(a, b, 9))) < 1e-18
 
 

@@ -172,10 +172,10 @@ def test_rows_are_chosen_by_accuracy_and_by_what_they_cover(scene_table: Cost) -
     rest = [r for r in scene_table.rows if r.covers == "all" and r.answered and r.error <= 1e-12]  # type: ignore[operator]
     assert best.seconds == min(r.seconds or math.inf for r in rest)
     assert scene_table.cheapest(60) is None
-    rough = Row("DOP853", 4, error=1e-4, seconds=1e-9, covers="states")
-    more = replace(scene_table, rows=(*scene_table.rows, rough))
+    approximate = Row("DOP853", 4, error=1e-4, seconds=1e-9, covers="states")
+    more = replace(scene_table, rows=(*scene_table.rows, approximate))
     assert more.cheapest(4) == scene_table.cheapest(4)
-    assert more.cheapest(4, "states") is rough
+    assert more.cheapest(4, "states") is approximate
 
 
 @pytest.mark.parametrize(

@@ -271,8 +271,8 @@ def test_equal_systems_share_one_solution_and_refusals_are_not_remembered(monkey
 def test_orbits_that_fall_into_the_centre_are_told_without_integrals_of_the_time(monkeypatch):
     """What is below −L²/2 r² at the centre draws them in; 0.7 s an orbit went into a time law that nobody asks for."""
 
-    def refused(courses):
-        raise AssertionError(f"times of {len(courses)} coordinates")
+    def refused(coordinate_motions):
+        raise AssertionError(f"times of {len(coordinate_motions)} coordinates")
 
     monkeypatch.setattr("hjsolve.motion.separated.plan", refused)
     system = hjsolve.System({"r": "0 < r", "theta": "angle"}, "(dot(r)**2 + r**2*dot(theta)**2)/2", "-1/r - 1/(5*r**2)")

@@ -61,7 +61,9 @@ def check(
             assert off(found.high[k, j], found.low[k, j], p) <= 2.0**-44 * found.lost[k, j]
             assert abs(doubles[k] - p) <= found.lost[k, j] <= 1e-11 * (1 + abs(p))
         for k, root in enumerate(roots):
-            assert off(found.roots[k, j], found.roots_low[k, j], root) <= 2.0**-44 * found.doubts[k, j] / (2 * root)
+            assert off(found.roots[k, j], found.roots_low[k, j], root) <= 2.0**-44 * found.uncertainties[k, j] / (
+                2 * root
+            )
 
 
 @pytest.mark.nightly_cases(

@@ -22,8 +22,8 @@ def test_a_map_is_divided_where_it_should_however_steep_an_end_is(lower: int) ->
     for low, high in ((lower, 2 * MOST_LEVEL - lower), (2 * MOST_LEVEL - lower, lower)):
         key = NodeMap(1, low, high)
         table = libration_nodes(node_maps.COUNTS[0], key.level, key.node_map)
-        for share, ratio in enumerate((1.0, 2.0**high, 2.0**-low)):
-            χ = node_maps._at_half(key, key.dividing(share))
+        for fraction, ratio in enumerate((1.0, 2.0**high, 2.0**-low)):
+            χ = node_maps._at_half(key, key.dividing(fraction))
             x, y = key.stretched(*(square.real for square in squares(np.array([χ + 0j]), table)))
             assert abs(np.log2(x[0] / y[0]) - np.log2(ratio)) < 0.1
 

@@ -271,13 +271,13 @@ def test_the_bound_of_the_taylor_series_holds_where_few_digits_are_carried() -> 
     t = sp.Symbol("t", real=True)
     flow = QuadraticFlow(sp.ImmutableMatrix([[0, 1], [-(2 + sp.cos(t)), 0]]), sp.ImmutableMatrix([0, sp.exp(-t)]), t)
     start = [sp.Rational(6, 5), sp.Rational(1, 2)]
-    rough = _Walk(flow, [start], sp.S.Zero, 1)
+    approximate = _Walk(flow, [start], sp.S.Zero, 1)
     for moment in (sp.Rational(3, 2), sp.Integer(5)):
-        rough.to(moment)
+        approximate.to(moment)
         ((exact,),), _ = flow.integrate([start], sp.S.Zero, [moment], 30)
         with mp.workdps(40):
-            error = max(abs(mpf(a) - mpf(e)) for a, e in zip(rough.states()[0], exact, strict=True))
-            assert 0 < error <= mpf(rough.error)
+            error = max(abs(mpf(a) - mpf(e)) for a, e in zip(approximate.states()[0], exact, strict=True))
+            assert 0 < error <= mpf(approximate.error)
 
 
 @pytest.mark.nightly

@@ -64,12 +64,12 @@ def test_the_bound_holds_where_only_few_bits_are_carried(name: str, wider: float
     Â = affine(A, sp.Matrix(b))
     start = [sp.Rational(k + 2, 7) for k in range(A.rows)] + [sp.S.One]
     flow = flow_of(Â)
-    rough, exact = _prepared(flow, start, 70), path_of(flow, start, sp.Integer(9), 60)
+    approximate, exact = _prepared(flow, start, 70), path_of(flow, start, sp.Integer(9), 60)
     for t in ("-2.5", "4", "9"):
-        pairs = zip(rough.at(rough.context.mpf(t)), exact.at(exact.context.mpf(t)), strict=True)
+        pairs = zip(approximate.at(approximate.context.mpf(t)), exact.at(exact.context.mpf(t)), strict=True)
         with mp.workdps(60):
             error = max(abs(mpf(a) - mpf(e)) for a, e in pairs)
-            assert error <= mpf(rough.bound(rough.context.mpf(t))) <= max(error, mpf(2) ** -70) * mpf(wider)
+            assert error <= mpf(approximate.bound(approximate.context.mpf(t))) <= max(error, mpf(2) ** -70) * mpf(wider)
             assert error > 0
 
 

@@ -62,9 +62,9 @@ def test_normal_modes_at_thirty_digits() -> None:
             state = motion.at(t)
             x, y, u, v = (mpf(g[n]) for g in (state.q, state.velocity) for n in "xy")
             energies = {1.0: ((u + v) ** 2 + (x + y) ** 2) / 4, 3.0: ((u - v) ** 2 + 3 * (x - y) ** 2) / 4}
-            for n, share in (("mode_1", mpf(1) / 2), ("mode_2", mpf(1) / 4)):
+            for n, fraction in (("mode_1", mpf(1) / 2), ("mode_2", mpf(1) / 4)):
                 own = energies[float(round(float(frequency[n]) ** 2))]
-                assert abs(own - share * frequency[n]) < mpf(10) ** -27
+                assert abs(own - fraction * frequency[n]) < mpf(10) ** -27
 
 
 def test_a_motion_from_actions_is_started_anew_in_the_users_coordinates() -> None:

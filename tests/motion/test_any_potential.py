@@ -11,7 +11,15 @@ from mpmath import mp
 
 import hjsolve
 from hjsolve.errors import NotConvergedError
-from tests.support.random_potentials import BLUR, coefficient, confining, degenerate, line, positive, potentials
+from tests.support.random_potentials import (
+    ROUNDING_ERROR,
+    coefficient,
+    confining,
+    degenerate,
+    line,
+    positive,
+    potentials,
+)
 
 NIGHTLY = os.environ.get("HYPOTHESIS_PROFILE") == "nightly"
 pytestmark = [pytest.mark.timeout(7200)] if NIGHTLY else []
@@ -51,8 +59,8 @@ def test_a_confined_mass_has_the_turning_points_period_action_and_states_of_the_
         holds(motion.periods["x"], 2 * half)
         holds(motion.actions["x"], curve.mean(lambda _: 1, *ends))
         since = curve.time(ends[0], curve.start)
-        for share in (0.13, 0.71, 3.4):
-            t = share * motion.periods["x"].value
+        for fraction in (0.13, 0.71, 3.4):
+            t = fraction * motion.periods["x"].value
             state = motion.at(t)
             q, v = mp.mpf(state.q["x"]), mp.mpf(state.velocity["x"])
             note(f"{t=} {state.q} {state.error.q}")
@@ -131,9 +139,9 @@ def test_proved_numbers_hold_the_truth(potential, place, speed, digits):
         motion = moving(potential, place, speed, digits=digits, certified=True, want=["turning_points", "periods"])
         period = 2 * curve.time(*ends)
         found = [(end, ours, mp.zero) for end, ours in zip(ends, motion.turning_points["x"], strict=True)]
-        found.append((period, motion.periods["x"], mp.eps**BLUR * period))
-        for truth, ours, blur in found:
+        found.append((period, motion.periods["x"], mp.eps**ROUNDING_ERROR * period))
+        for truth, ours, rounding_error in found:
             note(f"{ours} against {mp.nstr(truth, digits + 10)}")
             assert ours.certified
-            assert abs(mp.mpf(ours.value) - truth) <= ours.error + blur
+            assert abs(mp.mpf(ours.value) - truth) <= ours.error + rounding_error
             assert ours.error <= mp.mpf(10) ** -digits * max(abs(truth), 1) * (16 if digits == 15 else 2)

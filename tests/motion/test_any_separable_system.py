@@ -29,8 +29,8 @@ def claims(kind, n, seed):
         assert set(motion.kinds.values()) == {"libration"}
         yield from _numbers(given, motion, lines, ends)
         flow = given.flow(21)
-        for share in (0.13, 0.31) if (kind, n, seed) in FAST else (0.19, 0.83, 2.6):
-            yield from _states(given, motion, share * max(float(e.value) for e in motion.periods.values()), flow)
+        for fraction in (0.13, 0.31) if (kind, n, seed) in FAST else (0.19, 0.83, 2.6):
+            yield from _states(given, motion, fraction * max(float(e.value) for e in motion.periods.values()), flow)
 
 
 def _numbers(given, motion, lines, ends):

@@ -139,8 +139,8 @@ def test_hessian_of_the_pendulum_from_rest_to_rotation(pendulum):
     assert within(
         d.value["frequencies"]["theta"]["J.theta"], d.error["frequencies"]["theta"]["J.theta"], many.mpf(-1) / 8
     )
-    swing = pendulum.motion(q={"theta": "0.5"}, velocity={"theta": "0.3"})
-    d = swing.derivatives({"frequencies"}, {"constants", "actions"})
+    libration = pendulum.motion(q={"theta": "0.5"}, velocity={"theta": "0.3"})
+    d = libration.derivatives({"frequencies"}, {"constants", "actions"})
     E = many.mpf("0.045") - many.cos(many.mpf("0.5"))
 
     def Ω(energy):

@@ -12,7 +12,7 @@ from tests.reference.regenerate import motions
 
 @pytest.mark.nightly_cases("lagrange-top-shares1", "spherical-pendulum-shares0")
 @pytest.mark.parametrize(
-    ("name", "shares"),
+    ("name", "fractions"),
     [
         ("spherical-pendulum", (0.31, 2.77)),
         ("lagrange-top", (0.31, 2.77)),
@@ -22,14 +22,14 @@ from tests.reference.regenerate import motions
         ),
     ],
 )
-def test_states_over_many_periods_agree_with_the_integrated_equations_to_1e_13(name, shares):
+def test_states_over_many_periods_agree_with_the_integrated_equations_to_1e_13(name, fractions):
     entry = hjsolve.catalog.describe(name)
     motion = hjsolve.solve(entry.system).motion(**entry.initial.arguments)
     with mp.workdps(60):
         twin = next(motions(name))
         flow = twin.flow()
-        for share in shares:
-            t = share * motion.periods["theta"].value
+        for fraction in fractions:
+            t = fraction * motion.periods["theta"].value
             state, truth = motion.at(t), flow.at(mp.mpf(t))
             for k, n in enumerate(twin.names):
                 q = mp.mpf(state.q[n]) + 2 * mp.pi * state.turns.get(n, 0)

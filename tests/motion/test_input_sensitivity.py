@@ -15,8 +15,8 @@ def kepler():
 
 
 def test_exact_input_leaves_no_doubt(kepler):
-    doubt = kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"}).input_sensitivity()
-    assert all(value == 0 for numbers in doubt.values() for value in numbers.values())
+    uncertainty = kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"}).input_sensitivity()
+    assert all(value == 0 for numbers in uncertainty.values() for value in numbers.values())
 
 
 def test_doubt_of_the_kepler_period_is_its_derivative_times_half_an_ulp(kepler):
@@ -30,5 +30,5 @@ def test_doubt_of_the_kepler_period_is_its_derivative_times_half_an_ulp(kepler):
 @pytest.mark.nightly
 def test_near_parabolic_period_is_in_far_more_doubt_than_its_error(kepler):
     motion = kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": 1.41421356})
-    period, doubt = motion.periods["r"], motion.input_sensitivity()["periods"]["r"]
-    assert doubt > 1e5 * period.error
+    period, uncertainty = motion.periods["r"], motion.input_sensitivity()["periods"]["r"]
+    assert uncertainty > 1e5 * period.error

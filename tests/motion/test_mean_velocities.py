@@ -57,10 +57,10 @@ def test_it_is_where_the_coordinate_goes_in_the_long_run(name: str) -> None:
     for coordinate, mean in motion.mean_velocities.items():
         assert abs(mean.value) > 0.01
         start = motion.at(0.0).q[coordinate]
-        swing = np.ptp(motion.at(near).q[coordinate] - mean.value * near)
+        libration = np.ptp(motion.at(near).q[coordinate] - mean.value * near)
         later = motion.at(far).q[coordinate] - start - mean.value * far
         rounding = 4 * mean.error * far[-1] + 2.0**-51 * abs(mean.value) * far[-1]
-        assert np.max(np.abs(later)) <= 1.05 * swing + rounding
+        assert np.max(np.abs(later)) <= 1.05 * libration + rounding
 
 
 def test_only_where_the_rest_is_bounded_and_time_was_asked() -> None:

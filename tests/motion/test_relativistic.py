@@ -88,10 +88,10 @@ def test_the_time_law_of_the_spring_between_the_turns() -> None:
     a = motion.turning_points["x"][1].value
     with mp.workdps(40):
         η2 = mp.mpf(a) ** 2 / 4
-        for share in ("0.3", "0.9"):
-            φ = mp.asin(mpf(share))
+        for fraction in ("0.3", "0.9"):
+            φ = mp.asin(mpf(fraction))
             expected = mp.quad(lambda f: (1 + 2 * η2 * mp.cos(f) ** 2) / mp.sqrt(1 + η2 * mp.cos(f) ** 2), [0, φ])
-            found = motion.time_at("x", mp.mpf(a) * mpf(share)).value
+            found = motion.time_at("x", mp.mpf(a) * mpf(fraction)).value
             assert abs(found - expected) < mpf(10) ** -22
 
 

@@ -58,10 +58,10 @@ def test_jets_are_the_derivatives_of_the_formula(formula: sp.Expr) -> None:
 @settings(max_examples=60, deadline=None)
 @given(st.sampled_from(FORMULAS), st.floats(0.05, 3), st.floats(0, 1), st.floats(0, 1))
 def test_enclosures_hold_the_function_and_its_derivatives(
-    formula: sp.Expr, low: float, width: float, share: float
+    formula: sp.Expr, low: float, width: float, fraction: float
 ) -> None:
     high = low + width
-    x = min(max(low + share * width, low), high)
+    x = min(max(low + fraction * width, low), high)
     cell = radicand(formula, "1.25", "0.75").enclose(np.array([low]), np.array([high]))
     with mpmath.workdps(40):
         inside = radicand(formula, "1.25", "0.75").jet(mpmath.mpf(x), 160)

@@ -207,5 +207,5 @@ def test_a_motion_in_x_and_y_starts_at_a_focus_of_the_coordinates_found():
         start = many.at("1/10**9")
         assert abs(mp.mpf(str(start.q["x"])) - 2 - mp.mpf(3) / 10**10) < 1e-16
         assert abs(mp.mpf(str(start.q["y"])) - mp.mpf(7) / 10**10) < 1e-16
-    rough = few.at(3.0)
-    assert abs(rough.q["x"] - float(x[1])) <= rough.error.q["x"] <= 1e-12
+    approximate = few.at(3.0)
+    assert abs(approximate.q["x"] - float(x[1])) <= approximate.error.q["x"] <= 1e-12

@@ -15,7 +15,7 @@ KEPLER = {"q": {"r": 1, "theta": "0.3"}, "velocity": {"r": "0.1", "theta": "1.2"
 SPHERICAL = {"q": {"theta": "1", "phi": "0.4"}, "velocity": {"theta": "0.2", "phi": "1"}}
 ROUND = {"q": {"theta": "0.2"}, "velocity": {"theta": "9"}}
 BACK = {"q": {"theta": "0.2"}, "velocity": {"theta": "-9"}}
-SWING = {"q": {"theta": "0.2"}, "velocity": {"theta": "1.2"}}
+LIBRATION = {"q": {"theta": "0.2"}, "velocity": {"theta": "1.2"}}
 TIME = "1.5"
 BOUNDED = {"libration", "rotation", "equilibrium", "ignorable"}
 
@@ -82,7 +82,7 @@ def test_kepler_in_space_from_delaunay_actions():
         assert [motion.actions[name].value for name in J] == [float(x) for x in J.values()]
 
 
-@pytest.mark.parametrize("initial", [SWING, ROUND, BACK])
+@pytest.mark.parametrize("initial", [LIBRATION, ROUND, BACK])
 def test_pendulum_returns_on_both_sides_of_the_separatrix(initial):
     solution = entries.solved("pendulum")
     motion = solution.motion(**initial)

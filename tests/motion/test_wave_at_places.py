@@ -96,10 +96,10 @@ def test_doubles_claim_no_less_than_their_error():
     motion = hjsolve.solve("kepler-planar").motion(q=q, velocity=velocity)
     fine = hjsolve.solve("kepler-planar").motion(q=q, velocity=velocity, digits=30)
     places = {"r": [1.05, 1.3, 2.0], "theta": [[0.5], [9.0]]}
-    rough, exact = (m.characteristic_function(q=places, branch={"r": -1}) for m in (motion, fine))
-    assert rough.value.shape == (2, 3)
-    assert (abs(rough.value - exact.value.astype(float)) <= rough.error).all()
-    assert (rough.error <= 1e-14 * (1 + abs(rough.value))).all()
+    approximate, exact = (m.characteristic_function(q=places, branch={"r": -1}) for m in (motion, fine))
+    assert approximate.value.shape == (2, 3)
+    assert (abs(approximate.value - exact.value.astype(float)) <= approximate.error).all()
+    assert (approximate.error <= 1e-14 * (1 + abs(approximate.value))).all()
 
 
 def test_the_branches_meet_at_turning_points_and_the_start_is_zero():

@@ -24,12 +24,12 @@ def swinging(amplitude):
 def period_error(motion, nodes, below=None, above=None):
     """Relative error of the period with a given number of midpoints, against the elliptic integral, at 100 digits."""
     bits, arithmetic = 400, Multi(400)
-    course, place = motion.separated.located["theta"].course, motion.separated.located["theta"]
+    coordinate_motion, place = motion.separated.located["theta"].coordinate_motion, motion.separated.located["theta"]
     a, b = place.lower.place(bits), place.upper.place(bits)
     anomaly = libration_anomaly(
         a, b, None if below is None else below(a, b), None if above is None else above(a, b), arithmetic
     )
-    values = integrands(course.radicand, (False,), bits, PARTS)
+    values = integrands(coordinate_motion.radicand, (False,), bits, PARTS)
     rows = [values(anomaly.place(χ, arithmetic)) for χ in midpoints(nodes, even=True, bits=bits)]
     mean = fit(rows, even=True, bits=bits)[0].mean
     with mpmath.workdps(110):

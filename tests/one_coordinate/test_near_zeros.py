@@ -28,21 +28,21 @@ def wheel_period(n: int, above: str) -> mpf:
     return 4 * mp.ellipk(2 / height) / mp.sqrt(2 * height)
 
 
-@pytest.mark.parametrize(("crests", "above", "most"), [
+@pytest.mark.parametrize(("barrier_tops", "above", "most"), [
     (2, "1e-2", 250), (2, "1e-6", 500), (2, "1e-12", 520), pytest.param(3, "1e-4", 700, marks=pytest.mark.nightly),
     pytest.param(3, "1e-8", 1050, marks=pytest.mark.nightly),
 ])  # fmt: skip
-def test_a_wheel_over_equal_crests(crests: int, above: str, most: int) -> None:
-    motion = over(f"cos({crests}*x)", "angle", f"pi/{2 * crests}", f"sqrt(2*(1 + {above}))")
+def test_a_wheel_over_equal_crests(barrier_tops: int, above: str, most: int) -> None:
+    motion = over(f"cos({barrier_tops}*x)", "angle", f"pi/{2 * barrier_tops}", f"sqrt(2*(1 + {above}))")
 
     with mp.workdps(DIGITS):
-        true = wheel_period(crests, above)
+        true = wheel_period(barrier_tops, above)
         assert abs(mpf(motion.periods["x"].value) / true - 1) <= 1e-15
         assert motion.nodes <= most
         # a whole number of n-th turns takes that share of the period
-        for k in range(1, 2 * crests):
-            state = motion.at(mp.nstr(true * k / crests, 30))
-            place = mpf(state.q["x"]) - mp.pi / (2 * crests) - 2 * mp.pi * k / crests
+        for k in range(1, 2 * barrier_tops):
+            state = motion.at(mp.nstr(true * k / barrier_tops, 30))
+            place = mpf(state.q["x"]) - mp.pi / (2 * barrier_tops) - 2 * mp.pi * k / barrier_tops
             missed = abs(place - 2 * mp.pi * mp.nint(place / (2 * mp.pi)))
             assert missed <= mpf(state.error.q["x"]) <= 1e-12
 
@@ -102,21 +102,21 @@ def maps() -> list[tuple[str, Callable[[Multi], Any]]]:
     def number(arithmetic: Multi, text: str) -> Any:
         return arithmetic.context.mpf(text)
 
-    def a_crest(arithmetic: Multi) -> Any:
+    def a_barrier_top(arithmetic: Multi) -> Any:
         return barrier_anomaly(*(number(arithmetic, x) for x in ("-1", "1.5", "0.3", "1e-7")), arithmetic)
 
-    def two_crests(arithmetic: Multi) -> Any:
+    def two_barrier_tops(arithmetic: Multi) -> Any:
         numbers = (number(arithmetic, x) for x in ("0.3", "1e-6", "-2", "1e-3"))
         return two_barrier_anomaly(*numbers, -1, arithmetic)
 
-    def three_crests(arithmetic: Multi) -> Any:
+    def three_barrier_tops(arithmetic: Multi) -> Any:
         wheel = rotation_anomaly(number(arithmetic, "0.3"), 1, number(arithmetic, "1e-3"), arithmetic)
         return stretched(wheel, [(0.4, 1e-4), (-1.7, 1e-2)])
 
-    def crests_in_a_libration(arithmetic: Multi) -> Any:
-        return stretched(a_crest(arithmetic), [(0.8, 1e-3)])
+    def barrier_tops_in_a_libration(arithmetic: Multi) -> Any:
+        return stretched(a_barrier_top(arithmetic), [(0.8, 1e-3)])
 
-    return [(f.__name__, f) for f in (a_crest, two_crests, three_crests, crests_in_a_libration)]
+    return [(f.__name__, f) for f in (a_barrier_top, two_barrier_tops, three_barrier_tops, barrier_tops_in_a_libration)]
 
 
 @pytest.mark.parametrize("make", [m for _, m in maps()], ids=[n for n, _ in maps()])

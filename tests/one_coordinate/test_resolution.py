@@ -73,11 +73,11 @@ def test_a_disk_holds_every_value_of_a_function_and_of_its_derivatives(name):
             if not image.known[0]:
                 continue
             known += 1
-            for angle, share in rng.uniform(0, (2 * math.pi, 1), size=(3, 2)):
-                z = mp.mpc(centre + share * radius * cmath.exp(1j * angle))
+            for angle, fraction in rng.uniform(0, (2 * math.pi, 1), size=(3, 2)):
+                z = mp.mpc(centre + fraction * radius * cmath.exp(1j * angle))
                 value = complex(mp.diff(getattr(mp, name), z, order) if order else getattr(mp, name)(z))
-                slack = 1e-13 if not order else 1e-5
-                assert abs(value - image.centre[0]) <= image.radius[0] + slack * (1 + abs(value))
+                tolerance = 1e-13 if not order else 1e-5
+                assert abs(value - image.centre[0]) <= image.radius[0] + tolerance * (1 + abs(value))
     assert known > 60
 
 
@@ -114,7 +114,9 @@ def test_the_regular_factor_over_disks_holds_the_second_difference_in_many_digit
 def to_resolve(motion):
     place = motion.separated.located["theta"]
     plain = libration_anomaly(place.lower.place(200), place.upper.place(200), None, None, Multi(200))
-    return resolution.integrands_to_resolve(plain, place.course.radicand, (False,), motion.separated.parts, 200)
+    return resolution.integrands_to_resolve(
+        plain, place.coordinate_motion.radicand, (False,), motion.separated.parts, 200
+    )
 
 
 @pytest.mark.parametrize("amplitude", ["0.3", "1.5", "2.6"])

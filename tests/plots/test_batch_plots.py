@@ -45,8 +45,8 @@ def test_errors_are_drawn_where_they_can_be_seen(batch: hjsolve.Batch) -> None:
     assert len(batch.plot("actions.r", "frequencies.r").collections) == 1
     columns = dict(batch.columns)
     columns["error.actions.r"] = np.array([0.0, 0.2, 0.0, np.nan, 0.0])
-    rough = hjsolve.Batch(columns, batch.layout, batch.shape)
-    bars = rough.plot("actions.r", "frequencies.r").collections[1].get_segments()
+    approximate = hjsolve.Batch(columns, batch.layout, batch.shape)
+    bars = approximate.plot("actions.r", "frequencies.r").collections[1].get_segments()
     assert len(bars) == 1
     np.testing.assert_allclose(np.ptp(bars[0][:, 0]), 0.4, rtol=1e-12)
 

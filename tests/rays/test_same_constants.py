@@ -150,8 +150,8 @@ def test_orbits_cross_fronts_at_right_angles_in_the_metric_of_t(name: str) -> No
     span = max((float(e.value) for e in motion.periods.values()), default=1.0)
     t = np.linspace(-0.48, 0.49, 40) * span
     state = motion.at(t)
-    shares = [np.abs(np.asarray(state.p[n], float)) / np.nanmax(np.abs(family.orbits[0].p[n])) for n in names]
-    best = np.argsort(np.min(shares, axis=0))[-3:]
+    fractions = [np.abs(np.asarray(state.p[n], float)) / np.nanmax(np.abs(family.orbits[0].p[n])) for n in names]
+    best = np.argsort(np.min(fractions, axis=0))[-3:]
     W = motion.characteristic_function(t).value
     M = sp.lambdify([motion.solution.system.coordinate(n).symbol for n in names], mass_matrix(motion.solution.system).subs(
         {p.symbol: motion.initial.values[p.symbol] for p in motion.solution.system.parameters}))  # fmt: skip
@@ -160,12 +160,12 @@ def test_orbits_cross_fronts_at_right_angles_in_the_metric_of_t(name: str) -> No
         velocity = np.array([float(state.velocity[n][k]) for n in names])
         momenta = [float(state.p[n][k]) for n in names]
         tangent, miss = tangent_of(motion, family, float(W[k]), place, momenta, 11)
-        coarse, rough = tangent_of(motion, family, float(W[k]), place, momenta, 9)
+        coarse, approximate = tangent_of(motion, family, float(W[k]), place, momenta, 9)
         metric = np.array(M(*place), dtype=float)
-        doubt = 1e-11 + np.abs(tangent - coarse).max()
-        assert doubt < 1e-6  # of the interpolation, which is the test's own
-        assert miss < 1e-12 + abs(miss - rough)
-        assert abs(velocity @ metric @ tangent) <= 2 * doubt * np.abs(velocity @ metric).sum()
+        uncertainty = 1e-11 + np.abs(tangent - coarse).max()
+        assert uncertainty < 1e-6  # of the interpolation, which is the test's own
+        assert miss < 1e-12 + abs(miss - approximate)
+        assert abs(velocity @ metric @ tangent) <= 2 * uncertainty * np.abs(velocity @ metric).sum()
 
 
 def tangent_of(motion, family, W: float, place, momenta, many: int) -> tuple[np.ndarray, float]:

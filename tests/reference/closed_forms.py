@@ -210,13 +210,13 @@ def kepler_parabolic(par: Numbers, q: Numbers, p: Numbers) -> Values:
     """H = (p_u² + p_v² − 4mk)/(2m(u² + v²)); two oscillators in the Liouville time."""
     m, k, u, v = par["m"], par["k"], q["u"], q["v"]
     E = (p["u"] ** 2 + p["v"] ** 2 - 4 * m * k) / (2 * m * (u**2 + v**2))
-    shares = {name: p[name] ** 2 / (2 * m) - E * q[name] ** 2 for name in ("u", "v")}
+    fractions = {name: p[name] ** 2 / (2 * m) - E * q[name] ** 2 for name in ("u", "v")}
     Ω = 4 * m * k**2 * (2 * abs(E) / m) ** mp.mpf("1.5") / (2 * k) ** 3
     values: Values = {}
-    for name, share in shares.items():
-        end = mp.sqrt(share / -E)
+    for name, fraction in fractions.items():
+        end = mp.sqrt(fraction / -E)
         how = "oscillators in tau: J = a*sqrt(-m/(2*E)), H = -2*m*k^2/(J_u + J_v)^2"
-        values |= _cycle(name, Ω, share * mp.sqrt(m / (-2 * E)), how) | _turns(name, -end, end, "+-sqrt(-a/E)")
+        values |= _cycle(name, Ω, fraction * mp.sqrt(m / (-2 * E)), how) | _turns(name, -end, end, "+-sqrt(-a/E)")
     return values
 
 

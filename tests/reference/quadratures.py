@@ -23,7 +23,7 @@ _BOUNDED = {"libration", "rotation", "ignorable"}
 
 
 @dataclass(frozen=True)
-class Course:
+class CoordinatePath:
     """One coordinate: where it starts, how it moves, and the square of what vanishes at a turning point."""
 
     name: str
@@ -112,9 +112,9 @@ def _ends(entry: str, name: str, par: Numbers) -> tuple[mpf, mpf]:
     return ends["lower"], ends["upper"]
 
 
-def _report(courses: Sequence[Course]) -> Values:
+def _report(coordinate_motions: Sequence[CoordinatePath]) -> Values:
     values: Values = {}
-    for c in courses:
+    for c in coordinate_motions:
         for end, place in zip(("lower", "upper"), c.turning(), strict=True):
             if place is not None:
                 values[f"turning_point.{c.name}.{end}"] = (place, HOW)
@@ -135,7 +135,7 @@ def one_at_a_time(entry: str) -> Callable[[Numbers, Numbers, Numbers], Values]:
         state = {sympy.Symbol(n): v for n, v in q.items()} | {sympy.Symbol(f"p_{n}"): v for n, v in p.items()}
         essential = [n for n in q if kinds[n] != "ignorable"]
         cycles = {n: _Cycle(entry, H, n, kinds[n], fixed, state) for n in essential}
-        values = _report([c.course for c in cycles.values()])
+        values = _report([c.coordinate_motion for c in cycles.values()])
         bounded = set(kinds.values()) <= _BOUNDED
         for name, cycle in cycles.items():
             if kinds[name] in _BOUNDED:
@@ -174,7 +174,7 @@ class _Cycle:
         twice_E = self._function(2 * A)
         speed = mp.mpf(sympy.N(H.diff(self.p).xreplace(fixed | state), mp.dps))
         par = {s.name: v for s, v in fixed.items()}
-        self.course = Course(
+        self.coordinate_motion = CoordinatePath(
             name,
             kind,
             state[self.q],
@@ -188,31 +188,31 @@ class _Cycle:
         return sympy.lambdify([self.q, *more], formula.xreplace(self.rest), "mpmath", cse=True)
 
     def _root(self, x: mpf) -> mpf:
-        return self.course.root(x)
+        return self.coordinate_motion.root(x)
 
     def action(self) -> mpf:
         """(1/2π) ∮ p dq."""
-        if self.course.kind == "libration":
-            return self.course.mean(lambda x: self._root(x) / self.A(x))
-        sign = mp.sign(self.course.speed)
-        return self.course.mean(lambda x: (sign * self._root(x) - self.B(x)) / self.A(x))
+        if self.coordinate_motion.kind == "libration":
+            return self.coordinate_motion.mean(lambda x: self._root(x) / self.A(x))
+        sign = mp.sign(self.coordinate_motion.speed)
+        return self.coordinate_motion.mean(lambda x: (sign * self._root(x) - self.B(x)) / self.A(x))
 
     def frequency(self) -> mpf:
         """2π over the time of a cycle."""
-        rate = 1 / self.course.mean(lambda x: 1 / self._root(x))
-        return rate * (mp.sign(self.course.speed) if self.course.kind == "rotation" else 1)
+        rate = 1 / self.coordinate_motion.mean(lambda x: 1 / self._root(x))
+        return rate * (mp.sign(self.coordinate_motion.speed) if self.coordinate_motion.kind == "rotation" else 1)
 
     def time_average(self, rate: sympy.Expr) -> mpf:
         """The mean over time of a function of q and p."""
         function = self._function(rate, self.p)
-        signs = (1, -1) if self.course.kind == "libration" else (mp.sign(self.course.speed),)
+        signs = (1, -1) if self.coordinate_motion.kind == "libration" else (mp.sign(self.coordinate_motion.speed),)
 
         def integrand(x: mpf) -> mpf:
             root = self._root(x)
             momenta = [(sign * root - self.B(x)) / self.A(x) for sign in signs]
             return mp.fsum(function(x, value) for value in momenta) / (len(signs) * root)
 
-        return self.course.mean(integrand) * abs(self.frequency())
+        return self.coordinate_motion.mean(integrand) * abs(self.frequency())
 
 
 def staeckel(entry: str) -> Callable[[Numbers, Numbers, Numbers], Values]:
@@ -245,20 +245,27 @@ def staeckel(entry: str) -> Callable[[Numbers, Numbers, Numbers], Values]:
         def square(i: int) -> Callable[[mpf], mpf]:
             return lambda x: 2 * (mp.fsum(rows[i][j](x) * α[j] for j in range(n)) - rows[i][-1](x))
 
-        courses = [Course(x, kinds[x], q[x], p[x], p[x], square(i), _ends(entry, x, par)) for i, x in enumerate(names)]
-        values = _report(courses)
-        for i, course in enumerate(courses):
-            if course.kind in _BOUNDED and _has_action(entry, course.name, course.kind):
-                sign = 1 if course.kind == "libration" else mp.sign(course.momentum)
-                values[f"action.{course.name}"] = (sign * course.mean(lambda x, i=i: courses[i].root(x)), HOW)
+        coordinate_motions = [
+            CoordinatePath(x, kinds[x], q[x], p[x], p[x], square(i), _ends(entry, x, par)) for i, x in enumerate(names)
+        ]
+        values = _report(coordinate_motions)
+        for i, coordinate_motion in enumerate(coordinate_motions):
+            if coordinate_motion.kind in _BOUNDED and _has_action(
+                entry, coordinate_motion.name, coordinate_motion.kind
+            ):
+                sign = 1 if coordinate_motion.kind == "libration" else mp.sign(coordinate_motion.momentum)
+                values[f"action.{coordinate_motion.name}"] = (
+                    sign * coordinate_motion.mean(lambda x, i=i: coordinate_motions[i].root(x)),
+                    HOW,
+                )
         for name in others:
             if _has_action(entry, name, "ignorable"):
                 values[f"action.{name}"] = (p[name], "the constant momentum")
         if set(kinds.values()) <= _BOUNDED:
             M = mp.eye(len(q))
-            for i, course in enumerate(courses):
+            for i, coordinate_motion in enumerate(coordinate_motions):
                 for j in range(len(q)):
-                    M[i, j] = course.mean(lambda x, i=i, j=j: rows[i][j](x) / courses[i].root(x))
+                    M[i, j] = coordinate_motion.mean(lambda x, i=i, j=j: rows[i][j](x) / coordinate_motions[i].root(x))
             Ω = (M**-1)[0, :]
             for i, name in enumerate([*names, *others]):
                 if _has_action(entry, name, kinds[name]):

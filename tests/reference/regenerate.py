@@ -24,7 +24,7 @@ from tests.reference.taylor import Flow
 MARKER = "# Reference values below this line are written by tests/reference/regenerate.py; see catalog/README.md.\n"
 DIGITS = 40
 TAYLOR = "Taylor series of Hamilton's equations, local error 1e-55"
-SHARE = mpf("0.03")
+FRACTION = mpf("0.03")
 """A time is passed over when a coordinate or momentum is smaller than this fraction of its size: a relative test of a
 number near its own zero would only test rounding."""
 
@@ -95,19 +95,19 @@ def states(motion: Motion, closed: Values) -> Iterator[tuple[str, str, mpf]]:
     periods = {n: closed[f"period.{n}"][0] for n in motion.names if f"period.{n}" in closed}
     turning = [period for n, period in periods.items() if f"turning_point.{n}.upper" in closed]
     unit = max(turning or periods.values(), default=mp.one)
-    shares = ["-0.6", "0.3", "2.9", "50"] if motion.name == "default" else ["-0.6", "2.9"]
+    fractions = ["-0.6", "0.3", "2.9", "50"] if motion.name == "default" else ["-0.6", "2.9"]
     if motion.entry not in THOROUGH:
-        shares = ["0.7"]
+        fractions = ["0.7"]
     size = [abs(value) for value in (*motion.q.values(), *motion.p.values())]
     forward, backward = motion.flow(), motion.flow()
-    for share in shares:
-        flow = backward if share.startswith("-") else forward
-        t = mp.mpf(mp.nstr(unit * mp.mpf(share), 4 if abs(mp.mpf(share)) > 10 else 3))
+    for fraction in fractions:
+        flow = backward if fraction.startswith("-") else forward
+        t = mp.mpf(mp.nstr(unit * mp.mpf(fraction), 4 if abs(mp.mpf(fraction)) > 10 else 3))
         while True:
             text = mp.nstr(t, 8)
             numbers = flow.at(number(text))
             size = [max(s, abs(value)) for s, value in zip(size, numbers, strict=True)]
-            if all(abs(value) > SHARE * s for value, s in zip(numbers, size, strict=True) if s):
+            if all(abs(value) > FRACTION * s for value, s in zip(numbers, size, strict=True) if s):
                 break
             t += mp.sign(t) * mp.mpf("0.13")
         for n, value in zip(motion.names, numbers[: len(motion.names)], strict=True):

@@ -23,8 +23,8 @@ def test_a_fall_into_the_centre_ends_in_time_while_the_angle_winds_for_ever():
         end = (-2 * v - mp.sqrt(4 * v**2 - 4 * twice)) / (2 * twice)
         found = motion.boundary_times["r"]
         assert abs(mp.mpf(found.value) - end) <= found.error <= 1e-13
-        for share in (0.5, 0.999, 0.9999999):
-            t = share * found.value
+        for fraction in (0.5, 0.999, 0.9999999):
+            t = fraction * found.value
             state = motion.at(t)
             r = mp.sqrt(1 + 2 * v * mp.mpf(t) + twice * mp.mpf(t) ** 2)
             θ = mp.quad(lambda s: 1 / (1 + 2 * v * s + twice * s * s), mp.linspace(0, mp.mpf(t), 9))

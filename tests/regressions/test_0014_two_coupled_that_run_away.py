@@ -146,7 +146,7 @@ def test_the_canonical_momentum_claims_the_rounding_of_what_cancels_in_it():
 
 def test_longer_panels_begin_with_the_shorter_ones():
     """They are made once and go on from where they ended, whatever was asked first."""
-    first, second = (moved("henon-heiles-kdv").separated.located["v"].course for _ in range(2))
+    first, second = (moved("henon-heiles-kdv").separated.located["v"].coordinate_motion for _ in range(2))
     assert isinstance(first, Unbounded)
     far = first.ahead.panels(None, 64.0)
     near, again = first.ahead.panels(None, 4.0), second.ahead.panels(None, 4.0)
@@ -161,12 +161,14 @@ def test_a_wiggle_on_the_way_out_is_followed_as_far_as_is_asked_and_no_farther()
     solution = hjsolve.solve(hjsolve.catalog.load("eccentric-disk"))
     start = {"q": {"theta": "0.318"}, "velocity": {"theta": "0.158"}}
     motion = solution.motion(**start, parameters={"r": "1.07", "l": "0.232", "alpha": "0.526"})
-    course = motion.separated.located["theta"].course
-    assert isinstance(course, Unbounded)
+    coordinate_motion = motion.separated.located["theta"].coordinate_motion
+    assert isinstance(coordinate_motion, Unbounded)
     for t in (0.4, 10.3):
         q = float(motion.at(t).unwrapped("theta"))
-        panels = course.ahead.panels((1.0,), abs(float(course.integral(0, np.array([float(course.start)]))[0])) + t)
-        reached, _ = course.ahead.end_map.position(panels.edges[-1], Float64())
+        panels = coordinate_motion.ahead.panels(
+            (1.0,), abs(float(coordinate_motion.integral(0, np.array([float(coordinate_motion.start)]))[0])) + t
+        )
+        reached, _ = coordinate_motion.ahead.end_map.position(panels.edges[-1], Float64())
         assert q < reached < 2 * q + 2 * np.pi
 
 

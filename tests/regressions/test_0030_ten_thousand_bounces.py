@@ -33,7 +33,7 @@ def test_two_walls_a_millionth_apart_are_met_thousands_of_times() -> None:
     }).run()  # fmt: skip
     assert len(run.arcs) == 3124
     with mp.workdps(40):
-        z, _ = billiards.folded(mp.mpf("5e-7") + mp.mpf("0.0031234567"), mp.mpf("1e-6"))
+        z, _ = billiards.reduced(mp.mpf("5e-7") + mp.mpf("0.0031234567"), mp.mpf("1e-6"))
         assert abs(run.trajectory.q["z"][0] - z) <= run.trajectory.error.q["z"][0] < 1e-17
 
 
@@ -63,5 +63,5 @@ def test_a_corner_turns_both_ways_a_thousand_times() -> None:
     assert all(len(arc.events) == 2 for arc in run.arcs[:-1])
     assert run.trajectory.q["x"][0] == run.trajectory.q["y"][0]
     with mp.workdps(30):
-        x, _ = billiards.folded(mp.mpf(1) / 3 + mp.mpf("1000.25"), 1)
+        x, _ = billiards.reduced(mp.mpf(1) / 3 + mp.mpf("1000.25"), 1)
         assert abs(run.trajectory.q["x"][0] - x) <= run.trajectory.error.q["x"][0] < 1e-14

@@ -74,14 +74,14 @@ def test_a_velocity_that_does_not_cancel_is_left_as_it_was():
 def test_two_doubles_give_the_same_velocities_as_one_where_nothing_cancels():
     """At every phase of an ordinary top, by the rule for poles and without it."""
     from hjsolve.motion.near_poles import sharpened_velocities
-    from hjsolve.motion.phases import courses_of, phases_at
+    from hjsolve.motion.phases import coordinate_motions_of, phases_at
 
     start = {"q": {"psi": 0, "theta": "0.3", "phi": 0}, "p": {"psi": "0.4", "theta": "0.2", "phi": 2}}
     motion, times = TOP.motion(**start), np.linspace(0, 9, 40)
     state, phases = motion.at(times), phases_at(motion.separated, times, [])
     everywhere = np.ones(len(times), dtype=bool)
     sharp = sharpened_velocities(
-        motion.separated, courses_of(motion.separated, phases), phases.χ, state.q, state.velocity, everywhere
+        motion.separated, coordinate_motions_of(motion.separated, phases), phases.χ, state.q, state.velocity, everywhere
     )
     for name, values in sharp.items():
         assert np.all(np.abs(values - state.velocity[name]) <= 2 * state.error.velocity[name])

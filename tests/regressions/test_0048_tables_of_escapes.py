@@ -25,6 +25,6 @@ def test_a_table_begins_where_the_motion_begins(solution, start):
     many, few = motion.at(times), motion.at(times[[0, 100, 600, 2800]])
     for group in ("q", "p", "velocity"):
         for name, values in getattr(few, group).items():
-            found, doubt = getattr(many, group)[name], getattr(many.error, group)[name]
+            found, uncertainty = getattr(many, group)[name], getattr(many.error, group)[name]
             for k, i in enumerate((0, 100, 600, 2800)):
-                assert abs(found[i] - values[k]) <= doubt[i] + getattr(few.error, group)[name][k]
+                assert abs(found[i] - values[k]) <= uncertainty[i] + getattr(few.error, group)[name][k]

@@ -75,8 +75,8 @@ def test_pendulum_of_one_frequency_swings_or_goes_round():
     assert [motion.kinds["theta"] for motion in motions] == ["libration", "rotation"]
     for motion in motions:
         k2 = (1 + mp.mpf(motion.constants["E"].value)) / 2
-        swings = k2 < 1
-        rate = mp.pi / (2 * mp.ellipk(k2)) if swings else mp.pi * mp.sqrt(k2) / mp.ellipk(1 / k2)
+        librations = k2 < 1
+        rate = mp.pi / (2 * mp.ellipk(k2)) if librations else mp.pi * mp.sqrt(k2) / mp.ellipk(1 / k2)
         np.testing.assert_allclose(float(rate), 0.9, rtol=2e-15, atol=0)
     one = hjsolve.solve("pendulum").torus(
         frequencies={"theta": "0.9"}, parameters={"g": 1, "l": 1, "m": 1}, kinds={"theta": "rotation"}
@@ -122,10 +122,10 @@ def test_separatrices_of_a_yukawa_field_and_of_three_wells():
     assert abs(float(high.value.value - L)) <= high.value.error + 1e-16
     assert abs(float(high.place.value - r)) <= high.place.error + 1e-15
     wells = hjsolve.solve(hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**2*(x - 1)**2*(x + 2)**2/3 + x/7"))
-    crests = [mp.findroot(lambda x: mp.diff(lambda y: y**2 * (y - 1) ** 2 * (y + 2) ** 2 / 3 + y / 7, x), x0)
+    barrier_tops = [mp.findroot(lambda x: mp.diff(lambda y: y**2 * (y - 1) ** 2 * (y + 2) ** 2 / 3 + y / 7, x), x0)
               for x0 in (0.61, -1.2)]  # fmt: skip
     found = wells.separatrices()
-    for one, x in zip(found, crests, strict=True):
+    for one, x in zip(found, barrier_tops, strict=True):
         np.testing.assert_allclose(float(one.place.value), float(x), rtol=1e-15, atol=0)
     with pytest.raises(InvalidInputError, match="must leave one"):
         yukawa.separatrices()

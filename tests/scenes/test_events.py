@@ -161,11 +161,11 @@ def test_two_impulses_and_a_wall_agree_with_a_thirty_digit_integration(name: str
 @pytest.mark.parametrize("name", CASES)
 def test_in_doubles_the_same_scene_is_within_its_error_and_1e_12(name: str) -> None:
     exact = sharp(name).trajectory
-    rough = Scene.load({**CASES[name], "want": ["trajectory"]}).run().trajectory
+    approximate = Scene.load({**CASES[name], "want": ["trajectory"]}).run().trajectory
     for coordinate in exact.q:
         for part in ("q", "p", "velocity"):
-            better, plain = getattr(exact, part)[coordinate], getattr(rough, part)[coordinate]
-            bound = getattr(rough.error, part)[coordinate]
+            better, plain = getattr(exact, part)[coordinate], getattr(approximate, part)[coordinate]
+            bound = getattr(approximate.error, part)[coordinate]
             for a, b, e in zip(better, plain, bound, strict=True):
                 assert abs(a - mpmath.mpf(float(b))) <= min(e, 1e-12)
 
@@ -202,8 +202,8 @@ def test_a_billiard_folds_straight_lines() -> None:
     run = example("billiard")
     for name, start, speed, width in (("x", 0.2, 0.7, 2.0), ("y", 0.1, 0.45, 1.0)):
         line = start + speed * run.trajectory.t
-        folded = width - abs(line % (2 * width) - width)
-        assert max(abs(run.trajectory.q[name] - folded)) < 1e-13
+        reduced = width - abs(line % (2 * width) - width)
+        assert max(abs(run.trajectory.q[name] - reduced)) < 1e-13
         assert max(abs(abs(run.trajectory.velocity[name]) - speed)) < 1e-15
 
 

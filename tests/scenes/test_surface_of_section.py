@@ -80,7 +80,7 @@ def test_a_section_keeps_its_energy_and_says_how_far_its_points_can_be_trusted()
     regular = plane(HENON_HEILES, q={"x": "0.1", "y": "0.2"}, velocity={"x": "0.3", "y": "0"})
     chaotic = plane(HENON_HEILES, q={"x": "0", "y": "-0.15"}, velocity={"x": "0.54", "y": "0"})  # E = 0.158, near 1/6
     sections = [surface_of_section(p) for p in (regular, chaotic)]
-    shares = []
+    fractions = []
     for one in sections:
         assert one is not None
         seen = np.isfinite(one.points[0])
@@ -88,9 +88,9 @@ def test_a_section_keeps_its_energy_and_says_how_far_its_points_can_be_trusted()
         assert one.drift < 1e-11
         assert seen.sum() > 500
         assert (p**2 / 2 + y**2 / 2 - y**3 / 3 <= one.energy + 1e-10).all()  # x = 0: what is left is ẋ²/2
-        shares.append(np.minimum(one.settled, seen.sum(axis=1)).sum() / seen.sum())
-    assert shares[0] == 1
-    assert shares[1] < 1
+        fractions.append(np.minimum(one.settled, seen.sum(axis=1)).sum() / seen.sum())
+    assert fractions[0] == 1
+    assert fractions[1] < 1
 
 
 def test_where_more_than_two_coordinates_are_left_there_is_no_plane() -> None:

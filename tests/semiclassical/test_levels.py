@@ -77,9 +77,9 @@ def test_hard_walls_add_two(system, up_to, expected, maslov):
 @pytest.mark.nightly
 def test_pendulum_rotations_come_twice_and_the_separatrix_is_marked():
     found = hjsolve.levels("pendulum", **CALLS["pendulum"])
-    swings = [level for level in found if level.kinds["theta"] == "libration"]
+    librations = [level for level in found if level.kinds["theta"] == "libration"]
     turns = [level for level in found if level.kinds["theta"] == "rotation"]
-    assert [level.numbers["theta"] for level in swings] == list(range(8))
+    assert [level.numbers["theta"] for level in librations] == list(range(8))
     assert [level.numbers["theta"] for level in turns] == [-4, 4, -5, 5, -6, 6]
     assert all(level.energy.value > 9.81 for level in turns)
     marked = [(level.kinds["theta"], level.numbers["theta"]) for level in found if level.near_separatrix]

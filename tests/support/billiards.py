@@ -15,7 +15,7 @@ def wall(coordinate: str, value: str, **more: Any) -> dict[str, Any]:
     return {"kind": "wall", "at": {"coordinate": coordinate, "value": value}, **more}
 
 
-def folded(x: Any, width: Any) -> tuple[Any, int]:
+def reduced(x: Any, width: Any) -> tuple[Any, int]:
     """A straight way folded into [0, width], and the direction it has there."""
     rest = x - 2 * width * mp.floor(x / (2 * width))
     return (rest, 1) if rest < width else (2 * width - rest, -1)
@@ -40,7 +40,7 @@ BALL: dict[str, Any] = {
 
 def box(t: Any) -> dict[str, dict[str, Any]]:
     """A free particle between x = 0, 2 and y = 0, 1."""
-    (x, sx), (y, sy) = folded(mp.mpf("0.2") + mp.mpf("0.7") * t, 2), folded(mp.mpf("0.1") + mp.mpf("0.45") * t, 1)
+    (x, sx), (y, sy) = reduced(mp.mpf("0.2") + mp.mpf("0.7") * t, 2), reduced(mp.mpf("0.1") + mp.mpf("0.45") * t, 1)
     return {"q": {"x": x, "y": y}, "p": {"x": sx * mp.mpf("0.7"), "y": sy * mp.mpf("0.45")}}
 
 
@@ -116,14 +116,14 @@ def rays(t: Any) -> dict[str, dict[str, Any]]:
     """Walls at θ = −1/2 and θ = 1 alone."""
     ellipse = Ellipse()
     r, θ, speed = ellipse.free(t)
-    θ, sign = folded(θ + mp.mpf("0.5"), mp.mpf("1.5"))
+    θ, sign = reduced(θ + mp.mpf("0.5"), mp.mpf("1.5"))
     return {"q": {"r": r, "theta": θ - mp.mpf("0.5")}, "p": {"r": speed, "theta": sign * ellipse.L}}
 
 
 def sector(t: Any) -> dict[str, dict[str, Any]]:
     """Walls at r = 6/5, θ = −1/2 and θ = 1: H is even in both momenta, so θ is that of the circle, folded."""
     there = circle(t)
-    θ, sign = folded(there["q"]["theta"] + mp.mpf("0.5"), mp.mpf("1.5"))
+    θ, sign = reduced(there["q"]["theta"] + mp.mpf("0.5"), mp.mpf("1.5"))
     return {
         "q": {"r": there["q"]["r"], "theta": θ - mp.mpf("0.5")},
         "p": {"r": there["p"]["r"], "theta": sign * mp.mpf("1.1")},

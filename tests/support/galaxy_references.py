@@ -86,8 +86,8 @@ def _nodes(wing: Wing, low: Any, width: Any, h: Any, shift: Any) -> Vector:
     sums = [mpf(0)] * 4
     for k in range(int(-_SPAN / h), int(_SPAN / h) + 1):
         t = k * h + shift
-        swing = mpmath.pi * mpmath.sinh(t)
-        x, y = 1 / (1 + mpmath.exp(-swing)), 1 / (1 + mpmath.exp(swing))
+        libration = mpmath.pi * mpmath.sinh(t)
+        x, y = 1 / (1 + mpmath.exp(-libration)), 1 / (1 + mpmath.exp(libration))
         place = low + width * x if x < y else low + width - width * y
         squared, kernels = wing(place)
         if squared <= 0:  # nothing is left of the weight there

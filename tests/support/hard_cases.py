@@ -17,7 +17,7 @@ from mpmath import mp, mpf
 import hjsolve
 from tests.support import hard_exact
 
-Course = Callable[[mpf], Mapping[str, mpf]]
+CoordinatePath = Callable[[mpf], Mapping[str, mpf]]
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Case:
     solution: Callable[[], Any]
     start: Mapping[str, Any]
     kinds: Mapping[str, str]
-    truth: Course
+    truth: CoordinatePath
     times: tuple[str, ...]
     scale: Mapping[str, float]
     periods: Mapping[str, Callable[[], mpf]] = field(default_factory=dict)
@@ -129,7 +129,7 @@ def parabolic() -> Any:
 # ------------------------------------------------------------------------------------------------ families
 
 
-def swing(v: str, why: str, kind: str = "libration", periods: str = "0") -> Case:
+def libration(v: str, why: str, kind: str = "libration", periods: str = "0") -> Case:
     """A pendulum pushed from the bottom with angular velocity v = 2k, after some number of periods."""
     with mp.workdps(hard_exact.DIGITS):
         k = real(v) / 2
@@ -206,12 +206,12 @@ def cases() -> list[Case]:
         *(orbit(e, "hyperbolic, close to parabolic", "escape", 1e3) for e in ("1.000000000001", "1.0000001", "2")),
         *(orbit(f"-{e}", "nearly radial: passes close to the centre") for e in ("0.999999", "0.999999999999")),
         *(orbit("0.44", "overflow of squares", m=m, k=k, v=v) for m, k, v in (("1e100", "1e100", "1.2"), ("1e-100", "1e-100", "1.2"), ("1e100", "1e-100", "1.2e-100"), ("1e-100", "1e100", "1.2e100"))),
-        *(swing(v, "tiny amplitude: p² is a difference of near-equal numbers") for v in ("1e-4", "1e-8", "1e-12")),
-        *(swing(v, "close below the separatrix") for v in ("1.999998", "1.999999999998", "1.999999999999998")),
-        swing("2", "the separatrix: infinite time", "asymptotic"),
-        *(swing(v, "close above the separatrix", "rotation") for v in ("2.000000000000002", "2.000000000002", "2.000002")),
-        *(swing(v, "phase after many periods", periods=n) for v in ("0.2", "1.8", "1.999998", "1.999999999998") for n in ("1000", "1000000000", "1000000000000000")),
-        *(swing("3", "turns after many periods", "rotation", periods=n) for n in ("1000", "1000000000000000")),
+        *(libration(v, "tiny amplitude: p² is a difference of near-equal numbers") for v in ("1e-4", "1e-8", "1e-12")),
+        *(libration(v, "close below the separatrix") for v in ("1.999998", "1.999999999998", "1.999999999999998")),
+        libration("2", "the separatrix: infinite time", "asymptotic"),
+        *(libration(v, "close above the separatrix", "rotation") for v in ("2.000000000000002", "2.000000000002", "2.000002")),
+        *(libration(v, "phase after many periods", periods=n) for v in ("0.2", "1.8", "1.999998", "1.999999999998") for n in ("1000", "1000000000", "1000000000000000")),
+        *(libration("3", "turns after many periods", "rotation", periods=n) for n in ("1000", "1000000000000000")),
         well("1.2", "one of two wells"),
         *(well(a, "barely over or under the barrier") for a in ("1.4142135623", "1.4142135624", "1.41421356237309", "1.4142135623730951")),
         well("sqrt(2)", "at the barrier", "asymptotic"),

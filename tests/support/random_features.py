@@ -187,11 +187,11 @@ def _square(drawn: Draw) -> tuple[Callable[[mpf], mpf], Callable[[Any], Any]]:
     def squared(x: mpf) -> mpf:
         return mp.mpf(p0) ** 2 + exact(mp.mpf(q0)) - exact(x)
 
-    def rough(x: Any) -> Any:
+    def approximate(x: Any) -> Any:
         with np.errstate(all="ignore"):
             return p0**2 + doubles(np.float64(q0)) - doubles(x)
 
-    return squared, rough
+    return squared, approximate
 
 
 def _grid(drawn: Draw, low: float, high: float) -> Any:
@@ -315,8 +315,8 @@ def _sums(at: Callable[[mpf], tuple[mpf, mpf]], edges: list[mpf]) -> tuple[mpf, 
 
 
 def _piece(at: Callable[[mpf], tuple[mpf, mpf]], a: mpf, b: mpf, scale: mpf, depth: int = 12) -> list[mpf]:
-    rough, fine = (_once(at, a, b, count) for count in (20, 28))
-    if all(abs(x - y) <= _AGREE * (abs(y) + abs(scale)) for x, y in zip(rough, fine, strict=True)):
+    approximate, fine = (_once(at, a, b, count) for count in (20, 28))
+    if all(abs(x - y) <= _AGREE * (abs(y) + abs(scale)) for x, y in zip(approximate, fine, strict=True)):
         return fine
     if not depth:
         raise ArithmeticError("two rules do not agree")

@@ -288,11 +288,11 @@ def _truth(expression: sp.Expr, bounds: Bounds, source: random.Random) -> bool |
 
 
 def _place(low: sp.Expr | None, high: sp.Expr | None, source: random.Random) -> mpmath.mpf:
-    share = mpmath.mpf(source.randint(1, 996)) / 997
+    fraction = mpmath.mpf(source.randint(1, 996)) / 997
     a, b = (None if e is None else mpmath.mpf(sp.N(e, DIGITS)) for e in (low, high))
     if a is not None and b is not None:
-        return a + (b - a) * share
-    distance = share * source.choice((1, 3, 10))
+        return a + (b - a) * fraction
+    distance = fraction * source.choice((1, 3, 10))
     if a is None and b is None:
         return distance * source.choice((-1, 1))
     return a + distance if a is not None else b - distance

@@ -97,8 +97,8 @@ def _place(coordinate: object, base: float, numbers: Mapping[sp.Symbol, float], 
         return rng.choice([base, rng.uniform(-3.1, 3.1)])
     low, high = (_end(end, numbers) for end in (domain.lower, domain.upper))
     if low is not None and high is not None:
-        share = rng.uniform(0.05, 0.95) if rng.random() < 0.9 else 10 ** rng.uniform(-4, -1)
-        return low + (high - low) * share
+        fraction = rng.uniform(0.05, 0.95) if rng.random() < 0.9 else 10 ** rng.uniform(-4, -1)
+        return low + (high - low) * fraction
     if low is not None:
         return low + abs(base - low) * 10 ** rng.uniform(-0.4, 0.4)
     if high is not None:

@@ -88,17 +88,17 @@ class Line:
         return integral(lambda x: weight(x) * mp.sqrt(abs(self.square(x))), a, b) / mp.pi
 
 
-BLUR = 0.45
+ROUNDING_ERROR = 0.45
 """The error of an integral is below mp.eps to this power."""
 
 
 def integral(function: Callable[[mpf], mpf], a: mpf, b: mpf) -> mpf:
-    """By tanh-sinh rules to nearly half of the digits (a root in the integrand takes the others), ``BLUR``.
+    """By tanh-sinh rules to nearly half of the digits (a root in the integrand takes the others), ``ROUNDING_ERROR``.
 
     The rule tells its own error; where that is more, the way is cut into more pieces.
     """
     pieces, error, value = 1, mp.inf, mp.zero
-    while error > abs(value) * mp.eps**BLUR and pieces < 64:
+    while error > abs(value) * mp.eps**ROUNDING_ERROR and pieces < 64:
         pieces *= 2
         value, error = mp.quad(function, mp.linspace(a, b, pieces + 1), error=True)
     return value

@@ -130,14 +130,14 @@ def test_keplers_distance_at_any_eccentricity(e, way, monkeypatch) -> None:
     st.lists(st.floats(1e-13, 1.0), min_size=1, max_size=40),
     st.lists(st.floats(0.0, 1.0), min_size=1, max_size=40),
 )
-def test_the_guide_finds_the_panel_that_holds_the_argument(lengths, shares) -> None:
+def test_the_guide_finds_the_panel_that_holds_the_argument(lengths, fractions) -> None:
     edges = np.concatenate([[0.0], np.cumsum(lengths)])
     table = InterpolationTable(edges, (np.zeros((DEGREE + 1, len(lengths))),), (), (), np.zeros(len(lengths)))
-    u = np.minimum(np.concatenate([np.array(shares) * edges[-1], edges]), edges[-1])
+    u = np.minimum(np.concatenate([np.array(fractions) * edges[-1], edges]), edges[-1])
     panel = table.panels(u)
-    slack = 8 * 2.0**-52 * edges[-1]
-    assert np.all(edges[panel] <= u + slack)
-    assert np.all(u <= edges[panel + 1] + slack)
+    tolerance = 8 * 2.0**-52 * edges[-1]
+    assert np.all(edges[panel] <= u + tolerance)
+    assert np.all(u <= edges[panel + 1] + tolerance)
 
 
 def test_threads_share_the_compiled_loops(monkeypatch) -> None:

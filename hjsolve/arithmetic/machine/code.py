@@ -14,7 +14,7 @@ from hjsolve.arithmetic.machine.operations import APART, LENGTH, Instructions
 from hjsolve.arithmetic.machine.run import MachineProgram, prepared, run
 from hjsolve.arithmetic.number_types import Integers, Reals
 
-LANES = 8
+SLOTS = 8
 """Widths are rounded up to a multiple of this."""
 
 _KEPT = 128
@@ -79,7 +79,7 @@ class MachineCode:
         return program
 
     def _program(self, width: int, parameters: Sequence[float]) -> MachineProgram:
-        registers = aligned((self.rows, -(-width // LANES) * LANES))
+        registers = aligned((self.rows, -(-width // SLOTS) * SLOTS))
         known = [*parameters, *self.constants]
         registers[self.inputs : self.inputs + self.parameters + len(self.constants)] = np.reshape(known, (-1, 1))
         entry, others = prepared(self._apart)
@@ -105,8 +105,8 @@ def aligned(shape: tuple[int, ...]) -> Reals:
         shape: of the array; where the last axis has whole vectors, all rows begin so.
     """
     size = math.prod(shape)
-    room = np.zeros(size + LANES)
-    first = -room.ctypes.data // room.itemsize % LANES
+    room = np.zeros(size + SLOTS)
+    first = -room.ctypes.data // room.itemsize % SLOTS
     return room[first : first + size].reshape(shape)
 
 

@@ -2,7 +2,7 @@
 
 Registers of the machine are read and filled by ``load`` and ``store0`` … ``store3``. They promise LLVM that what an
 operation fills is not what it reads, nor what its other results fill: so loops become vector instructions without
-comparing addresses first. ``lanes`` are what a loop runs over whose body needs no single number: in plain Python all
+comparing addresses first. ``slots`` are what a loop runs over whose body needs no single number: in plain Python all
 lanes are one step, over numpy's arrays.
 """
 
@@ -65,11 +65,11 @@ if available():
     def _storing(scope: int) -> Callable[[Reals, int | np.int64, int | slice, Elementwise], None]:
         @intrinsic
         def store(
-            _context: TypingContext, registers: types.Array, _row: types.Type, _lane: types.Type, _value: types.Type
+            _context: TypingContext, registers: types.Array, _row: types.Type, _slot: types.Type, _value: types.Type
         ) -> Typed:
             def generate(context: BaseContext, builder: ir.IRBuilder, _signature: Signature, given: Values) -> ir.Value:
-                registers, row, lane, value = given
-                _marked(builder, builder.store(value, builder.gep(registers, [builder.add(row, lane)])), scope)
+                registers, row, slot, value = given
+                _marked(builder, builder.store(value, builder.gep(registers, [builder.add(row, slot)])), scope)
                 return context.get_dummy_value()
 
             return types.void(registers, types.int64, types.int64, types.float64), generate
@@ -77,14 +77,14 @@ if available():
         return store
 
     store0, store1, store2, store3 = map(_storing, range(4))
-    lanes: Any = range
+    slots: Any = range
 
     @intrinsic
-    def load(_context: TypingContext, registers: types.Array, _row: types.Type, _lane: types.Type) -> Typed:
+    def load(_context: TypingContext, registers: types.Array, _row: types.Type, _slot: types.Type) -> Typed:
         """Return a number of a register that an operation reads."""
 
-        def read(builder: ir.IRBuilder, registers: ir.Value, row: ir.Value, lane: ir.Value) -> ir.Value:
-            return _marked(builder, builder.load(builder.gep(registers, [builder.add(row, lane)])), _READ)
+        def read(builder: ir.IRBuilder, registers: ir.Value, row: ir.Value, slot: ir.Value) -> ir.Value:
+            return _marked(builder, builder.load(builder.gep(registers, [builder.add(row, slot)])), _READ)
 
         return _made_by(read, types.float64, registers, types.int64, types.int64)
 
@@ -144,17 +144,17 @@ if available():
 
 else:
 
-    def lanes(n: int) -> tuple[slice, ...]:
+    def slots(n: int) -> tuple[slice, ...]:
         """Return the first n lanes as one."""
         return (slice(n),)
 
-    def load(registers: Reals, row: int | np.int64, lane: int | slice) -> Elementwise:
+    def load(registers: Reals, row: int | np.int64, slot: int | slice) -> Elementwise:
         """Return a number of a register, or those of all lanes."""
-        return registers[row:][lane]
+        return registers[row:][slot]
 
-    def store0(registers: Reals, row: int | np.int64, lane: int | slice, value: Elementwise) -> None:
+    def store0(registers: Reals, row: int | np.int64, slot: int | slice, value: Elementwise) -> None:
         """Fill a number of a register, or those of all lanes."""
-        registers[row:][lane] = value
+        registers[row:][slot] = value
 
     store1 = store2 = store3 = store0
 

@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 
 from hjsolve.arithmetic.machine import elementary, pairs
-from hjsolve.arithmetic.machine.intrinsics import call_operation, lanes, load, store0, store1, store2, store3
+from hjsolve.arithmetic.machine.intrinsics import call_operation, load, slots, store0, store1, store2, store3
 from hjsolve.arithmetic.machine.operations import APART, LENGTH, NAMES, OPERATIONS, Instructions
 from hjsolve.arithmetic.number_types import Integers, Reals
 
@@ -42,40 +42,40 @@ def execute(  # noqa: C901  a table of operations
         operation, d = code[line], np.int64(code[line + 1]) * width
         a, b, c = np.int64(code[line + 5]) * width, np.int64(code[line + 6]) * width, np.int64(code[line + 7]) * width
         if operation == ADD:
-            for j in lanes(n):
+            for j in slots(n):
                 store0(r, d, j, load(r, a, j) + load(r, b, j))
         elif operation == SUB:
-            for j in lanes(n):
+            for j in slots(n):
                 store0(r, d, j, load(r, a, j) - load(r, b, j))
         elif operation == MUL:
-            for j in lanes(n):
+            for j in slots(n):
                 store0(r, d, j, load(r, a, j) * load(r, b, j))
         elif operation == DIV:
-            for j in lanes(n):
+            for j in slots(n):
                 store0(r, d, j, load(r, a, j) / load(r, b, j))
         elif operation == FMA:
-            for j in lanes(n):
+            for j in slots(n):
                 store0(r, d, j, load(r, a, j) * load(r, b, j) + load(r, c, j))
         elif operation == FMS:
-            for j in lanes(n):
+            for j in slots(n):
                 store0(r, d, j, load(r, a, j) * load(r, b, j) - load(r, c, j))
         elif operation == FNMA:
-            for j in lanes(n):
+            for j in slots(n):
                 store0(r, d, j, load(r, c, j) - load(r, a, j) * load(r, b, j))
         elif operation == ABSMUL:
-            for j in lanes(n):
+            for j in slots(n):
                 store0(r, d, j, abs(load(r, a, j)) * load(r, b, j))
         elif operation == FMAABS:
-            for j in lanes(n):
+            for j in slots(n):
                 store0(r, d, j, abs(load(r, a, j)) * load(r, b, j) + load(r, c, j))
         elif operation == NEG:
-            for j in lanes(n):
+            for j in slots(n):
                 store0(r, d, j, -load(r, a, j))
         elif operation == ABS:
-            for j in lanes(n):
+            for j in slots(n):
                 store0(r, d, j, abs(load(r, a, j)))
         elif operation == SQRT:
-            for j in lanes(n):
+            for j in slots(n):
                 store0(r, d, j, np.sqrt(load(r, a, j)))
         else:
             call_operation(others, operation, code, line, r, width, n)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hjsolve.arithmetic.machine.code import LANES, MachineCode
+from hjsolve.arithmetic.machine.code import SLOTS, MachineCode
 from hjsolve.arithmetic.machine.compiling import kernel
 from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Reals
@@ -28,13 +28,13 @@ def rows(program: MachineProgram, given: Reals, made: Reals) -> None:
     width = registers.shape[1]
     for first in range(0, n, width):
         count = min(width, n - first)
-        lanes = (count + LANES - 1) // LANES * LANES
+        slots = (count + SLOTS - 1) // SLOTS * SLOTS
         for k in range(given.shape[0]):
             for j in range(count):
                 registers[k, j] = given[k, first + j]
-            for j in range(count, lanes):  # the last orbit again: lanes that nobody reads
+            for j in range(count, slots):  # the last orbit again: lanes that nobody reads
                 registers[k, j] = given[k, first + count - 1]
-        run(program, lanes)
+        run(program, slots)
         for k in range(made.shape[0]):
             row = program.outputs[k]
             for j in range(count):

@@ -172,7 +172,7 @@ def in_two_doubles(chart: ChartMap, starts: Starts) -> Starts:
             still = (high[k] == 0) & (low[k] == 0) & (lost[k] == 0) & (starts.p[k] == 0)
             sign = np.where(high[k] < 0, -1.0, 1.0)
             root = exact.roots[row]
-            spread[k] = np.where(still, 0.0, _ERROR_FACTOR * exact.doubts[row] / (2 * root))
+            spread[k] = np.where(still, 0.0, _ERROR_FACTOR * exact.uncertainties[row] / (2 * root))
             high[k], low[k] = np.where(still, 0.0, sign * root), np.where(still, 0.0, sign * exact.roots_low[row])
         uncertainty = np.abs(low) + _FINER * spread
         known = np.isfinite(uncertainty) & np.isfinite(high) & np.isfinite(low)

@@ -37,7 +37,7 @@ class ExactStarts(NamedTuple):
         high, low: the momenta p_u at the exact position, shape (coordinates, n).
         lost: bounds on what doubles lose of them, the same shape.
         roots, roots_low: √F(û) of the separated coordinates, shape (separated, n).
-        doubts: bounds on what doubles lose of F(û), the same shape.
+        uncertainties: bounds on what doubles lose of F(û), the same shape.
     """
 
     high: Reals
@@ -45,7 +45,7 @@ class ExactStarts(NamedTuple):
     lost: Reals
     roots: Reals
     roots_low: Reals
-    doubts: Reals
+    uncertainties: Reals
 
 
 class ChartFormulas(NamedTuple):
@@ -139,8 +139,8 @@ def _rounding(
         for tape, k in zip(formulas.squares, formulas.separated, strict=True)
     ]
     nothing = errors.plain.rational(0, 1)
-    lost, doubts = ([nothing if r.error is None else r.error for r in found] for found in (momenta, squares))
-    return lost, doubts
+    lost, uncertainties = ([nothing if r.error is None else r.error for r in found] for found in (momenta, squares))
+    return lost, uncertainties
 
 
 def in_order_of_chart(order: Sequence[int], rows: Iterable[T]) -> list[T]:
@@ -196,12 +196,12 @@ def _starts(formulas: ChartFormulas, near: bool) -> MachineCode:
         *([pairs.of(value) for value in block] for block in (q, x, rates)),
         moved=pairs.displaced if near else pairs.add,
     )  # fmt: skip
-    lost, doubts = _rounding(
+    lost, uncertainties = _rounding(
         formulas, RunningError(writer, own=ROUNDINGS), known, (q, x, rates), [c.high for c in constants]
     )
     return writer.code([
         *(p.high for p in momenta), *(p.low for p in momenta), *lost,
-        *(r.high for r in roots), *(r.low for r in roots), *doubts,
+        *(r.high for r in roots), *(r.low for r in roots), *uncertainties,
     ])  # fmt: skip
 
 

@@ -196,14 +196,14 @@ class _Table:
 
     def place(self, re: Reals, im: Reals) -> Integers:
         """Return where the radii of some places stand; negative where that is not known yet."""
-        cells, (size, share) = self.cells, _shares(re, im)
-        along, turn = _numbers(size, share, re < 0, 0)
+        cells, (size, fraction) = self.cells, _fractions(re, im)
+        along, turn = _numbers(size, fraction, re < 0, 0)
         large = along * (2 * QUARTER) + turn
         start, depth = cells.start[large], cells.depth[large]
         if not depth.any():  # no cell is divided
             return start
         depth = np.maximum(depth, 0).astype(np.int64)
-        along, turn = _numbers(size, share, re < 0, depth)
+        along, turn = _numbers(size, fraction, re < 0, depth)
         within = (1 << depth) - 1
         return start + ((along & within) << depth) + (turn & within)
 
@@ -228,7 +228,7 @@ class _Table:
 
     def divide(self, re: Reals, im: Reals, unknown: Mask, radius_at: RadiusAt) -> None:
         """Decide how often large cells are halved."""
-        along, turn = _numbers(*_shares(re[unknown], im[unknown]), re[unknown] < 0, 0)
+        along, turn = _numbers(*_fractions(re[unknown], im[unknown]), re[unknown] < 0, 0)
         cells = np.unique(along * (2 * QUARTER) + turn)
         cells = cells[self.cells.start[cells] < 0]
         if not len(cells):
@@ -262,17 +262,17 @@ def _depth(cells: Integers, radius_at: RadiusAt) -> Integers:
     return np.where(np.isfinite(centre), depth, 0).astype(np.int64)
 
 
-def _shares(re: Reals, im: Reals) -> tuple[Reals, Reals]:
+def _fractions(re: Reals, im: Reals) -> tuple[Reals, Reals]:
     """|re| + im, and im/(|re| + im), which stands for an angle."""
     with np.errstate(all="ignore"):
         size = np.abs(re) + im
-        share = im / size
-    return np.ascontiguousarray(np.broadcast_to(size, np.shape(share))), np.where(size > 0, share, 0.0)
+        fraction = im / size
+    return np.ascontiguousarray(np.broadcast_to(size, np.shape(fraction))), np.where(size > 0, fraction, 0.0)
 
 
-def _numbers(size: Reals, share: Reals, left: Mask, depth: _Often) -> tuple[Integers, Integers]:
+def _numbers(size: Reals, fraction: Reals, left: Mask, depth: _Often) -> tuple[Integers, Integers]:
     """Return the cell of a place when all cells are halved ``depth`` times: along its size, and along the angle."""
-    turn = np.minimum((share * (QUARTER << depth)).astype(np.int64), (QUARTER << depth) - 1)
+    turn = np.minimum((fraction * (QUARTER << depth)).astype(np.int64), (QUARTER << depth) - 1)
     return size.view(np.int64) >> (DROPPED - depth), np.where(left, (2 * QUARTER << depth) - 1 - turn, turn)
 
 
@@ -281,7 +281,7 @@ def _middle(along: Integers, turn: Integers, depth: _Often) -> tuple[Complexes, 
     left = turn >= (QUARTER << depth)
     turn = np.where(left, (2 * QUARTER << depth) - 1 - turn, turn)
     sizes = [((along + k) << (DROPPED - depth)).view(np.float64) for k in (0, 1)]
-    shares = [(turn + k) / (QUARTER << depth) for k in (0, 1)]
-    corners = np.stack([np.where(left, -1, 1) * s * (1 - t) + 1j * s * t for s in sizes for t in shares])
+    fractions = [(turn + k) / (QUARTER << depth) for k in (0, 1)]
+    corners = np.stack([np.where(left, -1, 1) * s * (1 - t) + 1j * s * t for s in sizes for t in fractions])
     centre = corners.mean(axis=0)
     return centre, np.abs(corners - centre).max(axis=0)

@@ -22,7 +22,7 @@ import numpy as np
 
 from hjsolve.arithmetic.number_types import Complexes, Integers, Mask, Reals
 from hjsolve.ensembles.engine.kernels.path_integrals import Paths, PathTable, path_means
-from hjsolve.ensembles.engine.kernels.types import LANES
+from hjsolve.ensembles.engine.kernels.types import SLOTS
 from hjsolve.ensembles.engine.node_maps import COUNTS, NodeMap
 from hjsolve.ensembles.engine.nodes import libration_nodes
 from hjsolve.ensembles.engine.programs_of_paths import PathPrograms, pairs
@@ -177,7 +177,7 @@ def along(integrand: Integrand, tables: tuple[PathTable, ...], paths: Paths, vie
     made, bounds = np.empty((2 + 3 * results, m)), np.empty((2 + 2 * results, m))
     work = np.empty((7, table.steps.shape[1]))
     for codes, own, filled, bounded in (("means", table, made, False), ("bounds", fewer, bounds, True)):
-        width = max(LANES, own.steps.shape[1])
+        width = max(SLOTS, own.steps.shape[1])
         below, above = (
             getattr(programs, codes).program(width, integrand.parameters, half)
             for half, programs in enumerate(((integrand.below, integrand.above)[view], integrand.above))
@@ -187,9 +187,9 @@ def along(integrand: Integrand, tables: tuple[PathTable, ...], paths: Paths, vie
     values, left = made[2::3], np.maximum(made[3::3], made[4::3])
     with np.errstate(all="ignore"):
         c = left / scale[1:]
-        share = np.minimum(1.0, np.where(proved, (8 * c) ** _PROVED, (4 * c) ** _EXPECTED))
-        open_ = np.where(scale[1:] == 0, 0.0, scale[1:] * share)
-        share = np.where(scale[1:] == 0, 0.0, share)
+        fraction = np.minimum(1.0, np.where(proved, (8 * c) ** _PROVED, (4 * c) ** _EXPECTED))
+        open_ = np.where(scale[1:] == 0, 0.0, scale[1:] * fraction)
+        fraction = np.where(scale[1:] == 0, 0.0, fraction)
     place = np.zeros((n, varied), dtype=np.int64)
     for position, (j, k) in enumerate(each, varied):
         place[j, k] = position
@@ -199,5 +199,5 @@ def along(integrand: Integrand, tables: tuple[PathTable, ...], paths: Paths, vie
     good = (made[0] > 0) & np.isfinite(made).all(axis=0) & np.isfinite(bounds).all(axis=0)
     return Seconds(
         made[1], rounding[0], values[:varied], rounding[1 : 1 + varied] + 4 * open_[:varied], values[place],
-        error[place], scale[1:][place], np.max(share[varied:], axis=0), good,
+        error[place], scale[1:][place], np.max(fraction[varied:], axis=0), good,
     )  # fmt: skip

@@ -20,15 +20,15 @@ from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place
 from hjsolve.ensembles.engine.hidden_barriers import before_barriers
 from hjsolve.ensembles.engine.kernels import types
-from hjsolve.ensembles.engine.kernels.crowding import WARPS
+from hjsolve.ensembles.engine.kernels.crowding import CLUSTERINGS
 from hjsolve.ensembles.engine.kernels.cycle_integrals import integrals
-from hjsolve.ensembles.engine.kernels.outward_search import Lanes, SearchSide, smallness, turning_points
+from hjsolve.ensembles.engine.kernels.outward_search import SearchSide, Slots, smallness, turning_points
 from hjsolve.ensembles.engine.kernels.small_motions import small_ends
 from hjsolve.ensembles.engine.kernels.types import Modes, Motions, Sums, no_sums
 from hjsolve.ensembles.engine.libration_ends import LibrationEnds
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.node_maps import COUNTS, node_maps
-from hjsolve.ensembles.engine.nodes_about_crests import crests, singular_pairs
+from hjsolve.ensembles.engine.nodes_about_barrier_tops import barrier_tops, singular_pairs
 from hjsolve.ensembles.engine.programs import ExactPrograms, ViewPrograms, sides
 from hjsolve.ensembles.engine.programs_of_small_motions import SmallPrograms, has_slopes
 from hjsolve.ensembles.engine.proof_of_resolution import ResolutionProof, least_at_a_glance
@@ -52,7 +52,7 @@ _SMALL = 1e-13
 _RESTING = 2.0**-40
 """F′ at a place of rest, over what is not known of ½F″ and the size of q, that is no more than rounding."""
 
-_ROUGH = COUNTS.index(24), COUNTS.index(48)
+_APPROXIMATE = COUNTS.index(24), COUNTS.index(48)
 """Sizes for rough integrals: of circular anomalies, and of stretched ones."""
 
 _Halves = tuple[ViewPrograms | SmallPrograms | ExactPrograms, ViewPrograms | SmallPrograms | ExactPrograms]
@@ -104,17 +104,17 @@ def librations(one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bo
         if places:
             found.put(wide, *_turning_points(some, motions.lower, motions.upper))
     # p² next to a crest that is passed slowly may have no digits in doubles
-    rough = np.flatnonzero(np.where(sums.good, rough_ones(sums, modes) if exact else False, slow))
-    if len(rough):
-        better, bases, slopes = _exactly(one.take(rough), modes)
+    approximate = np.flatnonzero(np.where(sums.good, approximate_ones(sums, modes) if exact else False, slow))
+    if len(approximate):
+        better, bases, slopes = _exactly(one.take(approximate), modes)
         fine = np.flatnonzero(better.good)
-        sums.put(rough[fine], better.take(fine))
+        sums.put(approximate[fine], better.take(fine))
         if places and len(fine):
-            found.put(rough[fine], *_turning_points_of_32_digits(one.take(rough), bases, slopes, fine))
+            found.put(approximate[fine], *_turning_points_of_32_digits(one.take(approximate), bases, slopes, fine))
     return sums, found
 
 
-def rough_ones(sums: Sums, modes: Modes) -> Mask:
+def approximate_ones(sums: Sums, modes: Modes) -> Mask:
     """Tell which errors are not small.
 
     Args:
@@ -145,7 +145,7 @@ def _walk(one: CoordinateOfOrbits, upper: int) -> SearchSide:
 
 
 # ------------------------------------------------------------------------------------------------- seen from the ends
-def _over_crests(
+def _over_barrier_tops(
     one: CoordinateOfOrbits, motions: Motions, placed: Motions, known: tuple[Sums, Modes, _Halves]
 ) -> Integers:
     """Integrate motions that pass slowly over a crest or by a pair of singularities, where other nodes were not enough.
@@ -154,7 +154,7 @@ def _over_crests(
     """
     sums, modes, programs = known
     over = np.empty(0, dtype=np.int64)
-    for finder in (crests, singular_pairs):
+    for finder in (barrier_tops, singular_pairs):
         left = np.flatnonzero(~sums.good & (motions.width > 0))
         if not len(left):
             break
@@ -163,9 +163,11 @@ def _over_crests(
         if not len(some):
             continue
         first, none = node_maps().index(found.maps), np.zeros(len(some), dtype=np.int64)
-        own, where = (_taken(x, some)._replace(first=first, share=none, crest=found.places) for x in (motions, placed))
+        own, where = (
+            _taken(x, some)._replace(first=first, fraction=none, barrier_top=found.places) for x in (motions, placed)
+        )
         sums.put(some, _resolved(one.take(some), own, where, modes, programs))
-        over = some if finder is crests else over
+        over = some if finder is barrier_tops else over
     return over
 
 
@@ -199,21 +201,21 @@ def _by_any_nodes(
     sums = _resolved(one, motions, motions, modes, (below, above))
     again = np.flatnonzero(~sums.good & (motions.width > 0) & ~ends.even)
     if len(again):  # a zero and a pole beyond an end may hide each other: both ends as if they were like the worse one
-        first, share = ends.take(again).maps(motions.width[again], alike=True)
-        part = _taken(motions, again)._replace(first=first, share=share)
+        first, fraction = ends.take(again).maps(motions.width[again], alike=True)
+        part = _taken(motions, again)._replace(first=first, fraction=fraction)
         sums.put(again, _resolved(one, part, part, modes, (below, above)))
-    return sums, _over_crests(one, motions, motions, (sums, modes, (below, above)))
+    return sums, _over_barrier_tops(one, motions, motions, (sums, modes, (below, above)))
 
 
 def _between(one: CoordinateOfOrbits) -> tuple[Motions, LibrationEnds]:
     """Return the motions between their turning points, in doubles."""
     n = len(one.q)
     places, bends = np.empty((2, n)), np.empty((2, 2, n))
-    lanes = Lanes(np.zeros((5, _SEARCHING), dtype=np.int64), np.empty((4, _SEARCHING)), np.empty((3, n)))
+    slots = Slots(np.zeros((5, _SEARCHING), dtype=np.int64), np.empty((4, _SEARCHING)), np.empty((3, n)))
     for upper, view in enumerate(one.programs.views):
         walk = _walk(one, upper)
         bend, slopes = (code.program(_SEARCHING, one.parameters) for code in (view.bend, view.slopes))
-        turning_points(bend, slopes, walk, places[upper], bends[upper], lanes)
+        turning_points(bend, slopes, walk, places[upper], bends[upper], slots)
     return _placed_between(one, places, bends)
 
 
@@ -233,13 +235,13 @@ def _placed_between(one: CoordinateOfOrbits, places: Reals, bends: Reals) -> tup
     width = distances[0] + distances[1]
     even = one.coordinate.even & (np.abs(distances[0] - distances[1] - 2 * one.q) <= 1e-13 * width)
     ends = LibrationEnds(node_maps(), bends, np.array([float(below.sign), -float(above.sign)]), even)
-    first, share = ends.maps(width)
+    first, fraction = ends.maps(width)
     homes = np.stack([_home(below, places[0], above, places[1]), _home(above, places[1], below, places[0])])
     motions = Motions(
         momentum=one.P, left=distances[0], right=distances[1], width=width, lower=places[0], upper=places[1],
         homes=homes, signs=ends.signs, known=np.ascontiguousarray(one.constants.T),
         uncertainty=np.ascontiguousarray(one.uncertainty.T), first=first, least=np.zeros(n, dtype=np.int64),
-        share=share, crest=np.ones(n),
+        fraction=fraction, barrier_top=np.ones(n),
     )  # fmt: skip
     return motions, ends
 
@@ -247,15 +249,15 @@ def _placed_between(one: CoordinateOfOrbits, places: Reals, bends: Reals) -> tup
 def _resolved(one: CoordinateOfOrbits, motions: Motions, placed: Motions, modes: Modes, programs: _Halves) -> Sums:
     """Integrate with as many nodes as are proved to resolve every motion, which lies where ``placed`` says."""
     below, above = sides(one.coordinate)
-    if modes.rough:
-        motions.least[:] = np.where(motions.first < len(WARPS), *_ROUGH)
+    if modes.approximate:
+        motions.least[:] = np.where(motions.first < len(CLUSTERINGS), *_APPROXIMATE)
         return _integrated(one, motions, modes, programs)
     proof, n = ResolutionProof(node_maps(), placed, below.clearance, above.clearance), len(motions.width)
     span = np.stack([np.zeros(n, dtype=np.int64), np.full(n, len(COUNTS))])
     least = proof.least(np.arange(n), motions.first, span)
     if modes.oscillations:  # coefficients as they are, not nearly squared: never enough, of stretched maps by far
         most = len(COUNTS) - 1
-        least = np.where(least < 0, least, np.minimum(least + np.where(motions.first < len(WARPS), 1, 2), most))
+        least = np.where(least < 0, least, np.minimum(least + np.where(motions.first < len(CLUSTERINGS), 1, 2), most))
     motions.least[:] = least
     sums = _integrated(one, motions, modes, programs)
     crowded = np.flatnonzero(sums.good & (sums.chosen[1] != motions.first))
@@ -311,17 +313,17 @@ def _exactly(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, list[Reals], 
         bends[k, 0] = slope
     left, right = distances
     first, _ = ends._replace(bends=bends).maps(left + right)
-    share = np.zeros_like(first)  # turning points to 32 digits leave nothing to be lost far from them
+    fraction = np.zeros_like(first)  # turning points to 32 digits leave nothing to be lost far from them
     motions = placed._replace(
         left=left, right=right, width=left + right, lower=0.0 * left, upper=0.0 * right,
-        homes=np.zeros((2, len(left))), first=first, share=share,
+        homes=np.zeros((2, len(left))), first=first, fraction=fraction,
         known=np.ascontiguousarray(np.stack([*C, *bases], axis=1)),
         uncertainty=np.ascontiguousarray(_in_doubles(one).T),
     )  # fmt: skip
-    placed = placed._replace(width=motions.width, first=first, share=share)
+    placed = placed._replace(width=motions.width, first=first, fraction=fraction)
     modes = modes._replace(chords=False, shifts=False)
     sums = _resolved(one, motions, placed, modes, one.programs.exact)
-    _over_crests(one, motions, placed, (sums, modes, one.programs.exact))
+    _over_barrier_tops(one, motions, placed, (sums, modes, one.programs.exact))
     return sums, bases, bends[:, 0]
 
 
@@ -393,16 +395,16 @@ def _small(one: CoordinateOfOrbits, modes: Modes, known: Reals, ends: Reals) -> 
     width = high - low
     with np.errstate(invalid="ignore"):
         middle = one.q + 0.5 * (low + high)
-        if modes.rough:
-            least = np.full(len(width), _ROUGH[0])
+        if modes.approximate:
+            least = np.full(len(width), _APPROXIMATE[0])
         else:
             least = least_at_a_glance(maps, plain.clearance, tuple(one.constants), middle, width)
     none = np.zeros(len(width), dtype=np.int64)
     motions = Motions(
         momentum=one.P, left=-low, right=high, width=width, lower=low, upper=high, homes=ends,
         signs=np.array([1.0, -1.0]), known=np.ascontiguousarray(known.T),
-        uncertainty=np.ascontiguousarray(one.uncertainty.T), first=none, least=least, share=none,
-        crest=np.ones(len(width)),
+        uncertainty=np.ascontiguousarray(one.uncertainty.T), first=none, least=least, fraction=none,
+        barrier_top=np.ones(len(width)),
     )  # fmt: skip
     some = np.flatnonzero((least < 0) & (width > 0))
     if len(some):
@@ -439,12 +441,12 @@ def _at_rest(one: CoordinateOfOrbits, first: Reals) -> Sums:
     given = np.stack([one.q, *one.constants, *one.uncertainty])
     sums = no_sums(m, len(one.q))
     with np.errstate(all="ignore"):
-        bend, doubt = run_rows(made.bounds, one.parameters, given)
+        bend, uncertainty = run_rows(made.bounds, one.parameters, given)
         kernels, errors = np.split(run_rows(made.kernels, one.parameters, given), 2)
         root = np.sqrt(-bend)
         sums.means[:] = kernels / root
-        sums.mean_errors[:] = errors / root + np.abs(kernels / root) * doubt / -bend
-        resting = (np.abs(first) <= _RESTING * doubt * np.maximum(np.abs(one.q), _RESTING)) & np.isfinite(root)
+        sums.mean_errors[:] = errors / root + np.abs(kernels / root) * uncertainty / -bend
+        resting = (np.abs(first) <= _RESTING * uncertainty * np.maximum(np.abs(one.q), _RESTING)) & np.isfinite(root)
     sums.speeds[:] = sums.means
     for zero in ("action", "action_error", "oscillations", "oscillation_errors", "phase", "phase_error"):
         getattr(sums, zero)[...] = 0.0

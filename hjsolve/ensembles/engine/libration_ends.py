@@ -54,5 +54,5 @@ class LibrationEnds(NamedTuple):
             some = np.flatnonzero(stretched)
             if len(some):
                 index[some] = self.known.index(fitting(lower[some], upper[some], self.even[some]))
-            share = np.where(~self.even, views(self.bends[0, 0], self.bends[1, 0], (lower, upper)), 0)
-        return index, share
+            fraction = np.where(~self.even, views(self.bends[0, 0], self.bends[1, 0], (lower, upper)), 0)
+        return index, fraction

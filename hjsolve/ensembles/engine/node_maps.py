@@ -16,15 +16,15 @@ import numpy as np
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Elementwise, Integers, Mask, Reals
 from hjsolve.ensembles.engine import nodes
-from hjsolve.ensembles.engine.kernels.crowding import CREST, EVEN, WARPS
+from hjsolve.ensembles.engine.kernels.crowding import BARRIER_TOP, CLUSTERINGS, EVEN
 from hjsolve.ensembles.engine.kernels.types import VECTOR, Strips, Tables
 from hjsolve.ensembles.engine.nodes import MOST_LEVEL
-from hjsolve.ensembles.engine.strips_of_analyticity import across, covered_strip, crest_disks, disks, squares
+from hjsolve.ensembles.engine.strips_of_analyticity import across, barrier_top_disks, covered_strip, disks, squares
 
 COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128, 160, 192, 256, 320, 384, 512, 768, 1024)
 """Numbers of nodes: whole vectors of eight."""
 
-SAMPLES, STRETCHED_SAMPLES, CREST_SAMPLES = 4, 12, 13
+SAMPLES, STRETCHED_SAMPLES, BARRIER_TOP_SAMPLES = 4, 12, 13
 """Places at which rounding errors are looked at, next to the middle; one at a crest itself, where p² is least."""
 
 _WIDEST = COUNTS[-1]
@@ -43,7 +43,7 @@ class NodeMap(NamedTuple):
     """A map.
 
     Attributes:
-        node_map: place in the table of crowdings; ``CREST`` for one about a crest, which has its level twice.
+        node_map: place in the table of crowdings; ``BARRIER_TOP`` for one about a crest, which has its level twice.
         lower, upper: logarithms to base 2 of 1 + ρ_d and 1 + ρ_c; their sum is even.
     """
 
@@ -59,16 +59,16 @@ class NodeMap(NamedTuple):
     @property
     def symmetry(self) -> int:
         """2 for an even motion, else 1."""
-        return 2 if EVEN <= self.node_map < CREST else 1
+        return 2 if EVEN <= self.node_map < BARRIER_TOP else 1
 
-    def dividing(self, share: int) -> float:
+    def dividing(self, fraction: int) -> float:
         """(q − a)/(b − q) up to which a motion is seen from its lower end; see ``views``.
 
         The ratio, not (q − a)/W: next to the upper end that is 1 in doubles from 1 + ρ_c = 2⁵⁴ on.
         """
         if self.level == 0:
-            return (1.0, (1.0 - _PART) / _PART, _PART / (1.0 - _PART))[share]
-        return (1.0, 2.0**self.upper, 2.0**-self.lower)[share]
+            return (1.0, (1.0 - _PART) / _PART, _PART / (1.0 - _PART))[fraction]
+        return (1.0, 2.0**self.upper, 2.0**-self.lower)[fraction]
 
     def stretched(self, sn2: Elementwise, cn2: Elementwise) -> tuple[Elementwise, Elementwise]:
         """Return (q − a)/W and (b − q)/W where sn² and cn² are these."""
@@ -115,13 +115,13 @@ class NodeMaps:
     """All maps that were ever needed, and their tables; several threads may ask for more at the same time."""
 
     def __init__(self) -> None:
-        """Begin with the maps that stretch nothing, in the order of ``WARPS``."""
+        """Begin with the maps that stretch nothing, in the order of ``CLUSTERINGS``."""
         self._lock = Lock()
         self._places: dict[NodeMap, int] = {}
-        self._by_kind = np.full((len(WARPS) + 1, 2 * MOST_LEVEL + 1, 2 * MOST_LEVEL + 1), -1, dtype=np.int64)
+        self._by_kind = np.full((len(CLUSTERINGS) + 1, 2 * MOST_LEVEL + 1, 2 * MOST_LEVEL + 1), -1, dtype=np.int64)
         self.tables, none = _shared_tables(), np.empty(0)
         self.strips = Strips(none, none, none, none, np.full((3, 0, len(COUNTS)), -1))
-        self._add([NodeMap(node_map) for node_map in range(len(WARPS))])
+        self._add([NodeMap(node_map) for node_map in range(len(CLUSTERINGS))])
 
     def index(self, maps: Integers) -> Integers:
         """Return the places of some maps in the tables, which grow where it must be.
@@ -154,7 +154,9 @@ class NodeMaps:
         self.tables = self.tables._replace(**grown)
         begin = len(self._places)
         shape = (len(keys), len(COUNTS))
-        plain = [[across(n, WARPS[k.node_map], k.symmetry) if k.level == 0 else np.inf for n in COUNTS] for k in keys]
+        plain = [
+            [across(n, CLUSTERINGS[k.node_map], k.symmetry) if k.level == 0 else np.inf for n in COUNTS] for k in keys
+        ]
         counts = np.concatenate([self.strips.counts, np.full((3, *shape), -1)], axis=1)
         self.strips = self.strips._replace(enough=_joined(self.strips.enough, np.array(plain)), counts=counts)
         for k, key in enumerate(keys):  # last, for whoever looks without the lock
@@ -220,20 +222,20 @@ def _shared_tables() -> Tables:
 
 def _rows(key: NodeMap) -> dict[str, Elementwise]:
     """Return the rows of one map in the tables."""
-    samples = CREST_SAMPLES if key.node_map == CREST else SAMPLES if key.level == 0 else STRETCHED_SAMPLES
+    samples = BARRIER_TOP_SAMPLES if key.node_map == BARRIER_TOP else SAMPLES if key.level == 0 else STRETCHED_SAMPLES
     parts = [nodes.equal_anomalies(count, key.symmetry * count) for count in COUNTS]
-    share = np.pi / key.symmetry / (samples - 1 + 2 * _MARGIN)
-    equal = np.array([(k + _MARGIN) * share for k in range(samples)])
+    fraction = np.pi / key.symmetry / (samples - 1 + 2 * _MARGIN)
+    equal = np.array([(k + _MARGIN) * fraction for k in range(samples)])
     split, farthest = _divided(key)
     among = np.concatenate([equal, farthest])
     χ = Pair(
         np.concatenate([*(part.high for part in parts), among]),
         np.concatenate([*(part.low for part in parts), 0.0 * among]),
     )
-    known, x, y, root = _crest(key, χ) if key.node_map == CREST else _stretched(key, χ)
-    places = np.zeros((4, CREST_SAMPLES + len(farthest)))
+    known, x, y, root = _barrier_top(key, χ) if key.node_map == BARRIER_TOP else _stretched(key, χ)
+    places = np.zeros((4, BARRIER_TOP_SAMPLES + len(farthest)))
     seen = np.stack([x, y, root, np.sin(χ.high) ** 2])[:, -len(among) :]
-    places[:, :samples], places[:, CREST_SAMPLES:] = seen[:, :samples], seen[:, samples:]
+    places[:, :samples], places[:, BARRIER_TOP_SAMPLES:] = seen[:, :samples], seen[:, samples:]
     return {
         "maps": np.array(known),
         "low": x[: -len(among)],
@@ -242,7 +244,9 @@ def _rows(key: NodeMap) -> dict[str, Elementwise]:
         "split": split,
         "places": places,
         "samples": np.array(samples),
-        "spans": np.array([_spans(key, equal, share, *farthest[2 * share : 2 * share + 2]) for share in range(3)]),
+        "spans": np.array(
+            [_spans(key, equal, fraction, *farthest[2 * fraction : 2 * fraction + 2]) for fraction in range(3)]
+        ),
     }
 
 
@@ -256,13 +260,13 @@ def _stretched(key: NodeMap, χ: Pair) -> _Placed:
     d, c = 2.0**key.lower - 1, 2.0**key.upper - 1
     if key.level:
         derivative = (2 * quarter / np.pi * derivative) * np.sqrt(complement * (1 + c * y) * (1 + d * x))
-    known = [*WARPS[key.node_map], quarter, complement, d, c, float(key.symmetry), 0.0]
+    known = [*CLUSTERINGS[key.node_map], quarter, complement, d, c, float(key.symmetry), 0.0]
     return known, x, y, derivative * np.sqrt(x * y)
 
 
-def _crest(key: NodeMap, χ: Pair) -> _Placed:
+def _barrier_top(key: NodeMap, χ: Pair) -> _Placed:
     """Return the same of nodes about a crest half way."""
-    complement, quarter, x, y, root = nodes.crest_places(χ, key.level)
+    complement, quarter, x, y, root = nodes.barrier_top_places(χ, key.level)
     return [0.0, 0.0, quarter, complement, 0.0, 0.0, 1.0, 1.0], x, y, root
 
 
@@ -272,28 +276,28 @@ def _divided(key: NodeMap) -> tuple[Integers, Reals]:
     Whole vectors are, where that moves no more than a few nodes.
     """
     split, farthest = np.empty((len(COUNTS), 3), dtype=np.int64), np.empty(6)
-    for share in range(3):
+    for fraction in range(3):
         if key.symmetry == 2:
-            split[:, share], farthest[2 * share : 2 * share + 2] = COUNTS, 0.5 * np.pi
+            split[:, fraction], farthest[2 * fraction : 2 * fraction + 2] = COUNTS, 0.5 * np.pi
             continue
-        middle = _at_half(key, key.dividing(share))
+        middle = _at_half(key, key.dividing(fraction))
         for k, count in enumerate(COUNTS):
             part = middle / np.pi * count
-            whole = {_FROM_MIDDLE: np.rint, _FROM_BELOW: np.ceil, _FROM_ABOVE: np.floor}[share](part / VECTOR)
+            whole = {_FROM_MIDDLE: np.rint, _FROM_BELOW: np.ceil, _FROM_ABOVE: np.floor}[fraction](part / VECTOR)
             rounded = VECTOR * int(whole)
             fits = VECTOR <= rounded <= count - VECTOR and not (key.node_map and not key.level)
-            split[k, share] = rounded if fits else min(max(round(part), 1), count - 1)
-        last = (split[:, share] - 0.5) * np.pi / COUNTS
-        farthest[2 * share] = max(last.max(), middle)
-        farthest[2 * share + 1] = min((last + np.pi / np.array(COUNTS)).min(), middle)
+            split[k, fraction] = rounded if fits else min(max(round(part), 1), count - 1)
+        last = (split[:, fraction] - 0.5) * np.pi / COUNTS
+        farthest[2 * fraction] = max(last.max(), middle)
+        farthest[2 * fraction + 1] = min((last + np.pi / np.array(COUNTS)).min(), middle)
     return split, farthest
 
 
-def _spans(key: NodeMap, equal: Reals, share: int, below: float, above: float) -> tuple[int, int, int]:
+def _spans(key: NodeMap, equal: Reals, fraction: int, below: float, above: float) -> tuple[int, int, int]:
     """How many samples are seen from below, and between which ones both views are used: at χ from above to below."""
     if key.symmetry == 2:
         return len(equal), len(equal) - 1, len(equal) - 1
-    inside = int((equal <= _at_half(key, key.dividing(share))).sum())
+    inside = int((equal <= _at_half(key, key.dividing(fraction))).sum())
     first = int((equal <= above).sum()) - 1
     last = len(equal) - int((equal >= below).sum())
     return inside, min(max(first, 0), inside - 1), max(min(last, len(equal) - 1), inside)
@@ -301,7 +305,7 @@ def _spans(key: NodeMap, equal: Reals, share: int, below: float, above: float) -
 
 def _at_half(key: NodeMap, ratio: float) -> float:
     """χ where (q − a)/(b − q) has some value, nearly: doubles are enough."""
-    if key.node_map == CREST:
+    if key.node_map == BARRIER_TOP:
         return 0.5 * np.pi
     χ = np.linspace(0.0, np.pi, 514)[1:-1]
     table = nodes.libration_nodes(COUNTS[0], key.level, key.node_map)
@@ -314,8 +318,8 @@ def _disks(key: NodeMap, count: int) -> tuple[Reals, Reals, Reals, int]:
 
     An infinite radius says that the strip holds a pole of the map.
     """
-    if key.node_map == CREST:
-        low, high, radii = crest_disks(nodes.crest_nodes(count, key.level))
+    if key.node_map == BARRIER_TOP:
+        low, high, radii = barrier_top_disks(nodes.barrier_top_nodes(count, key.level))
     else:
         table = nodes.libration_nodes(count, key.level, key.node_map)
         low, high, radii = disks(covered_strip(table), 2.0**key.lower - 1)

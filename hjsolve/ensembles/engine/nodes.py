@@ -8,7 +8,7 @@ p² does happens within a small part of the period. So the nodes are drawn toget
 
     u = K/π (χ + γ₁ sin χ + ½ γ₂ sin 2χ)
 
-keeps the symmetries of χ = 0 and π, with γ such that du/dχ is least at χ = 0, π/4, π/2, 3π/4 or π (``WARPS``).
+keeps the symmetries of χ = 0 and π, with γ such that du/dχ is least at χ = 0, π/4, π/2, 3π/4 or π (``CLUSTERINGS``).
 
 A ``level`` is l in k′² = 4^−l, ``count`` the nodes in half a period, ``node_map`` the place in the table of crowdings;
 phases χ are in two doubles.
@@ -26,7 +26,7 @@ from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.elliptic import descended, means
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Mask, Reals
-from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
+from hjsolve.ensembles.engine.kernels.crowding import CLUSTERINGS, EVEN
 
 MOST_LEVEL = 44
 """Largest n of k′² = 4⁻ⁿ, k′ = 6e-14: nearer zeros of p² than that part of the motion converge more slowly."""
@@ -87,7 +87,7 @@ def libration_nodes(count: int, level: int, node_map: int = 0) -> Nodes:
     χ = equal_anomalies(count, symmetry * count)
     quarter = float(_moduli(level)[1].high)
     functions = partial(_functions_at, χ, level, node_map)
-    return Nodes(χ.high, symmetry, 4.0**-level, quarter, WARPS[node_map], functions)
+    return Nodes(χ.high, symmetry, 4.0**-level, quarter, CLUSTERINGS[node_map], functions)
 
 
 def _functions_at(χ: Pair, level: int, node_map: int) -> tuple[Reals, Reals, Reals]:
@@ -104,7 +104,7 @@ def series(count: int) -> Reals:
 def libration_places(χ: Pair, level: int, node_map: int) -> tuple[float, float, Reals, Reals, Reals]:
     """Return k′² and K, and ``low``, ``high``, ``derivative`` of ``libration_nodes`` at some anomalies."""
     D = DoubleDouble()
-    γ, δ = (Pair(c, 0.0) for c in WARPS[node_map])
+    γ, δ = (Pair(c, 0.0) for c in CLUSTERINGS[node_map])
     turned, twice = D.unary("sin", χ), D.unary("sin", _twice(χ))
     goal = D.add(χ, D.add(D.mul(γ, turned), D.mul(Pair(0.5 * δ.high, 0.0), twice)))
     complement, quarter, sn, cn, _ = _functions(goal, level)
@@ -113,14 +113,14 @@ def libration_places(χ: Pair, level: int, node_map: int) -> tuple[float, float,
 
 
 @cache
-def crest_nodes(count: int, level: int) -> Nodes:
+def barrier_top_nodes(count: int, level: int) -> Nodes:
     """Return the nodes of half a period that crowd about a crest half way; k′² = 4^−level."""
     χ, quarter = equal_anomalies(count, count), float(_moduli(level)[1].high)
-    return Nodes(χ.high, 1, 4.0**-level, quarter, WARPS[0], lambda: crest_places(χ, level)[2:])
+    return Nodes(χ.high, 1, 4.0**-level, quarter, CLUSTERINGS[0], lambda: barrier_top_places(χ, level)[2:])
 
 
-def crest_places(χ: Pair, level: int) -> tuple[float, float, Reals, Reals, Reals]:
-    """Return k′² and K, and X = (1 − cn)/2, 1 − X and dX/dχ with cn of 2K χ/π: the nodes of ``nodes_about_crests``."""
+def barrier_top_places(χ: Pair, level: int) -> tuple[float, float, Reals, Reals, Reals]:
+    """Return k′² and K, X = (1 − cn)/2, 1 − X, dX/dχ with cn of 2K χ/π: nodes of ``nodes_about_barrier_tops``."""
     D, half = DoubleDouble(), Pair(0.5, 0.0)
     complement, quarter, sn, cn, dn = _functions(_twice(χ), level)
     below = cn.high < 0
@@ -139,7 +139,7 @@ def rotation_nodes(count: int, level: int, slow: int = 1) -> Nodes:
         slow: how many slow places there are, 1 or 2; with two of them ``low`` is θ of ``turned_circle``.
     """
     χ, quarter = equal_anomalies(count, count // 2), float(_moduli(level)[1].high)
-    return Nodes(χ.high, 1, 4.0**-level, quarter, WARPS[0], partial(_turn, count, level, slow), slow)
+    return Nodes(χ.high, 1, 4.0**-level, quarter, CLUSTERINGS[0], partial(_turn, count, level, slow), slow)
 
 
 def _turn(count: int, level: int, slow: int) -> tuple[Reals, Reals, Reals]:
@@ -180,8 +180,8 @@ def _functions(χ: Pair, level: int) -> tuple[float, float, Pair, Pair, Pair]:
         half = Pair(0.5 * χ.high, 0.5 * χ.low)
         return 1.0, np.pi / 2, D.unary("sin", half), D.unary("cos", half), one
     turn = D.pi()
-    folded, mirrored = χ.high > np.pi, D.sub(_twice(turn), χ)
-    χ = _where(folded, mirrored, χ)
+    reduced, mirrored = χ.high > np.pi, D.sub(_twice(turn), χ)
+    χ = _where(reduced, mirrored, χ)
     far = χ.high > np.pi / 2
     sn, cn, dn = descended(D.mul(_where(far, D.sub(turn, χ), χ), D.div(quarter, turn)), [*pairs], D)
     k = 2.0**-level
@@ -190,7 +190,7 @@ def _functions(χ: Pair, level: int) -> tuple[float, float, Pair, Pair, Pair]:
         _where(far, D.div(Pair(k * sn.high, k * sn.low), dn), cn),
         _where(far, D.div(Pair(k, 0.0), dn), dn),
     )
-    sign = np.where(folded, -1.0, 1.0)
+    sign = np.where(reduced, -1.0, 1.0)
     return 4.0**-level, float(quarter.high), sn, Pair(sign * cn.high, sign * cn.low), dn
 
 

@@ -16,7 +16,7 @@ from hjsolve.ensembles.engine.constants import InitialConstants, initial_constan
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
 from hjsolve.ensembles.engine.escapes import escaping
 from hjsolve.ensembles.engine.kernels.types import Modes, Sums, no_sums
-from hjsolve.ensembles.engine.librating import TurningPoints, librations, rough_ones
+from hjsolve.ensembles.engine.librating import TurningPoints, approximate_ones, librations
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import SystemPrograms
 from hjsolve.ensembles.engine.rotating import going_round, rotations
@@ -109,11 +109,11 @@ def integrated(one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bo
         if len(going.orbits):
             some = one.take(going.orbits)
             part = rotations(some, going.slow, modes, finely=False)
-            rough = np.flatnonzero(~part.good | rough_ones(part, modes)) if exact else going.orbits[:0]
-            if len(rough):
-                better = rotations(some.take(rough), going.slow.take(rough), modes, finely=True)
+            approximate = np.flatnonzero(~part.good | approximate_ones(part, modes)) if exact else going.orbits[:0]
+            if len(approximate):
+                better = rotations(some.take(approximate), going.slow.take(approximate), modes, finely=True)
                 fine = np.flatnonzero(better.good)
-                part.put(rough[fine], better.take(fine))
+                part.put(approximate[fine], better.take(fine))
             sums.put(going.orbits, part)
     others = np.flatnonzero(~round_)
     if len(others):

@@ -173,11 +173,11 @@ def placed(
             for view, x in zip(codes, offsets, strict=True)
         )
         bends = np.stack([np.stack([slope, 0.5 * bend]) for _, slope, bend in seen])
-        maps, share = LibrationEnds(node_maps(), bends, signs, np.zeros(n, dtype=bool)).maps(width)
+        maps, fraction = LibrationEnds(node_maps(), bends, signs, np.zeros(n, dtype=bool)).maps(width)
     motions = Motions(
         momentum=0 * width, left=width, right=width, width=width, lower=offsets[0], upper=offsets[1], homes=offsets,
-        signs=signs, known=np.zeros((n, 1)), uncertainty=np.zeros((n, 1)), first=maps, least=none, share=share,
-        crest=np.ones(n),
+        signs=signs, known=np.zeros((n, 1)), uncertainty=np.zeros((n, 1)), first=maps, least=none, fraction=fraction,
+        barrier_top=np.ones(n),
     )  # fmt: skip
     proof = ResolutionProof(node_maps(), motions, formulas[0].clearance, formulas[1].clearance)
     least = proof.least(np.arange(n), maps, np.stack([none, np.full(n, len(COUNTS))]))

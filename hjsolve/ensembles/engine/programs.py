@@ -165,19 +165,21 @@ def _fill(squared: Tape, full: Tape, constants: int, parameters: int, kernels: b
 
 def _errors(tape: Tape, constants: int, parameters: int) -> MachineCode:
     writer = InstructionWriter()
-    x, blur, mask, *rows = writer.inputs(3 + 2 * constants)
+    x, rounding_error, mask, *rows = writer.inputs(3 + 2 * constants)
     numbers = ParameterRows(writer, parameters)
     known = [WithErrorBound(c, writer.mul(mask, e)) for c, e in zip(rows[:constants], rows[constants:], strict=True)]
-    results = tape.run(RunningError(writer, own=ROUNDINGS), [WithErrorBound(x, blur), *known, *numbers.rounded])
+    results = tape.run(
+        RunningError(writer, own=ROUNDINGS), [WithErrorBound(x, rounding_error), *known, *numbers.rounded]
+    )
     return writer.code([*(error_of(writer, r) for r in results), results[0].value])
 
 
 def _relative(squared: Tape, constants: int, parameters: int) -> MachineCode:
     writer = InstructionWriter()
-    b, d, x, blur, *known = writer.inputs(4 + constants)
+    b, d, x, rounding_error, *known = writer.inputs(4 + constants)
     numbers = ParameterRows(writer, parameters)
     chords = FirstDifferences(RunningError(writer, own=ROUNDINGS), WithErrorBound(d))
-    inputs = [chords.variable(WithErrorBound(b), WithErrorBound(x, blur))]
+    inputs = [chords.variable(WithErrorBound(b), WithErrorBound(x, rounding_error))]
     inputs += [chords.constant(WithErrorBound(c)) for c in known]
     inputs += [chords.constant(x) for x in numbers.rounded]
     slope = squared.run(chords, inputs)[0].slope
@@ -234,10 +236,10 @@ def _exact_errors(
     rows, e = rows[:-constants], rows[-constants:]
     numbers = ParameterRows(writer, parameters)
     square, place = _at(squared, writer, rows, numbers, d, upper)
-    blur = writer.mul(writer.number(PLACE), writer.unary("abs", place))
+    rounding_error = writer.mul(writer.number(PLACE), writer.unary("abs", place))
     known = [*map(WithErrorBound, rows[:constants], e), *numbers.rounded]
-    inputs = [WithErrorBound(place, blur), *known]
-    rough, *others = (full if kernels else squared).run(RunningError(writer, own=ROUNDINGS), inputs)
+    inputs = [WithErrorBound(place, rounding_error), *known]
+    approximate, *others = (full if kernels else squared).run(RunningError(writer, own=ROUNDINGS), inputs)
     jets = Jets(writer)
     known_ = [*rows[:constants], *numbers.plain]
     first = squared.run(jets, [jets.variable(place), *map(Jet, known_)])[0].first
@@ -245,7 +247,7 @@ def _exact_errors(
     moved = writer.mul(writer.number(PLACE), writer.unary("abs", writer.mul(d, slope)))
     own = writer.add(
         writer.mul(writer.number(_RELATIVE), writer.unary("abs", square)),
-        writer.add(moved, writer.mul(writer.number(FINER), error_of(writer, rough))),
+        writer.add(moved, writer.mul(writer.number(FINER), error_of(writer, approximate))),
     )
     return writer.code([own, *(error_of(writer, r) for r in others), square])
 

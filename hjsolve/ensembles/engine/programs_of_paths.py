@@ -110,12 +110,12 @@ def _means(tape: Tape, constants: int, varied: int, parameters: int) -> MachineC
 
 def _bounds(tape: Tape, constants: int, varied: int, parameters: int) -> MachineCode:
     writer = InstructionWriter()
-    xr, xi, tr, ti, blur, *rows = writer.inputs(5 + 2 * varied)
+    xr, xi, tr, ti, rounding_error, *rows = writer.inputs(5 + 2 * varied)
     plain, add, mul = ComplexWriter(writer), writer.add, writer.mul
     numbers = ParameterRows(writer, parameters)
     inputs = [*zip(rows[:varied], rows[varied:], strict=True), *((x.value, x.error) for x in numbers.rounded)]
     known = [WithErrorBound(ComplexValue(v), None if e is None else ComplexValue(e)) for v, e in inputs]
-    place = WithErrorBound(ComplexValue(xr, xi), ComplexValue(blur))
+    place = WithErrorBound(ComplexValue(xr, xi), ComplexValue(rounding_error))
     results = tape.run(ComplexRunningError(plain), [place, *known])
     zero, half, quarter = (writer.number(x) for x in (0.0, 0.5, 0.25))
     sizes = [plain.unary("abs", f.value).re for f in results]

@@ -185,8 +185,8 @@ def _small_relative(squared: Tape, constants: int, parameters: int) -> MachineCo
     b, d, _, _, *rows = writer.inputs(4 + constants + SMALL_KNOWN)
     known, more = [*rows[:constants], *ParameterRows(writer, parameters).plain], rows[constants:]
     slope, terms = _from_end(squared, writer, known, more, b, d)
-    doubt = writer.mul(more[3], writer.add(writer.unary("abs", d), more[4]))
-    error = writer.add(doubt, writer.mul(writer.number(_OFFSETS), terms))
+    uncertainty = writer.mul(more[3], writer.add(writer.unary("abs", d), more[4]))
+    error = writer.add(uncertainty, writer.mul(writer.number(_OFFSETS), terms))
     return writer.code([writer.div(error, writer.unary("abs", slope))])
 
 

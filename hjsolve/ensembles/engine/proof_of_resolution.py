@@ -119,17 +119,17 @@ class ResolutionProof:
             count, below, start = strips.counts[:, code // len(COUNTS), code % len(COUNTS)]
             window, W = slice(start, start + count), motions.width[part, None]
             z = strips.along[window] + 1j * strips.away[window]
-            crest = motions.crest[part, None]
-            near, far = _moved(z[:below], crest), _moved(z[below:], 1 / crest)
+            barrier_top = motions.barrier_top[part, None]
+            near, far = _moved(z[:below], barrier_top), _moved(z[below:], 1 / barrier_top)
             low.append((motions.lower[part, None] + W * _seen(near, motions.signs[0])).ravel())
             high.append((motions.upper[part, None] + W * _seen(far, motions.signs[1])).ravel())
         self.below.radius(np.concatenate(low))  # all at once: what a table costs is calls of numpy
         self.above.radius(np.concatenate(high))
 
 
-def _moved(z: Complexes, crest: Reals) -> Complexes:
+def _moved(z: Complexes, barrier_top: Reals) -> Complexes:
     """Take places along with the crest, as ``clearance_tables`` does; above the real axis."""
-    found: Complexes = crest * z / (1 + (crest - 1) * z)
+    found: Complexes = barrier_top * z / (1 + (barrier_top - 1) * z)
     return np.asarray(found.real + 1j * np.abs(found.imag))
 
 

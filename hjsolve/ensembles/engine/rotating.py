@@ -117,23 +117,23 @@ def _least(clearance: Clearance, slow: SlowPlaces, direction: Reals) -> Integers
     for k, count in enumerate(COUNTS):
         chosen = np.flatnonzero((found < 0) & (hint <= count))
         for left in np.array_split(chosen, len(chosen) * count // _NODES + 1) if len(chosen) else []:
-            share = np.zeros(len(left))
+            fraction = np.zeros(len(left))
             for code in np.unique(codes[left]):
                 part = np.flatnonzero(codes[left] == code)
                 for coarse in (True, False):
                     some = left[part]
-                    share[part] = _share(clearance, slow.take(some), direction[some], count, coarse=coarse)
-                    part = part[(share[part] >= _CLOSE) & (share[part] < 1) & (code >= 2)]
+                    fraction[part] = _fraction(clearance, slow.take(some), direction[some], count, coarse=coarse)
+                    part = part[(fraction[part] >= _CLOSE) & (fraction[part] < 1) & (code >= 2)]
                     if not len(part):
                         break
-            found[left[share >= 1]] = k
-            floor = np.where((share > 0) & (slow.level[left] == 0), 0.0, _UNKNOWN)
-            guess = count * np.fmax(share, np.fmax(floor, 1e-3)) ** -_CAUTIOUS
+            found[left[fraction >= 1]] = k
+            floor = np.where((fraction > 0) & (slow.level[left] == 0), 0.0, _UNKNOWN)
+            guess = count * np.fmax(fraction, np.fmax(floor, 1e-3)) ** -_CAUTIOUS
             hint[left] = np.where(guess < _HOPELESS * COUNTS[-1], np.minimum(guess, COUNTS[-1]), np.inf)
     return found
 
 
-def _share(clearance: Clearance, slow: SlowPlaces, direction: Reals, count: int, *, coarse: bool) -> Reals:
+def _fraction(clearance: Clearance, slow: SlowPlaces, direction: Reals, count: int, *, coarse: bool) -> Reals:
     """Return the least radius that is known over the one needed, of orbits with the same nodes.
 
     0 where am has a pole.

@@ -20,7 +20,7 @@ import numpy as np
 from hjsolve.arithmetic.elliptic import quarter_period
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Complexes, Mask, Reals
-from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
+from hjsolve.ensembles.engine.kernels.crowding import CLUSTERINGS, EVEN
 from hjsolve.ensembles.engine.nodes import Nodes
 from hjsolve.one_coordinate.complex_anomaly import jacobi_complex
 
@@ -143,9 +143,9 @@ def _without_poles(w: Complexes, c: Complexes, middles: Complexes, corners: Comp
 
 def _typical(table: Nodes) -> float:
     """ρ_d of motions that these nodes are made for."""
-    place = WARPS.index(table.node_map)
-    share = (place - 1) / 4 if 1 <= place < EVEN else 0.5
-    return float(table.complement**-share - 1)
+    place = CLUSTERINGS.index(table.node_map)
+    fraction = (place - 1) / 4 if 1 <= place < EVEN else 0.5
+    return float(table.complement**-fraction - 1)
 
 
 def disks(over: CoveredStrip, d: Reals | float) -> tuple[Complexes, Complexes, Reals]:
@@ -170,11 +170,11 @@ def disks(over: CoveredStrip, d: Reals | float) -> tuple[Complexes, Complexes, R
 
 
 @cache
-def crest_disks(table: Nodes) -> tuple[Complexes, Complexes, Reals]:
-    """Return disks that hold the rectangles of ``nodes_about_crests`` half way, as ``disks`` does.
+def barrier_top_disks(table: Nodes) -> tuple[Complexes, Complexes, Reals]:
+    """Return disks that hold the rectangles of ``nodes_about_barrier_tops`` half way, as ``disks`` does.
 
     Args:
-        table: of ``crest_nodes``.
+        table: of ``barrier_top_nodes``.
     """
     a = half_width(len(table.χ), 1)
     middles, corners = _rectangles(table, a, np.pi, _STRETCHED)

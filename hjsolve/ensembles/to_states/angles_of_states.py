@@ -20,7 +20,7 @@ from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed
 from hjsolve.ensembles.to_states.short_arcs import Integrals
-from hjsolve.ensembles.to_states.tori import EXACT, ROUGH, Tori, coordinate_at
+from hjsolve.ensembles.to_states.tori import APPROXIMATE, EXACT, Tori, coordinate_at
 
 _TIMED = Modes(chords=False, kernels=True, oscillations=True, shifts=False)
 
@@ -77,10 +77,10 @@ def angles_at(task: AngleTask, tori: Tori, frames: Frames, at: Placed, how: int)
         tori: of n orbits.
         frames: between what they move.
         at: the states.
-        how: ``ROUGH``, ``DOUBLES`` or ``EXACT``.
+        how: ``APPROXIMATE``, ``DOUBLES`` or ``EXACT``.
     """
     model, (size, n) = task.model, at.q.shape
-    modes = _TIMED._replace(rough=how == ROUGH)
+    modes = _TIMED._replace(approximate=how == APPROXIMATE)
     sums, good = [], np.ones(n, dtype=bool)
     for k in range(size):
         one = coordinate_at(*task, tori._replace(q=at.q), k, at.P[k])

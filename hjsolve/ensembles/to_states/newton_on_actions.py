@@ -19,7 +19,7 @@ from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import SystemPrograms
-from hjsolve.ensembles.to_states.tori import DOUBLES, EXACT, ROUGH, Actions, Tori, actions_of, no_actions
+from hjsolve.ensembles.to_states.tori import APPROXIMATE, DOUBLES, EXACT, Actions, Tori, actions_of, no_actions
 
 ROUNDS, SOON = 60, 9
 """Evaluations of J; and those of orbits that have another start to try."""
@@ -36,7 +36,7 @@ _NEARLY = 1e-6
 _FORESEEN, _KNOWN = 16.0, (0.0, 1e-13, 1e-11)
 """By how much what the last step leaves is taken larger than κ r²; and errors of J, rough, in doubles and to
 32 digits, up to which it is the last."""
-_ROUGHLY, _ROUGH_SHARE = 1e-7, 1.0
+_ROUGHLY, _APPROXIMATE_FRACTION = 1e-7, 1.0
 """Residual of rough integrals, and share of a step, below which they are left."""
 _SETTLED = 1e-10
 """Residual below which a step that makes nothing better ends the search."""
@@ -106,30 +106,30 @@ def constants_of_tori(
     weight = np.where(zero, _ACTION_OF_REST * goals.scale / _CLOSE, goals.actions)
     base, step = Tori(*(x.copy() for x in begin[0])), begin[1].copy()
     trial = base.moved(goals.unknown, step)
-    share, merit, left = np.ones(n), np.full(n, np.inf), np.full((size, n), np.inf)
-    best, how = no_actions(size, len(model.constants), n), np.full(n, ROUGH)
+    fraction, merit, left = np.ones(n), np.full(n, np.inf), np.full((size, n), np.inf)
+    best, how = no_actions(size, len(model.constants), n), np.full(n, APPROXIMATE)
     active, done, curve = np.arange(n), np.zeros(n, dtype=bool), np.full(n, np.inf)
     for _ in range(rounds):
         if not len(active):
             break
         found, seen = _each(model, programs, (trial, zero, goals.rotating), (active, how[active]))
-        sure = how[active] > ROUGH
+        sure = how[active] > APPROXIMATE
         with np.errstate(all="ignore"):
             residual = goals.actions[:, active] - found.values
             own = np.max(np.abs(residual) / weight[:, active], axis=0)
             # far away an action that is nearly zero counts by the size of all: else it would hold up the others
             floor = _FAR * np.fmin(left[:, active].max(axis=0), goals.scale[active])
             far, before = (np.max(np.abs(r) / (weight[:, active] + floor), axis=0) for r in (residual, left[:, active]))
-            full = (share[active] == 1.0) & (merit[active] < 1)
+            full = (fraction[active] == 1.0) & (merit[active] < 1)
             curve[active] = np.where(full, np.fmax(own / merit[active] ** 2, 1.0), curve[active])
             after = curve[active] * own**2
             known = (found.errors <= np.array(_KNOWN)[how[active]] * weight[:, active]).all(axis=0)
         # J of the harmonic libration is that of the motion only where it is to be zero
         finished = sure & found.good & (own <= _CLOSE) & ~(found.harmonic & ~zero[:, active]).any(axis=0)
-        falls = 1 - _FALLS * share[active]
+        falls = 1 - _FALLS * fraction[active]
         better = found.good & ((own < falls * merit[active]) | (far < falls * before) | finished)
         # rounding is reached where a full step from nearby makes nothing better
-        settled = sure & ~better & (share[active] == 1.0) & (merit[active] < _SETTLED)
+        settled = sure & ~better & (fraction[active] == 1.0) & (merit[active] < _SETTLED)
         last = sure & better & ~finished & known & (_FORESEEN * after <= _CLOSE)
         here = active[better]
         for kept, new in zip(base, seen, strict=True):
@@ -138,14 +138,14 @@ def constants_of_tori(
             whole[..., here] = part[..., better]
         merit[here], left[:, here] = own[better], np.abs(residual[:, better])
         step[:, here] = newton_step(found.slopes[:, goals.unknown][:, :, better], residual[:, better])
-        share[here] = 1.0
+        fraction[here] = 1.0
         worse = active[~better]
-        share[worse] = np.where(share[worse] == 1.0, _SHORT_OF, np.minimum(0.5, 0.5 * share[worse]))
+        fraction[worse] = np.where(fraction[worse] == 1.0, _SHORT_OF, np.minimum(0.5, 0.5 * fraction[worse]))
         done[active[finished | settled | last]] = True
         _stepped(base, best, goals.take(active[last]), (active[last], step[:, active[last]], after[last]))
-        _refined(how, merit, active, (share, own, after))
-        active = active[~finished & ~settled & ~last & (share[active] >= _LEAST_STEP)]
-        moved = base.take(active).moved(goals.unknown, share[active] * step[:, active])
+        _refined(how, merit, active, (fraction, own, after))
+        active = active[~finished & ~settled & ~last & (fraction[active] >= _LEAST_STEP)]
+        moved = base.take(active).moved(goals.unknown, fraction[active] * step[:, active])
         for kept, new in zip(trial, moved, strict=True):
             kept[:, active] = new
     finite = done & best.good & ~(best.harmonic & ~zero).any(axis=0)
@@ -164,11 +164,11 @@ def _stepped(base: Tori, best: Actions, goals: Goals, known: tuple[Integers, Rea
 
 def _refined(how: Integers, merit: Reals, active: Integers, seen: tuple[Reals, Reals, Reals]) -> None:
     """Choose how J is worked out next: rough integrals as long as they lead on, 32 digits where little is left."""
-    share, own, after = seen
-    rough = how[active] == ROUGH
-    through = active[rough & ((own < _ROUGHLY) | (share[active] < _ROUGH_SHARE))]
+    fraction, own, after = seen
+    approximate = how[active] == APPROXIMATE
+    through = active[approximate & ((own < _ROUGHLY) | (fraction[active] < _APPROXIMATE_FRACTION))]
     how[through], merit[through] = DOUBLES, np.inf
-    how[active[(how[active] > ROUGH) & (np.fmin(own, after) < _NEARLY)]] = EXACT
+    how[active[(how[active] > APPROXIMATE) & (np.fmin(own, after) < _NEARLY)]] = EXACT
 
 
 def _each(
@@ -178,7 +178,7 @@ def _each(
     (trial, zero, rotating), (active, how) = given, which
     size, n, m = len(model.separated), len(active), len(model.constants)
     found, seen = no_actions(size, m, n), trial.take(active)
-    for kind in (ROUGH, DOUBLES, EXACT):
+    for kind in (APPROXIMATE, DOUBLES, EXACT):
         some = np.flatnonzero(how == kind)
         if len(some):
             own = active[some]

@@ -21,7 +21,7 @@ from hjsolve.ensembles.to_states.short_arcs import (
     times,
     wrapped,
 )
-from hjsolve.ensembles.to_states.tori import DOUBLES, EXACT, ROUGH, Tori
+from hjsolve.ensembles.to_states.tori import APPROXIMATE, DOUBLES, EXACT, Tori
 
 _ROUNDS, _LEAST_STEP = (24, 60, 16), 2.0**-30
 """Evaluations of θ by integrals of each kind, and the share of a step below which an orbit is given up."""
@@ -87,7 +87,7 @@ def _close_to_ends(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: R
 def _nearly(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -> tuple[Reals, Reals]:
     """Phases of angles, by rough integrals, in doubles where these do not lead there; and κ of ``_phases``."""
     unknown = np.full(θ.shape[1], np.inf)
-    φ, found, _, curve = _phases(task, tori, frames, (θ, φ, unknown), ROUGH)
+    φ, found, _, curve = _phases(task, tori, frames, (θ, φ, unknown), APPROXIMATE)
     far = np.flatnonzero(frames.good & ~(np.abs(wrapped(θ - found.separated)).max(axis=0) < _NEARLY))
     if len(far):
         among = frames.take(far)
@@ -139,7 +139,7 @@ def _phases(
     size, n = θ.shape
     base, curve = base.copy(), curve.copy()
     trial, step = base.copy(), np.zeros((size, n))
-    share, merit = np.ones(n), np.full(n, np.inf)
+    fraction, merit = np.ones(n), np.full(n, np.inf)
     angles = len(task.model.angles)
     shapes = (size, n), (size, n), (angles, n), (angles, n), (n, size, size)
     integrals = Integrals._make(np.full((size, m, n), np.nan) for _ in range(4))
@@ -158,12 +158,12 @@ def _phases(
         size_ = np.max(np.abs(residual), axis=0)
         # what the engine's rounding leaves open of θ no step makes better, nor what that of q does, which it is given
         with np.errstate(all="ignore"):
-            blur = times(np.abs(matrix_of(found, at)), blurred(among, at))
-        finished = found.good & (np.abs(residual) <= np.fmax(close, np.fmax(found.errors, blur))).all(axis=0)
-        better = found.good & ((size_ < (1 - 0.25 * share[active]) * merit[active]) | finished)
-        settled = ~better & (share[active] == 1.0) & (merit[active] < SETTLED)
+            rounding_error = times(np.abs(matrix_of(found, at)), blurred(among, at))
+        finished = found.good & (np.abs(residual) <= np.fmax(close, np.fmax(found.errors, rounding_error))).all(axis=0)
+        better = found.good & ((size_ < (1 - 0.25 * fraction[active]) * merit[active]) | finished)
+        settled = ~better & (fraction[active] == 1.0) & (merit[active] < SETTLED)
         with np.errstate(all="ignore"):
-            full = (share[active] == 1.0) & (merit[active] < 1)
+            full = (fraction[active] == 1.0) & (merit[active] < 1)
             curve[active] = np.where(full, np.fmax(size_ / merit[active] ** 2, 1.0), curve[active])
             after = _FORESEEN * curve[active] * size_**2
         last = better & ~finished & (after <= close) & (how == EXACT)
@@ -175,8 +175,8 @@ def _phases(
         matrices = inverses(matrix_of(found, at)[better])
         newton = times(matrices, residual[:, better])
         with np.errstate(all="ignore"):
-            step[:, here], share[here] = newton, np.fmin(1.0, _LONGEST / np.max(np.abs(newton), axis=0))
-        share[active[~better]] *= 0.25
+            step[:, here], fraction[here] = newton, np.fmin(1.0, _LONGEST / np.max(np.abs(newton), axis=0))
+        fraction[active[~better]] *= 0.25
         some = active[last]
         if len(some):
             base[:, some] += step[:, some]
@@ -187,8 +187,8 @@ def _phases(
                 (best, kept),
                 (some, base[:, some], step[:, some], after[last]),
             )
-        active = active[~finished & ~settled & ~last & (share[active] >= _LEAST_STEP)]
-        trial[:, active] = base[:, active] + share[active] * step[:, active]
+        active = active[~finished & ~settled & ~last & (fraction[active] >= _LEAST_STEP)]
+        trial[:, active] = base[:, active] + fraction[active] * step[:, active]
     return base, best, kept, curve
 
 

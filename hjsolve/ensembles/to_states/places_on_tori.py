@@ -23,7 +23,7 @@ from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import SystemPrograms, sides
 from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, kernels
 
-_PLACES = Modes(chords=False, kernels=False, oscillations=False, shifts=False, rough=True)
+_PLACES = Modes(chords=False, kernels=False, oscillations=False, shifts=False, approximate=True)
 _PAIR_STEPS = 4
 """Steps of Newton's method for turning points in two doubles."""
 _TURNING, _NEXT = 1e-60, 1e-17

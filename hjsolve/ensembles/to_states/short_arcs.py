@@ -150,7 +150,7 @@ def phases_by_arcs(
     θ, base = given[0], given[1].copy()
     size, n = θ.shape
     trial, step, matrices = base.copy(), np.zeros((size, n)), np.full((n, size, size), np.nan)
-    share, left, active = np.ones(n), np.full(n, np.inf), np.arange(n)
+    fraction, left, active = np.ones(n), np.full(n, np.inf), np.arange(n)
     for round_ in range(_ROUNDS):
         if not len(active):
             break
@@ -160,7 +160,7 @@ def phases_by_arcs(
         with np.errstate(all="ignore"):
             # steps are compared by one matrix: angles of one orbit may differ in size by 1e15
             seen = np.abs(times(matrices[active], residual)).max(axis=0)
-            better = np.asarray(seen < (1 - 0.25 * share[active]) * left[active]) if round_ else _finite(residual)
+            better = np.asarray(seen < (1 - 0.25 * fraction[active]) * left[active]) if round_ else _finite(residual)
         here = active[better]
         base[:, here] = trial[:, here]
         rates = placed(task, own.take(better), among.take(better), trial[:, here], exact=exact).rates[:, :size]
@@ -168,11 +168,11 @@ def phases_by_arcs(
         newton = times(matrices[here], residual[:, better])
         with np.errstate(all="ignore"):
             left[here] = np.abs(newton).max(axis=0)
-            step[:, here], share[here] = newton, np.fmin(1.0, _LONGEST / left[here])
-        share[active[~better]] *= 0.25
+            step[:, here], fraction[here] = newton, np.fmin(1.0, _LONGEST / left[here])
+        fraction[active[~better]] *= 0.25
         small = left[active] <= np.where(better, _CLOSE, _SETTLED)
-        active = active[~small & (share[active] >= _LEAST_STEP) & np.isfinite(left[active])]
-        trial[:, active] = base[:, active] + share[active] * step[:, active]
+        active = active[~small & (fraction[active] >= _LEAST_STEP) & np.isfinite(left[active])]
+        trial[:, active] = base[:, active] + fraction[active] * step[:, active]
     return base, left <= _SETTLED
 
 

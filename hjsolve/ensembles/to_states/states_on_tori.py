@@ -19,9 +19,9 @@ from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at,
 from hjsolve.ensembles.to_states.phases_of_angles import SETTLED, SMALL, phases_of
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, blurred, placed, refined, width_of
 from hjsolve.ensembles.to_states.short_arcs import ShortArcs, angles_by_arcs, inverses, times, wrapped
-from hjsolve.ensembles.to_states.tori import DOUBLES, ROUGH, Tori
+from hjsolve.ensembles.to_states.tori import APPROXIMATE, DOUBLES, Tori
 
-_BLUR = 5.0
+_ROUNDING_ERROR = 5.0
 """Rounding of q, over W: from where the engine reads the phase off q, sin φ > 0.43."""
 _SHIFT = 2.0**-17
 """Relative change of an action for the difference quotient."""
@@ -77,8 +77,8 @@ def states_at(
         back = inverses(matrix_of(found, at))
         loose = residual + found.errors
         # the engine takes q rounded to a double, which narrow motions see as a shift of the phase
-        blur = _BLUR * blurred(frames, at)
-        phases = times(np.abs(back), loose) + blur
+        rounding_error = _ROUNDING_ERROR * blurred(frames, at)
+        phases = times(np.abs(back), loose) + rounding_error
         own = np.abs(at.moves) * phases, np.abs(at.forces) * phases
         moved = _quotients(task, tori, frames, (φ, at, found, back), (*actions, unresolved & (np.abs(θ) < SMALL)))
         q_errors = own[0] + moved[0] + 2 * EPS * np.abs(at.q)
@@ -88,7 +88,7 @@ def states_at(
         # an error of the phases moves the ignorable angles as well
         slopes = ignorable_slopes(task.model, found, at)
         turned_errors = turned_errors + np.einsum("ain,in->an", np.abs(slopes), phases)
-    good = frames.good & found.good & (residual <= SETTLED + 2 * blur).all(axis=0)
+    good = frames.good & found.good & (residual <= SETTLED + 2 * rounding_error).all(axis=0)
     for part in (q_errors, P_errors, turned_errors):
         good = good & np.isfinite(part).all(axis=0)
     return StatesOnTori(at.q, at.P, q_errors, P_errors, turned, turned_errors, good)
@@ -104,13 +104,13 @@ def _quotients(
     """
     (φ, at, found, back), (size, n), (J, spread, short) = here, tori.q.shape, known
     moved = [np.zeros((size, n)), np.zeros((size, n)), np.zeros((len(task.model.angles), n))]
-    plain = angles_at(task, tori, frames, at, ROUGH)
+    plain = angles_at(task, tori, frames, at, APPROXIMATE)
     with np.errstate(all="ignore"):
         alike = (np.abs(wrapped(plain.separated - found.separated)) <= _ALIKE).all(axis=0)
-        rough = plain.good & alike & ~short.any(axis=0)
+        approximate = plain.good & alike & ~short.any(axis=0)
     for k in range(size):
         moving = (spread[k] > 0) & found.good & ~frames.resting[k]
-        for how, group, reference in ((ROUGH, rough, plain), (DOUBLES, ~rough, found)):
+        for how, group, reference in ((APPROXIMATE, approximate, plain), (DOUBLES, ~approximate, found)):
             loose = np.flatnonzero(moving & group)
             if not len(loose):
                 continue

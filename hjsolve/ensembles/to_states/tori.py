@@ -28,7 +28,7 @@ _STRIDE = 0.5
 FINER = 2.0**-100
 """What two doubles leave open of a constant, relatively."""
 ALONE = Modes(chords=False, kernels=True, oscillations=False, shifts=False)
-ROUGH, DOUBLES, EXACT = range(3)
+APPROXIMATE, DOUBLES, EXACT = range(3)
 """How J is worked out: with few nodes and no errors; in doubles; with p² to 32 digits where doubles are not enough."""
 
 
@@ -127,21 +127,21 @@ def tops(one: CoordinateOfOrbits) -> tuple[Reals, Reals]:
     x = offset(formula, one.q)
     with np.errstate(all="ignore"):
         F, slope, bend = run_rows(code, one.parameters, np.stack([x, *one.constants]))
-        share = np.ones(len(x))
+        fraction = np.ones(len(x))
         for _ in range(_TOP_STEPS):
             # where F is convex its maximum is farther uphill
             step = np.where(
                 bend < 0, -slope / bend, np.sign(slope) * _STRIDE * np.fmax(np.abs(x), np.abs(slope / bend))
             )
-            new = np.clip(x + share * step, x - 0.75 * (x - low), x + 0.75 * (high - x))
+            new = np.clip(x + fraction * step, x - 0.75 * (x - low), x + 0.75 * (high - x))
             there = run_rows(code, one.parameters, np.stack([new, *one.constants]))
             still = np.abs(new - x) <= _STILL * np.abs(x)
             # so near the top F in doubles tells nothing of up and down, which the smallest motions see
-            uphill = (there[0] > F) | (still & (bend < 0) & (share == 1.0))
+            uphill = (there[0] > F) | (still & (bend < 0) & (fraction == 1.0))
             x, F, slope, bend = (
                 np.where(uphill, a, b) for a, b in zip((new, *there), (x, F, slope, bend), strict=True)
             )
-            share = np.where(uphill, 1.0, 0.25 * share)
+            fraction = np.where(uphill, 1.0, 0.25 * fraction)
             if still.all():
                 break
     return place(formula, x), bend
@@ -165,10 +165,10 @@ def actions_of(
     Args:
         zero: where J is to be zero, shape (separated, n).
         rotating: where a coordinate is to go round, shape (separated, n).
-        how: ``ROUGH``, ``DOUBLES`` or ``EXACT``.
+        how: ``APPROXIMATE``, ``DOUBLES`` or ``EXACT``.
     """
     size, n = tori.q.shape
-    modes = ALONE._replace(rough=how == ROUGH)
+    modes = ALONE._replace(approximate=how == APPROXIMATE)
     m = len(model.constants)
     values, errors = np.full((size, n), np.nan), np.zeros((size, n))
     slopes, slope_errors = np.full((size, m, n), np.nan), np.zeros((size, m, n))

@@ -222,8 +222,8 @@ def place_of(far: Mpf, near: Mpf) -> sp.Expr:
     Args:
         far, near: as of ``rational_of``.
     """
-    share = 12 * far / far.context.pi
-    whole = int(far.context.nint(share)) if abs(share) < _MANY_TURNS else 0
+    fraction = 12 * far / far.context.pi
+    whole = int(far.context.nint(fraction)) if abs(fraction) < _MANY_TURNS else 0
     if whole and abs(far - whole * far.context.pi / 12) <= max(abs(far - near), far.context.ldexp(1, -BITS // 3)):
         return sp.pi * sp.Rational(whole, 12)
     return rational_of(far, near)

@@ -69,7 +69,7 @@ def _hypot_of_doubles(_: Float64) -> Callable[[Elementwise, Elementwise], Elemen
     return np.hypot
 
 
-def _no_grain(_: Float64) -> Elementwise:
+def _no_spacing(_: Float64) -> Elementwise:
     return 0.0
 
 
@@ -79,7 +79,7 @@ class _Formulas:
     def __init__(self, arithmetic: Float64 | Multi):
         self.arithmetic, self.where, self.atan2 = arithmetic, arithmetic.where, arithmetic.atan2
         self.hypot = arithmetic.choose(_hypot_of_doubles, lambda many: many.context.hypot)
-        self.grain = arithmetic.choose(_no_grain, lambda many: many.context.mpf(2) ** (-many.bits // _NOISE))
+        self.spacing = arithmetic.choose(_no_spacing, lambda many: many.context.mpf(2) ** (-many.bits // _NOISE))
 
     def of(self, name: str, x: Elementwise) -> Elementwise:
         """Apply a function of one variable."""
@@ -90,7 +90,7 @@ class _Formulas:
 
     def root(self, x: Elementwise, size: Elementwise = 1) -> Elementwise:
         """√x of what is no smaller than 0 but for its rounding; 0 where it is rounding."""
-        return self.sqrt(self.where(x <= size * self.grain, 0, x))
+        return self.sqrt(self.where(x <= size * self.spacing, 0, x))
 
     def over(self, above: Elementwise, below: Elementwise, otherwise: Elementwise) -> Elementwise:
         """Return the quotient, or something else where the divisor is 0."""

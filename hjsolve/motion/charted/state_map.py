@@ -94,9 +94,9 @@ def _evaluated(chart: Chart, made: Made, values: Mapping[sp.Symbol, sp.Expr], st
     tape, fixed = made
     arrays = _inputs(chart, state.q, state.p)
     if arrays[0].dtype != object:
-        rough = [float(to_bits(values[s])(64)) for s in fixed]
+        approximate = [float(to_bits(values[s])(64)) for s in fixed]
         with np.errstate(all="ignore"):
-            return [np.broadcast_to(x, arrays[0].shape) for x in tape.run(Float64(), [*arrays, *rough])]
+            return [np.broadcast_to(x, arrays[0].shape) for x in tape.run(Float64(), [*arrays, *approximate])]
     bits = _bits(arrays)
     numbers = [to_bits(values[s])(bits) for s in fixed]
     rows = [_in_many_digits(tape, bits, row, numbers) for row in zip(*arrays, strict=True)]

@@ -178,11 +178,11 @@ class OpenVariations:
     """A motion that does not come back, with the derivatives of its integrals.
 
     Attributes:
-        course: the motion of the coordinate.
+        coordinate_motion: the motion of the coordinate.
         ahead, behind: its branches.
     """
 
-    course: Unbounded
+    coordinate_motion: Unbounded
     ahead: BranchVariations
     behind: BranchVariations
 
@@ -240,18 +240,19 @@ class OpenVariations:
         return Slopes(*found)
 
 
-def open_variations(course: Unbounded, formulas: SquareDerivatives, digits: int) -> OpenVariations:
+def open_variations(coordinate_motion: Unbounded, formulas: SquareDerivatives, digits: int) -> OpenVariations:
     """Differentiate the integrals of a motion that does not come back.
 
     Args:
-        course: integrated to many digits, without kinks.
+        coordinate_motion: integrated to many digits, without kinks.
         formulas: of its coordinate.
         digits: wanted of the series.
     """
     ahead, behind = (
-        _branch_variations(of_kind(branch, Branch), formulas, digits) for branch in (course.ahead, course.behind)
+        _branch_variations(of_kind(branch, Branch), formulas, digits)
+        for branch in (coordinate_motion.ahead, coordinate_motion.behind)
     )
-    return OpenVariations(course, ahead, behind)
+    return OpenVariations(coordinate_motion, ahead, behind)
 
 
 def _branch_variations(branch: Branch, formulas: SquareDerivatives, digits: int) -> BranchVariations:

@@ -46,7 +46,7 @@ class CycleVariations:
     """A libration or rotation with the derivatives of its integrals.
 
     Attributes:
-        course: the motion of the coordinate.
+        coordinate_motion: the motion of the coordinate.
         rule: F and its derivatives.
         scale: (ln L)_b of a rotation along a line, one a variable.
         ends: a_b and b_b; none of a rotation.
@@ -54,7 +54,7 @@ class CycleVariations:
         context: of the numbers.
     """
 
-    course: Periodic
+    coordinate_motion: Periodic
     rule: Evaluation
     scale: Sequence[Mpf | int]
     ends: tuple[list[Mpf], list[Mpf]] | None
@@ -93,13 +93,15 @@ class CycleVariations:
         return here.with_phase_errors(beside, errors.astype(float), _STEP)
 
     def _functions(self, χ: NDArray[np.object_], whole: Counts) -> Slopes:
-        context, course, π = self.context, self.course, self.context.pi
-        q, p = course.place(χ)
+        context, coordinate_motion, π = self.context, self.coordinate_motion, self.context.pi
+        q, p = coordinate_motion.place(χ)
         full: NDArray[np.object_] = χ + 2 * π * whole.astype(object)
-        if course.rotates:
-            q = q + course.length_of_turns(whole, q)
-        ratio: NDArray[np.object_] = course.ratio(χ) / course.radian**2  # without the rate of a phase ψ
-        lack = float(course.momentum.tail) * max(1.0, course.momentum.size)
+        if coordinate_motion.rotates:
+            q = q + coordinate_motion.length_of_turns(whole, q)
+        ratio: NDArray[np.object_] = (
+            coordinate_motion.ratio(χ) / coordinate_motion.radian**2
+        )  # without the rate of a phase ψ
+        lack = float(coordinate_motion.momentum.tail) * max(1.0, coordinate_motion.momentum.size)
         rate = np.array([self._rate(x) for x in χ], dtype=object)
         at = [self.rule.at(x) for x in q]
         turn = np.array([place.slope for place in at], dtype=object) * rate / ratio / 2
@@ -119,24 +121,24 @@ class CycleVariations:
     def _rate(self, χ: Mpf) -> Mpf | int:
         arithmetic = Multi(self.context.prec)
         turn = 2 * self.context.pi
-        place = self.course.anomaly.place(χ - turn * self.context.nint(χ / turn), arithmetic)
+        place = self.coordinate_motion.anomaly.place(χ - turn * self.context.nint(χ / turn), arithmetic)
         return cast("Mpf | int", place.rate)
 
     def _place_by(self, b: int, q: Any) -> Bounded:
         if self.ends is None:
             return Bounded.exact(q * self.scale[b])
-        a, c = self.course.turning_points
+        a, c = self.coordinate_motion.turning_points
         low, high = self.ends[0][b], self.ends[1][b]
         return Bounded.exact(converted((low * (c - q) + high * (q - a)) / (c - a), self.context))
 
 
 def cycle_variations(
-    course: Periodic, formulas: SquareDerivatives, scale: Sequence[Mpf | int], digits: int
+    coordinate_motion: Periodic, formulas: SquareDerivatives, scale: Sequence[Mpf | int], digits: int
 ) -> CycleVariations:
     """Differentiate the integrals of a libration or rotation.
 
     Args:
-        course: integrated to many digits.
+        coordinate_motion: integrated to many digits.
         formulas: of its coordinate.
         scale: (ln L)_b, one a variable: how the length of a turn changes along a line; zeros of an angle.
         digits: wanted of the series.
@@ -144,19 +146,22 @@ def cycle_variations(
     Raises:
         NotConvergedError: the series do not fall to the digits wanted.
     """
-    bits = _bits(course)
+    bits = _bits(coordinate_motion)
     context, rule = multiprecision(bits), formulas.bound(bits)
     ends = None
-    if not course.rotates:
-        ends = tuple(_end_by(rule.at(context.convert(end))) for end in course.turning_points)
-    nodes = max(course.momentum.nodes, course.nodes, 8)
+    if not coordinate_motion.rotates:
+        ends = tuple(_end_by(rule.at(context.convert(end))) for end in coordinate_motion.turning_points)
+    nodes = max(coordinate_motion.momentum.nodes, coordinate_motion.nodes, 8)
     for _ in range(_ATTEMPTS):
         rows, sizes = zip(
-            *(_values(course, rule, scale, ends, place) for place in course.anomaly.places(nodes, Multi(bits))),
+            *(
+                _values(coordinate_motion, rule, scale, ends, place)
+                for place in coordinate_motion.anomaly.places(nodes, Multi(bits))
+            ),
             strict=True,
         )
         floors = [max(column) for column in zip(*sizes, strict=True)]
-        series = fit(rows, even=course.anomaly.even, digits=digits, bits=bits, floors=floors)
+        series = fit(rows, even=coordinate_motion.anomaly.even, digits=digits, bits=bits, floors=floors)
         if max(float(s.tail) for s in series) <= 10.0 ** (_LOST - digits):
             break
         nodes = smooth(int(_MORE * nodes))
@@ -164,13 +169,13 @@ def cycle_variations(
         raise NotConvergedError("the derivatives of the integrals over a cycle did not converge to the digits asked")
     largest = [max(floor, *(abs(float(row[k])) for row in rows)) for k, floor in enumerate(floors)]
     lacks = [4 * size * max(float(s.tail), 10.0**-digits) for s, size in zip(series, largest, strict=True)]
-    return CycleVariations(course, rule, scale, ends, Waves(series, lacks, bits), context)  # type: ignore[arg-type]
+    return CycleVariations(coordinate_motion, rule, scale, ends, Waves(series, lacks, bits), context)  # type: ignore[arg-type]
 
 
-def _bits(course: Periodic) -> int:
-    anomaly = course.anomaly
+def _bits(coordinate_motion: Periodic) -> int:
+    anomaly = coordinate_motion.anomaly
     inner: Any = getattr(anomaly, "inner", anomaly)
-    number = inner.lower if not course.rotates else inner.slow
+    number = inner.lower if not coordinate_motion.rotates else inner.slow
     return int(number.context.prec)
 
 
@@ -180,10 +185,14 @@ def _end_by(at: AtPlace) -> list[Mpf]:
 
 
 def _values(
-    course: Periodic, rule: Evaluation, scale: Sequence[Mpf | int], ends: tuple[list[Mpf], ...] | None, place: Place
+    coordinate_motion: Periodic,
+    rule: Evaluation,
+    scale: Sequence[Mpf | int],
+    ends: tuple[list[Mpf], ...] | None,
+    place: Place,
 ) -> tuple[list[Mpf | None], list[float]]:
     """k_b, then (k_j)_b, then ρ_b at one node, per unit of the phase ψ; and the sizes of what they are sums of."""
-    radian, n = course.radian, rule.constants
+    radian, n = coordinate_motion.radian, rule.constants
     q = place.q * radian
     at = rule.at(cast("Mpf", q))
     speed = abs(cast("Mpf", place.speed)) * place.rate * radian
@@ -191,7 +200,7 @@ def _values(
     if ends is None:
         moved, stretched = [s * q for s in scale], scale
     else:
-        width = course.turning_points[1] - course.turning_points[0]
+        width = coordinate_motion.turning_points[1] - coordinate_motion.turning_points[0]
         below, above = cast("Mpf", place.below) / width, cast("Mpf", place.above) / width
         moved = [low * above + high * below for low, high in zip(*ends, strict=True)]
         stretched = [(high - low) / width for low, high in zip(*ends, strict=True)]

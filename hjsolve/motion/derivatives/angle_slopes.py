@@ -42,7 +42,7 @@ def angles_by(map_: ConstantsToState, means: MeanMatrix) -> dict[str, Bounded]:
             row.error[f] += weights.error[map_.free[f]]
         slopes = stacked([means.inverse_by(b)[:, k] for b in range(map_.variables.count)], 1)
         row = row + (B @ slopes) @ Z
-        backward = isinstance(part, CycleVariations) and part.course.direction < 0
+        backward = isinstance(part, CycleVariations) and part.coordinate_motion.direction < 0
         result[name] = -row if backward else row
     return result
 
@@ -51,7 +51,9 @@ def differentiable_angles(map_: ConstantsToState) -> bool:
     """Whether the places from which angles are counted have derivatives: not those of two barriers."""
     return not any(
         isinstance(part, CycleVariations)
-        and isinstance(getattr(part.course.anomaly, "inner", part.course.anomaly), TwoBarrierAnomaly)
+        and isinstance(
+            getattr(part.coordinate_motion.anomaly, "inner", part.coordinate_motion.anomaly), TwoBarrierAnomaly
+        )
         for part in map_.parts
     )
 
@@ -77,15 +79,15 @@ def _laws(map_: ConstantsToState, Z: Bounded) -> tuple[Bounded, Bounded]:
     for part in map_.parts:
         if isinstance(part, RestVariations):
             continue
-        course: Any = part.course
-        start: NDArray[np.object_] = np.array([c.convert(course.start)], dtype=object)
-        begin: NDArray[np.object_] = np.array([c.convert(phase_of_zero(course, c, c.prec))], dtype=object)
+        coordinate_motion: Any = part.coordinate_motion
+        start: NDArray[np.object_] = np.array([c.convert(coordinate_motion.start)], dtype=object)
+        begin: NDArray[np.object_] = np.array([c.convert(phase_of_zero(coordinate_motion, c, c.prec))], dtype=object)
         none = np.zeros(1, dtype=int)
         waves, offset = part.waves, np.array([0.0])  # type: ignore[union-attr]
         _, here = waves.at(start, start)
         _, there = waves.at(begin, begin)
         B = B + here[:n, 0] - there[:n, 0]
-        if part.course.rotates:
+        if part.coordinate_motion.rotates:
             slopes = part.slopes(begin, none, offset)
             moved = _zero_by(part, begin) @ Z - slopes.q_by[:, 0] @ Z
             phase = Bounded(
@@ -108,11 +110,11 @@ def _laws(map_: ConstantsToState, Z: Bounded) -> tuple[Bounded, Bounded]:
 def _zero_by(part: Any, begin: NDArray[np.object_]) -> Bounded:
     """How the place of angle zero moves: with the barrier opposite to it, or not at all."""
     c = part.context
-    place = c.convert(part.course.place(converted(begin, c))[0][0])
-    barrier = place - c.pi * part.course.radian
+    place = c.convert(part.coordinate_motion.place(converted(begin, c))[0][0])
+    barrier = place - c.pi * part.coordinate_motion.radian
     at = part.rule.at(barrier)
     moves: list[Mpf] = [c.mpf(0)] * len(part.scale)
     if abs(at.slope) <= abs(at.bend) * c.ldexp(1, -c.prec // 4):
         moves = [-by / at.bend for by in at.slope_by]
-    half = c.pi * part.course.radian
+    half = c.pi * part.coordinate_motion.radian
     return Bounded.exact(np.array([m + s * half for m, s in zip(moves, part.scale, strict=True)], dtype=object))

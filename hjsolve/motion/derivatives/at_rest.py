@@ -27,13 +27,13 @@ class RestVariations:
     """A coordinate at rest, with the derivatives of what a motion next to it does.
 
     Attributes:
-        course: the coordinate.
+        coordinate_motion: the coordinate.
         formulas: of its p².
         at: F and its derivatives at the place of rest.
         context: of the numbers.
     """
 
-    course: AtRest
+    coordinate_motion: AtRest
     formulas: SquareDerivatives
     at: AtPlace
     context: Context
@@ -71,7 +71,7 @@ class RestVariations:
         """
         c = self.context
         rate = abs(self.stiffness) ** 0.5
-        if self.course.stable:
+        if self.coordinate_motion.stable:
             cosine, sine = c.cos(χ), c.sin(χ)
             return χ / rate, [[cosine, sine / rate], [-rate * sine, cosine]]
         if self.stiffness > 0:
@@ -87,7 +87,7 @@ class RestVariations:
 
     def second_means(self) -> Bounded:
         """Return J_jb, shape (constants, variables)."""
-        own, *by, mixed = self.formulas.expansions(self.course.rest, self.context.prec)
+        own, *by, mixed = self.formulas.expansions(self.coordinate_motion.rest, self.context.prec)
         A, n, count = -own[2] / 2, len(self.formulas.variables.constants), self.formulas.variables.count
         u, v = own[3] / 6 / (own[2] / 2), own[4] / 24 / (own[2] / 2)
         root = A**0.5
@@ -103,15 +103,15 @@ class RestVariations:
         return Bounded.exact(value)
 
 
-def rest_variations(course: AtRest, formulas: SquareDerivatives, digits: int) -> RestVariations:
+def rest_variations(coordinate_motion: AtRest, formulas: SquareDerivatives, digits: int) -> RestVariations:
     """Differentiate what a motion next to a place of rest does.
 
     Args:
-        course: the coordinate at rest.
+        coordinate_motion: the coordinate at rest.
         formulas: of its p².
         digits: wanted.
     """
     bits = bits_for(digits, 96)
     context = multiprecision(bits)
-    rest = context.convert(course.rest)
-    return RestVariations(course, formulas, formulas.bound(bits).at(rest), context)
+    rest = context.convert(coordinate_motion.rest)
+    return RestVariations(coordinate_motion, formulas, formulas.bound(bits).at(rest), context)

@@ -110,7 +110,7 @@ class ConstantsToState:
 
     def first_frame(self) -> StateByConstants:
         """Return D at t₀."""
-        start = [np.array([self.context.convert(p.course.start)], dtype=object) for p in self.parts]
+        start = [np.array([self.context.convert(p.coordinate_motion.start)], dtype=object) for p in self.parts]
         none = [np.zeros(1, dtype=int) for _ in self.parts]
         small = [np.array([10.0**-self.source.digits]) for _ in self.parts]
         return self.frames(start, none, small)[0]
@@ -161,7 +161,7 @@ class ConstantsToState:
     ) -> tuple[Bounded, Bounded, Bounded]:
         """X and y of a coordinate at rest as rows over all columns, and τ."""
         c, (χ, turns, error) = self.context, phase
-        gone = c.convert(χ) + 2 * c.pi * turns - c.convert(part.course.start)
+        gone = c.convert(χ) + 2 * c.pi * turns - c.convert(part.coordinate_motion.start)
         τ, now = part.flow(gone)  # type: ignore[union-attr]
         _, later = part.flow(gone + c.mpf(2.0**-60))  # type: ignore[union-attr]
         columns = 2 * self.freedoms + len(self.variables.parameters)
@@ -190,7 +190,7 @@ class ConstantsToState:
 
     def _places(self, χ: Sequence[Numbers], m: int) -> list[Mpf]:
         return [
-            self.context.convert(part.course.place(converted(c[m : m + 1], self.context))[0][0])
+            self.context.convert(part.coordinate_motion.place(converted(c[m : m + 1], self.context))[0][0])
             for part, c in zip(self.parts, χ, strict=True)
         ]
 

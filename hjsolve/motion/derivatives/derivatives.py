@@ -201,7 +201,7 @@ def _groups(
         groups.append(_constants(map_))
     if "actions" in varied and means is not None:
         known = means.inverse
-        directions = [p.course.direction if isinstance(p, CycleVariations) else 1 for p in map_.parts]
+        directions = [p.coordinate_motion.direction if isinstance(p, CycleVariations) else 1 for p in map_.parts]
         columns = [known[:, k] if d > 0 else -known[:, k] for k, d in enumerate(directions)]
         columns += [known[:, k] for k in range(len(map_.parts), len(known.value))]
         others = [q.name for q in system.coordinates if q.name not in solution.coordinates]
@@ -286,7 +286,7 @@ def _position(map_: ConstantsToState, name: str) -> tuple[int, int]:
     if name in solution.coordinates:
         k = solution.coordinates.index(name)
         part = map_.parts[k]
-        return k, part.course.direction if isinstance(part, CycleVariations) else 1
+        return k, part.coordinate_motion.direction if isinstance(part, CycleVariations) else 1
     others = [q.name for q in solution.system.coordinates if q.name not in solution.coordinates]
     return len(map_.parts) + others.index(name), 1
 

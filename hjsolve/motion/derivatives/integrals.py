@@ -60,7 +60,7 @@ class MeanMatrix:
 
 def has_means(part: object) -> bool:
     """Whether the action of a coordinate exists, with all its derivatives."""
-    return isinstance(part, CycleVariations) or (isinstance(part, RestVariations) and part.course.stable)
+    return isinstance(part, CycleVariations) or (isinstance(part, RestVariations) and part.coordinate_motion.stable)
 
 
 def mean_matrix(map_: ConstantsToState) -> MeanMatrix | None:
@@ -89,8 +89,8 @@ def action_by(map_: ConstantsToState, i: int) -> Bounded:
     """
     part = map_.parts[i]
     means = part.means()  # type: ignore[union-attr]
-    if isinstance(part, CycleVariations) and part.course.rotates:
-        signed = means if part.course.direction > 0 else -means
+    if isinstance(part, CycleVariations) and part.coordinate_motion.rotates:
+        signed = means if part.coordinate_motion.direction > 0 else -means
         return signed - _shift_by(map_, i, part)
     return means
 
@@ -108,7 +108,7 @@ def _shift_by(map_: ConstantsToState, i: int, part: CycleVariations) -> Bounded:
     constants = {solution.constants[k].symbol: x for k, x in map_.source.initial.constants.items()}
     numbers = [to_bits({**values, **constants}[s])(c.prec) for s in known]
     tape, field, nodes = tape_of(tuple(outputs), (q, *known)), Multi(c.prec), _NODES * map_.source.digits
-    length = c.convert(part.course.radian)
+    length = c.convert(part.coordinate_motion.radian)
     rows = [tape.run(field, [2 * c.pi * length * k / nodes, *numbers]) for k in range(nodes)]
     result: list[Mpf] = []
     for b in range(count):

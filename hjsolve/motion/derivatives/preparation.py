@@ -64,24 +64,28 @@ def prepared(motion: Motion, parameters: bool, more: int = MORE) -> ConstantsToS
 
 def _varied(source: SeparatedMotion, name: str, variables: VariedSymbols) -> CoordinateVariations:
     formulas = formulas_of(source.solution, source.initial, name, variables)
-    match source.located[name].course:
-        case Periodic() as course:
-            return cycle_variations(course, formulas, _stretched(source, name, variables, course), source.digits)
-        case AtRest() as course:
-            return rest_variations(course, formulas, source.digits)
-        case Unbounded() as course:
-            return open_variations(course, formulas, source.digits)
+    match source.located[name].coordinate_motion:
+        case Periodic() as coordinate_motion:
+            return cycle_variations(
+                coordinate_motion, formulas, _stretched(source, name, variables, coordinate_motion), source.digits
+            )
+        case AtRest() as coordinate_motion:
+            return rest_variations(coordinate_motion, formulas, source.digits)
+        case Unbounded() as coordinate_motion:
+            return open_variations(coordinate_motion, formulas, source.digits)
         case _:
             raise InvalidInputError(f"derivatives: not for {name}, along which p² has kinks")
 
 
-def _stretched(source: SeparatedMotion, name: str, variables: VariedSymbols, course: Periodic) -> list[Mpf | int]:
+def _stretched(
+    source: SeparatedMotion, name: str, variables: VariedSymbols, coordinate_motion: Periodic
+) -> list[Mpf | int]:
     """How the length of a turn changes along a line, (ln L)_b = −(ln a)_b for waves of a·q.
 
     Raises:
         InvalidInputError: with other parameters p² does not repeat itself.
     """
-    if not course.rotates or source.solution.system.coordinate(name).domain.kind == "angle":
+    if not coordinate_motion.rotates or source.solution.system.coordinate(name).domain.kind == "angle":
         return [0] * variables.count
     q = source.solution.system.coordinate(name).symbol
     F = source.solution.momentum_squared[name]

@@ -54,9 +54,9 @@ class Waves:
         cosine, sine = self._waves(χ)
         (C, S), (Ck, Sk) = self._fixed
         one = 1 << self._work
-        swings = self._scaled(C @ cosine + S @ sine, count)
+        librations = self._scaled(C @ cosine + S @ sine, count)
         heights = self._scaled(Ck @ sine + Sk @ (one - cosine), count)
-        return Bounded(mean + swings, lacks + 0 * spread), Bounded(mean * full[None, :] + heights, lacks * spread)
+        return Bounded(mean + librations, lacks + 0 * spread), Bounded(mean * full[None, :] + heights, lacks * spread)
 
     def _scaled(self, whole: Numbers, count: int) -> Numbers:
         result = np.empty(whole.shape, dtype=object)

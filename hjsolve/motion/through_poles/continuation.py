@@ -33,7 +33,7 @@ _INFINITE = (sp.zoo, sp.nan, sp.oo, -sp.oo)
 
 
 @dataclass(frozen=True)
-class Fold:
+class Reflection:
     """Where a continued coordinate turns back into the given one: its poles, None where an end is none."""
 
     lower: sp.Expr | None
@@ -47,13 +47,13 @@ class Continuation:
     Attributes:
         system: in which they run on.
         angle: whose momentum is zero; it jumps by π at the poles.
-        folds: coordinate continued → its poles.
+        reflections: coordinate continued → its poles.
         carried: whether the angle moves all the same, and is a coordinate of ``system``; else it is left out there.
     """
 
     system: System
     angle: str
-    folds: Mapping[str, Fold]
+    reflections: Mapping[str, Reflection]
     carried: bool = False
 
 
@@ -79,15 +79,15 @@ def continued_coordinates(system: System, angle: str) -> Continuation | None:
     k = index[angle]
     if (M.free_symbols | A.free_symbols | V.free_symbols) & {real[φ.symbol]}:
         return None
-    folds = {}
+    reflections = {}
     for c in rest:
         parts = _Parts(M, A, V, k, index[c.name], real[c.symbol])
         poles = [end is not None and parts.has_pole(end) for end in (c.domain.lower, c.domain.upper)]
         if any(poles):
-            folds[c.name] = Fold(c.domain.lower if poles[0] else None, c.domain.upper if poles[1] else None)
+            reflections[c.name] = Reflection(c.domain.lower if poles[0] else None, c.domain.upper if poles[1] else None)
     carried = any(a != 0 for a in A) or any(M[k, j] != 0 for j in range(M.rows) if j != k)
-    domains = {c.name: _domain(c, folds.get(c.name)) for c in (system.coordinates if carried else rest)}
-    if not folds or None in domains.values():
+    domains = {c.name: _domain(c, reflections.get(c.name)) for c in (system.coordinates if carried else rest)}
+    if not reflections or None in domains.values():
         return None
     kinetic, potential = system.kinetic.xreplace({φ.velocity: sp.S.Zero} | real), system.potential.xreplace(real)
     if carried:
@@ -98,7 +98,7 @@ def continued_coordinates(system: System, angle: str) -> Continuation | None:
         kinetic, potential, {p.name: p for p in system.parameters}, title=system.title,
         signature="indefinite" if coupled else system.signature,
     )  # fmt: skip
-    return Continuation(continued, angle, folds, carried)
+    return Continuation(continued, angle, reflections, carried)
 
 
 def _regular(
@@ -149,16 +149,16 @@ class _Parts:
         return bool(f == 0 or (not f.has(*_INFINITE) and isinstance(is_zero(f, budget=_SECONDS), Zero)))
 
 
-def _domain(c: Coordinate, fold: Fold | None) -> str | None:
+def _domain(c: Coordinate, reflection: Reflection | None) -> str | None:
     """Return the domain of a coordinate after it is continued.
 
     None where it has two poles that are not half a turn apart.
     """
-    if fold is None:
+    if reflection is None:
         return c.domain.written(c.name)
     low, high = c.domain.lower, c.domain.upper
-    if fold.lower is not None and fold.upper is not None:
-        return "angle" if sp.simplify(fold.upper - fold.lower - sp.pi) == 0 else None
-    if fold.lower is not None:
-        return "line" if high is None else f"{sp.sstr(2 * fold.lower - high)} < {c.name} < {sp.sstr(high)}"
-    return "line" if low is None else f"{sp.sstr(low)} < {c.name} < {sp.sstr(2 * required(fold.upper) - low)}"
+    if reflection.lower is not None and reflection.upper is not None:
+        return "angle" if sp.simplify(reflection.upper - reflection.lower - sp.pi) == 0 else None
+    if reflection.lower is not None:
+        return "line" if high is None else f"{sp.sstr(2 * reflection.lower - high)} < {c.name} < {sp.sstr(high)}"
+    return "line" if low is None else f"{sp.sstr(low)} < {c.name} < {sp.sstr(2 * required(reflection.upper) - low)}"

@@ -19,7 +19,7 @@ from hjsolve.motion.placing import with_place
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.starting import started
 from hjsolve.motion.state import Errors, State
-from hjsolve.motion.through_poles.continuation import Continuation, Fold, continued_coordinates
+from hjsolve.motion.through_poles.continuation import Continuation, Reflection, continued_coordinates
 from hjsolve.motion.through_umbilics.starting import goes_on_at_umbilics
 from hjsolve.motion.transformed_motion import TransformedMotion
 from hjsolve.solution.quadratures import Solution, solve
@@ -57,7 +57,7 @@ class ContinuedMotion(TransformedMotion):
 
     def at(self, t: object) -> State:
         """As ``Motion.at``; the state is in the given coordinates."""
-        state = folded(self.continued, self.initial, self.within.at(t), self.solution)
+        state = reduced(self.continued, self.initial, self.within.at(t), self.solution)
         return with_place(self.solution.system, self.initial.values, state)
 
     @property
@@ -158,8 +158,12 @@ def motion_through_poles(
 
 def _meets_a_pole(motion: Motion) -> bool:
     """Return True where a coordinate reaches an end of its domain, before or after the initial time."""
-    courses = [place.course for place in motion.separated.located.values()]
-    return any(course.ends(side) in {"boundary", "fall"} for course in courses for side in (1, -1))
+    coordinate_motions = [place.coordinate_motion for place in motion.separated.located.values()]
+    return any(
+        coordinate_motion.ends(side) in {"boundary", "fall"}
+        for coordinate_motion in coordinate_motions
+        for side in (1, -1)
+    )
 
 
 def _at_an_end(solution: Solution, initial: Initial) -> str:
@@ -206,7 +210,7 @@ def _without_noise(value: sp.Expr) -> sp.Expr:
     return value
 
 
-def folded(crossing: Continuation, initial: Initial, state: State, solution: Solution) -> State:
+def reduced(crossing: Continuation, initial: Initial, state: State, solution: Solution) -> State:
     """Return a state in the given coordinates.
 
     Args:
@@ -217,8 +221,8 @@ def folded(crossing: Continuation, initial: Initial, state: State, solution: Sol
     """
     q, p, v, turns = dict(state.q), dict(state.p), dict(state.velocity), dict(state.turns)
     odd = np.zeros(np.shape(state.status), dtype=bool)
-    for name, fold in crossing.folds.items():
-        q[name], turned = _fold(fold, initial, q[name])
+    for name, reflection in crossing.reflections.items():
+        q[name], turned = _reflection(reflection, initial, q[name])
         p[name], v[name] = (
             np.where(turned, -x, x) if np.shape(turned) else (-x if turned else x) for x in (p[name], v[name])
         )
@@ -271,9 +275,9 @@ def _principal(angle: Elementwise, π: Elementwise) -> Elementwise:
     return angle - 2 * π if angle > π else angle
 
 
-def _fold(fold: Fold, initial: Initial, s: Elementwise) -> tuple[Elementwise, Truth]:
+def _reflection(reflection: Reflection, initial: Initial, s: Elementwise) -> tuple[Elementwise, Truth]:
     """Return the given coordinate, and where it was reached through an odd number of poles."""
-    low, high = (None if end is None else _number(end, initial, s) for end in (fold.lower, fold.upper))
+    low, high = (None if end is None else _number(end, initial, s) for end in (reflection.lower, reflection.upper))
     if low is not None and high is not None:  # s is an angle in (−π, π]
         turn = 2 * (high - low)
         below, above = s < low, s > high
@@ -305,9 +309,9 @@ def _errors(crossing: Continuation, state: State, initial: Initial, names: list[
     q, p, v = dict(state.error.q), dict(state.error.p), dict(state.error.velocity)
     unit = _unit(state)
     angle = 4 * unit * np.pi + 0 * np.asarray(next(iter(q.values())), dtype=float)
-    for name, fold in crossing.folds.items():
+    for name, reflection in crossing.reflections.items():
         near = np.zeros(np.shape(state.status), dtype=bool)
-        for end in (fold.lower, fold.upper):
+        for end in (reflection.lower, reflection.upper):
             if end is not None:
                 value = float(to_bits(end.subs(initial.values))(64))
                 away = np.abs(np.asarray(state.q[name], dtype=float) - value)

@@ -20,7 +20,7 @@ import sympy as sp
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
 from hjsolve.separation import Zero, is_zero
 
-_DIGITS, _SLACK = 40, 20
+_DIGITS, _TOLERANCE = 40, 20
 _SAMPLES = ("0.11", "0.17")
 _SECONDS = 3.0
 _INFINITE = (sp.zoo, sp.nan, sp.oo, -sp.oo)
@@ -99,6 +99,6 @@ def branches_only(
         along, across, other = (number(f, one, two) for f in slopes)
         ratio = along / other
         sums = ((along**2, ratio**3 * across**2), (number(squares[0], one, two), ratio * number(squares[1], one, two)))
-        if any(abs(x + y) > sp.Float(10) ** (-_SLACK) * (abs(x) + abs(y)) for x, y in sums):
+        if any(abs(x + y) > sp.Float(10) ** (-_TOLERANCE) * (abs(x) + abs(y)) for x, y in sums):
             return False
     return True

@@ -29,7 +29,7 @@ _PROBES = (-0.83, 0.11, 0.67)
 
 
 @dataclass(frozen=True)
-class Course:
+class CoordinatePath:
     """Where a coordinate goes: q(x).
 
     Attributes:
@@ -125,7 +125,7 @@ class Path:
     In its methods x = tanh z is the position.
 
     Attributes:
-        course: q(x).
+        coordinate_motion: q(x).
         weight: w.
         bits: binary digits of the arithmetic.
         clock: series of N jac, and of its integral from x = 0.
@@ -133,7 +133,7 @@ class Path:
         residues: c₋ and c₊.
     """
 
-    course: Course
+    coordinate_motion: CoordinatePath
     weight: Mpf
     bits: int
     clock: tuple[Series, Series]
@@ -156,8 +156,8 @@ class Path:
 
     def momentum(self, z: Mpf, x: Mpf) -> Mpf:
         """Return |p| = |dq/dx| k₂/(k₂ jac), which loses no digits next to a double zero."""
-        kernel = self.course.radicand.weights(self.course.place(x), self.bits)[1]
-        return abs(self.course.slope(x) * kernel / self.rates(z, x)[1])
+        kernel = self.coordinate_motion.radicand.weights(self.coordinate_motion.place(x), self.bits)[1]
+        return abs(self.coordinate_motion.slope(x) * kernel / self.rates(z, x)[1])
 
     def level(self, z: Mpf, x: Mpf) -> Mpf:
         """Return ∫ k₂ jac dx from x = 0."""
@@ -181,11 +181,11 @@ def _softplus(y: Mpf) -> Mpf:
     return y + c.log1p(c.exp(-y)) if y > 0 else c.log1p(c.exp(y))
 
 
-def path_of(course: Course, weight: Mpf, digits: int, bits: int) -> Path:
+def path_of(coordinate_motion: CoordinatePath, weight: Mpf, digits: int, bits: int) -> Path:
     """Integrate a coordinate over its path.
 
     Args:
-        course: q(x).
+        coordinate_motion: q(x).
         weight: w of N = k₁ + w k₂.
         digits: decimal digits of the series.
         bits: binary digits of the arithmetic, with what p² loses next to its double zeros.
@@ -197,7 +197,7 @@ def path_of(course: Course, weight: Mpf, digits: int, bits: int) -> Path:
     n = _FEWEST
     while n <= _MOST:
         x = [context.cos(context.pi * (2 * m + 1) / (2 * n)) for m in range(n)]
-        rates = [course.rates(y, weight, bits) for y in x]
+        rates = [coordinate_motion.rates(y, weight, bits) for y in x]
         square = [(1 - y) * (1 + y) for y in x]
         whole = _series([level * s for (_, level), s in zip(rates, square, strict=True)], bits)
         before, after = (clenshaw(whole, context.mpf(side)) / 2 for side in (-1, 1))
@@ -206,14 +206,14 @@ def path_of(course: Course, weight: Mpf, digits: int, bits: int) -> Path:
         tiny = context.mpf(10) ** -digits
         if all(_ends(row, tiny) for row in (whole, clock, smooth)):
             probes = [context.mpf(y) for y in _PROBES]
-            true = [course.rates(y, weight, bits) for y in probes]
+            true = [coordinate_motion.rates(y, weight, bits) for y in probes]
             near = [(clenshaw(clock, y), clenshaw(smooth, y) + before / (1 + y) + after / (1 - y)) for y in probes]
             if all(
                 abs(a - b) <= 64 * tiny * (1 + abs(b)) for one, two in zip(near, true, strict=True)
                 for a, b in zip(one, two, strict=True)
             ):  # fmt: skip
                 pairs = [(_fixed(row, bits), _fixed(_integral(row), bits)) for row in (clock, smooth)]
-                return Path(course, weight, bits, pairs[0], pairs[1], (before, after))
+                return Path(coordinate_motion, weight, bits, pairs[0], pairs[1], (before, after))
         n *= 2
     raise NotConvergedError(
         "an integral between two umbilics did not converge; request fewer digits, or start farther from the umbilic"

@@ -28,7 +28,7 @@ from hjsolve.motion.separated import SeparatedMotion, checked, coordinate_start,
 from hjsolve.motion.starting import motion_of
 from hjsolve.motion.through_umbilics.arcs import Arcs, Corner, Corners, UmbilicArc, leaving
 from hjsolve.motion.through_umbilics.branch_places import branches_only, metric_ratio
-from hjsolve.motion.through_umbilics.paths import Course, Path, path_of
+from hjsolve.motion.through_umbilics.paths import CoordinatePath, Path, path_of
 from hjsolve.motion.through_umbilics.umbilic_motion import SPARE, UmbilicMotion, going_on, work_bits
 from hjsolve.one_coordinate.classify import Located, locate
 from hjsolve.one_coordinate.turning_points import End
@@ -71,14 +71,14 @@ class _Paths:
     def from_inside(self, motion: Motion) -> UmbilicMotion | None:
         """Return the motion of one that starts between umbilics."""
         located = {name: motion.separated.located[name] for name in self.names}
-        resting = [k for k, place in enumerate(located.values()) if place.course.kind == "equilibrium"]
+        resting = [k for k, place in enumerate(located.values()) if place.coordinate_motion.kind == "equilibrium"]
         for name in [self.names[k] for k in resting]:
             e = self.initial.values[self.solution.system.coordinate(name).symbol]
             beside = self._beside(name, e, 1)
             if beside is None:
                 return None
             located[name] = beside
-        made = self._arcs_of([self._course(name, place) for name, place in located.items()])
+        made = self._arcs_of([self._coordinate_motion(name, place) for name, place in located.items()])
         if made is None:
             return None
         paths, corners = made
@@ -98,10 +98,10 @@ class _Paths:
         c = self.solution.system.coordinate(name)
         place = to_bits(self.initial.values[c.symbol])(self.bits)
         p = to_bits(self.initial.values[c.momentum])(self.bits)
-        x, d = path.course.position(place, (p > 0) - (p < 0))
+        x, d = path.coordinate_motion.position(place, (p > 0) - (p < 0))
         return x, d or (1 if x > 0 else -1)
 
-    def _course(self, name: str, place: Located) -> Course | None:
+    def _coordinate_motion(self, name: str, place: Located) -> CoordinatePath | None:
         """Return the path of a coordinate between double zeros; None where it does not come back to one."""
         ends = {-1: place.lower, 1: place.upper}
         radicand = coordinate_start(self.solution, self.initial, name).radicand
@@ -110,12 +110,12 @@ class _Paths:
             return None
         values = {side: to_bits(e)(self.bits) for side, e in zeros.items() if e is not None}
         if len(values) == 2:
-            return Course(radicand, values[-1], values[1], None)
+            return CoordinatePath(radicand, values[-1], values[1], None)
         ((side, e),) = values.items()
         turning = ends[-side]
         if turning.kind != "turning" or turning.place is None:
             return None
-        return Course(radicand, e, e, turning.place(self.bits))
+        return CoordinatePath(radicand, e, e, turning.place(self.bits))
 
     def _zero(self, end: End) -> sp.Expr | None:
         """Return a double zero as an exact number: a part of π or a fraction; None where it is neither."""
@@ -124,9 +124,9 @@ class _Paths:
         x = end.place(512)
         return _exact(x)
 
-    def _arcs_of(self, courses: list[Course | None]) -> tuple[tuple[Path, Path], Corners] | None:
+    def _arcs_of(self, coordinate_motions: list[CoordinatePath | None]) -> tuple[tuple[Path, Path], Corners] | None:
         """Paths and corners; None where no end of an arc is reached in a finite time."""
-        one, two = courses
+        one, two = coordinate_motions
         if one is None or two is None:
             return None
         weight = self._weight(one, two)
@@ -138,8 +138,8 @@ class _Paths:
 
     def _corner(self, paths: tuple[Path, Path], sides: tuple[int, int]) -> Corner:
         """Return the end of an arc at which both coordinates are at the named ends of their paths."""
-        courses = [path.course for path in paths]
-        ends = [_exact(c.upper if side > 0 else c.lower) for c, side in zip(courses, sides, strict=True)]
+        coordinate_motions = [path.coordinate_motion for path in paths]
+        ends = [_exact(c.upper if side > 0 else c.lower) for c, side in zip(coordinate_motions, sides, strict=True)]
         place = tuple(e for e in ends if e is not None)
         one, two = (p.residues[side > 0] for p, side in zip(paths, sides, strict=True))
         same = abs(one + two) <= one.context.mpf(10) ** -self.digits * abs(one)
@@ -148,19 +148,22 @@ class _Paths:
             return Corner(False, 0 * one)
         squares = tuple(sp.sympify(self.solution.momentum_squared[name]).subs(self.known) for name in self.names)
         passable = branches_only(self.solution.system, tuple(self.fixed.items()), place, squares)
-        sizes = [abs(c.upper - c.lower) / 2 if c.turning is None else 2 * abs(c.turning - c.lower) for c in courses]
+        sizes = [
+            abs(c.upper - c.lower) / 2 if c.turning is None else 2 * abs(c.turning - c.lower)
+            for c in coordinate_motions
+        ]
         c = one.context
         return Corner(passable, c.log(sizes[1] / sizes[0]) - c.log(to_bits(ratio)(self.bits)) / 2)
 
     def _ratio(self, place: tuple[sp.Expr, ...]) -> sp.Expr | None:
         return metric_ratio(self.solution.system, tuple(self.fixed.items()), place)
 
-    def _weight(self, one: Course, two: Course) -> Mpf | None:
+    def _weight(self, one: CoordinatePath, two: CoordinatePath) -> Mpf | None:
         """W with k₁ + w k₂ = 0 at every double zero; None where there is no such number."""
         found = []
-        for course in (one, two):
-            for e in (course.lower, course.upper):
-                kernels = course.radicand.weights(e, self.bits)
+        for coordinate_motion in (one, two):
+            for e in (coordinate_motion.lower, coordinate_motion.upper):
+                kernels = coordinate_motion.radicand.weights(e, self.bits)
                 if len(kernels) != 2 or not kernels[1]:
                     return None
                 found.append(-kernels[0] / kernels[1])
@@ -184,14 +187,16 @@ class _Paths:
         located = {n: found for n, found in zip(self.names, beside, strict=True) if found is not None}
         if len(located) < len(beside):
             return None
-        made = self._arcs_of([self._course(n, found) for n, found in located.items()])
+        made = self._arcs_of([self._coordinate_motion(n, found) for n, found in located.items()])
         if made is None:
             return None
         paths, corners = made
         begins, resting = [], None
         for k, (path, e, y) in enumerate(zip(paths, place, direction, strict=True)):
-            course, here = path.course, to_bits(e)(self.bits)
-            below = course.turning is not None or abs(course.lower - here) < abs(course.upper - here)
+            coordinate_motion, here = path.coordinate_motion, to_bits(e)(self.bits)
+            below = coordinate_motion.turning is not None or abs(coordinate_motion.lower - here) < abs(
+                coordinate_motion.upper - here
+            )
             begins.append(-1 if below else 1)
             if not y:
                 resting = k
@@ -224,9 +229,9 @@ def _exact(x: Mpf) -> sp.Expr | None:
     """Return a part of π or a fraction that a number is to its digits; None where it is neither."""
     c = x.context
     tiny = c.ldexp(1 + abs(x), -min(c.prec, 512) // 2)
-    share = c.nint(_MULTIPLES * x / c.pi)
-    if abs(x - share * c.pi / _MULTIPLES) <= tiny:
-        return sp.pi * sp.Rational(int(share), _MULTIPLES)
+    fraction = c.nint(_MULTIPLES * x / c.pi)
+    if abs(x - fraction * c.pi / _MULTIPLES) <= tiny:
+        return sp.pi * sp.Rational(int(fraction), _MULTIPLES)
     sign, mantissa, exponent, _ = x._mpf_
     whole = int(mantissa) * (-1 if sign else 1)
     exact = sp.Rational(whole) * sp.Rational(2) ** exponent

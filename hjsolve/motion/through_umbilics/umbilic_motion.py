@@ -25,7 +25,7 @@ SPARE = 25
 """Decimal digits by which the series are better than what is told."""
 _BUFFER = 200
 """Binary digits that p² and the metric may lose next to an umbilic."""
-_DOUBT = 20
+_UNCERTAINTY = 20
 """Decimal digits beyond those asked to which the time is taken to be known."""
 _LEAST = 2.0**-200
 """What a coordinate that is zero is not known to."""
@@ -108,11 +108,11 @@ class UmbilicMotion(TransformedMotion):
         arcs = required(self.arcs)
         states = []
         for k, (path, v) in enumerate(zip(arcs.paths, z, strict=True)):
-            c, course = path.residues[0].context, path.course
+            c, coordinate_motion = path.residues[0].context, path.coordinate_motion
             x = c.mpf(sides[k]) if v is None else c.tanh(v)
-            place, slope = course.place(x), course.slope(x) * arc.directions[k]
+            place, slope = coordinate_motion.place(x), coordinate_motion.slope(x) * arc.directions[k]
             size = c.zero if v is None else path.momentum(v, x) * (1 if slope > 0 else -1 if slope < 0 else 0)
-            distance = min(abs(place - course.lower), abs(place - course.upper))
+            distance = min(abs(place - coordinate_motion.lower), abs(place - coordinate_motion.upper))
             if k == self.unfolding:
                 shift, direction = self._unfolded(number)
                 place, size = shift + direction * place, direction * size
@@ -126,10 +126,14 @@ class UmbilicMotion(TransformedMotion):
     def _unfolded(self, number: int) -> tuple[Mpf, int]:
         """Return a and B of q = A + B q̃, q̃ on the path: turned over at each umbilic that was passed."""
         arcs, k = required(self.arcs), self.unfolding
-        course = arcs.paths[k].course
+        coordinate_motion = arcs.paths[k].coordinate_motion
         side, count = (1 if number >= 0 else -1), abs(number)
         d = arcs.known[side][0].directions[k]
-        ends = (course.upper, course.lower) if d > 0 else (course.lower, course.upper)
+        ends = (
+            (coordinate_motion.upper, coordinate_motion.lower)
+            if d > 0
+            else (coordinate_motion.lower, coordinate_motion.upper)
+        )
         if arcs.known[1][0].rest is not None:  # moves on every second arc alone
             return self._unfolded_resting(side, count)
         pairs, odd = divmod(count, 2)
@@ -138,9 +142,13 @@ class UmbilicMotion(TransformedMotion):
 
     def _unfolded_resting(self, side: int, count: int) -> tuple[Mpf, int]:
         arcs, k = required(self.arcs), self.unfolding
-        course, shift, direction = arcs.paths[k].course, 0 * required(self.arcs).paths[k].weight, 1
+        coordinate_motion, shift, direction = (
+            arcs.paths[k].coordinate_motion,
+            0 * required(self.arcs).paths[k].weight,
+            1,
+        )
         for arc in arcs.known[side][:count]:
-            e = course.upper if arc.directions[k] > 0 else course.lower
+            e = coordinate_motion.upper if arc.directions[k] > 0 else coordinate_motion.lower
             shift, direction = shift + 2 * direction * e, -direction
         return shift, direction
 
@@ -174,8 +182,10 @@ class UmbilicMotion(TransformedMotion):
         """
         few = self.digits <= FLOAT_DIGITS
         unit = EPS if few else 10.0**-self.digits
-        doubt = 10.0 ** -(max(self.digits, FLOAT_DIGITS) + _DOUBT) * (1 + float(required(self.arcs).longest()))
-        moved: dict[str, Numbers] = {n: doubt * np.abs(x.astype(float)) for n, x in v.items()}
+        uncertainty = 10.0 ** -(max(self.digits, FLOAT_DIGITS) + _UNCERTAINTY) * (
+            1 + float(required(self.arcs).longest())
+        )
+        moved: dict[str, Numbers] = {n: uncertainty * np.abs(x.astype(float)) for n, x in v.items()}
         near = np.sqrt(sum(x.astype(float) ** 2 for x in away.values()))
         exactly = {n: np.array([x == 0 for x in away[n]]) for n in q}
         size = {n: [np.abs(x.astype(float)) for x in (q[n], p[n], v[n])] for n in q}

@@ -39,7 +39,7 @@ def started_at(motion: SeparatedMotion, angles: Mapping[str, sp.Expr]) -> Separa
     bits = bits_for(motion.digits, 128)
     context = multiprecision(bits)
     θ = {name: to_bits(value)(bits) for name, value in angles.items()}
-    begins = [phase_of_zero(course, context, bits) for course in torus.courses]
+    begins = [phase_of_zero(coordinate_motion, context, bits) for coordinate_motion in torus.coordinate_motions]
     starts = []
     for k, name in enumerate(solution.coordinates):
         frequency = motion.frequencies.get(name)
@@ -52,9 +52,9 @@ def started_at(motion: SeparatedMotion, angles: Mapping[str, sp.Expr]) -> Separa
     values = dict(motion.initial.values)
     for k, name in enumerate(solution.coordinates):
         place = motion.located[name]
-        course = replace(place.course, start=phases[k])
-        located[name] = replace(place, course=course)
-        q, p = (x[0] for x in course.place(np.array([phases[k]], dtype=object)))
+        coordinate_motion = replace(place.coordinate_motion, start=phases[k])
+        located[name] = replace(place, coordinate_motion=coordinate_motion)
+        q, p = (x[0] for x in coordinate_motion.place(np.array([phases[k]], dtype=object)))
         coordinate = solution.system.coordinate(name)
         values[coordinate.symbol] = number(q, source=name)
         values[coordinate.momentum] = number(p, source=name)
@@ -65,8 +65,8 @@ def started_at(motion: SeparatedMotion, angles: Mapping[str, sp.Expr]) -> Separa
         if name not in located:
             values[solution.system.coordinate(name).symbol] = _ignorable(motion, torus, name, angle, phases, begins)
     initial = Initial(values, motion.initial.constants, motion.initial.exact)
-    courses = [stays for place in located.values() if (stays := place.course.bounded) is not None]
-    return replace(motion, initial=initial, located=located, equations=torus_equations(courses, bits))
+    coordinate_motions = [stays for place in located.values() if (stays := place.coordinate_motion.bounded) is not None]
+    return replace(motion, initial=initial, located=located, equations=torus_equations(coordinate_motions, bits))
 
 
 def _phases(torus: TorusEquations, bits: int) -> list[Mpf]:
@@ -80,10 +80,10 @@ def _phases(torus: TorusEquations, bits: int) -> list[Mpf]:
 def _in_first_turn(motion: SeparatedMotion, k: int, χ: Mpf) -> Mpf:
     """Return a phase, by whole turns such that an angle that rotates lies in (−π, π]."""
     name = motion.solution.coordinates[k]
-    course = motion.located[name].course
-    if not course.rotates or motion.solution.system.coordinate(name).domain.kind != "angle":
+    coordinate_motion = motion.located[name].coordinate_motion
+    if not coordinate_motion.rotates or motion.solution.system.coordinate(name).domain.kind != "angle":
         return χ
-    context, cycle = χ.context, required(course.cycle)
+    context, cycle = χ.context, required(coordinate_motion.cycle)
     turn = 2 * context.pi
     q = cycle.place(np.array([χ], dtype=object))[0][0]
     return χ - cycle.direction * turn * context.ceil(q / turn - context.mpf(1) / 2)

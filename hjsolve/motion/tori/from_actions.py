@@ -177,8 +177,10 @@ def motion_on_torus(
         words = "; ".join(sorted(_in_words(asked.curves, candidate) for candidate, _ in tori))
         raise SeveralToriError(f"actions: several tori have them; choose one by q={{…}} or kinds={{…}}: {words}")
     candidate, torus = tori[0]
-    courses = [stays for place in torus.located.values() if (stays := place.course.bounded) is not None]
-    equations = torus_equations(courses, bits_for(digits, 128))
+    coordinate_motions = [
+        stays for place in torus.located.values() if (stays := place.coordinate_motion.bounded) is not None
+    ]
+    equations = torus_equations(coordinate_motions, bits_for(digits, 128))
     motion = SeparatedMotion(
         solution, torus.initial, exact_t0, digits, asked.parts, torus.located, equations,
         turning_points(torus.located, digits), quantities.frequencies(solution, torus.initial, equations, digits),

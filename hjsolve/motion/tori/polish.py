@@ -34,7 +34,7 @@ _SPARE = 192
 """Bits of the constants beyond the digits asked: near a separatrix or a circle J depends on the last of them."""
 _STEPS, _FALLS = 20, 0.9
 """Steps of Newton's method, and the ratio by which a step must make the residual smaller."""
-_SHARES: tuple[Fraction | int, ...] = (1, Fraction(9, 10), *(Fraction(1, 2**k) for k in range(1, 8)))
+_FRACTIONS: tuple[Fraction | int, ...] = (1, Fraction(9, 10), *(Fraction(1, 2**k) for k in range(1, 8)))
 """The shares of a step that are tried. Next to a separatrix J ~ J₀ + δ ln δ, δ the distance of the constants from it,
 and Newton's method overshoots it by δ/ln δ: nine tenths of the step stay inside, and leave a twentieth of δ."""
 _ASIDE, _SAME_FAMILY = tuple(Fraction(1, 10**k) for k in (14, 12, 10, 8, 6, 4)), 0.1
@@ -160,8 +160,8 @@ def _aside(
     except (ZeroDivisionError, ValueError):
         return None, κ
     for part in _ASIDE:
-        for share in (-part, part):
-            moved = _moved(κ, unknown, step, share)
+        for fraction in (-part, part):
+            moved = _moved(κ, unknown, step, fraction)
             trial = _tried(goal, curves, moved, tops, kinds, goals, bits)
             if trial is None:
                 continue
@@ -170,11 +170,11 @@ def _aside(
     return None, κ
 
 
-def _moved(κ: list[Mpf], unknown: Sequence[int], step: Sequence[Mpf], share: Fraction | int) -> list[Mpf]:
+def _moved(κ: list[Mpf], unknown: Sequence[int], step: Sequence[Mpf], fraction: Fraction | int) -> list[Mpf]:
     """Return the constants after a share of a step."""
     moved = list(κ)
     for j, change in zip(unknown, step, strict=True):
-        moved[j] = moved[j] + change * share.numerator / share.denominator
+        moved[j] = moved[j] + change * fraction.numerator / fraction.denominator
     return moved
 
 
@@ -185,8 +185,8 @@ def _damped(
     """Return the torus after the longest share of a step that makes the residual less."""
     (κ, unknown, step), (kinds, goals, allowed, bits) = move, about
     old = max(abs(r) / a for r, a in zip(before.residuals, allowed, strict=True))
-    for share in _SHARES:
-        moved = _moved(κ, unknown, step, share)
+    for fraction in _FRACTIONS:
+        moved = _moved(κ, unknown, step, fraction)
         trial = _tried(goal, curves, moved, before.tops, kinds, goals, bits)
         if trial is not None and max(abs(r) / a for r, a in zip(trial.residuals, allowed, strict=True)) < max(
             _FALLS * old, 1
@@ -230,14 +230,14 @@ def _tried(
             place = between_walls(checked(begin), curve.walls, goal.digits)
         except (NotConvergedError, ForbiddenMotionError):
             return None
-        course = place.course
-        if course.bounded is None or course.action is None or course.rests:
+        coordinate_motion = place.coordinate_motion
+        if coordinate_motion.bounded is None or coordinate_motion.action is None or coordinate_motion.rests:
             return None
-        if course.rotates != (kinds[i] == "rotation"):
+        if coordinate_motion.rotates != (kinds[i] == "rotation"):
             return None
         located[curve.name] = place
-        residuals.append(J - abs(course.action))
-        slopes.append([context.convert(course.growth(j)) for j in range(len(κ))])
+        residuals.append(J - abs(coordinate_motion.action))
+        slopes.append([context.convert(coordinate_motion.growth(j)) for j in range(len(κ))])
     return _Trial(Torus(initial, located, slopes) if whole else None, tops, residuals, slopes)
 
 

@@ -105,9 +105,14 @@ def _step(
     """
     centre, kept, digits = about
     n, unknown = len(curves), centre.unknown
-    courses = [required(motion.located[curve.name].course.cycle) for curve in curves]
+    coordinate_motions = [required(motion.located[curve.name].coordinate_motion.cycle) for curve in curves]
     context = multiprecision(kept)
-    near = flint.arb_mat([[from_mpf(context.convert(course.growth(j))) for j in unknown] for course in courses])
+    near = flint.arb_mat(
+        [
+            [from_mpf(context.convert(coordinate_motion.growth(j))) for j in unknown]
+            for coordinate_motion in coordinate_motions
+        ]
+    )
     try:
         inverse = near.inv()
         middle, lost = _middle(motion, goal, curves, (centre, kept, inverse))
@@ -162,8 +167,8 @@ def _cycles(
     """Prove the turning points of all coordinates for constants in balls; integrands are the mean growths alone."""
     result = {}
     for curve in curves:
-        course = required(motion.located[curve.name].course.cycle)
-        radicand = replace(course.radicand, squared=curve.squared, kernels=curve.kernels)
+        coordinate_motion = required(motion.located[curve.name].coordinate_motion.cycle)
+        radicand = replace(coordinate_motion.radicand, squared=curve.squared, kernels=curve.kernels)
         inputs = [*constants, *(exact_ball(x) for x in curve.parameters)]
         cycle = cycle_of(motion, curve.name, BallMomentumSquared(radicand, inputs, flint.ctx.prec))
         result[curve.name] = replace(cycle, wanted=tuple(j for j in cycle.wanted if j >= 0))

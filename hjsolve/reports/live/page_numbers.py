@@ -27,7 +27,7 @@ class PageMotion:
         means = np.array([[self._wave(i, str(j))[0][0] for i in range(n)] for j in range(n)])
         self.growth = np.linalg.inv(means)
         self.rates = self.growth[:, 0]
-        self._ripples = [[self._ripple(k, i) for i in range(n)] for k in range(n)]
+        self._oscillations = [[self._oscillation(k, i) for i in range(n)] for k in range(n)]
         begin = np.array([c.phase for c in coordinates])
         self.begin = begin + self._bent(begin[:, None])[:, 0]
 
@@ -37,7 +37,7 @@ class PageMotion:
         sines = np.concatenate([[0.0], column[WAVES:]]) if len(column) > WAVES else np.zeros(1)
         return column[:WAVES], sines
 
-    def _ripple(self, k: int, i: int) -> tuple[Array, Array]:
+    def _oscillation(self, k: int, i: int) -> tuple[Array, Array]:
         """Cosines and sines of dDₖᵢ/dχ, without the mean."""
         c, s = np.zeros(WAVES), np.zeros(WAVES)
         for j in range(len(self.coordinates)):
@@ -48,11 +48,11 @@ class PageMotion:
 
     def _bent(self, χ: Array) -> Array:
         """Σᵢ Dₖᵢ(χᵢ), shape (n, m)."""
-        return np.array([sum(_integral(*self._ripples[k][i], x) for i, x in enumerate(χ)) for k in range(len(χ))])
+        return np.array([sum(_integral(*self._oscillations[k][i], x) for i, x in enumerate(χ)) for k in range(len(χ))])
 
     def _slopes(self, χ: Array) -> Array:
         n = len(χ)
-        slopes = [[(k == i) + _value(*self._ripples[k][i], χ[i]) for i in range(n)] for k in range(n)]
+        slopes = [[(k == i) + _value(*self._oscillations[k][i], χ[i]) for i in range(n)] for k in range(n)]
         return np.array(slopes).transpose(2, 0, 1)
 
     def phases(self, t: Array) -> Array:
@@ -68,17 +68,17 @@ class PageMotion:
         miss = χ + self._bent(χ) - goal
         for _ in range(60):
             step = np.linalg.solve(self._slopes(χ), miss.T[..., None])[..., 0].T
-            share = np.ones(len(t))
+            fraction = np.ones(len(t))
             size = np.abs(miss).max(axis=0)
             for _ in range(12):
-                new = χ - share * step
+                new = χ - fraction * step
                 left = new + self._bent(new) - goal
-                worse = ~(np.abs(left).max(axis=0) <= (1 - share / 4) * size) & (size > 1e-13)
+                worse = ~(np.abs(left).max(axis=0) <= (1 - fraction / 4) * size) & (size > 1e-13)
                 if not worse.any():
                     break
-                share = np.where(worse, share / 2, share)
+                fraction = np.where(worse, fraction / 2, fraction)
             χ, miss = new, left
-            if np.abs(share * step).max() < 1e-14:
+            if np.abs(fraction * step).max() < 1e-14:
                 break
         return χ + turns
 

@@ -93,10 +93,10 @@ def _validated(found: SurfaceOfSection) -> list[Inline]:
     """Return the evidence for a section: what the energy lost, and how long two runs agree."""
     number = np.isfinite(found.points[0]).sum(axis=1)
     least = int(np.min(found.settled))
-    share = "all of them" if (found.settled >= number).all() else f"the first {least} of each motion and more"
+    fraction = "all of them" if (found.settled >= number).all() else f"the first {least} of each motion and more"
     return [
         " Every motion of the surface of section was computed twice, with tolerances a hundred times apart. The runs "
-        f"agree to {AGREEMENT:g} of the figure in {share}, {int(np.minimum(found.settled, number).sum())} of "
+        f"agree to {AGREEMENT:g} of the figure in {fraction}, {int(np.minimum(found.settled, number).sum())} of "
         f"{int(number.sum())} returns; at no return does the energy differ from E by more than ",
         bound(found.drift), ".",
     ]  # fmt: skip

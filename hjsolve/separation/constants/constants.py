@@ -129,5 +129,5 @@ def inverse_stackel_matrix(
 
     regular = [i for i in n if not cofactor(i, 0).is_zero]
     pivot = min(regular, key=lambda i: printed_length(cofactor(i, 0)) + printed_length(metric[i]))
-    share = metric[pivot] / cofactor(pivot, 0)
-    return [[field.cancelled(share * cofactor(i, j)) for i in n] for j in n]
+    fraction = metric[pivot] / cofactor(pivot, 0)
+    return [[field.cancelled(fraction * cofactor(i, j)) for i in n] for j in n]

@@ -114,13 +114,13 @@ class BasePoint:
         lower, upper = self.reader.bounds.get(q, (None, None))
         if not self.inside and not _is_number(lower) and not _is_number(upper):
             return self._with_rational_roots(q, sp.Rational(LINE[choice % len(LINE)]), choice)
-        share = sp.Rational(choice + 1)
+        fraction = sp.Rational(choice + 1)
         if lower is None and upper is None:
             return self._with_rational_roots(q, sp.Rational(LINE[choice % len(LINE)]), choice)
         if upper is None:
-            return lower + share
+            return lower + fraction
         if lower is None:
-            return upper - share
+            return upper - fraction
         whole = sp.Rational(1, choice + 2)
         middle = lower + (upper - lower) * whole
         if _is_number(lower) and _is_number(upper):

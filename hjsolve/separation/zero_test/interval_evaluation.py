@@ -115,26 +115,26 @@ class Region:
         lower, upper = (None if end is None else end.subs(point) for end in self.bounds[symbol])
         if any(end is not None and end.is_real is False for end in (lower, upper)):
             return None
-        share = Fraction(place + 1, place + 3) if attempt < 2 else Fraction(generator.randrange(1, 64), 64)
+        fraction = Fraction(place + 1, place + 3) if attempt < 2 else Fraction(generator.randrange(1, 64), 64)
         if stretched and (lower is None or upper is None):
-            value = _stretched(share, lower, upper, (-1) ** attempt)
+            value = _stretched(fraction, lower, upper, (-1) ** attempt)
         elif lower is None and upper is None:
-            value = sp.Rational((-1) ** attempt * (2 * share.numerator + place), share.denominator)
+            value = sp.Rational((-1) ** attempt * (2 * fraction.numerator + place), fraction.denominator)
         elif upper is None:
-            value = sp.ceiling(lower) + sp.Rational(share.numerator * 3, share.denominator)
+            value = sp.ceiling(lower) + sp.Rational(fraction.numerator * 3, fraction.denominator)
         elif lower is None:
-            value = sp.floor(upper) - sp.Rational(share.numerator * 3, share.denominator)
+            value = sp.floor(upper) - sp.Rational(fraction.numerator * 3, fraction.denominator)
         else:
             low, high = float(lower), float(upper)
-            inside = Fraction(low + (high - low) * float(share)).limit_denominator(256)
+            inside = Fraction(low + (high - low) * float(fraction)).limit_denominator(256)
             value = sp.Rational(inside.numerator, inside.denominator)
         inside_lower = lower is None or bool(lower < value)
         return value if inside_lower and (upper is None or bool(value < upper)) else None
 
 
-def _stretched(share: Fraction, lower: sp.Expr | None, upper: sp.Expr | None, side: int) -> sp.Rational:
+def _stretched(fraction: Fraction, lower: sp.Expr | None, upper: sp.Expr | None, side: int) -> sp.Rational:
     """Return a place anywhere on a line or half-line, next to its end as well as far out."""
-    distance = sp.Rational(share.numerator, share.denominator - share.numerator)
+    distance = sp.Rational(fraction.numerator, fraction.denominator - fraction.numerator)
     end = lower if upper is None else upper
     if end is None:
         return 4 * side * distance

@@ -50,5 +50,5 @@ def is_solved_by(problem: RadialProblem, motion: IsolatedMotion, E: float, λ: f
                 (np.array(energy_and_momentum(problem, motion.chart, (moved[0], moved[1]))) - here) / steps[k]
             )
         x = np.maximum(x + np.linalg.lstsq(np.array(columns).T, np.array([E, λ]) - here, rcond=None)[0], 0.0)
-    slack = 1e-7 * (1 + np.abs(x))
-    return bool(np.all((x >= np.array(motion.low) - slack) & (x <= np.array(motion.high) + slack)))
+    tolerance = 1e-7 * (1 + np.abs(x))
+    return bool(np.all((x >= np.array(motion.low) - tolerance) & (x <= np.array(motion.high) + tolerance)))

@@ -387,12 +387,17 @@ def _linear_test(problem: RadialProblem, queue: _Queue, over: _Paths, middle: _P
         M = np.array([[J[1, 1], -J[0, 1]], [-J[1, 0], J[0, 0]]]) / determinant
         solvable = known & np.isfinite(M).all(axis=(0, 1))
         size = np.abs(M)
-        blur = np.einsum("akbn,kcbn,bc->abn", size, spread_J, half)
+        rounding_error = np.einsum("akbn,kcbn,bc->abn", size, spread_J, half)
         off = -np.einsum("akbn,kbnm->abnm", M, miss)
-        room = half.T[:, :, None] + blur + np.einsum("akbn,kbn->abn", size, spread_F) + 1e-12 * half.T[:, :, None]
+        room = (
+            half.T[:, :, None]
+            + rounding_error
+            + np.einsum("akbn,kbn->abn", size, spread_F)
+            + 1e-12 * half.T[:, :, None]
+        )
         inside = np.all(np.abs(off) <= room[:, :, :, None], axis=0)
         possible &= inside | ~solvable[:, :, None]
-        regular = solvable & np.all(blur < 0.999 * half.T[:, :, None], axis=0)
+        regular = solvable & np.all(rounding_error < 0.999 * half.T[:, :, None], axis=0)
         near = np.all(np.abs(off) <= 1.5 * half.T[:, :, None, None], axis=0)
         guess = np.moveaxis(centre.T[:, :, None, None] + off, 0, -1)
     possible[:, -1] = True
@@ -448,8 +453,8 @@ def _regular(over: _Paths, queue: _Queue) -> Mask:
         spread = (over.slope_high - over.slope_low) / 2 * (1 + 1e-12)
         determinant = J[0, 0] * J[1, 1] - J[0, 1] * J[1, 0]
         M = np.abs(np.array([[J[1, 1], -J[0, 1]], [-J[1, 0], J[0, 0]]]) / determinant)
-        blur = np.einsum("akbn,kcbn,bc->abn", M, spread, half)
-        return over.there & np.all(blur < 0.999 * half.T[:, :, None], axis=0)
+        rounding_error = np.einsum("akbn,kcbn,bc->abn", M, spread, half)
+        return over.there & np.all(rounding_error < 0.999 * half.T[:, :, None], axis=0)
 
 
 def _halved(problem: RadialProblem, queue: _Queue, proof: RadialProof) -> _Queue:

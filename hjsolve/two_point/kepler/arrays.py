@@ -106,27 +106,27 @@ def table_of_conics(
         raise InvalidInputError(f"{attraction.names[0]}: it is positive at every place")
     places = geometry(attraction.kind, q0, q1, Float64())
     count, senses = len(time), np.array([1, -1])
-    lanes = [(N, sense) for N in turns for sense in senses]
-    problem = np.repeat(np.arange(count), len(lanes))
-    sense = np.tile(np.array([w for _, w in lanes]), count)
-    N = np.tile(np.array([n for n, _ in lanes]), count)
+    slots = [(N, sense) for N in turns for sense in senses]
+    problem = np.repeat(np.arange(count), len(slots))
+    sense = np.tile(np.array([w for _, w in slots]), count)
+    N = np.tile(np.array([n for n, _ in slots]), count)
     in_line = places.half_sine == 0
     opposite = (places.half_cosine == 0) & (len(attraction.names) == 3)
     allowed = ~opposite[problem] & (~in_line[problem] | ((sense == 1) & (N == 0) & (places.half_cosine[problem] > 0)))
     allowed |= in_line[problem] & (sense == -1) & (N == 0) & (places.half_cosine[problem] < 0)
     problem, sense, N = problem[allowed], sense[allowed], N[allowed]
-    lane = CentralPlaces(
+    slot = CentralPlaces(
         places.r0[problem], places.r1[problem], places.half_sine[problem], sense * places.half_cosine[problem],
         *([x[problem] if np.ndim(x) else x for x in vector] for vector in places[4:]),
     )  # fmt: skip
-    path = transfer(lane.r0, lane.r1, lane.half_sine, lane.half_cosine)
-    problems = Problems(lane, path, np.full(len(problem), k / m), m, time[problem])
+    path = transfer(slot.r0, slot.r1, slot.half_sine, slot.half_cosine)
+    problems = Problems(slot, path, np.full(len(problem), k / m), m, time[problem])
     found, _ = conics(path, problems.wanted, N)
     numbers = numbers_of(problems, found, sense)
     conjugate = numbers.conjugate_points
     if len(attraction.names) == 3:
         at = found.problem
-        conjugate = conjugate + np.where(in_line[problem[at]], 0, 2 * found.turns + (lane.half_cosine[at] < 0))
+        conjugate = conjugate + np.where(in_line[problem[at]], 0, 2 * found.turns + (slot.half_cosine[at] < 0))
     same = in_line & (places.r0 == places.r1)
     p0, p1 = (
         {name: _estimates(c) for name, c in zip(attraction.names, p, strict=True)} for p in (numbers.p0, numbers.p1)

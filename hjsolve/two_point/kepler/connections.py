@@ -93,17 +93,17 @@ def joined_by_conics(
         values: symbol → exact number, of the parameters.
     """
     asked = _Asked(attraction, question, values, _exactly(attraction, question, values, _BITS))
-    lanes = _lanes(asked)
+    slots = _slots(asked)
     continua = list(_returns(asked))
     proof = _ON_LINE if asked.in_line and not asked.same else PROVED
-    if not lanes:
+    if not slots:
         return Connections((), proof, tuple(continua), None if continua else _least_return(asked))
-    problems = _problems(asked.exact, [sense for sense, _ in lanes])
-    found, least = conics(problems.path, problems.wanted, np.array([N for _, N in lanes]))
-    numbers = numbers_of(problems, found, np.array([sense for sense, _ in lanes]))
+    problems = _problems(asked.exact, [sense for sense, _ in slots])
+    found, least = conics(problems.path, problems.wanted, np.array([N for _, N in slots]))
+    numbers = numbers_of(problems, found, np.array([sense for sense, _ in slots]))
     connections = []
-    for i, lane in enumerate(found.problem):
-        sense, N = lanes[lane]
+    for i, slot in enumerate(found.problem):
+        sense, N = slots[slot]
         several = N > 0 and bool(found.slope[i] != 0)
         x = float(found.w[i] - 1 if found.w[i] < found.v[i] else 1 - found.v[i])
         connections.append(_connection(asked, numbers, i, (sense, N, x), bool(found.upper[i]) if several else None))
@@ -125,7 +125,7 @@ def _exactly(
     return exact_transfer(context, places, k / m, m, to_bits(question.time)(bits))
 
 
-def _lanes(asked: _Asked) -> list[tuple[int, int]]:
+def _slots(asked: _Asked) -> list[tuple[int, int]]:
     """Ways round and turns for which there may be conics, those with fewer turns first."""
     turns = asked.question.turns
     if asked.in_line:

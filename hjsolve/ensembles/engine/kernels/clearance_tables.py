@@ -42,21 +42,21 @@ def _radius(re: float, im: float, table: Clearances) -> float:
 
 
 @inlined
-def _moved(along: float, away: float, spread: float, crest: float) -> tuple[float, float, float]:
+def _moved(along: float, away: float, spread: float, barrier_top: float) -> tuple[float, float, float]:
     """Take a disk z along with the crest: z′ = crest z/T, T = 1 + (crest − 1) z; infinite where T may vanish in it.
 
     Two places are crest (z₂ − z₁)/(T₁ T₂) apart.
     """
-    more = crest - 1.0
+    more = barrier_top - 1.0
     re, im = 1.0 + more * along, more * away
     square = re * re + im * im
     size = np.sqrt(square)
     nearest = size - abs(more) * spread
     if not nearest > 0.0:
         return along, away, np.inf
-    x = crest * (along * re + away * im) / square
-    y = crest * (away * re - along * im) / square
-    return x, abs(y), crest * spread / (size * nearest)
+    x = barrier_top * (along * re + away * im) / square
+    y = barrier_top * (away * re - along * im) / square
+    return x, abs(y), barrier_top * spread / (size * nearest)
 
 
 @inlined
@@ -68,12 +68,12 @@ def _failing(motions: Motions, i: int, place: tuple[int, int], first: int, strip
     """
     W, (m, size) = motions.width[i], place
     count, below, start = strips.counts[0, m, size], strips.counts[1, m, size], strips.counts[2, m, size]
-    j, crest = first, motions.crest[i]
+    j, barrier_top = first, motions.barrier_top[i]
     for _ in range(count):
         k = start + j
         along, away, spread = strips.along[k], strips.away[k], strips.spread[k]
-        if crest != 1.0:
-            along, away, spread = _moved(along, away, spread, crest if j < below else 1.0 / crest)
+        if barrier_top != 1.0:
+            along, away, spread = _moved(along, away, spread, barrier_top if j < below else 1.0 / barrier_top)
             if spread == np.inf:  # there is no place to look at
                 return j
         if j < below:

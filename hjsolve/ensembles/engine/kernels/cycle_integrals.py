@@ -16,11 +16,11 @@ from hjsolve.arithmetic.machine.compiling import helper, inlined, kernel, reduci
 from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.ensembles.engine.kernels.midpoint_rule import dot, means, next_rule, rule, shifted_action
-from hjsolve.ensembles.engine.kernels.start_phase import moved_by_crest, phase, running_weights
+from hjsolve.ensembles.engine.kernels.start_phase import moved_by_barrier_top, phase, running_weights
 from hjsolve.ensembles.engine.kernels.types import (
     BLOCK,
     FARTHEST,
-    LANES,
+    SLOTS,
     Modes,
     Motions,
     Scratch,
@@ -42,8 +42,8 @@ def _shifts(work: Scratch, residue: tuple[float, float], E: Reals, place: tuple[
     Below the middle F is seen from the lower turning point and has its residue, above it that of the upper one; or it
     lacks a linear function between the two, which is tilted by no more than twice the larger one.
     """
-    (m, size, share), buffer, scratch, found = place, work.buffer, work.rows, work.found
-    n, split, symmetry = tables.counts[size], tables.split[m, size, share], int(tables.maps[m, 6])
+    (m, size, fraction), buffer, scratch, found = place, work.buffer, work.rows, work.found
+    n, split, symmetry = tables.counts[size], tables.split[m, size, fraction], int(tables.maps[m, 6])
     squares, slopes = tables.squares[symmetry - 1, size], tables.slopes[symmetry - 1, size]
     low = tables.low[m, tables.first[size] : tables.first[size + 1]]
     shaken, flatter, moved = scratch[0], scratch[1], scratch[2]  # sin²χ/F, that over r, and k r δF sin²χ/F
@@ -94,38 +94,38 @@ def _tilt(g: Reals, low: Reals, slopes: Reals, n: int) -> float:
 
 
 @helper
-def _placed(lanes: Reals, at: int, end: tuple[float, float, float], W: float, places: Reals,
-            span: tuple[int, int, int], crest: float, which: int, kernels: bool) -> int:  # fmt: skip
-    """Write into ``lanes``, from one on, where a view is looked at; return the first lane after them.
+def _placed(slots: Reals, at: int, end: tuple[float, float, float], W: float, places: Reals,
+            span: tuple[int, int, int], barrier_top: float, which: int, kernels: bool) -> int:  # fmt: skip
+    """Write into ``slots``, from one on, where a view is looked at; return the first lane after them.
 
     Samples, the farthest place and the turning point; with kernels the former once more, the constants being certain.
     Places are counted from the turning point h, distances from b.
     """
     (start, count, farthest), (b, s, h) = span, end
     tip = count + 1
-    near = crest if which == 0 else 1.0 / crest
+    near = barrier_top if which == 0 else 1.0 / barrier_top
     after = at + tip + 1 + (count + 1 if kernels else 0)
-    where, counted, ends, away = lanes[0, at:after], lanes[1, at:after], lanes[2, at:after], lanes[3, at:after]
-    roots, squares, blur = lanes[4, at:after], lanes[5, at:after], lanes[6, at:after]
+    where, counted, ends, away = slots[0, at:after], slots[1, at:after], slots[2, at:after], slots[3, at:after]
+    roots, squares, rounding_error = slots[4, at:after], slots[5, at:after], slots[6, at:after]
     for g in range(after - at):
         where[g], counted[g], ends[g], away[g] = b, 0.0, b, 0.0
-        roots[g], squares[g], blur[g] = 0.0, 0.0, _PLACE * abs(b)
+        roots[g], squares[g], rounding_error[g] = 0.0, 0.0, _PLACE * abs(b)
     own, other = places[which], places[1 - which]
     for g in range(tip):
         place = start + g if g < count else farthest
         # counted from where F is anchored: q − h has digits of its own next to h
         x, y, root = own[place], other[place], places[2, place]
-        if crest != 1.0:
-            x, y, root = moved_by_crest(x, y, root, near)
+        if barrier_top != 1.0:
+            x, y, root = moved_by_barrier_top(x, y, root, near)
         offset = s * W * x
         moved = offset if h == b else -s * W * y
         where[g], counted[g], away[g] = h + moved, 1.0, offset
-        blur[g] = _PLACE * max(abs(h + moved), abs(moved))
+        rounding_error[g] = _PLACE * max(abs(h + moved), abs(moved))
         roots[g], squares[g] = W * root, places[3, place]
     if kernels:
         for g in range(tip):
             again = tip + 1 + g
-            where[again], away[again], blur[again] = where[g], away[g], blur[g]
+            where[again], away[again], rounding_error[again] = where[g], away[g], rounding_error[g]
     return after
 
 
@@ -139,13 +139,13 @@ def _known(program: MachineProgram, first: int, span: tuple[int, int], c: Reals)
 
 
 @helper
-def _looked(side: Side, lanes: Reals, bounds: Reals, total: int, chords: bool) -> None:
+def _looked(side: Side, slots: Reals, bounds: Reals, total: int, chords: bool) -> None:
     """Leave F, bounds on the errors of F and of the kernels, and F's relative one, of the lanes in ``bounds``."""
     rows, width = bounds.shape[0] - 2, (total + 7) // 8 * 8
     for k, row in ((0, 0), (1, 6), (2, 1)):
         register = side.errors.registers[k]
         for g in range(total):
-            register[g] = lanes[row, g]
+            register[g] = slots[row, g]
     run(side.errors, width)
     for k in range(rows + 1):
         result = side.errors.registers[side.errors.outputs[k]]
@@ -155,15 +155,15 @@ def _looked(side: Side, lanes: Reals, bounds: Reals, total: int, chords: bool) -
         for k, row in ((0, 2), (1, 3), (2, 0), (3, 6)):
             register = side.relative.registers[k]
             for g in range(total):
-                register[g] = lanes[row, g]
+                register[g] = slots[row, g]
         run(side.relative, width)
         result = side.relative.registers[side.relative.outputs[0]]
         for g in range(total):
             bounds[rows + 1, g] = result[g]
     for g in range(total):  # r, and sin²χ/F
         F = max(abs(bounds[rows, g]), 1e-300)
-        lanes[4, g] /= np.sqrt(F)
-        lanes[5, g] /= F
+        slots[4, g] /= np.sqrt(F)
+        slots[5, g] /= F
 
 
 @helper
@@ -174,17 +174,17 @@ def _noted(work: Scratch, t: int, which: int, at: int, span: tuple[int, int, int
     F and its errors vary along the motion like F/sin²χ, and errors of kernels like 1/r: so they are noted by these.
     Returns what F is at the turning point, which is left out where F comes from chords.
     """
-    bounds, lanes, noise, drift = work.bounds[which], work.lanes[which], work.noise[t], work.drift[t]
+    bounds, slots, noise, drift = work.bounds[which], work.slots[which], work.noise[t], work.drift[t]
     rows, (start, count, _) = noise.shape[0], span
     tip = at + count + 1
     end = abs(bounds[rows, tip]) + bounds[0, tip] if modes.chords else 0.0
     # kernels' second lanes have certain constants: here − again is what the uncertain ones do
     for g in range(count + 1):
         first, last = (start + g, start + g) if g < count else both
-        r, share, here = lanes[4, at + g], lanes[5, at + g], bounds[0, at + g]
+        r, fraction, here = slots[4, at + g], slots[5, at + g], bounds[0, at + g]
         again = bounds[0, tip + 1 + g] if modes.kernels else here
-        own = bounds[rows + 1, at + g] if modes.chords else again * share
-        moved = (end + here - again) * share if modes.kernels else here
+        own = bounds[rows + 1, at + g] if modes.chords else again * fraction
+        moved = (end + here - again) * fraction if modes.kernels else here
         for to in range(first, last + 1):
             for k in range(1, rows):
                 noise[k, to] = max(noise[k, to], bounds[k, at + g] * r)
@@ -204,9 +204,9 @@ def _cleared(work: Scratch, t: int, samples: int) -> None:
 
 
 @inlined
-def _spans(tables: Tables, m: int, share: int, which: int) -> tuple[int, int, int]:
+def _spans(tables: Tables, m: int, fraction: int, which: int) -> tuple[int, int, int]:
     """Return the samples that a view looks at, and its farthest place."""
-    inside, farthest = tables.spans[m, share, 0], tables.places.shape[2] - FARTHEST + 2 * share
+    inside, farthest = tables.spans[m, fraction, 0], tables.places.shape[2] - FARTHEST + 2 * fraction
     return (0, inside, farthest) if which == 0 else (inside, tables.samples[m] - inside, farthest + 1)
 
 
@@ -220,30 +220,30 @@ def _samples(below: Side, above: Side, motions: Motions, count: int, tables: Tab
         side, after = (below, 0) if which == 0 else (above, 0)
         for t in range(count):
             i = block[_ORBIT, t]
-            m, share = motions.first[i], motions.share[i]
-            span, begin = _spans(tables, m, share, which), after
+            m, fraction = motions.first[i], motions.fraction[i]
+            span, begin = _spans(tables, m, fraction, which), after
             block[_LOW + which, t] = begin
             if span[1] == 0:
                 continue
             b = motions.lower[i] if which == 0 else motions.upper[i]
             end = (b, motions.signs[which], motions.homes[which, i])
-            lanes, W = work.lanes[which], motions.width[i]
-            crest = motions.crest[i]
-            after = _placed(lanes, begin, end, W, tables.places[m], span, crest, which, modes.kernels)
+            slots, W = work.slots[which], motions.width[i]
+            barrier_top = motions.barrier_top[i]
+            after = _placed(slots, begin, end, W, tables.places[m], span, barrier_top, which, modes.kernels)
             _known(side.errors, 3, (begin, after), motions.known[i])
             _known(side.errors, 3 + known, (begin, after), motions.uncertainty[i, :constants])
             if modes.chords:
                 _known(side.relative, 4, (begin, after), motions.known[i])
         if after > 0:
-            _looked(side, work.lanes[which], work.bounds[which], after, modes.chords)
+            _looked(side, work.slots[which], work.bounds[which], after, modes.chords)
     for t in range(count):
         i = block[_ORBIT, t]
-        m, share = motions.first[i], motions.share[i]
+        m, fraction = motions.first[i], motions.fraction[i]
         _cleared(work, t, tables.samples[m])
-        both = (tables.spans[m, share, 1], tables.spans[m, share, 2])
-        residue = _noted(work, t, 0, block[_LOW, t], _spans(tables, m, share, 0), both, modes)
+        both = (tables.spans[m, fraction, 1], tables.spans[m, fraction, 2])
+        residue = _noted(work, t, 0, block[_LOW, t], _spans(tables, m, fraction, 0), both, modes)
         work.residues[t, 0], work.residues[t, 1] = residue, residue
-        span = _spans(tables, m, share, 1)
+        span = _spans(tables, m, fraction, 1)
         if span[1] > 0:
             work.residues[t, 1] = _noted(work, t, 1, block[_HIGH, t], span, both, modes)
 
@@ -259,10 +259,10 @@ def _nodes(fill: MachineProgram, which: int, at: int, motions: Motions, i: int, 
     b, s, h = (motions.lower[i] if which == 0 else motions.upper[i]), motions.signs[which], motions.homes[which, i]
     distances, places = fill.registers[0, at:after], fill.registers[1, at:after]
     roots, ends = fill.registers[2, at:after], fill.registers[3, at:after]
-    if motions.crest[i] != 1.0:
-        crest = motions.crest[i] if which == 0 else 1.0 / motions.crest[i]
+    if motions.barrier_top[i] != 1.0:
+        barrier_top = motions.barrier_top[i] if which == 0 else 1.0 / motions.barrier_top[i]
         for j in range(n):
-            x, y, r = moved_by_crest(near[j], far[j], root[j], crest)
+            x, y, r = moved_by_barrier_top(near[j], far[j], root[j], barrier_top)
             distances[j], roots[j], ends[j] = s * W * x, W * r, b
             places[j] = b + s * W * x if h == b else h - s * W * y
         _known(fill, 4, (at, after), motions.known[i])
@@ -288,9 +288,9 @@ def _packed(below: Side, above: Side, motions: Motions, span: tuple[int, int], t
     while at < span[1]:
         t = block[_LEFT, at]
         i, m, size = block[_ORBIT, t], block[_MAP, t], block[_SIZE, t]
-        n, split = tables.counts[size], tables.split[m, size, motions.share[i]]
+        n, split = tables.counts[size], tables.split[m, size, motions.fraction[i]]
         # the first orbit is taken whatever it needs: programs are as wide as the widest rule
-        if at > span[0] and (low + split > LANES or high + n - split > LANES):
+        if at > span[0] and (low + split > SLOTS or high + n - split > SLOTS):
             break
         _nodes(below.fill, 0, low, motions, i, (m, size, 0, split), tables)
         if split < n:
@@ -326,22 +326,22 @@ def _finished(motions: Motions, i: int, t: int, tables: Tables, modes: Modes, re
     results.chosen[0, i], results.chosen[1, i] = size, m
     results.good[i], results.action[i], results.action_error[i] = True, found[0, 0], found[1, 0]
     if modes.kernels:
-        if (modes.shifts or modes.chords) and not modes.rough:
-            share, low, high = motions.share[i], work.residues[t, 0], work.residues[t, 1]
+        if (modes.shifts or modes.chords) and not modes.approximate:
+            fraction, low, high = motions.fraction[i], work.residues[t, 0], work.residues[t, 1]
             steps = (low, high) if modes.shifts else (max(low, high), max(low, high))
             shaken = motions.uncertainty[i] if modes.shifts else steady
-            results.action_error[i] += shifted_action(work, steps, shaken, n, tables.split[m, size, share])
-            _shifts(work, steps, shaken, (m, size, share), tables, not modes.shifts)
+            results.action_error[i] += shifted_action(work, steps, shaken, n, tables.split[m, size, fraction])
+            _shifts(work, steps, shaken, (m, size, fraction), tables, not modes.shifts)
         for k in range(constants):
             results.means[k, i], results.mean_errors[k, i] = found[0, 1 + k], found[1, 1 + k]
     if modes.oscillations:
         results.phase[i], results.phase_error[i] = phase(work, motions, i, t, (m, size), tables, modes)
         for k in range(constants):
-            results.speeds[k, i] = dot(buffer[3 + k], work.shares, n)
+            results.speeds[k, i] = dot(buffer[3 + k], work.fractions, n)
         cosines = tables.cosines[tables.rows[size] :]
-        running_weights(work.shares, work.rows, symmetry * results.phase[i], n, cosines)
+        running_weights(work.fractions, work.rows, symmetry * results.phase[i], n, cosines)
         for k in range(constants):
-            results.oscillations[k, i] = 2.0 / (n * symmetry) * dot(buffer[3 + k], work.shares, n)
+            results.oscillations[k, i] = 2.0 / (n * symmetry) * dot(buffer[3 + k], work.fractions, n)
             results.oscillation_errors[k, i] = 4.0 * found[2, 1 + k]
 
 
@@ -369,7 +369,7 @@ def integrals(below: Side, above: Side, motions: Motions, tables: Tables, modes:
                 count += 1
             orbit += 1
         # errors do not depend on the number of nodes: sampled once for all rules that an orbit tries
-        if modes.rough:
+        if modes.approximate:
             for t in range(count):
                 _cleared(work, t, tables.samples[motions.first[block[_ORBIT, t]]])
         else:
@@ -382,8 +382,8 @@ def integrals(below: Side, above: Side, motions: Motions, tables: Tables, modes:
                 for at in range(begin, end):
                     t = block[_LEFT, at]
                     i, m, size = block[_ORBIT, t], block[_MAP, t], block[_SIZE, t]
-                    _gathered(below, above, work, t, tables.counts[size], tables.split[m, size, motions.share[i]])
-                    if modes.rough:
+                    _gathered(below, above, work, t, tables.counts[size], tables.split[m, size, motions.fraction[i]])
+                    if modes.approximate:
                         if means(work, tables.counts[size]):
                             _finished(motions, i, t, tables, modes, results, work, steady)
                         continue

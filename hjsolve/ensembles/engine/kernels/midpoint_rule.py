@@ -2,7 +2,7 @@
 
 A rule that cannot be enough is recognised by its last coefficients alone. These say two more things. How fast they fall
 tells how many nodes would do. And a singularity of the integrand next to χ = φ gives coefficients like ρᵏ cos(kφ + θ)
-(Darboux), so from one to the next they show where it is, and which crowding of the nodes serves (``nodes.WARPS``).
+(Darboux), so from one to the next they show where it is, and which clustering of nodes serves (``nodes.CLUSTERINGS``).
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ import numpy as np
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.machine.compiling import helper, inlined, reducing
 from hjsolve.arithmetic.number_types import Integers, Reals
-from hjsolve.ensembles.engine.kernels.crowding import EVEN, WARPS
+from hjsolve.ensembles.engine.kernels.crowding import CLUSTERINGS, EVEN
 from hjsolve.ensembles.engine.kernels.types import Modes, Scratch, Tables
 
 _EVEN = EVEN
-_UNSTRETCHED = len(WARPS)
+_UNSTRETCHED = len(CLUSTERINGS)
 ROUNDING_FACTOR = 1.5  # times the bound on rounding: running errors leave out terms of second order
 _SHIFT_FACTOR = 3.0  # times what shifts do: those bounds are sharp, and claims leave as much room here as elsewhere
 RELATIVE_GOAL = 4e-16  # of the mean of |integrand|: two spacings of doubles, less than summation loses
@@ -148,7 +148,7 @@ def _roundings(work: Scratch, t: int, squares: Reals, samples: int, n: int, inte
 
     Where there are no kernels F's errors are known as they are, too, and each segment takes what bounds it best.
     """
-    shares, weights, found, noise, plain = work.shares, work.rows[0], work.found, work.noise[t], work.drift[t]
+    fractions, weights, found, noise, plain = work.fractions, work.rows[0], work.found, work.noise[t], work.drift[t]
     moments, r = work.buffer[0], work.buffer[1]
     for k in range(integrands):
         found[3, k] = 0.0
@@ -158,7 +158,7 @@ def _roundings(work: Scratch, t: int, squares: Reals, samples: int, n: int, inte
     for g in range(samples - 1):
         start, stop = g * n // (samples - 1), (g + 1) * n // (samples - 1)
         # a bound of a segment between two samples is the larger of theirs
-        own, segment = max(noise[0, g], noise[0, g + 1]), shares[start:stop]
+        own, segment = max(noise[0, g], noise[0, g + 1]), fractions[start:stop]
         for j in range(stop - start):
             segment[j] = own
         if not chords:
@@ -169,13 +169,13 @@ def _roundings(work: Scratch, t: int, squares: Reals, samples: int, n: int, inte
         for k in range(1, integrands):
             found[3, k] += max(noise[k, g], noise[k, g + 1]) * (stop - start)
     if chords:
-        found[3, 0] += 0.5 * _weighted(shares, moments, n)
+        found[3, 0] += 0.5 * _weighted(fractions, moments, n)
     elif integrands > 1:
         for j in range(n):
-            shares[j] /= squares[j]
+            fractions[j] /= squares[j]
     # δ(k r) = −½ k r δF/F besides r δk
     for k in range(1, integrands):
-        found[3, k] += 0.5 * _weighted(shares, work.buffer[2 + k], n)
+        found[3, k] += 0.5 * _weighted(fractions, work.buffer[2 + k], n)
 
 
 @helper
@@ -211,8 +211,8 @@ def enough(tail: float, middle: float, rounding: float, scale: float, oscillatio
         scale: the mean of |integrand|.
         oscillations: whether running integrals are wanted, which miss the coefficients from n on.
     """
-    share = min(1.0, tail / max(middle, 1e-300))
-    alias = 4.0 * tail * share * np.sqrt(share)
+    fraction = min(1.0, tail / max(middle, 1e-300))
+    alias = 4.0 * tail * fraction * np.sqrt(fraction)
     # more nodes cannot mend an error that is below a quarter of the rounding, nor one that no double shows
     fits = alias <= max(RELATIVE_GOAL * scale, 0.25 * rounding) or tail <= 0.5 * rounding
     if oscillations:
@@ -254,7 +254,7 @@ def rule(work: Scratch, t: int, tables: Tables, size: int, modes: Modes, first: 
     buffer, found, n = work.buffer, work.found, tables.counts[size]
     last, middle = tables.last[size], tables.middle[size]
     integrands = buffer.shape[0] - 2
-    rough, wish = (_LARGEST_TAIL_OF_SERIES, 2e-15) if modes.oscillations else (_LARGEST_TAIL, 1e-8)
+    approximate, wish = (_LARGEST_TAIL_OF_SERIES, 2e-15) if modes.oscillations else (_LARGEST_TAIL, 1e-8)
     more, node_map = -1.0, first
     for k in range(integrands):
         total, scale, ends = _coefficients(last, buffer[0] if k == 0 else buffer[2 + k], n)
@@ -264,7 +264,7 @@ def rule(work: Scratch, t: int, tables: Tables, size: int, modes: Modes, first: 
         tail = 2.0 / n * max(abs(ends[0]), abs(ends[1]), abs(ends[2]), abs(ends[3]), abs(ends[4]))
         found[0, k], found[1, k], found[2, k] = total / n, scale / n, tail
         found[4, k], found[5, k] = max(abs(ends[3]), abs(ends[4])), max(abs(ends[0]), abs(ends[1]))
-        if tail > rough * (scale / n):
+        if tail > approximate * (scale / n):
             wanted = _needed(found[4, k], found[5, k], scale / n, n, wish)
             if wanted > more:
                 more, node_map = wanted, _crowding(ends, first)

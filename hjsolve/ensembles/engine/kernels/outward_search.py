@@ -22,7 +22,7 @@ _NEWTON_STEPS_OF_A_BLOCK = 5  # then orbits that still move get lanes of their o
 _OUTWARD_STEPS = 110  # each up to 1.6 times the last: a factor of 10²² in all
 _LONGEST_STEP = 0.2  # radians, of a coordinate that goes round: 31 places a turn
 _VALLEY_HALVINGS = 40  # of the bracket of F′ = 0: to 2⁻⁴⁰ of a step, where F is flat to rounding
-_NEWTON_STEPS_OF_A_LANE = 80  # each 16th a bisection
+_NEWTON_STEPS_OF_A_SLOT = 80  # each 16th a bisection
 
 _FREE, _START, _WALK, _VALLEY, _NEWTON, _LAST = range(6)  # what a lane is doing
 
@@ -47,7 +47,7 @@ class SearchSide(NamedTuple):
     reach: float
 
 
-class Lanes(NamedTuple):
+class Slots(NamedTuple):
     """What the lanes of a search are doing; scratch.
 
     Attributes:
@@ -76,9 +76,9 @@ def _first_step(P: float, outward: float, bend: float, size: float) -> float:
 
 
 @inlined
-def _load(bend: MachineProgram, walk: SearchSide, lanes: Lanes, j: int, i: int, x: float, doing: int) -> None:
+def _load(bend: MachineProgram, walk: SearchSide, slots: Slots, j: int, i: int, x: float, doing: int) -> None:
     """Give a lane the next orbit; i = n for none."""
-    state, registers = lanes.state, bend.registers
+    state, registers = slots.state, bend.registers
     state[0, j], state[1, j], state[2, j] = i, doing, 0
     if i == walk.start.shape[0]:
         state[1, j] = _FREE
@@ -107,9 +107,9 @@ def _begun(walk: SearchSide, i: int, first: float, second: float) -> float:
 
 
 @inlined
-def _walked(walk: SearchSide, lanes: Lanes, j: int, x: float, f: float, slope: float) -> tuple[bool, float]:
+def _walked(walk: SearchSide, slots: Slots, j: int, x: float, f: float, slope: float) -> tuple[bool, float]:
     """One step of the search in a lane: whether it is done, and the next place."""
-    state, reals, (inner, outer) = lanes.state, lanes.reals, (lanes.orbits[0], lanes.orbits[1])
+    state, reals, (inner, outer) = slots.state, slots.reals, (slots.orbits[0], slots.orbits[1])
     i, outward = state[0, j], walk.side * slope
     if state[1, j] == _VALLEY:
         state[4, j] += 1
@@ -146,13 +146,13 @@ def _walked(walk: SearchSide, lanes: Lanes, j: int, x: float, f: float, slope: f
 
 
 @helper
-def _bracketed(bend: MachineProgram, walk: SearchSide, lanes: Lanes) -> None:
+def _bracketed(bend: MachineProgram, walk: SearchSide, slots: Slots) -> None:
     """Search outward from all starts: the last place with F ≥ 0 and the first with F < 0, NaN for none."""
     n, width = walk.start.shape[0], bend.registers.shape[1]
-    state, reals, inner, outer = lanes.state, lanes.reals, lanes.orbits[0], lanes.orbits[1]
+    state, reals, inner, outer = slots.state, slots.reals, slots.orbits[0], slots.orbits[1]
     x, after = bend.registers[0], min(width, n)
     for j in range(width):
-        _load(bend, walk, lanes, j, min(j, n), walk.start[min(j, n - 1)], _START)
+        _load(bend, walk, slots, j, min(j, n), walk.start[min(j, n - 1)], _START)
     active, top = after, (after + 7) // 8 * 8
     while active > 0:
         run(bend, top)
@@ -170,9 +170,9 @@ def _bracketed(bend: MachineProgram, walk: SearchSide, lanes: Lanes) -> None:
                 state[1, j], state[3, j] = _WALK, 1  # F falls from its top, too, where F′ is what rounding leaves
                 done, new = not reals[0, j] > 0.0, _onward(walk, inner[i], reals[0, j])
             else:
-                done, new = _walked(walk, lanes, j, x[j], F[j], first[j])
+                done, new = _walked(walk, slots, j, x[j], F[j], first[j])
             if done:
-                _load(bend, walk, lanes, j, after, walk.start[min(after, n - 1)], _START)
+                _load(bend, walk, slots, j, after, walk.start[min(after, n - 1)], _START)
                 active, after = (active, after + 1) if after < n else (active - 1, after)
             else:
                 x[j] = new
@@ -208,25 +208,25 @@ def _improved(slopes: MachineProgram, walk: SearchSide, places: Reals, orbits: R
 
 
 @inlined
-def _finishing(walk: SearchSide, places: Reals, lanes: Lanes, j: int, i: int) -> int:
+def _finishing(walk: SearchSide, places: Reals, slots: Slots, j: int, i: int) -> int:
     """Return whether Newton's method has still to go on for an orbit."""
-    lanes.reals[3, j] = np.inf
+    slots.reals[3, j] = np.inf
     if i == places.shape[0]:
         return _FREE
     x = places[i]
     # after a step of 1e-9 Newton's next one is below rounding, as errors are squared
     still = min(1e-9 * abs(x), 1e-6 * abs(x - walk.start[i]))
-    return _NEWTON if not lanes.orbits[2, i] <= still and math.isfinite(lanes.orbits[1, i]) else _LAST
+    return _NEWTON if not slots.orbits[2, i] <= still and math.isfinite(slots.orbits[1, i]) else _LAST
 
 
 @inlined
-def _step(walk: SearchSide, lanes: Lanes, j: int, x: float, f: float, slope: float) -> float:
+def _step(walk: SearchSide, slots: Slots, j: int, x: float, f: float, slope: float) -> float:
     """One step of Newton's method for one orbit, to the last bits of x, or as far as p² is known.
 
     Next to an end of the domain x is small against the start x₀ and has digits of its own: a step that is nothing
     against x₀ does not end the search while steps still shrink.
     """
-    i, orbits, state = lanes.state[0, j], lanes.orbits, lanes.state
+    i, orbits, state = slots.state[0, j], slots.orbits, slots.state
     if f >= 0.0:
         orbits[0, i] = x
     else:
@@ -237,19 +237,19 @@ def _step(walk: SearchSide, lanes: Lanes, j: int, x: float, f: float, slope: flo
         new = 0.5 * (orbits[0, i] + orbits[1, i])
     step = abs(new - x)
     # steps that shrink by less than 4 are rounding of F
-    lost = step <= 4.0 * EPS * abs(walk.start[i]) and step >= 0.25 * lanes.reals[3, j] and not halved
+    lost = step <= 4.0 * EPS * abs(walk.start[i]) and step >= 0.25 * slots.reals[3, j] and not halved
     state[2, j] += 1
-    lanes.reals[3, j] = step
+    slots.reals[3, j] = step
     if step <= 4.0 * EPS * abs(new) or lost:
         state[1, j] = _LAST
-    elif state[2, j] >= _NEWTON_STEPS_OF_A_LANE:
+    elif state[2, j] >= _NEWTON_STEPS_OF_A_SLOT:
         state[1, j], new = _LAST, np.nan
     return new
 
 
 @kernel
 def turning_points(
-    bend: MachineProgram, slopes: MachineProgram, walk: SearchSide, places: Reals, bends: Reals, lanes: Lanes
+    bend: MachineProgram, slopes: MachineProgram, walk: SearchSide, places: Reals, bends: Reals, slots: Slots
 ) -> None:
     """Find turning points on one side.
 
@@ -258,32 +258,32 @@ def turning_points(
         walk: the starts.
         places: filled, shape (n,); NaN where there is none.
         bends: filled with F′ and ½F″ there, shape (2, n).
-        lanes: scratch.
+        slots: scratch.
     """
     n, width = places.shape[0], bend.registers.shape[1]
     if n == 0:
         return
-    _bracketed(bend, walk, lanes)
+    _bracketed(bend, walk, slots)
     for i in range(n):
-        places[i] = lanes.orbits[1, i]
-    _improved(slopes, walk, places, lanes.orbits)
+        places[i] = slots.orbits[1, i]
+    _improved(slopes, walk, places, slots.orbits)
     x, after = bend.registers[0], min(width, n)
     for j in range(width):
         i = min(j, n)
-        _load(bend, walk, lanes, j, i, places[min(i, n - 1)], _finishing(walk, places, lanes, j, i))
+        _load(bend, walk, slots, j, i, places[min(i, n - 1)], _finishing(walk, places, slots, j, i))
     active, top = after, (after + 7) // 8 * 8
     while active > 0:
         run(bend, top)
         F, first, second = (bend.registers[bend.outputs[0]], bend.registers[bend.outputs[1]],
                             bend.registers[bend.outputs[2]])  # fmt: skip
         for j in range(top):
-            i = lanes.state[0, j]
-            if lanes.state[1, j] == _NEWTON:
-                x[j] = places[i] = _step(walk, lanes, j, x[j], F[j], first[j])
-            elif lanes.state[1, j] == _LAST:
+            i = slots.state[0, j]
+            if slots.state[1, j] == _NEWTON:
+                x[j] = places[i] = _step(walk, slots, j, x[j], F[j], first[j])
+            elif slots.state[1, j] == _LAST:
                 bends[0, i], bends[1, i] = first[j], 0.5 * second[j]
-                doing = _finishing(walk, places, lanes, j, after)
-                _load(bend, walk, lanes, j, after, places[min(after, n - 1)], doing)
+                doing = _finishing(walk, places, slots, j, after)
+                _load(bend, walk, slots, j, after, places[min(after, n - 1)], doing)
                 active, after = (active, after + 1) if after < n else (active - 1, after)
 
 

@@ -11,9 +11,9 @@ from typing import NamedTuple
 from hjsolve.arithmetic.machine.compiling import helper, kernel, reducing
 from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Integers, Reals
-from hjsolve.ensembles.engine.kernels.types import LANES
+from hjsolve.ensembles.engine.kernels.types import SLOTS
 
-PLACE, BLUR = 4, 4.0 * 2.0**-53
+PLACE, ROUNDING_ERROR = 4, 4.0 * 2.0**-53
 """Inputs that say where a step is; rounding of a place in proportion to the parts it is the sum of."""
 
 
@@ -66,10 +66,10 @@ def _steps(program: MachineProgram, at: int, span: tuple[int, int], half: int, p
             t[j] = A * T[j] + B * U[j]
     first = PLACE
     if bounds:
-        blur, X, Y = registers[PLACE, at : at + n], steps[:2, start:], steps[2:4, start:]
+        rounding_error, X, Y = registers[PLACE, at : at + n], steps[:2, start:], steps[2:4, start:]
         for j in range(n):
             wide, narrow = A * (abs(X[0, j]) + abs(X[1, j])), B * (abs(Y[0, j]) + abs(Y[1, j]))
-            blur[j] = BLUR * (abs(b) + wide + narrow)
+            rounding_error[j] = ROUNDING_ERROR * (abs(b) + wide + narrow)
         first += 1
     else:
         known //= 2
@@ -153,7 +153,7 @@ def path_means(below: MachineProgram, above: MachineProgram, table: PathTable, p
     """
     n, count, split = paths.wide.shape[0], table.steps.shape[1], table.below[0]
     counts = (split, count - split)
-    most = max(1, LANES // max(counts[0], counts[1]))
+    most = max(1, SLOTS // max(counts[0], counts[1]))
     for first in range(0, n, most):
         here = min(most, n - first)
         for t in range(here):

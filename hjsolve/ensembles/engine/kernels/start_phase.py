@@ -26,16 +26,16 @@ _TAIL = 4e-15  # of r in proportion to its mean: coefficients that n nodes miss,
 
 
 @inlined
-def moved_by_crest(x: float, y: float, root: float, crest: float) -> tuple[float, float, float]:
-    """Take the middle to a crest, x/(1 − x) times ``crest``: the Möbius map of ``nodes_about_crests``.
+def moved_by_barrier_top(x: float, y: float, root: float, barrier_top: float) -> tuple[float, float, float]:
+    """Take the middle to a crest, x/(1 − x) times ``barrier_top``: the Möbius map of ``nodes_about_barrier_tops``.
 
     Args:
         x, y: distances from one end and from the other over W, x + y = 1.
         root: |dx/dχ|.
-        crest: x/y where the middle is to be.
+        barrier_top: x/y where the middle is to be.
     """
-    below = y + crest * x
-    return crest * x / below, y / below, crest / (below * below) * root
+    below = y + barrier_top * x
+    return barrier_top * x / below, y / below, barrier_top / (below * below) * root
 
 
 @inlined
@@ -45,12 +45,12 @@ def _derivative(χ: float, map_: Reals) -> float:
 
 
 @inlined
-def _stretch(χ: float, x: float, y: float, map_: Reals, crest: float) -> float:
+def _stretch(χ: float, x: float, y: float, map_: Reals, barrier_top: float) -> float:
     """(dq/dχ)²/(W² x y)."""
     if map_[7] == 1.0:
-        X, Y, size = _before_crest(x, y, crest)
+        X, Y, size = _before_barrier_top(x, y, barrier_top)
         dn2 = map_[3] + (1.0 - map_[3]) * (Y - X) * (Y - X)
-        return (2.0 * map_[2] / math.pi) ** 2 * dn2 * size * size / crest
+        return (2.0 * map_[2] / math.pi) ** 2 * dn2 * size * size / barrier_top
     derivative = _derivative(χ, map_)
     if map_[3] == 1.0:
         return derivative * derivative
@@ -78,18 +78,18 @@ def elliptic(s: float, c: float, map_: Reals) -> float:
 
 
 @inlined
-def _before_crest(x: float, y: float, crest: float) -> tuple[float, float, float]:
-    """Undo ``moved_by_crest``: X, Y = 1 − X, and x + crest y = crest/(Y + crest X)."""
-    total = x + crest * y
-    return x / total, crest * y / total, total
+def _before_barrier_top(x: float, y: float, barrier_top: float) -> tuple[float, float, float]:
+    """Undo ``moved_by_barrier_top``: X, Y = 1 − X, and x + crest y = crest/(Y + crest X)."""
+    total = x + barrier_top * y
+    return x / total, barrier_top * y / total, total
 
 
 @helper
-def _anomaly(x: float, y: float, map_: Reals, crest: float) -> float:
+def _anomaly(x: float, y: float, map_: Reals, barrier_top: float) -> float:
     """χ of a place. Halley's steps inside a bracket undo the crowding."""
     x, y = max(x, 0.0), max(y, 0.0)  # a start may lie beyond a turning point by its rounding
     if map_[7] == 1.0:  # X = (1 − cn)/2, cn of 2K χ/π
-        X, Y, _ = _before_crest(x, y, crest)
+        X, Y, _ = _before_barrier_top(x, y, barrier_top)
         half = 0.5 * elliptic(2.0 * np.sqrt(X * Y), abs(Y - X), map_)
         return half if Y >= X else math.pi - half
     if map_[3] == 1.0:
@@ -131,7 +131,7 @@ def _total(x: Reals, n: int) -> float:
 
 
 @reducing
-def _blur(r: Reals, w: Reals, relative: Reals, n: int) -> float:
+def _rounding_error(r: Reals, w: Reals, relative: Reals, n: int) -> float:
     """Bound the error of Σ w r, r = q′/√F, where the errors of F are known relatively."""
     total, mean = 0.0, 0.0
     for j in range(n):
@@ -196,7 +196,7 @@ def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int
     """Phase of the start and a bound on its error; leaves the weights of interpolation in place of the errors of F.
 
     Args:
-        work: F and r at the nodes, and their errors; in ``shares`` those of F, relatively.
+        work: F and r at the nodes, and their errors; in ``fractions`` those of F, relatively.
         motions: of n orbits.
         i: which one.
         t: its place in the block.
@@ -205,10 +205,15 @@ def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int
         modes: what is known of the rounding of F: nothing, where integrals are rough; with chords it is relative.
     """
     m, size = place
-    map_, n, cosines, crest = tables.maps[m], tables.counts[size], tables.cosines[tables.rows[size] :], motions.crest[i]
-    weights, buffer, relative, chords = work.shares, work.buffer, work.rows[2], modes.chords
+    map_, n, cosines, barrier_top = (
+        tables.maps[m],
+        tables.counts[size],
+        tables.cosines[tables.rows[size] :],
+        motions.barrier_top[i],
+    )
+    weights, buffer, relative, chords = work.fractions, work.buffer, work.rows[2], modes.chords
     for j in range(n):
-        relative[j] = 0.0 if modes.rough else weights[j]
+        relative[j] = 0.0 if modes.approximate else weights[j]
     W, P, symmetry = motions.width[i], motions.momentum[i], map_[6]
     x, y = motions.left[i] / W, motions.right[i] / W
     end, tip, squares = tables.samples[motions.first[i]] - 1, n - 1, tables.squares[int(symmetry) - 1, size]
@@ -221,33 +226,33 @@ def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int
     δ = y * lower + x * upper
     near = min(x * (1.0 + map_[4]), y * (1.0 + map_[5]))
     if map_[7] == 1.0:
-        low, _, _ = moved_by_crest(low, 1.0 - low, 0.0, crest)
-        high, _, _ = moved_by_crest(high, 1.0 - high, 0.0, 1.0 / crest)
+        low, _, _ = moved_by_barrier_top(low, 1.0 - low, 0.0, barrier_top)
+        high, _, _ = moved_by_barrier_top(high, 1.0 - high, 0.0, 1.0 / barrier_top)
         lower, upper = low * rounding, high * blurred
-        X, Y, _ = _before_crest(max(x, 0.0), max(y, 0.0), crest)
+        X, Y, _ = _before_barrier_top(max(x, 0.0), max(y, 0.0), barrier_top)
         near = min(X, Y)
     if near < _CLOSE:  # beyond, a pole or a crest makes p² flat: it tells no place
         by_x, by_y, vague = x, y, 0.0
         for _ in range(2 if map_[3] == 1.0 else 3):
-            χ = _anomaly(by_x, by_y, map_, crest)
+            χ = _anomaly(by_x, by_y, map_, barrier_top)
             _interpolation(weights, symmetry * χ, n, cosines)
             # P = √F with F = (q − a)(b − q) S, r and the map give S at χ: a fixed point, which few steps reach
             r = dot(buffer[1], weights, n)
-            share = (P / W) ** 2 / _stretch(χ, by_x, by_y, map_, crest) / max(by_x, by_y)
-            small = share * r * r
+            fraction = (P / W) ** 2 / _stretch(χ, by_x, by_y, map_, barrier_top) / max(by_x, by_y)
+            small = fraction * r * r
             by_x, by_y = (small, 1.0 - small) if by_x < by_y else (1.0 - small, small)
             # r at the far end of a wide motion may be 1e12 times as large, whose rounding is in what is interpolated
-            blur = _blur(buffer[1], weights, relative, n)
-            vague = share * blur * (2.0 * abs(r) + blur)
+            rounding_error = _rounding_error(buffer[1], weights, relative, n)
+            vague = fraction * rounding_error * (2.0 * abs(r) + rounding_error)
         by_momentum = min(by_x * rounding, lower) if by_x < by_y else min(by_y * blurred, upper)
         by_momentum += min(by_x, by_y) * (lower + upper) + vague
         if by_momentum < δ:
             x, y, δ = by_x, by_y, by_momentum
-    χ = _anomaly(x, y, map_, crest)
+    χ = _anomaly(x, y, map_, barrier_top)
     _interpolation(weights, symmetry * χ, n, cosines)
     small, large = max(min(x, y), 0.0), max(x, y)
     # δχ = δq/(dq/dχ), and dq/dχ vanishes with √(x y) at a turning point
-    root = np.sqrt(max(_stretch(χ, x, y, map_, crest) * large, 1e-300))
+    root = np.sqrt(max(_stretch(χ, x, y, map_, barrier_top) * large, 1e-300))
     # χ grows like √x from the turning point, where δ may be all that is known of x
     uncertainty = (δ / np.sqrt(max(small, δ, 1e-300)) + 4.0 * EPS * np.sqrt(small)) / root
     return (-χ if P < 0 else χ), 2.0 * uncertainty + 8.0 * EPS * math.pi

@@ -117,9 +117,9 @@ def _nodes(fill: MachineProgram, errors: MachineProgram, motions: Rounds, i: int
         e, row = motions.uncertainty[i, k], errors.registers[3 + known + k]
         for j in range(n):
             row[j] = e
-    lanes = (n + 7) // 8 * 8
-    run(fill, lanes)
-    run(errors, lanes)
+    slots = (n + 7) // 8 * 8
+    run(fill, slots)
+    run(errors, slots)
 
 
 @helper

@@ -19,7 +19,7 @@ FARTHEST = 6
 BLOCK = 16
 """Orbits that are integrated together."""
 
-LANES = 392
+SLOTS = 392
 """Nodes that are worked out together, of one orbit or of several: what stays in the cache."""
 
 
@@ -27,7 +27,7 @@ class Tables(NamedTuple):
     """Nodes of all maps and sizes side by side, padded; see ``node_maps``.
 
     Attributes:
-        maps: γ₁, γ₂, K, k′², ρ_d, ρ_c, the symmetry, and 1 for ``nodes_about_crests``, of every map,
+        maps: γ₁, γ₂, K, k′², ρ_d, ρ_c, the symmetry, and 1 for ``nodes_about_barrier_tops``, of every map,
             shape (maps, 8).
         counts: numbers of nodes, shape (sizes,).
         first: the places of the first nodes of every size in the next three, shape (sizes + 1,).
@@ -76,8 +76,8 @@ class Motions(NamedTuple):
         known: constants, and what else a program knows, shape (n, known).
         uncertainty: bounds on the errors of the constants, shape (n, constants).
         first, least: the map, and the size in the tables, to begin with; a negative size leaves the orbit out.
-        share: how much is seen from below; see ``node_maps.views``.
-        crest: (q − a)/(b − q) at the crest about which nodes crowd, 1 where there is none.
+        fraction: how much is seen from below; see ``node_maps.views``.
+        barrier_top: (q − a)/(b − q) at the crest about which nodes crowd, 1 where there is none.
     """
 
     momentum: Reals
@@ -92,8 +92,8 @@ class Motions(NamedTuple):
     uncertainty: Reals
     first: Integers
     least: Integers
-    share: Integers
-    crest: Reals
+    fraction: Integers
+    barrier_top: Reals
 
 
 class Sums(NamedTuple):
@@ -176,7 +176,7 @@ class Scratch(NamedTuple):
 
     Attributes:
         buffer: F r, r, F and the kernels times r at the nodes of one orbit, shape (3 + kernels, widest).
-        shares: of the nodes, shape (widest,).
+        fractions: of the nodes, shape (widest,).
         rows: of the same width, shape (3, widest).
         noise: of each orbit bounds on the rounding errors of F (times sin²χ/F; with chords relative ones) and of the
             kernels (times r), shape (block, 1 + kernels, samples).
@@ -184,7 +184,7 @@ class Scratch(NamedTuple):
             (block, samples).
         found: mean, its error, last coefficient, rounding, and sizes of the last coefficients and of those before, of
             every integrand, shape (6, 1 + kernels).
-        lanes: of either view, where errors are looked at: the place, which of them count the constants, the turning
+        slots: of either view, where errors are looked at: the place, which of them count the constants, the turning
             point and the distance from it, r (|dq/dχ| at first), sin²χ/F (sin²χ at first), and the rounding of the
             place; shape (2, 7, lanes).
         bounds: of either view, what is found there: errors of F and of the kernels, F, F's relative error; shape
@@ -195,12 +195,12 @@ class Scratch(NamedTuple):
     """
 
     buffer: Reals
-    shares: Reals
+    fractions: Reals
     rows: Reals
     noise: Reals
     drift: Reals
     found: Reals
-    lanes: Reals
+    slots: Reals
     bounds: Reals
     residues: Reals
     block: Integers
@@ -214,10 +214,10 @@ def scratch(tables: Tables, kernels: int) -> Scratch:
         kernels: how many are wanted.
     """
     widest, most, rows = tables.last.shape[2], tables.places.shape[2] - FARTHEST, 1 + kernels
-    lanes = looked_at(tables)
+    slots = looked_at(tables)
     shapes = {
-        "buffer": (2 + rows, widest), "shares": (widest,), "rows": (3, widest), "noise": (BLOCK, rows, most),
-        "drift": (BLOCK, most), "found": (6, rows), "lanes": (2, 7, lanes), "bounds": (2, 2 + rows, lanes),
+        "buffer": (2 + rows, widest), "fractions": (widest,), "rows": (3, widest), "noise": (BLOCK, rows, most),
+        "drift": (BLOCK, most), "found": (6, rows), "slots": (2, 7, slots), "bounds": (2, 2 + rows, slots),
         "residues": (BLOCK, 2),
     }  # fmt: skip
     arrays = {name: np.empty(shape) for name, shape in shapes.items()}
@@ -246,8 +246,8 @@ def side(
         parameters: their values.
         half: 0 for the lower and 1 for the upper one: they may have the same codes.
     """
-    lanes, nodes = looked_at(tables), max(LANES, tables.last.shape[2])
-    codes = (fill, nodes), (errors, lanes), (errors if relative is None else relative, lanes)
+    slots, nodes = looked_at(tables), max(SLOTS, tables.last.shape[2])
+    codes = (fill, nodes), (errors, slots), (errors if relative is None else relative, slots)
     return Side(*(code.program(width, parameters, half) for code, width in codes))
 
 
@@ -259,14 +259,14 @@ class Modes(NamedTuple):
         kernels: ∂J/∂c are wanted.
         oscillations: the phase and the running integrals are, too.
         shifts: the errors of the constants are counted apart; not of small motions, where slopes have them.
-        rough: few nodes, and neither proofs nor errors: for the first steps of a search.
+        approximate: few nodes, and neither proofs nor errors: for the first steps of a search.
     """
 
     chords: bool
     kernels: bool
     oscillations: bool
     shifts: bool
-    rough: bool = False
+    approximate: bool = False
 
 
 class Strips(NamedTuple):

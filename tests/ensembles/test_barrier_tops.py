@@ -8,9 +8,9 @@ import pytest
 
 import hjsolve
 from hjsolve.arithmetic.error_free import Pair
-from hjsolve.ensembles.engine.kernels.start_phase import moved_by_crest
-from hjsolve.ensembles.engine.nodes import crest_nodes, crest_places
-from hjsolve.ensembles.engine.strips_of_analyticity import _halves, crest_disks, half_width
+from hjsolve.ensembles.engine.kernels.start_phase import moved_by_barrier_top
+from hjsolve.ensembles.engine.nodes import barrier_top_nodes, barrier_top_places
+from hjsolve.ensembles.engine.strips_of_analyticity import _halves, barrier_top_disks, half_width
 
 digits = mpmath.mp.clone()
 digits.dps = 40
@@ -76,7 +76,7 @@ def test_crests_anywhere_agree_with_single_motions(potential: str, near: float) 
 @pytest.mark.parametrize("level", [1, 7, 20, 44])
 def test_nodes_about_a_crest_are_those_of_cn(level: int) -> None:
     χ = np.array([1e-3, 0.4, 1.4, np.pi / 2, 1.8, 3.1])
-    complement, quarter, x, y, root = crest_places(Pair(χ, 0 * χ), level)
+    complement, quarter, x, y, root = barrier_top_places(Pair(χ, 0 * χ), level)
     k2, K = 1 - digits.mpf(complement), digits.mpf(quarter)
     for j, anomaly in enumerate(χ):
         u = 2 * digits.ellipk(k2) * digits.mpf(anomaly) / digits.pi
@@ -85,14 +85,14 @@ def test_nodes_about_a_crest_are_those_of_cn(level: int) -> None:
             assert abs(found - true) <= 1e-15 * abs(true)
 
 
-@pytest.mark.parametrize("crest", [1.0, 0.3, 7.0, 1e-4, 1e5])
-def test_the_middle_goes_to_the_crest(crest: float) -> None:
+@pytest.mark.parametrize("barrier_top", [1.0, 0.3, 7.0, 1e-4, 1e5])
+def test_the_middle_goes_to_the_crest(barrier_top: float) -> None:
     def ratio(X: mpmath.mpf) -> mpmath.mpf:  # x/(1 − x) = crest X/(1 − X)
-        times = digits.mpf(crest) * X / (1 - X)
+        times = digits.mpf(barrier_top) * X / (1 - X)
         return times / (1 + times)
 
     for X in (0.5, 0.01, 0.3, 0.8):
-        x, y, root = moved_by_crest(X, 1 - X, 1.0, crest)
+        x, y, root = moved_by_barrier_top(X, 1 - X, 1.0, barrier_top)
         assert x == pytest.approx(float(ratio(digits.mpf(X))), rel=1e-15)
         assert x + y == pytest.approx(1.0, rel=1e-15)
         assert root == pytest.approx(float(digits.diff(ratio, digits.mpf(X))), rel=1e-14)
@@ -100,8 +100,8 @@ def test_the_middle_goes_to_the_crest(crest: float) -> None:
 
 @pytest.mark.parametrize(("level", "count"), [(1, 32), (6, 96), (14, 192), (30, 512)])
 def test_every_place_of_the_strip_about_a_crest_lies_in_a_disk(level: int, count: int) -> None:
-    dice, table = np.random.default_rng(level), crest_nodes(count, level)
-    low, high, radii = crest_disks(table)
+    dice, table = np.random.default_rng(level), barrier_top_nodes(count, level)
+    low, high, radii = barrier_top_disks(table)
     assert np.isfinite(radii).all()
     χ = dice.uniform(0, np.pi, 400) + 1j * half_width(count, 1) * dice.uniform(0, 1, 400)
     x, y = _halves(χ, table)
@@ -110,4 +110,4 @@ def test_every_place_of_the_strip_about_a_crest_lies_in_a_disk(level: int, count
 
 
 def test_a_strip_with_a_pole_of_the_map_is_not_covered() -> None:
-    assert np.isinf(crest_disks(crest_nodes(16, 20))[2]).all()
+    assert np.isinf(barrier_top_disks(barrier_top_nodes(16, 20))[2]).all()

@@ -24,7 +24,7 @@ import numpy as np
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, place, squares
-from hjsolve.ensembles.engine.kernels.crowding import CREST
+from hjsolve.ensembles.engine.kernels.crowding import BARRIER_TOP
 from hjsolve.ensembles.engine.nodes import MOST_LEVEL
 from hjsolve.ensembles.engine.programs import sides
 
@@ -39,7 +39,7 @@ _WIDE = 1.0
 """Distance δ/sin φ_c of the zeros above which no crest is seen."""
 
 
-class Crests(NamedTuple):
+class BarrierTops(NamedTuple):
     """Motions that pass over a crest, or by a pair of singularities.
 
     Attributes:
@@ -53,7 +53,7 @@ class Crests(NamedTuple):
     places: Reals
 
 
-def crests(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> Crests:
+def barrier_tops(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> BarrierTops:
     """Find the crests that motions pass most slowly."""
     formula, code = sides(one.coordinate)[0], one.programs.views[0].bend
     n, sign = len(width), formula.sign
@@ -78,14 +78,14 @@ def crests(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> Crests:
     return _narrowest(orbit, low, np.where(fine, gap, np.inf))
 
 
-def singular_pairs(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> Crests:
+def singular_pairs(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> BarrierTops:
     """Find where motions pass nearest by singularities of p²."""
     formula, n = sides(one.coordinate)[0], len(width)
     radius, sign = formula.clearance.radius, formula.sign
 
-    def clear(shares: Reals) -> Reals:
+    def clear(fractions: Reals) -> Reals:
         """Return the clearance at some shares of each motion, over its width."""
-        return radius(lower[:, None] + sign * width[:, None] * shares) / width[:, None]
+        return radius(lower[:, None] + sign * width[:, None] * fractions) / width[:, None]
 
     if formula.clearance.table() is None:
         return _narrowest(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0))
@@ -93,20 +93,20 @@ def singular_pairs(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> Crest
         nearest = np.argmin(clear(np.broadcast_to(_GRID, (n, _POINTS)))[:, 1:-1], axis=1) + 1
         low, high = _GRID[nearest - 1], _GRID[nearest + 1]
         for _ in range(_THIRDS):
-            shares = np.stack([low + (high - low) / 3, high - (high - low) / 3], axis=1)
-            first, second = clear(shares).T
-            low, high = np.where(first > second, shares[:, 0], low), np.where(first > second, high, shares[:, 1])
+            fractions = np.stack([low + (high - low) / 3, high - (high - low) / 3], axis=1)
+            first, second = clear(fractions).T
+            low, high = np.where(first > second, fractions[:, 0], low), np.where(first > second, high, fractions[:, 1])
         middle = 0.5 * (low + high)
         gap = clear(middle[:, None])[:, 0] / (2 * middle * (1 - middle))
     return _narrowest(np.arange(n), middle, gap)
 
 
-def _narrowest(orbit: Integers, low: Reals, gap: Reals) -> Crests:
+def _narrowest(orbit: Integers, low: Reals, gap: Reals) -> BarrierTops:
     """Return for each orbit the pair with the least distance ``gap``, (q_c − a)/W being ``low``."""
     fine = (low > 0) & (low < 1) & (gap < _WIDE) & (gap > 0)
     slowest = np.flatnonzero(fine)[np.argsort(gap[fine], kind="stable")]
     orbits, first = np.unique(orbit[slowest], return_index=True)
     chosen = slowest[first]
     level = np.clip(np.rint(-np.log2(0.5 * gap[chosen])), 1, MOST_LEVEL).astype(np.int64)
-    maps = np.stack([np.full(len(level), CREST), level, level], axis=1)
-    return Crests(orbits, maps, low[chosen] / (1 - low[chosen]))
+    maps = np.stack([np.full(len(level), BARRIER_TOP), level, level], axis=1)
+    return BarrierTops(orbits, maps, low[chosen] / (1 - low[chosen]))
