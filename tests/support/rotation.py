@@ -6,7 +6,7 @@ Four marks leave cases to the night (they are marked ``nightly``, which ``addopt
     Those with these parameters, which take long.
 
 ``@pytest.mark.entries``
-    The cases are entries of the catalog. Run are those of FIXED, one for each family, and one of ``len/12`` parts of the rest.
+    The cases are entries of the catalog. Run are those of FIXED, one for each family, and one of ``len/8`` parts of the rest.
 ``@pytest.mark.rotating(n)``
     About n cases run, one of ``len/n`` parts. Cases that are marked nightly themselves do not count.
 ``pytestmark = pytest.mark.rotating_file(n)``
@@ -70,7 +70,7 @@ def entry_of(nodeid: str) -> str | None:
 def entries(rotation: int) -> set[str]:
     """The entries of the catalog that run with a commit."""
     fixed = set(FIXED.values())
-    return fixed | part(ENTRIES.keys() - fixed, 12, rotation, ENTRIES.__getitem__)
+    return fixed | part(ENTRIES.keys() - fixed, 8, rotation, ENTRIES.__getitem__)
 
 
 def leave_the_rest(items: list[pytest.Item], rotation: int) -> None:
