@@ -129,7 +129,7 @@ def describe(entry: str | Path) -> Entry:
         kind="extended" if table["id"] in ids("extended") else _kind(expect, outside), refusal=outside,
         constraints=refusals.constraints(table), stated=refusals.stated(table),
         initial=motions.get("default"), motions=motions, effects=_effects(table), expect=expect,
-        references=tuple(_reference(r) for r in table.get("reference", [])),
+        references=tuple(Reference(**_frozen(r)) for r in table.get("reference", [])),
         cite=tuple(table.get("cite", ())), book=tuple(table.get("book", ())),
         meanings={c["name"]: (c.get("unit", ""), c.get("meaning", "")) for c in table.get("coordinates", [])},
         reason=table.get("reason", ""), instead=table.get("instead", ""),
@@ -319,10 +319,6 @@ def _effects(table: Toml) -> dict[str, Effect]:
     return {name: Effect(name=name, **_frozen(effect)) for name, effect in table.get("effects", {}).items()}
 
 
-def _reference(table: Toml) -> Reference:
-    return Reference(**_frozen(table))
-
-
 def _frozen(table: Toml) -> TomlTable:
     return {key: tuple(value) if isinstance(value, list) else value for key, value in table.items()}
 
@@ -377,7 +373,6 @@ def motion_faults(where: str, data: Toml, names: list[str], declared: list[str])
 
     Args:
         data: the table of one motion.
-        names: of the coordinates.
         declared: names of the parameters.
     """
     if ("velocity" in data) == ("p" in data):
@@ -401,7 +396,6 @@ def reference_faults(reference: Toml, where: str, names: list[str], motions: set
 
     Args:
         reference: the table of one reference value.
-        names: of the coordinates.
         motions: names of the motions of the entry.
     """
     quantity, at = str(reference["quantity"]), reference["at"]

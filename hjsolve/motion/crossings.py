@@ -122,10 +122,7 @@ def between_turning_points(motion: SeparatedMotion, name: str, coordinate_motion
     """Return a place that is passed; a turning point itself where it is that, but for the rounding of both.
 
     Args:
-        motion: the motion.
-        name: of a separated coordinate.
         coordinate_motion: its libration or rotation.
-        place: a position.
 
     Raises:
         OutsideMotionError: it lies beyond.
@@ -144,9 +141,6 @@ def open_phases(name: str, coordinate_motion: CoordinateMotion, place: Mpf, bits
     """Return the phases of an unbounded course at a place: one on a branch, two where the branch turns.
 
     Args:
-        name: of the coordinate.
-        coordinate_motion: its motion.
-        place: a position.
         bits: of the phases.
 
     Raises:

@@ -52,9 +52,6 @@ class Growing:
 
         Args:
             end_map: the branch.
-            coordinate_motion: what is integrated.
-            digits: relative digits wanted.
-            bits: working precision.
         """
         self.end_map, self.coordinate_motion, self.digits, self.bits, self.extra = (
             end_map,

@@ -19,7 +19,7 @@ from hjsolve.rays.families import wavefronts
 from hjsolve.reports.drawings import orbit_paths
 from hjsolve.reports.drawings import phase_portrait as portrait
 from hjsolve.reports.drawings.cartesian_picture import Embedding, embedding, path_of
-from hjsolve.reports.drawings.effective_potential import Array, EffectivePotential, effective_potential_of
+from hjsolve.reports.drawings.effective_potential import EffectivePotential, effective_potential_of
 from hjsolve.reports.drawings.motion_figures import (
     is_angle,
     level_box,
@@ -43,7 +43,6 @@ def plotted(motion: Motion, kind: str, name: str | None, ax: Axes | None) -> Axe
     """Draw a motion.
 
     Args:
-        motion: the motion.
         kind: one of ``KINDS``.
         name: the coordinate, for phase, potential and time; None for the first.
         ax: matplotlib's axes; None for new ones.
@@ -79,7 +78,6 @@ def plotted_solution(
     """Start a motion and draw it.
 
     Args:
-        solution: of the system.
         kind, name, ax: as in ``plotted``.
         initial: keywords of ``Solution.motion``; empty for the default motion of the catalog's entry.
 
@@ -212,12 +210,8 @@ def _labelled(ax: Axes, well: EffectivePotential, upright: str) -> Axes:
     ax.set_ylabel(upright)
     if is_angle(well) and well.window[1] - well.window[0] > 3:
         halves = np.arange(np.ceil(2 * well.window[0] / np.pi), np.floor(2 * well.window[1] / np.pi) + 1)
-        ax.set_xticks(_places(halves), [_of_pi(int(n)) for n in halves])
+        ax.set_xticks(np.asarray(halves * np.pi / 2), [_of_pi(int(n)) for n in halves])
     return ax
-
-
-def _places(halves: Array) -> Array:
-    return np.asarray(halves * np.pi / 2)
 
 
 def _of_pi(halves: int) -> str:

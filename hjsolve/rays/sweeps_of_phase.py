@@ -151,7 +151,6 @@ def separated_sweep(
 
     Args:
         name, low, high, turning: see ``SeparatedSweep``.
-        coordinate_motion: its motion.
     """
     table = np.linspace(low, high, _CELLS + 1)
     sums = np.maximum.accumulate(cast("Reals", coordinate_motion.momentum_integral(table)[0]))
@@ -163,7 +162,6 @@ def phase_tolerance(sweep: PhaseSweep, χ: Reals, uncertainty: Reals) -> Reals:
     """Return how far a phase may be from the one at which W has the value wanted, from how W changes next to it.
 
     Args:
-        sweep: the coordinate.
         χ: phases found, shape (m,).
         uncertainty: how far W there may be from the value wanted.
     """
@@ -186,7 +184,6 @@ def uncertainty_of_place(sweep: PhaseSweep, χ: Reals, tolerance: Reals) -> tupl
     """Return how far q and p may be from their values where the phase is only known so well.
 
     Args:
-        sweep: the coordinate.
         χ: phases, shape (m,).
         tolerance: how far each may be off, shape (m,).
     """

@@ -65,7 +65,6 @@ def torus_equations(coordinate_motions: Sequence[Periodic | AtRest], bits: int) 
 
     Args:
         coordinate_motions: of the separated coordinates, in their order.
-        bits: binary digits of the arithmetic.
 
     Raises:
         NotConvergedError: the matrix of mean growths is singular, so the angles do not exist.
@@ -78,7 +77,7 @@ def torus_equations(coordinate_motions: Sequence[Periodic | AtRest], bits: int) 
     except ZeroDivisionError:
         raise NotConvergedError("the separated integrals are dependent: this motion has no angle variables") from None
     growth = tuple(tuple(inverse[k, j] for j in range(n)) for k in range(n))
-    oscillations = tuple(tuple(_oscillation(growth[k], c, n) for c in coordinate_motions) for k in range(n))
+    oscillations = tuple(tuple(combine(list(growth[k]), c.kernels[:n]) for c in coordinate_motions) for k in range(n))
     starts, roundings = [], []
     for k in range(n):
         total = context.mpf(0)
@@ -124,10 +123,6 @@ def oscillation(system: TorusEquations, i: int, j: int) -> FourierSeries:
     )
 
 
-def _oscillation(weights: Sequence[Mpf], coordinate_motion: Periodic | AtRest, n: int) -> FourierSeries:
-    return combine(list(weights), coordinate_motion.kernels[:n])
-
-
 def _at(series: FourierSeries, χ: Mpf | int, context: Context) -> Mpf | int:
     """Ripple at one many-digit phase; nothing at a turning point, exactly."""
     return 0 if series.constant else series.oscillation(context.mpf(χ))
@@ -152,7 +147,6 @@ def torus_phases(system: TorusEquations, time: tuple[Reals, Reals]) -> tuple[lis
     """Solve for the phases at times given as two doubles each, relative to t₀.
 
     Args:
-        system: the equations.
         time: high and low parts, float arrays of shape (m,).
 
     Returns:

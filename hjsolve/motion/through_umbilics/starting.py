@@ -143,7 +143,9 @@ class _Paths:
         place = tuple(e for e in ends if e is not None)
         one, two = (p.residues[side > 0] for p, side in zip(paths, sides, strict=True))
         same = abs(one + two) <= one.context.mpf(10) ** -self.digits * abs(one)
-        ratio = self._ratio(place) if same and len(place) == len(ends) else None
+        ratio = None
+        if same and len(place) == len(ends):
+            ratio = metric_ratio(self.solution.system, tuple(self.fixed.items()), place)
         if ratio is None:
             return Corner(False, 0 * one)
         squares = tuple(sp.sympify(self.solution.momentum_squared[name]).subs(self.known) for name in self.names)
@@ -154,9 +156,6 @@ class _Paths:
         ]
         c = one.context
         return Corner(passable, c.log(sizes[1] / sizes[0]) - c.log(to_bits(ratio)(self.bits)) / 2)
-
-    def _ratio(self, place: tuple[sp.Expr, ...]) -> sp.Expr | None:
-        return metric_ratio(self.solution.system, tuple(self.fixed.items()), place)
 
     def _weight(self, one: CoordinatePath, two: CoordinatePath) -> Mpf | None:
         """W with k₁ + w k₂ = 0 at every double zero; None where there is no such number."""
@@ -249,9 +248,6 @@ def start_at_umbilic(
         solution: of a system of two coordinates.
         values: parameters and coordinates, exact.
         velocity: axis of the place → component.
-        t0: the initial time, exact.
-        digits: relative digits wanted.
-        parts: what is integrated.
         place: axis → x(q), of which T = m/2 ẋ·ẋ.
         energy: E, an exact number.
         exact: whether no number given is a float.
@@ -373,7 +369,6 @@ def hint_at_umbilic(solution: Solution, q: Mapping[str, object], parameters: Map
     """Return how to start at an umbilic; nothing at another place.
 
     Args:
-        solution: of the system.
         q, parameters: as given.
     """
     system = solution.system
