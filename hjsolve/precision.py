@@ -155,7 +155,6 @@ class FixedContext(MPContext):
         """Return the logarithm; the natural one raises no precision.
 
         Args:
-            x: a number.
             b: the base; None for e.
         """
         return self.ln(x) if b is None else _in_own_context(self, "log", (x, b), {})

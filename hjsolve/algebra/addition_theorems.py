@@ -16,7 +16,6 @@ def rejoined(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
     A sum with one cosine, a + b cos θ, is written with the half angle that leaves the smaller constant.
 
     Args:
-        e: any formula.
         q: the variable; other symbols are constants.
     """
     if not _has_angles_of_constants(e, q):

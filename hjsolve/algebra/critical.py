@@ -53,7 +53,6 @@ def analytic_pieces(
 
     Args:
         functions: algebraic in t.
-        t: the variable.
         ends: of the open intervals.
         budget: of the exact computation.
 

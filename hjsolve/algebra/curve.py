@@ -125,7 +125,6 @@ def curve_of(functions: Sequence[sp.Expr], x: sp.Symbol, bounds: Bounds) -> Alge
 
     Args:
         functions: of x alone.
-        x: the variable.
         bounds: of the open interval.
 
     Raises:

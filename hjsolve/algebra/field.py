@@ -110,7 +110,6 @@ class Field:
         The polynomial is reduced modulo the relations, primitive, without monomial content.
 
         Args:
-            a: the polynomial.
             coefficient: rational.
             factors: number of a registered base → exponent.
         """
@@ -264,7 +263,6 @@ class Field:
         """xⁿ; the numerator becomes a factor when n is negative or large.
 
         Args:
-            x: an element of the field.
             n: the exponent, a whole number of either sign.
 
         Raises:

@@ -22,7 +22,6 @@ def closed_form_potential(reader: Reader, symbols: Sequence[sp.Symbol], form: Se
     integrated over q_a alone.
 
     Args:
-        reader: reads and differentiates.
         symbols: q, in order.
         form: A_a, one element a coordinate.
     """

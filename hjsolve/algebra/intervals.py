@@ -111,7 +111,6 @@ def rational(p: int, q: int, prec: int) -> Interval:
 
     Args:
         p, q: numerator and denominator.
-        prec: bits of the ends.
     """
     return libmp.from_rational(p, q, prec, "f"), libmp.from_rational(p, q, prec, "c")
 
@@ -129,7 +128,6 @@ def enclose_inverse(x: Interval, prec: int) -> Interval:
 
     Args:
         x: a real interval.
-        prec: bits of the ends.
 
     Raises:
         NoEnclosureError: x may be zero.

@@ -157,8 +157,6 @@ def products_vanish(field: Field, products: Iterable[Iterable[Element]], points:
     """Whether Σ Π of the elements given vanishes at random points modulo primes; None when no point could be found.
 
     Args:
-        field: of the elements.
         products: Σ Π of elements.
-        points: how many points.
     """
     return Filter(field, points).vanishes([[[x] for x in factors] for factors in products])

@@ -127,10 +127,8 @@ def at_random_points(
     """Primes and the jets of the elements at a few random points; None when no such points could be found.
 
     Args:
-        reader: of the field.
         symbols: coordinates that are differentiated by.
         elements: what the jets are of.
-        points: how many points.
     """
     wanted, found = list(elements), list[tuple[int, list[ModularJet]]]()
     for seed in range(ATTEMPTS):

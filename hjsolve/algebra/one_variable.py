@@ -46,7 +46,6 @@ def vanishes(f: sp.Expr, x: sp.Symbol, bounds: Bounds, budget: Budget) -> bool:
 
     Args:
         f: of x alone.
-        x: the variable.
         bounds: ends of the interval, numbers; None is infinite.
         budget: raises ``WorkLimitError`` when it is used up.
     """

@@ -175,8 +175,6 @@ def with_square(a: Poly, k: int, square: Poly, budget: Budget) -> Poly:
     """Replace every square of generator k by a polynomial, so that at most its first power is left.
 
     Args:
-        a: the polynomial.
-        k: number of the generator.
         square: what its square is.
         budget: charged with the products.
     """

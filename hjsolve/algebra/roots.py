@@ -28,7 +28,6 @@ def root(reader: FieldReader, x: Element, p: int, q: int) -> Element:
 
     Args:
         reader: of the field; it knows the domain.
-        x: element of the field.
         p, q: numerator and denominator of the exponent.
     """
     if x.is_zero:

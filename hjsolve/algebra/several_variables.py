@@ -53,8 +53,6 @@ def is_one_constant(reader: FieldReader, f: sp.Expr, symbol: sp.Symbol, inside: 
 
     Args:
         reader: reads f; its bounds are the box.
-        f: the function.
-        symbol: the variable.
         inside: a value of the variable in its interval.
         budget: of the proof.
     """

@@ -95,7 +95,6 @@ def sign_of(field: Field, a: Poly, bounds: Mapping[sp.Symbol, Bounds]) -> int:
 
     Args:
         field: of the polynomial.
-        a: the polynomial.
         bounds: symbol → (lower, upper) end of its open interval.
     """
     low, high = _range_of(field, a)

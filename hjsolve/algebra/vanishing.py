@@ -30,7 +30,6 @@ def proved_zero(x: sp.Expr, bounds: BoundsOf, budget: Budget) -> bool:
     """Return a proof that an expression is zero wherever it is defined; False is not a proof of anything.
 
     Args:
-        x: the expression.
         bounds: symbol → (lower, upper) end of its open interval.
         budget: of the exact computation.
     """

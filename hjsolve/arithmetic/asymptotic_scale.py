@@ -26,7 +26,6 @@ class Monomial(NamedTuple):
         """Return self·otherⁿ.
 
         Args:
-            other: another one.
             n: exponent.
         """
         return Monomial(*(a + n * b for a, b in zip(self, other, strict=True)))

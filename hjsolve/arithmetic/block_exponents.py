@@ -80,7 +80,6 @@ class InUnits:
         """Return the slot of x over 2^exponent.
 
         Args:
-            x: a number.
             exponent: of the unit asked for.
         """
         shift = x.exponent - exponent
@@ -126,7 +125,6 @@ class InUnits:
 
         Args:
             slot: of the input, over the power of two of ``exponent_of``.
-            value: the number.
         """
         return Value(_BASES.convert(value), Scaled(slot, exponent_of(float(value))), constant=True)
 
@@ -240,7 +238,6 @@ class InUnits:
 
         Args:
             name: of the function, sin, cos, sinh or cosh.
-            x: the value.
         """
         tail, half = "h" if name.endswith("h") else "", self._half(x.part)
         middle = self._sum("add", self._written(x.base), half) if x.base else half

@@ -66,7 +66,6 @@ def hull(x: Disk, y: Disk) -> Disk:
     """Return a disk that holds both.
 
     Args:
-        x: a disk.
         y: another one, of the same shape.
     """
     apart = y.centre - x.centre
@@ -77,7 +76,6 @@ def tighter(x: Disk, y: Disk) -> Disk:
     """Return the smaller of two disks that hold the same number, element by element.
 
     Args:
-        x: a disk.
         y: another one that holds the same number.
     """
     first = (x.radius <= y.radius) | ~np.isfinite(y.radius)

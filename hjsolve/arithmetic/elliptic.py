@@ -49,7 +49,6 @@ def means(start: tuple[N, N], equal: Callable[[N, N], bool], arithmetic: Arithme
     Args:
         start: two positive numbers.
         equal: whether two means agree to half of the digits.
-        arithmetic: where to compute.
     """
     half, pairs = arithmetic.rational(1, 2), [start]
     while not equal(*pairs[-1]):
@@ -64,7 +63,6 @@ def descended(u: N, pairs: list[tuple[N, N]], arithmetic: Arithmetic[N]) -> tupl
     Args:
         u: argument.
         pairs: means from (1, k′), see ``means``.
-        arithmetic: where to compute.
     """
     mul, div, add, one = arithmetic.mul, arithmetic.div, arithmetic.add, arithmetic.rational(1, 1)
     dn, angle = one, mul(pairs[-1][0], u)
@@ -93,7 +91,6 @@ def jacobi(
         u: argument; scalar, or array for ``Float64``.
         complement: k′² = 1 − k².
         quarter: K, see ``quarter_period``.
-        arithmetic: where to compute.
     """
     size = abs(u)
     folded = size > quarter

@@ -48,7 +48,6 @@ def moved(base: Pair, more: Elementwise) -> Pair:
 
     Args:
         base: in two doubles.
-        more: a double, or an array.
     """
     s, e = two_sum(base.high, more)
     return Pair(*two_sum(s, e + base.low))

@@ -71,8 +71,6 @@ def by_squaring(product: Callable[[N, N], N], x: N, n: int) -> N:
 
     Args:
         product: multiplies two of them.
-        x: the base.
-        n: the exponent.
     """
     result = x
     for bit in bin(n)[3:]:
@@ -161,7 +159,6 @@ class Float64(ByOperators):
 
         Args:
             name: of the function, such as ``sqrt``.
-            x: a double or an array of doubles.
         """
         return self.unary(name, x)
 
@@ -188,9 +185,7 @@ def within_reach(name: str, x: Numeric, context: Context) -> Numeric:
     Beyond, as many digits as it has bits would be needed.
 
     Args:
-        name: of the function.
         x: its argument, mpmath's number.
-        context: of mpmath.
 
     Raises:
         InvalidInputError: a circular function of so large an argument.

@@ -206,7 +206,6 @@ def quarter_turns(c: Context, n: int) -> Range:
 
     Args:
         c: mpmath's context.
-        n: how many.
     """
     half = c.pi * n / 2
     margin = c.ldexp(abs(half), _WIDER - c.prec)

@@ -26,7 +26,6 @@ def bracketed_root(function: Callable[[Mpf], Sequence[Mpf]], x0: float | Mpf, x1
     Args:
         function: x ↦ (f, f′) with one sign change of f on [x0, x1].
         x0, x1: the bracket, x0 < x1.
-        bits: working precision.
     """
     context = multiprecision(bits)
     left, right = context.convert(x0), context.convert(x1)
@@ -175,7 +174,6 @@ def leading_power(values: list[Mpf], context: Context) -> float:
 
     Args:
         values: samples, mpmath's numbers.
-        context: of mpmath.
     """
     if not values[-1] or not values[-2]:
         return 0.0

@@ -63,7 +63,6 @@ class Arithmetic(Protocol[N]):
         """Return xⁿ.
 
         Args:
-            x: a number of this arithmetic.
             n: the exponent, a whole number of either sign.
         """
         ...
@@ -73,7 +72,6 @@ class Arithmetic(Protocol[N]):
 
         Args:
             name: of the function, one of ``UNARY``.
-            x: a number of this arithmetic.
         """
         ...
 
@@ -105,7 +103,6 @@ class Tape:
         """Evaluate all outputs.
 
         Args:
-            arithmetic: where to compute.
             values: one value an input, of the arithmetic's own kind.
 
         Returns:
@@ -126,7 +123,6 @@ class Tape:
         """Work out once what depends on the last inputs alone.
 
         Args:
-            arithmetic: where to compute.
             known: values of the last inputs.
 
         Returns:

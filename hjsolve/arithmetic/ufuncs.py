@@ -43,7 +43,6 @@ def of_estimates(
     Args:
         kind: the class of Estimates.
         combined: gives a function of numbers of which one is an Estimate; ``estimate.combined``.
-        ufunc: the function.
         method: how it was called; only the plain call is answered.
         inputs: operands; arrays are gone through element by element.
         options: of the call; none is answered.

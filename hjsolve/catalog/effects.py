@@ -17,7 +17,6 @@ def with_effects(table: Toml, names: Sequence[str], source: str) -> TomlTable:
     """Give a table whose T and V have the terms of the effects added; texts, so that what is absent was never parsed.
 
     Args:
-        table: of the entry.
         names: of the effects wanted.
         source: what the entry is called in errors.
 
@@ -42,7 +41,6 @@ def forces(table: Toml, names: Sequence[str], system: System, *, source: str) ->
     """Give the generalized forces Q(q, q̇) that effects bring, by coordinate; those that have none are left out.
 
     Args:
-        table: of the entry.
         names: of its effects.
         system: with these effects.
         source: for errors.

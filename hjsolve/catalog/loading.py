@@ -377,7 +377,6 @@ def motion_faults(where: str, data: Toml, names: list[str], declared: list[str])
 
     Args:
         data: the table of one motion.
-        names: of the coordinates.
         declared: names of the parameters.
     """
     if ("velocity" in data) == ("p" in data):
@@ -401,7 +400,6 @@ def reference_faults(reference: Toml, where: str, names: list[str], motions: set
 
     Args:
         reference: the table of one reference value.
-        names: of the coordinates.
         motions: names of the motions of the entry.
     """
     quantity, at = str(reference["quantity"]), reference["at"]

@@ -55,7 +55,6 @@ def from_table(table: Toml, system: System, source: str) -> Frame:
     """Build and verify the frame that an entry's table declares for its system.
 
     Args:
-        table: of the entry.
         system: the autonomous one that the entry gives.
         source: what the entry is called in errors.
     """

@@ -22,7 +22,6 @@ def opened_regular(path: str | Path, flags: int = os.O_RDONLY, *, follow: bool =
     """Open a regular file, without waiting for anybody.
 
     Args:
-        path: of the file.
         flags: of ``os.open``, such as ``os.O_RDWR | os.O_CREAT``; nothing is truncated unless they say so.
         follow: whether the path itself may be a link.
         shown: what the file is called in errors; its path unless given.
@@ -50,7 +49,6 @@ def bytes_of(path: str | Path, limit: int, *, follow: bool = True, shown: str = 
     """Read a regular file whole.
 
     Args:
-        path: of the file.
         limit: bytes that it may have.
         follow: whether the path itself may be a link.
         shown: what the file is called in errors; its path unless given.

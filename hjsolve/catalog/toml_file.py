@@ -28,7 +28,6 @@ def exact_table(file: Traversable, source: str) -> TomlTable:
     """Read a file whole; decimals stay exact.
 
     Args:
-        file: the file.
         source: what it is called in errors.
 
     Raises:

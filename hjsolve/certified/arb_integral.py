@@ -19,7 +19,6 @@ def mean(cycle: CycleIntegrand, j: int, bits: int, size: flint.arb) -> flint.arb
     """Enclose (1/π) ∫₀^π of an integrand over the plain anomaly (over a full turn and divided by 2π for a rotation).
 
     Args:
-        cycle: the integrands.
         j: which kernel; −1 for p dq/dχ.
         bits: relative precision wanted.
         size: of the integrand, roughly.

@@ -255,7 +255,6 @@ class CycleIntegrand:
         """Return the wanted integrands from √(p²/((q − a)(b − q))).
 
         Args:
-            spot: the place.
             product: (q − a)(b − q), 1 for a rotation.
             root: √(p²/product).
         """

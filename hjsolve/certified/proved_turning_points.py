@@ -41,7 +41,6 @@ def prove_turning_points(
     """Return the turning points below and above the start; None where that could not be proved.
 
     Args:
-        start: the coordinate.
         place: a ball that holds its initial place.
         line: its p² in balls.
     """

@@ -103,7 +103,6 @@ def certified_means(cycle: CycleIntegrand, bits: int) -> list[flint.arb]:
     """Enclose (1/π) ∫₀^π of the wanted integrands (over a full turn and divided by 2π for a rotation).
 
     Args:
-        cycle: the integrands.
         bits: relative precision wanted.
 
     Returns:
@@ -203,7 +202,6 @@ def bound_in_strip(cycle: CycleIntegrand, a: float) -> StripBound | None:
     """Bound the integrands in a strip.
 
     Args:
-        cycle: the integrands.
         a: half width of the strip.
 
     Returns:

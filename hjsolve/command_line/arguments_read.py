@@ -57,7 +57,6 @@ def frame(options: Namespace, solved: Solution | None = None) -> Section | None:
     """Return the section about the frame that an entry declares; None where it declares none.
 
     Args:
-        options: the parsed arguments.
         solved: solution of the autonomous system, where there is one.
     """
     if options.system is None or options.coordinate or _is_scene(options):
@@ -237,8 +236,6 @@ def motion_meant(options: Namespace, digits: int, *, find: bool = False) -> Moti
     """Return the motion that is meant: of initial data given, else the entry's own.
 
     Args:
-        options: the parsed arguments.
-        digits: of the numbers.
         find: other coordinates, where those given do not separate.
 
     Raises:

@@ -18,7 +18,6 @@ def measure_and_print(options: Namespace, subject: Subject) -> None:
     """Measure, print the table, write what is asked.
 
     Args:
-        options: the parsed arguments.
         subject: a scene file, an entry's file or a catalog id.
 
     Raises:

@@ -96,7 +96,6 @@ def stays_inside(f: sp.Expr, ends: Bounds, bounds: Mapping[sp.Symbol, Bounds]) -
     """Return whether a formula is proved to stay in an open interval.
 
     Args:
-        f: the formula.
         ends: of the interval; None is infinite.
         bounds: open interval of each coordinate in the formula.
     """
@@ -168,7 +167,6 @@ def short_form(x: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> sp.Expr:
     """Return the shortest exact form; the expression itself where that takes too long.
 
     Args:
-        x: the expression.
         bounds: open interval of each coordinate.
     """
     try:

@@ -57,7 +57,6 @@ class ClosedForm:
         """Evaluate.
 
         Args:
-            bits: working precision.
             moments: times, exact.
 
         Returns:
@@ -81,7 +80,6 @@ def closed_trials(task: Task, levels: Sequence[int]) -> list[Trial]:
     """Return the closed form of an entry at several accuracies.
 
     Args:
-        task: what is asked.
         levels: digits beyond double precision.
 
     Returns:

@@ -81,7 +81,6 @@ def derived_trials(task: Task, levels: Sequence[int], seconds: float) -> list[Tr
     """Return the derived forms at several accuracies.
 
     Args:
-        task: what is asked.
         levels: digits beyond double precision.
         seconds: of the whole comparison; a quarter of it, and 5 at most, may go into the derivation.
 

@@ -76,7 +76,6 @@ def measured(task: Task, trials: Sequence[Trial], truth: TrueValues, clock: Cloc
     """Run all trials once, then again in turn as often as time allows.
 
     Args:
-        task: what is asked.
         trials: the methods; the first one also gives the sizes that errors of states are relative to.
         truth: what errors are measured against.
         clock: the budget.

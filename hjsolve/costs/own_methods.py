@@ -29,7 +29,6 @@ def own_trials(task: Task, levels: Sequence[int]) -> list[Trial]:
     """Return the methods of hjsolve.
 
     Args:
-        task: what is asked.
         levels: digits beyond double precision.
 
     Returns:
@@ -47,7 +46,6 @@ def own(task: Task, method: str, digits: int) -> Trial:
     """One method at one accuracy.
 
     Args:
-        task: what is asked.
         method: one of hjsolve's own, such as ``quadratures``, ``mpmath`` or ``certified``.
         digits: relative digits to ask of it.
     """

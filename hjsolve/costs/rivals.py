@@ -118,7 +118,6 @@ def _piecewise(task: Task, numbers: Numbers, when: Reals, carried: Callable[[flo
 
     Args:
         task: whose events, if any, are all at given times.
-        numbers: the start.
         when: times, shape (m,).
         carried: (begin, state there, times in the order they are reached) ↦ states at the times.
     """

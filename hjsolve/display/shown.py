@@ -159,7 +159,6 @@ def brief(content: Any, room: int) -> str:
     """Write what a field holds in one line.
 
     Args:
-        content: anything.
         room: letters there are for it; what is longer is cut.
     """
     if isinstance(content, Shown):

@@ -230,7 +230,6 @@ class Regions:
 
         Args:
             i: the point.
-            q: the place.
         """
         own, x, y = self.coordinate, float(self.x[i]), float(self.y[i])
         if self.doubtful[i] or own.polynomial is None:

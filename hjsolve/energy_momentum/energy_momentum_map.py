@@ -347,8 +347,6 @@ def coordinate_kinds(
     """Make one separated coordinate ready for many points of the plane of two constants.
 
     Args:
-        solution: of the system.
-        name: the coordinate.
         values: symbol → exact number, of the parameters and the other constants.
         symbols: of the two constants.
         places: coordinate → a place inside its domain, as far as known.

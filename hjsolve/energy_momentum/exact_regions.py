@@ -44,8 +44,6 @@ def regions_with_kinds(
     """Find every interval on which P² ≥ 0, in order of q, with the kind of its motions.
 
     Args:
-        solution: of the system.
-        name: the coordinate.
         values: symbol → exact number, of every constant and parameter.
         place: where the search begins, inside the domain.
 
@@ -72,8 +70,6 @@ def at_place(solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr],
     """Begin at a place of a coordinate, on its way up.
 
     Args:
-        solution: of the system.
-        name: the coordinate.
         values: symbol → exact number, of every constant and parameter.
         place: exact.
     """

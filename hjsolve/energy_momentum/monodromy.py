@@ -152,7 +152,6 @@ def circle(around: tuple[float, float], radius: float, window: Window, points: i
         around: its centre.
         radius: as part of the window.
         window: ranges of x and y.
-        points: how many.
     """
     angle = _TURNED + 2 * np.pi * np.arange(points) / points
     (x0, x1), (y0, y1) = window
@@ -180,7 +179,6 @@ def monodromy_round(
     Args:
         solution: of the system; with one separated coordinate.
         coordinates: that one.
-        around: the centre.
         radius: as part of the window.
         window: ranges of x and y.
         angles: the ignorable angles; the first is the one whose momentum is a coordinate of the map.

@@ -24,7 +24,6 @@ def bounded_orbits(
     """Compute one motion for every point at which each coordinate has a bounded region; the first region of each.
 
     Args:
-        solution: of the system.
         coordinates: every separated coordinate.
         x, y: the points, shape (m,).
         want: of ``ensemble``.

@@ -47,7 +47,6 @@ def first_window(
     Args:
         coordinates: every separated coordinate.
         names: of x and y.
-        point: of the motion.
 
     Raises:
         MissingValueError: there is no motion to go by.

@@ -59,7 +59,6 @@ class AboutAxis:
 
         Args:
             angle: of the turned stars.
-            error: of it.
             azimuth: as it was given.
         """
         angle += azimuth

@@ -81,7 +81,6 @@ def in_conventions_of(program: object, columns: dict[str, Any], roles: AxialRole
     Args:
         program: ``galpy`` or ``agama``.
         columns: of the batch; arrays of numpy.
-        roles: of the coordinates.
 
     Raises:
         InvalidInputError: another program, coordinates whose roles are not known, or orbits with L_z = 0 of which it

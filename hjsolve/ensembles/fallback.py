@@ -30,8 +30,6 @@ def single_orbit(
     """Compute one orbit.
 
     Args:
-        solution: of the system.
-        layout: what is wanted.
         start: ``q`` and ``p`` or ``velocity``: coordinate → finite number.
         parameters: name → exact value.
         endless: whether it seems to run away, or into an end of its domain. It then has no frequency, period or angle,

@@ -78,7 +78,6 @@ def layout_of(solution: Solution, want: Iterable[str] | str | None) -> Layout:
     A quantity that no orbit of the system can have (the action of an ignorable coordinate on a line) has no column.
 
     Args:
-        solution: of the system.
         want: words as in ``wanted``.
     """
     coordinates = solution.system.coordinates

@@ -149,7 +149,6 @@ def task_for(
     """Write the task of an ensemble: every parameter with its exact value.
 
     Args:
-        solution: of the system.
         want: quantities, in the order of the layout.
         parameters: name → number; the others take their defaults.
         kind: ``p`` or ``velocity``, what comes with the places.

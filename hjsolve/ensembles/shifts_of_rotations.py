@@ -47,10 +47,7 @@ def mean_shifts(
     """Return the means over a turn of q from 0 to 2π.
 
     Args:
-        solution: of the system.
-        name: of a separated coordinate.
         values: every parameter → exact number.
-        variables: what is varied.
         numbers: the variables of n orbits, shape (variables, n).
     """
     n, N, count = len(variables.constants), variables.count, numbers.shape[1]

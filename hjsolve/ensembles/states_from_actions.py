@@ -35,7 +35,6 @@ def batch_of_states(
     """Return the states of many orbits from their actions and angles.
 
     Args:
-        solution: of the system.
         actions: every coordinate that has one (of the separated ones where they were found) → array of J, any shape;
             arrays broadcast. Dask arrays make the result lazy, one task a block.
         angles: the same names → θ in radians; 0 where left out.
@@ -74,7 +73,6 @@ def task_of_tori(
     """Write the task of states on tori, without actions and angles yet.
 
     Args:
-        solution: of the system.
         kinds: separated coordinate → libration or rotation, of all orbits.
         parameters: name → number, where it differs from the default.
         fallback: whether what the engine hands back goes to single motions.
@@ -98,7 +96,6 @@ def state_columns(task: InverseTask, inputs: Sequence[NDArray[np.generic]]) -> C
     """Return the columns of orbits.
 
     Args:
-        task: what is wanted.
         inputs: actions and, after these, angles, in the order of the task's names; each of shape (n,).
     """
     half = len(inputs) // 2
@@ -119,7 +116,6 @@ def carried_back(task: InverseTask, chart: Chart, found: FoundStates) -> FoundSt
     Args:
         task: what was wanted, in the separated coordinates.
         chart: from these to the user's.
-        found: the states.
     """
     values = parameter_values(task.solution.system, task.parameters)
     state = State(

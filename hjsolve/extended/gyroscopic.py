@@ -278,7 +278,6 @@ def equations(system: System, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[sp.M
 
     Args:
         system: whose H is of second degree in z.
-        values: of the parameters.
     """
     z = _phase_space(system)
     H, n = sp.expand(hamiltonian(system).subs(values)), len(system.coordinates)

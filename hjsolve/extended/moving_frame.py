@@ -31,7 +31,6 @@ class Frame(ChangeOfFrame):
             p: its canonical momentum.
             parameters: values that differ from the defaults.
             t0: the initial time; it matters, since the original system contains the time.
-            digits: relative digits wanted.
         """
         from hjsolve.extended.moving_frame_motion import start_framed_motion
 

@@ -62,7 +62,6 @@ class QuadraticFlow:
 
         Args:
             starts: states at t0, exact.
-            t0: the initial time, exact.
             times: exact, in any order.
             digits: of the numbers, relative to the largest.
 
@@ -97,7 +96,6 @@ class QuadraticFlow:
         """Return a bound on |A| over a disk about a time, and its radius: smaller where a formula is singular in it.
 
         Args:
-            t: the centre.
             radius: the greatest radius.
 
         Raises:
@@ -120,7 +118,6 @@ class QuadraticFlow:
         """Return a bound on ν = |½ (A + Aᵀ)| over the times within a radius, p measured in units of ``scale``.
 
         Args:
-            t: the centre.
             radius: of the interval.
             scale: positive number.
         """

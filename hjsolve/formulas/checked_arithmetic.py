@@ -203,7 +203,6 @@ def call(name: str, argument: Node, fail: Fail) -> Node:
     """One of ``FUNCTIONS``.
 
     Args:
-        name: of the function.
         argument: what it is taken of.
         fail: makes the error of a message, with the place in the text.
 

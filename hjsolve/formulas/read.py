@@ -77,7 +77,6 @@ def formula_of(given: object, names: Mapping[str, sp.Expr], *, source: str) -> s
     """Read a formula that came as text, as a number or as an expression of sympy.
 
     Args:
-        given: what came.
         names: the names that may occur and what they stand for.
         source: what it is called in an error.
 

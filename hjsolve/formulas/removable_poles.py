@@ -31,8 +31,6 @@ def without_removable_poles(F: sp.Expr, q: sp.Symbol, *, near: bool = False) -> 
     """Write the terms of a sum over powers of q, or of q − c, so that they keep their digits where the power is zero.
 
     Args:
-        F: any formula.
-        q: symbol of the coordinate.
         near: whether exponentials and logarithms are written so too.
 
     Returns:
@@ -113,7 +111,6 @@ def along_motion(F: sp.Expr, q: sp.Symbol, values: Mapping[sp.Symbol, sp.Expr]) 
 
     Args:
         F: p²(q).
-        q: symbol of the coordinate.
         values: symbol → exact number, of the start, the constants and the parameters.
 
     Returns:

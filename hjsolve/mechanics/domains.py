@@ -58,7 +58,6 @@ def read_domain(name: str, text: object, parameters: Mapping[str, sp.Expr]) -> D
     """Read the domain of the coordinate ``name``.
 
     Args:
-        name: the coordinate.
         text: ``line``, ``angle``, or an inequality such as ``0 < r``, ``r > 0``, ``-a < x < a``; ends are open. An
             axis or a pole may be written as an end that is included: ``0 <= R``, ``0 <= theta <= pi``.
         parameters: the names that bounds may use.

@@ -15,7 +15,6 @@ def canonical_equations(coordinates: Sequence[Coordinate], hamiltonian: sp.Expr)
     """Return q̇ = ∂H/∂p (4-16) and ṗ = −∂H/∂q (4-17), by the names of q and p.
 
     Args:
-        coordinates: of the system.
         hamiltonian: its H(q, p).
     """
     rates = {c.name: sp.Eq(c.velocity, sp.diff(hamiltonian, c.momentum), evaluate=False) for c in coordinates}
@@ -38,7 +37,6 @@ def routhian(
         R = ½ vᵀm_ee v + a_e·v − ½ (π − m_ie v)ᵀ m_ii⁻¹ (π − m_ie v) + rest.
 
     Args:
-        coordinates: of the system.
         mass: m, shape (n, n).
         linear: a, shape (n,).
         rest: T₀ − V.

@@ -51,7 +51,6 @@ def degree(expression: sp.Expr, symbols: frozenset[sp.Symbol]) -> float:
     """Upper bound of the degree in the symbols, read off the structure; infinite where not a polynomial.
 
     Args:
-        expression: any formula.
         symbols: those the degree counts.
     """
     if not expression.free_symbols & symbols:

@@ -54,7 +54,6 @@ def without_kinks(
 
     Args:
         potential: V.
-        coordinates: of the system.
         taken: names in use.
 
     Raises:
@@ -151,7 +150,6 @@ def with_signs(expression: sp.Expr, kinks: Iterable[Kink]) -> sp.Expr:
 
     Args:
         expression: of V, H, p² ….
-        kinks: of the system.
     """
     return expression.xreplace({kink.symbol: kink.sign for kink in kinks})
 
@@ -161,7 +159,6 @@ def with_quotients(expression: sp.Expr, kinks: Iterable[Kink]) -> sp.Expr:
 
     Args:
         expression: of V, p² ….
-        kinks: of the system.
     """
     return expression.xreplace({kink.symbol: kink.argument / sp.Abs(kink.argument) for kink in kinks})
 
@@ -170,7 +167,6 @@ def refuse_kinks(kinks: Iterable[Kink], what: str) -> None:
     """Refuse what is not worked out where V has kinks.
 
     Args:
-        kinks: of the system.
         what: is not worked out.
 
     Raises:
@@ -234,7 +230,6 @@ def signs_at(kinks: Iterable[Kink], values: Mapping[sp.Symbol, sp.Expr]) -> dict
     """Return the values of the letters at a place; 1 at the kink itself.
 
     Args:
-        kinks: of the system.
         values: symbol → exact number, of coordinates and parameters.
     """
     from hjsolve.formulas.point_values import CONTEXT, evaluate

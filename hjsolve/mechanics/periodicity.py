@@ -34,7 +34,6 @@ def check_periodic(
 
     Args:
         parts: (kinetic or potential, its expression).
-        coordinates: of the system.
         parameters: with their default values.
 
     Raises:

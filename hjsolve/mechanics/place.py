@@ -31,7 +31,6 @@ def read_place(
     Args:
         given: x, y, z or some of them → text or sympy expression of the coordinates and parameters; None for nowhere.
         symbols: of coordinates and parameters, by name.
-        coordinates, parameters: of the system.
 
     Returns:
         Axis and formula, in the order x, y, z.
@@ -81,7 +80,6 @@ def place_of(coordinates: Sequence[Coordinate], places: Places) -> dict[str, sp.
     """Return axis → formula: as declared, or of coordinates called x, y, z themselves; empty where nothing is known.
 
     Args:
-        coordinates: of the system.
         places: as declared.
     """
     if places:

@@ -208,7 +208,6 @@ def end_values(domain: Domain, values: Point) -> tuple[mpmath.mpf | None, mpmath
     """Return the ends of the domain, ∓π for an angle, None for an end at infinity.
 
     Args:
-        domain: of a coordinate.
         values: of the parameters that its ends hold, by symbol.
 
     Returns:

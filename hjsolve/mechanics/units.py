@@ -44,7 +44,6 @@ def read_units(given: object, coordinates: Sequence[Coordinate], parameters: Seq
 
     Args:
         given: name → text or unit of pint or astropy; None for none.
-        coordinates, parameters: of the system.
 
     Returns:
         Name and text, in the order of the coordinates, the time, the parameters.

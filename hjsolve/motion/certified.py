@@ -70,9 +70,6 @@ def lines(
 
     Args:
         radicands: separated coordinate → p².
-        initial: the exact initial data and constants.
-        solution: what is solved.
-        bits: of the balls.
 
     Raises:
         MissingExtraError: python-flint is not installed.
@@ -147,7 +144,6 @@ def rounded(
     """Return what is enclosed of a motion from balls, rounded.
 
     Args:
-        motion: the motion.
         cycles: separated coordinate → its integrands.
         balls: constants, actions, and the growths of Jacobi's integrals of every separated coordinate.
 
@@ -179,7 +175,6 @@ def proved_libration(
     """Prove that a coordinate librates, without integrating anything; None where that is not seen quickly.
 
     Args:
-        begin: the coordinate.
         initial, solution: where its initial place stands.
     """
     with working(line.bits):
@@ -200,7 +195,6 @@ def cycle_of(motion: SeparatedMotion, name: str, line: BallMomentumSquared) -> C
 
     Args:
         motion: computed without proof.
-        name: of the coordinate.
 
     Raises:
         NotConvergedError: a turning point is not proved to be one.
@@ -326,7 +320,6 @@ def to_mpf(x: flint.arb, bits: int) -> Mpf:
 
     Args:
         x: a real ball.
-        bits: of the result.
     """
     mantissa, exponent = x.mid().man_exp()
     context = multiprecision(bits)

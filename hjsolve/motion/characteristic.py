@@ -103,7 +103,6 @@ def swept_from_start(
     """Return ∫ P dq from the start to χ + 2π·whole, its slope by χ, and the size that rounding refers to.
 
     Args:
-        course: of a separated coordinate.
         χ: phases, shape (m,).
         whole: turns next to them, shape (m,).
         many: whether they have many digits.
@@ -126,7 +125,6 @@ def gauge(motion: SeparatedMotion, q: dict[str, Numbers], whole: dict[str, Count
     """Return Δχ from the start, χ(q) the potential of the shift with angles not reduced, and its rounding.
 
     Args:
-        motion: the motion.
         q: coordinate → places, shape (m,).
         whole: angle → turns that are not in q.
     """

@@ -27,7 +27,6 @@ def coupled_crossing_time(motion: SeparatedMotion, k: int, target: Mpf) -> tuple
     """Return the time from t₀ until one of two coupled coordinates has a phase, and a bound on its error.
 
     Args:
-        motion: the motion.
         k: index of the coordinate.
         target: its phase.
 

@@ -116,10 +116,7 @@ def between_turning_points(motion: SeparatedMotion, name: str, course: Periodic,
     """Return a place that is passed; a turning point itself where it is that, but for the rounding of both.
 
     Args:
-        motion: the motion.
-        name: of a separated coordinate.
         course: its libration or rotation.
-        place: a position.
 
     Raises:
         OutsideMotionError: it lies beyond.
@@ -138,9 +135,6 @@ def open_phases(name: str, course: CoordinateMotion, place: Mpf, bits: int) -> l
     """Return the phases of an unbounded course at a place: one on a branch, two where the branch turns.
 
     Args:
-        name: of the coordinate.
-        course: its motion.
-        place: a position.
         bits: of the phases.
 
     Raises:

@@ -83,7 +83,6 @@ def with_exact_coefficients(e: sp.Expr, q: sp.Symbol, values: Mapping[sp.Symbol,
 
     Args:
         e: p² or one of its kernels.
-        q: symbol of the coordinate.
         values: symbol → exact number.
     """
     close, changed = [], False

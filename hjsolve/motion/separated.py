@@ -81,9 +81,6 @@ def separated_motion(
     """Integrate every separated coordinate and make the equations ready that couple them.
 
     Args:
-        solution: what is solved.
-        initial: the exact initial data and constants.
-        t0: the initial time, exact.
         digits: decimal digits of every number.
         parts: what is integrated, of ``one_coordinate.coordinate_motion.PARTS``.
 
@@ -122,8 +119,6 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Coordin
     """Bring one separated coordinate over to numbers.
 
     Args:
-        solution: what is solved.
-        initial: the exact initial data and constants.
         name: of the separated coordinate.
     """
     kinks = [kink for kink in solution.system.kinks if kink.coordinate == name]
@@ -165,7 +160,6 @@ def start_at(
     """Make programs of one p², analytic in the coordinate, and begin at a place on the way up.
 
     Args:
-        solution: of the system.
         name: of the separated coordinate.
         squared: p² in terms of the coordinate, the constants and the parameters.
         values: symbol → exact number, of every constant and parameter.

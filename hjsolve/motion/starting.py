@@ -24,10 +24,6 @@ def started(
     """Start a motion from data that were read before.
 
     Args:
-        solution: of the system.
-        initial: the exact initial data and constants.
-        t0: time of the initial data.
-        digits: relative digits wanted.
         parts: what is integrated, from ``parts_of``.
         certified: as in ``start``.
 

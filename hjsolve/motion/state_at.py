@@ -25,7 +25,6 @@ def state_at_times(motion: SeparatedMotion, t: object, digits: int | None = None
     """Return the state at a time or times; see ``Motion.at``.
 
     Args:
-        motion: the motion.
         t: time or times.
         digits: digits wanted of the phases; those of the motion where None.
     """

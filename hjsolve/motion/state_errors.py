@@ -238,7 +238,6 @@ def ignorable_error(motion: SeparatedMotion, phases: Phases, phase_error: list[R
     """Return what the phases leave open of an ignorable coordinate, without the rounding of the last sum.
 
     Args:
-        phases: of its separated coordinates.
         phase_error: bounds on them, one array of shape (m,) a separated coordinate.
         name: of the ignorable coordinate.
     """

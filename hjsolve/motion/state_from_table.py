@@ -47,7 +47,6 @@ def tabulated_state(
     """Return the state at times; None where no table serves.
 
     Args:
-        motion: the motion.
         t: the times as the user gave them.
         floats: the times, shape (m,); None where they are no floats.
         exact: the times where they are no floats.
@@ -105,7 +104,6 @@ class TableTimes:
         """Return a quantity of a table, shape (m,).
 
         Args:
-            table: of the motion.
             quantity: its position in the table.
         """
         result = np.empty(self.size)
@@ -247,7 +245,6 @@ def end_statuses(motion: SeparatedMotion, time: tuple[Reals, Reals], ended: Mask
     """Return the status of a motion at times.
 
     Args:
-        motion: the motion.
         time: high and low parts of the times relative to t₀, shape (m,).
         ended: where the phases have ended, shape (m,).
 

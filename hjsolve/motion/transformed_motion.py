@@ -25,7 +25,6 @@ class TransformedMotion(Motion):
         """Return the motion with the results of another.
 
         Args:
-            within: the other.
             own: what this class has besides.
         """
         return cls(**{f.name: getattr(within, f.name) for f in fields(Motion)}, within=within, **own)

@@ -13,7 +13,6 @@ def radians_of_a_unit(F: sp.Expr, q: sp.Symbol, values: Mapping[sp.Symbol, sp.Ex
 
     Args:
         F: p²(q; κ).
-        q: symbol of the coordinate.
         values: symbol → exact number, for the parameters in the arguments.
 
     Returns:

@@ -54,7 +54,6 @@ def others(start: CoordinateStart, lower: End, upper: End, digits: int) -> list[
     """Return the regions next to the one a motion is in, in order of q.
 
     Args:
-        start: the coordinate.
         lower, upper: ends of the region the motion is in.
         digits: relative digits wanted of their ends.
     """

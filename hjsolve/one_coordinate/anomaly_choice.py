@@ -43,11 +43,8 @@ def over_the_best_map(start: CoordinateStart, kind: Kind, maps: Iterator[Anomaly
     """Integrate over the first map for which few nodes are proved to be enough, or over the best of them.
 
     Args:
-        start: the coordinate.
         kind: libration or rotation.
         maps: anomalies to try, in order.
-        digits: decimal digits asked.
-        bits: working precision.
 
     Raises:
         NotConvergedError: for none of them it could be proved how many nodes are enough, or they are too many.
@@ -117,9 +114,7 @@ def over_near_zeros(start: CoordinateStart, usual: Libration, bits: int) -> Iter
     """Anomalies of a libration that are slow where p² comes close to zero or to a pole inside the motion.
 
     Args:
-        start: the coordinate.
         usual: its anomaly between the turning points.
-        bits: working precision.
     """
     arithmetic = Multi(bits)
     yield from _spread(start, usual, bits)
@@ -134,10 +129,8 @@ def over_other_near_zeros(start: CoordinateStart, anomaly: Rotation, gap: Mpf | 
     """Anomalies of a rotation that are slow at all barriers, not only at the highest.
 
     Args:
-        start: the coordinate.
         anomaly: slow at the highest maximum only.
         gap: distance of the complex zero of p² next to that maximum from the real axis; None where it is far.
-        bits: working precision.
     """
     arithmetic = Multi(bits)
     turn, margin = 2 * arithmetic.pi(), arithmetic.pi() / 512
@@ -171,7 +164,6 @@ def complex_zero_pairs(radicand: MomentumSquared, lower: Mpf, upper: Mpf, bits: 
     Args:
         radicand: p².
         lower, upper: ends of the stretch, in many digits.
-        bits: working precision.
     """
     context = multiprecision(bits)
     width = upper - lower

@@ -177,7 +177,6 @@ def chebyshev_points(count: int, bits: int) -> list[Mpf]:
 
     Args:
         count: its degree.
-        bits: of the result.
     """
     context = multiprecision(bits)
     return [context.cos(context.pi * (2 * m + 1) / (2 * count)) for m in range(count)]

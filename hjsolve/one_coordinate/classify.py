@@ -154,7 +154,6 @@ def ray(start: CoordinateStart, side: int) -> Ray:
     """Return the way from the initial place to one side, up to the end of the domain or a full turn.
 
     Args:
-        start: the coordinate.
         side: +1 upwards, −1 downwards.
     """
     end = start.upper if side > 0 else start.lower
@@ -174,7 +173,6 @@ def at_rest(start: CoordinateStart, digits: int, *, sides: list[MomentumSquared]
 
     Args:
         start: the coordinate, at a double zero of p².
-        digits: decimal digits asked.
         sides: p² on both sides of a kink.
     """
     bits = bits_for(digits, 96)
@@ -243,7 +241,6 @@ def _refuse_beyond_doubles(start: CoordinateStart, middle: Numeric, width: Mpf) 
     """Refuse to integrate what doubles cannot hold.
 
     Args:
-        start: the coordinate.
         middle: a place inside its motion.
         width: of its motion, or a length natural to it.
 

@@ -189,7 +189,6 @@ def place_disks(anomaly: Inner | Stretched, χ: Complexes, radius: Reals) -> Pla
     """Enclose the images of disks of the phase: the distance is greatest on the edge (maximum principle).
 
     Args:
-        anomaly: the map.
         χ: centres, complex, shape (m,).
         radius: of the disks, shape (m,).
     """

@@ -32,7 +32,6 @@ def bounded(
         radicand: p² and its kernels.
         start: χ of the initial place.
         skipped: which kernels are zero everywhere.
-        digits: relative digits wanted.
         bits: working precision, enough for the cancellation at the turning points.
         nodes: how many are proved to be enough, for half a turn where all is even; see ``resolution``.
         parts: what is integrated, of ``PARTS``; the rest is left at zero, and the action at None.
@@ -58,7 +57,6 @@ def integrands(
     Args:
         radicand: p² and its kernels.
         skipped: kernels that are zero everywhere.
-        bits: working precision.
         parts: what is integrated, of ``PARTS``; the others come out as None.
     """
     arithmetic = Multi(bits)

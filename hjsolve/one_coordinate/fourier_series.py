@@ -162,7 +162,6 @@ def midpoints(nodes: int, *, even: bool, bits: int) -> list[Mpf]:
     Args:
         nodes: how many parts.
         even: whether half a turn is enough.
-        bits: of the result.
     """
     context = multiprecision(bits)
     step = context.pi / nodes if even else 2 * context.pi / nodes
@@ -177,7 +176,6 @@ def fit(
     Args:
         rows: the values of all functions (``mpf``) at each of the midpoints; None for one that is zero everywhere.
         even: True when all are even in χ: half the nodes serve.
-        bits: working precision.
         digits: relative digits wanted (of the largest value of each): 15 or fewer keep coefficients in doubles.
         floors: size below which a function counts as that size (1 for a logarithm), one a function.
     """

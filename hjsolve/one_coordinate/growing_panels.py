@@ -52,9 +52,6 @@ class Growing:
 
         Args:
             end_map: the branch.
-            course: what is integrated.
-            digits: relative digits wanted.
-            bits: working precision.
         """
         self.end_map, self.course, self.digits, self.bits, self.extra = end_map, course, digits, bits, 0
         self.context = multiprecision(bits)

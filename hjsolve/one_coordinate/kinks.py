@@ -37,7 +37,6 @@ def cell_of(start: CoordinateStart, forward: int) -> int:
     """Return the cell in which a motion goes on; that of the higher places at a kink, if it does not go down.
 
     Args:
-        start: the coordinate.
         forward: sign of its momentum.
     """
     q = start.place(_BITS)
@@ -81,9 +80,7 @@ def reached(start: CoordinateStart, side: int, digits: int) -> Reached:
     """Walk through kinks to the first place at which the coordinate turns, or to where its way ends.
 
     Args:
-        start: the coordinate.
         side: +1 upwards, −1 downwards.
-        digits: relative digits wanted.
 
     Raises:
         NotConvergedError: it comes to rest at a kink from which it may go on or go back.
@@ -122,7 +119,6 @@ def ends_between(start: CoordinateStart, begin: int, target: Reached, side: int)
     """Return the kinks on the way from a cell to an end, and the end.
 
     Args:
-        start: the coordinate.
         begin: the cell in which the way begins.
         target: where it ends.
         side: +1 upwards, −1 downwards.
@@ -178,10 +174,8 @@ def libration(start: CoordinateStart, lower: Reached, upper: Reached, forward: i
     """Integrate a libration through kinks.
 
     Args:
-        start: the coordinate.
         lower, upper: its ends.
         forward: sign of its momentum; 0 at an end.
-        digits: decimal digits asked.
     """
     more = max(digits, 15) + _MORE
     bits = bits_for(more, 128)

@@ -119,7 +119,6 @@ class Curve:
         """y(x) by Newton's method from a place near it; ``size`` is what its accuracy refers to.
 
         Args:
-            x: the parameter.
             y: where Newton's method begins.
             size: the size of y that the accuracy refers to.
 
@@ -358,7 +357,6 @@ def gauss_legendre(n: int, bits: int) -> list[tuple[Mpf, Mpf]]:
 
     Args:
         n: how many nodes.
-        bits: of the result.
     """
     mp, result = multiprecision(bits + 16), []
     for start in np.polynomial.legendre.leggauss(n)[0]:

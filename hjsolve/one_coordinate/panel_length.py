@@ -63,7 +63,6 @@ class Reach:
 
         Args:
             sizes: bounds on the integrands.
-            digits: decimal digits asked.
         """
         pairs = zip(self.most, sizes, strict=True)
         excess = max((float(np.log(most)) - _log(size) for most, size in pairs if size), default=0.0)
@@ -79,7 +78,6 @@ def nodes_for(excess: float, digits: int) -> int:
 
     Args:
         excess: logarithm of the bound over the size.
-        digits: decimal digits asked.
     """
     return int(np.ceil((max(excess, 0.0) + _LOSS + (digits + 1) * np.log(10)) / np.log(RHO))) + 1
 
@@ -90,7 +88,6 @@ def longest(surroundings: Surroundings, most: float, digits: int, so_far: float 
     Args:
         surroundings: of the place where the panel begins.
         most: greatest length.
-        digits: relative digits wanted.
         so_far: length of the way before it. Towards a near zero of p² panels shrink one after the other, each only a
             little shorter than the longest that was thought of: they are short by this measure.
     """

@@ -40,7 +40,6 @@ class Ray:
 
         Args:
             x: the distance.
-            bits: working precision.
         """
         work = bits + self.radicand.guard
         return self.origin(work) + self.side * multiprecision(work).convert(x)
@@ -59,7 +58,6 @@ class Ray:
 
         Args:
             x: distance from the origin.
-            bits: working precision.
         """
         value, first, second = self.radicand.jet(self.place(x, bits), bits)
         return value, self.side * first, second

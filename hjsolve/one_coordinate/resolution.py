@@ -174,7 +174,6 @@ def strip(subject: Integrands, digits: int, coarse: float = _COARSE, *, zeros: b
     """Find a strip in which the integrands are analytic, as wide as disks can prove.
 
     Args:
-        subject: the integrands.
         digits: for which the strip should need few nodes.
         coarse: a square of that share of its height which cannot be decided bounds the strip.
         zeros: False to let R have zeros in the strip: then R and the kernels are analytic in it, and the growth is

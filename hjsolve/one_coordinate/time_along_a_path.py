@@ -22,7 +22,6 @@ def stopwatch(digits: int, clock: Callable[[], float] = time.thread_time) -> Cal
     """Return a check that raises once the time is used up, counted from now.
 
     Args:
-        digits: decimal digits asked.
         clock: seconds that have passed.
 
     Returns:

@@ -27,7 +27,6 @@ def animated(motion: Motion, seconds: float, frames: int, ax: Axes | None) -> Fu
     """Move a point along the orbit of a motion; of one coordinate, along its curve in the phase plane.
 
     Args:
-        motion: the motion.
         seconds: how long it takes to show.
         frames: pictures, at equal steps of the motion's own time.
         ax: matplotlib's axes; None for new ones.

@@ -43,7 +43,6 @@ def plotted(motion: Motion, kind: str, name: str | None, ax: Axes | None) -> Axe
     """Draw a motion.
 
     Args:
-        motion: the motion.
         kind: one of ``KINDS``.
         name: the coordinate, for phase, potential and time; None for the first.
         ax: matplotlib's axes; None for new ones.
@@ -79,7 +78,6 @@ def plotted_solution(
     """Start a motion and draw it.
 
     Args:
-        solution: of the system.
         kind, name, ax: as in ``plotted``.
         initial: keywords of ``Solution.motion``; empty for the default motion of the catalog's entry.
 

@@ -29,7 +29,6 @@ def plotted_map(found: EnergyMomentumMap, ax: Axes | None) -> Axes:
     """Draw a map: regions filled, with their names in a legend, critical curves, equal actions, the motion.
 
     Args:
-        found: the map.
         ax: matplotlib's axes; None for new ones.
 
     Returns:

@@ -302,7 +302,6 @@ def started_at_one_place(motion: Motion, placing: Placing | None, directions: in
     Args:
         motion: the first of them.
         placing: where coordinates are in space; None where unknown.
-        directions: how many.
 
     Raises:
         InvalidInputError: not two coordinates, a motion that begins at rest, or too few directions.

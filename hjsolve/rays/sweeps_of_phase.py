@@ -147,7 +147,6 @@ def separated_sweep(
 
     Args:
         name, low, high, turning: see ``SeparatedSweep``.
-        course: its motion.
     """
     table = np.linspace(low, high, _CELLS + 1)
     sums = np.maximum.accumulate(cast("Reals", course.momentum_integral(table)[0]))
@@ -159,7 +158,6 @@ def phase_slack(sweep: PhaseSweep, χ: Reals, doubt: Reals) -> Reals:
     """Return how far a phase may be from the one at which W has the value wanted, from how W changes next to it.
 
     Args:
-        sweep: the coordinate.
         χ: phases found, shape (m,).
         doubt: how far W there may be from the value wanted.
     """
@@ -182,7 +180,6 @@ def doubt_of_place(sweep: PhaseSweep, χ: Reals, slack: Reals) -> tuple[Reals, R
     """Return how far q and p may be from their values where the phase is only known so well.
 
     Args:
-        sweep: the coordinate.
         χ: phases, shape (m,).
         slack: how far each may be off, shape (m,).
     """

@@ -101,7 +101,6 @@ def gather(
         subject: a system, verdict, solution or motion; a catalog id, or the path of a TOML entry.
         initial: keyword arguments for ``solution.motion``; without them those of the catalog entry.
         motion: which motion of the catalog entry.
-        digits: of the numbers.
         budget: seconds for the decision, as of ``separate``.
         decision: what the decision is done within, such as a limit on its time.
 

@@ -198,7 +198,6 @@ def save_scene(
     """Run a scene and write its report.
 
     Args:
-        scene: what is asked.
         target: a path that ``checked_path`` has passed.
         cost, progress: as in ``sections.cost.with_cost``.
         sheet: its title, in place of the scene's own, and its paper.
@@ -232,7 +231,6 @@ def save_hamiltonian(
         target: a path that ``checked_path`` has passed.
         initial: keyword arguments for ``problem.motion``, in place of the catalog's initial data.
         motion: which of the entry's motions.
-        digits: of the numbers.
         sheet: its title, in place of the entry's own, and its paper.
 
     Returns:
@@ -306,7 +304,6 @@ def with_live_part(text: str, motion: Motion, sliders: Mapping[str, tuple[float,
 
     Args:
         text: the static page.
-        motion: of it.
         sliders: as in ``report``.
     """
     from hjsolve.reports.live.page import live_page

@@ -41,7 +41,6 @@ class Equation:
 
         Args:
             rates: coordinate → Ω.
-            bits: working precision.
         """
         context = multiprecision(bits)
         total, error, size = -to_bits(self.target)(bits), 0.0, abs(float(self.target))

@@ -53,7 +53,6 @@ class OneParameterFamily(Protocol):
 
         Args:
             u: value of the unknown.
-            bits: working precision.
         """
         ...
 
@@ -95,7 +94,6 @@ class MotionFamily:
 
         Args:
             u: value of the unknown.
-            bits: working precision.
         """
         context = multiprecision(bits)
         known = {name: number(bits) for name, number in self.held.items()} | {self.unknown: context.convert(u)}
@@ -172,7 +170,6 @@ def critical_values(curve: RadicandCurve, family: MotionFamily) -> list[Reals]:
     """Return the values of the unknown at which p² is zero at samples: F(u) = F₀ + F₁ u + F₂ u² at each of them.
 
     Args:
-        curve: of the coordinate.
         family: with one unknown.
 
     Returns:
@@ -194,7 +191,6 @@ def place_in(curve: RadicandCurve, κ: Reals, well: Well) -> float:
     """Return a place at which p² > 0 in a well of neighbouring constants: its top, or the maximum next to it.
 
     Args:
-        curve: of the coordinate.
         κ: constants, shape (k,).
         well: of the neighbour.
     """

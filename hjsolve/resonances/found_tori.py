@@ -71,7 +71,6 @@ def refined_in(
     """Return the motion in a bracket; None where the change of sign is a jump.
 
     Args:
-        asked: what is asked.
         family: with one unknown.
         curves: p² of the separated coordinates.
         bracket: where the equation changes its sign.

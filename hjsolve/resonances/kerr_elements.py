@@ -60,7 +60,6 @@ def kerr_constants(a: Mpf, p: Mpf, e: Mpf, x: Mpf, bits: int) -> KerrConstants:
         p: semi-latus rectum in units of M.
         e: eccentricity, 0 ≤ e < 1.
         x: cosine of the inclination.
-        bits: of the result.
 
     Raises:
         InvalidInputError: no geodesic has these elements.
@@ -124,7 +123,6 @@ def separatrix_in_bits(a: Mpf, e: Mpf, x: Mpf, bits: int) -> Mpf:
         a: spin.
         e: eccentricity.
         x: cosine of the inclination.
-        bits: of the result.
     """
     context = multiprecision(bits + _GUARD)
     a, e, x = (context.convert(value) for value in (a, e, x))
@@ -209,7 +207,6 @@ class KerrFamily:
 
         Args:
             u: value of the unknown.
-            bits: working precision.
 
         Raises:
             InvalidInputError: no geodesic has the elements, or p is not beyond the separatrix.

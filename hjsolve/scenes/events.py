@@ -80,7 +80,6 @@ def read_event(table: Toml, system: System, where: str) -> Event:
 
     Args:
         table: of the scene file.
-        system: of the scene.
         where: what the table is called in errors.
 
     Raises:
@@ -144,7 +143,6 @@ def changed(event: Event, system: System, values: Mapping[sp.Symbol, sp.Expr]) -
 
     Args:
         event: what happens.
-        system: of the scene.
         values: exact parameters, coordinates and momenta just before, by symbol.
 
     Returns:

@@ -196,7 +196,6 @@ def disagreements(sweep: Varied, names: list[str], fixed: Mapping[str, Mapping[s
 
     Args:
         sweep: the table.
-        names: of the coordinates.
         fixed: group → the scene's initial data.
     """
     for axis in sweep.axes:
@@ -236,7 +235,6 @@ def missing(varied: list[str], names: list[str], fixed: Mapping[str, Mapping[str
 
     Args:
         varied: keys of the sweep, such as ``p.r``.
-        names: of the coordinates.
         fixed: the scene's initial data: ``q``, ``p``, ``velocity`` → name → number.
     """
     kind = varied_kind(varied, fixed)

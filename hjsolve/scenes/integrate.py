@@ -131,7 +131,6 @@ def flow_of(scene: Question, numbers: Numbers) -> Flow:
     """Give the equations of motion of a scene in double precision.
 
     Args:
-        scene: with its system and forces.
         numbers: parameters and start of the motion.
     """
     return Flow(scene.system, _compiled(slopes_of(scene), scene, numbers), dict(numbers.parameters))

@@ -75,7 +75,6 @@ def acceleration(system: System, name: str) -> sp.Expr:
 
     Args:
         system: with H(q, p).
-        name: of the coordinate.
     """
     H, rates = hamiltonian(system), velocities(system)
     return sp.Add(*(

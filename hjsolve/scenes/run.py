@@ -100,7 +100,6 @@ def run_by_quadratures(scene: Question, solution: Solution | None = None) -> Run
     """Compute what a scene wants with the digits it has; a solution that is there already is not made again.
 
     Args:
-        scene: what is asked.
         solution: of the scene's system, where it was made before.
 
     Raises:

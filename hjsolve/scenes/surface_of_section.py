@@ -115,7 +115,6 @@ def returns(
     """Follow motions from one crossing of the section to the next.
 
     Args:
-        plane: the equations.
         states: where the motions begin, shape (4, m).
         along: index of the coordinate that is constant on the section.
         level: its value there.
@@ -176,7 +175,6 @@ def path(plane: PlaneMotion, steps: int = 400) -> tuple[Reals, Reals]:
     """Follow the user's motion over some steps.
 
     Args:
-        plane: the equations.
         steps: how many are tried.
 
     Returns:

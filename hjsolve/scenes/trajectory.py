@@ -42,7 +42,6 @@ def sampled(times: Times, digits: int) -> Numbers:
 
     Args:
         times: evenly spaced, or a list.
-        digits: of the scene.
 
     Returns:
         Shape (m,); doubles, or exact numbers in an object array.

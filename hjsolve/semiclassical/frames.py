@@ -143,7 +143,6 @@ def frame_of(
     """Choose the coordinates for some ignorable momenta.
 
     Args:
-        solution: of the system.
         momenta: ignorable coordinate → its momentum; also of those in ``ContinuedFrame.round``, 0 where left out.
         values: parameter → exact number.
         hbar: ħ.

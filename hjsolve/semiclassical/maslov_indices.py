@@ -115,7 +115,6 @@ def circuits_of(
 
     Args:
         solution: in whose coordinates it is computed.
-        name: of the coordinate.
         values: symbol → exact number, of the parameters and of the momenta of ignorable coordinates.
         poles: beyond which it runs on; None where it has none.
     """

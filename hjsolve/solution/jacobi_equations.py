@@ -65,7 +65,6 @@ def quadrature(integrand: sp.Expr, q: sp.Symbol, start: sp.Symbol) -> sp.Expr:
 
     Args:
         integrand: a function of q.
-        q: the coordinate.
         start: the lower limit.
     """
     return sp.S.Zero if integrand == 0 else sp.Integral(integrand, (q, start, q))

@@ -25,7 +25,6 @@ def sweep_digest(scene: Scene, table: str, chunk: int) -> dict[str, str]:
     """Digests of everything in a scene that decides the numbers; its title and its remarks do not.
 
     Args:
-        scene: the scene.
         table: digest of the table of starts.
         chunk: orbits of one part.
     """

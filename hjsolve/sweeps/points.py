@@ -78,7 +78,6 @@ class SweepPoints:
         Angles that nothing says are 0.
 
         Args:
-            names: of the coordinates.
             begin, end: numbers of the first start and of the one after the last.
 
         Returns:

@@ -79,7 +79,6 @@ def constants_in(
     """Return the constants of a solution as functions of the user's.
 
     Args:
-        space: of the system.
         S: the principal function, proved.
         alphas: its constants.
         solution: of the same system in the same coordinates.
@@ -138,7 +137,6 @@ def along(
     """Compare Jacobi's equations with a motion.
 
     Args:
-        space: of the system.
         S: the principal function, proved.
         alphas: its constants.
         motion: of the same system in the same coordinates.

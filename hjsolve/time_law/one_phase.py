@@ -35,7 +35,6 @@ def solve_alone(
     """Solve Σ wⱼ Gⱼ(χ) = value for one coordinate.
 
     Args:
-        course: of the coordinate.
         weights: w.
         value: right side at each time, shape (m,).
         residual_bound: a bound on its error, shape (m,).

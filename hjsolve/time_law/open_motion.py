@@ -143,7 +143,6 @@ def own_turns(scheme: TriangularScheme, bits: int) -> list[OwnTurns]:
 
     Args:
         scheme: from ``plan``.
-        bits: binary digits of the arithmetic.
     """
     context, found = multiprecision(bits), []
     for step in scheme.steps:
@@ -316,7 +315,6 @@ def integral_at(course: CoordinateMotion, j: int, χ: Mpf | int) -> float:
     Where Gⱼ is steep, next to the top of a barrier, the phase rounded to a double is another time.
 
     Args:
-        course: the coordinate.
         j: position of the constant.
         χ: phase.
     """

@@ -30,7 +30,6 @@ def on_torus(
     """Refine phases of a bounded motion.
 
     Args:
-        system: the equations.
         χ, whole: phases and whole turns in doubles, one array a coordinate, shape (m,).
         time: t − t₀ in many digits, m numbers.
         bits: working precision; it must cover the number of turns as well.

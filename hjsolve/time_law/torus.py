@@ -65,7 +65,6 @@ def torus_equations(courses: Sequence[Periodic | AtRest], bits: int) -> TorusEqu
 
     Args:
         courses: of the separated coordinates, in their order.
-        bits: binary digits of the arithmetic.
 
     Raises:
         NotConvergedError: the matrix of mean growths is singular, so the angles do not exist.
@@ -142,7 +141,6 @@ def torus_phases(system: TorusEquations, time: tuple[Reals, Reals]) -> tuple[lis
     """Solve for the phases at times given as two doubles each, relative to t₀.
 
     Args:
-        system: the equations.
         time: high and low parts, float arrays of shape (m,).
 
     Returns:

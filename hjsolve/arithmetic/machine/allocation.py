@@ -38,7 +38,6 @@ def allocated(
     Args:
         written: instructions, each after those whose results it takes.
         inputs, parameters: values that are given.
-        numbers: the constants.
         results: the values wanted, in the order of the outputs.
     """
     lines = _needed(_fused(_needed(written, results), results), results)

@@ -194,7 +194,6 @@ def composed(arithmetic: TurningArithmetic[N], name: str, z: N) -> N:
 
     Args:
         arithmetic: over complex numbers.
-        name: of the function.
         z: a number of it.
 
     Raises:

@@ -45,7 +45,6 @@ def run_rows(code: MachineCode, parameters: Sequence[float], given: Reals) -> Re
     """Run a code over n orbits.
 
     Args:
-        code: to run.
         parameters: values of its parameters.
         given: its inputs, shape (inputs, n).
 

@@ -81,7 +81,6 @@ def webs_on_sphere(given: OnSphere, *, budget: float) -> tuple[list[Geometry], t
     """Return what webs there are on the sphere, and each with its system.
 
     Args:
-        given: the system.
         budget: seconds that ``separate`` may take for one web.
     """
     whole = Geometry("sphere", _CENTRE, _AXES)
@@ -100,7 +99,6 @@ def charts_on_sphere(geometry: Geometry | Web, given: OnSphere) -> Iterator[Sepa
 
     Args:
         geometry: kind and constants of the web.
-        given: the system.
     """
     symbol = symbol_maker(given.space)
     for make in (covering_chart, chart) if geometry.kind == "conical" else (chart,):

@@ -24,7 +24,6 @@ def equations_at_points(samples: Samples, table: EquationTable, width: int) -> I
 
     Args:
         samples: of the derivatives of V.
-        table: the equations.
         width: how many tensors there are.
     """
     ground = samples.made_of.ground

@@ -134,7 +134,6 @@ def kernel_in_letters(samples: Samples, table: EquationTable, width: int) -> lis
 
     Args:
         samples: of the derivatives of V; whose constants are rational functions of letters.
-        table: the equations.
         width: how many tensors there are.
     """
     ground = samples.made_of.ground

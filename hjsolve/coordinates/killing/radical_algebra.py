@@ -194,7 +194,6 @@ class PointAlgebra:
 
         Args:
             a: an element of the algebra, with an inverse where n is negative.
-            n: the exponent.
         """
         if n < 0:
             return self.power(self.inverse(a), -n)
@@ -360,7 +359,6 @@ def prepared(expressions: Sequence[sp.Expr], coordinates: Sequence[sp.Symbol]) -
     """Rewrite expressions so that only the functions known to ``PointAlgebra`` occur.
 
     Args:
-        expressions: in the coordinates and parameters.
         coordinates: the symbols that are no constants.
     """
     return [_prepare(expression, coordinates) for expression in expressions]

@@ -60,7 +60,6 @@ def charted_starts(chart: ChartMap, x: Reals, rates: Reals) -> ChartedStarts:
     """Carry places and momenta or velocities to the separated coordinates.
 
     Args:
-        chart: the map.
         x, rates: in the user's coordinates, shape (coordinates, n).
 
     Returns:

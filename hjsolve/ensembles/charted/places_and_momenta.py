@@ -49,7 +49,6 @@ def carried(chart: ChartMap, x: Reals, rates: Reals) -> SeparatedStarts:
     """Carry positions and momenta or velocities to the separated coordinates.
 
     Args:
-        chart: the map.
         x, rates: in the user's coordinates, shape (coordinates, n).
     """
     n, m = len(x), len(chart.model.separated)

@@ -33,7 +33,6 @@ def combine_integrals(model: Model, sums: list[Sums], directions: Reals, q: Real
     sizes are taken: M⁻¹ times a column of ``means`` or ``speeds`` is of order one, however large M⁻¹ is.
 
     Args:
-        model: of the system.
         sums: one a separated coordinate.
         directions: +1, or −1 for a rotation the other way; shape (separated, n).
         q: all coordinates, shape (coordinates, n).

@@ -40,9 +40,6 @@ class CoordinateOfOrbits:
         """Return the k-th separated one.
 
         Args:
-            model: the lowered solution.
-            programs: of the system.
-            start: of n orbits.
             k: row.
         """
         q, P = (np.ascontiguousarray(x[k]) for x in (start.q, start.P))

@@ -134,7 +134,6 @@ def build(solution: Solution, want: frozenset[str], parameters: Mapping[str, Any
     """Make a system ready for many orbits.
 
     Args:
-        solution: of the system.
         want: quantities, of ``QUANTITIES``.
         parameters: name → value, where it differs from the default; the same for all orbits.
 

@@ -127,7 +127,6 @@ def escaping(one: CoordinateOfOrbits, model: Model, offsets: Reals) -> tuple[Mas
     """Prove that a coordinate runs away, of orbits that met no end on a side.
 
     Args:
-        one: the coordinate.
         model: with the parameters.
         offsets: of the turning points, NaN where none was met, shape (2, n).
 

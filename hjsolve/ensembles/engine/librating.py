@@ -80,7 +80,6 @@ def librations(one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bo
     """Integrate one coordinate of many orbits.
 
     Args:
-        one: the coordinate.
         modes: what is wanted; ``chords`` and ``shifts`` are not looked at.
         exact: whether those whose errors are not small get p² to 32 digits.
         places: whether the turning points are wanted, too.

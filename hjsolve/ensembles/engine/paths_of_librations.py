@@ -83,7 +83,6 @@ class PlacedLibrations:
         """Yield the paths of some of the orbits.
 
         Args:
-            left: which.
             attempt: how often they were tried before.
             known: constants and bounds on their errors, shape (n, 2 constants).
             open_: what the steps of the last attempt left open, relatively; 1 or more where that showed nothing.
@@ -158,8 +157,6 @@ def placed(
 
     Args:
         coordinate: the k-th separated one.
-        programs: of the system.
-        k: which.
         places: turning points, shape (2, n).
         constants: of the motion, shape (constants, n).
     """

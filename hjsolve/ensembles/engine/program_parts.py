@@ -33,7 +33,6 @@ def filled(writer: InstructionWriter, root: Value, square: Value, weights: Seque
     """Return the code of F r, r, F and the kernels times r, r = root/√F.
 
     Args:
-        writer: of the program.
         root: |dq/dχ|.
         square: F.
         weights: the kernels.
@@ -46,7 +45,6 @@ def error_of(writer: InstructionWriter, value: WithErrorBound[Value]) -> Value:
     """Return the bound of a number as a value.
 
     Args:
-        writer: of the program.
         value: the number with its bound.
     """
     return writer.number(0.0) if value.error is None else value.error

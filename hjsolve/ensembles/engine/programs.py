@@ -300,7 +300,6 @@ def system_programs(model: Model, *, kernels: bool) -> SystemPrograms:
     """Return the codes of a system.
 
     Args:
-        model: the lowered solution.
         kernels: whether ∂J/∂c are wanted.
     """
     constants, parameters = len(model.constants), len(model.numbers)

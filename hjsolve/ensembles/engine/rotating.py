@@ -78,7 +78,6 @@ def rotations(one: CoordinateOfOrbits, slow: SlowPlaces, modes: Modes, *, finely
     Args:
         one: the coordinate of these orbits.
         slow: how their nodes crowd.
-        modes: what is wanted.
         finely: whether with p² to 32 digits.
 
     Returns:

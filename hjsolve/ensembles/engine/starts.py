@@ -133,7 +133,6 @@ def from_velocities(rule: MomentumRule, q: Reals, velocity: Reals) -> Starts:
     """Return starts of orbits whose velocities are given.
 
     Args:
-        rule: of the system.
         q, velocity: of all coordinates, shape (coordinates, n).
     """
     p, uncertainty = rule.rounded(q, velocity)

@@ -54,7 +54,6 @@ def groups(model: Model, starts: Starts, orbits: Integers) -> Iterator[tuple[Uni
     """Yield units that are not 1 and may help, and the orbits that they suit.
 
     Args:
-        model: the lowered solution.
         starts: of all orbits.
         orbits: which of them are asked for.
     """
@@ -102,7 +101,6 @@ def model_in_units(model: Model, units: UnitsOfOrbits) -> ModelInUnits:
     """Return a lowered solution in other units.
 
     Args:
-        model: the lowered solution.
         units: of places and momenta.
     """
     own = tuple(map(unit_of, model.numbers))
@@ -143,7 +141,6 @@ def starts_in_units(starts: Starts, units: UnitsOfOrbits) -> Starts:
     """Return starts in other units; momenta that velocities give become two doubles.
 
     Args:
-        starts: of n orbits.
         units: of places and momenta.
     """
     starts = starts.precise()
@@ -157,7 +154,6 @@ def columns_in_old_units(columns: Columns, made: ModelInUnits, units: UnitsOfOrb
 
     Args:
         columns: what was found.
-        made: where.
         units: of places and momenta.
     """
     model = made.model

@@ -73,10 +73,7 @@ def angles_at(task: AngleTask, tori: Tori, frames: Frames, at: Placed, how: int)
     """Return the angles of states on tori, by the engine.
 
     Args:
-        task: the system.
-        tori: of n orbits.
         frames: between what they move.
-        at: the states.
         how: ``ROUGH``, ``DOUBLES`` or ``EXACT``.
     """
     model, (size, n) = task.model, at.q.shape
@@ -143,7 +140,6 @@ def matrix_of(found: AnglesFound, at: Placed) -> Reals:
 
     Args:
         found: angles of states.
-        at: the states.
     """
     size = at.q.shape[0]
     rates = at.rates[:, :size].transpose(2, 1, 0)  # (n, constant, coordinate)
@@ -156,9 +152,7 @@ def ignorable_slopes(model: Model, found: AnglesFound, at: Placed) -> Reals:
     These are the rates of their own kernels less the mean growth along θ.
 
     Args:
-        model: the lowered solution.
         found: angles of states.
-        at: the states.
     """
     matrix = matrix_of(found, at)
     rows = [

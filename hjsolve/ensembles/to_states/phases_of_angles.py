@@ -50,8 +50,6 @@ def phases_of(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals)
     """Find the phases with given angles.
 
     Args:
-        task: the system.
-        tori: of n orbits.
         frames: between what they move.
         θ: angles, shape (separated, n).
         φ: phases to begin with; they are changed.

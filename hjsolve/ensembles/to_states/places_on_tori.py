@@ -103,8 +103,6 @@ def frames_of(task: AngleTask, tori: Tori, directions: Reals, rotating: Mask, re
     """Find the turning points of tori in two doubles.
 
     Args:
-        task: the system.
-        tori: of n orbits.
         directions: sign of each rotation.
         rotating, resting: which go round, and which stay at their place; shape (separated, n).
     """
@@ -128,8 +126,6 @@ def refined(task: AngleTask, tori: Tori, k: int, places: Reals, steps: int = _PA
     """Return turning points in two doubles, offsets in the views of both halves, shape (4, n).
 
     Args:
-        task: the system.
-        tori: of n orbits.
         k: which coordinate.
         places: lower and upper turning points in doubles, shape (2, n).
         steps: of Newton's method.
@@ -164,8 +160,6 @@ def placed(
     """Return coordinates at phases.
 
     Args:
-        task: the system.
-        tori: of n orbits.
         frames: between what they move.
         φ: phases, shape (separated, n).
         exact: whether librations have p² from 32 digits; doubles do for searches.

@@ -61,9 +61,6 @@ def seeds_of(model: Model, programs: SystemPrograms, scales: Sequence[Scales], w
     """Make the seeds of an ensemble.
 
     Args:
-        model: the lowered solution.
-        programs: of the system.
-        scales: of the separated coordinates.
         wanted: actions of the separated coordinates and of the ignorable angles; shapes (separated, n), (angles, n).
     """
     start = initial_constants(model, programs, _drawn(model, scales, wanted))

@@ -60,8 +60,6 @@ def states_at(
     """Return the states of tori at angles.
 
     Args:
-        task: the system.
-        tori: of n orbits.
         frames: between what they move.
         angles: θ of the separated coordinates (separated, n) and of the ignorable angles (angles, n).
         actions: J of the separated coordinates, and bounds on what is not known of them; shape (separated, n).

@@ -45,7 +45,6 @@ def complete(R: PartialFractions, P: BranchPoints, interval: Interval) -> sp.Exp
     Args:
         R: the rational function.
         P: the branch points.
-        interval: where.
 
     Raises:
         NoForm: it diverges, or no form is known here; the text says why.
@@ -61,7 +60,6 @@ def incomplete(R: PartialFractions, P: BranchPoints, interval: Interval, x: sp.E
     Args:
         R: the rational function.
         P: the branch points.
-        interval: where.
         x: the other end, within the interval.
         start: "lower" or "upper": the root at which the integral is zero.
 

@@ -27,7 +27,6 @@ def inverse(P: BranchPoints, interval: Interval, u: sp.Expr, start: str = "lower
 
     Args:
         P: the branch points.
-        interval: where.
         u: the value of the integral.
         start: "lower" or "upper": the root that x is at where u = 0.
 

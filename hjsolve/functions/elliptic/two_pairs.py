@@ -71,7 +71,6 @@ def inverse_between(P: BranchPoints, y: sp.Expr, u: sp.Expr, *, farther: int) ->
     Args:
         P: two complex pairs.
         y: where the integral begins.
-        u: its value.
         farther: which pair, 0 or 1, is the farther from the real axis in T, at the sample.
     """
     (α1, β1), (α2, β2) = P.pairs

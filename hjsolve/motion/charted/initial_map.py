@@ -44,7 +44,6 @@ def carried(
     """Read initial data in the user's coordinates and carry them to the separated ones.
 
     Args:
-        solution: in the separated coordinates.
         chart: how they are tied to the user's.
         q, velocity, p: every one of the user's coordinates → number; velocity or p.
         parameters: name → number, where it differs from the default.

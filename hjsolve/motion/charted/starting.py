@@ -32,8 +32,6 @@ def start_charted(
     Args:
         solution: with a chart.
         given: q, velocity, p and parameters in the user's coordinates, velocity or p; None for what is not given.
-        t0: time of the initial data.
-        digits: relative digits wanted.
         certified: prove constants, turning points, actions, frequencies and periods.
         want: which of ``QUANTITIES`` will be asked; None for all.
 
@@ -82,7 +80,6 @@ def in_users_coordinates(chart: Chart, within: Motion, parts: frozenset[str]) ->
     Args:
         chart: how the coordinates are tied to the user's.
         within: the motion in the separated coordinates.
-        parts: what is integrated.
     """
     motion = ChartedMotion.of(within)
     found = collision_times(chart, within) if "time" in parts else None

@@ -65,7 +65,6 @@ def state_in(chart: Chart, values: Mapping[sp.Symbol, sp.Expr], state: State, re
     Args:
         chart: how the coordinates are tied together.
         values: parameter → exact number.
-        state: in the separated coordinates.
         resting: separated coordinates whose momentum is zero.
     """
     names = [q.name for q in chart.original.coordinates]

@@ -81,7 +81,6 @@ class BranchVariations:
 
         Args:
             y: place on the branch.
-            bits: of the arithmetic.
         """
         end_map = self.branch.end_map
         _, left, _ = end_map.distances(y, Multi(bits))

@@ -60,7 +60,6 @@ def variations(map_: ConstantsToState, columns: int) -> Bounded:
     """Return how constants and parameters change with (B, x, a, y) and the parameters.
 
     Args:
-        map_: of the motion.
         columns: how many they are.
     """
     n, nf = map_.freedoms, len(map_.free)

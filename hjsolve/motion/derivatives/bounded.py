@@ -79,7 +79,6 @@ def zeros(shape: tuple[int, ...], context: Context) -> Bounded:
 
     Args:
         shape: of the array.
-        context: of the numbers.
     """
     return Bounded.exact(np.full(shape, context.mpf(0), dtype=object))
 
@@ -99,7 +98,6 @@ def inverse(matrix: Bounded, context: Context) -> Bounded:
 
     Args:
         matrix: shape (n, n).
-        context: of the numbers.
 
     Raises:
         NotConvergedError: it is singular.
@@ -121,7 +119,6 @@ def converted(values: object, context: Context) -> NDArray[np.object_]:
 
     Args:
         values: numbers of any kind.
-        context: of the result.
     """
     found: Any = np.frompyfunc(context.convert, 1, 1)(np.asarray(values, dtype=object))
     return found if isinstance(found, np.ndarray) else np.array(found, dtype=object)

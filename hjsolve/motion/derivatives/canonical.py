@@ -245,7 +245,6 @@ def canonical_map(
 
     Args:
         source: the motion, in more digits than are asked.
-        variables: what is varied.
         parts: the separated coordinates with their derivatives.
 
     Raises:
@@ -334,11 +333,8 @@ def shift_slopes(
 
     Args:
         tape: of ``shift_tape``.
-        solution: what is solved.
-        initial: the exact initial data and constants.
         count: how many variables there are.
         q: places of the separated coordinates.
-        context: of the numbers.
     """
     values = {**initial.values, **{solution.constants[c].symbol: initial.constants[c] for c in solution.constants}}
     numbers = [to_bits(values[s])(context.prec) for s in _known(solution)]

@@ -68,7 +68,6 @@ class _Collected:
 
         Args:
             quantity, name: of the number.
-            group: what is varied.
             rows: the derivatives by the group, last axis; one, or a pair with None where there is no number.
             shape: of the times; the first axis of a row is that of the times where there is one.
         """
@@ -85,7 +84,6 @@ class _Collected:
 
         Args:
             quantity, name: of the number.
-            group: what is varied.
             status: the word for why.
             pair: whether it is a pair of numbers.
         """

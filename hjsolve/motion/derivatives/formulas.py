@@ -134,7 +134,6 @@ def variables_of(solution: Solution, *, parameters: bool) -> VariedSymbols:
     """Return what is varied: the constants of the motion, and the parameters where they are asked for.
 
     Args:
-        solution: what is solved.
         parameters: whether these are varied.
     """
     constants = tuple(solution.constants)

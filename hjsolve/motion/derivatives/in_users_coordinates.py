@@ -52,7 +52,6 @@ class UsersCoordinates:
         Args:
             source: the motion in the separated coordinates, in more digits than are asked.
             q, p: separated coordinate → many digits, shape (m,).
-            context: of the numbers.
         """
         tape, fixed = _slopes(self.chart, self.parameters)
         field, n = Multi(context.prec), len(self.names)

@@ -84,7 +84,6 @@ def action_by(map_: ConstantsToState, i: int) -> Bounded:
     """Return ∂J/∂z_b of the action of a separated coordinate, signed like p for a rotation, shape (variables,).
 
     Args:
-        map_: of the motion.
         i: position of the coordinate.
     """
     part = map_.parts[i]

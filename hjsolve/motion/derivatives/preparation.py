@@ -30,7 +30,6 @@ def finer(motion: Motion, more: int = MORE) -> SeparatedMotion:
     """Return the motion in more digits than it was asked for.
 
     Args:
-        motion: in its separated coordinates.
         more: digits beyond those of the motion.
     """
     digits = motion.digits + more
@@ -45,7 +44,6 @@ def prepared(motion: Motion, parameters: bool, more: int = MORE) -> ConstantsToS
     """Return the derivatives of all integrals of a motion; None where every coordinate is ignorable.
 
     Args:
-        motion: in its separated coordinates.
         parameters: whether these are varied beside the constants.
         more: digits beyond those of the motion.
 

@@ -87,7 +87,6 @@ def start_in_users_coordinates(map_: ConstantsToState, users: UsersCoordinates |
     """Return ∂(B, x, a, y)/∂(q, p)(t₀), and the same by the parameters at fixed (q, p)(t₀).
 
     Args:
-        map_: of the motion.
         users: the user's coordinates; None where they are those separated.
     """
     first = first_frame(map_)

@@ -29,7 +29,6 @@ class Waves:
         Args:
             series: over one phase.
             lacks: absolute bounds on what each leaves out.
-            bits: of the arithmetic.
         """
         self.series, self.lacks, self.bits = tuple(series), np.array(lacks), bits
         self.context = multiprecision(bits)

@@ -112,10 +112,6 @@ def motion_through_poles(
     """Start a motion from data that were read before; where it ends at a pole of the coordinates only, it goes on.
 
     Args:
-        solution: of the system.
-        initial: the exact initial data and constants.
-        t0: time of the initial data.
-        digits: relative digits wanted.
         parts: what is integrated, from ``parts_of``.
         certified: as in ``start``.
 

@@ -90,7 +90,6 @@ def following(arc: UmbilicArc, paths: tuple[Path, Path], corner: Corner) -> Umbi
 
     Args:
         arc: that ends there.
-        paths: of both coordinates.
         corner: the umbilic.
     """
     d, rest = arc.directions, None if arc.rest is None else 1 - arc.rest
@@ -115,11 +114,9 @@ def leaving(
     """Return the arc that leaves an umbilic in a given direction.
 
     Args:
-        paths: of both coordinates.
         directions: d₁, d₂.
         corner: the umbilic.
         slope: ln(y₂/y₁); None where a coordinate rests.
-        rest: which.
         t: the time.
     """
     level = None
@@ -138,7 +135,6 @@ def places_on(arc: UmbilicArc, paths: tuple[Path, Path], t: Mpf) -> tuple[Mpf | 
 
     Args:
         arc: on which the motion is.
-        paths: of both coordinates.
         t: a time after its beginning and before its end.
 
     Raises:

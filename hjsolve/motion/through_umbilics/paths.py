@@ -80,7 +80,6 @@ class Course:
         Args:
             x: position on the path, not ±1.
             weight: w.
-            bits: binary digits of the arithmetic.
         """
         q = self.place(x)
         if self.turning is None or x:

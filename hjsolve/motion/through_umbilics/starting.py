@@ -244,9 +244,6 @@ def start_at_umbilic(
         solution: of a system of two coordinates.
         values: parameters and coordinates, exact.
         velocity: axis of the place → component.
-        t0: the initial time, exact.
-        digits: relative digits wanted.
-        parts: what is integrated.
         place: axis → x(q), of which T = m/2 ẋ·ẋ.
         energy: E, an exact number.
         exact: whether no number given is a float.
@@ -368,7 +365,6 @@ def hint_at_umbilic(solution: Solution, q: Mapping[str, object], parameters: Map
     """Return how to start at an umbilic; nothing at another place.
 
     Args:
-        solution: of the system.
         q, parameters: as given.
     """
     system = solution.system

@@ -59,7 +59,6 @@ def proved_torus(
         goal: the actions as Newton's method takes them.
         given: coordinate → J as the motion has it, exact.
         curves: p² of the separated coordinates, as formulas in all constants.
-        digits: relative digits wanted.
 
     Raises:
         InvalidInputError: a coordinate neither librates nor rotates; that is not certified yet.

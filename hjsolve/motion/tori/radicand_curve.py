@@ -83,7 +83,6 @@ class RadicandCurve:
         """Return p² and its first two derivatives at one place.
 
         Args:
-            q: place.
             κ: constants, shape (k,).
         """
         known = [Jet(np.float64(x)) for x in (*κ, *self.numbers)]
@@ -96,9 +95,7 @@ class RadicandCurve:
         """Return p² and its first two derivatives in many digits.
 
         Args:
-            q: place.
             κ: constants.
-            bits: working precision.
         """
         arithmetic = Multi(bits)
         known = [Jet(arithmetic.convert(x)) for x in κ] + [Jet(to_bits(x)(bits)) for x in self.parameters]
@@ -152,7 +149,6 @@ def curves_of(
     """Make the curves of all separated coordinates.
 
     Args:
-        solution: what is solved.
         values: symbol of a parameter → exact number.
         walls: coordinate → which ends of its domain throw it back; none where left out.
     """
@@ -184,7 +180,6 @@ def cycle_near(curve: RadicandCurve, κ: Reals, low: float, high: float, *, harm
     """Return the cycle about the maximum of p² next to an interval; None where the coordinate does not come back.
 
     Args:
-        curve: of the coordinate.
         κ: constants, shape (k,).
         low, high: where the cycle was for other constants.
         harmonic: whether J is to be zero.

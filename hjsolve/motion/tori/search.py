@@ -101,7 +101,6 @@ def candidates(
     """Yield the tori found that have the actions wanted, one of each family.
 
     Args:
-        solution: what is solved.
         values: symbol → exact number, for parameters and the momenta of ignorable coordinates.
         curves: p² of the separated coordinates.
         wanted: the actions.
@@ -361,7 +360,6 @@ def sampled_actions(
     """Look at samples of phase space for the actions that there are below an energy.
 
     Args:
-        solution: what is solved.
         values: symbol → exact number, for parameters and the momenta of ignorable coordinates.
         curves: p² of the separated coordinates.
         wanted: actions that samples of rotations get.
@@ -414,7 +412,6 @@ def action_ranges(
     None where several coordinates are separated: the range of one action depends on the others.
 
     Args:
-        solution: what is solved.
         values: symbol → exact number, for parameters and the momenta of ignorable coordinates.
         curves: p² of the separated coordinates.
         wanted: actions that were asked.

@@ -67,7 +67,6 @@ def replace(target: Path, content: str | bytes) -> None:
     """Write a file completely and only then put it in its place; a link is followed, and stays a link.
 
     Args:
-        target: the file.
         content: its text, written as UTF-8, or its bytes.
 
     Raises:

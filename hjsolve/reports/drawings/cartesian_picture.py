@@ -148,7 +148,6 @@ def place(where: Embedding, q: Mapping[str, Array]) -> tuple[Array, ...]:
     """Turn coordinates into Cartesian places.
 
     Args:
-        where: the embedding.
         q: coordinate → values, shape (n,).
 
     Returns:
@@ -179,7 +178,6 @@ def path_of(where: Embedding, state: State) -> tuple[Array, ...]:
     """Return the places of a state.
 
     Args:
-        where: the embedding.
         state: at n times.
 
     Returns:

@@ -40,7 +40,6 @@ def formula_curve(formula: sp.Expr, variable: sp.Symbol, values: Mapping[sp.Symb
     """Make a formula a function of one variable.
 
     Args:
-        formula: the formula.
         variable: what stays free.
         values: exact numbers for all other symbols.
 
@@ -102,7 +101,6 @@ def effective_potential_of(motion: Motion, name: str) -> EffectivePotential:
     """Look at one separated coordinate of a motion.
 
     Args:
-        motion: a ``Motion``.
         name: one of ``motion.solution.coordinates``.
 
     Returns:

@@ -72,7 +72,6 @@ def figure_of_map(found: EnergyMomentumMap, key: str, *, actions: bool = True) -
     """Draw a map.
 
     Args:
-        found: the map.
         key: a name that is unique on the page.
         actions: whether lines of equal action are drawn.
 
@@ -144,7 +143,6 @@ def visible(found: EnergyMomentumMap, grid: MapGrid | None, curve: CriticalCurve
     """Return the points of a curve, NaN where no real motion lies next to them.
 
     Args:
-        found: the map.
         grid: its classified grid; None to leave the curve as it is.
         curve: one of its curves.
     """

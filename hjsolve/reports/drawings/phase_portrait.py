@@ -24,7 +24,6 @@ def allowed(well: EffectivePotential, level: float) -> list[tuple[float, float]]
     """Find the intervals of the window where the motion is allowed at a level.
 
     Args:
-        well: the coordinate.
         level: value of the level constant.
 
     Returns:
@@ -44,7 +43,6 @@ def loop(well: EffectivePotential, level: float, low: float, high: float, points
     The places crowd together at the ends like those of the anomaly q = m − h cos χ, so that the curve closes smoothly.
 
     Args:
-        well: the coordinate.
         level: value of the level constant.
         low: lower end of the interval.
         high: upper end.

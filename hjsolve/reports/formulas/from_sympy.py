@@ -358,7 +358,6 @@ def applied(name: Box, argument: Box) -> Box:
     """Set a coordinate as a function: θ(t).
 
     Args:
-        name: of the coordinate.
         argument: what it is a function of.
     """
     return row(_callable(name), Fence(argument))

@@ -21,7 +21,6 @@ def display(expression: sp.Basic, line: float = LINE) -> Box:
     """Lay out a displayed formula, on several lines where it is too long for one.
 
     Args:
-        expression: any sympy object.
         line: letters that fit on a line.
 
     Returns:

@@ -15,7 +15,6 @@ def chart_section(chart: Chart, motion: Motion | None = None) -> Section:
     """Tell the system as given, why these coordinates, and the user's coordinates in them.
 
     Args:
-        chart: of the solution.
         motion: the motion reported, whose frequencies tell the relations that a superintegrable system has.
     """
     blocks: list[Block] = [

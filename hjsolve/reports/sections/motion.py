@@ -40,7 +40,6 @@ def motion_section(motion: Motion, trace: orbit_paths.Trace, summary: str) -> Se
     """Say which motion is shown and draw it.
 
     Args:
-        motion: a ``Motion``.
         trace: where it is at the times shown.
         summary: what the catalog says about its initial data; may be empty.
     """
@@ -238,7 +237,6 @@ def energy_drift(motion: Motion, trace: orbit_paths.Trace) -> float | None:
     """Evaluate H along the path that is drawn and compare it with E.
 
     Args:
-        motion: a ``Motion``.
         trace: where it is at the times shown.
 
     Returns:

@@ -113,7 +113,6 @@ def typeset_prose(text: str, system: System | LinearInMomentum) -> Text:
     """Set the names and the plain formulas of a sentence as mathematics.
 
     Args:
-        text: the sentence.
         system: whose names they are.
     """
     return with_names(text, {c.name for c in system.coordinates} | {p.name for p in system.parameters})
@@ -123,7 +122,6 @@ def with_names(text: str, names: Collection[str]) -> Text:
     """Set names and plain formulas of a sentence as mathematics.
 
     Args:
-        text: the sentence.
         names: what is a name in it; single letters and Greek ones in formulas are names anyway.
     """
     for ascii_form, better in _SPELLED:

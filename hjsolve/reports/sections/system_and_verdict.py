@@ -104,7 +104,6 @@ def system_section(
     """Write down what was given.
 
     Args:
-        system: the system.
         meanings: coordinate → (unit, meaning); may be empty.
         summary: what the catalog says about it; may be empty.
         letters: sums that are abbreviated → their letters.

@@ -52,7 +52,6 @@ class BasePoint:
         """Return the element with every coordinate but those at the positions ``kept`` put to its base value.
 
         Args:
-            x: element of the field.
             kept: positions of the coordinates that stay.
 
         Raises:

@@ -180,7 +180,6 @@ def sum_vanishes(reader: Reader, products: Products, sieve: Filter) -> bool:
     False is not a proof of the opposite.
 
     Args:
-        reader: of the field.
         products: Σ Π Σ of elements.
         sieve: the modular filter of the field.
     """
@@ -201,7 +200,6 @@ def general_condition(
     Greenwood gives no such test, see p. 208.
 
     Args:
-        reader: reads and differentiates.
         hamiltonian: H(q, p) as an element.
         q, p: symbols of the essential coordinates and of their momenta.
         i, j: positions of the two coordinates.
@@ -223,8 +221,6 @@ def coefficients(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> li
     The element itself if a denominator holds them.
 
     Args:
-        reader: of the field.
-        x: the polynomial.
         symbols: its variables; everything else counts as a coefficient.
     """
     field = reader.field

@@ -32,7 +32,6 @@ def recognise(
     """Return the functions f, R, v of an orthogonal system, or None when it is not of Liouville form.
 
     Args:
-        reader: reads and differentiates.
         names, symbols: of the essential coordinates.
         metric: gᵃᵃ, one element a coordinate.
         potential: V or V_eff.
@@ -91,7 +90,6 @@ def split_product(
     None if it is not a product.
 
     Args:
-        reader: reads and differentiates.
         x: what is to be split.
         symbols: essential coordinates.
         i, j: positions of the two coordinates that x depends on.
@@ -133,7 +131,6 @@ def split_sum(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> list[
     """Write x = Σ x_i(q_i): term by term where the terms separate, else at a base point; constants go to the first.
 
     Args:
-        reader: reads and differentiates.
         x: what is to be split.
         symbols: essential coordinates.
     """

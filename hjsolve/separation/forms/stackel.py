@@ -50,7 +50,6 @@ def construct(
     A failed certificate shows that the shell does not separate; which condition fails is for ``levi_civita`` to say.
 
     Args:
-        reader: reads and differentiates.
         symbols: essential coordinates.
         metric: gᵃᵃ, one element a coordinate.
     """

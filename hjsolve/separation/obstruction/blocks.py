@@ -33,7 +33,6 @@ def finest(
     """Return the finest partition into blocks that is proved to separate; one block when there is none.
 
     Args:
-        reader: reads and differentiates.
         symbols: essential coordinates.
         metric: gᵃᵃ.
         potential: V_eff.
@@ -84,7 +83,6 @@ def separates(
     """Return a proof that a shell separates into these blocks; False is not a proof of the opposite.
 
     Args:
-        reader: reads and differentiates.
         symbols: essential coordinates.
         metric: gᵃᵃ, one element a coordinate.
         potential: V or V_eff.

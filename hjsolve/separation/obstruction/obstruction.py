@@ -228,7 +228,6 @@ def refuse_without_shell(system: System, found: Irreducible, work: Budget) -> Ob
     """Levi-Civita's general condition for coordinates that T couples, or that linear terms couple.
 
     Args:
-        system: the one refused.
         found: the coordinates that stay coupled.
         work: budget of the exact computation.
     """

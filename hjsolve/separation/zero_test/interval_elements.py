@@ -25,10 +25,8 @@ def find_witness_of_products(field: Field, products: Products, region: Region, b
     """Search rational points of the region for one where Σ Π Σ of the elements is enclosed away from zero.
 
     Args:
-        field: of the elements.
         products: Σ Π Σ of elements.
         region: where the points are taken from.
-        budget: of the search.
     """
     used = {k for factors in products for terms in factors for x in terms for k in x.generators}
     atoms = sp.Tuple(*(field.generators[k].atom for k in sorted(used)))
@@ -41,10 +39,8 @@ def enclose_products(
     """Lower and upper bound of Σ Π Σ of elements at a point.
 
     Args:
-        field: of the elements.
         products: Σ Π Σ of elements.
         point: symbol, or function left undetermined, → rational value.
-        precision: binary digits.
 
     Raises:
         NoEnclosureError: a generator has no real value there, or a denominator may vanish.

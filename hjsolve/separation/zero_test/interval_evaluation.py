@@ -164,7 +164,6 @@ def search(
     Args:
         enclosure: lower and upper bound at a point, to a number of binary digits.
         points: those to try, in order.
-        budget: of the search.
     """
     tried = 0
     for point in points:

@@ -35,7 +35,6 @@ def enclose_condition(
         gi, gj: gⁱⁱ and gʲʲ.
         pair: symbols of the coordinates i and j.
         point: symbol, or function left undetermined, → rational value.
-        precision: binary digits.
 
     Raises:
         NoEnclosureError: a value is not finite or not real there, or a function has no jet here.

@@ -103,7 +103,6 @@ def not_zero(expression: sp.Expr, region: Region, budget: Budget, reason: str) -
     Args:
         expression: what the first half did not prove to be zero.
         region: where the points are taken from.
-        budget: of the search.
         reason: why the first half gave no proof, for ``Unproved``.
     """
     witness = find_witness(expression, region, budget)
