@@ -16,7 +16,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import bits_for
+from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.arithmetic.number_types import AtTimes, Mpf, Numbers
 from hjsolve.display.shown import Shown
 from hjsolve.errors import NotSeparableError, required
@@ -119,7 +119,8 @@ class QuadraticMotion(Shown):
         found = {}
         for c, p in zip(self.system.coordinates, self.start[n:], strict=True):
             value = sp.N(p, self.digits + 10)
-            found[f"alpha_{c.name}"] = Estimate(_mpf(value, bits), abs(_mpf(value, bits)) * 10.0**-self.digits)
+            alpha = multiprecision(bits).convert(value)
+            found[f"alpha_{c.name}"] = Estimate(alpha, abs(alpha) * 10.0**-self.digits)
         return found
 
     def at(self, t: object) -> State:
@@ -163,16 +164,13 @@ class QuadraticMotion(Shown):
 
     def _speeds(self, times: list[sp.Expr], states: list[list[Mpf]]) -> tuple[list[list[Mpf]], list[list[Mpf]]]:
         """q̇ = ∂H/∂p at the times, and by how much an error of the state is enlarged in it."""
-        n, context = len(self.system.coordinates), states[0][0].context if states else None
-        rates, sizes = [], []
+        n, rates, sizes = len(self.system.coordinates), [], []
         for t, z in zip(times, states, strict=True):
-            rows = (
-                sp.Matrix(self.flow.matrix[:n, :]).row_join(sp.Matrix(self.flow.force[:n, :])).subs(self.flow.time, t)
-            )
-            numbers = [[_mpf(sp.N(x, int(required(context).prec / 3) + 5), required(context).prec) for x in rows.row(i)]
-                       for i in range(n)]  # fmt: skip
-            rates.append([required(context).fdot(row, [*z, 1]) for row in numbers])
-            sizes.append([required(context).fsum(map(abs, row)) for row in numbers])
+            context = z[0].context
+            rows = self.flow.matrix[:n, :].row_join(self.flow.force[:n, :]).subs(self.flow.time, t)
+            numbers = [[context.convert(sp.N(x, int(context.prec / 3) + 5)) for x in rows.row(i)] for i in range(n)]
+            rates.append([context.fdot(row, [*z, 1]) for row in numbers])
+            sizes.append([context.fsum(map(abs, row)) for row in numbers])
         return rates, sizes
 
     def _named(self, values: Numbers, shape: tuple[int, ...]) -> Iterator[dict[str, AtTimes]]:
@@ -180,12 +178,6 @@ class QuadraticMotion(Shown):
         columns = values.astype(float) if self.digits <= 15 else values
         found = [shaped(columns[:, k], shape) for k in range(columns.shape[1])]
         return (dict(zip(names, found[k * len(names) :], strict=False)) for k in range(3))
-
-
-def _mpf(value: sp.Expr, bits: int) -> Mpf:
-    from hjsolve.arithmetic.floats import multiprecision
-
-    return multiprecision(bits).convert(value)
 
 
 @lru_cache(maxsize=64)

@@ -13,47 +13,25 @@ from hjsolve.display.progress import Progress
 from hjsolve.display.visible_text import visible
 from hjsolve.errors import InvalidInputError, NotConvergedError, required
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
-from hjsolve.motion.motion import Motion
 from hjsolve.precision import one_at_a_time
 from hjsolve.reports.content import Material, Subject, document, gather, initial_of
 from hjsolve.reports.document import Document, files, pdf
 from hjsolve.reports.document.files import SUFFIXES, checked_path, checked_title, readable_errors
 from hjsolve.reports.formats.html import html_page
+from hjsolve.reports.formats.json_format import json_text
+from hjsolve.reports.formats.latex_document import tex
+from hjsolve.reports.formats.markdown import markdown_page
+from hjsolve.reports.formats.text import text_page
 from hjsolve.reports.sections.outside import outside_document
 from hjsolve.scenes import Scene
-
-
-def _markdown(content: Document) -> str:
-    from hjsolve.reports.formats.markdown import markdown_page
-
-    return markdown_page(content)
-
-
-def _json(content: Document) -> str:
-    from hjsolve.reports.formats.json_format import json_text
-
-    return json_text(content)
-
-
-def _text(content: Document) -> str:
-    from hjsolve.reports.formats.text import text_page
-
-    return text_page(content)
-
-
-def _tex(content: Document) -> str:
-    from hjsolve.reports.formats.latex_document import tex
-
-    return tex(content)
-
 
 _WRITERS: Mapping[str, Callable[[Document], str]] = {
     ".html": html_page,
     ".pdf": html_page,
-    ".md": _markdown,
-    ".json": _json,
-    ".txt": _text,
-    ".tex": _tex,
+    ".md": markdown_page,
+    ".json": json_text,
+    ".txt": text_page,
+    ".tex": tex,
 }
 
 
@@ -278,7 +256,11 @@ def save(
         content = with_cost(content, material.motion, cost, progress)
     if live and material.motion is None and material.refused is None:
         refuse_live(live)
-    moving = partial(with_live_part, motion=material.motion, sliders=sliders) if live and material.motion else None
+    moving = None
+    if live and material.motion is not None:
+        from hjsolve.reports.live.page import live_page
+
+        moving = partial(live_page, motion=material.motion, asked=sliders)
     path = write_document(content, target, moving, sheet=sheet)
     if material.refused is not None:
         raise material.refused
@@ -297,18 +279,6 @@ def outside_entry(subject: object) -> catalog.Entry | None:
         return None
     entry = catalog.describe(subject)
     return entry if entry.refusal is not None else None
-
-
-def with_live_part(text: str, motion: Motion, sliders: Mapping[str, tuple[float, float] | None] | None = None) -> str:
-    """Put the part that moves into a page.
-
-    Args:
-        text: the static page.
-        sliders: as in ``report``.
-    """
-    from hjsolve.reports.live.page import live_page
-
-    return live_page(text, motion, sliders)
 
 
 def write_document(

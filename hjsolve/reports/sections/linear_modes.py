@@ -18,6 +18,7 @@ from hjsolve.reports.document import Block, Formula, Inline, Mathematics, Number
 from hjsolve.reports.formulas.from_sympy import box, falling_powers
 from hjsolve.reports.formulas.layout import Box, Glyph, row
 from hjsolve.reports.formulas.names import name_box
+from hjsolve.reports.formulas.one_line_text import plain
 from hjsolve.reports.sections.prose import listed
 
 _DIGITS, _TIMES = 10, (0, 1, 2, 3, 4)
@@ -71,14 +72,8 @@ def _exponents(modes: LinearModes, coordinates: list[str], values: list[tuple[Bo
         named += [", " if k else "Exponents at ", Mathematics(row(letter, Glyph("=", "operator"), box(value)))]
     header: list[Text] = [("Exponent",), ("Pairs",), ("Motion",)]
     header += [(Mathematics(row(name_box(n), Glyph("/"), name_box(coordinates[0]))),) for n in others]
-    caption = "".join(_plain(x) if isinstance(x, Mathematics) else str(x) for x in named) or "Exponents"
+    caption = "".join(plain(x.box) if isinstance(x, Mathematics) else str(x) for x in named) or "Exponents"
     return Table(tuple(header), tuple(rows), caption)
-
-
-def _plain(formula: Mathematics) -> str:
-    from hjsolve.reports.formulas.one_line_text import plain
-
-    return plain(formula.box)
 
 
 def _meaning(λ: Mpf | Mpc, signs: Mapping[Mpf, int]) -> str:
