@@ -184,10 +184,6 @@ def _atanh(x: Interval, prec: int) -> Interval:
     return libmp.mpi_div(libmp.mpi_sub(_log(up, prec), _log(down, prec), prec), _integer(2), prec)
 
 
-def _abs(x: Interval, prec: int) -> Interval:
-    return libmp.mpi_abs(x, prec)
-
-
 def _sign(x: Interval, _prec: int) -> Interval:
     if libmp.mpf_sign(x[0]) > 0:
         return _integer(1)
@@ -203,7 +199,7 @@ _FUNCTIONS: dict[object, Callable[[Interval, int], Interval]] = {
     sp.sec: _reciprocal(_COS), sp.csc: _reciprocal(_SIN),
     sp.sinh: _SINH, sp.cosh: _COSH, sp.tanh: _ratio(_SINH, _COSH), sp.coth: _ratio(_COSH, _SINH),
     sp.sech: _reciprocal(_COSH), sp.csch: _reciprocal(_SINH),
-    sp.exp: libmp.mpi_exp, sp.log: _log, sp.Abs: _abs, sp.sign: _sign,
+    sp.exp: libmp.mpi_exp, sp.log: _log, sp.Abs: libmp.mpi_abs, sp.sign: _sign,
     sp.atan: libmp.mpi_atan, sp.asin: _asin, sp.acos: _acos,
     sp.asinh: _area(1), sp.acosh: _area(-1), sp.atanh: _atanh,
 }  # fmt: skip

@@ -129,7 +129,7 @@ def describe(entry: str | Path) -> Entry:
         kind="extended" if table["id"] in ids("extended") else _kind(expect, outside), refusal=outside,
         constraints=refusals.constraints(table), stated=refusals.stated(table),
         initial=motions.get("default"), motions=motions, effects=_effects(table), expect=expect,
-        references=tuple(_reference(r) for r in table.get("reference", [])),
+        references=tuple(Reference(**_frozen(r)) for r in table.get("reference", [])),
         cite=tuple(table.get("cite", ())), book=tuple(table.get("book", ())),
         meanings={c["name"]: (c.get("unit", ""), c.get("meaning", "")) for c in table.get("coordinates", [])},
         reason=table.get("reason", ""), instead=table.get("instead", ""),
@@ -317,10 +317,6 @@ def read(entry: str | Path) -> tuple[TomlTable, str]:
 
 def _effects(table: Toml) -> dict[str, Effect]:
     return {name: Effect(name=name, **_frozen(effect)) for name, effect in table.get("effects", {}).items()}
-
-
-def _reference(table: Toml) -> Reference:
-    return Reference(**_frozen(table))
 
 
 def _frozen(table: Toml) -> TomlTable:

@@ -105,17 +105,14 @@ def _from_columns(system: System, q: Mapping[str, Any], velocity: Any) -> tuple[
     """Return places and velocities of stars about the axis z, taken to be where y = 0: there nothing is rounded."""
     told = "q[R]: columns of stars are q={'R': …, 'z': …}, velocity={'vR': …, 'vT': …, 'vz': …}"
     if {c.name for c in system.coordinates} != {"x", "y", "z"}:
-        raise InvalidInputError(f"{told}, for a system in x, y and z; this one is in {_listed(system)}")
+        names = ", ".join(c.name for c in system.coordinates)
+        raise InvalidInputError(f"{told}, for a system in x, y and z; this one is in {names}")
     if not isinstance(velocity, Mapping) or set(q) != {"R", "z"} or set(velocity) != {"vR", "vT", "vz"}:
         raise InvalidInputError(f"{told}; no others, for with V symmetric about z the azimuth is only added to phi")
     x, y = (system.coordinate(name).symbol for name in "xy")
     if not isinstance(is_zero(x * system.potential.diff(y) - y * system.potential.diff(x)), Zero):
         raise InvalidInputError(f"{told}, for a potential that is symmetric about z; give x, y and z")
     return {"x": q["R"], "y": 0, "z": q["z"]}, {"x": velocity["vR"], "y": velocity["vT"], "z": velocity["vz"]}
-
-
-def _listed(system: System) -> str:
-    return ", ".join(c.name for c in system.coordinates)
 
 
 def _complete(system: System, given: Any, what: str) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from hjsolve.arithmetic.complex_disks import Disk, Disks, single, tighter
 from hjsolve.arithmetic.exponential_factor import EXPONENTIAL, Rates, largest
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.local_expansion import ZERO, LocalExpansion, Locals, exponential_unit
-from hjsolve.arithmetic.number_types import Elementwise, Mask, Mpf, Reals
+from hjsolve.arithmetic.number_types import Elementwise, Mask, Mpf
 from hjsolve.arithmetic.reciprocals import without_overflow
 from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.errors import InvalidInputError
@@ -209,12 +209,8 @@ class Sight:
             inside.append(self.scale.pace * middle**k * centre)
             known = squared.known & (least > 0)
             rows = [np.where(known & np.isfinite(row), row, np.inf) for row in most]
-            both = rows, _numbers(inside)
+            both = rows, [np.nan_to_num(row, posinf=0.0) for row in inside]
             return Sizes(*(np.stack([np.broadcast_to(row, shape) for row in part]) for part in both))
-
-
-def _numbers(rows: list[Reals]) -> list[Reals]:
-    return [np.nan_to_num(row, posinf=0.0) for row in rows]
 
 
 def _orders(tape: Tape, places: list[Mpf], inputs: list[Mpf]) -> list[Order] | None:

@@ -65,12 +65,8 @@ class Reach:
             sizes: bounds on the integrands.
         """
         pairs = zip(self.most, sizes, strict=True)
-        excess = max((float(np.log(most)) - _log(size) for most, size in pairs if size), default=0.0)
+        excess = max((float(np.log(most)) - float(size.context.log(size)) for most, size in pairs if size), default=0.0)
         return nodes_for(excess, digits)
-
-
-def _log(x: Mpf) -> float:
-    return float(x.context.log(x))
 
 
 def nodes_for(excess: float, digits: int) -> int:

@@ -19,7 +19,7 @@ from hjsolve.rays.families import wavefronts
 from hjsolve.reports.drawings import orbit_paths
 from hjsolve.reports.drawings import phase_portrait as portrait
 from hjsolve.reports.drawings.cartesian_picture import Embedding, embedding, path_of
-from hjsolve.reports.drawings.effective_potential import Array, EffectivePotential, effective_potential_of
+from hjsolve.reports.drawings.effective_potential import EffectivePotential, effective_potential_of
 from hjsolve.reports.drawings.motion_figures import (
     is_angle,
     level_box,
@@ -210,12 +210,8 @@ def _labelled(ax: Axes, well: EffectivePotential, upright: str) -> Axes:
     ax.set_ylabel(upright)
     if is_angle(well) and well.window[1] - well.window[0] > 3:
         halves = np.arange(np.ceil(2 * well.window[0] / np.pi), np.floor(2 * well.window[1] / np.pi) + 1)
-        ax.set_xticks(_places(halves), [_of_pi(int(n)) for n in halves])
+        ax.set_xticks(np.asarray(halves * np.pi / 2), [_of_pi(int(n)) for n in halves])
     return ax
-
-
-def _places(halves: Array) -> Array:
-    return np.asarray(halves * np.pi / 2)
 
 
 def _of_pi(halves: int) -> str:

@@ -77,7 +77,7 @@ def torus_equations(courses: Sequence[Periodic | AtRest], bits: int) -> TorusEqu
     except ZeroDivisionError:
         raise NotConvergedError("the separated integrals are dependent: this motion has no angle variables") from None
     growth = tuple(tuple(inverse[k, j] for j in range(n)) for k in range(n))
-    oscillations = tuple(tuple(_ripple(growth[k], c, n) for c in courses) for k in range(n))
+    oscillations = tuple(tuple(combine(list(growth[k]), c.kernels[:n]) for c in courses) for k in range(n))
     starts, roundings = [], []
     for k in range(n):
         total = context.mpf(0)
@@ -111,10 +111,6 @@ def oscillation(system: TorusEquations, i: int, j: int) -> FourierSeries:
     course = system.courses[i]
     own = combine([-1], [course.kernels[j]])
     return combine([1, *(c.growth(j) for c in system.courses)], [own, *(row[i] for row in system.oscillations)])
-
-
-def _ripple(weights: Sequence[Mpf], course: Periodic | AtRest, n: int) -> FourierSeries:
-    return combine(list(weights), course.kernels[:n])
 
 
 def _at(series: FourierSeries, χ: Mpf | int, context: Context) -> Mpf | int:

@@ -52,7 +52,7 @@ def carried(chart: ChartMap, x: Reals, rates: Reals) -> SeparatedStarts:
         x, rates: in the user's coordinates, shape (coordinates, n).
     """
     n, m = len(x), len(chart.model.separated)
-    X = chart.local.run(Float64(), [*x, *_high(chart)])
+    X = chart.local.run(Float64(), [*x, *(float(c.high) for c in chart.numbers)])
     places, onward = [np.broadcast_to(row, x.shape[1:]) for row in X], [0.0] * len(X)
     near = _inside(chart, inverse_chart(chart.kind, places, onward, chart.lengths, Float64()))
     code = _written(formulas_of(chart), _NEWTON_STEPS.get(chart.kind, 1))
@@ -103,7 +103,3 @@ def _inside(chart: ChartMap, u: list[Reals]) -> list[Reals]:
             sign = np.where(edge, np.nan, np.where(u[k] < 0, -1.0, 1.0))
             return [sign * u[0], sign * u[1], *u[2:]]
     return u
-
-
-def _high(chart: ChartMap) -> list[float]:
-    return [float(x.high) for x in chart.numbers]

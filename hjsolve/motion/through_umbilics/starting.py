@@ -143,7 +143,9 @@ class _Paths:
         place = tuple(e for e in ends if e is not None)
         one, two = (p.residues[side > 0] for p, side in zip(paths, sides, strict=True))
         same = abs(one + two) <= one.context.mpf(10) ** -self.digits * abs(one)
-        ratio = self._ratio(place) if same and len(place) == len(ends) else None
+        ratio = None
+        if same and len(place) == len(ends):
+            ratio = metric_ratio(self.solution.system, tuple(self.fixed.items()), place)
         if ratio is None:
             return Corner(False, 0 * one)
         squares = tuple(sp.sympify(self.solution.momentum_squared[name]).subs(self.known) for name in self.names)
@@ -151,9 +153,6 @@ class _Paths:
         sizes = [abs(c.upper - c.lower) / 2 if c.turning is None else 2 * abs(c.turning - c.lower) for c in courses]
         c = one.context
         return Corner(passable, c.log(sizes[1] / sizes[0]) - c.log(to_bits(ratio)(self.bits)) / 2)
-
-    def _ratio(self, place: tuple[sp.Expr, ...]) -> sp.Expr | None:
-        return metric_ratio(self.solution.system, tuple(self.fixed.items()), place)
 
     def _weight(self, one: Course, two: Course) -> Mpf | None:
         """W with k₁ + w k₂ = 0 at every double zero; None where there is no such number."""

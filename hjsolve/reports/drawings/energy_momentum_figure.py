@@ -85,7 +85,7 @@ def figure_of_map(found: EnergyMomentumMap, key: str, *, actions: bool = True) -
         inside += [_filled(frame, grid, k) for k in range(len(grid.regions))]
     if actions and grid is not None:
         inside += action_lines(found, frame)
-    inside += [_line(found, grid, frame, curve) for curve in found.curves]
+    inside += [svg.curve(frame, *visible(found, grid, curve), LINES[curve.kind]) for curve in found.curves]
     above = [svg.disc(frame, value.x, value.y, "ring") for value in found.isolated]
     if grid is not None:
         above += [
@@ -164,10 +164,6 @@ def visible(found: EnergyMomentumMap, grid: MapGrid | None, curve: CriticalCurve
             column, row = np.clip(i + a, 0, len(grid.x) - 1), np.clip(j + b, 0, len(grid.y) - 1)
             near |= ~empty[row, column]
     return np.where(near, x, np.nan), np.where(near, y, np.nan)
-
-
-def _line(found: EnergyMomentumMap, grid: MapGrid | None, frame: svg.DrawingFrame, curve: CriticalCurve) -> str:
-    return svg.curve(frame, *visible(found, grid, curve), LINES[curve.kind])
 
 
 def action_values(found: EnergyMomentumMap) -> tuple[Array, Array, dict[str, Array]]:
