@@ -25,7 +25,12 @@ from hjsolve.catalog.entry import Reference as Reference
 from hjsolve.catalog.toml_file import Toml, TomlTable
 from hjsolve.display.first_lines import few_lines
 from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
-from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, LinearHamiltonian, from_hamiltonian
+from hjsolve.extended.linear_hamiltonian import (
+    GeneralHamiltonian,
+    LinearHamiltonian,
+    SumOfHamiltonians,
+    from_hamiltonian,
+)
 from hjsolve.formulas.tokens import printable
 from hjsolve.mechanics.system import Parameter, System, parameter
 from hjsolve.precision import one_at_a_time
@@ -230,7 +235,7 @@ def _built(table: Toml, source: str) -> System | LinearHamiltonian:
             found = from_hamiltonian(
                 own["hamiltonian"], coordinates, parameters, title=own.get("title", ""), id=own.get("id", "")
             )
-            if isinstance(found, GeneralHamiltonian):
+            if isinstance(found, (GeneralHamiltonian, SumOfHamiltonians)):
                 raise CatalogError(
                     f"{source}: hamiltonian: an entry takes first or second degree in p; in Python "
                     "hjsolve.from_hamiltonian takes any other H(q, p)"

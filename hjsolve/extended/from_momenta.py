@@ -20,7 +20,8 @@ from hjsolve.mechanics.system import Parameter, System, parameter
 
 _OTHERS = (
     "hamiltonian: of several degrees of freedom H must be quadratic in the momenta, or V + sqrt(m**2*c**4 + c**2*(…)) "
-    "with parameters for the rest mass and the speed of light; of one degree of freedom any H(q, p) is taken"
+    "with parameters for the rest mass and the speed of light, or a sum of Hamiltonians that share no coordinate; of "
+    "one degree of freedom any H(q, p) is taken"
 )
 
 
@@ -38,7 +39,7 @@ def system_from_momenta(
     Raises:
         InvalidSystemError: H is of neither form, or does not determine the velocities.
     """
-    shape, H, momenta = _read(hamiltonian, coordinates, parameters)
+    shape, H, momenta = read_with_momenta(hamiltonian, coordinates, parameters)
     velocities = sp.Matrix([c.velocity for c in shape.coordinates])
     if H.is_polynomial(*momenta):
         W, b, V = _parts(H, momenta)
@@ -47,16 +48,25 @@ def system_from_momenta(
         raise InvalidSystemError("hamiltonian: with the time t only H of second degree in the momenta is taken")
     names, _, _ = _relativistic(H, momenta, shape)
     positive = {p.name: _assumed(p, names) for p in shape.parameters}
-    shape, H, momenta = _read(hamiltonian, coordinates, positive)
+    shape, H, momenta = read_with_momenta(hamiltonian, coordinates, positive)
     _, g, V = _relativistic(H, momenta, shape)
     T = shape.symbols[names["mass"]] * _kinetic(g, velocities)
     return System(dict(coordinates), T, V, positive, title=title, id=id_, relativity=names)
 
 
-def _read(
+def read_with_momenta(
     hamiltonian: str, coordinates: Mapping[str, str], parameters: Mapping[str, object] | None
 ) -> tuple[System, sp.Expr, list[sp.Symbol]]:
-    """Return a system with the symbols, H, and the momenta in it."""
+    """Return a system with the symbols, H, and the momenta in it.
+
+    Args:
+        hamiltonian: H.
+        coordinates: name → domain.
+        parameters: name → value.
+
+    Raises:
+        InvalidSystemError: a momentum is missing, or its name is taken.
+    """
     shape = System(dict(coordinates), " + ".join(f"dot({name})**2/2" for name in coordinates), "0", parameters)
     names = {f"p_{c.name}": c.momentum for c in shape.coordinates}
     if taken := sorted(names.keys() & shape.symbols.keys()):

@@ -20,11 +20,12 @@ from typing import TYPE_CHECKING
 import sympy as sp
 
 from hjsolve import arguments
-from hjsolve.errors import InvalidSystemError
-from hjsolve.extended.from_momenta import system_from_momenta
+from hjsolve.display.shown import Shown
+from hjsolve.errors import InvalidInputError, InvalidSystemError
+from hjsolve.extended.from_momenta import read_with_momenta, system_from_momenta
 from hjsolve.extended.one_freedom import LinearInMomentum, NonlinearInMomentum
 from hjsolve.formulas.read import parse
-from hjsolve.mechanics.coordinates_and_parameters import clock_of
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter, clock_of
 from hjsolve.mechanics.periodicity import is_periodic
 from hjsolve.mechanics.system import System
 from hjsolve.precision import one_at_a_time
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from hjsolve.arithmetic.number_types import Mpf
     from hjsolve.extended.level_motion import LevelMotion
     from hjsolve.extended.linear_hamiltonian_motion import LinearMotion
+    from hjsolve.extended.sums_of_hamiltonians import SumMotion
 
 
 @dataclass(frozen=True, repr=False)
@@ -119,17 +121,65 @@ class GeneralHamiltonian(NonlinearInMomentum):
         return start_on_level(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
 
 
+@dataclass(frozen=True, repr=False)
+class SumOfHamiltonians(Shown):
+    """H = Σ h(q, p) of parts that share no coordinate.
+
+    Attributes:
+        coordinates: of all parts.
+        hamiltonian: H.
+        parts: what ``from_hamiltonian`` makes of each h.
+        parameters: with their default values.
+        title, id: for display.
+    """
+
+    coordinates: tuple[Coordinate, ...]
+    hamiltonian: sp.Expr
+    parts: tuple[System | LinearHamiltonian | GeneralHamiltonian, ...]
+    parameters: tuple[Parameter, ...] = ()
+    title: str = ""
+    id: str = ""
+
+    @arguments.by_name('motion(q={"x": 1, "y": 0}, p={"x": 0, "y": 1})')
+    def motion(
+        self, *, q: Mapping[str, object], velocity: Mapping[str, object] | None = None,
+        p: Mapping[str, object] | None = None, parameters: Mapping[str, object] | None = None,
+        t0: object = 0, digits: int = 15,
+    ) -> SumMotion:  # fmt: skip
+        """Start a motion; each part moves by its own Hamiltonian.
+
+        Args:
+            q: every coordinate → position at t0.
+            velocity: refused: several p may have the same dq/dt.
+            p: every coordinate → momentum at t0.
+            parameters: values that differ from the defaults.
+            t0: initial time.
+            digits: relative digits wanted.
+
+        Raises:
+            InvalidInputError: no momenta, or a name that is not one of the coordinates or parameters.
+            MissingValueError: a number is missing.
+            NotSeparableError: a part of several coordinates does not separate.
+            NotConvergedError: as of ``GeneralHamiltonian.motion``.
+        """
+        from hjsolve.extended.sums_of_hamiltonians import start_sum
+
+        if velocity is not None or p is None:
+            raise InvalidInputError("initial data: give p={…} of every coordinate; several p may have the same dq/dt")
+        return start_sum(self.parts, q=q, p=p, parameters=parameters, t0=t0, digits=digits)
+
+
 @one_at_a_time
 def from_hamiltonian(
     hamiltonian: str, coordinates: Mapping[str, str], parameters: Mapping[str, object] | None = None, *,
     title: str = "", id: str = "",  # noqa: A002
-) -> System | LinearHamiltonian | GeneralHamiltonian:  # fmt: skip
+) -> System | LinearHamiltonian | GeneralHamiltonian | SumOfHamiltonians:  # fmt: skip
     """Take a system from H(q, p), written with ``p``, or with ``p_`` and the name of the coordinate.
 
     Args:
         hamiltonian: H. Of one coordinate any function of it and of its momentum; of several a polynomial of second
-            degree in the momenta, or V + sqrt(m**2*c**4 + c**2*(…)) with parameters m and c of any names. With the
-            time t of second degree in the momenta.
+            degree in the momenta, or V + sqrt(m**2*c**4 + c**2*(…)) with parameters m and c of any names, or a sum of
+            such Hamiltonians that share no coordinate. With the time t of second degree in the momenta.
         coordinates: name → domain.
         parameters: name → value, as for ``System``.
         title: for display.
@@ -137,7 +187,8 @@ def from_hamiltonian(
 
     Returns:
         A ``System`` where H is quadratic in p, by the Legendre transformation back to T and V (Greenwood (4-14)); a
-        ``LinearHamiltonian`` where it is linear, else a ``GeneralHamiltonian``.
+        ``LinearHamiltonian`` where it is linear, else a ``GeneralHamiltonian``. Of several coordinates a
+        ``SumOfHamiltonians`` where H is of higher degree and a sum.
 
     Raises:
         InvalidSystemError: no p in H, an H that is not periodic in its angle, or of several coordinates an H of
@@ -152,7 +203,13 @@ def from_hamiltonian(
     if not table:
         raise InvalidSystemError('H(q, p): no coordinate; write coordinates={"q": "line"}')
     if len(table) > 1:
-        return system_from_momenta(hamiltonian, coordinates, parameters, title, id)
+        try:
+            return system_from_momenta(hamiltonian, coordinates, parameters, title, id)
+        except InvalidSystemError:
+            found = _sum(hamiltonian, coordinates, parameters, title, id)
+            if found is None:
+                raise
+            return found
     ((name, domain),) = coordinates.items()
     if taken := {"p", f"p_{name}"} & {name, *(parameters or {})}:
         raise InvalidSystemError(f"H(q, p): {min(taken)} is the momentum; rename the coordinate or parameter")
@@ -175,3 +232,23 @@ def from_hamiltonian(
     a, b, c = coefficients
     kinetic = sp.expand((q.velocity - b) ** 2 / (4 * a))
     return System({name: domain}, kinetic, c, parameters, title=title, id=id)
+
+
+def _sum(
+    hamiltonian: str, coordinates: Mapping[str, str], parameters: Mapping[str, object] | None, title: str, id_: str
+) -> SumOfHamiltonians | None:
+    """Return H as a sum of Hamiltonians that share no coordinate; None where it is not one."""
+    from hjsolve.extended.sums_of_hamiltonians import independent_parts, used_parameters
+
+    shape, H, _ = read_with_momenta(hamiltonian, coordinates, parameters)
+    groups = independent_parts(H, shape.coordinates)
+    if len(groups) < 2:
+        return None
+    parts = []
+    for own, h in groups:
+        needed = used_parameters(shape.parameters, own, h)
+        part = from_hamiltonian(str(h), {c.name: coordinates[c.name] for c in own}, needed)
+        if isinstance(part, SumOfHamiltonians):
+            return None
+        parts.append(part)
+    return SumOfHamiltonians(shape.coordinates, H, tuple(parts), shape.parameters, title, id_)

@@ -11,6 +11,7 @@ import sympy as sp
 from hjsolve.algebra.signs import Bounds
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
+from hjsolve.extended.linear_hamiltonian import SumOfHamiltonians
 from hjsolve.extended.one_freedom import LinearInMomentum, NonlinearInMomentum
 from hjsolve.mechanics.brackets import conjugate_pairs
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
@@ -22,7 +23,7 @@ from hjsolve.separation.zero_test.on_domain import vanishes
 from hjsolve.separation.zero_test.zero_test import Answer, NonZero, Zero
 from hjsolve.theorem.answers import Flaw
 
-Subject = System | LinearInMomentum | NonlinearInMomentum
+Subject = System | LinearInMomentum | NonlinearInMomentum | SumOfHamiltonians
 BUDGET = 20.0
 """Seconds for each zero test."""
 
@@ -148,7 +149,7 @@ def phase_space_of(subject: object, verb: str) -> PhaseSpace:
     Raises:
         InvalidInputError: none of these; or V has kinks, whose sides are different formulas.
     """
-    if isinstance(subject, (LinearInMomentum, NonlinearInMomentum)):
+    if isinstance(subject, (LinearInMomentum, NonlinearInMomentum, SumOfHamiltonians)):
         return _of_hamiltonian(subject)
     system = system_of(subject, verb)
     if system.kinks:
@@ -165,15 +166,14 @@ def phase_space_of(subject: object, verb: str) -> PhaseSpace:
     )  # fmt: skip
 
 
-def _of_hamiltonian(subject: LinearInMomentum | NonlinearInMomentum) -> PhaseSpace:
-    coordinate, H = subject.coordinate, subject.hamiltonian
+def _of_hamiltonian(subject: LinearInMomentum | NonlinearInMomentum | SumOfHamiltonians) -> PhaseSpace:
+    coordinates, H = subject.coordinates, subject.hamiltonian
     time = sp.Symbol("t", real=True)
-    symbols = {
-        s.name: s for s in (coordinate.symbol, coordinate.momentum, time, *(p.symbol for p in subject.parameters))
-    }
+    own = [s for c in coordinates for s in (c.symbol, c.momentum)]
+    symbols = {s.name: s for s in (*own, time, *(p.symbol for p in subject.parameters))}
     defaults = {p.symbol: p.value for p in subject.parameters if p.value is not None}
     return PhaseSpace(
-        subject, H, tuple(conjugate_pairs(subject.coordinates)), {coordinate.name: sp.diff(H, coordinate.momentum)},
+        subject, H, tuple(conjugate_pairs(coordinates)), {c.name: sp.diff(H, c.momentum) for c in coordinates},
         symbols, tuple(p.symbol for p in subject.parameters), time, _bounds(subject.coordinates), defaults,
     )  # fmt: skip
 
