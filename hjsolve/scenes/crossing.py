@@ -11,7 +11,7 @@ import sympy as sp
 from hjsolve.arithmetic.floats import Float64, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import AtTimes, Mpf, Reals
 from hjsolve.arithmetic.root_finding import bisected
-from hjsolve.errors import NotConvergedError, OutsideMotionError
+from hjsolve.errors import NotConvergedError, OutsideMotionError, required
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import hamiltonian, velocities
@@ -102,7 +102,10 @@ def surface_crossings(motion: Motion, surface: sp.Expr, horizon: sp.Expr | None)
     Yields:
         Times as ``mpf``.
     """
-    quick = motion.solution.motion(**restart(motion), digits=15, want={"trajectory"})
+    if motion.solution.chart is None:
+        quick = motion.solution.motion(**restart(motion), digits=15, want={"trajectory"})
+    else:  # started in the coordinates that the system was given in
+        quick = required(motion.again)(15, {"want": {"trajectory"}})
     function = _OnSurface(motion, surface)
     start, context = to_bits(motion.t0)(bits_of(motion.digits)), multiprecision(bits_of(motion.digits))
     tolerance = context.mpf(10) ** (8 - motion.digits) * max(1, abs(start))

@@ -13,8 +13,9 @@ over, and the time follows from t(Q). Elsewhere its sign is followed along the m
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import sympy as sp
@@ -30,6 +31,7 @@ from hjsolve.extended.change_of_frame import ChangeOfFrame
 from hjsolve.extended.moving_frame_motion import CarriedOver
 from hjsolve.extended.system_under_constraints import Exact, constrained, initial_data_in
 from hjsolve.formulas.read import number, parse
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.mechanics.energy_shell import domain_bounds
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, momenta, velocities
@@ -46,13 +48,17 @@ from hjsolve.motion.initial_data import (
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import rounded
 from hjsolve.motion.separated import start_at
+from hjsolve.motion.winding import radians_of_a_unit
 from hjsolve.one_coordinate.classify import ray
+from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 from hjsolve.one_coordinate.turning_points import first_end
 from hjsolve.precision import one_at_a_time
 from hjsolve.scenes.crossing import as_rational, bits_of, surface_crossings
 from hjsolve.scenes.lasting_constraints import RationalNumbers, solved_or_found
 from hjsolve.solution.quadratures import Solution
 
+_BITS, _BEYOND = 256, 1 + 2.0**-20
+"""Bits of places where the search begins; how far beyond a turning point of the motion it goes."""
 _GUARD = 10
 """Decimal digits by which the motion is more accurate than what is asked, as of states at events."""
 _EXAMPLE = 'contact(system, q={"x": 0, "y": 1}, velocity={"x": 1, "y": 0}, constraints=["x**2 + y**2 >= 1"])'
@@ -60,7 +66,10 @@ _EXAMPLE = 'contact(system, q={"x": 0, "y": 1}, velocity={"x": 1, "y": 0}, const
 
 @dataclass(frozen=True)
 class _Typed:
-    """A constraint as it was typed: g = left side − right side, and its side: 1 for ≥, −1 for ≤, 0 for =."""
+    """A constraint as it was typed: g = left side − right side, and its side: 1 for ≥, −1 for ≤, 0 for =.
+
+    An equation may hold velocities.
+    """
 
     text: str
     equation: str
@@ -214,7 +223,7 @@ def contact(
     multipliers = {x.text: x.side * λ for x, λ in zip(typed, found.reduced, strict=True) if x.side}
     along, ends = dict[str, sp.Expr](), dict[str, Mpf]()
     for text, λ in multipliers.items():
-        _refuse_pull(sharp, text, λ)
+        _refuse_pull(left, data, text, λ)
         one = _in_one_coordinate(sharp, λ)
         if one is not None:
             along[text] = one
@@ -244,7 +253,10 @@ def _read(system: System, constraints: object) -> list[_Typed]:
     found = []
     for n, text in enumerate(texts, 1):
         equation, side = _equation(text)
-        left, right = (parse(x, system.symbols, source=f"constraints[{n}]") for x in equation.split(" = "))
+        speeds = {} if side else {c.name: c.velocity for c in system.coordinates}
+        left, right = (
+            parse(x, system.symbols, velocities=speeds, source=f"constraints[{n}]") for x in equation.split(" = ")
+        )
         found.append(_Typed(text, equation, left - right, side))
     if not any(x.side for x in found):
         raise InvalidInputError("constraints: none is one-sided; write >= or <= where the surface can only push")
@@ -265,7 +277,11 @@ def _state(
     at |= {c.momentum if what == "velocity" else c.velocity: clean(others[c.name].subs(at)) for c in system.coordinates}
     for x in typed:
         if not number_is_zero(x.g.subs(at)):
-            raise InvalidInputError(f"constraints: {x.text} does not touch at this position; give one on the surface")
+            raise InvalidInputError(
+                f'constraints: {x.text} does not hold exactly at the start; give numbers as text, such as "3/5"'
+            )
+        if x.g.has(*(c.velocity for c in system.coordinates)):
+            continue
         speed = sp.Add(*(sp.diff(x.g, c.symbol) * c.velocity for c in system.coordinates))
         if not number_is_zero(speed.subs(at)):
             raise InvalidInputError(
@@ -281,11 +297,11 @@ def _started(solution: Solution, data: Mapping[str, Mapping[str, sp.Expr]], t0: 
 
 
 # ------------------------------------------------------------------------------------------------- when it ends
-def _refuse_pull(motion: Motion, text: str, λ: sp.Expr) -> None:
+def _refuse_pull(system: System, data: Mapping[str, Mapping[str, sp.Expr]], text: str, λ: sp.Expr) -> None:
     """Refuse a constraint whose force does not push at the start."""
-    values = dict(motion.initial.values)
-    system = motion.solution.system_as_given
-    values |= {c.velocity: f.subs(values) for c, f in zip(system.coordinates, velocities(system).values(), strict=True)}
+    values = {c.symbol: data["q"][c.name] for c in system.coordinates}
+    values |= {c.velocity: data["velocity"][c.name] for c in system.coordinates}
+    values |= {p.symbol: data["parameters"][p.name] for p in system.parameters}
     pushed = λ.subs(values)
     if sign(pushed) <= 0:
         raise InvalidInputError(
@@ -320,19 +336,20 @@ def _in_one_coordinate(motion: Motion, λ: sp.Expr) -> sp.Expr | None:
 
 def _first_zero(motion: Motion, text: str, f: sp.Expr) -> Mpf | None:
     """Return the time at which λ, a function of one coordinate, first passes zero; proved."""
-    solution, initial, digits = motion.solution, motion.initial, motion.digits
+    solution, digits = motion.solution, motion.digits
     held = next((c for c in solution.system.coordinates if c.symbol in f.free_symbols), None)
     if held is None:
         return None
-    known = {solution.constants[n].symbol: value for n, value in initial.constants.items()}
-    known |= {p.symbol: initial.values[p.symbol] for p in solution.system.parameters}
-    start = start_at(solution, held.name, f, known, initial.values[held.symbol])
+    start, unit = _begin(motion, held, f)
     times = list[Mpf]()
-    for side in (-1, 1):
-        end = first_end(ray(start, side), digits=digits)
+    for side, turns_at in _sides(motion, held):
+        outward = ray(start, side)
+        if turns_at is not None and not outward.turns:  # to a little beyond the turning point
+            outward = replace(outward, reach=partial(_constant, abs(turns_at - outward.origin(_BITS)) * _BEYOND))
+        end = first_end(outward, digits=digits)
         if end.kind in ("round", "infinity", "boundary"):
             continue
-        place = required(end.place)(bits_of(digits))
+        place = required(end.place)(bits_of(digits)) * to_bits(unit)(bits_of(digits))
         if end.kind != "turning" or _at_a_turning_point(motion, held.name, place):
             raise NotConvergedError(
                 f"contact: the multiplier of {text} touches zero at {held.name} = {float(place):.12g}; whether contact "
@@ -343,6 +360,36 @@ def _first_zero(motion: Motion, text: str, f: sp.Expr) -> Mpf | None:
         except OutsideMotionError:
             continue
     return min(times, default=None)
+
+
+def _constant(value: Mpf, _bits: int) -> Mpf:
+    return value
+
+
+def _begin(motion: Motion, held: Coordinate, f: sp.Expr) -> tuple[CoordinateStart, sp.Expr]:
+    """Return where the search for zeros of f begins, and the unit of the coordinate: an angle where f repeats."""
+    solution, initial, q = motion.solution, motion.initial, held.symbol
+    known = {solution.constants[n].symbol: value for n, value in initial.constants.items()}
+    known |= {p.symbol: initial.values[p.symbol] for p in solution.system.parameters}
+    rate = radians_of_a_unit(f, q, initial.values) if held.domain.kind == "line" else None
+    if rate is None:
+        return start_at(solution, held.name, f, known, initial.values[q]), sp.S.One
+    start = start_at(solution, held.name, f.xreplace({q: q / rate}), known, initial.values[q] * rate)
+    return replace(start, angle=True), 1 / rate
+
+
+def _sides(motion: Motion, held: Coordinate) -> Iterator[tuple[int, Mpf | None]]:
+    """Yield the sides on which the motion goes on, each with its turning point; None where there is none."""
+    speed = sign(velocities(motion.solution.system)[held.name].subs(motion.initial.values))
+    here = to_bits(motion.initial.values[held.symbol])(bits_of(motion.digits))
+    lower, upper = (
+        None if x is None else here.context.convert(x.value) for x in motion.turning_points.get(held.name, (None, None))
+    )
+    near = here.context.mpf(10) ** (5 - motion.digits) * (1 + abs(here))
+    for side, end, behind in ((-1, lower, upper), (1, upper, lower)):
+        starts_there = end is not None and abs(end - here) <= near
+        if not starts_there and (speed in (0, side) or behind is not None):
+            yield side, end
 
 
 def _at_a_turning_point(motion: Motion, name: str, place: Mpf) -> bool:
