@@ -27,6 +27,7 @@ from hjsolve.display.first_lines import few_lines
 from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
 from hjsolve.extended.linear_hamiltonian import (
     GeneralHamiltonian,
+    HamiltonianInTime,
     LinearHamiltonian,
     SumOfHamiltonians,
     from_hamiltonian,
@@ -235,7 +236,7 @@ def _built(table: Toml, source: str) -> System | LinearHamiltonian:
             found = from_hamiltonian(
                 own["hamiltonian"], coordinates, parameters, title=own.get("title", ""), id=own.get("id", "")
             )
-            if isinstance(found, (GeneralHamiltonian, SumOfHamiltonians)):
+            if isinstance(found, (GeneralHamiltonian, HamiltonianInTime, SumOfHamiltonians)):
                 raise CatalogError(
                     f"{source}: hamiltonian: an entry takes first or second degree in p; in Python "
                     "hjsolve.from_hamiltonian takes any other H(q, p)"

@@ -16,7 +16,12 @@ from hjsolve.errors import InvalidInputError, NotSeparableError
 
 if TYPE_CHECKING:
     from hjsolve.catalog import Entry
-    from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, LinearHamiltonian, SumOfHamiltonians
+    from hjsolve.extended.linear_hamiltonian import (
+        GeneralHamiltonian,
+        HamiltonianInTime,
+        LinearHamiltonian,
+        SumOfHamiltonians,
+    )
     from hjsolve.extended.moving_frame import Frame
     from hjsolve.mechanics.system import System
     from hjsolve.motion.motion import Motion
@@ -138,7 +143,9 @@ def _own_system(options: Namespace) -> System:
     )
 
 
-def _from_hamiltonian(options: Namespace) -> System | LinearHamiltonian | GeneralHamiltonian | SumOfHamiltonians:
+def _from_hamiltonian(
+    options: Namespace,
+) -> System | LinearHamiltonian | GeneralHamiltonian | HamiltonianInTime | SumOfHamiltonians:
     from hjsolve.extended.linear_hamiltonian import from_hamiltonian
     from hjsolve.mechanics.typed_texts import typed_coordinates, typed_parameters
 

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from hjsolve.arithmetic.number_types import Mpf
     from hjsolve.extended.level_motion import LevelMotion
     from hjsolve.extended.linear_hamiltonian_motion import LinearMotion
+    from hjsolve.extended.scaled_hamiltonians import ScaledFrame, ScaledMotion
     from hjsolve.extended.sums_of_hamiltonians import SumMotion
 
 
@@ -122,6 +123,62 @@ class GeneralHamiltonian(NonlinearInMomentum):
 
 
 @dataclass(frozen=True, repr=False)
+class HamiltonianInTime(Shown):
+    """K(q, p, t) of one coordinate that does not hold the time in a scaled frame that moves evenly.
+
+    Attributes:
+        coordinate: q.
+        hamiltonian: K.
+        frame: X = (q + v t) e^{a t}, Y = p e^{−a t} and K′(X, Y).
+        problem: what ``from_hamiltonian`` makes of K′.
+        parameters: with their default values.
+        title, id: for display.
+    """
+
+    coordinate: Coordinate
+    hamiltonian: sp.Expr
+    frame: ScaledFrame
+    problem: LinearHamiltonian | GeneralHamiltonian
+    parameters: tuple[Parameter, ...] = ()
+    title: str = ""
+    id: str = ""
+
+    @property
+    def coordinates(self) -> tuple[Coordinate]:
+        """The one coordinate, as a ``System`` has them."""
+        return (self.coordinate,)
+
+    @arguments.by_name('motion(q={"q": 1}, p={"q": 0})')
+    def motion(
+        self, *, q: Mapping[str, object], velocity: Mapping[str, object] | None = None,
+        p: Mapping[str, object] | None = None, parameters: Mapping[str, object] | None = None,
+        t0: object = 0, digits: int = 15,
+    ) -> ScaledMotion:  # fmt: skip
+        """Start a motion; the time matters, since K holds it.
+
+        Args:
+            q: the position at t0, by the name of the coordinate.
+            velocity: refused: several p may have the same dq/dt.
+            p: the momentum at t0.
+            parameters: values that differ from the defaults.
+            t0: initial time.
+            digits: relative digits wanted.
+
+        Raises:
+            InvalidInputError: no momentum, or a place outside the domain.
+            MissingValueError: a number is missing.
+            NotConvergedError: as of ``GeneralHamiltonian.motion``, in the frame.
+        """
+        from hjsolve.extended.scaled_hamiltonians import start_scaled
+
+        if velocity is not None or p is None:
+            raise InvalidInputError("initial data: give p={…}; several p may have the same dq/dt here")
+        return start_scaled(
+            self.frame, self.problem, self.parameters, q=q, p=p, values=parameters or {}, t0=t0, digits=digits
+        )
+
+
+@dataclass(frozen=True, repr=False)
 class SumOfHamiltonians(Shown):
     """H = Σ h(q, p) of parts that share no coordinate.
 
@@ -135,7 +192,7 @@ class SumOfHamiltonians(Shown):
 
     coordinates: tuple[Coordinate, ...]
     hamiltonian: sp.Expr
-    parts: tuple[System | LinearHamiltonian | GeneralHamiltonian, ...]
+    parts: tuple[System | LinearHamiltonian | GeneralHamiltonian | HamiltonianInTime, ...]
     parameters: tuple[Parameter, ...] = ()
     title: str = ""
     id: str = ""
@@ -173,13 +230,14 @@ class SumOfHamiltonians(Shown):
 def from_hamiltonian(
     hamiltonian: str, coordinates: Mapping[str, str], parameters: Mapping[str, object] | None = None, *,
     title: str = "", id: str = "",  # noqa: A002
-) -> System | LinearHamiltonian | GeneralHamiltonian | SumOfHamiltonians:  # fmt: skip
+) -> System | LinearHamiltonian | GeneralHamiltonian | HamiltonianInTime | SumOfHamiltonians:  # fmt: skip
     """Take a system from H(q, p), written with ``p``, or with ``p_`` and the name of the coordinate.
 
     Args:
         hamiltonian: H. Of one coordinate any function of it and of its momentum; of several a polynomial of second
             degree in the momenta, or V + sqrt(m**2*c**4 + c**2*(…)) with parameters m and c of any names, or a sum of
-            such Hamiltonians that share no coordinate. With the time t of second degree in the momenta.
+            such Hamiltonians that share no coordinate. With the time t of second degree in the momenta, or of one
+            coordinate any that does not hold it in X = (q + v t) e^{a t}, Y = p e^{−a t}.
         coordinates: name → domain.
         parameters: name → value, as for ``System``.
         title: for display.
@@ -187,7 +245,8 @@ def from_hamiltonian(
 
     Returns:
         A ``System`` where H is quadratic in p, by the Legendre transformation back to T and V (Greenwood (4-14)); a
-        ``LinearHamiltonian`` where it is linear, else a ``GeneralHamiltonian``. Of several coordinates a
+        ``LinearHamiltonian`` where it is linear, else a ``GeneralHamiltonian``; with the time in H a
+        ``HamiltonianInTime``. Of several coordinates a
         ``SumOfHamiltonians`` where H is of higher degree and a sum.
 
     Raises:
@@ -220,7 +279,7 @@ def from_hamiltonian(
     if not H.has(q.momentum):
         raise InvalidSystemError("H(q, p): it does not contain p")
     if clock and not (H.is_polynomial(q.momentum) and sp.degree(H, q.momentum) == 2):
-        raise InvalidSystemError("H(q, p, t): with the time t only H of second degree in p is taken")
+        return _in_time(H, shape, clock["t"], title, id)
     if not H.is_polynomial(q.momentum) or sp.degree(H, q.momentum) not in (1, 2):
         numbers = {s.symbol: s.value for s in shape.parameters if s.value is not None}
         if domain == "angle" and not (is_periodic(H, q.symbol) or is_periodic(H.xreplace(numbers), q.symbol)):
@@ -232,6 +291,24 @@ def from_hamiltonian(
     a, b, c = coefficients
     kinetic = sp.expand((q.velocity - b) ** 2 / (4 * a))
     return System({name: domain}, kinetic, c, parameters, title=title, id=id)
+
+
+def _in_time(H: sp.Expr, shape: System, clock: sp.Symbol, title: str, id_: str) -> HamiltonianInTime:
+    """Return K(q, p, t) in the frame in which it does not hold the time."""
+    from hjsolve.extended.scaled_hamiltonians import scaled_frame
+
+    (q,) = shape.coordinates
+    frame = scaled_frame(H, q, clock)
+    if frame is None:
+        raise InvalidSystemError(
+            "H(q, p, t): with the time t H of second degree in p is taken, and H that does not hold it in "
+            "X = (q + v*t)*exp(a*t), Y = p*exp(-a*t); no such frame was found"
+        )
+    parameters = {p.name: p for p in shape.parameters if p.symbol in frame.hamiltonian.free_symbols}
+    inner = from_hamiltonian(str(frame.hamiltonian), {q.name: q.domain.written(q.name)}, parameters)
+    if not isinstance(inner, (LinearHamiltonian, GeneralHamiltonian)):
+        raise InvalidSystemError("H(q, p, t): write it as a polynomial in p")
+    return HamiltonianInTime(q, H, frame, inner, tuple(shape.parameters), title, id_)
 
 
 def _sum(

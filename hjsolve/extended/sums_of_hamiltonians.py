@@ -20,11 +20,13 @@ from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
-from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, LinearHamiltonian
+from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, HamiltonianInTime, LinearHamiltonian
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.mechanics.system import Parameter, System
 from hjsolve.motion.state import AnyMotion, Errors, State
 from hjsolve.solution.quadratures import solve
+
+Part = System | LinearHamiltonian | GeneralHamiltonian | HamiltonianInTime
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -33,7 +35,8 @@ class SumMotion(Shown):
 
     Attributes:
         motions: of the parts, in order.
-        constants: E, and E_ with the names of its coordinates for each part.
+        constants: E, and E_ with the names of its coordinates for each part; of a part that holds the time the energy
+            in its frame, and then no E.
         t0: time of the initial data.
     """
 
@@ -97,7 +100,7 @@ class SumMotion(Shown):
 
 
 def start_sum(
-    parts: Sequence[System | LinearHamiltonian | GeneralHamiltonian], *, q: Mapping[str, object],
+    parts: Sequence[Part], *, q: Mapping[str, object],
     p: Mapping[str, object], parameters: Mapping[str, object] | None, t0: object, digits: int,
 ) -> SumMotion:  # fmt: skip
     """Start a motion; see ``SumOfHamiltonians.motion``.
@@ -122,9 +125,15 @@ def start_sum(
     )
     energies = {
         f"E_{'_'.join(c.name for c in part.coordinates)}": motion.constants["E"]
-        for part, motion in zip(parts, motions, strict=True)
-    }
+        for part, motion in zip(parts, motions, strict=True) if "E" in motion.constants
+    }  # fmt: skip
+    if any(_holds_time(part) for part in parts):
+        return SumMotion(motions, energies, t0)
     return SumMotion(motions, {"E": reduce(operator.add, energies.values()), **energies}, t0)
+
+
+def _holds_time(part: Part) -> bool:
+    return part.time is not None if isinstance(part, System) else isinstance(part, HamiltonianInTime)
 
 
 def independent_parts(

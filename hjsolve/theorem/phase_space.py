@@ -11,7 +11,7 @@ import sympy as sp
 from hjsolve.algebra.signs import Bounds
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
-from hjsolve.extended.linear_hamiltonian import SumOfHamiltonians
+from hjsolve.extended.linear_hamiltonian import HamiltonianInTime, SumOfHamiltonians
 from hjsolve.extended.one_freedom import LinearInMomentum, NonlinearInMomentum
 from hjsolve.mechanics.brackets import conjugate_pairs
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
@@ -23,7 +23,7 @@ from hjsolve.separation.zero_test.on_domain import vanishes
 from hjsolve.separation.zero_test.zero_test import Answer, NonZero, Zero
 from hjsolve.theorem.answers import Flaw
 
-Subject = System | LinearInMomentum | NonlinearInMomentum | SumOfHamiltonians
+Subject = System | LinearInMomentum | NonlinearInMomentum | HamiltonianInTime | SumOfHamiltonians
 BUDGET = 20.0
 """Seconds for each zero test."""
 
@@ -149,7 +149,7 @@ def phase_space_of(subject: object, verb: str) -> PhaseSpace:
     Raises:
         InvalidInputError: none of these; or V has kinks, whose sides are different formulas.
     """
-    if isinstance(subject, (LinearInMomentum, NonlinearInMomentum, SumOfHamiltonians)):
+    if isinstance(subject, (LinearInMomentum, NonlinearInMomentum, HamiltonianInTime, SumOfHamiltonians)):
         return _of_hamiltonian(subject)
     system = system_of(subject, verb)
     if system.kinks:
@@ -166,7 +166,9 @@ def phase_space_of(subject: object, verb: str) -> PhaseSpace:
     )  # fmt: skip
 
 
-def _of_hamiltonian(subject: LinearInMomentum | NonlinearInMomentum | SumOfHamiltonians) -> PhaseSpace:
+def _of_hamiltonian(
+    subject: LinearInMomentum | NonlinearInMomentum | HamiltonianInTime | SumOfHamiltonians,
+) -> PhaseSpace:
     coordinates, H = subject.coordinates, subject.hamiltonian
     time = sp.Symbol("t", real=True)
     own = [s for c in coordinates for s in (c.symbol, c.momentum)]

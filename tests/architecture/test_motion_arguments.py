@@ -12,6 +12,7 @@ DOORS = {
     "Solution": LINE.motion,
     "LinearHamiltonian": hjsolve.from_hamiltonian("q + p", {"q": "line"}).motion,
     "GeneralHamiltonian": hjsolve.from_hamiltonian("p**4 + q**2", {"q": "line"}).motion,
+    "HamiltonianInTime": hjsolve.from_hamiltonian("p**4 + (q + t)**2", {"q": "line"}).motion,
     "SumOfHamiltonians": hjsolve.from_hamiltonian("p_x**4 + x**2 + p_y**2 + y**2", {"x": "line", "y": "line"}).motion,
     "Frame": hjsolve.frames.load("spring-moving-anchor").motion,
     "LinearModes": hjsolve.gyroscopic_modes(hjsolve.catalog.load("gyroscopic-three")).motion,

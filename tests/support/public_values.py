@@ -58,6 +58,7 @@ def made(folder: Path) -> dict[str, Any]:
         "frame": hjsolve.frames.load("spring-moving-anchor"),
         "level": hjsolve.from_hamiltonian("p**4 + q**2", {"q": "line"}).motion(q={"q": 1}, p={"q": 1}),
         "linear": hjsolve.from_hamiltonian("q + p", {"q": "line"}).motion(q={"q": 1}, p={"q": 1}),
+        "in time": (moving := hjsolve.from_hamiltonian("p**4 + (q + t)**2", {"q": "line"})), "motion in time": moving.motion(q={"q": 1}, p={"q": 0}),
         "sum": (total := hjsolve.from_hamiltonian("p_x**4 + x**2 + p_y**2 + y**2", {"x": "line", "y": "line"})), "motion of a sum": total.motion(q={"x": 1, "y": 1}, p={"x": 0, "y": 0}),
         "levels": (levels := hjsolve.levels("harmonic-oscillator", up_to=2)), "level of a table": levels[0],
         "map": hjsolve.energy_momentum_map(motion), "turned": hjsolve.energy_momentum_map(motion).monodromy((1.2, -0.2), 0.05),
