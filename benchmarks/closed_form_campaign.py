@@ -24,7 +24,7 @@ import numpy as np
 
 import hjsolve
 from hjsolve.closed_form.closed_forms import closed_forms
-from hjsolve.closed_form.derive import _piece
+from hjsolve.closed_form.derive import _piece, special_of
 from hjsolve.closed_form.form_context import FormContext, context_of
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.named_quantities import needed_names
@@ -121,8 +121,9 @@ def _numbers(form: RegimeForms) -> dict[str, Any]:
 
 
 def _integrals(entry: str, context: FormContext, sample: Sample) -> Iterator[Tried]:
-    for name, curves in context.curves.items():
-        own = _piece(context, name, curves, {}, sample)
+    special = dict(special_of(context, sample.values))  # by chance
+    for name, curves in context.at(special).items():
+        own = _piece(context, name, curves, special, sample)
         if own is None:
             continue
         for key, reason in own.why_not.items():

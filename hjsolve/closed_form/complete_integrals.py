@@ -28,6 +28,7 @@ from dataclasses import dataclass, field
 import mpmath
 import sympy as sp
 
+from hjsolve.closed_form.coefficients_by_roots import far_points, in_roots
 from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.tidy import longer_than
 from hjsolve.functions import CarlsonRD, CarlsonRF, CarlsonRJ
@@ -81,6 +82,7 @@ class CompleteIntegrals:
         self.plain = {s: e for s, e in where.items() if isinstance(e, sp.Expr) and not _rooted(e)}
         self.radicals = {s: e for s, e in where.items() if isinstance(e, sp.Expr) and _rooted(e)}
         self.roots = roots_by_polynomial(where)
+        self.far = far_points(where, example)
         self._known = dict[sp.Expr, sp.Expr]()
 
     def arranged(self, expression: sp.Expr) -> sp.Expr:
@@ -133,12 +135,13 @@ class CompleteIntegrals:
     def _coefficient(self, own: sp.Expr, poles: list[_Pole]) -> sp.Expr:
         """Return what K is multiplied by: its own coefficient, and those of the poles that are far.
 
-        The coefficient of a pole and what the own one has next to it nearly cancel where a root is there too.
+        The coefficient of a pole and what the own one has next to it nearly cancel where a root is there too; that of
+        a pole of another kind, at infinity, and the rest of the own one do where a root is far away.
         """
         parts, value = self._parts(own) if poles else [own], sp.S.Zero
-        for pole in poles:
+        for pole in sorted(poles, key=lambda pole: not self._near(pole.A)):
             near = self._near(pole.A)
-            held = [part for part in parts if self._near(part) & near]
+            held = [part for part in parts if not near or self._near(part) & near]
             parts = [part for part in parts if part not in held]
             value += _either(self.tidy(sp.Add(*held, pole.A)), pole.far, self.tidy(sp.Add(*held)))
         return value + self.tidy(sp.Add(*parts))
@@ -232,12 +235,18 @@ class CompleteIntegrals:
         made = self._by_products(sp.factor(sp.together(explicit)))
         if made.is_number:
             return made
-        points = self._points(explicit)
-        return min((coefficient, made), key=lambda e: (self._loss(e, points), sp.count_ops(e)))
+        points, candidates = self._points(explicit), [coefficient, made]
+        by_roots = in_roots(explicit, self.roots) if self.far else explicit
+        if by_roots != explicit and not longer_than(by_roots, _LONGEST):
+            candidates.append(sp.factor(sp.together(by_roots)))
+        return min(candidates, key=lambda e: (self._loss(e, points), sp.count_ops(e)))
 
     def _points(self, explicit: sp.Expr) -> list[Mapping[sp.Symbol, mpmath.mpf]]:
-        """Return the example, and places where a root is next to a pole: an identity in the roots holds there."""
-        points: list[Mapping[sp.Symbol, mpmath.mpf]] = [self.example]
+        """Return the example, motions with a root far away, and places where a root is next to a pole.
+
+        An identity in the roots holds there, too.
+        """
+        points: list[Mapping[sp.Symbol, mpmath.mpf]] = [self.example, *self.far]
         for x, pole in self._near(explicit):
             at = number_of(pole, self.example)
             points.append({**self.example, x: at + (self.example[x] - at) * _NEAR})
