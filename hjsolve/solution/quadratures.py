@@ -276,7 +276,6 @@ class Solution(ShownSolution):
         Args:
             fixed: constant → value, every one but the one that is looked for.
             parameters: name → value, where it differs from the default.
-            digits: of the results.
 
         Returns:
             Each with ``value`` and ``place``, by growing value. A search on samples of each coordinate, every result
@@ -377,9 +376,6 @@ class Solution(ShownSolution):
 
 def refuse_null(solution: Solution) -> None:
     """Refuse numbers of a solution that holds a momentum to first degree.
-
-    Args:
-        solution: the one that numbers are asked of.
 
     Raises:
         InvalidInputError: it does; the message says what to use instead.
