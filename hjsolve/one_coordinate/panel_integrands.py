@@ -25,8 +25,8 @@ from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.errors import InvalidInputError
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
 from hjsolve.one_coordinate.panel_images import (
-    RootBounds,
     PanelSamples,
+    RootBounds,
     Scale,
     largest_power,
     root_bounds,
