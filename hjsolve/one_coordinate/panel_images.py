@@ -48,7 +48,7 @@ def scale_along(end_map: EndMap) -> Scale:
             return Scale(2 * root, 2, 1 / (2 * root), b) if turning else Scale(length, 2, 1 / length, b)
 
 
-class DiskImages(NamedTuple):
+class PanelSamples(NamedTuple):
     """Where disks of y lie: x, r, and q − q(y₀) times the side; r is 1 on the way to infinity or to a kink."""
 
     x: Disk
@@ -56,7 +56,7 @@ class DiskImages(NamedTuple):
     moved: Disk
 
 
-def disk_images(end_map: EndMap, y: float, rest: float, z: Disk) -> DiskImages:
+def samples(end_map: EndMap, y: float, rest: float, z: Disk) -> PanelSamples:
     """Map disks of z = y − y₀.
 
     Args:
@@ -69,26 +69,26 @@ def disk_images(end_map: EndMap, y: float, rest: float, z: Disk) -> DiskImages:
     here = d.shifted(z, y)
     if end_map.end in {"infinity", "kink"}:
         if end_map.turning:
-            return DiskImages(d.times(d.power(here, 2), length), _ONE, d.times(d.mul(z, d.shifted(z, 2 * y)), length))
-        return DiskImages(d.times(here, length), _ONE, d.times(z, length))
+            return PanelSamples(d.times(d.power(here, 2), length), _ONE, d.times(d.mul(z, d.shifted(z, 2 * y)), length))
+        return PanelSamples(d.times(here, length), _ONE, d.times(z, length))
     if end_map.end == "boundary":
         left = d.shifted(d.times(z, -1.0), rest)
         if end_map.turning:
             half, sine, root = d.times(z, 0.5), d.unary("sin", d.times(here, 0.5)), d.unary("sin", d.times(left, 0.5))
             moved = d.mul(d.unary("sin", half), d.unary("sin", d.shifted(half, y)))
             x = tighter(d.power(sine, 2), d.sub(_ONE, d.power(root, 2)))
-            return DiskImages(d.times(x, length), root, d.times(moved, length))
+            return PanelSamples(d.times(x, length), root, d.times(moved, length))
         x = tighter(d.mul(here, d.shifted(left, 1.0)), d.sub(_ONE, d.power(left, 2)))
-        return DiskImages(d.times(x, length), left, d.times(d.mul(z, d.shifted(left, rest)), length))
+        return PanelSamples(d.times(x, length), left, d.times(d.mul(z, d.shifted(left, rest)), length))
     if end_map.turning:
         rise, root = d.unary("tanh", here), d.inverse(d.unary("cosh", here))
         before = np.tanh(y) ** 2
         x = tighter(d.power(rise, 2), d.sub(_ONE, d.power(root, 2)))
         moved = d.sub(x, single(before, 2.0**-50 * before))
-        return DiskImages(d.times(x, length), root, d.times(moved, length))
+        return PanelSamples(d.times(x, length), root, d.times(moved, length))
     root = d.unary("exp", d.times(here, -0.5))
     moved = d.mul(d.unary("exp", single(-y, 0)), d.sub(_ONE, d.unary("exp", d.times(z, -1.0))))
-    return DiskImages(d.times(d.sub(_ONE, d.power(root, 2)), length), root, d.times(moved, length))
+    return PanelSamples(d.times(d.sub(_ONE, d.power(root, 2)), length), root, d.times(moved, length))
 
 
 class RootBounds(NamedTuple):
@@ -99,7 +99,7 @@ class RootBounds(NamedTuple):
     high: Reals
 
 
-def root_bounds(r: Disk, places: DiskImages) -> RootBounds:
+def root_bounds(r: Disk, places: PanelSamples) -> RootBounds:
     """Return the sizes of r over disks.
 
     Args:

@@ -25,7 +25,7 @@ from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.errors import InvalidInputError
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
 from hjsolve.one_coordinate.panel_images import (
-    DiskImages,
+    PanelSamples,
     RootBounds,
     Scale,
     disk_images,
@@ -107,7 +107,7 @@ class View:
         centred = bool(abs(self._finish) < abs(self.end_map.length) * 2.0**-300)
         return local.variable(_D.point(self._finish), -side, centred=centred)
 
-    def root(self, q: Disk, places: DiskImages) -> RootBounds:
+    def root(self, q: Disk, places: PanelSamples) -> RootBounds:
         """Return |r|, the root of |u|/length.
 
         Args:
@@ -268,10 +268,10 @@ class Surrounding:
                 part[:, bad] = better
         return sizes
 
-    def _others(self, careful: bool) -> list[Callable[[DiskImages], Sizes]]:
+    def _others(self, careful: bool) -> list[Callable[[PanelSamples], Sizes]]:
         """Other enclosures of disks for which the plain formula gives no bound, those that apply here."""
         end_map = self.sight.end_map
-        here: list[Callable[[DiskImages], Sizes]] = []
+        here: list[Callable[[PanelSamples], Sizes]] = []
         if end_map.end not in {"infinity", "kink"}:
             here.append(self._from_end)
         elif end_map.end == "infinity" and self._far:
@@ -286,7 +286,7 @@ class Surrounding:
         natural: Elementwise = max(abs(end_map.start), min(end_map.length, 1))
         return bool(x > _AWAY * natural and end_map.side * end_map.start > -x / 2)
 
-    def _place(self, places: DiskImages) -> Disk:
+    def _place(self, places: PanelSamples) -> Disk:
         """q, from the start or from the end of the branch."""
         sight, side = self.sight, float(self.sight.end_map.side)
         q = _D.add(sight.start, _D.times(places.x, side))
@@ -295,7 +295,7 @@ class Surrounding:
         left = _D.times(_D.power(places.root, 2), float(sight.end_map.length))
         return tighter(q, _D.sub(sight.finish, _D.times(left, side)))
 
-    def _plainly(self, places: DiskImages) -> Sizes:
+    def _plainly(self, places: PanelSamples) -> Sizes:
         """p² by its formula, or by its first difference from the turning point at the start."""
         sight, q = self.sight, self._place(places)
         if sight.end_map.turning:
@@ -310,11 +310,11 @@ class Surrounding:
             squared = sight.plain[0].run(q)[0]
         return self._plain_sizes(squared, q, places)
 
-    def _plain_sizes(self, squared: Disk, q: Disk, places: DiskImages) -> Sizes:
+    def _plain_sizes(self, squared: Disk, q: Disk, places: PanelSamples) -> Sizes:
         weights = self.sight.plain[1].run(q)
         return self.sight.integrands(squared, weights, root_bounds(places.root, places), [0] * len(weights), 0)
 
-    def _closely(self, places: DiskImages) -> Sizes:
+    def _closely(self, places: PanelSamples) -> Sizes:
         """p² from the place of the panel, where its value and slope are known to many digits."""
         sight, end_map = self.sight, self.sight.end_map
         here = end_map.position(self.y, Multi(sight.bits + 64))[0] if self.y else end_map.start
@@ -334,7 +334,7 @@ class Surrounding:
             squared = _D.add(start[1], bend) if not self.y else _D.div(squared, places.x)
         return self._plain_sizes(squared, self._place(places), places)
 
-    def _from_end(self, places: DiskImages) -> Sizes:
+    def _from_end(self, places: PanelSamples) -> Sizes:
         """p² and the kernels from the end of the branch, what vanishes or has a pole there taken out."""
         sight, end_map = self.sight, self.sight.end_map
         view = sight.view
@@ -354,7 +354,7 @@ class Surrounding:
         powers = [2 * order for order, _ in weights]
         return sight.integrands(factor, [w for _, w in weights], view.root(q, places), powers, 2 * squared[0])
 
-    def _by_rates(self, places: DiskImages) -> Sizes:
+    def _by_rates(self, places: PanelSamples) -> Sizes:
         """Return the formulas with their exponentials taken out."""
         sight, q = self.sight, self._place(places)
         rates = Rates(q, sight.end_map.side)
@@ -390,6 +390,6 @@ def _nothing(like: Disk, kernels: int) -> Sizes:
     return Sizes(np.full(shape, np.inf), np.zeros(shape))
 
 
-def _chosen(places: DiskImages, which: Mask) -> DiskImages:
+def _chosen(places: PanelSamples, which: Mask) -> PanelSamples:
     """Return some of the places."""
-    return DiskImages(*(Disk(x.centre[which], x.radius[which]) if np.ndim(x.radius) else x for x in places))
+    return PanelSamples(*(Disk(x.centre[which], x.radius[which]) if np.ndim(x.radius) else x for x in places))

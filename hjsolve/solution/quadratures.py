@@ -97,10 +97,8 @@ class Solution(ShownSolution):
     chart: Chart | None = None
 
     @property
-    def _shown_names(self) -> list[str]:
-        """Return what a terminal shows: what follows from p² at once, and shifts that are zero, are left out."""
-        names = ["system", "coordinates", "constants", "momentum_squared"]
-        names += ["shift"] if any(self.shift.values()) else []
+    def _shown_names(self) -> list[str]:  # without what follows from p² at once, and shifts that are zero
+        names = ["system", "coordinates", "constants", "momentum_squared", *["shift"] * any(self.shift.values())]
         return [*names, "characteristic_function", "time_law", "orbit_equations", "chart"]
 
     @property
@@ -188,7 +186,7 @@ class Solution(ShownSolution):
 
         Example:
             >>> import hjsolve
-            >>> kepler = hjsolve.solve(hjsolve.catalog.load("kepler-planar"))
+            >>> kepler = hjsolve.solve("kepler-planar")
             >>> motion = kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"})
             >>> motion.kinds["r"], round(motion.periods["r"].value, 9)
             ('libration', 14.99332061)
@@ -243,8 +241,7 @@ class Solution(ShownSolution):
             NotConvergedError: a root could not be proved.
 
         Example:
-            >>> isochrone = hjsolve.solve(hjsolve.System({"r": "0 < r", "theta": "angle"},
-            ...     "(dot(r)**2 + r**2*dot(theta)**2)/2", "-1/(1 + sqrt(1 + r**2))"))
+            >>> isochrone = hjsolve.solve("isochrone")
             >>> motion = isochrone.torus(ratio={"r": 3, "theta": 2}, fixed={"E": "-1/5"})
             >>> round(motion.frequencies["r"].value / motion.frequencies["theta"].value, 13)
             1.5
@@ -253,12 +250,11 @@ class Solution(ShownSolution):
         from hjsolve.resonances.found_tori import tori
         from hjsolve.resonances.question import asked
 
-        return tori(
-            asked(
-                self, frequencies=frequencies, ratio=ratio, fixed=fixed, between=between, kinds=kinds,
-                parameters=parameters, digits=digits, certified=certified,
-            )
+        question = asked(
+            self, frequencies=frequencies, ratio=ratio, fixed=fixed, between=between, kinds=kinds,
+            parameters=parameters, digits=digits, certified=certified,
         )  # fmt: skip
+        return tori(question)
 
     @arguments.by_name('separatrices(fixed={"p_theta": "0.4"})')
     def separatrices(
@@ -334,7 +330,7 @@ class Solution(ShownSolution):
 
         Example:
             >>> import hjsolve
-            >>> kepler = hjsolve.solve(hjsolve.catalog.load("kepler-planar"))
+            >>> kepler = hjsolve.solve("kepler-planar")
             >>> quarter = {"r": 1, "theta": "pi/2"}
             >>> found = kepler.two_point(q0={"r": 1, "theta": 0}, q1=quarter, time="pi/2", turns=0)
             >>> [(c.path, round(c.principal_function.value, 6)) for c in found]
