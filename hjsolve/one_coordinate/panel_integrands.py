@@ -28,9 +28,9 @@ from hjsolve.one_coordinate.panel_images import (
     PanelSamples,
     RootBounds,
     Scale,
-    disk_images,
     largest_power,
     root_bounds,
+    samples,
     scale_along,
 )
 from hjsolve.one_coordinate.panel_length import Sizes
@@ -257,7 +257,7 @@ class Surrounding:
             return self._seen(z, careful)
 
     def _seen(self, z: Disk, careful: bool) -> Sizes:
-        places = disk_images(self.sight.end_map, float(self.y), self.rest, z)
+        places = samples(self.sight.end_map, float(self.y), self.rest, z)
         sizes = self._plainly(places)
         for look in self._others(careful):
             bad = ~np.all(np.isfinite(sizes.most), axis=0)
