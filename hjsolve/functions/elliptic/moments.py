@@ -171,7 +171,11 @@ class _Moments:
         return self.path.σ * (self.path.x - place) ** n * sp.sqrt(self.path.P.value(self.path.x))
 
     def power(self, k: int) -> sp.Expr:
-        """∫ xᵏ dx/√P."""
+        """∫ xᵏ dx/√P.
+
+        Args:
+            k: from 0 on.
+        """
         e = self.path.e
         return sp.Add(*(sp.binomial(k, m) * e ** (k - m) * self._about_start(m) for m in range(k + 1)))
 
