@@ -12,8 +12,10 @@ from collections.abc import Mapping
 import mpmath
 import sympy as sp
 
+from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.form_context import FormContext
-from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities
+from hjsolve.closed_form.jacobi_equations import anomaly_of, integrated_over, time_of, without_integrals
+from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, written_out
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regularised import Anomaly, Regularised, by_parameter
@@ -24,21 +26,10 @@ from hjsolve.closed_form.why_not import Contains, WhyNot
 from hjsolve.errors import required
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
 from hjsolve.precision import mp
-from hjsolve.solution.quadratures import Solution
 
 _DIGITS = 40
 TIME = "t"
 """The key of t(ξ)."""
-
-
-def anomaly_of(solution: Solution) -> sp.Symbol:
-    """ξ, by a name that the solution does not use.
-
-    Args:
-        solution: of which they are forms.
-    """
-    taken = {s.name for s in solution.characteristic_function.free_symbols}
-    return sp.Symbol(next(n for n in ("xi", "chi", "xi_1") if n not in taken), real=True)
 
 
 def along_the_motion(
@@ -55,10 +46,10 @@ def along_the_motion(
         why_not: loses the reasons of what was found.
     """
     solution, key = context.solution, context.constants[0]
-    held = [n for n in solution.coordinates if n not in pieces or key in pieces[n].numerators]
+    held = integrated_over(solution, pieces, key)
     if solution.time_law is None or len(held) != 1 or held[0] not in pieces or key not in pieces[held[0]].integrals:
         return {}
-    if _rest(solution.time_law.rhs) != 0 or all(c.name in inverse for c in solution.system.coordinates):
+    if without_integrals(solution.time_law.rhs) != 0 or all(c.name in inverse for c in solution.system.coordinates):
         return {}
     try:
         made = _Along(context, pieces, names, held[0])
@@ -80,10 +71,6 @@ def along_the_motion(
     return found if ξ.has(sp.asinh) and made.running.is_polynomial(made.ξ) else {}
 
 
-def _rest(expression: sp.Expr) -> sp.Expr:
-    return expression.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
-
-
 class _Along:
     """The motion by the parameter of one coordinate."""
 
@@ -93,7 +80,7 @@ class _Along:
         self.context, self.pieces, self.names, self.first = context, pieces, names, first
         self.solution, self.ξ, self.key = context.solution, anomaly_of(context.solution), context.constants[0]
         self.elapsed = required(self.solution.time_law).lhs
-        self.t: sp.Symbol = next(term for term in self.elapsed.args if term.is_Symbol)
+        (self.t,) = time_of(self.solution)
         own, start = pieces[first], self.solution.lower_limits[first]
         self.main = by_parameter(own, own.integrals[self.key], self.ξ, start, names)
         self.running = self._scaled(self.main.integral(self.key))
@@ -119,7 +106,7 @@ class _Along:
 
     def _held(self, key: sp.Symbol) -> list[str]:
         """Return the coordinates over which an equation integrates."""
-        return [n for n in self.solution.coordinates if n not in self.pieces or key in self.pieces[n].numerators]
+        return integrated_over(self.solution, self.pieces, key)
 
     def _grown(self, key: sp.Symbol) -> tuple[sp.Expr, sp.Expr]:
         """∫ ∂p/∂c dq over the first coordinate: its part at the lower limit, and as a function of ξ."""
@@ -132,7 +119,7 @@ class _Along:
         ignorable = {c.momentum for c in self.solution.separation.shell.ignorable}
         for constant, equation in self.solution.orbit_equations.items():
             key = self.solution.constants[constant].symbol
-            if key in ignorable or set(self._held(key)) != {self.first, name} or _rest(equation.rhs) != 0:
+            if key in ignorable or set(self._held(key)) != {self.first, name} or without_integrals(equation.rhs) != 0:
                 continue
             try:
                 check_time()
@@ -156,7 +143,7 @@ class _Along:
     ) -> tuple[sp.Expr, sp.Expr] | None:  # fmt: skip
         """φ as a constant and a function of ξ."""
         equation = self.solution.orbit_equations[key.name]
-        held, rest = self._held(key), _rest(equation.rhs)
+        held, rest = self._held(key), without_integrals(equation.rhs)
         if any(n != self.first and n not in others for n in held) or rest.has(*self._places()):
             return None
         (q,) = (c.symbol for c in self.solution.separation.shell.ignorable if c.momentum == key)
@@ -205,20 +192,14 @@ class _Along:
         ξ, e = self.ξ, getattr(self.main, "e", sp.S.Zero)
         if elliptic(running) or running.has(sp.atan, sp.atanh):
             return running
-        table = {s: m for s, m in self.names.where.items() if not isinstance(m, tuple) and s != e}
-        while held := running.free_symbols & set(table):
-            running = running.xreplace({s: table[s] for s in held})
-        running = sp.expand(running)
+        running = sp.expand(written_out(running, {s: m for s, m in self.names.where.items() if s != e}))
         α = sp.factor(sp.cancel(sp.together(running.coeff(ξ))))
         if α == 0 or α.has(ξ):
             return running
         α = shortened_powers(-α if self._sign(α) < 0 else α)
         n = self.names.named("n" if running != ξ * running.coeff(ξ) else "omega", shortened_powers(1 / α), short=SHORT)
-        terms = dict[sp.Expr, sp.Expr]()
-        for term in sp.Add.make_args(running):
-            constant, wave = term.as_independent(ξ)
-            terms[wave] = terms.get(wave, sp.S.Zero) + constant
-        rest = (shortened_powers(sp.factor(sp.cancel(sp.together(c / α)))) * wave for wave, c in terms.items())
+        waves = _by_waves(running, ξ).items()
+        rest = (shortened_powers(sp.factor(sp.cancel(sp.together(c / α)))) * wave for wave, c in waves)
         return sp.Add(*rest) / n
 
     def _sign(self, expression: sp.Expr) -> int:
@@ -241,7 +222,7 @@ def verify_along(names: NamedQuantities, made: Regularised, key: sp.Symbol, valu
     with mp.workdps(_DIGITS + 20):
         ends = list[tuple[mpmath.mpf, mpmath.mpf]]()
         for ξ in made.span():
-            at = names.numbers | {made.ξ: mp.mpf(int(ξ.p)) / int(ξ.q)}
+            at = names.numbers | {made.ξ: number_of(ξ, {})}
             there, got = (value_at(names.written_out(e), at) for e in (made.place, value))
             ends.append((got, value_at(integral.value, names.numbers | sample_numbers(made.own) | {q: there})))
         (a, b), (c, d) = ends
@@ -267,8 +248,13 @@ def by_parts(moving: sp.Expr, ξ: sp.Symbol, names: NamedQuantities) -> sp.Expr:
         ξ: the parameter.
         names: of the quantities of the forms.
     """
+    return sp.Add(*(names.shortest(shortened_powers(c)) * wave for wave, c in _by_waves(moving, ξ).items()))
+
+
+def _by_waves(moving: sp.Expr, ξ: sp.Symbol) -> dict[sp.Expr, sp.Expr]:
+    """Return the coefficient of each function of the parameter in a sum."""
     terms = dict[sp.Expr, sp.Expr]()
     for term in sp.Add.make_args(moving):
         coefficient, wave = term.as_independent(ξ, as_Add=False)
         terms[wave] = terms.get(wave, sp.S.Zero) + coefficient
-    return sp.Add(*(names.shortest(shortened_powers(c)) * wave for wave, c in terms.items()))
+    return terms

@@ -14,7 +14,7 @@ import sympy as sp
 
 from hjsolve.closed_form.along_motion import at_the_limit, by_parts, verify_along
 from hjsolve.closed_form.form_context import FormContext, SpecialCase
-from hjsolve.closed_form.inverses import common_parameter, time_of
+from hjsolve.closed_form.jacobi_equations import common_parameter, time_of, without_integrals
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals
@@ -101,7 +101,7 @@ def _summed(made: list[_In], key: sp.Symbol, equation: sp.Eq) -> tuple[sp.Expr, 
 
     None where an integral has no form.
     """
-    if equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero) != 0:
+    if without_integrals(equation.rhs) != 0:
         return None
     try:
         check_time()

@@ -30,6 +30,7 @@ import sympy as sp
 
 from hjsolve.closed_form.coefficients_by_roots import far_points, in_roots
 from hjsolve.closed_form.evaluation import number_of
+from hjsolve.closed_form.named_quantities import written_out
 from hjsolve.closed_form.tidy import longer_than
 from hjsolve.functions import CarlsonRD, CarlsonRF, CarlsonRJ
 from hjsolve.precision import mp
@@ -219,9 +220,7 @@ class CompleteIntegrals:
         Args:
             expression: of a form.
         """
-        while held := expression.free_symbols & self.plain.keys():
-            expression = expression.xreplace({s: self.plain[s] for s in held})
-        return expression
+        return written_out(expression, self.plain)
 
     def tidy(self, coefficient: sp.Expr) -> sp.Expr:
         """Return a coefficient in factors, where that is not longer.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import sympy as sp
@@ -13,7 +13,7 @@ from hjsolve.closed_form.form_context import FormContext, SpecialCase
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.pieces import CoordinateIntegrals, piece
 from hjsolve.closed_form.regime import described_regime
-from hjsolve.closed_form.regions import root_interval_of
+from hjsolve.closed_form.regions import RootInterval, root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.signs import Signs, sign_of_many_digits
 from hjsolve.closed_form.special_cases import deciders, fixed_constant, special_cases_of
@@ -69,13 +69,13 @@ def _by_chance(special_values: Sequence[sp.Expr], sample: Sample) -> bool:
 
 def _alike(form: RegimeForms, sample: Sample) -> bool:
     """Return whether a motion is of a regime that has its form already."""
-    if not form.regime.holds(sample.values):
-        return False
-    for curve, region in form.regime.regions:
-        there = root_interval_of(curve, sample)
-        if there is None or there.key != region.key:
-            return False
-    return True
+    return form.regime.holds(sample.values) and _on(form.regime.regions, sample)
+
+
+def _on(regions: Iterable[tuple[MomentumCurve, RootInterval]], sample: Sample) -> bool:
+    """Whether a motion is between the same roots of the same curves."""
+    found = ((root_interval_of(curve, sample), region) for curve, region in regions)
+    return all(there is not None and there.key == region.key for there, region in found)
 
 
 def form_of_sample(
@@ -166,14 +166,7 @@ def moved_to(known: CoordinateIntegrals, sample: Sample) -> CoordinateIntegrals:
 
 
 def _same_piece(known: CoordinateIntegrals, sample: Sample) -> bool:
-    at = Signs(sample.values, mp.mpf(0))
-    if any(sign_of_many_digits(at.number(expression)) != sign for expression, sign in known.conditions.items()):
-        return False
-    for curve, region in known.regions:
-        there = root_interval_of(curve, sample)
-        if there is None or there.key != region.key:
-            return False
-    return True
+    return Signs(sample.values, mp.mpf(0)).agree(known.conditions) and _on(known.regions, sample)
 
 
 def special_of(context: FormContext, exact: Mapping[sp.Symbol, sp.Expr]) -> Iterator[tuple[sp.Symbol, sp.Expr]]:

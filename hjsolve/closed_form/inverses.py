@@ -18,13 +18,15 @@ from hjsolve.closed_form.elementary_inverses import (
     square_root_inverse,
 )
 from hjsolve.closed_form.elliptic_inverses import elliptic_inverse
+from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.form_context import FormContext, SpecialCase
+from hjsolve.closed_form.jacobi_equations import common_parameter, integrated_over, time_of, without_integrals
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monotone_inverse
 from hjsolve.closed_form.tidy import elliptic, multiplied_out, shortened_powers
 from hjsolve.closed_form.time_limit import check_time
-from hjsolve.closed_form.verification import nearby, sample_numbers, value_at
+from hjsolve.closed_form.verification import nearby, sample_numbers, sample_place, value_at
 from hjsolve.closed_form.why_not import (
     Contains,
     IndependentIntegrals,
@@ -38,7 +40,6 @@ from hjsolve.errors import required
 from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.precision import mp
-from hjsolve.solution.quadratures import Solution
 
 _DIGITS = 40
 
@@ -87,7 +88,7 @@ def inverse_forms(
         except NoFormError as error:
             why_not[f"inverse.{c.name}"] = error.why
             continue
-        constant = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero) - c.symbol
+        constant = without_integrals(equation.rhs) - c.symbol
         along = {solution.system.coordinate(n).symbol: found.get(n) for n in solution.coordinates}
         if any(constant.has(q) and place is None for q, place in along.items()):
             why_not[f"inverse.{c.name}"] = NotFound("the shift of the momenta enters its equation")
@@ -135,10 +136,10 @@ def _values(
         reason = error.why
     for c in solution.system.coordinates:
         why_not[f"inverse.{c.name}"] = reason
-    held = [n for n in solution.coordinates if n not in pieces or key in pieces[n].numerators]
+    held = integrated_over(solution, pieces, key)
     if solution.time_law is None or len(held) != 1 or held[0] not in pieces or key not in pieces[held[0]].integrals:
         return {}
-    rest = solution.time_law.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
+    rest = without_integrals(solution.time_law.rhs)
     if rest != 0:
         return {}
     (name,) = held
@@ -165,7 +166,7 @@ def _phases(
     right = []
     for c in inner:
         equation = required(solution.time_law if c.symbol == context.constants[0] else solution.orbit_equations[c.name])
-        rest = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
+        rest = without_integrals(equation.rhs)
         right.append(equation.lhs - rest.subs(dict(special)))
     if any(r.free_symbols & {solution.system.coordinate(n).symbol for n in names} for r in right):
         raise NoFormError("the shift of the momenta enters the time law")
@@ -337,12 +338,12 @@ def verified_inverse(
     check_time()
     explicit = names.written_out(place)
     q = integral.curve.coordinate.symbol
-    begin, stop = own.sample.places[own.name], nearby(own, integral)
+    stop = nearby(own, integral)
     with mp.workdps(_DIGITS + 20):
         numbers = {**sample_numbers(own), **(others or {})}
         free = sorted(value.free_symbols - set(numbers), key=str)
         numbers |= {s: mp.mpf(k + 2) / 7 for k, s in enumerate(free)}
-        numbers[start], target = _fraction(begin), _fraction(stop)
+        numbers[start], target = sample_place(own), number_of(stop, {})
         difference = value_at(integral.value, numbers | {q: target}) - value_at(
             integral.value, numbers | {q: numbers[start]}
         )
@@ -399,7 +400,7 @@ def _along(
     name, key = equation_of
     solution, own = context.solution, pieces[target]
     equation = solution.orbit_equations[name]
-    rest = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
+    rest = without_integrals(equation.rhs)
     if rest.has(own.integrals[key].curve.coordinate.symbol):
         raise NoFormError("the shift of the momenta enters the orbit equation")
     value, numbers = multiplied_out(equation.lhs - rest), dict[sp.Symbol, mpmath.mpf]()
@@ -410,7 +411,7 @@ def _along(
             value -= along.value - along.value.xreplace({q: start})
             with mp.workdps(_DIGITS + 20):
                 numbers |= sample_numbers(more)
-                numbers |= {q: _fraction(nearby(more, along)), start: _fraction(more.sample.places[other])}
+                numbers |= {q: number_of(nearby(more, along), {}), start: sample_place(more)}
     return inverted(own, own.integrals[key], value, solution.lower_limits[target], names, numbers)
 
 
@@ -446,36 +447,10 @@ def parametric_formulas(
     return {}
 
 
-def common_parameter(solution: Solution) -> sp.Symbol:
-    """τ of the parametric forms, by a name that the solution does not use.
-
-    Args:
-        solution: of which they are forms.
-    """
-    taken = {s.name for s in (*solution.characteristic_function.free_symbols, *time_of(solution))}
-    return sp.Symbol(next(n for n in ("tau", "lambda_", "tau_1") if n not in taken), real=True)
-
-
-def time_of(solution: Solution) -> tuple[sp.Symbol, ...]:
-    """Return the time; none where no coordinate is separated.
-
-    Args:
-        solution: whose time law holds it.
-    """
-    law = solution.time_law
-    return () if law is None else tuple(term for term in law.lhs.args if term.is_Symbol)
-
-
 def _on_branch(
     own: CoordinateIntegrals, key: sp.Symbol, τ: sp.Symbol, start: sp.Symbol, names: NamedQuantities
 ) -> sp.Expr:  # fmt: skip
     """Q(τ) of a coordinate that grows with τ."""
     integral, numbers = own.integrals[key], sample_numbers(own)
-    numerator = value_at(
-        integral.numerator, numbers | {integral.curve.coordinate.symbol: _fraction(own.sample.places[own.name])}
-    )
+    numerator = value_at(integral.numerator, numbers | {integral.curve.coordinate.symbol: sample_place(own)})
     return inverted(own, integral, τ if numerator > 0 else -τ, start, names)
-
-
-def _fraction(value: sp.Expr) -> mpmath.mpf:
-    return mp.mpf(int(value.p)) / int(value.q)

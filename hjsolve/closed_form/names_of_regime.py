@@ -7,10 +7,9 @@ from dataclasses import replace
 
 import sympy as sp
 
-from hjsolve.closed_form.along_motion import anomaly_of
 from hjsolve.closed_form.carlson import CarlsonMap
 from hjsolve.closed_form.elliptic_inverses import modulus
-from hjsolve.closed_form.inverses import common_parameter, time_of
+from hjsolve.closed_form.jacobi_equations import anomaly_of, common_parameter, time_of
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Where, without_sign
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral
 from hjsolve.closed_form.tidy import shortened_powers

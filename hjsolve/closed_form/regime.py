@@ -53,9 +53,9 @@ class Regime(Shown):
             meant = at.number(expression)
             if abs(at.number(constant) - meant) > (1 + abs(meant)) * mp.mpf(10) ** -30:
                 return False
-        if any(sign_of_many_digits(at.number(expression)) != sign for expression, sign in self.conditions.items()):
-            return False
-        return all(region_exists(curve, region, at.numbers) for curve, region in self.regions)
+        return at.agree(self.conditions) and all(
+            region_exists(curve, region, at.numbers) for curve, region in self.regions
+        )
 
 
 def described_regime(

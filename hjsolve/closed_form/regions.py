@@ -176,7 +176,7 @@ def root_interval_of(curve: MomentumCurve, sample: Sample) -> RootInterval | Non
         if not number_of(s.condition, numbers) > 0:
             return None
         start = sample.places[curve.coordinate.name]
-        place = number_of(s.place, {**numbers, q: mp.mpf(int(start.p)) / int(start.q)})
+        place = number_of(s.place, {**numbers, q: number_of(start, {})})
         roots, double = real_roots(curve, numbers)
         if double or not _value(curve, place, numbers) > 0:
             return None

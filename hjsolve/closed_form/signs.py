@@ -37,6 +37,14 @@ class Signs:
         with mp.workdps(DIGITS):
             return number_of(expression, self.numbers)
 
+    def agree(self, conditions: Mapping[sp.Expr, int]) -> bool:
+        """Return whether expressions have given signs at the sample.
+
+        Args:
+            conditions: expression → its sign.
+        """
+        return all(sign_of_many_digits(self.number(expression)) == sign for expression, sign in conditions.items())
+
     def sign(self, expression: sp.Expr) -> int:
         """Return the sign at the sample; kept as a condition where the symbols do not imply it.
 

@@ -246,8 +246,7 @@ def sample_numbers(piece: CoordinateIntegrals, digits: int = DIGITS + GUARD) -> 
     numbers = many_digits(piece.sample.values, digits)
     with mp.workdps(digits + GUARD):
         if piece.start is not None:
-            begin = piece.sample.places[piece.name]
-            numbers[piece.start] = mp.mpf(int(begin.p)) / int(begin.q)
+            numbers[piece.start] = number_of(piece.sample.places[piece.name], {})
         for symbol, meaning in piece.where.items():
             if isinstance(meaning, tuple):
                 polynomial, index = meaning
@@ -260,9 +259,8 @@ def sample_numbers(piece: CoordinateIntegrals, digits: int = DIGITS + GUARD) -> 
 
 def sample_place(piece: CoordinateIntegrals) -> mpmath.mpf:
     """Return where a coordinate is at the sample."""
-    place = piece.sample.places[piece.name]
     with mp.workdps(DIGITS + GUARD):
-        return mp.mpf(int(place.p)) / int(place.q)
+        return number_of(piece.sample.places[piece.name], {})
 
 
 def monotone_span(piece: CoordinateIntegrals, integral: PieceIntegral) -> tuple[mpmath.mpf, mpmath.mpf]:

@@ -111,7 +111,9 @@ def first_and_other_kinds(R: PartialFractions, path: IntegrationPath, kinds: Kin
         NoForm: it diverges, or no form is known here; the text says why.
     """
     moments = _Moments(path, kinds)
-    terms = [c * moments.power(k) for k, c in R.powers] + [c * moments.pole(place, m) for place, m, c in R.poles]
+    terms = [c * moments.about(sp.S.Zero, k) for k, c in R.powers] + [
+        c * moments.pole(place, m) for place, m, c in R.poles
+    ]
     return sp.Add(*terms, *(moments.complex_pole(pole) for pole in R.complex_poles))
 
 
@@ -170,15 +172,6 @@ class _Moments:
             return sp.S.Zero
         return self.path.σ * (self.path.x - place) ** n * sp.sqrt(self.path.P.value(self.path.x))
 
-    def power(self, k: int) -> sp.Expr:
-        """∫ xᵏ dx/√P.
-
-        Args:
-            k: from 0 on.
-        """
-        e = self.path.e
-        return sp.Add(*(sp.binomial(k, m) * e ** (k - m) * self._about_start(m) for m in range(k + 1)))
-
     def _about_start(self, n: int) -> sp.Expr:
         """A_n(e), n ≥ 0, by d[(x − e)ᵐ √P] = Σₖ Pₖ (m + k/2) (x − e)^(m+k−1) dx/√P."""
         if n < 2:
@@ -221,15 +214,13 @@ class _Moments:
             return (self.zeroth - path.σ / h * self.kinds.third(place)) / h
         P = path.P.taylor(place)
         if P[0] == 0 and P[1] == 0:  # a double root
-            lower = [P[k] * (sp.Rational(k, 2) - m - 1) * self._about(place, k - m - 2) for k in range(3, len(P))]
+            lower = [P[k] * (sp.Rational(k, 2) - m - 1) * self.about(place, k - m - 2) for k in range(3, len(P))]
             return (self._boundary(place, -m - 1) - sp.Add(*lower)) / (-m * P[2])
         if P[0] == 0:  # a root of P
-            lower = [
-                P[k] * (sp.Rational(k, 2) - m) * self._about(place, k - m - 1) for k in range(2, path.P.degree + 1)
-            ]
+            lower = [P[k] * (sp.Rational(k, 2) - m) * self.about(place, k - m - 1) for k in range(2, path.P.degree + 1)]
             return (self._boundary(place, -m) - sp.Add(*lower)) / ((sp.Rational(1, 2) - m) * P[1])
         n = m - 1
-        lower = [P[k] * (sp.Rational(k, 2) - n) * self._about(place, k - n - 1) for k in range(1, path.P.degree + 1)]
+        lower = [P[k] * (sp.Rational(k, 2) - n) * self.about(place, k - n - 1) for k in range(1, path.P.degree + 1)]
         return (sp.Add(*lower) - self._boundary(place, -n)) / (n * P[0])
 
     def complex_pole(self, pole: tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]) -> sp.Expr:
@@ -246,8 +237,13 @@ class _Moments:
         integral = divided((self.zeroth - away[0], -away[1]), h)
         return A * integral[0] + (A * re + B) / im * integral[1]
 
-    def _about(self, place: sp.Expr, n: int) -> sp.Expr:
-        """A_n(place)."""
+    def about(self, place: sp.Expr, n: int) -> sp.Expr:
+        """A_n(place).
+
+        Args:
+            place: ρ.
+            n: the power, negative of a pole.
+        """
         if n < 0:
             return self.pole(place, -n)
         h = self.path.e - place
