@@ -19,7 +19,7 @@ from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, written
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regularised import Anomaly, Regularised, by_parameter
-from hjsolve.closed_form.tidy import elliptic, shortened_powers
+from hjsolve.closed_form.tidy import elliptic, in_factors, shortened_powers
 from hjsolve.closed_form.time_limit import check_time
 from hjsolve.closed_form.verification import sample_numbers, value_at
 from hjsolve.closed_form.why_not import Contains, WhyNot
@@ -193,13 +193,13 @@ class _Along:
         if elliptic(running) or running.has(sp.atan, sp.atanh):
             return running
         running = sp.expand(written_out(running, {s: m for s, m in self.names.where.items() if s != e}))
-        α = sp.factor(sp.cancel(sp.together(running.coeff(ξ))))
+        α = in_factors(running.coeff(ξ))
         if α == 0 or α.has(ξ):
             return running
         α = shortened_powers(-α if self._sign(α) < 0 else α)
         n = self.names.named("n" if running != ξ * running.coeff(ξ) else "omega", shortened_powers(1 / α), short=SHORT)
         waves = _by_waves(running, ξ).items()
-        rest = (shortened_powers(sp.factor(sp.cancel(sp.together(c / α)))) * wave for wave, c in waves)
+        rest = (shortened_powers(in_factors(c / α)) * wave for wave, c in waves)
         return sp.Add(*rest) / n
 
     def _sign(self, expression: sp.Expr) -> int:

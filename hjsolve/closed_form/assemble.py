@@ -211,10 +211,7 @@ def _turning_points(pieces: Integrals, made: Regime) -> dict[str, tuple[sp.Expr 
             continue
         (curve, region), roots = own.regions[0], own.roots
         s = curve.substitution
-        ends = [
-            settled(made, shortened_powers(s.inverse.subs(s.x, roots[k]))) if what == "root" else None
-            for what, k in (region.lower, region.upper)
-        ]
+        ends = [settled(made, s.q(roots[k])) if what == "root" else None for what, k in (region.lower, region.upper)]
         if any(end is not None for end in ends):
             low, high = ends if s.increasing else reversed(ends)
             found[name] = (low, high)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from hjsolve.closed_form.tidy import shortened_powers
 from hjsolve.display.shown import Shown
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 
@@ -39,6 +40,10 @@ class Substitution(Shown):
     closed: bool = False
     turn: sp.Expr = 2 * sp.pi
     condition: sp.Expr = sp.S.One
+
+    def q(self, x: sp.Expr) -> sp.Expr:
+        """Return the coordinate at a place x, its powers shortened."""
+        return shortened_powers(self.inverse.subs(self.x, x))
 
 
 def extended_domain_ends(coordinate: Coordinate) -> tuple[sp.Expr, sp.Expr]:

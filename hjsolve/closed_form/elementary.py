@@ -19,6 +19,7 @@ from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.reduction import reduced
 from hjsolve.closed_form.signs import Signs
+from hjsolve.closed_form.tidy import in_factors
 from hjsolve.display.shown import Shown
 
 
@@ -210,8 +211,9 @@ def elementary_antiderivative(
     C, B, A = (P.coeff_monomial(x**k) for k in range(3))
     kept = [(weight, BasicIntegral(_kind((A, B, C), signs, None), (A, B, C), None, -1)) for _, weight in parts.powers]
     for place, _, weight in parts.poles:
-        Q = (_short(P.as_expr().subs(x, place)), _short(sp.diff(P.as_expr(), x).subs(x, place)), A)
-        kept.append((_short(weight), BasicIntegral(_kind(Q, signs, place), Q, place, side_of(place))))
+        here, slope = (in_factors(sp.expand(f.as_expr().subs(x, place))) for f in (P, P.diff(x)))
+        Q = (here, slope, A)
+        kept.append((in_factors(sp.expand(weight)), BasicIntegral(_kind(Q, signs, place), Q, place, side_of(place))))
     terms = _in_pairs([(w, one) for w, one in kept if w != 0], signs)
     past = [(sp.S.One, pair_of_complex_poles(P, pair, signs)) for pair in parts.complex_poles]
     return Antiderivative(x, P.as_expr(), algebraic, (*terms, *past))
@@ -230,10 +232,6 @@ def _in_pairs(terms: list[tuple[sp.Expr, BasicIntegral]], signs: Signs) -> list[
         return terms
     pair = BasicIntegral("pair", (A, sp.S.Zero, C), other.place, -1)  # w/(x + r) − w/(x − r) = 2wr/(r² − x²)
     return [*(row for row in terms if row[1].place is None), (2 * w * other.place, pair)]
-
-
-def _short(expression: sp.Expr) -> sp.Expr:
-    return sp.factor(sp.cancel(sp.together(sp.expand(expression))))
 
 
 def _kind(

@@ -21,6 +21,7 @@ from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.real_branch_points import FAR, LegendreIntegrals, LegendreMap, over_s
 from hjsolve.closed_form.signs import Signs
+from hjsolve.closed_form.tidy import in_factors
 
 
 @dataclass(frozen=True)
@@ -79,20 +80,32 @@ def even_map(roots: NamedRoots) -> EvenMap | None:
     squares = [sp.factor(sp.expand(r**2)) for r in roots.real]
     if len(squares) == 4 and roots.interval == (1, 2):
         X1, X2 = squares[3], squares[2]
-        return EvenMap("sn", 1, sp.sqrt(X2), (sp.S.Zero, X2), _short(X2 / X1), sp.sqrt(_short(A * X1)))
+        return EvenMap("sn", 1, sp.sqrt(X2), (sp.S.Zero, X2), in_factors(X2 / X1), sp.sqrt(in_factors(A * X1)))
     if len(squares) == 4 and roots.interval in ((0, 1), (2, 3)):
         X1, X2 = squares[3], squares[2]
         side = 1 if roots.interval == (2, 3) else -1
-        return EvenMap("dn", side, sp.sqrt(X1), (X1, X2), _short(1 - X2 / X1), sp.sqrt(_short(-A * X1)))
+        return EvenMap("dn", side, sp.sqrt(X1), (X1, X2), in_factors(1 - X2 / X1), sp.sqrt(in_factors(-A * X1)))
     if len(squares) == 2 and roots.interval == (0, 1) and roots.pairs[0][0] == 0:
         X1, X2 = squares[1], -sp.factor(sp.expand(roots.pairs[0][1] ** 2))
-        gap = _short(X1 - X2)
-        return EvenMap("cn", 1, sp.sqrt(X1), (X1, sp.S.Zero), _short(X1 / gap), sp.sqrt(_short(-A * gap)))
+        gap = in_factors(X1 - X2)
+        return EvenMap("cn", 1, sp.sqrt(X1), (X1, sp.S.Zero), in_factors(X1 / gap), sp.sqrt(in_factors(-A * gap)))
     return None
 
 
-def _short(expression: sp.Expr) -> sp.Expr:
-    return sp.factor(sp.cancel(sp.together(expression)))
+def in_square(R: sp.Expr, x: sp.Symbol, X: sp.Symbol) -> sp.Expr:
+    """Return an even rational function of x in X = x².
+
+    Args:
+        R: the function.
+        x: its variable.
+        X: the symbol of x², positive.
+
+    Raises:
+        NoFormError: R is not even.
+    """
+    if sp.cancel(sp.together(R - R.subs(x, -x))) != 0:
+        raise NoFormError("the integrand is not even in x")
+    return sp.cancel(sp.powdenest(R.subs(x, sp.sqrt(X)), force=True))
 
 
 def even_integral(
@@ -111,10 +124,8 @@ def even_integral(
     Raises:
         NoFormError: R is not even, or has a pole that these integrals do not reach.
     """
-    if sp.cancel(R - R.subs(x, -x)) != 0:
-        raise NoFormError("the integrand is not even in x")
     X = sp.Symbol(x.name, positive=True)
-    parts = partial_fractions(sp.cancel(sp.powdenest(R.subs(x, sp.sqrt(X)), force=True)), X, signs)
+    parts = partial_fractions(in_square(R, x, X), X, signs)
     own = own or LegendreIntegrals(change.k, change.m, None if complete else change.amplitude(x))
     linear = LegendreMap(*change.line, FAR, FAR, 1, sp.S.One)
     total = over_s(parts, linear, own) / change.rate

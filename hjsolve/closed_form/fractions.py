@@ -10,6 +10,7 @@ import sympy as sp
 from hjsolve.closed_form.curves import named_constants
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.signs import Signs
+from hjsolve.closed_form.tidy import in_factors
 from hjsolve.errors import required
 from hjsolve.functions.elliptic import PartialFractions
 
@@ -83,8 +84,7 @@ def _at_real_places(R: sp.Expr, x: sp.Symbol, k: int) -> tuple[tuple[sp.Expr, in
         g = made.rest.as_expr() / (others * cofactor**power)
         for order in range(power):
             weight = sp.diff(g, x, order).subs(x, place) / sp.factorial(order)
-            weight = sp.factor(sp.cancel(sp.together(weight)))
-            if weight != 0:
+            if (weight := in_factors(weight)) != 0:
                 poles.append((place.xreplace(made.back), power - order, weight.xreplace(made.back)))
     return tuple(poles)
 

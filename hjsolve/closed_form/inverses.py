@@ -227,8 +227,7 @@ def inverted(
         if isinstance(basic, PairOfComplexPoles):
             raise NoFormError(_why_not_inverted(own, law))
         x = elementary_inverse(basic, sp.expand(value / weight), s.place.subs(q, start), names)
-    place = shortened_powers(s.inverse.subs(s.x, x))
-    return verified_inverse(own, integral, place, value, start, names, others)
+    return verified_inverse(own, integral, s.q(x), value, start, names, others)
 
 
 def _elliptic(
@@ -243,7 +242,7 @@ def _elliptic(
         raise NoFormError(NotOfTheFirstKind(own.name, integral.curve.x, integral.rational))
     amount, begin = multiplied_out(value / integral.first), s.place.subs(q, start)
     x = elliptic_inverse(integral.change, amount, begin, names)
-    place = shortened_powers(s.inverse.subs(s.x, x))
+    place = s.q(x)
     found, reason = [place], NoFormError("")
     if (
         own.kind == "rotation"
@@ -271,29 +270,30 @@ def _algebraic(
     own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol, names: NamedQuantities,
     others: Numbers | None,
 ) -> sp.Expr:  # fmt: skip
-    """C √(Bx + C) = w: the uniformly accelerated motion."""
+    """Return the place where an algebraic function of x, C √(Bx + C) as in uniform acceleration, has a value."""
     law, s, q = required(integral.law), integral.curve.substitution, integral.curve.coordinate.symbol
-    P = sp.Poly(law.polynomial, law.x)
-    if P.degree() == 2 and not law.algebraic.has(law.x):
-        x = square_root_inverse(law, own_side(own, integral), value, s.place.subs(q, start), names)
-        return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start, names, others)
+    P, begin, plain = sp.Poly(law.polynomial, law.x), s.place.subs(q, start), not law.algebraic.has(law.x)
     x = None
-    if P.degree() == 1 and law.algebraic.has(law.x):
-        begin = s.place.subs(q, start)
+    if P.degree() == 2 and plain:
+        x = square_root_inverse(law, own_side(own, integral), value, begin, names)
+    elif P.degree() == 1 and plain:
+        x = _accelerated(law, P, value, begin, names)
+    elif P.degree() == 1:
         x = power_inverse(law, value, begin, names) or cubic_inverse(law, value, begin, names)
-    if x is not None:
-        return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start, names, others)
-    if P.degree() != 1 or law.algebraic.has(law.x):
+    if x is None:
         raise NoFormError(_why_not_inverted(own, law))
+    return verified_inverse(own, integral, s.q(x), value, start, names, others)
+
+
+def _accelerated(
+    law: Antiderivative, P: sp.Poly, value: sp.Expr, begin: sp.Expr, names: NamedQuantities
+) -> sp.Expr:  # fmt: skip
     B, C = P.all_coeffs()
-    begin, running = s.place.subs(q, start), sp.expand(2 * value / (law.algebraic * B))
+    running = sp.expand(2 * value / (law.algebraic * B))
     moving, root = [v for v in names.variables if running.has(v)], positive_root(B * begin + C)
     if len(moving) == 1 and not running.has(*names.places):
-        x = accelerated(names, begin, running, moving[0], root, B)
-    else:
-        x = sp.cancel(-C / B) + B / 4 * Phase(names, running, sp.S.One, 2 * root / B, even=True).argument ** 2
-    place = shortened_powers(s.inverse.subs(s.x, x))
-    return verified_inverse(own, integral, place, value, start, names, others)
+        return accelerated(names, begin, running, moving[0], root, B)
+    return sp.cancel(-C / B) + B / 4 * Phase(names, running, sp.S.One, 2 * root / B, even=True).argument ** 2
 
 
 def own_side(own: CoordinateIntegrals, integral: PieceIntegral) -> int:

@@ -42,7 +42,7 @@ from hjsolve.closed_form.reduction import reduced
 from hjsolve.closed_form.regime import plain_relation, sign_is_fixed
 from hjsolve.closed_form.regions import RootInterval
 from hjsolve.closed_form.signs import Signs, sign_of_many_digits
-from hjsolve.closed_form.tidy import shortened_powers, square_root
+from hjsolve.closed_form.tidy import square_root
 from hjsolve.closed_form.verification import sample_numbers, value_at
 from hjsolve.precision import mp
 
@@ -71,7 +71,7 @@ class Regularised:
         self.signs = Signs(own.sample.values, self.region.place)
         self.signs.name({s: sp.Float(v, 50) for s, v in sample_numbers(own).items() if s not in own.sample.values})
         self.x, self.root, self.amount, self.begin = self._parametrised(s.place.subs(q, start))
-        self.place: sp.Expr = shortened_powers(s.inverse.subs(s.x, self.x))
+        self.place: sp.Expr = s.q(self.x)
 
     def _parametrised(self, x_0: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
         """x(ξ), √P, ∫ dx/√P, and the ξ of a place, on the branch on which q grows."""

@@ -18,6 +18,7 @@ import sympy as sp
 
 from hjsolve.closed_form.branch_points import NamedRoots, named_roots
 from hjsolve.closed_form.curves import MomentumCurve
+from hjsolve.closed_form.even_curves import in_square
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.regions import RootInterval, real_roots
 from hjsolve.closed_form.signs import Signs
@@ -54,9 +55,7 @@ class SquareCurve:
         Raises:
             NoFormError: R is not even.
         """
-        if sp.cancel(sp.together(R - R.subs(x, -x))) != 0:
-            raise NoFormError("the integrand on a curve of genus 2 is not even in x")
-        return self.side * sp.cancel(sp.powdenest(R.subs(x, sp.sqrt(self.X)), force=True)) / 2
+        return self.side * in_square(R, x, self.X) / 2
 
     def in_x(self, value: sp.Expr, x: sp.Symbol) -> sp.Expr:
         """Return an integral over X as a function of x, odd where the motion passes x = 0.

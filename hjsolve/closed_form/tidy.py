@@ -151,6 +151,15 @@ def _factored(coefficient: sp.Expr) -> sp.Expr:
     return shortened_powers(coefficient if longer_than(coefficient, _FACTORED) else sp.factor(coefficient))
 
 
+def in_factors(expression: sp.Expr) -> sp.Expr:
+    """Return a rational expression as one quotient in factors.
+
+    Args:
+        expression: rational in symbols and roots.
+    """
+    return sp.factor(sp.cancel(sp.together(expression)))
+
+
 def plain_roots(expression: sp.Expr) -> sp.Expr:
     """Return a sum with √s in place of s/√s, each root once.
 
