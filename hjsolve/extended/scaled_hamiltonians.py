@@ -53,8 +53,8 @@ class Startable(Protocol):
         """
 
 
-@dataclass(frozen=True)
-class ScaledFrame:
+@dataclass(frozen=True, repr=False)
+class ScaledFrame(Shown):
     """X = (q + v t) e^{a t}, Y = p e^{−a t}.
 
     Attributes:

@@ -77,8 +77,8 @@ class _Typed:
     side: int
 
 
-@dataclass(frozen=True)
-class Released:
+@dataclass(frozen=True, repr=False)
+class Released(Shown):
     """A state where contact ends, rational numbers: coordinate → q and p, parameters, and the time t0."""
 
     q: dict[str, sp.Expr]

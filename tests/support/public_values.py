@@ -70,6 +70,8 @@ def made(folder: Path) -> dict[str, Any]:
         "derivatives": motion.derivatives(), "complete integral": complete, "flaw": wrong,
         "own motion": complete.along(solve(oscillator).motion(q={"x": "0.3"}, velocity={"x": "1"})),
         "canonical map": hjsolve.canonical({"Q": "p", "P": "-q"}), "proof": hjsolve.is_integral("p_theta", load("kepler-planar")),
+        "action of a path": hjsolve.action_integral(oscillator, {"x": "t"}, between=(0, 1)),
+        "loop": hjsolve.loop_integral(solve(oscillator), q={"x": "cos(s)"}, p={"x": "sin(s)"}, times=[0, 1]),
         "impact": hjsolve.impact(hjsolve.System({"x": "line"}, "dot(x)**2/2", 0), q={"x": 0}, velocity={"x": -1}, constraints=["dot(x) = 0"]),
         "contact": hjsolve.contact(hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "y"), q={"x": "3/5", "y": "4/5"}, velocity={"x": 0, "y": 0}, constraints=["x**2 + y**2 >= 1"]),
         "forces": hjsolve.constraint_forces(hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "y", constraints=["y = x**2"])),
