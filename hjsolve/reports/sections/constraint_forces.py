@@ -87,8 +87,10 @@ def contact_section(found: Contact) -> Section:
         return Section("contact", "Contact", (*blocks, Paragraph((words,))))
     many = len(found.ended) > 1
     pieces: list[str | Code] = [p for n, x in enumerate(found.ended) for p in ((" and ", Code(x)) if n else (Code(x),))]
-    earlier = "That no multiplier vanishes before is proved." if found.proved else (
-        "The signs before were sampled along the motion; nothing is proved about them."
+    earlier = (
+        "That no multiplier vanishes before is proved."
+        if found.proved
+        else ("The signs before were sampled along the motion; nothing is proved about them.")
     )
     ends: Text = ("Contact ends at t = ", str(found.time), ": ", *pieces, f" let{'' if many else 's'} go. ", earlier)
     head: tuple[Text, ...] = (("Coordinate",), ("Position",), ("Velocity",))
