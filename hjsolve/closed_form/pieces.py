@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import sympy as sp
@@ -11,7 +11,7 @@ from hjsolve.closed_form.branch_points import NamedRoots, named_roots
 from hjsolve.closed_form.carlson import CarlsonMap, carlson_integral, carlson_map, pairs_map
 from hjsolve.closed_form.change_of_variable import Substitution
 from hjsolve.closed_form.complex_poles import PairOfComplexPoles
-from hjsolve.closed_form.curves import MomentumCurve, W
+from hjsolve.closed_form.curves import MomentumCurve, W, named_constants
 from hjsolve.closed_form.elementary import Antiderivative, elementary_antiderivative, positive_root
 from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
 from hjsolve.closed_form.fractions import partial_fractions
@@ -219,6 +219,7 @@ class _Task:
 
     def __init__(self, curve: MomentumCurve, region: RootInterval, signs: Signs, prefix: str, start: sp.Symbol | None):
         self.curve, self.region, self.signs = curve, region, signs
+        self.denominators = dict[sp.Expr, None]()
         self.squared = square_curve(curve, region, signs, prefix) if reduces(curve) else None
         if curve.degree > 4 and self.squared is None:
             raise NoFormError(why_no_form([curve]))
@@ -238,6 +239,7 @@ class _Task:
         """∫ N dq/√P² = ε ∫ N dx/(S √P)."""
         curve, s, region = self.curve, self.curve.substitution, self.region
         R = rational_factor(curve, region, self.signs, key)
+        self.denominators[sp.denom(sp.cancel(sp.together(R)))] = None
         cyclic, change = region.kind in ("libration", "rotation"), None
         law: Antiderivative | None = None
         if self.roots is not None:
@@ -345,13 +347,28 @@ class _Task:
             return self.squared.turning_points(self.signs)
         return _roots(self.curve, self.signs) if self.roots is None else self.roots.real
 
-    def conditions(self, constants: Iterable[sp.Symbol]) -> dict[sp.Expr, int]:
+    def conditions(self, constants: Sequence[sp.Symbol]) -> dict[sp.Expr, int]:
         """Return what the regime rests on."""
         if self.roots is not None:
             for decider in deciders(self.curve if self.squared is None else self.squared.inner, constants):
                 if sp.count_ops(decider) <= LONGEST_CONDITION:
                     self.signs.sign(decider)
+            self._keep_poles_apart(frozenset(constants))
         return self.signs.decided | self.region.conditions(self.signs)
+
+    def _keep_poles_apart(self, constants: frozenset[sp.Symbol]) -> None:
+        """Record parameters at which a pole is a root of P, or infinite, as R = r of a torus: other integrals hold."""
+        P, x = self.curve.polynomial.as_expr(), self.curve.x
+        for denominator in self.denominators:
+            bare, back = named_constants(denominator, x)
+            for pole, _ in sp.factor_list(bare, x)[1]:
+                if sp.degree(pole, x) > 2 or not pole.free_symbols - {x}:
+                    continue
+                meeting = sp.resultant(pole.xreplace(back), P, x)
+                for special in (sp.LC(pole, x).xreplace(back), meeting):
+                    for factor, power in sp.factor_list(sp.numer(sp.together(special)))[1]:
+                        if not factor.free_symbols & constants:
+                            self.signs.sign(factor if power % 2 else factor**2)
 
 
 def rational_factor(curve: MomentumCurve, region: RootInterval, signs: Signs, key: sp.Symbol) -> sp.Expr:
