@@ -17,12 +17,15 @@ import numpy as np
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import EPS, multiprecision
-from hjsolve.arithmetic.number_types import Context, Counts, Elementwise, Mpf, Reals
+from hjsolve.arithmetic.number_types import Context, Counts, Elementwise, Mask, Mpf, Reals
 from hjsolve.arithmetic.root_finding import bracketed_roots
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import AtRest, Periodic
 from hjsolve.one_coordinate.fourier_series import FourierSeries, combine
 from hjsolve.time_law.phase_reduction import turns_and_rest
+
+_STEPS, _SHORTENINGS, _SETTLED = 40, 12, 1e-9
+"""Steps of Newton's method, how often one is divided by four, and the residual, radians, that is small."""
 
 
 @dataclass(frozen=True)
@@ -213,9 +216,12 @@ def _together(system: TorusEquations, angles: list[Reals], χ: list[Reals | None
     others = [_of_others(system, k, χ, errors) for k in block]
     goal = np.stack([angles[k] - oscillations for k, (oscillations, _) in zip(block, others, strict=True)])
     # Newton's method from the angles themselves, which differ from the phases by the periodic parts only
-    found = _newton(system, goal, goal.copy(), 40)
-    bad = ~(np.max(np.abs(_residual(system, goal, found)), axis=0) < 1e-9)
-    if bad.any():
+    found = _newton(system, goal, goal.copy(), _STEPS)
+    bad = np.flatnonzero(_unsolved(system, goal, found))
+    if len(bad):
+        found[:, bad] = _newton(system, goal[:, bad], _one_by_one(system, goal[:, bad]), _STEPS)
+        bad = bad[_unsolved(system, goal[:, bad], found[:, bad])]
+    if len(bad):
         found[:, bad] = _follow(system, goal[:, bad])
     residual = _residual(system, goal, found)
     inverse = np.linalg.inv(_jacobian(system, found).transpose(2, 0, 1))
@@ -225,6 +231,19 @@ def _together(system: TorusEquations, angles: list[Reals], χ: list[Reals | None
     bound = np.sum(np.abs(inverse), axis=2) * rounding[:, None]
     for row, k in enumerate(block):
         χ[k], errors[k] = found[row], bound[:, row] + EPS * np.pi
+
+
+def _unsolved(system: TorusEquations, goal: Reals, x: Reals) -> Mask:
+    return np.asarray(~(np.max(np.abs(_residual(system, goal, x)), axis=0) < _SETTLED))
+
+
+def _one_by_one(system: TorusEquations, goal: Reals) -> Reals:
+    """Solve for one phase after the other, twice: next to the energy of escape one of them hardly sees the others."""
+    x, block = goal.copy(), system.coupled
+    for row, k in (*enumerate(block), *enumerate(block)):
+        terms = (system.oscillations[k][i].oscillation(x[c]) for c, i in enumerate(block) if c != row)
+        x[row], _ = _alone(system.oscillations[k][k], goal[row] - sum(terms), np.zeros(goal.shape[1]))
+    return x
 
 
 def _residual(system: TorusEquations, goal: Reals, x: Reals) -> Reals:
@@ -253,6 +272,7 @@ def _jacobian(system: TorusEquations, x: Reals) -> Reals:
 
 
 def _newton(system: TorusEquations, goal: Reals, x: Reals, steps: int) -> Reals:
+    """Damped Newton's method; a step is shortened until the largest residual does not grow, of each time by itself."""
     residual = _residual(system, goal, x)
     for _ in range(steps):
         jacobian = _jacobian(system, x).transpose(2, 0, 1)
@@ -260,12 +280,15 @@ def _newton(system: TorusEquations, goal: Reals, x: Reals, steps: int) -> Reals:
         size = np.max(np.abs(step), axis=0)
         step *= np.minimum(1.0, 1.0 / np.maximum(size, 1e-300))
         trial = x + step
-        new = _residual(system, goal, trial)
-        worse = np.max(np.abs(new), axis=0) > np.max(np.abs(residual), axis=0)
         if np.all(size < 4 * EPS * np.pi):
             return trial
-        if worse.any():
-            trial = np.where(worse & (size > 1e-9), x + step / 4, trial)
+        new = _residual(system, goal, trial)
+        for _ in range(_SHORTENINGS):
+            worse = (np.max(np.abs(new), axis=0) > np.max(np.abs(residual), axis=0)) & (size > _SETTLED)
+            if not worse.any():
+                break
+            step = np.where(worse, step / 4, step)
+            trial = x + step
             new = _residual(system, goal, trial)
         x, residual = trial, new
     return x

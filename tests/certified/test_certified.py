@@ -231,7 +231,7 @@ def test_symmetry_is_used_where_it_is_proved_and_nowhere_else(potential, even):
     motion = hjsolve.solve(system).motion(
         q={"x": 0}, velocity={"x": "3/2"}, certified=True, digits=40, want=["periods", "actions"]
     )
-    assert cycle("x", motion).reflection == (4 if even else 2)
+    assert cycle("x", motion).symmetry == (4 if even else 2)
     with mpmath.workdps(60):
         a, b = (mpmath.mpf(end.value) for end in motion.turning_points["x"])
 
@@ -254,11 +254,11 @@ def test_the_folds_of_a_turn_give_the_same_mean():
     motion = pendulum(velocity={"theta": "1.9"}, want=["periods", "actions"])
     whole = cycle("theta", motion)
     spinning = cycle("theta", pendulum(velocity={"theta": "2.2"}, want=["periods", "actions"]))
-    assert (whole.reflection, spinning.reflection) == (4, 2)
+    assert (whole.symmetry, spinning.symmetry) == (4, 2)
     with ball.working(200):
         for integrand in (whole, spinning):
             means = [
-                strip_bound.certified_means(replace(integrand, reflection=integrand.reflection // part), 100)
+                strip_bound.certified_means(replace(integrand, symmetry=integrand.symmetry // part), 100)
                 for part in (1, 2)
             ]
             for one, other in zip(*means, strict=True):
