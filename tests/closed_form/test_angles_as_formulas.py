@@ -47,6 +47,7 @@ def test_angles_from_w_of_the_actions_grow_by_the_frequencies(entry: str) -> Non
     assert compared >= 10
 
 
+@pytest.mark.nightly
 def test_constants_in_the_actions() -> None:
     """Kepler in space: alpha_2 = (J_theta + |J_phi|)**2/2, E by Delaunay's sum."""
     form = next(f for f in hjsolve.closed_forms(hjsolve.solve("kepler-spherical"), seconds=30) if f.energy is not None)

@@ -134,7 +134,7 @@ def test_problem_5_6_hyperbola() -> None:
 
 
 @pytest.mark.rotating(2)
-@pytest.mark.nightly_cases("isochrone")
+@pytest.mark.nightly_cases("isochrone", "kepler-planar", "morse")
 @pytest.mark.parametrize("name", ["kepler-planar", "isochrone", "morse", "poeschl-teller", "harmonic-oscillator"])
 def test_energies_from_actions(name: str) -> None:
     """H(J) put through J(E) is E, and its derivatives are the frequencies."""

@@ -41,7 +41,9 @@ def _value(form: RegimeForms, name: str, values: Mapping[str, sp.Expr]) -> float
 
 
 @pytest.mark.rotating(3)
-@pytest.mark.nightly_cases("lagrange-top-theta-q6-velocity6")
+@pytest.mark.nightly_cases(
+    "lagrange-top-theta-q6-velocity6", "spherical-pendulum-theta-q5-velocity5", "bead-on-turning-wire-theta-q2-velocity2"
+)
 @pytest.mark.parametrize(("name", "coordinate", "q", "velocity"), [
     ("double-well", "x", {"x": "1.1"}, {"x": "0.1"}), ("double-well", "x", {"x": "0.1"}, {"x": 2}),
     ("bead-on-turning-wire", "theta", {"theta": "0.3"}, {"theta": "0.2"}),

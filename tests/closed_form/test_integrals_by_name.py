@@ -44,7 +44,7 @@ NIGHTLY = ("kerr", "schwarzschild", "two-centres-plane", "two-centres-space")
 
 @pytest.mark.rotating(4)
 @pytest.mark.nightly_cases(
-    "liouville-p5-6", "isochrone", "pendulum", "lagrange-top", "oblate-geodesics", "spherical-pendulum", "stark"
+    "liouville-p5-6", "bead-on-turning-wire", "isochrone", "pendulum", "lagrange-top", "oblate-geodesics", "spherical-pendulum", "stark"
 )
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=[pytest.mark.nightly] if n in NIGHTLY else []) for n in ENTRIES]

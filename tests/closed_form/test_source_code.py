@@ -64,7 +64,7 @@ def _close(got: float, exact: float) -> bool:
     return abs(got - exact) <= 2e-12 * max(abs(exact), 1e-2)
 
 
-@pytest.mark.nightly_cases("isochrone")
+@pytest.mark.nightly_cases("isochrone", "spherical-pendulum", "cone")
 @pytest.mark.rotating(2)
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 @pytest.mark.parametrize("name", ENTRIES)
@@ -82,6 +82,7 @@ def test_c_compiles_without_a_warning_and_agrees(name: str, tmp_path: Path) -> N
         assert _close(float(got), exact), (function, values, got, exact)
 
 
+@pytest.mark.nightly_cases("isochrone", "spherical-pendulum", "cone")
 @pytest.mark.parametrize("name", ENTRIES)
 def test_python_runs_and_agrees(name: str) -> None:
     form = forms(name)[0]

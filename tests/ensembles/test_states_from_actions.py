@@ -259,7 +259,8 @@ def test_the_states_at_the_lower_turning_points_need_no_single_motions(name, ang
                 assert abs(mp.mpf(value) - mp.mpf(getattr(state, group)[key])) <= allowed, (group, key)
 
 
-@pytest.mark.parametrize("V", [pytest.param("-1/sqrt(1 + r**2)", marks=pytest.mark.nightly), "log(1 + r**2)/2"])
+@pytest.mark.nightly
+@pytest.mark.parametrize("V", ["-1/sqrt(1 + r**2)", "log(1 + r**2)/2"])
 def test_tori_in_the_core_of_a_potential_are_found_in_a_batch(V):
     # J = 1e-9: E - V(0) is 1e-9 as well; not one of 40 orbits was ok without single motions
     system = hjsolve.System({"r": "0 < r", "theta": "angle"}, "(dot(r)**2 + r**2*dot(theta)**2)/2", V)

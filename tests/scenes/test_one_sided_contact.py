@@ -194,6 +194,7 @@ def test_a_ladder_leaves_the_wall_and_goes_on_along_the_floor() -> None:
     assert data["t0"] == found.released.t0
 
 
+@pytest.mark.nightly
 def test_a_multiplier_of_two_coordinates_is_sampled_along_the_motion() -> None:
     """V = x²/2 + 2 y² + z (2 − x − y) on z ≥ 0: λ = 2 − x − y, x = cos t + sin t, y = (cos 2t + sin 2t)/2."""
     field = hjsolve.System(SPACE, "(dot(x)**2 + dot(y)**2 + dot(z)**2)/2", "x**2/2 + 2*y**2 + z*(1.8 - x - y)")

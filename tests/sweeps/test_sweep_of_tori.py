@@ -48,6 +48,7 @@ def test_a_grid_of_actions_gives_the_states_of_kepler(tmp_path: Path) -> None:
     assert found["p.theta"].tolist() == L.tolist()
 
 
+@pytest.mark.nightly
 def test_a_table_of_actions_is_the_same_in_one_part_or_several(tmp_path: Path) -> None:
     columns = {"radial": [0.1, 0.3, np.nan], "actions.theta": [1.0, 0.5, 1.0], "angles.theta": [0.1, 2.0, 0.0]}
     np.savez(tmp_path / "tori.npz", **columns)
