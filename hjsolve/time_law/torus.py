@@ -24,7 +24,7 @@ from hjsolve.one_coordinate.coordinate_motion import AtRest, Periodic
 from hjsolve.one_coordinate.fourier_series import FourierSeries, combine
 from hjsolve.time_law.phase_reduction import turns_and_rest
 
-_STEPS, _SHORTENINGS, _SETTLED = 40, 12, 1e-9
+_NEWTON_STEPS, _SHORTENINGS, _SETTLED = 40, 12, 1e-9
 """Steps of Newton's method, how often one is divided by four, and the residual, radians, that is small."""
 
 
@@ -216,10 +216,10 @@ def _together(system: TorusEquations, angles: list[Reals], χ: list[Reals | None
     others = [_of_others(system, k, χ, errors) for k in block]
     goal = np.stack([angles[k] - oscillations for k, (oscillations, _) in zip(block, others, strict=True)])
     # Newton's method from the angles themselves, which differ from the phases by the periodic parts only
-    found = _newton(system, goal, goal.copy(), _STEPS)
+    found = _newton(system, goal, goal.copy(), _NEWTON_STEPS)
     bad = np.flatnonzero(_unsolved(system, goal, found))
     if len(bad):
-        found[:, bad] = _newton(system, goal[:, bad], _one_by_one(system, goal[:, bad]), _STEPS)
+        found[:, bad] = _newton(system, goal[:, bad], _one_by_one(system, goal[:, bad]), _NEWTON_STEPS)
         bad = bad[_unsolved(system, goal[:, bad], found[:, bad])]
     if len(bad):
         found[:, bad] = _follow(system, goal[:, bad])
