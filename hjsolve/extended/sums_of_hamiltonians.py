@@ -35,8 +35,8 @@ class SumMotion(Shown):
 
     Attributes:
         motions: of the parts, in order.
-        constants: E, and ``E_`` with the names of its coordinates for each part; of a part that holds the time the energy
-            in its frame, and then no E.
+        constants: E, and ``E_`` with the names of its coordinates for each part; of a part that holds the time the
+            energy in its frame, and then no E.
         t0: time of the initial data.
     """
 
