@@ -30,6 +30,9 @@ from hjsolve.resonances.several_unknowns import tori_by_newton
 _GREATEST, _MANY = 12, 6
 """Largest denominator that is looked at, and how many ratios are given."""
 
+_AT_AN_END = 1e-9
+"""Relative distance from an end of the range below which a ratio is not given: it is only approached."""
+
 _SPARE = 5
 """Decimal digits that motions have beyond those asked while a root is looked for."""
 _WIDENINGS = 10
@@ -167,8 +170,9 @@ def simplest_ratios(low: float, high: float) -> list[str]:
     """Return ratios between two numbers, those of the smallest whole numbers first, such as "3:2".
 
     Args:
-        low, high: the ends, positive.
+        low, high: the ends, positive. A ratio at an end, as 2:1 of orbits through the centre, is only approached.
     """
+    low, high = low * (1 + _AT_AN_END), high * (1 - _AT_AN_END)
     found: list[Fraction] = []
     for n in range(1, _GREATEST + 1):
         first = ceil(low * n)
