@@ -9,6 +9,7 @@ doubles do not know it well.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -46,13 +47,24 @@ _STANDING = 2.0**-60
 What is left of it does as many times that to an integral as there are nodes.
 """
 
-_SMALL = 1e-13
-"""Relative errors up to which an integral stays as it is, where others are made better."""
+class Kept(NamedTuple):
+    """Relative errors up to which integrals stay as they are, where others get p² to 32 digits.
+
+    Attributes:
+        action: of J.
+        means: of ∂J/∂c.
+    """
+
+    action: float
+    means: float
+
+
+SMALL = Kept(1e-13, 1e-13)
 
 _RESTING = 2.0**-40
 """F′ at a place of rest, over what is not known of ½F″ and the size of q, that is no more than rounding."""
 
-_APPROXIMATE = COUNTS.index(24), COUNTS.index(48)
+APPROXIMATE_SIZES = COUNTS.index(24), COUNTS.index(48)
 """Sizes for rough integrals: of circular anomalies, and of stretched ones."""
 
 _Halves = tuple[ViewPrograms | SmallPrograms | ExactPrograms, ViewPrograms | SmallPrograms | ExactPrograms]
@@ -76,13 +88,16 @@ class TurningPoints:
         self.places[:, index], self.errors[:, index] = places, errors
 
 
-def librations(one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bool) -> tuple[Sums, TurningPoints]:
+def librations(
+    one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bool, kept: Kept = SMALL
+) -> tuple[Sums, TurningPoints]:
     """Integrate one coordinate of many orbits.
 
     Args:
         modes: what is wanted; ``chords`` and ``shifts`` are not looked at.
         exact: whether those whose errors are not small get p² to 32 digits.
         places: whether the turning points are wanted, too.
+        kept: which errors are small.
 
     Returns:
         The sums, good only where this was enough, and the turning points.
@@ -103,7 +118,7 @@ def librations(one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bo
         if places:
             found.put(wide, *_turning_points(some, motions.lower, motions.upper))
     # p² next to a crest that is passed slowly may have no digits in doubles
-    approximate = np.flatnonzero(np.where(sums.good, approximate_ones(sums, modes) if exact else False, slow))
+    approximate = np.flatnonzero(np.where(sums.good, approximate_ones(sums, modes, kept) if exact else False, slow))
     if len(approximate):
         better, bases, slopes = _exactly(one.take(approximate), modes)
         fine = np.flatnonzero(better.good)
@@ -113,15 +128,16 @@ def librations(one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bo
     return sums, found
 
 
-def approximate_ones(sums: Sums, modes: Modes) -> Mask:
+def approximate_ones(sums: Sums, modes: Modes, kept: Kept) -> Mask:
     """Tell which errors are not small.
 
     Args:
         sums: of n orbits.
         modes: what is wanted.
+        kept: which are.
     """
-    found: Mask = sums.action_error > _SMALL * np.abs(sums.action)
-    return found | ((sums.mean_errors > _SMALL * np.abs(sums.means)).any(axis=0) if modes.kernels else False)
+    found: Mask = sums.action_error > kept.action * np.abs(sums.action)
+    return found | ((sums.mean_errors > kept.means * np.abs(sums.means)).any(axis=0) if modes.kernels else False)
 
 
 def _smallness(one: CoordinateOfOrbits) -> Reals:
@@ -235,7 +251,7 @@ def _placed_between(one: CoordinateOfOrbits, places: Reals, bends: Reals) -> tup
     even = one.coordinate.even & (np.abs(distances[0] - distances[1] - 2 * one.q) <= 1e-13 * width)
     ends = LibrationEnds(node_maps(), bends, np.array([float(below.sign), -float(above.sign)]), even)
     first, fraction = ends.maps(width)
-    homes = np.stack([_home(below, places[0], above, places[1]), _home(above, places[1], below, places[0])])
+    homes = np.stack([home(below, places[0], above, places[1]), home(above, places[1], below, places[0])])
     motions = Motions(
         momentum=one.P, left=distances[0], right=distances[1], width=width, lower=places[0], upper=places[1],
         homes=homes, signs=ends.signs, known=np.ascontiguousarray(one.constants.T),
@@ -249,7 +265,7 @@ def _resolved(one: CoordinateOfOrbits, motions: Motions, placed: Motions, modes:
     """Integrate with as many nodes as are proved to resolve every motion, which lies where ``placed`` says."""
     below, above = sides(one.coordinate)
     if modes.approximate:
-        motions.least[:] = np.where(motions.first < len(CLUSTERINGS), *_APPROXIMATE)
+        motions.least[:] = np.where(motions.first < len(CLUSTERINGS), *APPROXIMATE_SIZES)
         return _integrated(one, motions, modes, programs)
     proof, n = ResolutionProof(node_maps(), placed, below.clearance, above.clearance), len(motions.width)
     span = np.stack([np.zeros(n, dtype=np.int64), np.full(n, len(COUNTS))])
@@ -395,7 +411,7 @@ def _small(one: CoordinateOfOrbits, modes: Modes, known: Reals, ends: Reals) -> 
     with np.errstate(invalid="ignore"):
         middle = one.q + 0.5 * (low + high)
         if modes.approximate:
-            least = np.full(len(width), _APPROXIMATE[0])
+            least = np.full(len(width), APPROXIMATE_SIZES[0])
         else:
             least = least_at_a_glance(maps, plain.clearance, tuple(one.constants), middle, width)
     none = np.zeros(len(width), dtype=np.int64)
@@ -459,7 +475,7 @@ def _taken(motions: Motions, index: Integers) -> Motions:
     return Motions(**arrays, signs=motions.signs, homes=np.ascontiguousarray(motions.homes[:, index]))
 
 
-def _home(view: LoweredFormula, own: Reals, other: LoweredFormula, far: Reals) -> Reals:
+def home(view: LoweredFormula, own: Reals, other: LoweredFormula, far: Reals) -> Reals:
     """Return that turning point, as an offset in a view, from which places keep their digits: the one nearer to x = 0.
 
     Args:

@@ -16,7 +16,7 @@ from hjsolve.ensembles.engine.constants import InitialConstants, initial_constan
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
 from hjsolve.ensembles.engine.escapes import escaping
 from hjsolve.ensembles.engine.kernels.types import Modes, Sums, no_sums
-from hjsolve.ensembles.engine.librating import TurningPoints, approximate_ones, librations
+from hjsolve.ensembles.engine.librating import SMALL, Kept, TurningPoints, approximate_ones, librations
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import SystemPrograms
 from hjsolve.ensembles.engine.rotating import going_round, rotations
@@ -88,7 +88,9 @@ def modes_of(names: Names) -> Modes:
     return Modes(chords=False, kernels=bool(TIMED & names.keys()), oscillations="angles" in names, shifts=False)
 
 
-def integrated(one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bool) -> tuple[Sums, TurningPoints, Mask]:
+def integrated(
+    one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bool, kept: Kept = SMALL
+) -> tuple[Sums, TurningPoints, Mask]:
     """Integrate one coordinate: rotations where it goes round, librations elsewhere.
 
     Args:
@@ -96,6 +98,7 @@ def integrated(one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bo
         modes: what is wanted.
         exact: whether p² is taken to 32 digits where doubles do not know it well.
         places: whether turning points are wanted.
+        kept: which errors do not need that.
 
     Returns:
         The sums, the turning points, and which of the orbits go round.
@@ -109,7 +112,7 @@ def integrated(one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bo
         if len(going.orbits):
             some = one.take(going.orbits)
             part = rotations(some, going.slow, modes, finely=False)
-            approximate = np.flatnonzero(~part.good | approximate_ones(part, modes)) if exact else going.orbits[:0]
+            approximate = np.flatnonzero(~part.good | approximate_ones(part, modes, kept)) if exact else going.orbits[:0]
             if len(approximate):
                 better = rotations(some.take(approximate), going.slow.take(approximate), modes, finely=True)
                 fine = np.flatnonzero(better.good)
@@ -117,7 +120,7 @@ def integrated(one: CoordinateOfOrbits, modes: Modes, *, exact: bool, places: bo
             sums.put(going.orbits, part)
     others = np.flatnonzero(~round_)
     if len(others):
-        part, seen = librations(one.take(others), modes, exact=exact, places=places)
+        part, seen = librations(one.take(others), modes, exact=exact, places=places, kept=kept)
         sums.put(others, part)
         for name in ("offsets", "places", "errors"):
             getattr(found, name)[:, others] = getattr(seen, name)

@@ -16,12 +16,15 @@ from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.actions_and_angles import combine_integrals
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
 from hjsolve.ensembles.engine.kernels.types import Modes, Sums, no_sums
+from hjsolve.ensembles.engine.librating import Kept
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed
 from hjsolve.ensembles.to_states.short_arcs import Integrals
 from hjsolve.ensembles.to_states.tori import APPROXIMATE, EXACT, Tori, coordinate_at
 
+_KEPT = Kept(np.inf, 5e-13)
+"""Relative errors of ∂J/∂c up to which p² in doubles does for angles; J is not looked at."""
 _TIMED = Modes(chords=False, kernels=True, oscillations=True, shifts=False)
 
 
@@ -84,7 +87,7 @@ def angles_at(task: AngleTask, tori: Tori, frames: Frames, at: Placed, how: int)
         total = no_sums(len(model.constants), n)
         moving = np.flatnonzero(~frames.resting[k])
         if len(moving):
-            part, _, _ = integrated(one.take(moving), modes, exact=how == EXACT, places=False)
+            part, _, _ = integrated(one.take(moving), modes, exact=how == EXACT, places=False, kept=_KEPT)
             total.put(moving, part)
         still = np.flatnonzero(frames.resting[k])
         if len(still):

@@ -18,6 +18,7 @@ from hjsolve.arithmetic.block_exponents import NOTHING, Unit, tape_in_units, uni
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.coordinates.chart import Chart
+from hjsolve.ensembles.engine.kernels.nearest_points import extrapolated
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated, lowered_model, next_to_poles
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
@@ -25,6 +26,7 @@ from hjsolve.ensembles.engine.units_of_orbits import LARGE_BITS, UnitsOfOrbits, 
 from hjsolve.ensembles.to_states.newton_on_actions import ROUNDS, SOON, Goals, Solved, constants_of_tori, newton_step
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, frames_of
 from hjsolve.ensembles.to_states.seeds import Scales, Seeds, nearest, seeds_of
+from hjsolve.ensembles.to_states.short_arcs import inverses
 from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
 from hjsolve.ensembles.to_states.tori import FINER, Actions, Tori
 from hjsolve.errors import InvalidInputError, NotConvergedError, SeveralToriError
@@ -38,6 +40,8 @@ _FARTHEST_EXPONENT = 1000
 
 _CHUNK = 16384
 """Orbits that are worked on together."""
+_MANY, _EVERY = 2048, 8
+"""Orbits from which on some are solved first, and which of them: every eighth."""
 _AGAIN = 3
 """How often orbits that are left over start again from the nearest that are solved."""
 _NEAR = 0.3
@@ -237,32 +241,63 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern:
     unknown = np.array([j for j in range(len(model.constants)) if j not in places])
     goals = Goals(np.abs(J), rotating, np.abs(J).sum(axis=0) + np.abs(momenta).sum(axis=0), unknown)
     everything = np.concatenate([np.abs(J), np.abs(momenta)])
-    begin = _begun(seeds.tori, seeds.shells, nearest(seeds.actions, everything), (goals, momenta, places))
-    solved = constants_of_tori(model, task.programs, begin, goals, SOON)
+
+    def begun(pool: Seeds, index: Integers, *, again: bool = False) -> tuple[Tori, Reals]:
+        near = nearest(pool.actions, everything[:, index])[: 1 if again else None]
+        return _begun(pool, near, (goals.take(index), momenta[:, index], places))
+
+    everyone = np.arange(J.shape[1])
+    few, rest = (everyone[::_EVERY], everyone[everyone % _EVERY > 0]) if len(everyone) >= _MANY else (everyone, [])
+    solved = constants_of_tori(task, begun(seeds, few), goals.take(few), SOON)
+    if len(rest):  # the others begin at these, which lie where the batch does
+        good = np.flatnonzero(solved.good)
+        found = Seeds(solved.tori.take(good), solved.actions.take(good), everything[:, few[good]])
+        seeds = seeds.joined(found)
+        solved = solved.joined(constants_of_tori(task, begun(seeds, rest), goals.take(rest), SOON))
+        solved = solved.take(np.argsort(np.concatenate([few, rest])))
     for attempt in range(_AGAIN):
         lost, good = np.flatnonzero(~solved.good), np.flatnonzero(solved.good)
         if not len(lost):
             break
         rounds = ROUNDS if attempt == _AGAIN - 1 or not len(good) else SOON
-        start = begin[0].take(lost), begin[1][:, lost]
-        if len(good):
-            near = good[nearest(everything[:, good], everything[:, lost])]
-            start = _begun(solved.tori, solved.actions, near, (goals.take(lost), momenta[:, lost], places))
-        solved.put(lost, constants_of_tori(model, task.programs, start, goals.take(lost), rounds))
+        pool = Seeds(solved.tori.take(good), solved.actions.take(good), everything[:, good]) if len(good) else seeds
+        start = begun(pool, lost, again=attempt == _AGAIN - 1)
+        solved.put(lost, constants_of_tori(task, start, goals.take(lost), rounds))
     return solved
 
 
-def _begun(tori: Tori, actions: Actions, near: Integers, wanted: tuple[Goals, Reals, list[int]]) -> tuple[Tori, Reals]:
-    """Constants of other tori, and the step to those with the actions wanted, to first order; none far from them."""
-    goals, momenta, places = wanted
-    values, there = tori.values[:, near], actions.values[:, near]
+def _begun(pool: Seeds, near: Integers, wanted: tuple[Goals, Reals, list[int]]) -> tuple[Tori, Reals]:
+    """Constants of the nearest tori, and the step to those with the actions wanted; none far from them.
+
+    To third order from several neighbours, or to first order from the nearest one.
+    """
+    (goals, momenta, places), first = wanted, near[0]
+    values, there, slopes = pool.tori.values[:, first], pool.shells.values[:, first], pool.shells.slopes[:, :, first]
     values[places] = momenta
-    slopes = actions.slopes[:, :, near]
     with np.errstate(all="ignore"):
-        moved = np.einsum("kcn,cn->kn", slopes, values - tori.values[:, near])
+        moved = np.einsum("kcn,cn->kn", slopes, values - pool.tori.values[:, first])
         step = newton_step(slopes[:, goals.unknown], goals.actions - there - moved)
         fine = (np.abs(goals.actions - there) <= _NEAR * there).all(axis=0) & np.isfinite(step).all(axis=0)
-    return Tori(values, np.zeros_like(values), tori.q[:, near]), np.where(fine, step, 0.0)
+        better = _extrapolated(pool, near, wanted) - values[goals.unknown] if len(near) > 1 else np.full_like(step, np.nan)
+        known = np.isfinite(better).all(axis=0)
+    step = np.where(known, better, np.where(fine, step, 0.0))
+    return Tori(values, np.zeros_like(values), pool.tori.q[:, first], pool.tori.ends[..., first]), step
+
+
+def _extrapolated(pool: Seeds, near: Integers, wanted: tuple[Goals, Reals, list[int]]) -> Reals:
+    """Return the unknown constants of tori by those of several neighbours."""
+    goals, momenta, places = wanted
+    inverse = inverses(pool.shells.slopes[:, goals.unknown].transpose(2, 0, 1))  # ∂c/∂J
+    others = -np.einsum("nck,kpn->cpn", inverse, pool.shells.slopes[:, places])
+    slopes = np.concatenate([inverse.transpose(1, 2, 0), others], axis=1)
+    points = np.concatenate([pool.shells.values, pool.tori.values[places]])
+    here = np.concatenate([goals.actions, momenta])
+    found, size = np.empty((len(goals.unknown), here.shape[1])), len(here) + 1
+    extrapolated(
+        points, np.ascontiguousarray(pool.tori.values[goals.unknown]), np.ascontiguousarray(slopes), here, near, found,
+        np.empty((size, size)), np.empty((3, max(size, len(near)))),
+    )  # fmt: skip
+    return found
 
 
 def _written(

@@ -17,9 +17,9 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.lowered_solution import Model
-from hjsolve.ensembles.engine.programs import SystemPrograms
-from hjsolve.ensembles.to_states.tori import APPROXIMATE, DOUBLES, EXACT, Actions, Tori, actions_of, no_actions
+from hjsolve.ensembles.to_states.followed import followed
+from hjsolve.ensembles.to_states.places_on_tori import AngleTask
+from hjsolve.ensembles.to_states.tori import APPROXIMATE, DOUBLES, EXACT, Actions, Tori, actions_of, joined, no_actions
 
 ROUNDS, SOON = 60, 9
 """Evaluations of J; and those of orbits that have another start to try."""
@@ -36,8 +36,8 @@ _NEARLY = 1e-6
 _FORESEEN, _KNOWN = 16.0, (0.0, 1e-13, 1e-11)
 """By how much what the last step leaves is taken larger than κ r²; and errors of J, rough, in doubles and to
 32 digits, up to which it is the last."""
-_ROUGHLY, _APPROXIMATE_FRACTION = 1e-7, 1.0
-"""Residual of rough integrals, and share of a step, below which they are left."""
+_ROUGHLY, _APPROXIMATE_FRACTION = 1e-8, 0.2
+"""Residual of rough integrals, as it is foreseen, and share of a step, below which they are left."""
 _SETTLED = 1e-10
 """Residual below which a step that makes nothing better ends the search."""
 _ACTION_OF_REST = 2.0**-80
@@ -77,6 +77,16 @@ class Solved(NamedTuple):
     actions: Actions
     good: Mask
 
+    def take(self, index: Integers) -> Solved:
+        """Return those of some orbits."""
+        return Solved(self.tori.take(index), self.actions.take(index), self.good[index])
+
+    def joined(self, other: Solved) -> Solved:
+        """Return these and others."""
+        return Solved(
+            joined(self.tori, other.tori), joined(self.actions, other.actions), np.concatenate([self.good, other.good])
+        )
+
     def put(self, index: Integers, other: Solved) -> None:
         """Write those of some orbits into these.
 
@@ -89,14 +99,10 @@ class Solved(NamedTuple):
             whole[..., index] = part
 
 
-def constants_of_tori(
-    model: Model, programs: SystemPrograms, begin: tuple[Tori, Reals], goals: Goals, rounds: int = ROUNDS
-) -> Solved:
+def constants_of_tori(task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, rounds: int = ROUNDS) -> Solved:
     """Find the constants of tori.
 
     Args:
-        model: the lowered solution.
-        programs: of the system.
         begin: n tori, and the first step from each, shape (unknown, n).
         goals: what is wanted.
         rounds: how often J is evaluated.
@@ -107,12 +113,12 @@ def constants_of_tori(
     base, step = Tori(*(x.copy() for x in begin[0])), begin[1].copy()
     trial = base.moved(goals.unknown, step)
     fraction, merit, left = np.ones(n), np.full(n, np.inf), np.full((size, n), np.inf)
-    best, how = no_actions(size, len(model.constants), n), np.full(n, APPROXIMATE)
+    best, how = no_actions(size, len(task.model.constants), n), np.full(n, APPROXIMATE)
     active, done, curve = np.arange(n), np.zeros(n, dtype=bool), np.full(n, np.inf)
     for _ in range(rounds):
         if not len(active):
             break
-        found, seen = _each(model, programs, (trial, zero, goals.rotating), (active, how[active]))
+        found, seen = _each(task, (trial, zero, goals.rotating), (active, how[active]))
         sure = how[active] > APPROXIMATE
         with np.errstate(all="ignore"):
             residual = goals.actions[:, active] - found.values
@@ -133,7 +139,7 @@ def constants_of_tori(
         last = sure & better & ~finished & known & (_FORESEEN * after <= _CLOSE)
         here = active[better]
         for kept, new in zip(base, seen, strict=True):
-            kept[:, here] = new[:, better]
+            kept[..., here] = new[..., better]
         for whole, part in zip(best, found, strict=True):
             whole[..., here] = part[..., better]
         merit[here], left[:, here] = own[better], np.abs(residual[:, better])
@@ -147,7 +153,7 @@ def constants_of_tori(
         active = active[~finished & ~settled & ~last & (fraction[active] >= _LEAST_STEP)]
         moved = base.take(active).moved(goals.unknown, fraction[active] * step[:, active])
         for kept, new in zip(trial, moved, strict=True):
-            kept[:, active] = new
+            kept[..., active] = new
     finite = done & best.good & ~(best.harmonic & ~zero).any(axis=0)
     return Solved(base, best, finite)
 
@@ -166,26 +172,37 @@ def _refined(how: Integers, merit: Reals, active: Integers, seen: tuple[Reals, R
     """Choose how J is worked out next: rough integrals as long as they lead on, 32 digits where little is left."""
     fraction, own, after = seen
     approximate = how[active] == APPROXIMATE
-    through = active[approximate & ((own < _ROUGHLY) | (fraction[active] < _APPROXIMATE_FRACTION))]
+    near = np.fmin(own, _FORESEEN * after) < _ROUGHLY
+    through = active[approximate & (near | (fraction[active] < _APPROXIMATE_FRACTION))]
     how[through], merit[through] = DOUBLES, np.inf
     how[active[(how[active] > APPROXIMATE) & (np.fmin(own, after) < _NEARLY)]] = EXACT
 
 
 def _each(
-    model: Model, programs: SystemPrograms, given: tuple[Tori, Mask, Mask], which: tuple[Integers, Integers]
+    task: AngleTask, given: tuple[Tori, Mask, Mask], which: tuple[Integers, Integers]
 ) -> tuple[Actions, Tori]:
     """Actions of some tori, of each as it is to be worked out; of all of them the places inside."""
     (trial, zero, rotating), (active, how) = given, which
-    size, n, m = len(model.separated), len(active), len(model.constants)
+    size, n, m = len(task.model.separated), len(active), len(task.model.constants)
     found, seen = no_actions(size, m, n), trial.take(active)
+    next_to = (how == APPROXIMATE) & ~(zero | rotating)[:, active].any(axis=0) & np.isfinite(seen.ends).all(axis=(0, 1))
+    some = np.flatnonzero(next_to)
+    if len(some):
+        own = followed(task, trial.take(active[some]), series=False)
+        fine = some[own.good]
+        next_to[some[~own.good]] = False
+        found.values[:, fine], found.slopes[..., fine] = own.action[:, own.good], own.series.means[..., own.good]
+        found.errors[:, fine], found.slope_errors[..., fine], found.good[fine] = 0.0, 0.0, True
+        found.harmonic[:, fine] = own.harmonic[:, own.good]
+        seen.ends[..., fine] = own.bases[..., own.good]
     for kind in (APPROXIMATE, DOUBLES, EXACT):
-        some = np.flatnonzero(how == kind)
+        some = np.flatnonzero((how == kind) & ~next_to)
         if len(some):
             own = active[some]
-            part, places = actions_of(model, programs, trial.take(own), zero[:, own], rotating[:, own], kind)
+            part, places = actions_of(*task, trial.take(own), zero[:, own], rotating[:, own], kind)
             for kept, new in zip(found, part, strict=True):
                 kept[..., some] = new
-            seen.q[:, some] = places.q
+            seen.q[:, some], seen.ends[..., some] = places.q, places.ends
     return found, seen
 
 

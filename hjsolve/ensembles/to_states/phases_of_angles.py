@@ -11,6 +11,7 @@ import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at, ignorable_slopes, matrix_of
+from hjsolve.ensembles.to_states.followed import Followed, phases_along, series_of
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, blurred, placed
 from hjsolve.ensembles.to_states.short_arcs import (
     Integrals,
@@ -46,19 +47,28 @@ Here = tuple[Reals, AnglesFound, Placed]
 """Phases of states, their angles, and the states."""
 
 
-def phases_of(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -> tuple[Here, Mask]:
+def phases_of(
+    task: AngleTask, tori: Tori, frames: Frames, rough: Followed, given: tuple[Reals, Reals]
+) -> tuple[Here, Mask]:
     """Find the phases with given angles.
 
     Args:
         frames: between what they move.
-        θ: angles, shape (separated, n).
-        φ: phases to begin with; they are changed.
+        rough: their running integrals, as far as these are known.
+        given: angles, shape (separated, n), and phases to begin with, which are changed.
 
     Returns:
         Phases, angles and states there, and which angles the engine leaves open, so that short arcs gave them.
     """
+    (θ, φ), curve = given, np.full(given[0].shape[1], np.inf)
     close = _close_to_ends(task, tori, frames, θ, φ)
-    rest, curve = np.flatnonzero(~close), np.full(θ.shape[1], np.inf)
+    some = np.flatnonzero(~close & rough.good)
+    if len(some):
+        moved = np.ascontiguousarray(φ[:, some])
+        curve[some], found_ = phases_along(series_of(rough, some), θ[:, some], moved)
+        φ[:, some] = np.where(found_, moved, φ[:, some])
+        close[some[found_]] = True
+    rest = np.flatnonzero(~close)
     if len(rest):
         φ[:, rest], curve[rest] = _nearly(task, tori.take(rest), frames.take(rest), θ[:, rest], φ[:, rest])
     φ, found, at, _ = _phases(task, tori, frames, (θ, φ, curve), EXACT)

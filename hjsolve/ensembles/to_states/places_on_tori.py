@@ -14,9 +14,10 @@ import numpy as np
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.machine.over_rows import run_rows
+from hjsolve.arithmetic.machine.over_rows import WIDTH, run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.coordinate_of_orbits import offset, squares
+from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place, squares
+from hjsolve.ensembles.engine.kernels.followed_librations import moved_ends
 from hjsolve.ensembles.engine.kernels.types import Modes
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
@@ -26,6 +27,8 @@ from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, kernels
 _PLACES = Modes(chords=False, kernels=False, oscillations=False, shifts=False, approximate=True)
 _PAIR_STEPS = 4
 """Steps of Newton's method for turning points in two doubles."""
+_KNOWN, _SURE = 1e-7, 1e-12
+"""Last step of a turning point, over the width, with which it is known on the way to a torus, and on it."""
 _TURNING, _NEXT = 1e-60, 1e-17
 """Sine or cosine of φ/2 that stands for 0, and the distance from a turning point, over W, below which F is linear."""
 
@@ -109,17 +112,49 @@ def frames_of(task: AngleTask, tori: Tori, directions: Reals, rotating: Mask, re
     size, n = tori.q.shape
     bases, widths, good = np.zeros((size, 4, n)), np.zeros((size, n)), np.ones(n, dtype=bool)
     for k in range(size):
-        some = np.flatnonzero(~rotating[k] & ~resting[k])
+        moving = ~rotating[k] & ~resting[k]
+        some = np.flatnonzero(moving)
         if not len(some):
             continue
         own = tori.take(some)
-        F = squares(coordinate_at(*task, own, k), own.q[k])
-        one = coordinate_at(*task, own, k, np.sqrt(np.fmax(F, 0)))
-        _, found, _ = integrated(one, _PLACES, exact=False, places=True)
-        bases[k][:, some] = refined(task, own, k, found.places)
-        widths[k, some] = width_of(task, k, bases[k][:, some])
-        good[some] &= (F > 0) & (widths[k, some] > 0) & np.isfinite(bases[k][:, some]).all(axis=0)
+        bases[k][:, some], widths[k, some], known = ends_of(task, own, k, width_of(task, k, own.ends[k]), pairs=_PAIR_STEPS)
+        lower, upper = (place(formula, bases[k, 2 * side, some]) for side, formula in enumerate(sides(task.model.separated[k])))
+        known &= (lower <= own.q[k]) & (own.q[k] <= upper)
+        left = some[~known]
+        if len(left):
+            own = tori.take(left)
+            F = squares(coordinate_at(*task, own, k), own.q[k])
+            one = coordinate_at(*task, own, k, np.sqrt(np.fmax(F, 0)))
+            _, found, _ = integrated(one, _PLACES, exact=False, places=True)
+            bases[k][:, left] = refined(task, own, k, found.places)
+            widths[k, left] = width_of(task, k, bases[k][:, left])
+            good[left] &= (F > 0) & (widths[k, left] > 0) & np.isfinite(bases[k][:, left]).all(axis=0)
     return Frames(bases, widths, directions, rotating, resting, good)
+
+
+def ends_of(task: AngleTask, tori: Tori, k: int, widths: Reals, *, pairs: int) -> tuple[Reals, Reals, Mask]:
+    """Return the turning points of one coordinate that are next to its ``ends``, widths, and which are known.
+
+    Args:
+        widths: between its ``ends``, shape (n,).
+        pairs: steps to 32 digits.
+    """
+    one, bases = coordinate_at(*task, tori, k), tori.ends[k].copy()
+    last, known = np.empty((2, len(widths))), np.concatenate([one.constants, one.low])
+    for side, barrier in enumerate(_barriers(one)):
+        slopes, squares = one.programs.views[side].slopes, one.programs.exact[side].squares
+        programs = (code.program(WIDTH, one.parameters, side) for code in (slopes, squares))
+        moved_ends(*programs, known, bases[2 * side : 2 * side + 2], widths, pairs, barrier, last[side])
+    W = width_of(task, k, bases)
+    with np.errstate(invalid="ignore"):
+        good = (W > 0) & (last.max(axis=0) * widths <= (_KNOWN if pairs == 1 else _SURE) * W)
+    return bases, W, np.asarray(good)
+
+
+def _barriers(one: CoordinateOfOrbits) -> tuple[bool, bool]:
+    """Whether offsets of lower and of upper turning points are distances from an end of the domain."""
+    lower, upper = one.coordinate.lower, one.coordinate.upper
+    return lower is not None, upper is not None or (lower is not None and lower.origin.high == 0)
 
 
 def refined(task: AngleTask, tori: Tori, k: int, places: Reals, steps: int = _PAIR_STEPS) -> Reals:
@@ -187,7 +222,7 @@ def _at_rest(task: AngleTask, tori: Tori, _: Frames, k: int, φ: Reals) -> _Row:
     """Return a coordinate that stays where F′ = 0: χ is φ, and the kernels over its frequency √(−½F″) are its rates."""
     q = tori.q[k]
     for _step in range(_PAIR_STEPS):
-        one = coordinate_at(*task, tori._replace(q=_row(tori.q, k, q)), k)
+        one = coordinate_at(*task, tori._replace(q=changed(tori.q, k, q)), k)
         formula = sides(one.coordinate)[0]
         given = np.stack([offset(formula, q), *one.constants])
         with np.errstate(all="ignore"):
@@ -203,7 +238,7 @@ def _on_turn(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> 
     """Return a coordinate that goes round: φ is q in the sense of its rotation."""
     direction = frames.directions[k]
     q = direction * φ
-    one = coordinate_at(*task, tori._replace(q=_row(tori.q, k, q)), k)
+    one = coordinate_at(*task, tori._replace(q=changed(tori.q, k, q)), k)
     given = np.stack([offset(sides(one.coordinate)[0], q), *one.constants])
     with np.errstate(all="ignore"):
         root = np.sqrt(squares(one, q))
@@ -213,10 +248,17 @@ def _on_turn(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> 
         return q, direction * root, direction, forces, kernels(one) / root, 0 * φ
 
 
-def _row(rows: Reals, k: int, values: Reals) -> Reals:
-    changed = rows.copy()
-    changed[k] = values
-    return changed
+def changed(rows: Reals, k: int, values: Reals) -> Reals:
+    """Return the arrays of all coordinates with those of one replaced.
+
+    Args:
+        rows: shape (separated, …).
+        k: which.
+        values: its new ones.
+    """
+    found = rows.copy()
+    found[k] = values
+    return found
 
 
 def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals, *, exact: bool, bounds: bool) -> _Row:

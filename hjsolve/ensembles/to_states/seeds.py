@@ -14,11 +14,13 @@ import numpy as np
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.constants import initial_constants
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
+from hjsolve.ensembles.engine.kernels.nearest_points import nearest_points
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import SystemPrograms
 from hjsolve.ensembles.engine.starts import Starts, given_momenta
-from hjsolve.ensembles.to_states.tori import ALONE, Actions, Tori
+from hjsolve.ensembles.to_states.places_on_tori import AngleTask, refined
+from hjsolve.ensembles.to_states.tori import ALONE, Actions, Tori, joined
 
 _SEEDS = 1500
 """How many states are tried."""
@@ -28,8 +30,6 @@ _SMALL = 0.02
 """Actions below this part of the sum of all are distinguished by their differences, larger ones by their ratios."""
 _EQUILIBRIUM = -700.0
 """Logarithm that stands for that of no action at all."""
-_TOGETHER = 1 << 22
-"""Pairs of orbits and seeds that are compared together."""
 
 
 class Scales(NamedTuple):
@@ -56,6 +56,13 @@ class Seeds(NamedTuple):
         """Return some of them."""
         return Seeds(self.tori.take(index), self.shells.take(index), self.actions[:, index])
 
+    def joined(self, other: Seeds) -> Seeds:
+        """Return these and others."""
+        return Seeds(
+            joined(self.tori, other.tori), joined(self.shells, other.shells),
+            np.concatenate([self.actions, other.actions], axis=1),
+        )  # fmt: skip
+
 
 def seeds_of(model: Model, programs: SystemPrograms, scales: Sequence[Scales], wanted: tuple[Reals, Reals]) -> Seeds:
     """Make the seeds of an ensemble.
@@ -64,23 +71,26 @@ def seeds_of(model: Model, programs: SystemPrograms, scales: Sequence[Scales], w
         wanted: actions of the separated coordinates and of the ignorable angles; shapes (separated, n), (angles, n).
     """
     start = initial_constants(model, programs, _drawn(model, scales, wanted))
-    seeds = len(start.q), start.q.shape[1]
-    sums, places, turned = [], start.q.copy(), np.zeros(seeds, dtype=bool)
-    for k in range(len(model.separated)):
+    size, seeds = start.q.shape
+    sums, places, turned = [], start.q.copy(), np.zeros((size, seeds), dtype=bool)
+    ends = np.full((size, 4, seeds), np.nan)
+    for k in range(size):
         one = CoordinateOfOrbits.of(model, programs, start, k)
         total, found, turned[k] = integrated(one, ALONE, exact=False, places=True)
         places[k] = np.where(turned[k], places[k], 0.5 * found.places.sum(axis=0))
+        ends[k] = refined(AngleTask(model, programs), Tori(start.values, start.low, places, ends), k, found.places)
         sums.append(total)
     values, errors = (np.stack([getattr(s, name) for s in sums]) for name in ("action", "action_error"))
     slopes, slope_errors = (np.stack([getattr(s, name) for s in sums]) for name in ("means", "mean_errors"))
-    none = np.zeros(seeds, dtype=bool)
+    none = np.zeros_like(turned)
     good = (
         np.all([s.good for s in sums], axis=0) & np.isfinite(slopes).all(axis=(0, 1)) & np.isfinite(places).all(axis=0)
     )
     momenta = start.starts.p[[model.names.index(name) for name in model.angles]]
     signed = np.concatenate([np.where(turned, np.sign(start.P), 1.0) * values, momenta])
     shells = Actions(values, errors, slopes, slope_errors, none, good, turned)
-    return Seeds(Tori(start.values, start.low, places), shells, signed).take(np.flatnonzero(good))
+    tori = Tori(start.values, start.low, places, ends)
+    return Seeds(tori, shells, signed).take(np.flatnonzero(good))
 
 
 def _drawn(model: Model, scales: Sequence[Scales], wanted: tuple[Reals, Reals]) -> Starts:
@@ -104,18 +114,14 @@ def _drawn(model: Model, scales: Sequence[Scales], wanted: tuple[Reals, Reals]) 
 
 
 def nearest(seeds: Reals, wanted: Reals) -> Integers:
-    """Return which seed has the nearest actions, shape (n,).
+    """Return which seeds have the nearest actions, the nearest one first, shape (neighbours, n).
 
     Args:
         seeds: actions, shape (names, seeds).
         wanted: actions, shape (names, n).
     """
-    found = np.empty(wanted.shape[1], dtype=np.int64)
-    theirs, own = _shapes(seeds), _shapes(wanted)
-    half = 0.5 * (theirs**2).sum(axis=0)
-    span = max(1, _TOGETHER // max(seeds.shape[1], 1))
-    for begin in range(0, wanted.shape[1], span):  # ½|a − b|² less ½|a|², which is the same for all seeds
-        found[begin : begin + span] = np.argmin(half - own[:, begin : begin + span].T @ theirs, axis=1)
+    found = np.zeros((min(2 * len(wanted) + 1, seeds.shape[1]), wanted.shape[1]), dtype=np.int64)
+    nearest_points(_shapes(seeds), _shapes(wanted), found, np.empty(seeds.shape[1]))
     return found
 
 

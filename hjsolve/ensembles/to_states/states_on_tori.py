@@ -16,10 +16,11 @@ from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import place
 from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at, ignorable_slopes, matrix_of
+from hjsolve.ensembles.to_states.followed import Followed, angles_along, followed, followed_at
 from hjsolve.ensembles.to_states.phases_of_angles import SETTLED, SMALL, phases_of
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, blurred, placed, refined, width_of
 from hjsolve.ensembles.to_states.short_arcs import ShortArcs, angles_by_arcs, inverses, times, wrapped
-from hjsolve.ensembles.to_states.tori import APPROXIMATE, DOUBLES, Tori
+from hjsolve.ensembles.to_states.tori import DOUBLES, Tori
 
 _ROUNDING_ERROR = 5.0
 """Rounding of q, over W: from where the engine reads the phase off q, sin φ > 0.43."""
@@ -69,7 +70,8 @@ def states_at(
     φ = np.where(frames.rotating, tori.q * frames.directions, θ)
     # p² has no digits left at a turning point itself: the state a little later, which the residual counts
     later = np.where(~frames.rotating & (np.abs(θ) < _LEAST_ANGLE), np.copysign(_LEAST_ANGLE, θ), θ)
-    (φ, found, at), unresolved = phases_of(task, tori, frames, later, φ)
+    rough = followed_at(task, tori, frames)
+    (φ, found, at), unresolved = phases_of(task, tori, frames, rough, (later, φ))
     residual = np.abs(wrapped(θ - found.separated))
     with np.errstate(all="ignore"):
         back = inverses(matrix_of(found, at))
@@ -78,7 +80,9 @@ def states_at(
         rounding_error = _ROUNDING_ERROR * blurred(frames, at)
         phases = times(np.abs(back), loose) + rounding_error
         own = np.abs(at.moves) * phases, np.abs(at.forces) * phases
-        moved = _quotients(task, tori, frames, (φ, at, found, back), (*actions, unresolved & (np.abs(θ) < SMALL)))
+        moved = _quotients(
+            task, tori, frames, (φ, at, found, back), (*actions, unresolved & (np.abs(θ) < SMALL), rough)
+        )
         q_errors = own[0] + moved[0] + 2 * EPS * np.abs(at.q)
         P_errors = own[1] + moved[1] + 8 * EPS * np.abs(at.P) + at.rounding
         turned = wrapped(angles[1] - found.ignorable)
@@ -94,38 +98,50 @@ def states_at(
 
 def _quotients(
     task: AngleTask, tori: Tori, frames: Frames, here: tuple[Reals, Placed, AnglesFound, Reals],
-    known: tuple[Reals, Reals, Mask],
+    known: tuple[Reals, Reals, Mask, Followed],
 ) -> tuple[Reals, Reals, Reals]:  # fmt: skip
     """Return what is not known of J moves of q, P and the ignorable angles, by difference quotients at fixed θ.
 
-    ``known`` are J, bounds on what is not known of them, and which angles are integrals from the turning point.
+    ``known`` are J, bounds on what is not known of them, which angles are integrals from the turning point, and the
+    rough running integrals.
     """
-    (φ, at, found, back), (size, n), (J, spread, short) = here, tori.q.shape, known
+    (φ, at, found, back), (size, n), (J, spread, short, rough) = here, tori.q.shape, known
     moved = [np.zeros((size, n)), np.zeros((size, n)), np.zeros((len(task.model.angles), n))]
-    plain = angles_at(task, tori, frames, at, APPROXIMATE)
+    plain = angles_along(task, rough.series, φ)
     with np.errstate(all="ignore"):
-        alike = (np.abs(wrapped(plain.separated - found.separated)) <= _ALIKE).all(axis=0)
-        approximate = plain.good & alike & ~short.any(axis=0)
+        alike = (np.abs(wrapped(plain[0] - found.separated)) <= _ALIKE).all(axis=0)
+        approximate = rough.good & alike & ~short.any(axis=0)
     for k in range(size):
-        moving = (spread[k] > 0) & found.good & ~frames.resting[k]
-        for how, group, reference in ((APPROXIMATE, approximate, plain), (DOUBLES, ~approximate, found)):
-            loose = np.flatnonzero(moving & group)
+        left = (spread[k] > 0) & found.good & ~frames.resting[k]
+        for roughly in (True, False):
+            loose = np.flatnonzero(left & approximate if roughly else left)
             if not len(loose):
                 continue
             change = np.zeros((size, len(loose)))
             change[k] = _SHIFT * np.abs(J[k, loose])
             step = times(found.inverse[loose].transpose(0, 2, 1), change)  # ∂c/∂J
-            own = tori.take(loose).moved(np.arange(size), step)
-            among = _moved(task, own, frames.take(loose))
-            other = placed(task, own, among, φ[:, loose])
-            angles = angles_at(task, own, among, other, how)
-            _by_short_arcs(task, own, among, angles, (φ[:, loose], short[:, loose]))
-            turn = times(back[loose], wrapped(angles.separated - reference.separated[:, loose]))
-            factor = _SAFETY * spread[k, loose] / change[k]
-            moved[0][:, loose] += factor * np.abs(other.q - at.q[:, loose] - at.moves[:, loose] * turn)
-            moved[1][:, loose] += factor * np.abs(other.P - at.P[:, loose] - at.forces[:, loose] * turn)
-            rows = wrapped(angles.ignorable - reference.ignorable[:, loose])
-            moved[2][:, loose] += factor * np.abs(rows)
+            own = tori.take(loose).moved(np.arange(size), step)._replace(ends=frames.bases[..., loose])
+            among, here_, reference = frames.take(loose), φ[:, loose], plain if roughly else (found.separated, found.ignorable)
+            if roughly:
+                near = followed(task, own, series=True)
+                among = among._replace(bases=near.bases, widths=near.widths)
+                angles = angles_along(task, near.series, here_)
+                some = np.flatnonzero(near.good)
+                left[loose[some]] = False
+            else:
+                among = _moved(task, own, among)
+                exactly = angles_at(task, own, among, placed(task, own, among, here_), DOUBLES)
+                _by_short_arcs(task, own, among, exactly, (here_, short[:, loose]))
+                angles, some = (exactly.separated, exactly.ignorable), np.arange(len(loose))
+            other = placed(task, own, among, here_)
+            turned, rows = (wrapped(x - y[:, loose]) for x, y in zip(angles, reference, strict=True))
+            turn, factor = times(back[loose], turned), _SAFETY * spread[k, loose] / change[k]
+            for whole, part in zip(
+                moved,
+                (other.q - at.q[:, loose] - at.moves[:, loose] * turn, other.P - at.P[:, loose] - at.forces[:, loose] * turn, rows),
+                strict=True,
+            ):
+                whole[:, loose[some]] += (factor * np.abs(part))[:, some]
     return moved[0], moved[1], moved[2]
 
 

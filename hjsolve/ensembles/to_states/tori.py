@@ -8,7 +8,7 @@ to negative values, so that Newton's method passes through J = 0.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place, squares
 from hjsolve.ensembles.engine.kernels.types import Modes
+from hjsolve.ensembles.engine.librating import Kept
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import SystemPrograms, sides
@@ -27,6 +28,8 @@ _STRIDE = 0.5
 """Step uphill where F is convex, over the distance from zero, or over that on which its slope changes."""
 FINER = 2.0**-100
 """What two doubles leave open of a constant, relatively."""
+_KEPT = Kept(3e-13, 1e-10)
+"""Relative errors of J, and of ∂J/∂c, up to which p² in doubles does: the latter only lead to the next torus."""
 ALONE = Modes(chords=False, kernels=True, oscillations=False, shifts=False)
 APPROXIMATE, DOUBLES, EXACT = range(3)
 """How J is worked out: with few nodes and no errors; in doubles; with p² to 32 digits where doubles are not enough."""
@@ -38,15 +41,18 @@ class Tori(NamedTuple):
     Attributes:
         values, low: constants in two doubles, shape (constants, n).
         q: of every separated coordinate a place inside its motion, shape (separated, n).
+        ends: turning points next to its own, lower and upper ones in two doubles, offsets in the views of both halves,
+            shape (separated, 4, n); NaN where none are known.
     """
 
     values: Reals
     low: Reals
     q: Reals
+    ends: Reals
 
     def take(self, index: Integers | Mask) -> Tori:
         """Return some of them."""
-        return Tori(*(x[:, index] for x in self))
+        return Tori(*(x[..., index] for x in self))
 
     def moved(self, unknown: Integers, step: Reals) -> Tori:
         """Return tori whose unknown constants are larger by a step.
@@ -58,7 +64,7 @@ class Tori(NamedTuple):
         values, low = self.values.copy(), self.low.copy()
         high, rest = two_sum(values[unknown], step)
         values[unknown], low[unknown] = two_sum(high, rest + low[unknown])
-        return Tori(values, low, self.q)
+        return Tori(values, low, self.q, self.ends)
 
 
 class Actions(NamedTuple):
@@ -83,6 +89,18 @@ class Actions(NamedTuple):
     def take(self, index: Integers | Mask) -> Actions:
         """Return those of some tori."""
         return Actions._make(x[..., index] for x in self)
+
+
+_Bundle = TypeVar("_Bundle", Tori, Actions)
+
+
+def joined(one: _Bundle, other: _Bundle) -> _Bundle:
+    """Return the arrays of two bundles, those of the second after those of the first.
+
+    Args:
+        one, other: of the same kind.
+    """
+    return one._make(np.concatenate(pair, axis=-1) for pair in zip(one, other, strict=True))
 
 
 def no_actions(size: int, constants: int, count: int) -> Actions:
@@ -173,7 +191,7 @@ def actions_of(
     values, errors = np.full((size, n), np.nan), np.zeros((size, n))
     slopes, slope_errors = np.full((size, m, n), np.nan), np.zeros((size, m, n))
     harmonic = np.zeros((size, n), dtype=bool)
-    rotations, q = np.zeros((size, n), dtype=bool), tori.q.copy()
+    rotations, q, ends = np.zeros((size, n), dtype=bool), tori.q.copy(), tori.ends.copy()
     for k in range(size):
         top, bend = tops(coordinate_at(model, programs, tori, k))
         q[k] = np.where(rotating[k], q[k], top)
@@ -189,14 +207,20 @@ def actions_of(
         others = np.flatnonzero(~harmonic[k] & (F > 0))
         if len(others):
             one = coordinate_at(model, programs, own.take(others), k, np.sqrt(F[others]))
-            sums, _, turned = integrated(one, modes, exact=how == EXACT, places=False)
+            sums, found, turned = integrated(
+                one, modes, exact=how == EXACT, places=how == APPROXIMATE, kept=_KEPT
+            )
+            if how == APPROXIMATE:
+                for side, formula in enumerate(sides(one.coordinate)):
+                    ends[k, 2 * side, others] = offset(formula, found.places[side])
+                    ends[k, 2 * side + 1, others] = 0.0 * found.places[side]
             fine = sums.good & (turned == rotating[k, others])
             values[k, others] = np.where(fine, sums.action, np.nan)
             errors[k, others] = sums.action_error
             slopes[k][:, others], slope_errors[k][:, others] = sums.means, sums.mean_errors
             rotations[k, others] = turned
     good = np.isfinite(values).all(axis=0) & np.isfinite(slopes).all(axis=(0, 1))
-    return Actions(values, errors, slopes, slope_errors, harmonic, good, rotations), tori._replace(q=q)
+    return Actions(values, errors, slopes, slope_errors, harmonic, good, rotations), tori._replace(q=q, ends=ends)
 
 
 def kernels(one: CoordinateOfOrbits) -> Reals:

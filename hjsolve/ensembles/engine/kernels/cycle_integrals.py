@@ -281,7 +281,7 @@ def _nodes(fill: MachineProgram, which: int, at: int, motions: Motions, i: int, 
 
 
 @helper
-def _packed(below: Side, above: Side, motions: Motions, span: tuple[int, int], tables: Tables,
+def packed(below: Side, above: Side, motions: Motions, span: tuple[int, int], tables: Tables,
             work: Scratch) -> int:  # fmt: skip
     """Work out the nodes of as many orbits, of those not done yet, as have room; return the first that has none."""
     block, at, low, high = work.block, span[0], 0, 0
@@ -304,7 +304,7 @@ def _packed(below: Side, above: Side, motions: Motions, span: tuple[int, int], t
 
 
 @inlined
-def _gathered(below: Side, above: Side, work: Scratch, t: int, n: int, split: int) -> None:
+def gathered(below: Side, above: Side, work: Scratch, t: int, n: int, split: int) -> None:
     """Bring the nodes of one orbit into the buffer."""
     low, high, rest = work.block[_LOW, t], work.block[_HIGH, t], n - split
     for k in range(work.buffer.shape[0]):
@@ -378,11 +378,11 @@ def integrals(below: Side, above: Side, motions: Motions, tables: Tables, modes:
         for attempt in range(_TRIES):
             begin, kept = 0, 0
             while begin < left:
-                end = _packed(below, above, motions, (begin, left), tables, work)
+                end = packed(below, above, motions, (begin, left), tables, work)
                 for at in range(begin, end):
                     t = block[_LEFT, at]
                     i, m, size = block[_ORBIT, t], block[_MAP, t], block[_SIZE, t]
-                    _gathered(below, above, work, t, tables.counts[size], tables.split[m, size, motions.fraction[i]])
+                    gathered(below, above, work, t, tables.counts[size], tables.split[m, size, motions.fraction[i]])
                     if modes.approximate:
                         if means(work, tables.counts[size]):
                             _finished(motions, i, t, tables, modes, results, work, steady)

@@ -45,7 +45,7 @@ def _derivative(χ: float, map_: Reals) -> float:
 
 
 @inlined
-def _stretch(χ: float, x: float, y: float, map_: Reals, barrier_top: float) -> float:
+def stretch(χ: float, x: float, y: float, map_: Reals, barrier_top: float) -> float:
     """(dq/dχ)²/(W² x y)."""
     if map_[7] == 1.0:
         X, Y, size = _before_barrier_top(x, y, barrier_top)
@@ -85,7 +85,7 @@ def _before_barrier_top(x: float, y: float, barrier_top: float) -> tuple[float, 
 
 
 @helper
-def _anomaly(x: float, y: float, map_: Reals, barrier_top: float) -> float:
+def anomaly(x: float, y: float, map_: Reals, barrier_top: float) -> float:
     """χ of a place. Halley's steps inside a bracket undo the crowding."""
     x, y = max(x, 0.0), max(y, 0.0)  # a start may lie beyond a turning point by its rounding
     if map_[7] == 1.0:  # X = (1 − cn)/2, cn of 2K χ/π
@@ -234,11 +234,11 @@ def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int
     if near < _CLOSE:  # beyond, a pole or a crest makes p² flat: it tells no place
         by_x, by_y, vague = x, y, 0.0
         for _ in range(2 if map_[3] == 1.0 else 3):
-            χ = _anomaly(by_x, by_y, map_, barrier_top)
+            χ = anomaly(by_x, by_y, map_, barrier_top)
             _interpolation(weights, symmetry * χ, n, cosines)
             # P = √F with F = (q − a)(b − q) S, r and the map give S at χ: a fixed point, which few steps reach
             r = dot(buffer[1], weights, n)
-            fraction = (P / W) ** 2 / _stretch(χ, by_x, by_y, map_, barrier_top) / max(by_x, by_y)
+            fraction = (P / W) ** 2 / stretch(χ, by_x, by_y, map_, barrier_top) / max(by_x, by_y)
             small = fraction * r * r
             by_x, by_y = (small, 1.0 - small) if by_x < by_y else (1.0 - small, small)
             # r at the far end of a wide motion may be 1e12 times as large, whose rounding is in what is interpolated
@@ -248,11 +248,11 @@ def phase(work: Scratch, motions: Motions, i: int, t: int, place: tuple[int, int
         by_momentum += min(by_x, by_y) * (lower + upper) + vague
         if by_momentum < δ:
             x, y, δ = by_x, by_y, by_momentum
-    χ = _anomaly(x, y, map_, barrier_top)
+    χ = anomaly(x, y, map_, barrier_top)
     _interpolation(weights, symmetry * χ, n, cosines)
     small, large = max(min(x, y), 0.0), max(x, y)
     # δχ = δq/(dq/dχ), and dq/dχ vanishes with √(x y) at a turning point
-    root = np.sqrt(max(_stretch(χ, x, y, map_, barrier_top) * large, 1e-300))
+    root = np.sqrt(max(stretch(χ, x, y, map_, barrier_top) * large, 1e-300))
     # χ grows like √x from the turning point, where δ may be all that is known of x
     uncertainty = (δ / np.sqrt(max(small, δ, 1e-300)) + 4.0 * EPS * np.sqrt(small)) / root
     return (-χ if P < 0 else χ), 2.0 * uncertainty + 8.0 * EPS * math.pi

@@ -1,0 +1,155 @@
+"""A function next to points at which it and its derivative are known, to third order.
+
+With f(xᵢ) and B(xᵢ) = ∂f/∂x at points xᵢ = x − dᵢ, and weights Σ λᵢ = 1, Σ λᵢ dᵢ = 0, it is
+
+    f(x) = Σ λᵢ (f(xᵢ) + ½ B(xᵢ) dᵢ) + O(d³),
+
+since both terms of second order are ½ f″dᵢdᵢ, of opposite signs, and what is left of first order is −½ B(x) Σ λᵢ dᵢ. Of
+all such weights those are taken that are small, and smallest far away: least squares.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hjsolve.arithmetic.machine.compiling import helper, inlined, kernel
+from hjsolve.arithmetic.number_types import Integers, Reals
+
+_FLAT = 1e-4  # square of the part of all distances below which a dimension needs no Σ λᵢ dᵢ = 0
+_LARGEST = 8.0  # sum of the sizes of the weights
+
+
+@helper
+def _distances(points: Reals, wanted: Reals, i: int, squares: Reals) -> None:
+    for j in range(squares.shape[0]):
+        squares[j] = 0.0
+    for k in range(points.shape[0]):
+        row, own = points[k], wanted[k, i]
+        for j in range(squares.shape[0]):
+            squares[j] += (row[j] - own) * (row[j] - own)
+
+
+@kernel
+def nearest_points(points: Reals, wanted: Reals, found: Integers, squares: Reals) -> None:
+    """Find the nearest points of each place.
+
+    Args:
+        points: shape (dimensions, points).
+        wanted: places, shape (dimensions, n).
+        found: filled with the numbers of the nearest points, the nearest one first, shape (neighbours, n).
+        squares: scratch, shape (points,).
+    """
+    count, last = 0, found.shape[0] - 1
+    for i in range(wanted.shape[1]):
+        _distances(points, wanted, i, squares)
+        count = 0
+        for j in range(squares.shape[0]):
+            if count > last and not squares[j] < squares[found[last, i]]:
+                continue
+            at = min(count, last)
+            while at > 0 and squares[j] < squares[found[at - 1, i]]:
+                found[at, i] = found[at - 1, i]
+                at -= 1
+            found[at, i] = j
+            count += 1
+
+
+@inlined
+def solve(matrix: Reals, right: Reals) -> None:
+    """Solve a small system of linear equations by elimination; the right side becomes the solution.
+
+    Args:
+        matrix: changed.
+        right: replaced.
+    """
+    n = right.shape[0]
+    for c in range(n):
+        pivot = c
+        for r in range(c + 1, n):
+            if abs(matrix[r, c]) > abs(matrix[pivot, c]):
+                pivot = r
+        if pivot != c:
+            for k in range(c, n):
+                matrix[c, k], matrix[pivot, k] = matrix[pivot, k], matrix[c, k]
+            right[c], right[pivot] = right[pivot], right[c]
+        for r in range(c + 1, n):
+            factor = matrix[r, c] / matrix[c, c]
+            for k in range(c, n):
+                matrix[r, k] -= factor * matrix[c, k]
+            right[r] -= factor * right[c]
+    for back in range(n):
+        c = n - 1 - back
+        for k in range(c + 1, n):
+            right[c] -= matrix[c, k] * right[k]
+        right[c] /= matrix[c, c]
+
+
+@kernel
+def extrapolated(points: Reals, values: Reals, slopes: Reals, wanted: Reals, near: Integers, made: Reals,
+                 matrix: Reals, work: Reals) -> None:  # fmt: skip
+    """Work out a function at some places.
+
+    Args:
+        points: where it is known, shape (dimensions, points).
+        values, slopes: f and ∂f/∂x there, shape (parts, points) and (parts, dimensions, points).
+        wanted: places, shape (dimensions, n).
+        near: the points that are used, the nearest one first, shape (neighbours, n).
+        made: filled with f, shape (parts, n); with NaN where weights are not small.
+        matrix, work: scratch, shape (1 + dimensions, 1 + dimensions), (2, at least that).
+    """
+    dimensions, count = points.shape[0], near.shape[0]
+    right, row = work[0, : dimensions + 1], work[1]
+    for i in range(wanted.shape[1]):
+        size = 1e-300
+        for d in range(dimensions):
+            for k in range(count):
+                size = max(size, abs(wanted[d, i] - points[d, near[k, i]]))
+        for a in range(dimensions + 1):
+            right[a] = 1.0 if a == 0 else 0.0
+            for b in range(dimensions + 1):
+                matrix[a, b] = 0.0
+        for k in range(count):
+            weight = _placed(points, wanted, near[k, i], i, size, row)
+            for a in range(dimensions + 1):
+                for b in range(dimensions + 1):
+                    matrix[a, b] += weight * row[a] * row[b]
+        for a in range(1, dimensions + 1):
+            matrix[a, a] += _FLAT * matrix[0, 0]
+        solve(matrix, right)
+        total, sizes = 0.0, 0.0
+        for k in range(count):
+            weight, λ = _placed(points, wanted, near[k, i], i, size, row), 0.0
+            for a in range(dimensions + 1):
+                λ += weight * row[a] * right[a]
+            total, sizes = total + λ, sizes + abs(λ)
+        for p in range(made.shape[0]):
+            made[p, i] = 0.0 if sizes <= _LARGEST * abs(total) else np.nan
+        # what is left of Σ λᵢ dᵢ counts with the mean of B
+        for d in range(dimensions):
+            matrix[0, d] = 0.0
+        for k in range(count):
+            weight, λ = _placed(points, wanted, near[k, i], i, size, row), 0.0
+            for a in range(dimensions + 1):
+                λ += weight * row[a] * right[a]
+            for d in range(dimensions):
+                matrix[0, d] += λ / total * row[1 + d] * size
+        for k in range(count):
+            j, λ = near[k, i], 0.0
+            weight = _placed(points, wanted, j, i, size, row)
+            for a in range(dimensions + 1):
+                λ += weight * row[a] * right[a]
+            for p in range(made.shape[0]):
+                part = values[p, j]
+                for d in range(dimensions):
+                    part += 0.5 * slopes[p, d, j] * (row[1 + d] * size + matrix[0, d])
+                made[p, i] += λ / total * part
+
+
+@inlined
+def _placed(points: Reals, wanted: Reals, j: int, i: int, size: float, row: Reals) -> float:
+    """Leave 1 and the distance from a point, over a size, in ``row``, and return the weight of that point."""
+    square, row[0] = 0.0, 1.0
+    for d in range(points.shape[0]):
+        row[1 + d] = (wanted[d, i] - points[d, j]) / size
+        square += row[1 + d] * row[1 + d]
+    return 1.0 / (square * square + 1e-12)

@@ -1,0 +1,251 @@
+"""Rough J, ∂J/∂c and θ of tori whose turning points are next to known ones: what the searches for tori and phases use.
+
+No coordinate rotates or rests. Where a motion is so narrow that p² in doubles has few digits, p² is from 32 digits.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hjsolve.arithmetic.double_double import DoubleDouble
+from hjsolve.arithmetic.error_free import Pair, two_sum
+from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.machine.over_rows import run_rows
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place, squares
+from hjsolve.ensembles.engine.kernels import types
+from hjsolve.ensembles.engine.kernels.crowding import CLUSTERINGS
+from hjsolve.ensembles.engine.kernels.followed_librations import (
+    PhaseScratch,
+    Series,
+    angles_of_series,
+    phases_of_series,
+    rough_integrals,
+)
+from hjsolve.ensembles.engine.kernels.types import Motions
+from hjsolve.ensembles.engine.libration_ends import LibrationEnds
+from hjsolve.ensembles.engine.librating import APPROXIMATE_SIZES, home
+from hjsolve.ensembles.engine.node_maps import COUNTS, node_maps
+from hjsolve.ensembles.engine.programs import sides
+from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, changed, ends_of, width_of
+from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, kernels
+
+_NOISY = 1e-9
+"""Error of p² in doubles next to a turning point, over the width and the slope, from which on it is from 32 digits."""
+_TOP_STEPS, _STILL = 8, 1e-12
+"""Steps of Newton's method for the maximum of p², and the relative step that ends them."""
+_PAIRS = 6
+"""Steps for the turning points of narrow motions."""
+_EVEN = 1e-13
+"""How far from zero the middle of an even motion may lie, over its width: by rounding."""
+_NODES = max(COUNTS[size] for size in APPROXIMATE_SIZES)
+
+
+class Followed(NamedTuple):
+    """Librations of n tori.
+
+    Attributes:
+        action: J, shape (separated, n).
+        bases: turning points in two doubles, shape (separated, 4, n), as ``Frames`` have them.
+        widths: between them, shape (separated, n).
+        harmonic: where J is that of the harmonic libration, p² having a maximum below zero; the same shape.
+        series: ∂J/∂c and the running integrals; without coefficients where they are not wanted.
+        good: where all of it is known, shape (n,).
+    """
+
+    action: Reals
+    bases: Reals
+    widths: Reals
+    harmonic: Mask
+    series: Series
+    good: Mask
+
+
+def followed(task: AngleTask, tori: Tori, *, series: bool, still: bool = False) -> Followed:
+    """Return the integrals of tori whose ``ends`` are turning points next to their own.
+
+    Args:
+        series: whether running integrals are wanted.
+        still: whether these are their own, to 32 digits.
+    """
+    (size, n), m, nodes = tori.q.shape, len(task.model.constants), _NODES if series else 0
+    good, bases, widths, harmonic = np.ones(n, dtype=bool), tori.ends.copy(), np.empty((size, n)), np.zeros((size, n), dtype=bool)
+    action, none = np.full((size, n), np.nan), np.zeros((2, size, n), dtype=np.int64)
+    made = Series(np.full((size, m, n), np.nan), np.empty((size, n, m, nodes)), *none)
+    for k in range(size):
+        W, one = width_of(task, k, bases[k]), coordinate_at(*task, tori, k)
+        exactly = _narrow(one, bases[k], W)
+        if still:
+            own = W > 0
+        else:
+            bases[k], W, own, harmonic[k] = _ends(task, tori, k, (W, exactly), (action[k], made.means[k]))
+        widths[k] = W
+        good &= own | harmonic[k]
+        for to_32_digits in (False, True):
+            some = np.flatnonzero(good & own & (exactly == to_32_digits))
+            if not len(some):
+                continue
+            all_ = len(some) == n
+            given = (one, bases[k], W) if all_ else (one.take(some), bases[k][:, some], W[some])
+            motions = _between(*given, exactly=to_32_digits)
+            J, slopes, fine = np.empty(len(some)), np.empty((m, len(some))), np.zeros(len(some), dtype=bool)
+            coefficients = made.coefficients[k] if all_ else np.empty((len(some), m, nodes))
+            _integrate(given[0], motions, (J, slopes, coefficients, fine), exactly=to_32_digits)
+            action[k, some], made.means[k][:, some], good[some] = J, slopes, fine
+            made.map[k, some], made.size[k, some] = motions.first, motions.least
+            if not all_:
+                made.coefficients[k][some] = coefficients
+    return Followed(action, bases, widths, harmonic, made, good)
+
+
+def followed_at(task: AngleTask, tori: Tori, frames: Frames) -> Followed:
+    """Return the running integrals of tori whose turning points are known; none of those with a rotation or a rest.
+
+    Args:
+        frames: with these turning points.
+    """
+    plain = frames.good & ~(frames.rotating | frames.resting).any(axis=0)
+    ends = np.where(plain, frames.bases, np.nan)
+    return followed(task, tori._replace(ends=ends), series=True, still=True)
+
+
+def _narrow(one: CoordinateOfOrbits, bases: Reals, W: Reals) -> Mask:
+    """Tell which motions are so narrow that p² in doubles has few digits."""
+    view, x = one.programs.views[0], bases[0]
+    with np.errstate(all="ignore"):
+        given = np.stack([x, EPS * np.abs(x), 0.0 * x, *one.constants, *one.uncertainty])
+        noise = run_rows(view.errors, one.parameters, given)[0]
+        slope = run_rows(view.slopes, one.parameters, np.stack([x, *one.constants]))[1]
+        return np.asarray(noise > _NOISY * np.abs(slope) * W)
+
+
+def _ends(
+    task: AngleTask, tori: Tori, k: int, known: tuple[Reals, Mask], made: tuple[Reals, Reals]
+) -> tuple[Reals, Reals, Mask, Mask]:
+    """Turning points, widths, and which are known: from those of the neighbours, else from the parabola at the top.
+
+    Where that lies below zero J and ∂J/∂c of the harmonic libration are written; the last mask tells where.
+    """
+    (widths, narrow), (action, slopes) = known, made
+    bases, W, good = ends_of(task, tori, k, widths, pairs=1)
+    harmonic = np.zeros(len(W), dtype=bool)
+    some = np.flatnonzero(narrow | ~good)
+    if not len(some):
+        return bases, W, good, harmonic
+    own = tori.take(some)
+    q, F, bend = _top(task, own, k)
+    with np.errstate(all="ignore"):
+        root = np.sqrt(-0.5 * bend)
+        near = _about(task, k, q, np.sqrt(F) / root)
+        below = np.flatnonzero((F <= 0) & (bend < 0))
+        harmonic[some[below]] = True
+        action[some[below]] = F[below] / (2 * root[below])
+        slopes[:, some[below]] = kernels(coordinate_at(*task, own._replace(q=changed(own.q, k, q)), k))[:, below] / root[below]
+    moved, their_widths, fine = ends_of(
+        task, own._replace(ends=changed(own.ends, k, near)), k, width_of(task, k, near), pairs=_PAIRS
+    )
+    W[some], good[some] = their_widths, fine
+    bases[:, some] = np.where(fine, moved, tori.ends[k][:, some])
+    return bases, W, good, harmonic
+
+
+def _top(task: AngleTask, tori: Tori, k: int) -> tuple[Reals, Reals, Reals]:
+    """Return the maxima of p² next to the middle between ``ends``, p² there from 32 digits, and its second derivative."""
+    below, above = sides(task.model.separated[k])
+    one = coordinate_at(*task, tori, k)
+    q = 0.5 * (place(below, tori.ends[k, 0]) + place(above, tori.ends[k, 2]))
+    with np.errstate(all="ignore"):
+        for _ in range(_TOP_STEPS):
+            bend = run_rows(one.programs.views[0].bend, one.parameters, np.stack([offset(below, q), *one.constants]))[2]
+            (slope,) = run_rows(one.programs.small.slope, one.parameters, np.stack([q, *one.constants, *one.low]))
+            step = np.where(bend < 0, slope / bend, 0.0)
+            q = q - step
+            if not (np.abs(step) > _STILL * np.abs(q)).any():
+                break
+        return q, squares(one, q), bend
+
+
+def _about(task: AngleTask, k: int, q: Reals, away: Reals) -> Reals:
+    """Return places at a distance on either side of others, as ``ends``."""
+    rows, D = [], DoubleDouble()
+    for side, formula in enumerate(sides(task.model.separated[k])):
+        s, e = two_sum(q, -formula.origin.high)
+        middle = Pair(formula.sign * s, formula.sign * (e - formula.origin.low))
+        end = D.add(middle, Pair((2.0 * side - 1.0) * formula.sign * away, 0.0 * away))
+        rows += [end.high, end.low]
+    return np.stack(rows)
+
+
+def _between(one: CoordinateOfOrbits, bases: Reals, W: Reals, *, exactly: bool) -> Motions:
+    """Motions between their turning points."""
+    (below, above), bends, n = sides(one.coordinate), np.empty((2, 2, len(W))), len(W)
+    with np.errstate(all="ignore"):
+        for side, view in enumerate(one.programs.views):
+            _, first, second = run_rows(view.bend, one.parameters, np.stack([bases[2 * side], *one.constants]))
+            bends[side] = first, 0.5 * second
+        even = one.coordinate.even & (np.abs(place(below, bases[0]) + place(above, bases[2])) <= _EVEN * W)
+    ends = LibrationEnds(node_maps(), bends, np.array([float(below.sign), -float(above.sign)]), even)
+    first, fraction = ends.maps(W)
+    lower, upper = (np.zeros(n), np.zeros(n)) if exactly else (np.ascontiguousarray(bases[k]) for k in (0, 2))
+    homes = [lower, upper] if exactly else [home(below, lower, above, upper), home(above, upper, below, lower)]
+    known = [*one.constants, *one.low, *bases] if exactly else [*one.constants]
+    return Motions(
+        momentum=W, left=W, right=W, width=np.ascontiguousarray(W), lower=lower, upper=upper, homes=np.stack(homes),
+        signs=ends.signs, known=np.stack(known, axis=1), uncertainty=np.zeros((n, 0)), first=first,
+        least=np.where(first < len(CLUSTERINGS), *APPROXIMATE_SIZES), fraction=0 * fraction if exactly else fraction,
+        barrier_top=np.ones(n),
+    )  # fmt: skip
+
+
+def _integrate(
+    one: CoordinateOfOrbits, motions: Motions, made: tuple[Reals, Reals, Reals, Mask], *, exactly: bool
+) -> None:
+    tables, programs = node_maps().tables, one.programs.exact if exactly else one.programs.views
+    below, above = (
+        types.side(p.fill, p.errors, p.relative, tables, one.parameters, half) for half, p in enumerate(programs)
+    )
+    (action, slopes, coefficients, good), work = made, types.scratch(tables, len(one.constants))
+    rough_integrals(below, above, motions, tables, coefficients.shape[2] > 0, action, slopes, coefficients, good, work)
+
+
+def series_of(found: Followed, index: Integers) -> Series:
+    """Return the running integrals of some of the orbits."""
+    means, coefficients, map_, size = found.series
+    return Series(means[..., index], coefficients[:, index], map_[:, index], size[:, index])
+
+
+def _scratch(series: Series) -> PhaseScratch:
+    size, constants, width = series.coefficients.shape[0], series.means.shape[1], series.coefficients.shape[3]
+    return PhaseScratch(
+        np.empty((2, width)), np.empty(constants), np.empty((size, size)), np.empty((size, size)), np.empty((7, size))
+    )
+
+
+def phases_along(series: Series, θ: Reals, φ: Reals) -> tuple[Reals, Mask]:
+    """Move phases to where angles are as given; return κ of Newton's method, and which were found.
+
+    Args:
+        θ: angles, shape (separated, n).
+        φ: phases to begin with; changed.
+    """
+    curve, good = np.full(φ.shape[1], np.inf), np.zeros(φ.shape[1], dtype=bool)
+    phases_of_series(np.ascontiguousarray(θ), φ, series, node_maps().tables, curve, good, _scratch(series))
+    return curve, good
+
+
+def angles_along(task: AngleTask, series: Series, φ: Reals) -> tuple[Reals, Reals]:
+    """Return θ of the separated coordinates and of the ignorable ones, where these are at zero, at phases.
+
+    Args:
+        φ: phases, shape (separated, n).
+    """
+    size, anomalies, advance = len(φ), np.empty(φ.shape), np.empty(φ.shape)
+    running = np.empty((series.means.shape[1], φ.shape[1]))
+    angles_of_series(
+        np.ascontiguousarray(φ), series, node_maps().tables, anomalies, advance, running, _scratch(series)
+    )
+    places = [task.model.ignorable[name] for name in task.model.angles]
+    ignorable = running[places] - np.einsum("kan,kn->an", series.means[:, places], advance)
+    return anomalies + advance, ignorable
