@@ -47,6 +47,7 @@ _STANDING = 2.0**-60
 What is left of it does as many times that to an integral as there are nodes.
 """
 
+
 class Kept(NamedTuple):
     """Relative errors up to which integrals stay as they are, where others get p² to 32 digits.
 

@@ -112,7 +112,9 @@ def integrated(
         if len(going.orbits):
             some = one.take(going.orbits)
             part = rotations(some, going.slow, modes, finely=False)
-            approximate = np.flatnonzero(~part.good | approximate_ones(part, modes, kept)) if exact else going.orbits[:0]
+            approximate = (
+                np.flatnonzero(~part.good | approximate_ones(part, modes, kept)) if exact else going.orbits[:0]
+            )
             if len(approximate):
                 better = rotations(some.take(approximate), going.slow.take(approximate), modes, finely=True)
                 fine = np.flatnonzero(better.good)

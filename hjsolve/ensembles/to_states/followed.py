@@ -25,10 +25,10 @@ from hjsolve.ensembles.engine.kernels.followed_librations import (
     rough_integrals,
 )
 from hjsolve.ensembles.engine.kernels.types import Motions
-from hjsolve.ensembles.engine.libration_ends import LibrationEnds
 from hjsolve.ensembles.engine.librating import APPROXIMATE_SIZES, home
+from hjsolve.ensembles.engine.libration_ends import LibrationEnds
 from hjsolve.ensembles.engine.node_maps import COUNTS, node_maps
-from hjsolve.ensembles.engine.programs import sides
+from hjsolve.ensembles.engine.programs import ExactPrograms, ViewPrograms, sides
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, changed, ends_of, width_of
 from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, kernels
 
@@ -71,33 +71,43 @@ def followed(task: AngleTask, tori: Tori, *, series: bool, still: bool = False) 
         still: whether these are their own, to 32 digits.
     """
     (size, n), m, nodes = tori.q.shape, len(task.model.constants), _NODES if series else 0
-    good, bases, widths, harmonic = np.ones(n, dtype=bool), tori.ends.copy(), np.empty((size, n)), np.zeros((size, n), dtype=bool)
-    action, none = np.full((size, n), np.nan), np.zeros((2, size, n), dtype=np.int64)
-    made = Series(np.full((size, m, n), np.nan), np.empty((size, n, m, nodes)), *none)
+    made = Followed(
+        np.full((size, n), np.nan), tori.ends.copy(), np.empty((size, n)), np.zeros((size, n), dtype=bool),
+        Series(
+            np.full((size, m, n), np.nan), np.empty((size, n, m, nodes)), *np.zeros((2, size, n), dtype=np.int64)
+        ),
+        np.ones(n, dtype=bool),
+    )  # fmt: skip
     for k in range(size):
-        W, one = width_of(task, k, bases[k]), coordinate_at(*task, tori, k)
-        exactly = _narrow(one, bases[k], W)
-        if still:
-            own = W > 0
-        else:
-            bases[k], W, own, harmonic[k] = _ends(task, tori, k, (W, exactly), (action[k], made.means[k]))
-        widths[k] = W
-        good &= own | harmonic[k]
+        W, one = width_of(task, k, tori.ends[k]), coordinate_at(*task, tori, k)
+        exactly = _narrow(one, tori.ends[k], W)
+        own = W > 0
+        if not still:
+            made.bases[k], W, own, made.harmonic[k] = _ends(
+                task, tori, k, (W, exactly), (made.action[k], made.series.means[k])
+            )
+        made.widths[k] = W
+        made.good[:] &= own | made.harmonic[k]
         for to_32_digits in (False, True):
-            some = np.flatnonzero(good & own & (exactly == to_32_digits))
-            if not len(some):
-                continue
-            all_ = len(some) == n
-            given = (one, bases[k], W) if all_ else (one.take(some), bases[k][:, some], W[some])
-            motions = _between(*given, exactly=to_32_digits)
-            J, slopes, fine = np.empty(len(some)), np.empty((m, len(some))), np.zeros(len(some), dtype=bool)
-            coefficients = made.coefficients[k] if all_ else np.empty((len(some), m, nodes))
-            _integrate(given[0], motions, (J, slopes, coefficients, fine), exactly=to_32_digits)
-            action[k, some], made.means[k][:, some], good[some] = J, slopes, fine
-            made.map[k, some], made.size[k, some] = motions.first, motions.least
-            if not all_:
-                made.coefficients[k][some] = coefficients
-    return Followed(action, bases, widths, harmonic, made, good)
+            _fill(made, one, k, np.flatnonzero(made.good & own & (exactly == to_32_digits)), exactly=to_32_digits)
+    return made
+
+
+def _fill(made: Followed, one: CoordinateOfOrbits, k: int, some: Integers, *, exactly: bool) -> None:
+    """Integrate one coordinate of some orbits between their turning points."""
+    if not len(some):
+        return
+    (_, m, n), series = made.series.means.shape, made.series
+    everything = len(some) == n
+    own, bases, W = one.take(some), made.bases[k][:, some], made.widths[k, some]
+    motions = _between(own, bases, W, exactly=exactly)
+    J, slopes, fine = np.empty(len(some)), np.empty((m, len(some))), np.zeros(len(some), dtype=bool)
+    coefficients = series.coefficients[k] if everything else np.empty((len(some), *series.coefficients.shape[2:]))
+    _integrate(own, motions, (J, slopes, coefficients, fine), exactly=exactly)
+    made.action[k, some], series.means[k][:, some], made.good[some] = J, slopes, fine
+    series.map[k, some], series.size[k, some] = motions.first, motions.least
+    if not everything:
+        series.coefficients[k][some] = coefficients
 
 
 def followed_at(task: AngleTask, tori: Tori, frames: Frames) -> Followed:
@@ -124,7 +134,7 @@ def _narrow(one: CoordinateOfOrbits, bases: Reals, W: Reals) -> Mask:
 def _ends(
     task: AngleTask, tori: Tori, k: int, known: tuple[Reals, Mask], made: tuple[Reals, Reals]
 ) -> tuple[Reals, Reals, Mask, Mask]:
-    """Turning points, widths, and which are known: from those of the neighbours, else from the parabola at the top.
+    """Return turning points, widths, and which are known: from neighbours, else from the parabola at the top.
 
     Where that lies below zero J and ∂J/∂c of the harmonic libration are written; the last mask tells where.
     """
@@ -142,7 +152,9 @@ def _ends(
         below = np.flatnonzero((F <= 0) & (bend < 0))
         harmonic[some[below]] = True
         action[some[below]] = F[below] / (2 * root[below])
-        slopes[:, some[below]] = kernels(coordinate_at(*task, own._replace(q=changed(own.q, k, q)), k))[:, below] / root[below]
+        slopes[:, some[below]] = (
+            kernels(coordinate_at(*task, own._replace(q=changed(own.q, k, q)), k))[:, below] / root[below]
+        )
     moved, their_widths, fine = ends_of(
         task, own._replace(ends=changed(own.ends, k, near)), k, width_of(task, k, near), pairs=_PAIRS
     )
@@ -152,7 +164,7 @@ def _ends(
 
 
 def _top(task: AngleTask, tori: Tori, k: int) -> tuple[Reals, Reals, Reals]:
-    """Return the maxima of p² next to the middle between ``ends``, p² there from 32 digits, and its second derivative."""
+    """Return the maxima of p² next to the middle between ``ends``, p² there from 32 digits, and ∂²p²/∂q²."""
     below, above = sides(task.model.separated[k])
     one = coordinate_at(*task, tori, k)
     q = 0.5 * (place(below, tori.ends[k, 0]) + place(above, tori.ends[k, 2]))
@@ -202,10 +214,12 @@ def _between(one: CoordinateOfOrbits, bases: Reals, W: Reals, *, exactly: bool) 
 def _integrate(
     one: CoordinateOfOrbits, motions: Motions, made: tuple[Reals, Reals, Reals, Mask], *, exactly: bool
 ) -> None:
-    tables, programs = node_maps().tables, one.programs.exact if exactly else one.programs.views
-    below, above = (
-        types.side(p.fill, p.errors, p.relative, tables, one.parameters, half) for half, p in enumerate(programs)
-    )
+    tables, found = node_maps().tables, []
+    for half in (0, 1):
+        programs: ViewPrograms | ExactPrograms = one.programs.exact[half] if exactly else one.programs.views[half]
+        codes = programs.fill, programs.errors, programs.relative
+        found.append(types.side(*codes, tables, one.parameters, half))
+    below, above = found
     (action, slopes, coefficients, good), work = made, types.scratch(tables, len(one.constants))
     rough_integrals(below, above, motions, tables, coefficients.shape[2] > 0, action, slopes, coefficients, good, work)
 
@@ -241,11 +255,9 @@ def angles_along(task: AngleTask, series: Series, φ: Reals) -> tuple[Reals, Rea
     Args:
         φ: phases, shape (separated, n).
     """
-    size, anomalies, advance = len(φ), np.empty(φ.shape), np.empty(φ.shape)
+    anomalies, advance = np.empty(φ.shape), np.empty(φ.shape)
     running = np.empty((series.means.shape[1], φ.shape[1]))
-    angles_of_series(
-        np.ascontiguousarray(φ), series, node_maps().tables, anomalies, advance, running, _scratch(series)
-    )
+    angles_of_series(np.ascontiguousarray(φ), series, node_maps().tables, anomalies, advance, running, _scratch(series))
     places = [task.model.ignorable[name] for name in task.model.angles]
     ignorable = running[places] - np.einsum("kan,kn->an", series.means[:, places], advance)
     return anomalies + advance, ignorable

@@ -28,7 +28,7 @@ from hjsolve.ensembles.to_states.places_on_tori import AngleTask, frames_of
 from hjsolve.ensembles.to_states.seeds import Scales, Seeds, nearest, seeds_of
 from hjsolve.ensembles.to_states.short_arcs import inverses
 from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
-from hjsolve.ensembles.to_states.tori import FINER, Actions, Tori
+from hjsolve.ensembles.to_states.tori import FINER, Tori
 from hjsolve.errors import InvalidInputError, NotConvergedError, SeveralToriError
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.motion.initial_data import parameter_values
@@ -247,7 +247,8 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern:
         return _begun(pool, near, (goals.take(index), momenta[:, index], places))
 
     everyone = np.arange(J.shape[1])
-    few, rest = (everyone[::_EVERY], everyone[everyone % _EVERY > 0]) if len(everyone) >= _MANY else (everyone, [])
+    first = (everyone % _EVERY == 0) | (len(everyone) < _MANY)
+    few, rest = everyone[first], everyone[~first]
     solved = constants_of_tori(task, begun(seeds, few), goals.take(few), SOON)
     if len(rest):  # the others begin at these, which lie where the batch does
         good = np.flatnonzero(solved.good)
@@ -278,7 +279,9 @@ def _begun(pool: Seeds, near: Integers, wanted: tuple[Goals, Reals, list[int]]) 
         moved = np.einsum("kcn,cn->kn", slopes, values - pool.tori.values[:, first])
         step = newton_step(slopes[:, goals.unknown], goals.actions - there - moved)
         fine = (np.abs(goals.actions - there) <= _NEAR * there).all(axis=0) & np.isfinite(step).all(axis=0)
-        better = _extrapolated(pool, near, wanted) - values[goals.unknown] if len(near) > 1 else np.full_like(step, np.nan)
+        better = (
+            _extrapolated(pool, near, wanted) - values[goals.unknown] if len(near) > 1 else np.full_like(step, np.nan)
+        )
         known = np.isfinite(better).all(axis=0)
     step = np.where(known, better, np.where(fine, step, 0.0))
     return Tori(values, np.zeros_like(values), pool.tori.q[:, first], pool.tori.ends[..., first]), step
@@ -295,7 +298,7 @@ def _extrapolated(pool: Seeds, near: Integers, wanted: tuple[Goals, Reals, list[
     found, size = np.empty((len(goals.unknown), here.shape[1])), len(here) + 1
     extrapolated(
         points, np.ascontiguousarray(pool.tori.values[goals.unknown]), np.ascontiguousarray(slopes), here, near, found,
-        np.empty((size, size)), np.empty((3, max(size, len(near)))),
+        np.empty((size, size)), np.empty((4, max(size, len(near)))),
     )  # fmt: skip
     return found
 

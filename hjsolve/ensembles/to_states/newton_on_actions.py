@@ -36,7 +36,7 @@ _NEARLY = 1e-6
 _FORESEEN, _KNOWN = 16.0, (0.0, 1e-13, 1e-11)
 """By how much what the last step leaves is taken larger than κ r²; and errors of J, rough, in doubles and to
 32 digits, up to which it is the last."""
-_ROUGHLY, _APPROXIMATE_FRACTION = 1e-8, 0.2
+_ROUGHLY, _APPROXIMATE_FRACTION = 1e-8, 0.5
 """Residual of rough integrals, as it is foreseen, and share of a step, below which they are left."""
 _SETTLED = 1e-10
 """Residual below which a step that makes nothing better ends the search."""
@@ -178,9 +178,7 @@ def _refined(how: Integers, merit: Reals, active: Integers, seen: tuple[Reals, R
     how[active[(how[active] > APPROXIMATE) & (np.fmin(own, after) < _NEARLY)]] = EXACT
 
 
-def _each(
-    task: AngleTask, given: tuple[Tori, Mask, Mask], which: tuple[Integers, Integers]
-) -> tuple[Actions, Tori]:
+def _each(task: AngleTask, given: tuple[Tori, Mask, Mask], which: tuple[Integers, Integers]) -> tuple[Actions, Tori]:
     """Actions of some tori, of each as it is to be worked out; of all of them the places inside."""
     (trial, zero, rotating), (active, how) = given, which
     size, n, m = len(task.model.separated), len(active), len(task.model.constants)
@@ -188,13 +186,13 @@ def _each(
     next_to = (how == APPROXIMATE) & ~(zero | rotating)[:, active].any(axis=0) & np.isfinite(seen.ends).all(axis=(0, 1))
     some = np.flatnonzero(next_to)
     if len(some):
-        own = followed(task, trial.take(active[some]), series=False)
-        fine = some[own.good]
-        next_to[some[~own.good]] = False
-        found.values[:, fine], found.slopes[..., fine] = own.action[:, own.good], own.series.means[..., own.good]
+        near = followed(task, trial.take(active[some]), series=False)
+        fine = some[near.good]
+        next_to[some[~near.good]] = False
+        found.values[:, fine], found.slopes[..., fine] = near.action[:, near.good], near.series.means[..., near.good]
         found.errors[:, fine], found.slope_errors[..., fine], found.good[fine] = 0.0, 0.0, True
-        found.harmonic[:, fine] = own.harmonic[:, own.good]
-        seen.ends[..., fine] = own.bases[..., own.good]
+        found.harmonic[:, fine] = near.harmonic[:, near.good]
+        seen.ends[..., fine] = near.bases[..., near.good]
     for kind in (APPROXIMATE, DOUBLES, EXACT):
         some = np.flatnonzero((how == kind) & ~next_to)
         if len(some):

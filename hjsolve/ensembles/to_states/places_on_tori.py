@@ -117,8 +117,12 @@ def frames_of(task: AngleTask, tori: Tori, directions: Reals, rotating: Mask, re
         if not len(some):
             continue
         own = tori.take(some)
-        bases[k][:, some], widths[k, some], known = ends_of(task, own, k, width_of(task, k, own.ends[k]), pairs=_PAIR_STEPS)
-        lower, upper = (place(formula, bases[k, 2 * side, some]) for side, formula in enumerate(sides(task.model.separated[k])))
+        bases[k][:, some], widths[k, some], known = ends_of(
+            task, own, k, width_of(task, k, own.ends[k]), pairs=_PAIR_STEPS
+        )
+        lower, upper = (
+            place(formula, bases[k, 2 * side, some]) for side, formula in enumerate(sides(task.model.separated[k]))
+        )
         known &= (lower <= own.q[k]) & (own.q[k] <= upper)
         left = some[~known]
         if len(left):
@@ -143,8 +147,8 @@ def ends_of(task: AngleTask, tori: Tori, k: int, widths: Reals, *, pairs: int) -
     last, known = np.empty((2, len(widths))), np.concatenate([one.constants, one.low])
     for side, barrier in enumerate(_barriers(one)):
         slopes, squares = one.programs.views[side].slopes, one.programs.exact[side].squares
-        programs = (code.program(WIDTH, one.parameters, side) for code in (slopes, squares))
-        moved_ends(*programs, known, bases[2 * side : 2 * side + 2], widths, pairs, barrier, last[side])
+        first, second = (code.program(WIDTH, one.parameters, side) for code in (slopes, squares))
+        moved_ends(first, second, known, bases[2 * side : 2 * side + 2], widths, pairs, barrier, last[side])
     W = width_of(task, k, bases)
     with np.errstate(invalid="ignore"):
         good = (W > 0) & (last.max(axis=0) * widths <= (_KNOWN if pairs == 1 else _SURE) * W)

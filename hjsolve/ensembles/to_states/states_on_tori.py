@@ -120,29 +120,38 @@ def _quotients(
             change = np.zeros((size, len(loose)))
             change[k] = _SHIFT * np.abs(J[k, loose])
             step = times(found.inverse[loose].transpose(0, 2, 1), change)  # ∂c/∂J
-            own = tori.take(loose).moved(np.arange(size), step)._replace(ends=frames.bases[..., loose])
-            among, here_, reference = frames.take(loose), φ[:, loose], plain if roughly else (found.separated, found.ignorable)
+            own, among = tori.take(loose).moved(np.arange(size), step), frames.take(loose)
             if roughly:
-                near = followed(task, own, series=True)
-                among = among._replace(bases=near.bases, widths=near.widths)
-                angles = angles_along(task, near.series, here_)
-                some = np.flatnonzero(near.good)
-                left[loose[some]] = False
+                angles, among, fine = _roughly(task, own, among, φ[:, loose])
+                left[loose[fine]] = False
             else:
-                among = _moved(task, own, among)
-                exactly = angles_at(task, own, among, placed(task, own, among, here_), DOUBLES)
-                _by_short_arcs(task, own, among, exactly, (here_, short[:, loose]))
-                angles, some = (exactly.separated, exactly.ignorable), np.arange(len(loose))
-            other = placed(task, own, among, here_)
-            turned, rows = (wrapped(x - y[:, loose]) for x, y in zip(angles, reference, strict=True))
+                angles, among = _in_doubles(task, own, among, (φ[:, loose], short[:, loose]))
+                fine = np.ones(len(loose), dtype=bool)
+            other = placed(task, own, among, φ[:, loose])
+            here_ = plain if roughly else (found.separated, found.ignorable)
+            turned, rows = (wrapped(x - y[:, loose]) for x, y in zip(angles, here_, strict=True))
             turn, factor = times(back[loose], turned), _SAFETY * spread[k, loose] / change[k]
-            for whole, part in zip(
-                moved,
-                (other.q - at.q[:, loose] - at.moves[:, loose] * turn, other.P - at.P[:, loose] - at.forces[:, loose] * turn, rows),
-                strict=True,
-            ):
-                whole[:, loose[some]] += (factor * np.abs(part))[:, some]
+            q = other.q - at.q[:, loose] - at.moves[:, loose] * turn
+            P = other.P - at.P[:, loose] - at.forces[:, loose] * turn
+            for whole, part in zip(moved, (q, P, rows), strict=True):
+                whole[:, loose[fine]] += (factor * np.abs(part))[:, fine]
     return moved[0], moved[1], moved[2]
+
+
+def _roughly(task: AngleTask, tori: Tori, frames: Frames, φ: Reals) -> tuple[tuple[Reals, Reals], Frames, Mask]:
+    """Angles by rough integrals at phases on tori next to some, their turning points, and which of them are known."""
+    near = followed(task, tori._replace(ends=frames.bases), series=True)
+    return angles_along(task, near.series, φ), frames._replace(bases=near.bases, widths=near.widths), near.good
+
+
+def _in_doubles(
+    task: AngleTask, tori: Tori, frames: Frames, which: tuple[Reals, Mask]
+) -> tuple[tuple[Reals, Reals], Frames]:
+    """Angles by the engine, or from turning points, and the turning points."""
+    among = _moved(task, tori, frames)
+    found = angles_at(task, tori, among, placed(task, tori, among, which[0]), DOUBLES)
+    _by_short_arcs(task, tori, among, found, which)
+    return (found.separated, found.ignorable), among
 
 
 def _moved(task: AngleTask, tori: Tori, frames: Frames) -> Frames:

@@ -100,7 +100,7 @@ def joined(one: _Bundle, other: _Bundle) -> _Bundle:
     Args:
         one, other: of the same kind.
     """
-    return one._make(np.concatenate(pair, axis=-1) for pair in zip(one, other, strict=True))
+    return type(one)(*(np.concatenate(pair, axis=-1) for pair in zip(one, other, strict=True)))
 
 
 def no_actions(size: int, constants: int, count: int) -> Actions:
@@ -207,9 +207,7 @@ def actions_of(
         others = np.flatnonzero(~harmonic[k] & (F > 0))
         if len(others):
             one = coordinate_at(model, programs, own.take(others), k, np.sqrt(F[others]))
-            sums, found, turned = integrated(
-                one, modes, exact=how == EXACT, places=how == APPROXIMATE, kept=_KEPT
-            )
+            sums, found, turned = integrated(one, modes, exact=how == EXACT, places=how == APPROXIMATE, kept=_KEPT)
             if how == APPROXIMATE:
                 for side, formula in enumerate(sides(one.coordinate)):
                     ends[k, 2 * side, others] = offset(formula, found.places[side])

@@ -84,6 +84,61 @@ def solve(matrix: Reals, right: Reals) -> None:
         right[c] /= matrix[c, c]
 
 
+@inlined
+def _placed(points: Reals, wanted: Reals, j: int, i: int, size: float, row: Reals) -> float:
+    """Leave 1 and the distance from a point, over a size, in ``row``, and return how much that point counts."""
+    square, row[0] = 0.0, 1.0
+    for d in range(points.shape[0]):
+        row[1 + d] = (wanted[d, i] - points[d, j]) / size
+        square += row[1 + d] * row[1 + d]
+    return 1.0 / (square * square + 1e-12)
+
+
+@inlined
+def _size(points: Reals, wanted: Reals, near: Integers, i: int) -> float:
+    """Return the largest distance, along any dimension."""
+    size = 1e-300
+    for d in range(points.shape[0]):
+        for k in range(near.shape[0]):
+            size = max(size, abs(wanted[d, i] - points[d, near[k, i]]))
+    return size
+
+
+@helper
+def _weights(points: Reals, wanted: Reals, near: Integers, i: int, matrix: Reals, work: Reals) -> float:
+    """Leave the weights in the third row of ``work`` and Σ λᵢ dᵢ in the fourth; return the sum of their sizes."""
+    dimensions, count = points.shape[0], near.shape[0]
+    right, row, weights, left = work[0, : dimensions + 1], work[1], work[2], work[3]
+    size = _size(points, wanted, near, i)
+    for a in range(dimensions + 1):
+        right[a] = 1.0 if a == 0 else 0.0
+        for b in range(dimensions + 1):
+            matrix[a, b] = 0.0
+    for k in range(count):
+        counts = _placed(points, wanted, near[k, i], i, size, row)
+        for a in range(dimensions + 1):
+            for b in range(dimensions + 1):
+                matrix[a, b] += counts * row[a] * row[b]
+    for a in range(1, dimensions + 1):
+        matrix[a, a] += _FLAT * matrix[0, 0]
+    solve(matrix, right)
+    total, sizes = 0.0, 0.0
+    for d in range(dimensions):
+        left[d] = 0.0
+    for k in range(count):
+        counts, λ = _placed(points, wanted, near[k, i], i, size, row), 0.0
+        for a in range(dimensions + 1):
+            λ += counts * row[a] * right[a]
+        for d in range(dimensions):
+            left[d] += λ * row[1 + d] * size
+        weights[k], total, sizes = λ, total + λ, sizes + abs(λ)
+    for k in range(count):
+        weights[k] /= total
+    for d in range(dimensions):
+        left[d] /= total
+    return sizes / abs(total)
+
+
 @kernel
 def extrapolated(points: Reals, values: Reals, slopes: Reals, wanted: Reals, near: Integers, made: Reals,
                  matrix: Reals, work: Reals) -> None:  # fmt: skip
@@ -95,61 +150,17 @@ def extrapolated(points: Reals, values: Reals, slopes: Reals, wanted: Reals, nea
         wanted: places, shape (dimensions, n).
         near: the points that are used, the nearest one first, shape (neighbours, n).
         made: filled with f, shape (parts, n); with NaN where weights are not small.
-        matrix, work: scratch, shape (1 + dimensions, 1 + dimensions), (2, at least that).
+        matrix, work: scratch, shape (1 + dimensions, 1 + dimensions), (4, at least that, and neighbours).
     """
-    dimensions, count = points.shape[0], near.shape[0]
-    right, row = work[0, : dimensions + 1], work[1]
     for i in range(wanted.shape[1]):
-        size = 1e-300
-        for d in range(dimensions):
-            for k in range(count):
-                size = max(size, abs(wanted[d, i] - points[d, near[k, i]]))
-        for a in range(dimensions + 1):
-            right[a] = 1.0 if a == 0 else 0.0
-            for b in range(dimensions + 1):
-                matrix[a, b] = 0.0
-        for k in range(count):
-            weight = _placed(points, wanted, near[k, i], i, size, row)
-            for a in range(dimensions + 1):
-                for b in range(dimensions + 1):
-                    matrix[a, b] += weight * row[a] * row[b]
-        for a in range(1, dimensions + 1):
-            matrix[a, a] += _FLAT * matrix[0, 0]
-        solve(matrix, right)
-        total, sizes = 0.0, 0.0
-        for k in range(count):
-            weight, λ = _placed(points, wanted, near[k, i], i, size, row), 0.0
-            for a in range(dimensions + 1):
-                λ += weight * row[a] * right[a]
-            total, sizes = total + λ, sizes + abs(λ)
+        sizes = _weights(points, wanted, near, i, matrix, work)
         for p in range(made.shape[0]):
-            made[p, i] = 0.0 if sizes <= _LARGEST * abs(total) else np.nan
-        # what is left of Σ λᵢ dᵢ counts with the mean of B
-        for d in range(dimensions):
-            matrix[0, d] = 0.0
-        for k in range(count):
-            weight, λ = _placed(points, wanted, near[k, i], i, size, row), 0.0
-            for a in range(dimensions + 1):
-                λ += weight * row[a] * right[a]
-            for d in range(dimensions):
-                matrix[0, d] += λ / total * row[1 + d] * size
-        for k in range(count):
-            j, λ = near[k, i], 0.0
-            weight = _placed(points, wanted, j, i, size, row)
-            for a in range(dimensions + 1):
-                λ += weight * row[a] * right[a]
-            for p in range(made.shape[0]):
+            total = 0.0 if sizes <= _LARGEST else np.nan
+            for k in range(near.shape[0]):
+                j = near[k, i]
                 part = values[p, j]
-                for d in range(dimensions):
-                    part += 0.5 * slopes[p, d, j] * (row[1 + d] * size + matrix[0, d])
-                made[p, i] += λ / total * part
-
-
-@inlined
-def _placed(points: Reals, wanted: Reals, j: int, i: int, size: float, row: Reals) -> float:
-    """Leave 1 and the distance from a point, over a size, in ``row``, and return the weight of that point."""
-    square, row[0] = 0.0, 1.0
-    for d in range(points.shape[0]):
-        row[1 + d] = (wanted[d, i] - points[d, j]) / size
-        square += row[1 + d] * row[1 + d]
-    return 1.0 / (square * square + 1e-12)
+                for d in range(points.shape[0]):
+                    # what is left of Σ λᵢ dᵢ counts with the mean of B
+                    part += 0.5 * slopes[p, d, j] * (wanted[d, i] - points[d, j] + work[3, d])
+                total += work[2, k] * part
+            made[p, i] = total
