@@ -18,7 +18,7 @@ from hjsolve.arithmetic.block_exponents import NOTHING, Unit, tape_in_units, uni
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.coordinates.chart import Chart
-from hjsolve.ensembles.engine.kernels.nearest_points import extrapolated
+from hjsolve.ensembles.engine.kernels.neighbours import extrapolated
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated, lowered_model, next_to_poles
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status

@@ -17,7 +17,7 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.to_states.followed import followed
+from hjsolve.ensembles.to_states.followed_tori import followed
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask
 from hjsolve.ensembles.to_states.tori import APPROXIMATE, DOUBLES, EXACT, Actions, Tori, actions_of, joined, no_actions
 

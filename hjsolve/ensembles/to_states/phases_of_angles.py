@@ -11,7 +11,7 @@ import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at, ignorable_slopes, matrix_of
-from hjsolve.ensembles.to_states.followed import Followed, phases_along, series_of
+from hjsolve.ensembles.to_states.followed_tori import FollowedLibrations, phases_along, series_of
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, blurred, placed
 from hjsolve.ensembles.to_states.short_arcs import (
     Integrals,
@@ -48,7 +48,7 @@ Here = tuple[Reals, AnglesFound, Placed]
 
 
 def phases_of(
-    task: AngleTask, tori: Tori, frames: Frames, rough: Followed, given: tuple[Reals, Reals]
+    task: AngleTask, tori: Tori, frames: Frames, rough: FollowedLibrations, given: tuple[Reals, Reals]
 ) -> tuple[Here, Mask]:
     """Find the phases with given angles.
 

@@ -14,7 +14,7 @@ import numpy as np
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.constants import initial_constants
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
-from hjsolve.ensembles.engine.kernels.nearest_points import nearest_points
+from hjsolve.ensembles.engine.kernels.neighbours import nearest_points
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import SystemPrograms

@@ -16,7 +16,7 @@ from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import place
 from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at, ignorable_slopes, matrix_of
-from hjsolve.ensembles.to_states.followed import Followed, angles_along, followed, followed_at
+from hjsolve.ensembles.to_states.followed_tori import FollowedLibrations, angles_along, followed, followed_at
 from hjsolve.ensembles.to_states.phases_of_angles import SETTLED, SMALL, phases_of
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, blurred, placed, refined, width_of
 from hjsolve.ensembles.to_states.short_arcs import ShortArcs, angles_by_arcs, inverses, times, wrapped
@@ -98,7 +98,7 @@ def states_at(
 
 def _quotients(
     task: AngleTask, tori: Tori, frames: Frames, here: tuple[Reals, Placed, AnglesFound, Reals],
-    known: tuple[Reals, Reals, Mask, Followed],
+    known: tuple[Reals, Reals, Mask, FollowedLibrations],
 ) -> tuple[Reals, Reals, Reals]:  # fmt: skip
     """Return what is not known of J moves of q, P and the ignorable angles, by difference quotients at fixed θ.
 

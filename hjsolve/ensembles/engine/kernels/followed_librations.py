@@ -18,7 +18,7 @@ from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.kernels.cycle_integrals import gathered, packed
 from hjsolve.ensembles.engine.kernels.midpoint_rule import dot, means
-from hjsolve.ensembles.engine.kernels.nearest_points import solve
+from hjsolve.ensembles.engine.kernels.neighbours import solve
 from hjsolve.ensembles.engine.kernels.start_phase import anomaly, stretch
 from hjsolve.ensembles.engine.kernels.types import BLOCK, Motions, Scratch, Side, Tables
 
@@ -32,7 +32,7 @@ _NEARLY = 1e-6  # residual after which the next step is the last: it leaves 1e-1
 _LEAST_STEP = 2.0**-20  # share of a step below which an orbit is given up
 
 
-class Series(NamedTuple):
+class RunningSeries(NamedTuple):
     """Running integrals of all coordinates of n orbits.
 
     Attributes:
@@ -182,7 +182,7 @@ def rough_integrals(
 
 
 @helper
-def _run_along(φ: Reals, orbit: Series, i: int, tables: Tables, work: PhaseScratch) -> None:
+def _run_along(φ: Reals, orbit: RunningSeries, i: int, tables: Tables, work: PhaseScratch) -> None:
     """Leave χ, θ − χ, the running integrals and their rates at the phases of one orbit."""
     size, constants = orbit.means.shape[0], orbit.means.shape[1]
     for j in range(constants):
@@ -215,7 +215,7 @@ def _run_along(φ: Reals, orbit: Series, i: int, tables: Tables, work: PhaseScra
 
 
 @kernel
-def angles_of_series(φ: Reals, orbits: Series, tables: Tables, anomalies: Reals, advance: Reals, running: Reals,
+def angles_of_series(φ: Reals, orbits: RunningSeries, tables: Tables, anomalies: Reals, advance: Reals, running: Reals,
                      work: PhaseScratch) -> None:  # fmt: skip
     """Work out angles at phases.
 
@@ -239,7 +239,7 @@ def angles_of_series(φ: Reals, orbits: Series, tables: Tables, anomalies: Reals
 
 
 @kernel
-def phases_of_series(θ: Reals, φ: Reals, orbits: Series, tables: Tables, curve: Reals, good: Mask,
+def phases_of_series(θ: Reals, φ: Reals, orbits: RunningSeries, tables: Tables, curve: Reals, good: Mask,
                      work: PhaseScratch) -> None:  # fmt: skip
     """Find the phases at which angles are as given, by damped Newton's method.
 

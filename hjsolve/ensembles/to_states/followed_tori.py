@@ -19,7 +19,7 @@ from hjsolve.ensembles.engine.kernels import types
 from hjsolve.ensembles.engine.kernels.crowding import CLUSTERINGS
 from hjsolve.ensembles.engine.kernels.followed_librations import (
     PhaseScratch,
-    Series,
+    RunningSeries,
     angles_of_series,
     phases_of_series,
     rough_integrals,
@@ -43,7 +43,7 @@ _EVEN = 1e-13
 _NODES = max(COUNTS[size] for size in APPROXIMATE_SIZES)
 
 
-class Followed(NamedTuple):
+class FollowedLibrations(NamedTuple):
     """Librations of n tori.
 
     Attributes:
@@ -59,11 +59,11 @@ class Followed(NamedTuple):
     bases: Reals
     widths: Reals
     harmonic: Mask
-    series: Series
+    series: RunningSeries
     good: Mask
 
 
-def followed(task: AngleTask, tori: Tori, *, series: bool, still: bool = False) -> Followed:
+def followed(task: AngleTask, tori: Tori, *, series: bool, still: bool = False) -> FollowedLibrations:
     """Return the integrals of tori whose ``ends`` are turning points next to their own.
 
     Args:
@@ -71,9 +71,9 @@ def followed(task: AngleTask, tori: Tori, *, series: bool, still: bool = False) 
         still: whether these are their own, to 32 digits.
     """
     (size, n), m, nodes = tori.q.shape, len(task.model.constants), _NODES if series else 0
-    made = Followed(
+    made = FollowedLibrations(
         np.full((size, n), np.nan), tori.ends.copy(), np.empty((size, n)), np.zeros((size, n), dtype=bool),
-        Series(
+        RunningSeries(
             np.full((size, m, n), np.nan), np.empty((size, n, m, nodes)), *np.zeros((2, size, n), dtype=np.int64)
         ),
         np.ones(n, dtype=bool),
@@ -93,7 +93,7 @@ def followed(task: AngleTask, tori: Tori, *, series: bool, still: bool = False) 
     return made
 
 
-def _fill(made: Followed, one: CoordinateOfOrbits, k: int, some: Integers, *, exactly: bool) -> None:
+def _fill(made: FollowedLibrations, one: CoordinateOfOrbits, k: int, some: Integers, *, exactly: bool) -> None:
     """Integrate one coordinate of some orbits between their turning points."""
     if not len(some):
         return
@@ -110,7 +110,7 @@ def _fill(made: Followed, one: CoordinateOfOrbits, k: int, some: Integers, *, ex
         series.coefficients[k][some] = coefficients
 
 
-def followed_at(task: AngleTask, tori: Tori, frames: Frames) -> Followed:
+def followed_at(task: AngleTask, tori: Tori, frames: Frames) -> FollowedLibrations:
     """Return the running integrals of tori whose turning points are known; none of those with a rotation or a rest.
 
     Args:
@@ -224,20 +224,20 @@ def _integrate(
     rough_integrals(below, above, motions, tables, coefficients.shape[2] > 0, action, slopes, coefficients, good, work)
 
 
-def series_of(found: Followed, index: Integers) -> Series:
+def series_of(found: FollowedLibrations, index: Integers) -> RunningSeries:
     """Return the running integrals of some of the orbits."""
     means, coefficients, map_, size = found.series
-    return Series(means[..., index], coefficients[:, index], map_[:, index], size[:, index])
+    return RunningSeries(means[..., index], coefficients[:, index], map_[:, index], size[:, index])
 
 
-def _scratch(series: Series) -> PhaseScratch:
+def _scratch(series: RunningSeries) -> PhaseScratch:
     size, constants, width = series.coefficients.shape[0], series.means.shape[1], series.coefficients.shape[3]
     return PhaseScratch(
         np.empty((2, width)), np.empty(constants), np.empty((size, size)), np.empty((size, size)), np.empty((7, size))
     )
 
 
-def phases_along(series: Series, θ: Reals, φ: Reals) -> tuple[Reals, Mask]:
+def phases_along(series: RunningSeries, θ: Reals, φ: Reals) -> tuple[Reals, Mask]:
     """Move phases to where angles are as given; return κ of Newton's method, and which were found.
 
     Args:
@@ -249,7 +249,7 @@ def phases_along(series: Series, θ: Reals, φ: Reals) -> tuple[Reals, Mask]:
     return curve, good
 
 
-def angles_along(task: AngleTask, series: Series, φ: Reals) -> tuple[Reals, Reals]:
+def angles_along(task: AngleTask, series: RunningSeries, φ: Reals) -> tuple[Reals, Reals]:
     """Return θ of the separated coordinates and of the ignorable ones, where these are at zero, at phases.
 
     Args:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hjsolve.arithmetic.machine.compiling import helper, inlined, kernel
+from hjsolve.arithmetic.machine.compiling import helper, kernel
 from hjsolve.arithmetic.number_types import Integers, Reals
 
 _FLAT = 1e-4  # square of the part of all distances below which a dimension needs no Σ λᵢ dᵢ = 0
@@ -54,7 +54,7 @@ def nearest_points(points: Reals, wanted: Reals, found: Integers, squares: Reals
             count += 1
 
 
-@inlined
+@helper
 def solve(matrix: Reals, right: Reals) -> None:
     """Solve a small system of linear equations by elimination; the right side becomes the solution.
 
@@ -84,7 +84,7 @@ def solve(matrix: Reals, right: Reals) -> None:
         right[c] /= matrix[c, c]
 
 
-@inlined
+@helper
 def _placed(points: Reals, wanted: Reals, j: int, i: int, size: float, row: Reals) -> float:
     """Leave 1 and the distance from a point, over a size, in ``row``, and return how much that point counts."""
     square, row[0] = 0.0, 1.0
@@ -94,7 +94,7 @@ def _placed(points: Reals, wanted: Reals, j: int, i: int, size: float, row: Real
     return 1.0 / (square * square + 1e-12)
 
 
-@inlined
+@helper
 def _size(points: Reals, wanted: Reals, near: Integers, i: int) -> float:
     """Return the largest distance, along any dimension."""
     size = 1e-300
