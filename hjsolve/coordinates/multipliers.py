@@ -18,6 +18,7 @@ from pathlib import Path
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.coordinates.typed_change import short_form
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError, required
@@ -60,6 +61,7 @@ class ConstraintForces(Shown):
     reduced: tuple[sp.Expr, ...] = ()
 
 
+@arguments.with_known_names('constraint_forces(system, ["x**2 + y**2 = 1"])')
 @one_at_a_time
 def constraint_forces(system: System | str | Path, constraints: Sequence[str] = ()) -> ConstraintForces:
     """Write Lagrange's equations with multipliers, and solve them for the constraint forces.

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 MOST_LINES, WIDEST = 20, 110
 _MOST_ITEMS, _DIGITS, _PIECE = 6, 17, 90
+_LONGEST_DENOMINATOR = 10_000
+"""Of a fraction that is written as one, where it is also a double."""
 
 
 class Shown:
@@ -175,6 +177,10 @@ def brief(content: Any, room: int) -> str:
         return f"{content:S}"
     if hasattr(content, "_mpf_") or hasattr(content, "_mpc_"):
         return str(content.context.nstr(content, _DIGITS))
+    if getattr(content, "is_Rational", False) and content.q > _LONGEST_DENOMINATOR:
+        pair = content.p, content.q
+        if float(content).as_integer_ratio() == pair:
+            return repr(float(content))  # 0.1, not 3602879701896397/36028797018963968
     text = str(content) if hasattr(content, "free_symbols") else repr(content)
     return cut(" ".join(text.split()), room)
 

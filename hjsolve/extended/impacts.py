@@ -112,6 +112,7 @@ class Impact(Shown):
         return change.system, initial_data_in(change, here, Exact())
 
 
+@arguments.with_known_names(_EXAMPLE)
 @one_at_a_time
 def impact(
     system: System | str | Path, *, q: Mapping[str, object], velocity: Mapping[str, object] | None = None,

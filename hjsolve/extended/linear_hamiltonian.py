@@ -226,6 +226,7 @@ class SumOfHamiltonians(Shown):
         return start_sum(self.parts, q=q, p=p, parameters=parameters, t0=t0, digits=digits)
 
 
+@arguments.with_known_names('from_hamiltonian("p**2/2 + q**4", {"q": "line"})')
 @one_at_a_time
 def from_hamiltonian(
     hamiltonian: str, coordinates: Mapping[str, str], parameters: Mapping[str, object] | None = None, *,

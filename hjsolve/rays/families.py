@@ -98,6 +98,7 @@ class Wavefronts(ByValue, Shown):
         return renderer("plots").plotted_wavefronts(self, ax)
 
 
+@arguments.with_known_names('wavefronts(motion, "constants", fronts=24)')
 @one_at_a_time
 def wavefronts(motion: Motion, family: str = "constants", *, fronts: int = 24, orbits: int | None = None) -> Wavefronts:
     """Return the lines W = const about a motion, the orbits that cross them, and the caustics.

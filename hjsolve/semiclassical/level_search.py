@@ -39,6 +39,7 @@ _MORE, _SPARE = 1.5, 4
 EXAMPLE = "levels(solution, hbar=1, up_to=-0.01)"
 
 
+@arguments.with_known_names(EXAMPLE)
 @one_at_a_time
 def levels(
     solution: Solution | Any,

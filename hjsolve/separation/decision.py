@@ -36,6 +36,7 @@ DEFAULT_BUDGET = 20.0
 SMALL_SYSTEM = 120
 
 
+@arguments.with_known_names("separate(system, budget=20)")
 @one_at_a_time
 def separate(system: System | str | Path, *, budget: float = DEFAULT_BUDGET) -> Verdict:
     """Decide whether the Hamilton–Jacobi equation of a system separates in its coordinates.

@@ -17,7 +17,7 @@ from hjsolve import arguments
 from hjsolve.algebra.integration import closed_form_potential
 from hjsolve.algebra.poly import Budget, WorkLimitError
 from hjsolve.algebra.reader import Reader
-from hjsolve.arguments import ascii_name, described
+from hjsolve.arguments import ascii_name, described, with_known_names
 from hjsolve.display.shown import Shown, listed_names
 from hjsolve.errors import InvalidInputError, required
 from hjsolve.mechanics.brackets import bracket
@@ -89,6 +89,7 @@ class CanonicalMap(Shown):
         return f"Canonical with valence {self.valence}{found}."
 
 
+@with_known_names('canonical({"Q": "q*cos(a) - p*sin(a)", "P": "q*sin(a) + p*cos(a)"}, parameters="a")')
 @one_at_a_time
 def canonical(
     map: Mapping[str, object] | None = None,  # noqa: A002 - the field's word

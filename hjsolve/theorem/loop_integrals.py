@@ -53,6 +53,7 @@ class LoopIntegral(Shown):
         return bool(np.all(np.abs(self.value - self.value[0]) <= self.error + self.error[0]))
 
 
+@arguments.with_known_names('loop_integral(solution, q={"x": "1 + cos(s)/10"}, p={"x": "sin(s)/10"})')
 def loop_integral(
     solution: Solution, *, q: Mapping[str, object], p: Mapping[str, object], times: object = (0,),
     parameters: Mapping[str, object] | None = None, t0: object = 0, tolerance: object = 1e-12, most: object = 512,

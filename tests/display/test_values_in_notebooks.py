@@ -8,6 +8,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 import pytest
+import sympy as sp
 
 import hjsolve
 from hjsolve.display.shown import MOST_LINES, WIDEST, Shown, brief
@@ -70,6 +71,8 @@ def test_what_is_long_is_cut_and_counted() -> None:
     assert brief(tuple(range(100)), 80) == "(0, 1, 2, 3, 4, 5, … 100 in all)"
     assert len(brief("x" * 500, 40)) == 40
     assert brief({"r": hjsolve.Estimate(2.5, 1e-3)}, 40) == "{r: 2.5000(11)}"
+    assert brief((sp.Rational(0.1), sp.Rational(1, 3), sp.Rational(1, 8)), 80) == "(0.1, 1/3, 1/8)"
+    assert brief(sp.Rational(1, 10**9), 40) == "1/1000000000"
 
 
 @pytest.mark.parametrize("name", ["kepler-planar", "kerr", "top-of-nothing"])
