@@ -177,12 +177,21 @@ def brief(content: Any, room: int) -> str:
         return f"{content:S}"
     if hasattr(content, "_mpf_") or hasattr(content, "_mpc_"):
         return str(content.context.nstr(content, _DIGITS))
-    if getattr(content, "is_Rational", False) and content.q > _LONGEST_DENOMINATOR:
-        pair = content.p, content.q
-        if float(content).as_integer_ratio() == pair:
-            return repr(float(content))  # 0.1, not 3602879701896397/36028797018963968
-    text = str(content) if hasattr(content, "free_symbols") else repr(content)
+    text = f"{as_argument(content)}" if hasattr(content, "free_symbols") else repr(content)
     return cut(" ".join(text.split()), room)
+
+
+def as_argument(value: Any) -> str | float:
+    """Return a formula as it is typed: 0.1 where it is 3602879701896397/36028797018963968, else its text.
+
+    Args:
+        value: a sympy expression.
+    """
+    if value.is_Rational and value.q > _LONGEST_DENOMINATOR:
+        double = float(value)
+        if double.as_integer_ratio() == (value.p, value.q):
+            return double
+    return str(value)
 
 
 def _fraction(room: int, count: int) -> int:

@@ -32,6 +32,9 @@ from hjsolve.theorem.phase_space import BUDGET, PhaseSpace, Variables
 from hjsolve.theorem.reading import new_names, read_formula
 
 TIME = sp.Symbol("t", real=True)
+_PLACES = tuple(map(sp.Rational, ("1", "1/2", "0", "2", "-1")))
+"""Values of all variables at once where a valence, which is a constant, is evaluated."""
+_SINGULAR = (sp.nan, sp.zoo, sp.oo, -sp.oo)
 
 
 @dataclass(frozen=True, repr=False)
@@ -173,6 +176,7 @@ def _decide(
         what = f"({names[0]}, {names[n]}) is not a constant, its derivative by {x.name} = 0 fails"
         if (wrong := space.proved_zero(sp.diff(μ, x), "valence", what, seconds)) is not None:
             return wrong
+    μ = _without_variables(space, μ, seconds)
     for left in range(2 * n):
         for right in range(left + 1, 2 * n):
             ought = μ if right == left + n else sp.S.Zero
@@ -190,6 +194,16 @@ def _decide(
         found.functions, found.why_not, found.where, None if H is None else short(μ * H + added, space),
         tuple(x.name for x in variables),
     )  # fmt: skip
+
+
+def _without_variables(space: PhaseSpace, μ: sp.Expr, seconds: float) -> sp.Expr:
+    """Return a valence, which is a constant, in the parameters alone."""
+    variables = {x for pair in space.pairs for x in pair} | {space.time}
+    for value in _PLACES if μ.free_symbols & variables else ():
+        found = short(μ.subs(dict.fromkeys(variables, value)), space)
+        if not found.has(*variables, *_SINGULAR) and isinstance(space.vanishes(μ - found, seconds), Zero):
+            return found
+    return μ
 
 
 def _sum(P: Sequence[sp.Expr], Q: Sequence[sp.Expr], x: sp.Symbol) -> sp.Expr:
@@ -229,6 +243,10 @@ def read_variables(
     """
     if not isinstance(pairs, Mapping) or not pairs:
         raise InvalidInputError(f'coordinates: pairs such as {{"q": "p"}} are needed, not {described(pairs)}')
+    if domain := next((p for p in map(str, pairs.values()) if "<" in p or ">" in p), None):
+        raise InvalidInputError(
+            f'coordinates: the momentum of each is needed, such as {{"q": "p"}}; "{domain[:40]}" belongs in domains'
+        )
     momenta = [ascii_name(str(p)) for p in pairs.values()]
     names = [ascii_name(str(q)) for q in pairs]
     if len({*names, *momenta, "t"}) != 2 * len(names) + 1:

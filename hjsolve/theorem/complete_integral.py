@@ -117,7 +117,7 @@ class CompleteIntegral(Shown):
 
 
 @arguments.with_known_names(
-    'verify(system, W="alpha*theta + Integral(sqrt(2*m*(E + k/r) - alpha**2/r**2), r)", constants=["E", "alpha"])'
+    'verify(system, W="alpha*theta + integral(sqrt(2*m*(E + k/r) - alpha**2/r**2), r)", constants=["E", "alpha"])'
 )
 @one_at_a_time
 def verify(
