@@ -136,13 +136,10 @@ def test_a_bead_on_an_ellipse_has_the_period_of_its_quadrature() -> None:
     with mpmath.workdps(30):
         E = mpmath.mpf("0.64") * 2 - mpmath.mpf("1.5")
         top = mpmath.asin(E * 2 / 3) + mpmath.pi / 2  # from the lowest place; u = −π/2 + top sin a
-        rate = lambda a: (
-            top
-            * mpmath.cos(a)
-            * mpmath.sqrt(  # noqa: E731
-                (1 + 3 * mpmath.cos(top * mpmath.sin(a)) ** 2)
-                / (2 * (E + mpmath.mpf("1.5") * mpmath.cos(top * mpmath.sin(a))))
-            )
-        )
+
+        def rate(a: mpmath.mpf) -> mpmath.mpf:
+            height = mpmath.cos(top * mpmath.sin(a))
+            return top * mpmath.cos(a) * mpmath.sqrt((1 + 3 * height**2) / (2 * (E + mpmath.mpf("1.5") * height)))
+
         period = 4 * mpmath.quad(rate, [0, mpmath.pi / 2 - mpmath.mpf(10) ** -12])
     assert abs(motion.periods["u"].value / float(period) - 1) < 1e-10
