@@ -32,8 +32,8 @@ _WORDS = {
 _EXAMPLES = {
     "coordinates": '[{name = "r", domain = "0 < r"}]', "parameters": '[{name = "k", value = 1}]', "name": '"r"',
     "domain": '"0 < r"', "kinetic": '"m*dot(x)**2/2"', "potential": '"k*x**2/2"', "id": '"my-oscillator"',
-    "title": '"My oscillator"', "q": '{r = "1.2"}', "velocity": '{r = 0}', "p": '{r = 0}', "place": '{x = "r*cos(phi)"}',
-    "units": '{r = "m"}', "functions": '["v(r)"]',
+    "title": '"My oscillator"', "q": '{r = "1.2"}', "velocity": '{r = 0}', "p": '{r = 0}',
+    "place": '{x = "r*cos(phi)"}', "units": '{r = "m"}', "functions": '["v(r)"]',
 }  # fmt: skip
 """What may be written for a key, for messages."""
 
