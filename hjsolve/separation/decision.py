@@ -226,8 +226,8 @@ def _evidence_of(reduced: Reduced, shell: Shell) -> list[ReductionStep]:
     V = "V_eff" if shell.ignorable else "V"
     if reduced.stackel is not None:
         text = (
-            "It is read off from the shell along the coordinate lines through one base point. Row i contains "
-            f"coordinate i only. Exact substitution verified c^T Phi = (1, 0, ..., 0) and c^T psi = {V}."
+            "It is read off from the shell along the coordinate lines through one base point. Row i depends "
+            f"on coordinate i only. Exact substitution verified c^T Phi = (1, 0, ..., 0) and c^T psi = {V}."
         )
         steps.append(ReductionStep("Stäckel matrix", text, reduced.stackel.matrix))
         text = "The part of the separated equations without separation constants."
