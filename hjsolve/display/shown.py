@@ -22,6 +22,8 @@ MOST_LINES, WIDEST = 20, 110
 _MOST_ITEMS, _DIGITS, _PIECE = 6, 17, 90
 _LONGEST_DENOMINATOR = 10_000
 """Of a fraction that is written as one, where it is also a double."""
+_LONGEST_CONSTANT = 40
+"""Letters of a constant formula that is written out."""
 
 
 class Shown:
@@ -177,8 +179,19 @@ def brief(content: Any, room: int) -> str:
         return f"{content:S}"
     if hasattr(content, "_mpf_") or hasattr(content, "_mpc_"):
         return str(content.context.nstr(content, _DIGITS))
-    text = f"{as_argument(content)}" if hasattr(content, "free_symbols") else repr(content)
+    text = _of_formula(content) if hasattr(content, "free_symbols") else repr(content)
     return cut(" ".join(text.split()), room)
+
+
+def _of_formula(content: Any) -> str:
+    """Write a formula, and a long constant one as a number."""
+    text = f"{as_argument(content)}"
+    if content.free_symbols or not getattr(content, "is_number", False) or len(text) <= _LONGEST_CONSTANT:
+        return text
+    from hjsolve.precision import shared_libraries
+
+    with shared_libraries:
+        return f"≈ {content.evalf(15)}"
 
 
 def as_argument(value: Any) -> str | float:
@@ -187,7 +200,7 @@ def as_argument(value: Any) -> str | float:
     Args:
         value: a sympy expression.
     """
-    if value.is_Rational and value.q > _LONGEST_DENOMINATOR:
+    if getattr(value, "is_Rational", False) and value.q > _LONGEST_DENOMINATOR:
         double = float(value)
         if double.as_integer_ratio() == (value.p, value.q):
             return double
