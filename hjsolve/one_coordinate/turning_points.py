@@ -324,11 +324,10 @@ def end_of(ray: Ray, inside: float, outside: float) -> End:
     return _turning(ray, inside, outside, 15) if outside else End("turning", ray.origin)
 
 
-def _positive_to_the_end(ray: Ray, last: float) -> bool:
+def _positive_to_infinity(ray: Ray, last: float) -> bool:
     """Whether p² is enclosed in positive numbers from a distance on."""
-    end = np.inf if ray.reach is None else float(ray.reach(BITS))
     with np.errstate(all="ignore"):
-        value, _, _ = ray.enclose(np.array([last]), np.array([end]), 53)
+        value, _, _ = ray.enclose(np.array([last]), np.array([np.inf]), 53)
     return bool(value.low[0] > 0)
 
 
@@ -355,7 +354,7 @@ def _beyond(ray: Ray, last: float, digits: int) -> End:
         before = x
     end = None if ray.reach is None else ray.place(ray.reach(bits), bits)
     sign = ray.radicand.sign_in_the_end(ray.side, end)
-    if sign < 0 or (sign == 0 and not _positive_to_the_end(ray, last)):
+    if sign < 0 or (sign == 0 and ray.reach is None and not _positive_to_infinity(ray, last)):
         where = f"beyond q = {context.nstr(ray.place(steps[-1], bits), 3)}"
         if end is not None:
             where = f"within {context.nstr(abs(end - ray.place(steps[-1], bits)), 3)} of {context.nstr(end, 6)}"
