@@ -22,8 +22,7 @@ MOST_LINES, WIDEST = 20, 110
 _MOST_ITEMS, _DIGITS, _PIECE = 6, 17, 90
 _LONGEST_DENOMINATOR = 10_000
 """Of a fraction that is written as one, where it is also a double."""
-_LONGEST_CONSTANT = 40
-"""Letters of a constant formula that is written out."""
+_FRACTION = re.compile(r"\b(\d{5,300})/(\d{5,300})\b")
 
 
 class Shown:
@@ -184,14 +183,13 @@ def brief(content: Any, room: int) -> str:
 
 
 def _of_formula(content: Any) -> str:
-    """Write a formula, and a long constant one as a number."""
-    text = f"{as_argument(content)}"
-    if content.free_symbols or not getattr(content, "is_number", False) or len(text) <= _LONGEST_CONSTANT:
-        return text
-    from hjsolve.precision import shared_libraries
+    """Write a formula, with the doubles that are in it as such."""
+    return _FRACTION.sub(_as_a_double, f"{as_argument(content)}")
 
-    with shared_libraries:
-        return f"≈ {content.evalf(15)}"
+
+def _as_a_double(fraction: re.Match[str]) -> str:
+    p, q = int(fraction[1]), int(fraction[2])
+    return repr(p / q) if q > _LONGEST_DENOMINATOR and (p / q).as_integer_ratio() == (p, q) else fraction[0]
 
 
 def as_argument(value: Any) -> str | float:

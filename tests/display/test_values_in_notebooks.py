@@ -73,7 +73,7 @@ def test_what_is_long_is_cut_and_counted() -> None:
     assert brief({"r": hjsolve.Estimate(2.5, 1e-3)}, 40) == "{r: 2.5000(11)}"
     assert brief((sp.Rational(0.1), sp.Rational(1, 3), sp.Rational(1, 8)), 80) == "(0.1, 1/3, 1/8)"
     assert brief(sp.Rational(1, 10**9), 40) == "1/1000000000"
-    assert brief(-2 + 3 / (1 + 3 * sp.cos(sp.Rational(0.3)) ** 2), 80) == "≈ -1.19743251650040"
+    assert brief(-2 + 3 / (1 + 3 * sp.cos(sp.Rational(0.3)) ** 2), 80) == "-2 + 3/(1 + 3*cos(0.3)**2)"
     assert brief(sp.sqrt(2) / 2, 40) == "sqrt(2)/2"
 
 
