@@ -16,6 +16,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
@@ -337,10 +338,13 @@ def _refined(traced: _Traced, which: int, a: float, b: float, level: float) -> t
         return value, float(np.polynomial.polynomial.polyval(value, g))
 
     level, first = at(a, level)
-    for _ in range(60):
-        middle = (a + b) / 2
-        level, slope = at(middle, level)
-        a, b = (middle, b) if slope * first > 0 else (a, middle)
+
+    def before(t: float) -> bool:
+        nonlocal level
+        level, slope = at(t, level)
+        return slope * first > 0
+
+    a, b = bisected(before, a, b, 60)
     return (a + b) / 2, level
 
 

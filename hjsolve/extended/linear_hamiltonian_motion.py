@@ -16,6 +16,7 @@ from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Context, Mpf
+from hjsolve.arithmetic.root_finding import newton
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
 from hjsolve.extended.one_freedom import LinearInMomentum
@@ -217,10 +218,11 @@ def _longest(rate: Callable[[Mpf], Mpf], place: Mpf, direction: int, most: Mpf) 
 
 
 def _step(rate: Callable[[Mpf], Mpf], place: Mpf, step: Mpf, context: Context, name: str) -> Mpf:
-    guess = place + rate(place) * step
-    for _ in range(60):
-        time = context.quad(lambda x: 1 / rate(x), [place, guess])
-        guess += (step - time) * rate(guess)
-        if abs(step - time) <= context.mpf(2) ** (24 - context.prec) * abs(step):
-            return guess
-    raise OutsideMotionError(f"{name} approaches a zero of a(q) and never reaches it")
+    def off(q: Mpf) -> Mpf:
+        return (context.quad(lambda x: 1 / rate(x), [place, q]) - step) * rate(q)
+
+    close = context.mpf(2) ** (24 - context.prec) * abs(step)
+    found = newton(off, place + rate(place) * step, lambda q: close * abs(rate(q)), 60)
+    if found is None:
+        raise OutsideMotionError(f"{name} approaches a zero of a(q) and never reaches it")
+    return found

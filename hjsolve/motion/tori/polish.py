@@ -18,6 +18,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.arithmetic.root_finding import stationary
 from hjsolve.errors import ForbiddenMotionError, NotConvergedError
 from hjsolve.formulas.read import number
 from hjsolve.motion.initial_data import Initial, to_bits
@@ -246,19 +247,13 @@ def _top(curve: RadicandCurve, κ: list[Mpf], top: Mpf, bits: int) -> Mpf:
 
     The place itself where p² has none there.
     """
-    begin, first = top, None
-    for _ in range(12 + bits.bit_length()):
-        _, slope, bend = curve.exactly(top, κ, bits)
-        if not bend < 0:
-            return begin if first is None else top
-        step = -slope / bend
-        first = abs(step) if first is None else first
-        if abs(step) > 2 * first:
-            return begin
-        top = top + step
-        if abs(step) <= abs(top) * top.context.ldexp(1, 8 - bits) or not step:
-            return top
-    return top
+    _, slope, bend = curve.exactly(top, κ, bits)
+    farthest = 4 * abs(slope / bend) if bend < 0 else 0 * top
+    place = stationary(
+        lambda q: curve.exactly(q, κ, bits), top, lambda bend, q: bend < 0 and abs(q - top) <= farthest,
+        lambda q: abs(q) * top.context.ldexp(1, 8 - bits), 12 + bits.bit_length(),
+    )  # fmt: skip
+    return top if place is None else place
 
 
 def between_walls(start: CoordinateStart, walls: tuple[bool, bool], digits: int) -> Located:

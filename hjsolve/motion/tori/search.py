@@ -16,6 +16,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.tori.radicand_curve import Cycle, RadicandCurve, cycle_near
@@ -466,18 +467,20 @@ def _action_at_the_end(
     if not len(beyond):
         return np.inf if side > 0 else 0.0
     outside = float(side * np.min(side * beyond))
-    for _ in range(_STEPS):
-        middle = (inside + outside) / 2
+
+    def belongs(middle: float) -> bool:
+        nonlocal low, high
         trial = κ.copy()
         trial[unknown] = middle
         within = np.where((grid >= low) & (grid <= high), np.nan_to_num(curve.value(grid, trial), nan=-np.inf), -np.inf)
         at = np.array([int(np.clip(np.argmax(within), 1, len(grid) - 2))])
         run = _runs(curve, trial[:, None], at)
-        if run.bounded[0] and run.round[0] == own.round[0] and run.maxima[0] == own.maxima[0]:
-            inside, low, high = middle, float(run.low[0]), float(run.high[0])
-        else:
-            outside = middle
-    κ[unknown] = inside
+        if not (run.bounded[0] and run.round[0] == own.round[0] and run.maxima[0] == own.maxima[0]):
+            return False
+        low, high = float(run.low[0]), float(run.high[0])
+        return True
+
+    κ[unknown] = bisected(belongs, inside, outside, _STEPS)[0]
     if own.round[0]:
         low, high = float(grid[0]), float(grid[0]) + curve.turn
     # next to a barrier: between samples that are outside, whatever lies beyond the barrier
