@@ -26,7 +26,7 @@ from hjsolve.errors import required
 from hjsolve.lowering import lower
 
 Window = tuple[tuple[float, float], tuple[float, float]]
-_FIRST, _MOST = 241, 4000
+_FIRST, _MOST_PLACES = 241, 4000
 ROUNDS = 9
 """How often places are put between those that lie far apart."""
 _STEP = 0.006
@@ -134,7 +134,7 @@ def double_zeros(own: CoordinateKinds, window: Window, rounds: int = ROUNDS) -> 
     branches = _followed(points)
     for _ in range(rounds):
         gaps = _wide_gaps(branches, window)
-        if not len(gaps) or len(v) > _MOST:
+        if not len(gaps) or len(v) > _MOST_PLACES:
             break
         more = (v[gaps] + v[gaps + 1]) / 2
         order = np.argsort(np.concatenate([v, more]))

@@ -21,7 +21,7 @@ from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
 
-_TREND, _STEEP, _MOST = 24, 5, 400
+_TREND, _STEEP, _MOST_DOUBLINGS = 24, 5, 400
 
 
 def coupled_crossing_time(motion: SeparatedMotion, k: int, target: Mpf) -> tuple[Elementwise, Elementwise] | None:
@@ -110,8 +110,8 @@ def _solved(
         left = abs(goal) - abs(gains[-1])
         never = len(gains) > _TREND and _fading(recent) and left > 8 * recent[-1]
         # or a fall so steep that all doublings there can be would not do
-        never |= len(gains) > _STEEP and _fading(recent[-4:]) and left > _MOST * recent[-1]
-        if ended or len(gains) > _MOST or never:
+        never |= len(gains) > _STEEP and _fading(recent[-4:]) and left > _MOST_DOUBLINGS * recent[-1]
+        if ended or len(gains) > _MOST_DOUBLINGS or never:
             raise OutsideMotionError("the place is not reached in any finite time")
         step = 2 * step
     if gains[-1] * goal < 0:

@@ -24,7 +24,7 @@ from hjsolve.resonances.equations import Equation
 from hjsolve.resonances.families import OneParameterFamily, Well, Wells, place_in, wells_of
 from hjsolve.resonances.members import member_of
 
-_HALVINGS, _TOWARDS = 60, 44
+_HALVINGS_TO_AN_END, _TOWARDS = 60, 44
 """Bisections that find where a chain of motions ends, and steps towards there, each half of what is left."""
 _DEGENERATE = 1e-11
 """Largest relative residual, all along a chain, at which the equation is taken to hold for all of its motions."""
@@ -206,7 +206,7 @@ def _to_the_ends(
             continue
         _, outside = bisected(
             lambda v: _continued(family, curves, v, wells, kinds) is not None,  # noqa: B023 (called at once)
-            u, float(grid[beyond]), _HALVINGS,
+            u, float(grid[beyond]), _HALVINGS_TO_AN_END,
         )  # fmt: skip
         more = []
         for k in range(1, _TOWARDS):

@@ -21,7 +21,7 @@ from hjsolve.errors import NotConvergedError, required
 from hjsolve.motion.through_umbilics.paths import Path
 
 _MOST_ARCS = 100_000
-_STEPS = 200
+_NEWTON_STEPS = 200
 _LONGEST = 3
 """Of a step of z."""
 
@@ -191,7 +191,7 @@ class _Search:
     def _found(self, step: Callable[[list[Mpf]], list[Mpf]], z: list[Mpf], bits: int) -> list[Mpf]:
         """Newton's method for one or both; the longest step is halved when steps turn back."""
         longest, last = self.goal.context.mpf(_LONGEST), [0 * v for v in z]
-        for _ in range(_STEPS):
+        for _ in range(_NEWTON_STEPS):
             change = step(z)
             size = max(abs(s) for s in change)
             if sum(s * t for s, t in zip(change, last, strict=True)) < 0:

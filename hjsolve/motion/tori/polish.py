@@ -33,7 +33,7 @@ from hjsolve.solution.quadratures import Solution
 
 _SPARE = 192
 """Bits of the constants beyond the digits asked: near a separatrix or a circle J depends on the last of them."""
-_STEPS, _FALLS = 20, 0.9
+_NEWTON_STEPS, _FALLS = 20, 0.9
 """Steps of Newton's method, and the ratio by which a step must make the residual smaller."""
 _FRACTIONS: tuple[Fraction | int, ...] = (1, Fraction(9, 10), *(Fraction(1, 2**k) for k in range(1, 8)))
 """The shares of a step that are tried. Next to a separatrix J ~ J₀ + δ ln δ, δ the distance of the constants from it,
@@ -133,7 +133,7 @@ def polished(goal: Goal, curves: Sequence[RadicandCurve], candidate: Candidate) 
     trial = _tried(goal, curves, κ, tops, kinds, goals, bits)
     if trial is None:
         trial, κ = _aside(goal, curves, candidate, (κ, unknown, tops), (kinds, goals, bits))
-    for _ in range(_STEPS):
+    for _ in range(_NEWTON_STEPS):
         if trial is None:
             break
         size = max(abs(r) / a for r, a in zip(trial.residuals, allowed, strict=True))

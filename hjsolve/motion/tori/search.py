@@ -30,7 +30,7 @@ _WELLS = 4
 """How many wells of one family are looked for."""
 _AROUND, _FINE = 10.0, 4000
 """How far beyond the action asked ranges of actions are looked at, and nodes of the actions at their ends."""
-_STEPS, _HALVINGS, _CLOSE = 60, 8, 1e-11
+_NEWTON_STEPS, _HALVINGS_OF_A_STEP, _CLOSE = 60, 8, 1e-11
 """Steps of Newton's method and halvings of each, and the relative residual at which it ends."""
 
 
@@ -278,7 +278,7 @@ def _newton(
     cycles = _cycles(curves, κ, intervals, kinds, goals)
     if cycles is None:
         return None
-    for _ in range(_STEPS):
+    for _ in range(_NEWTON_STEPS):
         residual = goals - np.array([c.action for c in cycles])
         now = float(np.max(np.abs(residual) / size))
         if now < _CLOSE:
@@ -288,7 +288,7 @@ def _newton(
         except np.linalg.LinAlgError:
             return None
         wells = [(c.low, c.high) for c in cycles]
-        for halving in range(_HALVINGS):
+        for halving in range(_HALVINGS_OF_A_STEP):
             trial = κ.copy()
             trial[wanted.unknown] += step * 2.0**-halving
             new = _cycles(curves, trial, wells, kinds, goals)
@@ -480,7 +480,7 @@ def _action_at_the_end(
         low, high = float(run.low[0]), float(run.high[0])
         return True
 
-    κ[unknown] = bisected(belongs, inside, outside, _STEPS)[0]
+    κ[unknown] = bisected(belongs, inside, outside, _NEWTON_STEPS)[0]
     if own.round[0]:
         low, high = float(grid[0]), float(grid[0]) + curve.turn
     # next to a barrier: between samples that are outside, whatever lies beyond the barrier

@@ -24,7 +24,7 @@ _COARSE = (90, 66)
 _LEVELS = 9
 LINES = {"relative equilibrium": "curve", "separatrix": "edge", "edge of escape": "energy", "end of the domain": "grid"}
 _FILLS = (("blue", 0.13), ("red", 0.12), ("ink", 0.1), ("blue", 0.3), ("red", 0.28), ("ink", 0.24))
-_MOST = len(_FILLS)
+_MOST_REGIONS = len(_FILLS)
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def map_grid(found: EnergyMomentumMap) -> MapGrid | None:
     if any(own.polynomial is None for own in found.coordinates):
         return None
     x, y, numbers, regions = found.grid(_ACROSS, _UP)
-    kept = [k for k, region in enumerate(regions) if all(region.kinds.values())][:_MOST]
+    kept = [k for k, region in enumerate(regions) if all(region.kinds.values())][:_MOST_REGIONS]
     return MapGrid(x, y, numbers, [regions[k] for k in kept], [_deepest(numbers == k, x, y) for k in kept])
 
 

@@ -15,7 +15,7 @@ from hjsolve.errors import NotConvergedError
 from hjsolve.two_point.kepler.central_places import CentralPlaces
 
 _GUARD = 25
-_STEPS = 60
+_SECANT_STEPS = 60
 
 
 class ExactTransfer(NamedTuple):
@@ -113,7 +113,7 @@ def refined(transfer: ExactTransfer, sense: int, N: int, x: float) -> Mpf:
         before, miss_before = here, miss
         return change
 
-    found = newton(step, context.mpf(x), lambda here: small * max(abs(here), 1 - abs(here), small), _STEPS)
+    found = newton(step, context.mpf(x), lambda here: small * max(abs(here), 1 - abs(here), small), _SECANT_STEPS)
     if found is None:
         raise NotConvergedError(
             "two of the motions between these places nearly coincide; more digits do not separate them"
