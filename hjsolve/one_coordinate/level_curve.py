@@ -26,9 +26,9 @@ import numpy as np
 from hjsolve.arithmetic.complex_disks import Disk, Disks, single
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
-from hjsolve.arithmetic.root_finding import bisected, bracketed_root, newton
+from hjsolve.arithmetic.root_finding import bisected, newton
 from hjsolve.arithmetic.tape import BoundTape, Tape
-from hjsolve.errors import NotConvergedError
+from hjsolve.errors import NotConvergedError, required
 
 _RHO, _WIDER = 2 + 3**0.5, 2.1
 _MOST_PIECES, _FIRST_HALVINGS, _LATER_HALVINGS = 400, 600, 60
@@ -288,12 +288,13 @@ class Orbit:
         def solved_for(x: Mpf) -> Mpf:
             return self.curve.root(piece.along, x, piece.middle + 0 * x, piece.room)
 
-        def late(x: Mpf) -> tuple[Mpf, Mpf]:
+        def step(x: Mpf) -> Mpf:
             rate = self.curve.at(piece.along, x, solved_for(x))[2]
-            return self.curve.integrals(piece, x)[0] - left, (1 if piece.along == 0 else -1) / rate
+            early = left - self.curve.integrals(piece, x)[0]
+            return x - min(max(x + early * (rate if piece.along == 0 else -rate), low), high)
 
-        size = abs(piece.end - piece.begin)
-        x = bracketed_root(late, low, high, self.curve.bits, start=x, rising=piece.end > piece.begin, size=size)
+        close = multiprecision(self.curve.bits).mpf(2) ** (16 - self.curve.bits) * (high - low)
+        x = required(newton(step, x, close, 60, ended=True))
         return (x, solved_for(x)) if piece.along == 0 else (solved_for(x), x)
 
 
