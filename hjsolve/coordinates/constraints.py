@@ -278,6 +278,3 @@ def _sphere(
         place = [R * sp.sin(theta) * sp.cos(phi), R * sp.sin(theta) * sp.sin(phi), R * sp.cos(theta)]
         left.domains |= {names[0]: f"0 < {names[0]} < pi", names[1]: "angle"}
     return {q: p - linear[q] / 2 for q, p in zip(held, place, strict=True)}
-
-
-__all__ = ["without_constraints"]

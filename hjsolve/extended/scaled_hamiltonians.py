@@ -194,6 +194,3 @@ def start_scaled(frame: ScaledFrame, problem: Startable, known: Sequence[Paramet
     own = {x.name: values[x.symbol] for x in known if x.symbol in {y.symbol for y in problem.parameters}}
     motion = problem.motion(q={c.name: X}, p={c.name: Y}, parameters=own, t0=t0, digits=begin.digits)
     return ScaledMotion(frame, motion, values, begin.digits)
-
-
-__all__ = ["ScaledFrame", "ScaledMotion", "scaled_frame", "start_scaled"]

@@ -188,6 +188,3 @@ def _parted(given: Mapping[str, object], names: Sequence[set[str]], what: str) -
                 f"{what}: {name!r} is not one of {', '.join(sorted(set().union(*names))) or 'none'}"
             )
     return [{name: x for name, x in given.items() if name in own} for own in names]
-
-
-__all__ = ["SumMotion", "independent_parts", "start_sum", "used_parameters"]

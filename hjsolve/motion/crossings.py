@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from contextlib import suppress
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,14 +19,12 @@ from hjsolve.motion.coupled_crossing import coupled_crossing_time
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import solve_phases
 from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.separated import SeparatedMotion
 from hjsolve.motion.state_at import state_at_times
 from hjsolve.motion.times import exact_numbers
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic
 from hjsolve.one_coordinate.open_branch import farthest
 from hjsolve.time_law.open_motion import DecoupledStep, integral_at
-
-if TYPE_CHECKING:
-    from hjsolve.motion.separated import SeparatedMotion
 
 Time = float | Mpf
 """A time or a phase, in doubles or in many digits."""
