@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 
-from hjsolve.display.first_lines import MOST
+from hjsolve.display.first_lines import MOST_LINES
 from hjsolve.display.visible_text import hidden_character
 
 VERDICTS = ("liouville", "staeckel", "reduced", "linear", "refused")
@@ -146,7 +146,7 @@ def faults(table: object, keys: Mapping[str, Key], where: str = "") -> Iterator[
             yield from _value_faults(value, keys[name], f"{prefix}{name}")
         else:
             others += 1
-            hint = nearest(str(name), keys) if others <= MOST else ""  # more are not shown
+            hint = nearest(str(name), keys) if others <= MOST_LINES else ""  # more are not shown
             yield f"{prefix}{name}: unknown key{hint}"
     for name, key in keys.items():
         if key.required and name not in table:
@@ -229,7 +229,7 @@ def unknown(given: Iterable[str], known: Iterable[str], where: str, what: str) -
     words = list(known)
     others = (word for word in given if word not in words)
     for count, word in enumerate(others):
-        yield f'{where}: no {what} "{word}"{nearest(word, words) if count < MOST else ""}'
+        yield f'{where}: no {what} "{word}"{nearest(word, words) if count < MOST_LINES else ""}'
 
 
 def repeated(tables: list[Mapping[str, object]], where: str) -> Iterator[str]:

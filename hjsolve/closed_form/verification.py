@@ -23,7 +23,7 @@ from hjsolve.closed_form.time_limit import check_time
 from hjsolve.precision import mp
 
 DIGITS, GUARD = 40, 24
-_MOST, _NODES, _HALVINGS = 4096, 4, 9
+_MOST_NODES, _NODES, _HALVINGS_OF_A_PATH = 4096, 4, 9
 _PARTS = ("0.31", "0.52", "0.77")
 
 
@@ -166,7 +166,7 @@ class _Trial:
             parts = settled(a, c, lower, left - 1), settled(c, b, upper, left - 1)
             return [x + y for x, y in zip(*parts, strict=True)]
 
-        return settled(start, stop, whole(start, stop), _HALVINGS)
+        return settled(start, stop, whole(start, stop), _HALVINGS_OF_A_PATH)
 
     def _settled(self, once: mpmath.mpf, twice: mpmath.mpf) -> bool:
         tiny = mp.mpf(10) ** (-self.digits - 2)
@@ -202,7 +202,7 @@ class _Trial:
         turn, count, step = (2 * half if whole else mp.pi), 16, mp.mpf(1) / 2
         rows = [terms(turn * (k + step) / count) for k in range(count)]
         sums = _sums(rows, turn / count)
-        while count < _MOST:
+        while count < _MOST_NODES:
             check_time()
             sixth = step / 3
             rows += [terms(turn * (k + part) / count) for k in range(count) for part in (sixth, 5 * sixth)]

@@ -296,6 +296,3 @@ def _axis(squares: Mapping[sp.Symbol, sp.Expr]) -> sp.Symbol | None:
         if len(squares) == 2 or len({square for other, square in squares.items() if other != q}) == 1:
             return q
     return None
-
-
-__all__ = ["without_constraints"]

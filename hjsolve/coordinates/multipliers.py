@@ -193,6 +193,3 @@ def forces_of(system: System, texts: Sequence[str], forms: Sequence[sp.Expr]) ->
 def _along(f: sp.Expr, places: Sequence[sp.Symbol], speeds: Sequence[sp.Symbol], clock: sp.Symbol) -> sp.Expr:
     """Return df/dt without the terms of q̈."""
     return sp.Add(sp.diff(f, clock), *(sp.diff(f, q) * v for q, v in zip(places, speeds, strict=True)))
-
-
-__all__ = ["TIME", "ConstraintForces", "constraint_forces", "eliminated_state", "forces_of", "read_constraint"]

@@ -251,6 +251,3 @@ def impulses(
     bounced = sp.Matrix([(1 + e) * u for e, u in zip(forms.restitution, against, strict=True)])
     λ = [clean(sp.simplify(-x)) for x in matrix.LUsolve(bounced)]
     return λ, [clean(x) for x in a.T * sp.Matrix(λ)]
-
-
-__all__ = ["Impact", "ImpactForms", "impact", "impulses", "read_forms"]

@@ -436,6 +436,3 @@ def _answer(
         change.original, texts, multipliers, along, motion, ended, rounded(time, digits), place, shown(free.q),
         shown(free.velocity), proved, released,
     )  # fmt: skip
-
-
-__all__ = ["Contact", "contact"]

@@ -227,16 +227,13 @@ def _potential(space: PhaseSpace, by_q: list[sp.Expr], by_p: list[sp.Expr]) -> s
     return min(found, key=lambda ψ: (ψ.has(sp.Integral), sp.count_ops(ψ)))
 
 
-def read_variables(
-    pairs: object, domains: Mapping[str, str], parameters: object, hamiltonian: sp.Expr = sp.S.Zero
-) -> PhaseSpace:
+def read_variables(pairs: object, domains: Mapping[str, str], parameters: object) -> PhaseSpace:
     """Return the phase space of variables that a user names.
 
     Args:
         pairs: coordinate → its momentum.
         domains: variable → domain; the others are any real numbers.
         parameters: names, or name → domain; empty for none.
-        hamiltonian: H in these variables.
 
     Raises:
         InvalidInputError: no pairs, a name twice, or the domain of what is not a variable.
@@ -260,6 +257,6 @@ def read_variables(
     constants, ranges = new_names(parameters, symbols, "parameters") if parameters else ({}, {})
     bounds = {c.symbol: (c.domain.lower, c.domain.upper) for c in declared if c.domain.kind != "angle"}
     return PhaseSpace(
-        Variables(coordinates), hamiltonian, tuple((c.symbol, c.momentum) for c in coordinates), {},
+        Variables(coordinates), sp.S.Zero, tuple((c.symbol, c.momentum) for c in coordinates), {},
         symbols | constants, tuple(constants.values()), TIME, bounds | ranges,
     )  # fmt: skip

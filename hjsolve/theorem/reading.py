@@ -16,7 +16,7 @@ from hjsolve.mechanics.coordinates_and_parameters import read_coordinates
 
 _CALL = re.compile(r"\b(?:[iI]ntegral|integrate)\s*\(")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-_MOST = 40
+_MOST_INTEGRALS = 40
 Names = Mapping[str, sp.Expr]
 _NO_VELOCITIES: Mapping[str, sp.Symbol] = {}
 
@@ -49,8 +49,8 @@ def read_formula(
 def _of_text(text: str, names: Names, source: str, velocities: Mapping[str, sp.Symbol]) -> sp.Expr:
     integrals: dict[str, sp.Expr] = {}
     while found := _CALL.search(text):
-        if len(integrals) == _MOST:
-            raise ExpressionError(f"{source}: more than {_MOST} integrals", source=source, text=text[:200])
+        if len(integrals) == _MOST_INTEGRALS:
+            raise ExpressionError(f"{source}: more than {_MOST_INTEGRALS} integrals", source=source, text=text[:200])
         end = _closing(text, found.end(), source)
         name = f"integral_{len(integrals) + 1}"
         integrals[name] = _integral(text[found.end() : end], names, source)

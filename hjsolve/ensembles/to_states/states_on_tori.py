@@ -31,7 +31,7 @@ _QUOTIENT_STEPS = 2
 """Steps of Newton's method for turning points that moved by as much."""
 _LEAST_ANGLE = 2.0**-53
 """Radians of θ of a libration, by which the lower turning point is missed."""
-_SAFETY = 2.0
+_SAFETY_OF_QUOTIENTS = 2.0
 """By which difference quotients are enlarged."""
 
 
@@ -121,7 +121,7 @@ def _quotients(
             angles = angles_at(task, own, among, other, how)
             _by_short_arcs(task, own, among, angles, (φ[:, loose], short[:, loose]))
             turn = times(back[loose], wrapped(angles.separated - reference.separated[:, loose]))
-            factor = _SAFETY * spread[k, loose] / change[k]
+            factor = _SAFETY_OF_QUOTIENTS * spread[k, loose] / change[k]
             moved[0][:, loose] += factor * np.abs(other.q - at.q[:, loose] - at.moves[:, loose] * turn)
             moved[1][:, loose] += factor * np.abs(other.P - at.P[:, loose] - at.forces[:, loose] * turn)
             rows = wrapped(angles.ignorable - reference.ignorable[:, loose])

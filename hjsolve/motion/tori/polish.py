@@ -18,6 +18,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.arithmetic.root_finding import stationary
 from hjsolve.errors import ForbiddenMotionError, NotConvergedError
 from hjsolve.formulas.read import number
 from hjsolve.motion.initial_data import Initial, to_bits
@@ -32,7 +33,7 @@ from hjsolve.solution.quadratures import Solution
 
 _SPARE = 192
 """Bits of the constants beyond the digits asked: near a separatrix or a circle J depends on the last of them."""
-_STEPS, _FALLS = 20, 0.9
+_NEWTON_STEPS, _FALLS = 20, 0.9
 """Steps of Newton's method, and the ratio by which a step must make the residual smaller."""
 _FRACTIONS: tuple[Fraction | int, ...] = (1, Fraction(9, 10), *(Fraction(1, 2**k) for k in range(1, 8)))
 """The shares of a step that are tried. Next to a separatrix J ~ J₀ + δ ln δ, δ the distance of the constants from it,
@@ -132,7 +133,7 @@ def polished(goal: Goal, curves: Sequence[RadicandCurve], candidate: Candidate) 
     trial = _tried(goal, curves, κ, tops, kinds, goals, bits)
     if trial is None:
         trial, κ = _aside(goal, curves, candidate, (κ, unknown, tops), (kinds, goals, bits))
-    for _ in range(_STEPS):
+    for _ in range(_NEWTON_STEPS):
         if trial is None:
             break
         size = max(abs(r) / a for r, a in zip(trial.residuals, allowed, strict=True))
@@ -246,19 +247,13 @@ def _top(curve: RadicandCurve, κ: list[Mpf], top: Mpf, bits: int) -> Mpf:
 
     The place itself where p² has none there.
     """
-    begin, first = top, None
-    for _ in range(12 + bits.bit_length()):
-        _, slope, bend = curve.exactly(top, κ, bits)
-        if not bend < 0:
-            return begin if first is None else top
-        step = -slope / bend
-        first = abs(step) if first is None else first
-        if abs(step) > 2 * first:
-            return begin
-        top = top + step
-        if abs(step) <= abs(top) * top.context.ldexp(1, 8 - bits) or not step:
-            return top
-    return top
+    _, slope, bend = curve.exactly(top, κ, bits)
+    farthest = 4 * abs(slope / bend) if bend < 0 else 0 * top
+    place = stationary(
+        lambda q: curve.exactly(q, κ, bits), top, lambda bend, q: bend < 0 and abs(q - top) <= farthest,
+        lambda q: abs(q) * top.context.ldexp(1, 8 - bits), 12 + bits.bit_length(),
+    )  # fmt: skip
+    return top if place is None else place
 
 
 def between_walls(start: CoordinateStart, walls: tuple[bool, bool], digits: int) -> Located:
