@@ -59,6 +59,7 @@ class PieceIntegral:
         curve: the curve it was found on.
         first: R, where it is a constant: the integral of the first kind; else None.
         change: the map to Legendre's integrals; None of an elementary one.
+        squared: the curve in x² that it was integrated on; None of another one.
     """
 
     numerator: sp.Expr
@@ -69,6 +70,7 @@ class PieceIntegral:
     curve: MomentumCurve
     first: sp.Expr | None = None
     change: EvenMap | LegendreMap | CarlsonMap | None = None
+    squared: SquareCurve | None = None
 
 
 @dataclass
@@ -264,7 +266,7 @@ class _Task:
         if longer_than(value, LONGEST_FORM):
             raise NoFormError(f"the form has more than {LONGEST_FORM} operations")
         first = None if R.has(curve.x) or self.squared is not None else R
-        return PieceIntegral(numerator, value, cycle, R, law, curve, first, change)
+        return PieceIntegral(numerator, value, cycle, R, law, curve, first, change, self.squared)
 
     def _reduced_elliptic(
         self, R: sp.Expr, *, cyclic: bool
