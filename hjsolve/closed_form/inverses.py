@@ -264,7 +264,9 @@ def _through_square(
     integral: PieceIntegral, squared: SquareCurve, value: sp.Expr, start: sp.Symbol, names: NamedQuantities
 ) -> sp.Expr:  # fmt: skip
     """Return x of ∫ R dx/√P(x²) = ± ½ R ∫ dX/√(X P(X)), R constant, by X = x²."""
-    s, change = integral.curve.substitution, required(integral.change)
+    s, change = integral.curve.substitution, integral.change
+    if change is None:
+        raise NoFormError("the curve in the square is not elliptic")
     twice = 2 * squared.side / integral.rational
     amount, begin = multiplied_out(twice * value), s.place.subs(integral.curve.coordinate.symbol, start)
     if not squared.passes:
