@@ -87,6 +87,14 @@ def _algebraic(
 
 def _middle(square: sp.Expr, q: sp.Symbol) -> sp.Expr:
     """Return the place about which a squared momentum of more than second degree is even; 0 where there is none."""
+    letters = sorted(square.free_symbols - {q}, key=str)
+    values = {s: sp.Rational(13 + 8 * k, 11 + k) for k, s in enumerate(letters)}
+    if _middle_of_numerator(square.xreplace(values), q) == 0:  # without letters it is soon seen
+        return sp.S.Zero
+    return _middle_of_numerator(square, q)
+
+
+def _middle_of_numerator(square: sp.Expr, q: sp.Symbol) -> sp.Expr:
     P = sp.Poly(sp.numer(sp.together(square)), q)
     if P.degree() <= 2:
         return sp.S.Zero
