@@ -250,7 +250,7 @@ def _top(curve: RadicandCurve, κ: list[Mpf], top: Mpf, bits: int) -> Mpf:
     _, slope, bend = curve.exactly(top, κ, bits)
     farthest = 4 * abs(slope / bend) if bend < 0 else 0 * top
     place = stationary(
-        lambda q: curve.exactly(q, κ, bits), top, lambda bend, q: bend < 0 and abs(q - top) <= farthest,
+        lambda q: curve.exactly(q, κ, bits), top, lambda bend, q: bend < 0 and abs(q - top) <= farthest and curve.lower < q < curve.upper,
         lambda q: abs(q) * top.context.ldexp(1, 8 - bits), 12 + bits.bit_length(),
     )  # fmt: skip
     return top if place is None else place

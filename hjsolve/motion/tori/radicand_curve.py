@@ -233,6 +233,7 @@ def place_of_maximum(curve: RadicandCurve, κ: Reals, low: float, high: float) -
 
     Uphill only: next to the interval p² may be greater on the flank of another well, whose cycles are another family.
     """
+    low, high = max(low, curve.lower), min(high, curve.upper)  # a harmonic cycle may be wider than the domain
     margin = (high - low) / 2 or 1e-3 * max(abs(low), 1e-3)
     first, last = max(low - margin, (low + curve.lower) / 2), min(high + margin, (high + curve.upper) / 2)
     if curve.turn:
