@@ -4,7 +4,7 @@ The quadrature is of N(q)/√P²(q) in the user's own coordinate, at exact const
 variables, roots or regimes. Between turning points q = m − h cos χ makes the integrand smooth and periodic, and equally
 spaced nodes converge geometrically: three times as many have three times the digits. Inside, and in χ where one
 turning point is so much nearer to a pole than the other that thousands of nodes would be needed, Gauss's rule is halved
-until it no longer moves. A quadrature that does not settle is no number. The integrals of a coordinate are verified
+until it no longer moves. A quadrature that does not settle is not a number. The integrals of a coordinate are verified
 together: they share the momentum, the nodes and the elliptic functions.
 """
 

@@ -249,8 +249,9 @@ def _top(curve: RadicandCurve, κ: list[Mpf], top: Mpf, bits: int) -> Mpf:
     """
     _, slope, bend = curve.exactly(top, κ, bits)
     farthest = 4 * abs(slope / bend) if bend < 0 else 0 * top
+    low, high = max(top - farthest, curve.lower), min(top + farthest, curve.upper)
     place = stationary(
-        lambda q: curve.exactly(q, κ, bits), top, lambda bend, q: bend < 0 and abs(q - top) <= farthest and curve.lower < q < curve.upper,
+        lambda q: curve.exactly(q, κ, bits), top, lambda bend, q: bend < 0 and low <= q <= high,
         lambda q: abs(q) * top.context.ldexp(1, 8 - bits), 12 + bits.bit_length(),
     )  # fmt: skip
     return top if place is None else place
