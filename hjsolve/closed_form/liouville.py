@@ -7,8 +7,8 @@ p generate (Liouville; Rosenlicht, Amer. Math. Monthly 79 (1972) 963; Bronstein,
    The field is that of rational functions of w and p; with g = (ℓ + R)′/2, p p′ = A′p²/(2A) + A g. A polynomial in p
    that divides p times its own derivative would make ℓ an algebraic function of w, which it is not; so v₀ is a
    polynomial Σ bⱼ pʲ, bⱼ and vᵢ rational in w. Its powers give bⱼ = c A^{−j/2} for the highest j, c = 0 beyond j = 2 as
-   g is not a derivative, and for odd j where A is not a square; last b₁ A g = N, which cannot be. Of a square A = s² it can,
-   where N/s is a multiple of g. With N = p², of W, the powers of p give b₁ ≠ 0 and b₁ A g = 0.
+   g is not a derivative, and for odd j where A is not a square; last b₁ A g = N, which cannot be. Of a square A = s²
+   it can, where N/s is a multiple of g. With N = p², of W, the powers of p give b₁ ≠ 0 and b₁ A g = 0.
 2. p² = θʲ (R₀ + R₁ θⁿ + …), θ = e^G, with R and G rational in q. In powers of θ, which v₀ and log vᵢ have too, with
    coefficients algebraic over the rational functions, that of each power that is not 0 is a derivative by itself:
    a′ + s G′ a = c with the coefficient c of θˢ in N/p. By the conjugates of √R₀, a = α/√R₀ with a rational α, and
@@ -232,7 +232,7 @@ def _powers(square: sp.Expr, exponent: sp.Expr, q: sp.Symbol) -> dict[int, sp.Ex
 
 
 def _has_residue(f: sp.Expr, w: sp.Symbol) -> bool:
-    """Return whether a rational function is not the derivative of one: whether Hermite's reduction leaves simple poles."""
+    """Return whether a rational function is not the derivative of one: Hermite's reduction leaves simple poles."""
     from sympy.integrals.rationaltools import ratint_ratpart
 
     top, bottom = (sp.Poly(part, w) for part in sp.fraction(f))
