@@ -83,7 +83,7 @@ def test_each_slow_test_runs_with_one_commit_in_four() -> None:
 
 
 def test_the_list_of_slow_tests_is_made_of_what_pytest_prints() -> None:
-    printed = "0.50s call     tests/a.py::b[x y]\n1.20s call     tests/b.py::c\n3s setup tests/b.py::c\n9.00s call tests/docs/d.py::e"
+    printed = "0.50s call     tests/a.py::b[x y]\n1.20s call     tests/b.py::c\n3s setup tests/b.py::c\n0.10s call tests/b.py::c\n9.00s call tests/docs/d.py::e"
     assert slow_tests.found_in(printed) == ["tests/b.py::c", "tests/a.py::b[x y]"]
 
 

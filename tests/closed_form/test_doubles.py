@@ -169,8 +169,8 @@ def test_half_turns_about_the_ends_of_the_axis_cancel_exactly(motion: str) -> No
 CENTRES = {"m": 1.0, "a": 1.0, "k1": 1.0, "k2": 0.5, "E": -0.0113347923862, "alpha_2": 21.0558223115}
 
 
-@pytest.mark.nightly_cases("0.001")
-@pytest.mark.parametrize("p_phi", [8 / 15, pytest.param(1e-3, marks=pytest.mark.nightly)])
+@pytest.mark.nightly
+@pytest.mark.parametrize("p_phi", [8 / 15, 1e-3])
 def test_the_half_turn_of_a_pole_beside_a_root_is_apart_where_others_are_complex(p_phi: float) -> None:
     """cos η nearly reaches both ends of the axis, P has a complex pair: 977 units of the last place were lost."""
     given = {**CENTRES, "p_phi": p_phi}

@@ -32,9 +32,10 @@ def left_out(nodeid: str, rotation: int) -> bool:
 
 
 def found_in(durations: str) -> list[str]:
-    """Return the slow tests among the durations that pytest prints, slowest first."""
+    """Return the slow tests among the durations that pytest prints, slowest first, each once."""
     rows = [(float(m[1]), m[2]) for line in durations.splitlines() if (m := _LONG.fullmatch(line))]
-    return [nodeid for _, nodeid in sorted(rows, key=lambda row: -row[0]) if not nodeid.startswith(ALWAYS)]
+    longest = dict.fromkeys(nodeid for _, nodeid in sorted(rows, key=lambda row: -row[0]))
+    return [nodeid for nodeid in longest if not nodeid.startswith(ALWAYS)]
 
 
 if __name__ == "__main__":

@@ -166,6 +166,7 @@ def test_a_map_of_the_book(name: str) -> None:
             assert abs(sp.N(check.subs(point), 30, chop=True)) < 1e-25, (name, check)
 
 
+@pytest.mark.nightly
 def test_a_valence_is_a_constant_even_where_its_formula_does_not_look_so() -> None:
     """Goldstein, Poole and Safko, Classical Mechanics (2002), problem 9.4: (Q, P) = (√q + q cos p)/(√q (1 + √q cos p))."""
     root = "(1 + sqrt(q)*cos(p))"
