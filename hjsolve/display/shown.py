@@ -22,7 +22,8 @@ MOST_LINES, WIDEST = 20, 110
 _MOST_ITEMS, _DIGITS, _PIECE = 6, 17, 90
 _LONGEST_DENOMINATOR = 10_000
 """Of a fraction that is written as one, where it is also a double."""
-_FRACTION = re.compile(r"\b(\d{5,300})/(\d{5,300})\b")
+_FRACTION = re.compile(r"(?<![\w./*])(\d{1,330})/(\d{5,330})(?![\w.*])")
+"""A fraction with a long denominator; an exponent is not its numerator."""
 
 
 class Shown:
@@ -184,12 +185,12 @@ def brief(content: Any, room: int) -> str:
 
 def _of_formula(content: Any) -> str:
     """Write a formula, with the doubles that are in it as such."""
-    return _FRACTION.sub(_as_a_double, f"{as_argument(content)}")
+    return _FRACTION.sub(_as_a_double, str(content))
 
 
 def _as_a_double(fraction: re.Match[str]) -> str:
-    p, q = int(fraction[1]), int(fraction[2])
-    return repr(p / q) if q > _LONGEST_DENOMINATOR and (p / q).as_integer_ratio() == (p, q) else fraction[0]
+    double = _double(int(fraction[1]), int(fraction[2]))
+    return fraction[0] if double is None else repr(double)
 
 
 def as_argument(value: Any) -> str | float:
@@ -198,11 +199,14 @@ def as_argument(value: Any) -> str | float:
     Args:
         value: a sympy expression.
     """
-    if getattr(value, "is_Rational", False) and value.q > _LONGEST_DENOMINATOR:
-        double = float(value)
-        if double.as_integer_ratio() == (value.p, value.q):
-            return double
-    return str(value)
+    double = _double(int(value.p), int(value.q)) if getattr(value, "is_Rational", False) else None
+    return str(value) if double is None else double
+
+
+def _double(p: int, q: int) -> float | None:
+    """Return a reduced fraction as a double; None where it is not one exactly, or short."""
+    exact = q > _LONGEST_DENOMINATOR and q & (q - 1) == 0 and p.bit_length() <= 53 and q.bit_length() <= 1075
+    return p / q if exact else None
 
 
 def _fraction(room: int, count: int) -> int:

@@ -75,6 +75,11 @@ def test_what_is_long_is_cut_and_counted() -> None:
     assert brief(sp.Rational(1, 10**9), 40) == "1/1000000000"
     assert brief(-2 + 3 / (1 + 3 * sp.cos(sp.Rational(0.3)) ** 2), 80) == "-2 + 3/(1 + 3*cos(0.3)**2)"
     assert brief(sp.sqrt(2) / 2, 40) == "sqrt(2)/2"
+    x = sp.Symbol("x")
+    assert brief((sp.Rational(-0.1), x + sp.Rational(0.3)), 80) == "(-0.1, x + 0.3)"
+    assert brief(x**10001 / 16384, 40) == "x**10001/16384"
+    assert brief(sp.Rational(10**400, 10**5 + 3), 40) == "1" + "0" * 37 + " …"
+    assert brief(sp.Rational(5e-324), 40) == "5e-324"
 
 
 @pytest.mark.parametrize("name", ["kepler-planar", "kerr", "top-of-nothing"])

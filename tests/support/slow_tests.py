@@ -1,8 +1,10 @@
 """Which tests take longest: one in four of them runs with a commit, another one with the next.
 
-``slow_tests.txt`` lists them, slowest first. It is made of what a run prints:
+``slow_tests.txt`` lists those of a third of a second and more, slowest first. It is made of what runs print:
 
-    python -m pytest -n 2 --rotation=-1 --durations=400 > durations.txt; python -m tests.support.slow_tests durations.txt
+    python -m pytest -n 2 --durations=0 --durations-min=0.3 > durations.txt; python -m tests.support.slow_tests durations.txt
+
+One run knows its own rotation. Texts of several runs may stand in the file, of all with ``--rotation=-1``.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, of
 from hjsolve.ensembles.engine.programs import sides
 
 _TRIALS = np.linspace(0.0, 1.0, 65)
-"""Where a barrier is looked for between the start and a turning point, as shares of the distance."""
+"""Where a barrier is looked for between the start and a turning point, as fractions of the distance."""
 _BRACKET_HALVINGS = 60
 """Of a bracket of a turning point, until it is two neighbouring doubles."""
 

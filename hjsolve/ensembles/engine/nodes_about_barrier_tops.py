@@ -84,7 +84,7 @@ def singular_pairs(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> Barri
     radius, sign = formula.clearance.radius, formula.sign
 
     def clear(fractions: Reals) -> Reals:
-        """Return the clearance at some shares of each motion, over its width."""
+        """Return the clearance at some fractions of each motion, over its width."""
         return radius(lower[:, None] + sign * width[:, None] * fractions) / width[:, None]
 
     if formula.clearance.table() is None:

@@ -36,7 +36,7 @@ _SPARE = 192
 _NEWTON_STEPS, _FALLS = 20, 0.9
 """Steps of Newton's method, and the ratio by which a step must make the residual smaller."""
 _FRACTIONS: tuple[Fraction | int, ...] = (1, Fraction(9, 10), *(Fraction(1, 2**k) for k in range(1, 8)))
-"""The shares of a step that are tried. Next to a separatrix J ~ J₀ + δ ln δ, δ the distance of the constants from it,
+"""Fractions of a step that are tried. Next to a separatrix J ~ J₀ + δ ln δ, δ the distance of the constants from it,
 and Newton's method overshoots it by δ/ln δ: nine tenths of the step stay inside, and leave a twentieth of δ."""
 _ASIDE, _SAME_FAMILY = tuple(Fraction(1, 10**k) for k in (14, 12, 10, 8, 6, 4)), 0.1
 """By which parts of J the search goes aside from constants that doubles do not distinguish from a separatrix, and by
@@ -172,7 +172,7 @@ def _aside(
 
 
 def _moved(κ: list[Mpf], unknown: Sequence[int], step: Sequence[Mpf], fraction: Fraction | int) -> list[Mpf]:
-    """Return the constants after a share of a step."""
+    """Return the constants after a fraction of a step."""
     moved = list(κ)
     for j, change in zip(unknown, step, strict=True):
         moved[j] = moved[j] + change * fraction.numerator / fraction.denominator
@@ -183,7 +183,7 @@ def _damped(
     goal: Goal, curves: Sequence[RadicandCurve], move: tuple[list[Mpf], list[int], Sequence[Mpf]], before: _Trial,
     about: tuple[Sequence[str], list[Mpf], list[Mpf], int],
 ) -> tuple[_Trial | None, list[Mpf]]:  # fmt: skip
-    """Return the torus after the longest share of a step that makes the residual less."""
+    """Return the torus after the longest fraction of a step that makes the residual less."""
     (κ, unknown, step), (kinds, goals, allowed, bits) = move, about
     old = max(abs(r) / a for r, a in zip(before.residuals, allowed, strict=True))
     for fraction in _FRACTIONS:
