@@ -24,7 +24,7 @@ import numpy as np
 
 import hjsolve
 from hjsolve.closed_form.closed_forms import closed_forms
-from hjsolve.closed_form.derive import _piece, special_of
+from hjsolve.closed_form.derive import _piece, form_of_sample, special_of
 from hjsolve.closed_form.form_context import FormContext, context_of
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.named_quantities import needed_names
@@ -39,6 +39,8 @@ FAR = 100
 """Units of the last place that a form in doubles may be off, in the interior of its regime."""
 PLACES = 20
 """Digits to which a number in doubles is known."""
+MOST = 48
+"""Regimes of an entry that are told apart."""
 RARE = 5
 """Draws for each motion of a regime that is asked."""
 SHOWN = 3
@@ -102,6 +104,11 @@ def tried(entry: str, motions: int, seed: int, seconds: float = math.inf) -> Ite
     begin = time.process_time()
     for k, sample in enumerate(samples(solution, RARE * motions if seconds < math.inf else motions, seed, {})):
         found = next((pair for pair in numbers if pair[0].regime.holds(sample.values)), None)
+        if found is None and len(numbers) < MOST and not dict(special_of(context, sample.values)):
+            own = form_of_sample(context, context.curves, {}, sample)  # of a regime beyond those that are listed
+            if own is not None:
+                found = (own, _numbers(own))
+                numbers.append(found)
         words = "" if found is None else found[0].regime.words
         met[words] += 1
         if met[words] > motions:

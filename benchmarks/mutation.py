@@ -47,7 +47,7 @@ TESTS = {
     "shell": ("tests/mechanics/test_energy_shell.py", *LAWS, "tests/solution/test_solution.py"),
     "separation/constants/constants": ("tests/laws/test_staeckel_matrix.py", "tests/laws/test_involution.py"),
     "separation/obstruction/blocks": ("tests/laws/test_why_not.py",),
-    "separation/obstruction/one_energy": ("tests/laws/test_why_not.py",),
+    "separation/obstruction/diagnose": ("tests/laws/test_why_not.py",),
     "separation/obstruction/distance": ("tests/laws/test_why_not.py",),
 }
 NAMED = (

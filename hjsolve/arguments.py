@@ -39,22 +39,18 @@ def by_name(example: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
     """
 
     def decorate(method: Callable[_P, _R]) -> Callable[_P, _R]:
-        known = list(inspect.signature(method).parameters.values())[1:]
-        needed = [argument.name for argument in known if argument.default is argument.empty]
+        known = dict(list(inspect.signature(method).parameters.items())[1:])
+        with_names = with_known_names(example)(method)
 
         @functools.wraps(method)
         def checked(*positional: _P.args, **named: _P.kwargs) -> _R:
-            name, names = method.__name__, {argument.name for argument in known}
             if len(positional) > 1:
-                raise InvalidInputError(f"{name}: arguments go by name; write {example}")
-            for other in named:
-                if other not in names:
-                    listed = ", ".join(argument.name for argument in known)
-                    raise InvalidInputError(f'{name}: no argument "{other}"; known are {listed}; write {example}')
-            for missing in needed:
-                if missing not in named:
-                    raise InvalidInputError(f"{name}: no {missing}={{…}}; write {example}")
-            return method(*positional, **named)
+                raise InvalidInputError(f"{method.__name__}: arguments go by name; write {example}")
+            needed = (name for name, argument in known.items() if argument.default is argument.empty)
+            missing = next((name for name in needed if name not in named), None)
+            if missing is not None and named.keys() <= known.keys():
+                raise InvalidInputError(f"{method.__name__}: no {missing}={{…}}; write {example}")
+            return with_names(*positional, **named)
 
         return checked
 

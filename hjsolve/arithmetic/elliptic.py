@@ -13,6 +13,10 @@ from typing import overload
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.number_types import Mpf, N, Numeric, Reals
 from hjsolve.arithmetic.tape import Arithmetic
+from hjsolve.errors import InternalError
+
+_MOST_MEANS = 4096
+"""Of two positive numbers: they are halved towards each other in powers of two, then squared."""
 
 
 @overload
@@ -49,10 +53,15 @@ def means(start: tuple[N, N], equal: Callable[[N, N], bool], arithmetic: Arithme
     Args:
         start: two positive numbers.
         equal: whether two means agree to half of the digits.
+
+    Raises:
+        InternalError: they do not meet; they are not positive.
     """
     half, pairs = arithmetic.rational(1, 2), [start]
     while not equal(*pairs[-1]):
         a, b = pairs[-1]
+        if len(pairs) > _MOST_MEANS:
+            raise InternalError(f"the arithmetic-geometric mean of {start[0]} and {start[1]} does not converge")
         pairs.append((arithmetic.mul(half, arithmetic.add(a, b)), arithmetic.unary("sqrt", arithmetic.mul(a, b))))
     return [*pairs, (arithmetic.mul(half, arithmetic.add(*pairs[-1])), pairs[-1][1])]
 

@@ -2,7 +2,7 @@
 
 Every number is (value, bound on |computed − true|). Each operation passes the bounds of its operands on by the first
 order rule and adds its own rounding (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., §3.3). Terms of
-second order are left out; callers multiply by a factor of safety. The plain arithmetic underneath may be arrays of
+second order are left out; callers multiply by ``SECOND_ORDER``. The plain arithmetic underneath may be arrays of
 doubles or one that writes source code.
 """
 
@@ -13,6 +13,9 @@ from typing import Generic, NamedTuple
 
 from hjsolve.arithmetic.number_types import N
 from hjsolve.arithmetic.tape import Arithmetic
+
+SECOND_ORDER = 2.0
+"""By which a bound carried to first order is multiplied when a number is given: terms of second order are within it."""
 
 
 class WithErrorBound(NamedTuple, Generic[N]):

@@ -15,7 +15,8 @@ from hjsolve.arithmetic.tape import Tape
 from hjsolve.errors import InvalidInputError
 
 _FEWER_BITS = 256
-_NEAREST = 4
+_NEAREST, _FAR = 4, 1e200
+"""Where expansions begin: next to an end, and for the sign that a formula has in the end."""
 
 
 def sign_beyond(tape: Tape, inputs: list[Mpf], side: int, start: float, bits: int = BITS) -> int:
@@ -27,6 +28,28 @@ def sign_beyond(tape: Tape, inputs: list[Mpf], side: int, start: float, bits: in
         return growths.sign(tape.run(growths, [growths.variable(side), *map(growths.constant, inputs)])[0])
     except (UnknownGrowthError, InvalidInputError, ArithmeticError):
         return 0
+
+
+def sign_in_the_end(tape: Tape, inputs: list[Mpf], side: int, end: Mpf | None, bits: int = BITS) -> int:
+    """Return the sign that a formula has from some place on, however close to an end of q; 0 where it is not known.
+
+    It is that of the leading term: E − log q is negative beyond e^E.
+
+    Args:
+        end: where q ends, None for infinity.
+        side: 1 towards it from below, −1 from above.
+    """
+    growths = Growths(_FAR, bits)
+    q = growths.variable(side)
+    if end is not None:  # q = end − side/s
+        q = growths.add(growths.constant(end), growths.power(growths.variable(-side), -1))
+    try:
+        found = tape.run(growths, [q, *map(growths.constant, inputs)])[0]
+    except (UnknownGrowthError, InvalidInputError, ArithmeticError):
+        return 0
+    if not found.terms or (found.rest is not None and not found.rest.monomial < found.terms[0][0]):
+        return 0
+    return 1 if found.terms[0][1] > 0 else -1
 
 
 def sign_before(tape: Tape, inputs: list[Mpf], end: Mpf, side: int, distance: Mpf, bits: int = BITS) -> int:

@@ -189,6 +189,3 @@ def _difference(text: str, known: Mapping[str, sp.Expr], velocities: Mapping[str
         raise InvalidInputError(f'{source}: one equation is needed, such as "x**2 + y**2 = l**2"')
     left, *right = [parse(side, known, velocities=velocities, source=source) for side in sides]
     return left - sp.Add(*right)
-
-
-__all__ = ["ToEliminate", "constraint_faults", "to_eliminate"]

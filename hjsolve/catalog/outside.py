@@ -157,9 +157,3 @@ def outside_faults(table: Toml) -> Iterator[str]:
         yield f'kinetic: T and V do not hold what is "{because}"; leave kinetic out, or refused_because'
     if "kinetic" in table and table.get("refused_because", {}).get("forces"):
         yield "refused_because.forces: T and V do not hold them; write an effect with the force, for scenes"
-
-
-__all__ = [
-    "KEYS", "REFUSALS", "Constraint", "Refusal", "Stated", "constraints", "equations", "outside_faults", "refusal",
-    "stated",
-]  # fmt: skip

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 
-from hjsolve.display.first_lines import MOST
+from hjsolve.display.first_lines import MOST_LINES
 from hjsolve.display.visible_text import hidden_character
 
 VERDICTS = ("liouville", "staeckel", "reduced", "linear", "refused")
@@ -28,6 +28,14 @@ _WORDS = {
     "numbers": "a table of numbers", "formulas": "a table of texts", "matrix": "a list of rows of texts",
     "flag": "true or false", "table": "a table", "tables": "a list of tables", "named": "a table of tables",
 }  # fmt: skip
+
+_EXAMPLES = {
+    "coordinates": '[{name = "r", domain = "0 < r"}]', "parameters": '[{name = "k", value = 1}]', "name": '"r"',
+    "domain": '"0 < r"', "kinetic": '"m*dot(x)**2/2"', "potential": '"k*x**2/2"', "id": '"my-oscillator"',
+    "title": '"My oscillator"', "q": '{r = "1.2"}', "velocity": '{r = 0}', "p": '{r = 0}',
+    "place": '{x = "r*cos(phi)"}', "units": '{r = "m"}', "functions": '["v(r)"]',
+}  # fmt: skip
+"""What may be written for a key, for messages."""
 
 
 @dataclass(frozen=True)
@@ -138,16 +146,16 @@ def faults(table: object, keys: Mapping[str, Key], where: str = "") -> Iterator[
             yield from _value_faults(value, keys[name], f"{prefix}{name}")
         else:
             others += 1
-            hint = nearest(str(name), keys) if others <= MOST else ""  # more are not shown
+            hint = nearest(str(name), keys) if others <= MOST_LINES else ""  # more are not shown
             yield f"{prefix}{name}: unknown key{hint}"
     for name, key in keys.items():
         if key.required and name not in table:
-            yield f"{prefix}{name}: missing; it must be {_WORDS[key.type]}"
+            yield f"{prefix}{name}: missing; it must be {_WORDS[key.type]}{_example(name)}"
 
 
 def _value_faults(value: object, key: Key, where: str) -> Iterator[str]:
     if not _fits(value, key.type):
-        yield f"{where}: must be {_WORDS[key.type]}, not {_shown(value)}"
+        yield f"{where}: must be {_WORDS[key.type]}, not {_shown(value)}{_example(where)}"
     elif hidden := _hidden(value):
         yield f"{where}: the character {hidden} in it cannot be displayed; leave it out"
     elif key.choices and value not in key.choices:
@@ -160,6 +168,11 @@ def _value_faults(value: object, key: Key, where: str) -> Iterator[str]:
     elif key.type == "named" and isinstance(value, Mapping):
         for name, item in value.items():
             yield from faults(item, key.keys, f"{where}.{name}")
+
+
+def _example(where: str) -> str:
+    name = where.rpartition(".")[2]
+    return f"; write {name} = {_EXAMPLES[name]}" if name in _EXAMPLES else ""
 
 
 def _hidden(value: object) -> str:
@@ -216,7 +229,7 @@ def unknown(given: Iterable[str], known: Iterable[str], where: str, what: str) -
     words = list(known)
     others = (word for word in given if word not in words)
     for count, word in enumerate(others):
-        yield f'{where}: no {what} "{word}"{nearest(word, words) if count < MOST else ""}'
+        yield f'{where}: no {what} "{word}"{nearest(word, words) if count < MOST_LINES else ""}'
 
 
 def repeated(tables: list[Mapping[str, object]], where: str) -> Iterator[str]:

@@ -28,6 +28,7 @@ class NamedRoots:
         pairs: real and imaginary part of each complex pair, the latter positive.
         where: symbol → (P, index of the real root), of those without radicals.
         interval: indices of the real roots around the motion; None where there is none on that side.
+        polynomial: P.
     """
 
     leading: sp.Expr
@@ -35,6 +36,7 @@ class NamedRoots:
     pairs: tuple[tuple[sp.Expr, sp.Expr], ...]
     where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
     interval: tuple[int | None, int | None]
+    polynomial: sp.Poly
 
 
 def named_roots(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix: str) -> NamedRoots:
@@ -66,7 +68,8 @@ def named_roots(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix
     with mp.workdps(30):
         below = [k for k, r in enumerate(region.roots) if r < region.place]
         above = [k for k, r in enumerate(region.roots) if r > region.place]
-    return NamedRoots(P.LC(), real, pairs, where, (below[-1] if below else None, above[0] if above else None))
+    ends = (below[-1] if below else None, above[0] if above else None)
+    return NamedRoots(P.LC(), real, pairs, where, ends, P)
 
 
 def _by_numbers(left: sp.Poly, found: list[sp.Expr], signs: Signs, prefix: str) -> list[sp.Symbol]:

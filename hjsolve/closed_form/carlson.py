@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy as sp
 
@@ -19,9 +19,11 @@ class CarlsonMap:
 
     Attributes:
         roots: of P.
+        points: its branch points, with names for what complete integrals hold several times.
     """
 
     roots: NamedRoots
+    points: elliptic.BranchPoints
 
     @property
     def start(self) -> str:
@@ -32,11 +34,6 @@ class CarlsonMap:
     def direction(self) -> int:
         """1 where the integrals grow with x, else −1."""
         return 1 if self.start == "lower" else -1
-
-    @property
-    def points(self) -> elliptic.BranchPoints:
-        """The branch points."""
-        return elliptic.BranchPoints(self.roots.leading, self.roots.real, self.roots.pairs)
 
 
 def carlson_map(roots: NamedRoots, prefix: str) -> CarlsonMap:
@@ -60,7 +57,16 @@ def carlson_map(roots: NamedRoots, prefix: str) -> CarlsonMap:
         across = im if im.is_number else sp.Symbol(f"{prefix}_im{mark}", positive=True)
         where |= {name: meaning for name, meaning in ((along, re), (across, im)) if name.is_Symbol and name != meaning}
         pairs.append((along, across))
-    return CarlsonMap(NamedRoots(roots.leading, tuple(real), tuple(pairs), where, roots.interval))
+    named = replace(roots, real=tuple(real), pairs=tuple(pairs), where=where)
+    plain = elliptic.BranchPoints(roots.leading, named.real, named.pairs, roots.polynomial)
+    if len(pairs) != 1 or len(real) != 2 or None in roots.interval:
+        return CarlsonMap(named, plain)
+    distances = {r: sp.Symbol(f"{prefix.replace('x', 'd', 1)}_z{k + 1}", positive=True) for k, r in enumerate(real)}
+    where |= {name: plain.distance(r) for r, name in distances.items()}
+    complement = sp.Symbol(prefix.replace("x", "k_c", 1), positive=True)
+    points = replace(plain, distances=distances, complement=complement)
+    where[complement] = sp.sqrt(elliptic.complement_squared(points, *real))
+    return CarlsonMap(named, points)
 
 
 @dataclass(frozen=True)
@@ -90,7 +96,7 @@ def pairs_map(roots: NamedRoots, signs: Signs, prefix: str, begin: sp.Expr) -> P
         prefix: of the names.
         begin: the x of the lower limit.
     """
-    named = carlson_map(roots, prefix).roots
+    own = carlson_map(roots, prefix)
     (α1, β1), (α2, β2) = ((signs.number(α), signs.number(β)) for α, β in roots.pairs)
     if α1 == α2:
         farther = 0 if β1 > β2 else 1
@@ -100,16 +106,19 @@ def pairs_map(roots: NamedRoots, signs: Signs, prefix: str, begin: sp.Expr) -> P
         sizes = [abs((mp.mpc(α, β) - total / 2 - gap) / (mp.mpc(α, β) - total / 2 + gap)) for α, β in
                  ((α1, β1), (α2, β2))]  # fmt: skip
         farther = 0 if sizes[0] > sizes[1] else 1
-    return PairsMap(named, begin, farther)
+    return PairsMap(own.roots, own.points, begin, farther)
 
 
-def carlson_integral(R: elliptic.PartialFractions, change: CarlsonMap, x: sp.Expr | None) -> sp.Expr:
+def carlson_integral(
+    R: elliptic.PartialFractions, change: CarlsonMap, x: sp.Expr | None, side: elliptic.Side
+) -> sp.Expr:  # fmt: skip
     """∫ R dx/√P, from an end of the interval to x; over all of it where x is None.
 
     Args:
         R: in partial fractions.
         change: the interval.
         x: the upper end.
+        side: real pole ↦ the sign of x − ρ on the interval.
 
     Raises:
         NoFormError: it diverges, or no form is known.
@@ -120,7 +129,7 @@ def carlson_integral(R: elliptic.PartialFractions, change: CarlsonMap, x: sp.Exp
                 elliptic.around(R, change.points) if x is None else elliptic.between(R, change.points, change.begin, x)
             )
         if x is None:
-            return elliptic.complete(R, change.points, change.roots.interval)
+            return elliptic.complete(R, change.points, change.roots.interval, side)
         return change.direction * elliptic.incomplete(R, change.points, change.roots.interval, x, change.start)
     except elliptic.NoForm as error:
         raise NoFormError(str(error)) from error

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.closed_form.derive import form_of_sample, forms_of_solution, special_of
 from hjsolve.closed_form.form_context import FormContext, context_of
 from hjsolve.closed_form.forms import RegimeForms
@@ -24,6 +25,7 @@ SECONDS = 20.0
 _FEWEST, _MOST_DIGITS = 15, 200
 
 
+@arguments.with_known_names('closed_forms("kepler-planar", seconds=20)')
 @one_at_a_time
 def closed_forms(
     subject: Solution | Motion | System | Separation | str | Path, *, digits: int = DIGITS, seconds: float = SECONDS

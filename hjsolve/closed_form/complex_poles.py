@@ -52,6 +52,13 @@ class PairOfComplexPoles:
         σ, τ = self.root
         return -((σ + sp.I * τ) ** 2)
 
+    @property
+    def ratio(self) -> sp.Expr:
+        """Return the square of the ratio of the factors of its two logarithms, of the poles z and z*."""
+        (p, q), (K, L), (σ, τ) = self.pole, self.numerator, self.root
+        residue = (K * q - sp.I * (K * p + L)) * (σ - sp.I * τ)
+        return residue**2 / ((K * q + sp.I * (K * p + L)) * (σ + sp.I * τ)) ** 2
+
     def integrand(self, x: sp.Symbol) -> sp.Expr:
         """Return the rational factor of the integrand.
 

@@ -41,6 +41,11 @@ class BasicIntegral:
     place: sp.Expr | None
     side: int
 
+    @property
+    def ratio(self) -> sp.Expr:
+        """It is one logarithm."""
+        return sp.S.One
+
     def variable(self, x: sp.Expr) -> sp.Expr:
         """u(x).
 

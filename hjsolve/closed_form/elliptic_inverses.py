@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import sympy as sp
 
+from hjsolve.closed_form.branch_points import NamedRoots
 from hjsolve.closed_form.carlson import CarlsonMap, PairsMap
 from hjsolve.closed_form.even_curves import EvenMap
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase
@@ -144,12 +147,44 @@ def _complex_pair(change: CarlsonMap, amount: sp.Expr, begin: sp.Expr, names: Na
         place = elliptic.inverse(change.points, change.roots.interval, u, change.start)
     except elliptic.NoForm as error:
         raise NoFormError(str(error)) from error
-    (wave,) = place.atoms(JacobiCN, JacobiSN)
-    rate, k = wave.args[0] / u, modulus(names, wave.args[1])
-    phase = Phase(names, amount, change.direction * rate, rate * passed, even=True)
-    value = wave.func(phase.argument, k**2)
-    z = sp.Dummy("z")
-    place = place.xreplace({wave: z})
-    lengths = [p for p in place.atoms(sp.Pow) if p.exp == sp.S.Half and not p.has(z) and sp.count_ops(p) > 3 * SHORT]
+    return _with_phase(place, u, names, lambda rate: (amount, change.direction * rate, rate * passed), even=True)
+
+
+def root_of_square(
+    change: EvenMap | LegendreMap | CarlsonMap, roots: NamedRoots, amount: sp.Expr, begin: sp.Expr,
+    names: NamedQuantities,
+) -> sp.Expr:  # fmt: skip
+    """Return the x at which ∫ dX/√(X P(X)), X = x², from a place has a value, where the motion passes x = 0.
+
+    Args:
+        change: the map to Legendre's or Carlson's integrals.
+        roots: of X P(X).
+        amount: the value.
+        begin: the integral from X = 0 to the place, with the sign of x there.
+        names: of the quantities of the form.
+
+    Raises:
+        NoFormError: the motion does not begin at X = 0.
+    """
+    u = sp.Dummy("u", positive=True)
+    plain = elliptic.BranchPoints(roots.leading, roots.real, roots.pairs)
+    try:
+        points = change.points if isinstance(change, CarlsonMap) else plain
+        place = elliptic.odd_root_of_inverse(points, roots.interval, u)
+    except elliptic.NoForm as error:
+        raise NoFormError(str(error)) from error
+    return _with_phase(place, u, names, lambda rate: (amount, rate, rate * begin), even=False)
+
+
+def _with_phase(
+    place: sp.Expr, u: sp.Symbol, names: NamedQuantities, phase: Callable[[sp.Expr], Sequence[sp.Expr]], *, even: bool
+) -> sp.Expr:  # fmt: skip
+    """Write functions of a multiple of u as those of a phase; lengths next to them that are roots get names."""
+    waves = place.atoms(*_FUNCTIONS.values())
+    ((argument, m),) = {wave.args for wave in waves}
+    given = Phase(names, *phase(argument / u), even=even).argument, modulus(names, m) ** 2
+    hidden = {wave: sp.Dummy("z") for wave in waves}
+    place, z = place.xreplace(hidden), hidden.values()
+    lengths = [p for p in place.atoms(sp.Pow) if p.exp == sp.S.Half and not p.has(*z) and sp.count_ops(p) > 3 * SHORT]
     place = place.xreplace({p: names.named("h", p, positive=True) for p in sorted(lengths, key=sp.count_ops)})
-    return place.xreplace({z: value})
+    return place.xreplace({name: wave.func(*given) for wave, name in hidden.items()})

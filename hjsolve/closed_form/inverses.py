@@ -17,13 +17,14 @@ from hjsolve.closed_form.elementary_inverses import (
     separatrix_inverse,
     square_root_inverse,
 )
-from hjsolve.closed_form.elliptic_inverses import elliptic_inverse
+from hjsolve.closed_form.elliptic_inverses import elliptic_inverse, root_of_square
 from hjsolve.closed_form.evaluation import number_of
 from hjsolve.closed_form.form_context import FormContext, SpecialCase
 from hjsolve.closed_form.jacobi_equations import common_parameter, integrated_over, time_of, without_integrals
 from hjsolve.closed_form.named_quantities import SHORT, NamedQuantities, Phase
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monotone_inverse
+from hjsolve.closed_form.square_curves import SquareCurve
 from hjsolve.closed_form.tidy import elliptic, multiplied_out, shortened_powers
 from hjsolve.closed_form.time_limit import check_time
 from hjsolve.closed_form.verification import nearby, sample_numbers, sample_place, value_at
@@ -236,6 +237,9 @@ def _elliptic(
 ) -> sp.Expr:  # fmt: skip
     """sn² of an integral of the first kind."""
     s, q = integral.curve.substitution, integral.curve.coordinate.symbol
+    if integral.squared is not None and not integral.rational.has(integral.curve.x):
+        x = _through_square(integral, integral.squared, value, start, names)
+        return verified_inverse(own, integral, s.q(x), value, start, names, others)
     if integral.curve.degree > 4:
         raise NoFormError(f"t({own.name}) is an integral on a curve of genus 2: its inverse is not given")
     if integral.first is None or integral.change is None:
@@ -254,6 +258,21 @@ def _elliptic(
         except NoFormError as error:
             reason = error
     raise reason
+
+
+def _through_square(
+    integral: PieceIntegral, squared: SquareCurve, value: sp.Expr, start: sp.Symbol, names: NamedQuantities
+) -> sp.Expr:  # fmt: skip
+    """Return x of ∫ R dx/√P(x²) = ± ½ R ∫ dX/√(X P(X)), R constant, by X = x²."""
+    s, change = integral.curve.substitution, integral.change
+    if change is None:
+        raise NoFormError("the curve in the square is not elliptic")
+    twice = 2 * squared.side / integral.rational
+    amount, begin = multiplied_out(twice * value), s.place.subs(integral.curve.coordinate.symbol, start)
+    if not squared.passes:
+        return squared.side * sp.sqrt(elliptic_inverse(change, amount, begin**2, names))
+    passed = twice * integral.value.subs(integral.curve.coordinate.symbol, start)
+    return root_of_square(change, squared.roots, amount, passed, names)
 
 
 def _turning(place: sp.Expr, side: int) -> sp.Expr:

@@ -15,6 +15,7 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve, genus
+from hjsolve.closed_form.liouville import not_elementary
 from hjsolve.closed_form.why_not import HighGenus, NotFound, WhyNot
 from hjsolve.precision import mp
 
@@ -22,32 +23,35 @@ _DIGITS = 60
 _NOTHING = mp.mpf(10) ** -25
 
 
-def why_no_form(found: Iterable[MomentumCurve], square: sp.Expr | None = None, q: sp.Symbol | None = None) -> WhyNot:
+def why_no_form(found: Iterable[MomentumCurve]) -> WhyNot:
     """Return why a coordinate has no form at all: the genus that is left, and which involutions were looked for.
 
     Args:
-        found: its curves, the simplest first.
-        square: P²(q).
-        q: the coordinate.
+        found: its curves, the simplest first; one at least.
     """
     curves = list(found)
-    if not curves:
-        return NotFound(_mixture(square, q))
     reduced = [(curve, *_reduced(_at_random(curve.polynomial))) for curve in curves]
     curve, P, steps = min(reduced, key=lambda row: (genus(row[1].degree()), row[2]))
     involution = _in_involution(P) if genus(P.degree()) == 2 else None
     return HighGenus(curve.substitution.place, _at_random(curve.polynomial), P, steps, involution)
 
 
-def _mixture(square: sp.Expr | None, q: sp.Symbol | None) -> str:
-    """Of which functions a squared momentum is made that no one variable makes algebraic."""
-    if square is None or q is None:
-        return "p² is algebraic in no variable that is known here"
+def why_no_curve(square: sp.Expr, numerators: Iterable[sp.Expr], q: sp.Symbol) -> WhyNot:
+    """Return why a coordinate has no curve: a proof that its integrals are not elementary, or what p² is made of.
+
+    Args:
+        square: P²(q).
+        numerators: N of its integrals, but that of W.
+        q: the coordinate.
+    """
+    proof = not_elementary(square, numerators, q)
+    if proof is not None:
+        return proof
     held = square.atoms(sp.Function) | {p for p in square.atoms(sp.Pow) if not p.exp.is_Integer}
     functions = sorted(str(a) for a in held if a.has(q))
     bare = square.xreplace({a: sp.Dummy() for a in square.atoms(sp.Function)}).has(q)
     named = [str(q)] * bare + functions
-    return f"p² is made of {', '.join(named)}: it is algebraic in no variable that is known here"
+    return NotFound(f"p² is made of {', '.join(named)}: it is algebraic in no variable that is known here")
 
 
 def _at_random(P: sp.Poly) -> sp.Poly:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.branch_points import NamedRoots, named_roots
@@ -16,6 +17,7 @@ from hjsolve.closed_form.elementary import Antiderivative, elementary_antideriva
 from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
 from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.involutions import why_no_form
+from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.real_branch_points import LegendreMap, elliptic_integral, legendre_map, without_square
 from hjsolve.closed_form.reduction import reduced
@@ -57,6 +59,7 @@ class PieceIntegral:
         curve: the curve it was found on.
         first: R, where it is a constant: the integral of the first kind; else None.
         change: the map to Legendre's integrals; None of an elementary one.
+        squared: the curve in x² that it was integrated on; None of another one.
     """
 
     numerator: sp.Expr
@@ -67,6 +70,7 @@ class PieceIntegral:
     curve: MomentumCurve
     first: sp.Expr | None = None
     change: EvenMap | LegendreMap | CarlsonMap | None = None
+    squared: SquareCurve | None = None
 
 
 @dataclass
@@ -130,6 +134,7 @@ class CoordinateIntegrals:
         held |= {s for e in self.rates.values() for s in e.free_symbols}
         for roots in (task.roots, *(change.roots for change in task.changes if isinstance(change, CarlsonMap))):
             if roots is not None:
+                held |= needed_names(held, roots.where)[0].keys()
                 self.where |= {s: meaning for s, meaning in roots.where.items() if s in held | _inside(roots)}
 
     def add_cycles(self, curve: MomentumCurve, region: RootInterval, signs: Signs) -> None:
@@ -261,7 +266,7 @@ class _Task:
         if longer_than(value, LONGEST_FORM):
             raise NoFormError(f"the form has more than {LONGEST_FORM} operations")
         first = None if R.has(curve.x) or self.squared is not None else R
-        return PieceIntegral(numerator, value, cycle, R, law, curve, first, change)
+        return PieceIntegral(numerator, value, cycle, R, law, curve, first, change, self.squared)
 
     def _reduced_elliptic(
         self, R: sp.Expr, *, cyclic: bool
@@ -306,8 +311,8 @@ class _Task:
                 if self._has_poles_at_roots(parts):
                     raise NoFormError("the integrand has poles at complex roots of P")
                 if isinstance(change, CarlsonMap):
-                    whole = carlson_integral(parts, change, None) if cyclic else None
-                    return carlson_integral(parts, change, x), whole, change, more
+                    whole = carlson_integral(parts, change, None, self._side_of_pole) if cyclic else None
+                    return carlson_integral(parts, change, x, self._side_of_pole), whole, change, more
                 parts, a = without_square(parts, change, P)
                 whole = elliptic_integral(parts, change, None) if cyclic else None
                 return elliptic_integral(parts, change, x), whole, change, a
@@ -324,9 +329,17 @@ class _Task:
         poles = [(at(re), at(im)) for re, im, _, _ in parts.complex_poles]
         return any(abs(a - c) + abs(b - d) < _SAME for a, b in poles for c, d in roots)
 
+    @property
+    def _place(self) -> mpmath.mpf:
+        """The place of the sample on the curve that is integrated on."""
+        return self.region.place if self.squared is None else self.squared.place
+
+    def _side_of_pole(self, r: sp.Expr) -> int:
+        return 1 if self._place > self.signs.number(r) else -1
+
     def _passes_a_pole(self, parts: PartialFractions, change: LegendreMap) -> bool:
         """Return whether a pole lies between the motion and the root from which the integrals are taken."""
-        start, here = self.signs.number(change.a), self.region.place if self.squared is None else self.squared.place
+        start, here = self.signs.number(change.a), self._place
         low, high = min(start, here), max(start, here)
         return any(low < self.signs.number(r) < high for r, _, _ in parts.poles)
 

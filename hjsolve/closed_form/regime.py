@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import sympy as sp
 
@@ -216,6 +217,7 @@ def sign_is_fixed(relations: Iterable[sp.Basic], expression: sp.Expr) -> bool:
     return not _without(_open_factors(expression), echelon)
 
 
+@lru_cache(maxsize=1024)
 def _open_factors(expression: sp.Expr) -> frozenset[sp.Expr]:
     """Return the factors of odd powers, up to their sign, that may have either sign."""
     found = set[sp.Expr]()

@@ -1,9 +1,10 @@
 """Variables x = φ(q) in which a squared momentum P²(q) is a rational function.
 
 With G(x) = φ′(q)², every integral of a separated solution is ∫ N dq/√P² = ∫ N dx/√(P² G): rational in x but for one
-square root, where both P² and G are rational in x. Candidates: q, q², 1/q, √(q² + c), and of sines, hyperbolic
-sines and exponentials of multiples of one argument κq: cos, sin, tan of the half, sin of the half shifted, cosh, sinh,
-tanh, tanh of the half, exp, of κ(q − b) where all arguments have the same b; (q + c)^(1/n), and e^u with q = a sinh u.
+square root, where both P² and G are rational in x. Candidates: q, q − b where P² is even about b, q², 1/q, √(q² + c),
+and of sines, hyperbolic sines and exponentials of multiples of one argument κq: cos, sin, tan of the half, sin of the
+half shifted, cosh, sinh, tanh, tanh of the half, exp, of κ(q − b) where all arguments have the same b; (q + c)^(1/n),
+e^u with q = a sinh u; and u = arctan q, log q, where P² is that of a motion along u.
 Each is used only where it is monotone on the whole domain of the coordinate, or on a turn of an angle, or of a line on
 which P² is periodic. Where the sign of κ is open, each sign is a case of its own.
 """
@@ -54,6 +55,8 @@ def known_substitutions(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -
         yield from circular_variables(square, coordinate, x)
     elif all(a.func in (sp.sinh, sp.cosh, sp.tanh, sp.exp) or isinstance(a, sp.exp) for a in inner):
         yield from _hyperbolic(square, q, lower, upper, x)
+    elif len(inner) == 1 and inner[0].func in (sp.atan, sp.asinh, sp.atanh, sp.log):
+        yield from _another_coordinate(square, q, inner[0], lower, upper, x)
 
 
 def _plain(atom: sp.Expr) -> bool:
@@ -64,7 +67,9 @@ def _plain(atom: sp.Expr) -> bool:
 def _algebraic(
     square: sp.Expr, q: sp.Symbol, lower: sp.Expr, upper: sp.Expr, x: sp.Symbol
 ) -> Iterator[Substitution]:  # fmt: skip
-    one = sp.S.One
+    one, b = sp.S.One, _middle(square, q)
+    if b != 0:
+        yield Substitution(x, q - b, x + b, one, sp.cancel(square.subs(q, x + b)), lower - b, upper - b, True)
     yield Substitution(x, q, x, one, square.subs(q, x), lower, upper, True)
     if not (lower.is_nonnegative or upper.is_nonpositive):
         return
@@ -78,6 +83,23 @@ def _algebraic(
     if grows and lower == 0:
         top = sp.S.Zero if upper is sp.oo else 1 / upper
         yield Substitution(x, 1 / q, 1 / x, x**4, square.subs(q, 1 / x), top, sp.oo, False)
+
+
+def _middle(square: sp.Expr, q: sp.Symbol) -> sp.Expr:
+    """Return the place about which a squared momentum of more than second degree is even; 0 where there is none."""
+    letters = sorted(square.free_symbols - {q}, key=str)
+    values = {s: sp.Rational(13 + 8 * k, 11 + k) for k, s in enumerate(letters)}
+    if _middle_of_numerator(square.xreplace(values), q) == 0:  # without letters it is soon seen
+        return sp.S.Zero
+    return _middle_of_numerator(square, q)
+
+
+def _middle_of_numerator(square: sp.Expr, q: sp.Symbol) -> sp.Expr:
+    P = sp.Poly(sp.numer(sp.together(square)), q)
+    if P.degree() <= 2:
+        return sp.S.Zero
+    b = sp.cancel(-P.coeff_monomial(q ** (P.degree() - 1)) / (P.degree() * P.LC()))
+    return b if b == 0 or sp.cancel(square - square.subs(q, 2 * b - q)) == 0 else sp.S.Zero
 
 
 def _with_root(
@@ -155,6 +177,18 @@ def _rational_powers(
         x, (q + shift) ** sp.Rational(1, n), x**n - shift, (x ** (1 - n) / n) ** 2, function, low, high, True,
         condition=sp.S.One if start.is_nonnegative else start,
     )  # fmt: skip
+
+
+def _another_coordinate(
+    square: sp.Expr, q: sp.Symbol, u: sp.Expr, lower: sp.Expr, upper: sp.Expr, x: sp.Symbol
+) -> Iterator[Substitution]:  # fmt: skip
+    """Yield u = φ(q) where P²/φ′², the square of its momentum, is rational in u alone: an oscillator in q = tan u."""
+    slope = sp.diff(u, q)
+    function = sp.cancel(sp.together((square / slope**2).xreplace({u: x})))
+    if function.has(q) or u.args[0] != q:
+        return
+    ends = (sp.limit(u, q, lower, "+") if lower != -sp.oo else u.subs(q, lower), u.subs(q, upper))
+    yield Substitution(x, u, u.inverse()(x), sp.S.One, function, *ends, True)
 
 
 # -------------------------------------------------------------------------------------------- hyperbolic functions

@@ -14,6 +14,10 @@ import sympy as sp
 
 from hjsolve.display.shown import Shown
 
+_DIGITS = 40
+_REAL = sp.Rational(1, 10**30)
+"""Above this part of 1 an imaginary part, known to so many digits, is none of rounding."""
+
 
 class Term(Protocol):
     """One integral of a law; ``elementary.BasicIntegral`` is one."""
@@ -25,6 +29,10 @@ class Term(Protocol):
     @property
     def leading(self) -> sp.Expr:
         """It is a logarithm, or an arc function, over √ of this."""
+
+    @property
+    def ratio(self) -> sp.Expr:
+        """Of two logarithms in one, the square of the ratio of their factors; 1 of one alone."""
 
 
 class Law(Protocol):
@@ -96,7 +104,7 @@ class TranscendentalEquation(WhyNot):
     def holds(self) -> bool:
         """Return whether the law has an algebraic part and a logarithm, or two logarithms with an irrational ratio."""
         law, at = self.law, dict[sp.Symbol, sp.Expr]()
-        held = (law.polynomial, law.algebraic, *(e for c, t in law.terms for e in (c, t.leading)))
+        held = (law.polynomial, law.algebraic, *(e for c, t in law.terms for e in (c, t.leading, t.ratio)))
         symbols = set().union(*(e.free_symbols for e in held))
         for k, s in enumerate(sorted(symbols - {law.x}, key=str)):
             at[s] = sp.Rational(13 + 8 * k, 11 + k)
@@ -105,6 +113,8 @@ class TranscendentalEquation(WhyNot):
         residues = [r for r in residues if r != 0]
         if residues and (law.algebraic.xreplace(at) != 0 or len(logarithms) < len(law.terms)):
             return True
+        if any(abs(sp.im(sp.N(t.ratio.xreplace(at), _DIGITS))) > _REAL for _, t in logarithms):
+            return True  # of poles at complex places
         ratios = [sp.simplify(r / residues[0]) for r in residues[1:]]
         return any(r.is_Rational and not sp.sqrt(r).is_Rational for r in ratios)
 
@@ -196,8 +206,8 @@ class HighGenus(WhyNot):
 
     @property
     def proved(self) -> bool:  # type: ignore[override]
-        """Whether no involution makes it elliptic."""
-        return not self.involution
+        """Whether no reflection and no involution makes it elliptic."""
+        return self.genus >= 2 and not self.involution
 
     @property
     def genus(self) -> int:
@@ -209,6 +219,8 @@ class HighGenus(WhyNot):
         text = f"y² = P({self.place}) of degree {degree} has genus {(degree - 1) // 2}"
         if self.steps:
             text += f", by its reflections {self.genus}"
+        if self.genus < 2:
+            return f"{text}: it is elliptic in another variable, which is not done here"
         if self.involution:
             return f"{text}, and reduces by a Möbius involution, which is not done here"
         if self.involution is not None:

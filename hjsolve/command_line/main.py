@@ -13,11 +13,10 @@ import re
 import sys
 from collections.abc import Sequence
 from contextlib import redirect_stdout
-from typing import TextIO, cast
+from typing import Any, TextIO, cast
 
 from hjsolve.command_line import commands, theorem_commands
 from hjsolve.command_line.commands import ANSWER, BAD_INPUT, INTERRUPTED, REFUSED, UNSETTLED
-from hjsolve.command_line.output import VisibleStream
 from hjsolve.command_line.parser import command_parser
 from hjsolve.display.visible_text import visible
 from hjsolve.errors import (
@@ -30,6 +29,40 @@ from hjsolve.errors import (
     NotConvergedError,
     NotSeparableError,
 )
+
+
+class VisibleStream:
+    """A text stream in front of another one.
+
+    Args:
+        stream: where the text goes.
+    """
+
+    def __init__(self, stream: TextIO):
+        self._stream = stream
+        self._failed: OSError | None = None
+
+    def write(self, text: str) -> int:
+        """Write a text."""
+        try:
+            return self._stream.write(visible(text))
+        except OSError as error:  # argparse would pass over it
+            self._failed = error
+            raise
+
+    def flush(self) -> None:
+        """Write what is held back.
+
+        Raises:
+            OSError: now, or when something was written before.
+        """
+        if self._failed is not None:
+            raise self._failed
+        self._stream.flush()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
 
 BROKEN_PIPE = 141
 

@@ -211,10 +211,11 @@ def _eliminate(system: System, left: _Eliminated, source: str, g: sp.Expr) -> No
     """Solve one equation, and put the solution into everything that is left."""
     bounds = _bounds(system, left)
     g = sp.expand(g.subs(left.formulas, simultaneous=True))
-    solution = _linear(g, bounds) or _sphere(system, left, g, bounds)
+    solution = _linear(g, bounds) or _quadric(system, left, g, bounds)
     if solution is None:
         raise InvalidSystemError(
-            f"{source}: not solved for a coordinate (it is neither linear in one nor a sphere); {_CURE}"
+            f"{source}: not solved for a coordinate (it is neither linear in one nor an ellipse or spheroid along the "
+            f"axes); {_CURE}"
         )
     for q, f in solution.items():
         domain = next((c for c in system.coordinates if c.name == q.name), None)
@@ -248,36 +249,50 @@ def _linear(
     return {q: f}
 
 
-def _sphere(
+def _quadric(
     system: System, left: _Eliminated, g: sp.Expr,
     bounds: Mapping[sp.Symbol, tuple[sp.Expr | None, sp.Expr | None]],
 ) -> dict[sp.Symbol, sp.Expr] | None:  # fmt: skip
-    """Return angles on a circle or a sphere, g = k (Σ (qᵢ − cᵢ)² − R²) with R² > 0; its coordinates are lines."""
+    """Return angles on a circle, ellipse, sphere or spheroid, g = Σ kᵢ (qᵢ − cᵢ)² − K with K/kᵢ > 0.
+
+    Its coordinates are lines. The angles are polar ones of the circle or sphere that stretching along the axes gives.
+    """
     held = [q for q in bounds if g.has(q)]
     if len(held) not in (2, 3) or any(left.domains[q.name] != "line" for q in held):
         return None
-    k = sp.diff(g, held[0], 2) / 2
-    if k == 0 or k.has(*held) or any(sp.expand(sp.diff(g, q, 2) / 2 - k) != 0 for q in held):
+    origin = dict.fromkeys(held, 0)
+    k = {q: sp.diff(g, q, 2) / 2 for q in held}
+    if any(factor == 0 or factor.has(*held) for factor in k.values()):
         return None
-    linear = {q: sp.expand(sp.diff(g, q).subs(dict.fromkeys(held, 0)) / k) for q in held}
-    rest = g.subs(dict.fromkeys(held, 0)) / k
-    if sp.expand(g - k * sp.Add(rest, *(q**2 + b * q for q, b in linear.items()))) != 0:
+    centre = {q: -sp.diff(g, q).subs(origin) / (2 * k[q]) for q in held}
+    K = sp.Add(*(k[q] * centre[q] ** 2 for q in held)) - g.subs(origin)
+    if sp.simplify(g - sp.Add(-K, *(k[q] * (q - centre[q]) ** 2 for q in held))) != 0:
         return None
-    square = short_form(sp.Add(-rest, *(b**2 / 4 for b in linear.values())), bounds)
-    if strict_sign(square, bounds) != 1:
+    squares = {q: short_form(K / k[q], bounds) for q in held}
+    nonzero = {x.symbol: sp.Dummy(x.name, nonzero=True) for x in system.parameters if x.symbol.is_zero is None}
+    if any(strict_sign(square.xreplace(nonzero), bounds) != 1 for square in squares.values()):
         return None
-    taken = {*system.symbols, *left.domains}
-    names = [free_name(name, taken) for name in (("theta",) if len(held) == 2 else ("theta", "phi"))]
-    angles = [sp.Symbol(name, real=True) for name in names]
-    R = sp.sqrt(square)
+    axis = _axis(squares)
+    if axis is None:
+        return None
+    round_ = len(set(squares.values())) == 1
+    names = [free_name(name, {*system.symbols, *left.domains}) for name in ("theta" if round_ else "u", "phi")]
+    first, phi = (sp.Symbol(name, real=True) for name in names)
     if len(held) == 2:
-        place = [R * sp.cos(angles[0]), R * sp.sin(angles[0])]
+        place = dict(zip(held, (sp.cos(first), sp.sin(first)), strict=True))
         left.domains[names[0]] = "angle"
     else:
-        theta, phi = angles
-        place = [R * sp.sin(theta) * sp.cos(phi), R * sp.sin(theta) * sp.sin(phi), R * sp.cos(theta)]
+        across = [q for q in held if q != axis]
+        place = dict(zip(across, (sp.sin(first) * sp.cos(phi), sp.sin(first) * sp.sin(phi)), strict=True))
+        place[axis] = sp.cos(first)
         left.domains |= {names[0]: f"0 < {names[0]} < pi", names[1]: "angle"}
-    return {q: p - linear[q] / 2 for q, p in zip(held, place, strict=True)}
+    semiaxes = {q: sp.sqrt(square).replace(sp.Abs, lambda a: a) for q, square in squares.items()}  # of either sign
+    return {q: centre[q] + semiaxes[q] * place[q] for q in held}
 
 
-__all__ = ["without_constraints"]
+def _axis(squares: Mapping[sp.Symbol, sp.Expr]) -> sp.Symbol | None:
+    """Return the axis of revolution of three semi-axes, the last one where there are more; of two the last."""
+    for q in reversed(squares):
+        if len(squares) == 2 or len({square for other, square in squares.items() if other != q}) == 1:
+            return q
+    return None

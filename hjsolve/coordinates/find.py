@@ -57,6 +57,7 @@ _MOST_LETTERS = 2
 _PARTIAL = ("split", "sphere", "unresolved")
 
 
+@arguments.with_known_names("find_coordinates(system, budget=20)")
 @one_at_a_time
 def find_coordinates(
     system: System | str | Path, *, special: bool = True, budget: float = 20.0

@@ -12,12 +12,14 @@ from pathlib import Path
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.coordinates_and_parameters import free_name, parameter
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms
 
 
+@arguments.with_known_names('jacobi_metric(system, energy="h")')
 def jacobi_metric(system: System | str | Path, *, energy: str = "h") -> System:
     """Return the geodesics whose paths are the orbits of a system at one energy.
 

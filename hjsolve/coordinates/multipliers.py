@@ -18,6 +18,7 @@ from pathlib import Path
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.coordinates.typed_change import short_form
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError, required
@@ -60,6 +61,7 @@ class ConstraintForces(Shown):
     reduced: tuple[sp.Expr, ...] = ()
 
 
+@arguments.with_known_names('constraint_forces(system, ["x**2 + y**2 = 1"])')
 @one_at_a_time
 def constraint_forces(system: System | str | Path, constraints: Sequence[str] = ()) -> ConstraintForces:
     """Write Lagrange's equations with multipliers, and solve them for the constraint forces.
@@ -191,6 +193,3 @@ def forces_of(system: System, texts: Sequence[str], forms: Sequence[sp.Expr]) ->
 def _along(f: sp.Expr, places: Sequence[sp.Symbol], speeds: Sequence[sp.Symbol], clock: sp.Symbol) -> sp.Expr:
     """Return df/dt without the terms of q̈."""
     return sp.Add(sp.diff(f, clock), *(sp.diff(f, q) * v for q, v in zip(places, speeds, strict=True)))
-
-
-__all__ = ["TIME", "ConstraintForces", "constraint_forces", "eliminated_state", "forces_of", "read_constraint"]

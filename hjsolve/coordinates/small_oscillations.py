@@ -78,6 +78,7 @@ class NormalModes(Shown):
     remark: str
 
 
+@arguments.with_known_names('normal_modes(system, about={"x": 0, "y": 0})')
 @one_at_a_time
 def normal_modes(
     system: System | str | Path, about: Mapping[str, object] | None = None, *, budget: float = 20.0

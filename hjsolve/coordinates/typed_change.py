@@ -29,6 +29,9 @@ SECONDS = 5.0
 _TIME = sp.Symbol("t", real=True)
 
 
+@arguments.with_known_names(
+    'change_coordinates(system, {"x": "r*cos(phi)", "y": "r*sin(phi)"}, coordinates={"r": "0 < r", "phi": "angle"})'
+)
 @one_at_a_time
 def change_coordinates(
     system: System | str | Path, place: Mapping[str, object], *, coordinates: Mapping[str, str]

@@ -31,7 +31,7 @@ from hjsolve.scenes.question import Times
 from hjsolve.scenes.run import first_arguments
 
 Claimed: TypeAlias = float | Mpf
-_GUARD, _FRACTION, _MOST = 20, 0.25, 5.0
+_GUARD, _FRACTION, _MOST_SECONDS = 20, 0.25, 5.0
 _NUMBERS = ("turning_points", "actions", "frequencies", "periods")
 
 
@@ -92,7 +92,7 @@ def derived_trials(task: Task, levels: Sequence[int], seconds: float) -> list[Tr
     if task.solution is None or scene.effects or scene.events:
         return []
     begin = time.process_time()
-    form = derived_form(task, min(_FRACTION * seconds, _MOST))
+    form = derived_form(task, min(_FRACTION * seconds, _MOST_SECONDS))
     spent = time.process_time() - begin
     return [] if form is None else [_trial(task, form, digits, spent) for digits in (15, *levels)]
 

@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.floats import ByOperators
 from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.costs.answers import Answer
-from hjsolve.costs.scalar_floats import ScalarFloat
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.errors import InvalidInputError, MissingExtraError, NotConvergedError, required
 from hjsolve.formulas.read import number
@@ -34,6 +34,40 @@ from hjsolve.scenes.steps import Flow, integrate_steps
 
 if TYPE_CHECKING:
     import heyoka
+
+
+_NAMES = {"abs": "fabs"}
+
+
+@dataclass(frozen=True, slots=True)
+class ScalarFloat(ByOperators):
+    """Double precision for scalars; what leaves the domain of a function is not a number."""
+
+    def rational(self, numerator: int, denominator: int) -> float:
+        """Return the float next to a fraction."""
+        return numerator / denominator
+
+    def pi(self) -> float:
+        """Give π."""
+        return math.pi
+
+    def div(self, x: float, y: float) -> float:
+        """Return x/y; nan for a zero y."""
+        return x / y if y else math.nan
+
+    def power(self, x: float, n: int) -> float:
+        """Return xⁿ; nan for a pole."""
+        return x**n if x or n > 0 else math.nan
+
+    def unary(self, name: str, x: float) -> float:
+        """Return a function of x; nan outside its domain."""
+        if name == "neg":
+            return -x
+        try:
+            return float(getattr(math, _NAMES.get(name, name))(x))
+        except (ValueError, OverflowError):
+            return math.nan
+
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 2.3e-14)
 

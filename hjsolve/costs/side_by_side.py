@@ -6,6 +6,7 @@ import time
 from collections.abc import Sequence
 from contextlib import suppress
 
+from hjsolve import arguments
 from hjsolve.costs.closed_forms import closed_trials
 from hjsolve.costs.derived_forms import derived_trials
 from hjsolve.costs.measure import Clock, measured
@@ -26,6 +27,7 @@ _PARTS = (8, 4, 2, 1)
 _MOST_DIGITS, _LONG = 250, 30.0
 
 
+@arguments.with_known_names('cost("kepler-planar", digits=[15, 30])')
 def cost(
     subject: Subject,
     *,

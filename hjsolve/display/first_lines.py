@@ -6,10 +6,10 @@ from collections.abc import Iterable
 
 from hjsolve.display.visible_text import visible
 
-MOST = 10
+MOST_LINES = 10
 
 
-def few_lines(lines: Iterable[str], most: int = MOST) -> str:
+def few_lines(lines: Iterable[str], most: int = MOST_LINES) -> str:
     r"""Join lines, and say how many more there are; control and bidirectional characters become escapes.
 
     Args:

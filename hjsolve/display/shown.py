@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 
 MOST_LINES, WIDEST = 20, 110
 _MOST_ITEMS, _DIGITS, _PIECE = 6, 17, 90
+_LONGEST_DENOMINATOR = 10_000
+"""Of a fraction that is written as one, where it is also a double."""
+_FRACTION = re.compile(r"(?<![\w./*])(\d{1,330})/(\d{5,330})(?![\w.*])")
+"""A fraction with a long denominator; an exponent is not its numerator."""
 
 
 class Shown:
@@ -175,8 +179,34 @@ def brief(content: Any, room: int) -> str:
         return f"{content:S}"
     if hasattr(content, "_mpf_") or hasattr(content, "_mpc_"):
         return str(content.context.nstr(content, _DIGITS))
-    text = str(content) if hasattr(content, "free_symbols") else repr(content)
+    text = _of_formula(content) if hasattr(content, "free_symbols") else repr(content)
     return cut(" ".join(text.split()), room)
+
+
+def _of_formula(content: Any) -> str:
+    """Write a formula, with the doubles that are in it as such."""
+    return _FRACTION.sub(_as_a_double, str(content))
+
+
+def _as_a_double(fraction: re.Match[str]) -> str:
+    double = _double(int(fraction[1]), int(fraction[2]))
+    return fraction[0] if double is None else repr(double)
+
+
+def as_argument(value: Any) -> str | float:
+    """Return a formula as it is typed: 0.1 where it is 3602879701896397/36028797018963968, else its text.
+
+    Args:
+        value: a sympy expression.
+    """
+    double = _double(int(value.p), int(value.q)) if getattr(value, "is_Rational", False) else None
+    return str(value) if double is None else double
+
+
+def _double(p: int, q: int) -> float | None:
+    """Return a reduced fraction as a double; None where it is not one exactly, or short."""
+    exact = q > _LONGEST_DENOMINATOR and q & (q - 1) == 0 and p.bit_length() <= 53 and q.bit_length() <= 1075
+    return p / q if exact else None
 
 
 def _fraction(room: int, count: int) -> int:

@@ -16,6 +16,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.display.by_value import ByValue
 from hjsolve.display.shown import Shown
@@ -25,7 +26,7 @@ from hjsolve.errors import required
 from hjsolve.lowering import lower
 
 Window = tuple[tuple[float, float], tuple[float, float]]
-_FIRST, _MOST = 241, 4000
+_FIRST, _MOST_PLACES = 241, 4000
 ROUNDS = 9
 """How often places are put between those that lie far apart."""
 _STEP = 0.006
@@ -133,7 +134,7 @@ def double_zeros(own: CoordinateKinds, window: Window, rounds: int = ROUNDS) -> 
     branches = _followed(points)
     for _ in range(rounds):
         gaps = _wide_gaps(branches, window)
-        if not len(gaps) or len(v) > _MOST:
+        if not len(gaps) or len(v) > _MOST_PLACES:
             break
         more = (v[gaps] + v[gaps + 1]) / 2
         order = np.argsort(np.concatenate([v, more]))
@@ -337,10 +338,13 @@ def _refined(traced: _Traced, which: int, a: float, b: float, level: float) -> t
         return value, float(np.polynomial.polynomial.polyval(value, g))
 
     level, first = at(a, level)
-    for _ in range(60):
-        middle = (a + b) / 2
-        level, slope = at(middle, level)
-        a, b = (middle, b) if slope * first > 0 else (a, middle)
+
+    def before(t: float) -> bool:
+        nonlocal level
+        level, slope = at(t, level)
+        return slope * first > 0
+
+    a, b = bisected(before, a, b, 60)
     return (a + b) / 2, level
 
 

@@ -230,6 +230,7 @@ def _points(x: object, y: object) -> tuple[Reals, Reals, tuple[int, ...]]:
     return xs.ravel(), ys.ravel(), xs.shape
 
 
+@arguments.with_known_names('energy_momentum_map(solution, "p_phi", "E")')
 @one_at_a_time
 def energy_momentum_map(
     solution: Solution | Motion,

@@ -26,7 +26,7 @@ from hjsolve.energy_momentum.orbits import bounded_orbits
 from hjsolve.errors import InvalidInputError, NotConvergedError, required
 from hjsolve.solution.quadratures import Solution
 
-_FIRST, _MOST = 48, 1536
+_FIRST, _MOST_POINTS = 48, 1536
 _LONGEST = 1.0
 """Radians by which ΔΦ may change from one point of the circle to the next."""
 _TURNED = 0.1234
@@ -190,7 +190,7 @@ def monodromy_round(
     if not _the_same_all_round(coordinates, around, radius, window):
         raise InvalidInputError("monodromy: the kinds of motion change along this circle; give a smaller radius")
     points = _FIRST
-    while points <= _MOST:
+    while points <= _MOST_POINTS:
         x, y = circle(around, radius, window, points)
         good, batch = bounded_orbits(solution, coordinates, x, y, {"frequencies"}, every=True)
         if batch is None or len(good) < points:

@@ -10,7 +10,7 @@ import numpy as np
 from hjsolve.ensembles.orbit_columns import OrbitColumns
 
 _BINS, _WIDTH, _HEIGHT = 32, 160, 28
-_MOST = 24
+_MOST_ROWS = 24
 """Rows shown; the others are counted."""
 
 
@@ -25,8 +25,8 @@ def batch_as_html(batch: OrbitColumns) -> str:
         return f"{head}, not computed yet</p>"
     counts = ", ".join(f"{n} {escape(word)}" for word, n in batch.summary().items())
     names = list(batch.layout.values())
-    rows = "".join(_row(batch, name) for name in names[:_MOST])
-    more = f"<p>and {len(names) - _MOST} columns more</p>" if len(names) > _MOST else ""
+    rows = "".join(_row(batch, name) for name in names[:_MOST_ROWS])
+    more = f"<p>and {len(names) - _MOST_ROWS} columns more</p>" if len(names) > _MOST_ROWS else ""
     titles = "".join(f"<th>{title}</th>" for title in ("", "least", "median", "largest", "largest error", ""))
     return f"{head}</p><p>{counts}</p><table><tr>{titles}</tr>{rows}</table>{more}"
 

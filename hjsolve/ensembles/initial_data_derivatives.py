@@ -12,14 +12,11 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import EPS, Float64
 from hjsolve.arithmetic.number_types import Reals
-from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.arithmetic.running_error import SECOND_ORDER, RunningError, WithErrorBound
 from hjsolve.ensembles.initial_conditions import arrays_of
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import momenta
 from hjsolve.solution.quadratures import Solution
-
-_SAFETY = 2.0
-"""For the terms of second order that running errors leave out."""
 
 Column = Reals | tuple[Reals, Reals]
 """One number an orbit, or of turning points two."""
@@ -59,7 +56,10 @@ def slopes_of_constants(
     tape = lower([sp.diff(e, s).subs(values) for s in varied.values() for e in constants.values()], symbols)
     with np.errstate(all="ignore"):
         found = [
-            (np.broadcast_to(x.value, shape), np.broadcast_to(0.0 if x.error is None else _SAFETY * x.error, shape))
+            (
+                np.broadcast_to(x.value, shape),
+                np.broadcast_to(0.0 if x.error is None else SECOND_ORDER * x.error, shape),
+            )
             for x in tape.run(arithmetic, [*places, *moving])
         ]
     n = len(constants)

@@ -97,6 +97,9 @@ class BatchDerivatives(ByValue, Shown):
         return tuple(found)
 
 
+@arguments.with_known_names(
+    'ensemble_derivatives(system, q={"r": [1, 2], "theta": 0}, p={"r": 0, "theta": 1}, by={"constants"})'
+)
 def ensemble_derivatives(
     system: System | Solution | str | Path,
     q: Mapping[str, Any],

@@ -21,7 +21,7 @@ from hjsolve.lowering import lower
 from hjsolve.motion.derivatives.formulas import VariedSymbols
 from hjsolve.solution.quadratures import Solution
 
-_STEPS = 256
+_TURN_STEPS = 256
 """Steps of a turn."""
 _ROUNDED = 16 * EPS
 """Rounding of a mean, over the largest value."""
@@ -58,9 +58,9 @@ def mean_shifts(
     A = solution.shift[name].subs(momenta)
     fixed = {s: v for s, v in values.items() if s not in variables.symbols}
     tape = _lowered(A.subs(fixed), q, variables)
-    turn = (2 * np.pi * np.arange(_STEPS) / _STEPS)[:, None]
+    turn = (2 * np.pi * np.arange(_TURN_STEPS) / _TURN_STEPS)[:, None]
     with np.errstate(all="ignore"):
-        rows = [np.broadcast_to(x, (_STEPS, count)) for x in tape.run(Float64(), [turn, *numbers[:, None, :]])]
+        rows = [np.broadcast_to(x, (_TURN_STEPS, count)) for x in tape.run(Float64(), [turn, *numbers[:, None, :]])]
         found = np.stack([row.mean(axis=0) for row in rows])
         open_ = np.abs(found - np.stack([row[::2].mean(axis=0) for row in rows]))
         open_ = open_ + _ROUNDED * np.stack([np.abs(row).max(axis=0) for row in rows])

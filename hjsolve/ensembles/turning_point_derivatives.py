@@ -18,15 +18,13 @@ from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS, Float64
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.number_types import Reals
-from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.arithmetic.running_error import SECOND_ORDER, RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.formulas.removable_poles import without_removable_poles
 from hjsolve.lowering import lower, with_plain_exponents
 from hjsolve.motion.derivatives.formulas import VariedSymbols
 from hjsolve.solution.quadratures import Solution
 
-_SAFETY = 2.0
-"""For the terms of second order that running errors leave out."""
 _KNOWN = 1e-3
 """Largest part of a derivative that its error may be."""
 
@@ -83,7 +81,7 @@ def slopes_of_ends(
             by, by_error = _both(other[0], q)
             value[j] = -by / slope
             rounding = 4 * EPS * np.abs(value[j])
-            error[j] = _SAFETY * (by_error + np.abs(value[j]) * slope_error) / np.abs(slope) + rounding
+            error[j] = SECOND_ORDER * (by_error + np.abs(value[j]) * slope_error) / np.abs(slope) + rounding
         good = slope_error < _KNOWN * np.abs(slope)
     return EndSlopes(np.where(good, value, np.nan), np.where(good, error, np.nan))
 

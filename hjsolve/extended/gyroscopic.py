@@ -196,6 +196,7 @@ def _kind(path: LinearPath, i: int) -> str:
     return found
 
 
+@arguments.with_known_names("gyroscopic_modes(system, digits=30)")
 @one_at_a_time
 def gyroscopic_modes(
     system: System | str | Path, *, parameters: Mapping[str, object] | None = None, digits: int = 30

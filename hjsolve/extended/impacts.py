@@ -112,6 +112,7 @@ class Impact(Shown):
         return change.system, initial_data_in(change, here, Exact())
 
 
+@arguments.with_known_names(_EXAMPLE)
 @one_at_a_time
 def impact(
     system: System | str | Path, *, q: Mapping[str, object], velocity: Mapping[str, object] | None = None,
@@ -250,6 +251,3 @@ def impulses(
     bounced = sp.Matrix([(1 + e) * u for e, u in zip(forms.restitution, against, strict=True)])
     λ = [clean(sp.simplify(-x)) for x in matrix.LUsolve(bounced)]
     return λ, [clean(x) for x in a.T * sp.Matrix(λ)]
-
-
-__all__ = ["Impact", "ImpactForms", "impact", "impulses", "read_forms"]

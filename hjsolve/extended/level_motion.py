@@ -21,7 +21,7 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.tape import BoundTape
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, NotConvergedError
-from hjsolve.extended.one_freedom import NonlinearInMomentum
+from hjsolve.extended.one_freedom import Beginning, NonlinearInMomentum
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import InBits, complete_numbers, number_is_zero, to_bits, values_of
@@ -120,15 +120,11 @@ class LevelMotion(Shown):
         )
 
 
-def start_on_level(
-    problem: NonlinearInMomentum, *, q: Mapping[str, object], velocity: Mapping[str, object] | None,
-    p: Mapping[str, object] | None, parameters: Mapping[str, object], t0: object, digits: int,
-) -> LevelMotion:  # fmt: skip
-    """Start a motion; see ``GeneralHamiltonian.motion``."""
-    coordinate, digits = problem.coordinate, arguments.digits(digits)
+def start_on_level(problem: NonlinearInMomentum, begin: Beginning) -> LevelMotion:
+    """Start a motion; see ``StartedByMomenta.motion``."""
+    q, p, parameters, t0, _ = begin
+    coordinate, digits = problem.coordinate, arguments.digits(begin.digits)
     name = coordinate.name
-    if velocity is not None or p is None:
-        raise InvalidInputError(f"initial data: give p={{{name!r}: …}}; several p may have the same dq/dt here")
     places, momenta = complete_numbers([coordinate], q, "q"), complete_numbers([coordinate], p, "p")
     values = values_of(problem.parameters, arguments.table(parameters, "parameters"))
     place, momentum = places[name], momenta[name]
@@ -138,7 +134,7 @@ def start_on_level(
     if not E.is_finite or not E.is_real:
         raise InvalidInputError("initial data: H is not a real number there")
     slopes = [sp.diff(problem.hamiltonian, s) for s in (coordinate.symbol, coordinate.momentum)]
-    begin, rests = number(t0, source="t0"), all(number_is_zero(slope.xreplace(at)) for slope in slopes)
+    start, rests = number(t0, source="t0"), all(number_is_zero(slope.xreplace(at)) for slope in slopes)
     curve = _curve(problem, slopes, values, E, (place, momentum), digits)
     bits, rates = curve.bits, _rates(problem, slopes, values, curve.bits)
     point = to_bits(place)(bits), to_bits(momentum)(bits)
@@ -150,7 +146,7 @@ def start_on_level(
         orbit = followed(curve, *point, (ends[0], ends[1]), angle=coordinate.domain.kind == "angle")
     kinds, constants, turning, actions, periods, frequencies = _numbers(name, orbit, to_bits(E)(bits), digits, bits)
     return LevelMotion(
-        problem, digits, kinds, constants, turning, actions, periods, frequencies, place, momentum, begin, orbit, rates
+        problem, digits, kinds, constants, turning, actions, periods, frequencies, place, momentum, start, orbit, rates
     )
 
 

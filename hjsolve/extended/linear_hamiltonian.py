@@ -21,9 +21,15 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.display.shown import Shown
-from hjsolve.errors import InvalidInputError, InvalidSystemError
+from hjsolve.errors import InvalidSystemError
 from hjsolve.extended.from_momenta import read_with_momenta, system_from_momenta
-from hjsolve.extended.one_freedom import LinearInMomentum, NonlinearInMomentum
+from hjsolve.extended.one_freedom import (
+    Beginning,
+    LinearInMomentum,
+    NonlinearInMomentum,
+    OfOneCoordinate,
+    StartedByMomenta,
+)
 from hjsolve.formulas.read import parse
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter, clock_of
 from hjsolve.mechanics.periodicity import is_periodic
@@ -39,35 +45,15 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class LinearHamiltonian(LinearInMomentum):
+class LinearHamiltonian(LinearInMomentum, StartedByMomenta["LinearMotion"]):
     """H = a(q) p + b(q), solved; its fields and formulas are those of ``LinearInMomentum``."""
 
-    @arguments.by_name('motion(q={"q": "0.5"}, p={"q": 1})')
-    def motion(
-        self, *, q: Mapping[str, object], velocity: Mapping[str, object] | None = None,
-        p: Mapping[str, object] | None = None, parameters: Mapping[str, object] | None = None,
-        t0: object = 0, digits: int = 15,
-    ) -> LinearMotion:  # fmt: skip
-        """Start a motion.
+    _reason = "dq/dt = a(q) says nothing about p here"
 
-        Args:
-            q: the position at t0, by the name of the coordinate.
-            velocity: refused: dq/dt = a(q) says nothing about p.
-            p: the momentum at t0.
-            parameters: values that differ from the defaults.
-            t0: initial time.
-            digits: relative digits wanted.
-
-        Returns:
-            The motion; ``motion.at(t)`` is the state.
-
-        Raises:
-            InvalidInputError: no momentum.
-            MissingValueError: a number is missing.
-        """
+    def _started(self, begin: Beginning) -> LinearMotion:
         from hjsolve.extended.linear_hamiltonian_motion import start_linear_motion
 
-        return start_linear_motion(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
+        return start_linear_motion(self, begin)
 
     def at(
         self, t: object, *, q: object, p: object, t0: object = 0, digits: int = 15
@@ -89,41 +75,17 @@ class LinearHamiltonian(LinearInMomentum):
 
 
 @dataclass(frozen=True, repr=False)
-class GeneralHamiltonian(NonlinearInMomentum):
+class GeneralHamiltonian(NonlinearInMomentum, StartedByMomenta["LevelMotion"]):
     """H(q, p) that is of neither first nor second degree in p; its fields are those of ``NonlinearInMomentum``."""
 
-    @arguments.by_name('motion(q={"q": 1}, p={"q": 0})')
-    def motion(
-        self, *, q: Mapping[str, object], velocity: Mapping[str, object] | None = None,
-        p: Mapping[str, object] | None = None, parameters: Mapping[str, object] | None = None,
-        t0: object = 0, digits: int = 15,
-    ) -> LevelMotion:  # fmt: skip
-        """Start a motion.
-
-        Args:
-            q: the position at t0, by the name of the coordinate.
-            velocity: refused: several p may have the same dq/dt.
-            p: the momentum at t0.
-            parameters: values that differ from the defaults.
-            t0: initial time.
-            digits: relative digits wanted.
-
-        Returns:
-            The motion, with its period, action and turning points; ``motion.at(t)`` is the state.
-
-        Raises:
-            InvalidInputError: no momentum, or a place outside the domain.
-            MissingValueError: a number is missing.
-            NotConvergedError: the motion does not come back, or meets a place where branches p(q; E) cannot be told
-                apart.
-        """
+    def _started(self, begin: Beginning) -> LevelMotion:
         from hjsolve.extended.level_motion import start_on_level
 
-        return start_on_level(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
+        return start_on_level(self, begin)
 
 
 @dataclass(frozen=True, repr=False)
-class HamiltonianInTime(Shown):
+class HamiltonianInTime(OfOneCoordinate, Shown, StartedByMomenta["ScaledMotion"]):
     """K(q, p, t) of one coordinate that does not hold the time in a scaled frame that moves evenly.
 
     Attributes:
@@ -143,43 +105,14 @@ class HamiltonianInTime(Shown):
     title: str = ""
     id: str = ""
 
-    @property
-    def coordinates(self) -> tuple[Coordinate]:
-        """The one coordinate, as a ``System`` has them."""
-        return (self.coordinate,)
-
-    @arguments.by_name('motion(q={"q": 1}, p={"q": 0})')
-    def motion(
-        self, *, q: Mapping[str, object], velocity: Mapping[str, object] | None = None,
-        p: Mapping[str, object] | None = None, parameters: Mapping[str, object] | None = None,
-        t0: object = 0, digits: int = 15,
-    ) -> ScaledMotion:  # fmt: skip
-        """Start a motion; the time matters, since K holds it.
-
-        Args:
-            q: the position at t0, by the name of the coordinate.
-            velocity: refused: several p may have the same dq/dt.
-            p: the momentum at t0.
-            parameters: values that differ from the defaults.
-            t0: initial time.
-            digits: relative digits wanted.
-
-        Raises:
-            InvalidInputError: no momentum, or a place outside the domain.
-            MissingValueError: a number is missing.
-            NotConvergedError: as of ``GeneralHamiltonian.motion``, in the frame.
-        """
+    def _started(self, begin: Beginning) -> ScaledMotion:
         from hjsolve.extended.scaled_hamiltonians import start_scaled
 
-        if velocity is not None or p is None:
-            raise InvalidInputError("initial data: give p={…}; several p may have the same dq/dt here")
-        return start_scaled(
-            self.frame, self.problem, self.parameters, q=q, p=p, values=parameters or {}, t0=t0, digits=digits
-        )
+        return start_scaled(self.frame, self.problem, self.parameters, begin)
 
 
 @dataclass(frozen=True, repr=False)
-class SumOfHamiltonians(Shown):
+class SumOfHamiltonians(Shown, StartedByMomenta["SumMotion"]):
     """H = Σ h(q, p) of parts that share no coordinate.
 
     Attributes:
@@ -197,35 +130,13 @@ class SumOfHamiltonians(Shown):
     title: str = ""
     id: str = ""
 
-    @arguments.by_name('motion(q={"x": 1, "y": 0}, p={"x": 0, "y": 1})')
-    def motion(
-        self, *, q: Mapping[str, object], velocity: Mapping[str, object] | None = None,
-        p: Mapping[str, object] | None = None, parameters: Mapping[str, object] | None = None,
-        t0: object = 0, digits: int = 15,
-    ) -> SumMotion:  # fmt: skip
-        """Start a motion; each part moves by its own Hamiltonian.
-
-        Args:
-            q: every coordinate → position at t0.
-            velocity: refused: several p may have the same dq/dt.
-            p: every coordinate → momentum at t0.
-            parameters: values that differ from the defaults.
-            t0: initial time.
-            digits: relative digits wanted.
-
-        Raises:
-            InvalidInputError: no momenta, or a name that is not one of the coordinates or parameters.
-            MissingValueError: a number is missing.
-            NotSeparableError: a part of several coordinates does not separate.
-            NotConvergedError: as of ``GeneralHamiltonian.motion``.
-        """
+    def _started(self, begin: Beginning) -> SumMotion:
         from hjsolve.extended.sums_of_hamiltonians import start_sum
 
-        if velocity is not None or p is None:
-            raise InvalidInputError("initial data: give p={…} of every coordinate; several p may have the same dq/dt")
-        return start_sum(self.parts, q=q, p=p, parameters=parameters, t0=t0, digits=digits)
+        return start_sum(self.parts, begin)
 
 
+@arguments.with_known_names('from_hamiltonian("p**2/2 + q**4", {"q": "line"})')
 @one_at_a_time
 def from_hamiltonian(
     hamiltonian: str, coordinates: Mapping[str, str], parameters: Mapping[str, object] | None = None, *,

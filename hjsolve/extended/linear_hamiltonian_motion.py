@@ -16,9 +16,10 @@ from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Context, Mpf
+from hjsolve.arithmetic.root_finding import newton
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
-from hjsolve.extended.one_freedom import LinearInMomentum
+from hjsolve.extended.one_freedom import Beginning, LinearInMomentum
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import complete_numbers, to_bits, values_of
@@ -153,15 +154,10 @@ class _Ends:
         return (self.lower is None or place > self.lower) and (self.upper is None or place < self.upper)
 
 
-def start_linear_motion(
-    problem: LinearInMomentum, *, q: Mapping[str, object], velocity: Mapping[str, object] | None,
-    p: Mapping[str, object] | None, parameters: Mapping[str, object], t0: object, digits: int,
-) -> LinearMotion:  # fmt: skip
-    """Start a motion; see ``LinearHamiltonian.motion``."""
-    name = problem.coordinate.name
-    if velocity is not None or p is None:
-        raise InvalidInputError(f"initial data: give p={{{name!r}: …}}; dq/dt = a(q) says nothing about p here")
-    digits = arguments.digits(digits)
+def start_linear_motion(problem: LinearInMomentum, begin: Beginning) -> LinearMotion:
+    """Start a motion; see ``StartedByMomenta.motion``."""
+    q, p, parameters, t0, _ = begin
+    name, digits = problem.coordinate.name, arguments.digits(begin.digits)
     places, momenta = (complete_numbers([problem.coordinate], group, what) for what, group in (("q", q), ("p", p)))
     values = values_of(problem.parameters, parameters)
     place, momentum = places[name], momenta[name]
@@ -217,10 +213,11 @@ def _longest(rate: Callable[[Mpf], Mpf], place: Mpf, direction: int, most: Mpf) 
 
 
 def _step(rate: Callable[[Mpf], Mpf], place: Mpf, step: Mpf, context: Context, name: str) -> Mpf:
-    guess = place + rate(place) * step
-    for _ in range(60):
-        time = context.quad(lambda x: 1 / rate(x), [place, guess])
-        guess += (step - time) * rate(guess)
-        if abs(step - time) <= context.mpf(2) ** (24 - context.prec) * abs(step):
-            return guess
-    raise OutsideMotionError(f"{name} approaches a zero of a(q) and never reaches it")
+    def off(q: Mpf) -> Mpf:
+        return (context.quad(lambda x: 1 / rate(x), [place, q]) - step) * rate(q)
+
+    close = context.mpf(2) ** (24 - context.prec) * abs(step)
+    found = newton(off, place + rate(place) * step, lambda q: close * abs(rate(q)), 60)
+    if found is None:
+        raise OutsideMotionError(f"{name} approaches a zero of a(q) and never reaches it")
+    return found

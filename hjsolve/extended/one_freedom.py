@@ -2,19 +2,85 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar, Generic, NamedTuple, TypeVar
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.display.shown import Shown
+from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.system import Coordinate, Parameter
 
 ENERGY = sp.Symbol("E", real=True)
 TIME = sp.Symbol("t", real=True)
+M = TypeVar("M")
+"""What a motion is."""
+
+
+class Beginning(NamedTuple):
+    """Initial data: positions and momenta by name, values of parameters that differ, t0, relative digits wanted."""
+
+    q: Mapping[str, object]
+    p: Mapping[str, object]
+    parameters: Mapping[str, object]
+    t0: object
+    digits: int
+
+
+class StartedByMomenta(Generic[M]):
+    """A Hamiltonian whose motions start from places and momenta, as velocities do not say what p is."""
+
+    _reason: ClassVar[str] = "several p may have the same dq/dt here"
+
+    @arguments.by_name('motion(q={"q": 1}, p={"q": 0})')
+    def motion(
+        self, *, q: Mapping[str, object], velocity: Mapping[str, object] | None = None,
+        p: Mapping[str, object] | None = None, parameters: Mapping[str, object] | None = None,
+        t0: object = 0, digits: int = 15,
+    ) -> M:  # fmt: skip
+        """Start a motion.
+
+        Args:
+            q: every coordinate → position at t0.
+            velocity: refused: several p may have the same dq/dt.
+            p: every coordinate → momentum at t0.
+            parameters: values that differ from the defaults.
+            t0: initial time.
+            digits: relative digits wanted.
+
+        Returns:
+            The motion; ``motion.at(t)`` is the state.
+
+        Raises:
+            InvalidInputError: no momentum, or a place outside the domain.
+            MissingValueError: a number is missing.
+            NotSeparableError: a part of several coordinates does not separate.
+            NotConvergedError: a motion that is not linear in p does not come back, or meets a place where branches
+                p(q; E) cannot be told apart.
+        """
+        if velocity is not None or p is None:
+            raise InvalidInputError(f"initial data: give p={{…}} of every coordinate; {self._reason}")
+        return self._started(Beginning(q, p, parameters or {}, t0, digits))
+
+    def _started(self, begin: Beginning) -> M:
+        raise NotImplementedError
+
+
+class OfOneCoordinate:
+    """What has one coordinate."""
+
+    coordinate: Coordinate
+
+    @property
+    def coordinates(self) -> tuple[Coordinate]:
+        """The one coordinate, as a ``System`` has them."""
+        return (self.coordinate,)
 
 
 @dataclass(frozen=True, repr=False)
-class LinearInMomentum(Shown):
+class LinearInMomentum(OfOneCoordinate, Shown):
     """H = a(q) p + b(q), solved.
 
     Attributes:
@@ -33,11 +99,6 @@ class LinearInMomentum(Shown):
     parameters: tuple[Parameter, ...] = ()
     title: str = ""
     id: str = ""
-
-    @property
-    def coordinates(self) -> tuple[Coordinate]:
-        """The one coordinate, as a ``System`` has them."""
-        return (self.coordinate,)
 
     @property
     def momentum(self) -> sp.Expr:
@@ -61,7 +122,7 @@ class LinearInMomentum(Shown):
 
 
 @dataclass(frozen=True, repr=False)
-class NonlinearInMomentum(Shown):
+class NonlinearInMomentum(OfOneCoordinate, Shown):
     """H(q, p) of one degree of freedom that is not a polynomial of first or second degree in p.
 
     Attributes:
@@ -76,11 +137,6 @@ class NonlinearInMomentum(Shown):
     parameters: tuple[Parameter, ...] = ()
     title: str = ""
     id: str = ""
-
-    @property
-    def coordinates(self) -> tuple[Coordinate]:
-        """The one coordinate, as a ``System`` has them."""
-        return (self.coordinate,)
 
     @property
     def velocity(self) -> sp.Expr:

@@ -20,6 +20,7 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, bits_for
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.display.shown import Shown
+from hjsolve.extended.one_freedom import Beginning
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter
 from hjsolve.motion.initial_data import complete_numbers, to_bits, values_of
@@ -176,29 +177,20 @@ class ScaledMotion(Shown):
         return to_bits(x.xreplace(dict(self.values)))(bits)
 
 
-def start_scaled(
-    frame: ScaledFrame, problem: Startable, parameters: Sequence[Parameter], *, q: Mapping[str, object],
-    p: Mapping[str, object], values: Mapping[str, object], t0: object, digits: int,
-) -> ScaledMotion:  # fmt: skip
-    """Start a motion; see ``HamiltonianInTime.motion``.
+def start_scaled(frame: ScaledFrame, problem: Startable, known: Sequence[Parameter], begin: Beginning) -> ScaledMotion:
+    """Start a motion; see ``StartedByMomenta.motion``.
 
     Args:
         frame: X, Y and K′.
         problem: what solves K′.
-        parameters: of K.
-        q, p: numbers by name of the coordinate.
-        values: of parameters that differ from the defaults.
-        t0: time of the initial data.
-        digits: relative digits wanted.
+        known: the parameters of K.
+        begin: in q, p and t.
     """
-    c, begin = frame.coordinate, number(t0, source="t0")
-    known = values_of(parameters, arguments.table(values, "parameters"))
-    place, momentum = (complete_numbers([c], group, what)[c.name] for group, what in ((q, "q"), (p, "p")))
-    grown = sp.exp(frame.rate.xreplace(known) * begin)
-    X, Y = (place + frame.drift.xreplace(known) * begin) * grown, momentum / grown
-    own = {x.name: known[x.symbol] for x in parameters if x.symbol in {y.symbol for y in problem.parameters}}
-    motion = problem.motion(q={c.name: X}, p={c.name: Y}, parameters=own, t0=begin, digits=digits)
-    return ScaledMotion(frame, motion, known, digits)
-
-
-__all__ = ["ScaledFrame", "ScaledMotion", "scaled_frame", "start_scaled"]
+    c, t0 = frame.coordinate, number(begin.t0, source="t0")
+    values = values_of(known, arguments.table(begin.parameters, "parameters"))
+    place, momentum = (complete_numbers([c], group, what)[c.name] for group, what in ((begin.q, "q"), (begin.p, "p")))
+    grown = sp.exp(frame.rate.xreplace(values) * t0)
+    X, Y = (place + frame.drift.xreplace(values) * t0) * grown, momentum / grown
+    own = {x.name: values[x.symbol] for x in known if x.symbol in {y.symbol for y in problem.parameters}}
+    motion = problem.motion(q={c.name: X}, p={c.name: Y}, parameters=own, t0=t0, digits=begin.digits)
+    return ScaledMotion(frame, motion, values, begin.digits)

@@ -21,6 +21,7 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, HamiltonianInTime, LinearHamiltonian
+from hjsolve.extended.one_freedom import Beginning
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.mechanics.system import Parameter, System
 from hjsolve.motion.state import AnyMotion, Errors, State
@@ -99,22 +100,17 @@ class SumMotion(Shown):
         return State(t, q, p, velocity, turns, found, errors)
 
 
-def start_sum(
-    parts: Sequence[Part], *, q: Mapping[str, object],
-    p: Mapping[str, object], parameters: Mapping[str, object] | None, t0: object, digits: int,
-) -> SumMotion:  # fmt: skip
-    """Start a motion; see ``SumOfHamiltonians.motion``.
+def start_sum(parts: Sequence[Part], begin: Beginning) -> SumMotion:
+    """Start a motion; see ``StartedByMomenta.motion``.
 
     Args:
         parts: of the Hamiltonian.
-        q, p: numbers by name of the coordinate.
-        parameters: numbers by name.
-        t0: time of the initial data.
-        digits: relative digits wanted.
+        begin: in all coordinates.
 
     Raises:
         InvalidInputError: a name that is not one of the coordinates or parameters.
     """
+    q, p, parameters, t0, digits = begin
     names = [{c.name for c in part.coordinates} for part in parts]
     letters = [{x.name for x in part.parameters} for part in parts]
     places, momenta = (_parted(arguments.table(x, what), names, what) for x, what in ((q, "q"), (p, "p")))
@@ -192,6 +188,3 @@ def _parted(given: Mapping[str, object], names: Sequence[set[str]], what: str) -
                 f"{what}: {name!r} is not one of {', '.join(sorted(set().union(*names))) or 'none'}"
             )
     return [{name: x for name, x in given.items() if name in own} for own in names]
-
-
-__all__ = ["SumMotion", "independent_parts", "start_sum", "used_parameters"]

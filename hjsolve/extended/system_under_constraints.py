@@ -164,6 +164,3 @@ def initial_data_in(change: ChangeOfFrame, at: Numbers, short: Short) -> dict[st
         "velocity": {name: short(f.xreplace(told)) for name, f in velocities(left).items()},
         "parameters": {p.name: told[p.symbol] for p in left.parameters if p.symbol != left.time},
     }
-
-
-__all__ = ["Exact", "Numbers", "Short", "constrained", "initial_data_in", "momenta_in", "place_in", "through"]

@@ -70,6 +70,7 @@ class Parameter(Shown):
     meaning: str
 
 
+@arguments.with_known_names('parameter("k", "1/2", assume="positive", unit="N/m")')
 def parameter(name: str, value: object = None, *, assume: str = "real", unit: str = "", meaning: str = "") -> Parameter:
     """Declare a parameter.
 

@@ -94,8 +94,10 @@ def _message(
 ) -> str:
     place, change = (CONTEXT.nstr(x, 4) for x in difference)
     letter = {"kinetic": "T", "potential": "V"}.get(source, "it")
-    free = [p.name for p in parameters if p.symbol in f.free_symbols and p.assume != "integer"]
-    hint = f', or declare {free[0]} integer, parameter("{free[0]}", assume="integer")' if free else ""
+    free = [p for p in parameters if p.symbol in f.free_symbols and p.assume != "integer"]
+    whole = (p.name for p in free if is_periodic(f.xreplace({p.symbol: sp.Dummy(integer=True)}), c.symbol))
+    name = next(whole, None)
+    hint = f', or declare {name} integer, parameter("{name}", assume="integer")' if name else ""
     return (
         f"{source}: {printable(str(f))[:60]} is not 2*pi-periodic in {c.name}, which is declared an angle: {letter} "
         f'changes by {change} after a turn from {c.name} = {place}; write the domain "line", or an interval such as '

@@ -16,7 +16,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from hjsolve import arguments
-from hjsolve.display.shown import Shown, as_call, cut
+from hjsolve.display.shown import Shown, as_argument, as_call, cut
 from hjsolve.errors import InvalidSystemError, MissingValueError
 from hjsolve.formulas.point_values import NoValueError, evaluate
 from hjsolve.mechanics.canonical_functions import Y, energy, right_hand_side
@@ -268,7 +268,8 @@ class System(Shown):
     def __repr__(self) -> str:
         """Return the call that makes the system, as far as it differs from the defaults."""
         places = {c.name: c.domain.written(c.name) for c in self.coordinates}
-        values = {p.name: None if p.value is None else str(p.value) for p in self.parameters if p.symbol != self.time}
+        own = [p for p in self.parameters if p.symbol != self.time]
+        values = {p.name: None if p.value is None else as_argument(p.value) for p in own}
         parts: dict[str, object] = {"coordinates": places, "kinetic": str(self.kinetic)}
         parts |= {"potential": str(with_signs(self.potential, self.kinks)), "parameters": values}
         if self.relativity is not None:

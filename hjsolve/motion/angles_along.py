@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -25,6 +25,7 @@ from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import times_at
 from hjsolve.motion.positions import constant_index, principal_values
 from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.separated import SeparatedMotion
 from hjsolve.motion.shapes import shaped
 from hjsolve.motion.times import read_times, whole_numbers, within_doubles
 from hjsolve.one_coordinate.anomaly import Rotation, TwoBarrierAnomaly
@@ -35,9 +36,6 @@ from hjsolve.one_coordinate.stretched_anomaly import Stretched
 from hjsolve.time_law.open_motion import TriangularScheme, own_turns
 from hjsolve.time_law.phase_reduction import turns_and_rest
 from hjsolve.time_law.torus import mean_rate, oscillation
-
-if TYPE_CHECKING:
-    from hjsolve.motion.separated import SeparatedMotion
 
 
 @dataclass(frozen=True, repr=False, eq=False)

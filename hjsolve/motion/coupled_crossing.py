@@ -14,13 +14,14 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import UNIT, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, X
+from hjsolve.arithmetic.root_finding import interpolated_root
 from hjsolve.errors import OutsideMotionError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
 
-_TREND, _STEEP, _MOST = 24, 5, 400
+_TREND, _STEEP, _MOST_DOUBLINGS = 24, 5, 400
 
 
 def coupled_crossing_time(motion: SeparatedMotion, k: int, target: Mpf) -> tuple[Elementwise, Elementwise] | None:
@@ -109,26 +110,20 @@ def _solved(
         left = abs(goal) - abs(gains[-1])
         never = len(gains) > _TREND and _fading(recent) and left > 8 * recent[-1]
         # or a fall so steep that all doublings there can be would not do
-        never |= len(gains) > _STEEP and _fading(recent[-4:]) and left > _MOST * recent[-1]
-        if ended or len(gains) > _MOST or never:
+        never |= len(gains) > _STEEP and _fading(recent[-4:]) and left > _MOST_DOUBLINGS * recent[-1]
+        if ended or len(gains) > _MOST_DOUBLINGS or never:
             raise OutsideMotionError("the place is not reached in any finite time")
         step = 2 * step
     if gains[-1] * goal < 0:
         return None
     first = values.integral(1, start)
     low, high = (start, last) if side > 0 else (last, start)
-    rising = (gains[-1] > 0) == (side > 0)
-    # in doubles or many digits alike, and the rate may be zero at an end: not ``bracketed_root``
-    χ = (low + high) / 2
-    for count in range(300):
-        off = values.integral(1, χ) - first - goal
-        low, high = (χ, high) if (off < 0) == rising else (low, χ)
-        new = χ - off / (values.rate(1, χ) or 1)
-        if not low <= new <= high or count % 8 == 7:
-            new = (low + high) / 2
-        if new == χ or high - low <= abs(high) * (UNIT if kind is float else abs(χ) * 0 + 2.0**-200):
-            return values, new
-        χ = new
+
+    def off(χ: X) -> X:
+        return values.integral(1, χ) - first - goal
+
+    # from values alone: the rate may be zero at an end
+    χ = interpolated_root(off, (low, high), (off(low), off(high)), width=UNIT if kind is float else noise * 2.0**-16)
     return values, χ
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from contextlib import suppress
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,21 +12,19 @@ from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Numbers
-from hjsolve.arithmetic.root_finding import regula_falsi
+from hjsolve.arithmetic.root_finding import interpolated_root
 from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
 from hjsolve.motion.coupled_crossing import coupled_crossing_time
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import solve_phases
 from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.separated import SeparatedMotion
 from hjsolve.motion.state_at import state_at_times
 from hjsolve.motion.times import exact_numbers
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic
 from hjsolve.one_coordinate.open_branch import farthest
 from hjsolve.time_law.open_motion import DecoupledStep, integral_at
-
-if TYPE_CHECKING:
-    from hjsolve.motion.separated import SeparatedMotion
 
 Time = float | Mpf
 """A time or a phase, in doubles or in many digits."""
@@ -231,7 +228,9 @@ def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[float, float]
         while full(low)[0] > 0:
             low, high, step = low - step, low, 2 * step
             _limit(step, [])
-    return regula_falsi(lambda t: full(t)[0], low, high), _time_error(full, low, high)
+    values = full(low)[0], full(high)[0]
+    time = interpolated_root(lambda t: full(t)[0], (low, high), values, width=EPS)
+    return time, _time_error(full, low, high)
 
 
 def _limit(step: float, left: list[float]) -> None:
@@ -276,9 +275,9 @@ def _scanned(motion: SeparatedMotion, name: str, value: float, passage: int) -> 
             left -= 1
             if left < 0:
                 edge = 2 * np.pi * max(level(after), level(before)) if angle else 0.0
-                sign = 1.0 if after > before else -1.0
                 previous = start + k * step if rates else (start + step * 1.02 ** (k - 1) if k else start)
-                time = regula_falsi(lambda s, sign=sign, edge=edge: sign * (off(s) - edge), previous, t)  # type: ignore[misc]
+                values = before - edge, after - edge
+                time = interpolated_root(lambda s: off(s) - edge, (previous, t), values, width=EPS)  # noqa: B023 (called at once)
                 state = state_at_times(motion, time)
                 return Estimate(
                     time,

@@ -10,7 +10,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.number_types import AtTimes, Numbers
-from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.arithmetic.running_error import SECOND_ORDER, RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.display.shown import Shown
 from hjsolve.mechanics.system import System
@@ -18,8 +18,6 @@ from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.positions import tape_of
 from hjsolve.motion.shapes import shaped
 from hjsolve.motion.state import Errors, State
-
-_SAFETY = 2
 
 
 @dataclass(frozen=True, repr=False)
@@ -56,7 +54,7 @@ class PlaceFormulas(Shown):
         with np.errstate(all="ignore"):
             found = self._tape().run(RunningError(Float64(), bits=bits), inputs)
             size = arrays[0].shape
-            parts = [np.broadcast_to(0.0 if x.error is None else _SAFETY * x.error, size) for x in found]
+            parts = [np.broadcast_to(0.0 if x.error is None else SECOND_ORDER * x.error, size) for x in found]
         return {a: shaped(x, np.shape(state.status)) for a, x in zip(self.axes, parts, strict=True)}
 
     def _tape(self) -> Tape:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +32,6 @@ from hjsolve.time_law.compiled import kernels
 from hjsolve.time_law.elapsed_time import halves, relative, relative_exact
 from hjsolve.time_law.open_motion import reaching
 from hjsolve.time_law.torus import mean_rate
-
-if TYPE_CHECKING:
-    from hjsolve.motion.separated import SeparatedMotion
 
 _BLOCK = 32_768
 """How many times are worked on at once: memory that is touched for the first time costs more than the arithmetic."""

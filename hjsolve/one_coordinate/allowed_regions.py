@@ -43,6 +43,9 @@ class _Negated(MomentumSquared):
     def sign_beyond(self, side: int, start: float) -> int:
         return -super().sign_beyond(side, start)
 
+    def sign_in_the_end(self, side: int, end: Mpf | None) -> int:
+        return -super().sign_in_the_end(side, end)
+
     def sign_before(self, end: Mpf, side: int, distance: Mpf) -> int:
         return -super().sign_before(end, side, distance)
 

@@ -228,6 +228,8 @@ def libration_anomaly(lower: Mpf, upper: Mpf, below: Mpf | None, above: Mpf | No
     width = upper - lower
     near_lower = width / (lower - below) if below is not None else 0 * width
     near_upper = width / (above - upper) if above is not None else 0 * width
+    if (1 + near_lower) * (1 + near_upper) < 1:  # on one side of the motion, c between it and d
+        near_lower, near_upper = -near_upper / (1 + near_upper), -near_lower / (1 + near_lower)
     complement = 1 / ((1 + near_lower) * (1 + near_upper))
     return Libration(lower, width, upper, near_lower, near_upper, complement, quarter_period(complement, arithmetic))
 

@@ -17,6 +17,7 @@ import numpy as np
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.arithmetic.fourier import smooth
 from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.arithmetic.root_finding import stationary
 from hjsolve.arithmetic.work_counter import count
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate import resolution
@@ -192,14 +193,8 @@ def _extrema(radicand: MomentumSquared, lower: float, upper: float) -> list[floa
 def _refined(radicand: MomentumSquared, q: Mpf, lower: Mpf, upper: Mpf, bits: int) -> ComplexZeroPair | None:
     """Newton's method for F′ = 0; None where it leaves the stretch."""
     tiny = (upper - lower) * Multi(bits).context.mpf(2) ** (32 - bits)
-    for _ in range(_NEWTON_STEPS):
-        value, slope, bend = radicand.jet(q, bits)
-        if not bend:
-            return None
-        q -= slope / bend
-        if not lower < q < upper:
-            return None
-        if abs(slope / bend) <= tiny:
-            break
-    value, _, bend = radicand.jet(q, bits)
-    return ComplexZeroPair(q, (2 * abs(value / bend)) ** 0.5) if value > 0 and bend else None
+    place = stationary(lambda x: radicand.jet(x, bits), q, lambda _, x: lower < x < upper, tiny, _NEWTON_STEPS)
+    if place is None:
+        return None
+    value, _, bend = radicand.jet(place, bits)
+    return ComplexZeroPair(place, (2 * abs(value / bend)) ** 0.5) if value > 0 and bend else None

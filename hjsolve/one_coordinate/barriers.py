@@ -6,6 +6,7 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, multiprecision
 from hjsolve.arithmetic.number_types import Elementwise, Mpf
+from hjsolve.arithmetic.root_finding import stationary
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 
 EQUAL_BARRIERS = 1e-9
@@ -36,31 +37,31 @@ def slow_place(start: CoordinateStart, bits: int) -> tuple[Mpf, Mpf | None]:
     """
     context = multiprecision(bits)
     q = context.convert(_roughly_slow(start, bits))
-    for _ in range(60):
-        value, slope, bend = start.radicand.jet(q, bits)
-        if not bend > 0 or abs(slope / bend) > 0.1:
-            return q, None
-        q -= slope / bend
-        if abs(slope / bend) < context.mpf(2) ** (16 - bits // 2):
-            break
-    value, _, bend = start.radicand.jet(q, bits)
-    gap = (2 * value / bend) ** 0.5
-    return q, gap
+    place = _valley(start, q, 0.1, context.mpf(2) ** (16 - bits // 2), bits)
+    if place is None:
+        return q, None
+    value, _, bend = start.radicand.jet(place, bits)
+    return place, (2 * value / bend) ** 0.5
+
+
+def _valley(start: CoordinateStart, q: Mpf, farthest: float, close: Mpf, bits: int) -> Mpf | None:
+    """Return where p² is least next to a place, None where it is not within a distance."""
+    return stationary(
+        lambda x: start.radicand.jet(x, bits), q, lambda bend, x: bend > 0 and abs(x - q) < farthest, close
+    )
 
 
 def _roughly_slow(start: CoordinateStart, bits: int) -> float:
+    context = multiprecision(64)
     grid = 2 * np.pi * np.arange(_POINTS) / _POINTS
     inputs = [float(x) for x in start.radicand.inputs(bits)]
     values = np.broadcast_to(start.radicand.squared.run(Float64(), [grid, *inputs])[0], grid.shape)
     valleys: list[tuple[float, float]] = []
     for k in np.flatnonzero((values < np.roll(values, 1)) & (values <= np.roll(values, -1))):
-        q = float(grid[k])
-        for _ in range(8):
-            _, slope, bend = (float(x) for x in start.radicand.jet(multiprecision(64).convert(q), 64))
-            if not (bend > 0 and abs(slope / bend) < 2 * np.pi / _POINTS):
-                break
-            q -= slope / bend
-        valleys.append((float(start.radicand.value(multiprecision(64).convert(q), 64)), q))
+        q = context.convert(float(grid[k]))
+        place = _valley(start, q, 2 * np.pi / _POINTS, context.mpf(2) ** -50, 64)
+        place = q if place is None else place
+        valleys.append((float(start.radicand.value(place, 64)), float(place)))
     if not valleys:
         return float(grid[int(np.argmin(values))])
     equal = min(valleys)[0] + EQUAL_BARRIERS * float(np.abs(values).max())

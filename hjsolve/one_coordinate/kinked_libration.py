@@ -1,7 +1,7 @@
 """A libration through kinks of V: between two kinks p² is analytic, at a kink it goes on with another formula.
 
 The way from the lower to the upper end is cut at the kinks. Half a turn of the phase, 0 ≤ χ ≤ π, is shared out equally
-among the pieces; on each q is a polynomial in the share y of it, so that dq/dχ has no zero but at turning points:
+among the pieces; on each q is a polynomial in the fraction y of it, so that dq/dχ has no zero but at turning points:
 
     turning point → kink    q = a + ℓ y²         kink → kink or wall    q = a + ℓ y
     kink → turning point    q = b − ℓ (1 − y)²
@@ -45,7 +45,7 @@ class PieceMap:
         """Return q − lower, upper − q and dq/dy, none by cancellation.
 
         Args:
-            y: share of the phase of the piece.
+            y: fraction of the phase of the piece.
         """
         z = 1 - y
         if self.turning < 0:

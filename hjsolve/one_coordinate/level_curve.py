@@ -26,13 +26,15 @@ import numpy as np
 from hjsolve.arithmetic.complex_disks import Disk, Disks, single
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
-from hjsolve.arithmetic.root_finding import bisected
+from hjsolve.arithmetic.root_finding import bisected, newton
 from hjsolve.arithmetic.tape import BoundTape, Tape
-from hjsolve.errors import NotConvergedError
+from hjsolve.errors import NotConvergedError, required
 
 _RHO, _WIDER = 2 + 3**0.5, 2.1
-_MOST_PIECES, _FIRST_HALVINGS, _LATER_HALVINGS, _LOST_BITS = 400, 600, 60, 60
-"""Pieces of a curve; halvings of a piece before the scale of the curve is known, and after; bits given up in y."""
+_MOST_PIECES, _FIRST_HALVINGS, _LATER_HALVINGS = 400, 600, 60
+"""Pieces of a curve; halvings of a piece before the scale of the curve is known, and after."""
+_LAST_BITS, _LOST_BITS = 8, 60
+"""Bits of y that the last step may change, and that rounding may take where steps do not become smaller."""
 _GUARD_DIGITS, _SHORTEST_PIECE = 8, 2.0**-80
 """Decimal digits to spare in the quadratures; a piece over the longest one, below which a place of rest is near."""
 
@@ -125,18 +127,20 @@ class Curve:
         Raises:
             NotConvergedError: a hundred steps, or one where ∂H/∂y = 0, did not lead to the root.
         """
-        fine, coarse = (multiprecision(self.bits).mpf(2) ** (k - self.bits) * size for k in (8, _LOST_BITS))
-        before = None
-        for _ in range(100):
+        fine = multiprecision(self.bits).mpf(2) ** (_LAST_BITS - self.bits) * size
+        found = newton(self._steps(along, x), y, fine, 100, rough=2.0 ** (_LOST_BITS - _LAST_BITS))
+        if found is None:
+            raise NotConvergedError("a branch of H = E could not be solved for")
+        return found
+
+    def _steps(self, along: int, x: Mpf) -> Callable[[Mpf], Mpf | None]:
+        """Return Newton's step of y, None where ∂H/∂y = 0."""
+
+        def step(y: Mpf) -> Mpf | None:
             h, _, slope = self.at(along, x, y)
-            if not slope:
-                break
-            step = abs(h / slope)
-            y -= h / slope
-            if step <= fine or (before is not None and step <= coarse and 2 * step >= before):
-                return y
-            before = step
-        raise NotConvergedError("a branch of H = E could not be solved for")
+            return h / slope if slope else None
+
+        return step
 
     def piece(self, along: int, point: tuple[Mpf, Mpf], radius: float, tries: int) -> tuple[Piece, float] | None:
         """Return the longest piece from a point, of a half length at most ``radius``.
@@ -169,11 +173,11 @@ class Curve:
         if not (np.isfinite(c) and np.isfinite(y)):
             return None
         exact = multiprecision(self.bits).mpf
-        for _ in range(6):  # towards the root; the proof does not need it to be one
-            h, _, slope = self.at(along, exact(c), exact(y))
-            if not slope:
-                return None
-            y = float(exact(y) - h / slope)
+        # towards the root; the proof does not need it to be one
+        near = newton(self._steps(along, exact(c)), exact(y), exact(0), 6, ended=True)
+        if near is None:
+            return None
+        y = float(near)
         h, _, slope = self.at(along, exact(c), exact(y))
         wide, steep = single(c, _WIDER * radius), abs(float(slope))
         across = self._slopes(along, wide, single(y, 0.0))[0]
@@ -280,15 +284,18 @@ class Orbit:
         piece, left = self.pieces[k], time - self._begins[k]
         x = piece.begin + (piece.end - piece.begin) * left / piece.time
         low, high = sorted((piece.begin, piece.end))
-        close = multiprecision(self.curve.bits).mpf(2) ** (16 - self.curve.bits) * piece.time
-        for _ in range(60):
-            off = left - self.curve.integrals(piece, x)[0]
-            y = self.curve.root(piece.along, x, piece.middle + 0 * x, piece.room)
-            if abs(off) <= close:
-                break
-            rate = self.curve.at(piece.along, x, y)[2]
-            x = min(max(x + off * (rate if piece.along == 0 else -rate), low), high)
-        return (x, y) if piece.along == 0 else (y, x)
+
+        def solved_for(x: Mpf) -> Mpf:
+            return self.curve.root(piece.along, x, piece.middle + 0 * x, piece.room)
+
+        def step(x: Mpf) -> Mpf:
+            rate = self.curve.at(piece.along, x, solved_for(x))[2]
+            early = left - self.curve.integrals(piece, x)[0]
+            return x - min(max(x + early * (rate if piece.along == 0 else -rate), low), high)
+
+        close = multiprecision(self.curve.bits).mpf(2) ** (16 - self.curve.bits) * (high - low)
+        x = required(newton(step, x, close, 60, ended=True))
+        return (x, solved_for(x)) if piece.along == 0 else (solved_for(x), x)
 
 
 def followed(curve: Curve, q: Mpf, p: Mpf, domain: tuple[Mpf | None, Mpf | None], *, angle: bool) -> Orbit:

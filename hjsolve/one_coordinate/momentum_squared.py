@@ -13,7 +13,7 @@ from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Derivatives, Jet, Jets
 from hjsolve.arithmetic.number_types import Mpf, Numbers, Numeric
-from hjsolve.arithmetic.sign_at_infinity import sign_before, sign_beyond
+from hjsolve.arithmetic.sign_at_infinity import sign_before, sign_beyond, sign_in_the_end
 from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.arithmetic.work_counter import count
 
@@ -70,6 +70,16 @@ class MomentumSquared:
         """
         bits = BITS + 2 * self.guard
         return sign_beyond(self.squared, self.inputs(bits), side, start, bits)
+
+    def sign_in_the_end(self, side: int, end: Mpf | None) -> int:
+        """Return the sign that F has from some place on, however close to an end; 0 where that is not known.
+
+        Args:
+            end: where q ends; None for ±∞.
+            side: +1 upwards, −1 downwards.
+        """
+        bits = BITS + 2 * self.guard
+        return sign_in_the_end(self.squared, self.inputs(bits), side, end, bits)
 
     def sign_before(self, end: Mpf, side: int, distance: Mpf) -> int:
         """Return the sign of F wherever 0 < side·(end − q) ≤ distance; 0 where that is not known.

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from hjsolve.arithmetic.reciprocals import without_overflow
 from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.errors import InvalidInputError
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.panel_images import (
     PanelSamples,
     RootBounds,
@@ -34,9 +35,6 @@ from hjsolve.one_coordinate.panel_images import (
     scale_along,
 )
 from hjsolve.one_coordinate.panel_length import Sizes
-
-if TYPE_CHECKING:
-    from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 
 _D = Disks()
 _ONE = single(1.0, 0.0)

@@ -19,18 +19,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
+from typing import cast
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS, Float64, Multi
 from hjsolve.arithmetic.fourier import at_midpoints
 from hjsolve.arithmetic.number_types import Mpf, Numeric, Reals
+from hjsolve.arithmetic.root_finding import bracketed_root, bracketed_roots
 from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
 from hjsolve.one_coordinate.fourier_series import FourierSeries, midpoints
 from hjsolve.one_coordinate.phase_map import Place
 
 _SAMPLES, _MOST_SAMPLES = 4096, 32768
-_NEWTON_STEPS, _LEGENDRE_TERMS = 12, 12
+_LEGENDRE_TERMS = 12
 """Newton's method within a piece begins near and stops by itself; twelve terms give a rate to 1e-9, as ψ grows by 1."""
 _BASE = 3.0
 """What keeps zeros that are as far from the real axis as they may be, 1 or so, as far in ψ as the rough places."""
@@ -114,13 +116,13 @@ class Stretched:
         Args:
             arithmetic: in which χ is worked out.
         """
-        return arithmetic.choose(lambda _: self._by_series(ψ), lambda many: self._in_fixed_point(ψ, many))
+        return arithmetic.choose(lambda _: self._by_series(ψ), lambda many: self._in_fixed_point(cast("Mpf", ψ), many))
 
     def _by_series(self, ψ: Numeric) -> tuple[Numeric, Numeric]:
         """Return the same in doubles."""
         return ψ + (self.slope.oscillation(ψ) - self._shift), self.slope.value(ψ)
 
-    def _in_fixed_point(self, ψ: Numeric, arithmetic: Multi) -> tuple[Numeric, Numeric]:
+    def _in_fixed_point(self, ψ: Mpf, arithmetic: Multi) -> tuple[Mpf, Mpf]:
         """χ = ψ + Im Σ (cₖ − i sₖ) e^{ikψ} + Σ (−1)ᵏ sₖ and its derivative by Horner's rule in integers."""
         bits, context = arithmetic.bits + 32, arithmetic.context
         one = context.mpf(2) ** bits
@@ -137,18 +139,12 @@ class Stretched:
     def phase(self, q: Mpf, forward: int, arithmetic: Multi) -> Mpf:
         """Return ψ in (−π, π] of a position: Newton's method kept inside a bracket."""
         χ = self.inner.phase(q, forward, arithmetic)
-        low, high, ψ = -arithmetic.pi(), arithmetic.pi(), χ
-        close = arithmetic.context.mpf(2) ** (12 - arithmetic.bits)
-        # a start is known, and the error wanted is absolute: ``bracketed_root`` begins in the middle, and is relative
-        for _ in range(4 * arithmetic.bits):
-            value, rate = self.unstretched(ψ, arithmetic)
-            low, high = (low, ψ) if value > χ else (ψ, high)
-            new = ψ - (value - χ) / rate
-            new = new if low < new < high else (low + high) / 2
-            if abs(new - ψ) <= close:
-                return new
-            ψ = new
-        return ψ
+
+        def off(ψ: Mpf) -> tuple[Mpf, Mpf]:
+            value, rate = self._in_fixed_point(ψ, arithmetic)
+            return value - χ, rate
+
+        return bracketed_root(off, -arithmetic.pi(), arithmetic.pi(), arithmetic.bits, start=χ, rising=True, size=1)
 
     def slope_at(self, ψ: Reals) -> Reals:
         """Return dχ/dψ."""
@@ -244,13 +240,14 @@ class _Growth:
         rates = self.rates[piece].T
         # Newton's method for ∫ rate = goal on [−1, t], from the place where a constant rate would come to
         areas = np.polynomial.legendre.legint(rates, lbnd=-1)
-        t = goal / rates[0] - 1
-        for _ in range(_NEWTON_STEPS):
-            value = np.polynomial.legendre.legval(t, areas, tensor=False) - goal
-            t = np.clip(t - value / np.polynomial.legendre.legval(t, rates, tensor=False), -1, 1)
-            if np.all(np.abs(value) <= 1e-9 * goal[-1]):
-                break
-        return self.levels[-1] / (2 * np.pi) / np.polynomial.legendre.legval(t, rates, tensor=False)
+        legval = np.polynomial.legendre.legval
+
+        def off(t: Reals) -> tuple[Reals, Reals]:
+            return legval(t, areas, tensor=False) - goal, legval(t, rates, tensor=False)
+
+        ends = np.ones_like(goal)
+        _, _, slope = bracketed_roots(off, np.clip(goal / rates[0] - 1, -1, 1), -ends, ends, close=1e-9)
+        return self.levels[-1] / (2 * np.pi) / slope
 
 
 def _edges(places: list[tuple[float, float]]) -> Reals:

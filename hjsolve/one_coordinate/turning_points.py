@@ -324,6 +324,13 @@ def end_of(ray: Ray, inside: float, outside: float) -> End:
     return _turning(ray, inside, outside, 15) if outside else End("turning", ray.origin)
 
 
+def _positive_to_infinity(ray: Ray, last: float) -> bool:
+    """Whether p² is enclosed in positive numbers from a distance on."""
+    with np.errstate(all="ignore"):
+        value, _, _ = ray.enclose(np.array([last]), np.array([np.inf]), 53)
+    return bool(value.low[0] > 0)
+
+
 def _beyond(ray: Ray, last: float, digits: int) -> End:
     """Return what p² does past the last cell: a power of the distance to the end of the domain, or of q.
 
@@ -345,6 +352,16 @@ def _beyond(ray: Ray, last: float, digits: int) -> End:
         if values[-1] < 0:
             return _turning(ray, before, x, digits)
         before = x
+    end = None if ray.reach is None else ray.place(ray.reach(bits), bits)
+    sign = ray.radicand.sign_in_the_end(ray.side, end)
+    if sign < 0 or (sign == 0 and ray.reach is None and not _positive_to_infinity(ray, last)):
+        where = f"beyond q = {context.nstr(ray.place(steps[-1], bits), 3)}"
+        if end is not None:
+            where = f"within {context.nstr(abs(end - ray.place(steps[-1], bits)), 3)} of {context.nstr(end, 6)}"
+        raise NotConvergedError(
+            f"p² vanishes {where}, which is farther than it is looked for" if sign < 0
+            else f"whether p² vanishes {where} was not decided"
+        )  # fmt: skip
     power = leading_power(values, context) * (1 if ray.reach is None else -1)
     if ray.reach is None:
         return End("infinity", None, power)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 FAMILIES = ("constants", "place")
-_MOST = 400
+_MOST_CURVES = 400
 _ORBITS = {"constants": 12, "place": 48}
 
 
@@ -98,6 +98,7 @@ class Wavefronts(ByValue, Shown):
         return renderer("plots").plotted_wavefronts(self, ax)
 
 
+@arguments.with_known_names('wavefronts(motion, "constants", fronts=24)')
 @one_at_a_time
 def wavefronts(motion: Motion, family: str = "constants", *, fronts: int = 24, orbits: int | None = None) -> Wavefronts:
     """Return the lines W = const about a motion, the orbits that cross them, and the caustics.
@@ -135,7 +136,7 @@ def wavefronts(motion: Motion, family: str = "constants", *, fronts: int = 24, o
     motion = motion.as_solved
     refuse_kinks(motion.solution.system.kinks, "wavefronts")
     usual = _ORBITS[family] if orbits is None else orbits
-    counts = [min(_MOST, arguments.whole(n, name, 1)) for n, name in ((fronts, "fronts"), (usual, "orbits"))]
+    counts = [min(_MOST_CURVES, arguments.whole(n, name, 1)) for n, name in ((fronts, "fronts"), (usual, "orbits"))]
     if not QUANTITIES["characteristic_function"] <= motion.separated.parts:
         raise InvalidInputError('wavefronts: this motion was started without W; add "characteristic_function" to want')
     if momentum_shift(motion) != 0:

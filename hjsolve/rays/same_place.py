@@ -28,7 +28,7 @@ from hjsolve.rays.same_constants import started_with_same_constants
 
 _FEWEST = 16
 _TIMES, _ORBIT_POINTS = 129, 161
-_DOUBLINGS, _STEPS, _REFINEMENTS = 30, 12, 4
+_DOUBLINGS, _STEPS_TO_A_VALUE, _REFINEMENTS = 30, 12, 4
 _HALVINGS_OF_A_BRACKET = 60  # to less than the spacing of doubles in [−1, 1]
 _CHEBYSHEV = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
 _TO_TERMS = np.cos(np.outer(np.arccos(_CHEBYSHEV), np.arange(8))) * np.array([1, 2, 2, 2, 2, 2, 2, 2]) / 8
@@ -128,7 +128,7 @@ class SamePlace(Shown):
             return never, never
         t, reach = self._first_guess(ray, values)
         known = np.isfinite(t)
-        for left in reversed(range(_STEPS)):
+        for left in reversed(range(_STEPS_TO_A_VALUE)):
             W, error = self._action(ray, t, reach)
             speed = self._growth(ray, np.where(known, t, 0.0))
             with np.errstate(all="ignore"):

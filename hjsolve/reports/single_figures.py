@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from hjsolve.arguments import described
+from hjsolve.arguments import described, with_known_names
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.motion import Motion
 from hjsolve.precision import one_at_a_time
@@ -14,6 +14,7 @@ from hjsolve.reports.drawings.effective_potential import effective_potential_of
 from hjsolve.reports.drawings.motion_figures import effective_potential, phase_portrait
 
 
+@with_known_names("figures(motion)")
 @one_at_a_time
 def figures(motion: Motion) -> dict[str, Figure]:
     """Draw the figures that the report of a motion has.

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from hjsolve import catalog
-from hjsolve.arguments import described, refuse_unused
+from hjsolve.arguments import described, refuse_unused, with_known_names
 from hjsolve.display.progress import Progress
 from hjsolve.display.visible_text import visible
 from hjsolve.errors import InvalidInputError, NotConvergedError, required
@@ -84,6 +84,7 @@ def checked_sheet(title: str, paper: object, target: Path) -> Sheet:
     return Sheet(checked_title(title), None if paper is None else known[str(paper).lower()])
 
 
+@with_known_names('report("kepler-planar", "kepler.html", digits=15)')
 @one_at_a_time
 def report(
     subject: Subject | Scene | LinearHamiltonian,

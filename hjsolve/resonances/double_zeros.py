@@ -14,7 +14,7 @@ from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
-from hjsolve.arithmetic.root_finding import interpolated_root
+from hjsolve.arithmetic.root_finding import interpolated_root, stationary
 from hjsolve.errors import InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.motion.exact_numbers import to_bits
@@ -23,7 +23,7 @@ from hjsolve.motion.tori.radicand_curve import RadicandCurve, curves_of
 from hjsolve.resonances.families import MotionFamily, critical_values
 from hjsolve.solution.quadratures import Solution
 
-_NEWTON, _WIDENINGS, _FIRST = 60, 40, 2.0**-40
+_WIDENINGS, _FIRST = 40, 2.0**-40
 """Newton steps to a minimum of p², and widenings of a bracket about a separatrix, doubled each from a relative one."""
 _ROUNDING = 12
 """Bits of the working precision that the result may miss."""
@@ -94,17 +94,14 @@ def _exactly(curve: RadicandCurve, family: MotionFamily, u: float, q: float, bit
 
     def least(value: Mpf) -> Mpf:
         κ = list(family.constants(value, bits).values())
-        place = context.mpf(q)
-        for _ in range(_NEWTON):
-            F, slope, bend = curve.exactly(place, κ, bits)
-            if not bend > 0:
-                return context.nan
-            step = slope / bend
-            place -= step
-            if abs(step) <= abs(place) * context.ldexp(1, 8 - bits):
-                break
+        place = stationary(
+            lambda x: curve.exactly(x, κ, bits), context.mpf(q), lambda bend, _: bend > 0,
+            lambda x: abs(x) * context.ldexp(1, 8 - bits),
+        )  # fmt: skip
+        if place is None:
+            return context.nan
         places[value] = place
-        return F
+        return curve.exactly(place, κ, bits)[0]
 
     middle = context.mpf(u)
     size = abs(middle) or context.mpf(1)

@@ -17,6 +17,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import EPS, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Reals
+from hjsolve.arithmetic.root_finding import stationary
 from hjsolve.motion.tori.radicand_curve import RadicandCurve, place_of_maximum
 from hjsolve.solution.quadratures import Solution
 
@@ -260,12 +261,7 @@ def _with_extrema(curve: RadicandCurve, κ: Reals) -> tuple[Reals, Reals]:
 
 def _extremum(curve: RadicandCurve, κ: Reals, q: float, bounds: tuple[float, float]) -> tuple[float, float] | None:
     """Return the place next to q where p² is stationary, and p² there; None where Newton's method leaves the bounds."""
-    for _ in range(_ASCENT):
-        value, slope, bend = curve.bend(q, κ)
-        step = slope / bend if bend else np.inf
-        if not bounds[0] <= q - step <= bounds[1]:
-            return None
-        if abs(step) <= 4 * EPS * abs(q):
-            return q, value
-        q -= step
-    return q, value
+    place = stationary(
+        lambda q: curve.bend(q, κ), q, lambda _, q: bounds[0] <= q <= bounds[1], lambda q: 4 * EPS * abs(q), _ASCENT
+    )
+    return None if place is None else (place, curve.bend(place, κ)[0])

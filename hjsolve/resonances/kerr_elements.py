@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Reals
@@ -148,6 +149,7 @@ def separatrix_in_bits(a: Mpf, e: Mpf, x: Mpf, bits: int) -> Mpf:
     return interpolated_root(room, (low, high), (below, above), lambda _, left: abs(left) <= least)
 
 
+@arguments.with_known_names("separatrix(0.9, 0.5, 0.8)")
 def separatrix(a: object, e: object, x: object, *, digits: int = 15) -> Estimate:
     """Return the semi-latus rectum at which bound geodesics of Kerr's black hole end and plunge.
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, multiprecision
 from hjsolve.arithmetic.number_types import Reals
+from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.ensembles.orbits import ensemble
 from hjsolve.errors import HJSolveError
 from hjsolve.lowering import lower
@@ -23,7 +24,7 @@ from hjsolve.resonances.equations import Equation
 from hjsolve.resonances.families import OneParameterFamily, Well, Wells, place_in, wells_of
 from hjsolve.resonances.members import member_of
 
-_HALVINGS, _TOWARDS = 60, 44
+_HALVINGS_TO_AN_END, _TOWARDS = 60, 44
 """Bisections that find where a chain of motions ends, and steps towards there, each half of what is left."""
 _DEGENERATE = 1e-11
 """Largest relative residual, all along a chain, at which the equation is taken to hold for all of its motions."""
@@ -203,13 +204,10 @@ def _to_the_ends(
         beyond = int(np.searchsorted(grid, u)) + side
         if not 0 <= beyond < len(grid):
             continue
-        inside, outside = u, float(grid[beyond])
-        for _ in range(_HALVINGS):
-            middle = (inside + outside) / 2
-            there = _continued(family, curves, middle, wells, kinds)
-            inside, outside = (inside, middle) if there is None else (middle, outside)
-            if inside == outside:
-                break
+        _, outside = bisected(
+            lambda v: _continued(family, curves, v, wells, kinds) is not None,  # noqa: B023 (called at once)
+            u, float(grid[beyond]), _HALVINGS_TO_AN_END,
+        )  # fmt: skip
         more = []
         for k in range(1, _TOWARDS):
             v = outside + (u - outside) * 2.0**-k

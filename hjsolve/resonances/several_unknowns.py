@@ -28,7 +28,7 @@ from hjsolve.resonances.question import TorusQuestion, in_words
 
 _SAMPLES, _STARTS, _APART = 6000, 10, 0.2
 """Motions that are looked at, how many of them Newton's method begins from, and by how much ln Ω of two differ."""
-_STEPS, _HALVINGS, _SPARE = 25, 8, 5
+_NEWTON_STEPS, _HALVINGS_OF_A_STEP, _SPARE = 25, 8, 5
 """Steps of Newton's method, halvings of each, and decimal digits beyond those asked."""
 _SINGULAR = 1e-9
 """Ratio of the singular values of ∂ ln Ω/∂ ln κ below which frequencies do not belong to isolated tori."""
@@ -145,7 +145,7 @@ def _newton(asked: TorusQuestion, member: Member) -> tuple[Member | None, bool]:
     """Return the torus that Newton's method leads to, None where to none; and whether ∂Ω/∂κ is singular."""
     digits, singular = 15, False
     seen = _seen(asked, member, digits)
-    for _ in range(_STEPS):
+    for _ in range(_NEWTON_STEPS):
         if seen is None:
             return None, singular
         residuals, allowed, slopes, member = seen
@@ -172,7 +172,7 @@ def _damped(
     asked: TorusQuestion, member: Member, step: Reals, before: tuple[Reals, Reals], digits: int
 ) -> _Seen | None:  # fmt: skip
     old = float(np.max(np.abs(before[0].astype(float)) / before[1]))
-    for halving in range(_HALVINGS):
+    for halving in range(_HALVINGS_OF_A_STEP):
         constants = dict(member.constants)
         for name, change in zip(asked.unknown, step * 2.0**-halving, strict=True):
             constants[name] = constants[name] + float(change)

@@ -10,7 +10,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import Float64, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import AtTimes, Mpf, Reals
-from hjsolve.arithmetic.root_finding import bisected
+from hjsolve.arithmetic.root_finding import bisected, newton
 from hjsolve.errors import NotConvergedError, OutsideMotionError, required
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
@@ -159,20 +159,14 @@ class _OnSurface:
         """Newton's method on g(q(t), p(t)) = 0, the state from the motion in all its digits."""
         digits = self._motion.digits
         bits = bits_of(digits)
-        context, last = multiprecision(bits), multiprecision(bits).inf
-        goal = context.mpf(10) ** (5 - digits)
-        for _ in range(12):
-            state = self._motion.at(time)
-            places = [context.convert(x) for x in self._state(state)]
+        context = multiprecision(bits)
+
+        def step(time: Mpf) -> Mpf | None:
+            places = [context.convert(x) for x in self._state(self._motion.at(time))]
             speed = self._speed.run(Multi(bits), places)[0]
-            if not speed:
-                break
-            step = self._value.run(Multi(bits), places)[0] / speed
-            time -= step
-            if abs(step) <= goal * max(1, abs(time)) or (abs(step) >= last and abs(step) <= 1000 * goal):
-                return time
-            last = abs(step)
-        raise NotConvergedError("the motion touches the surface and does not pass it; the event has no definite time")
+            return self._value.run(Multi(bits), places)[0] / speed if speed else None
+
+        return _passed(step, time, digits, "the motion touches the surface and does not pass it")
 
 
 def _weighted_rates(motion: Motion, start: float, horizon: float | None) -> Iterator[Reals]:
@@ -220,20 +214,24 @@ def sharpened(motion: Motion, name: str, value: sp.Expr, time: Mpf) -> Mpf:
     context = multiprecision(bits)
     target, turn = to_bits(value)(bits), 2 * context.pi
     turning = motion.solution.system.coordinate(name).domain.kind == "angle"
-    goal, last = context.mpf(10) ** (5 - motion.digits), context.inf
-    for _ in range(12):
+
+    def step(time: Mpf) -> Mpf | None:
         state = motion.at(time)
         off = context.convert(state.q[name]) - target
         off -= turn * context.nint(off / turn) if turning else 0
         speed = context.convert(state.velocity[name])
-        if not speed:
-            break
-        step = off / speed
-        time -= step
-        if abs(step) <= goal * max(1, abs(time)) or (abs(step) >= last and abs(step) <= 1000 * goal):
-            return time
-        last = abs(step)
-    raise NotConvergedError(f"{name} touches {float(target):.12g} and does not pass; the event has no definite time")
+        return off / speed if speed else None
+
+    return _passed(step, time, motion.digits, f"{name} touches {float(target):.12g} and does not pass")
+
+
+def _passed(step: Callable[[Mpf], Mpf | None], time: Mpf, digits: int, touched: str) -> Mpf:
+    """Return the time of a passage to the digits of the motion, by Newton's method from nearby."""
+    goal = multiprecision(bits_of(digits)).mpf(10) ** (5 - digits)
+    found = newton(step, time, lambda t: goal * max(1, abs(t)), 12, rough=1000)
+    if found is None:
+        raise NotConvergedError(f"{touched}; the event has no definite time")
+    return found
 
 
 def restart(motion: Motion) -> dict[str, Any]:

@@ -32,7 +32,7 @@ SUFFIXES = (".csv", ".npz", ".parquet")
 CHUNK = 16_384
 """Orbits of one part of the output."""
 
-_MOST = 10**12
+_MOST_ORBITS = 10**12
 _SPACINGS = ("even", "log")
 _RANGE = {
     "start": Key("number", True), "stop": Key("number", True), "count": Key("number", True),
@@ -112,7 +112,7 @@ def sweep_faults(given: object, scene: Toml) -> Iterator[str]:
     yield from schema.faults(plain, _SWEEP, "sweep")
     chunk = given.get("chunk", CHUNK)
     if not _is_count(chunk, 1):
-        yield f"sweep.chunk: must be a whole number from 1 to {_MOST}, not {arguments.described(chunk)}"
+        yield f"sweep.chunk: must be a whole number from 1 to {_MOST_ORBITS}, not {arguments.described(chunk)}"
     varied = [group for group in GROUPS if isinstance(given.get(group), Mapping)]
     if ("table" in given) == bool(varied):
         yield "sweep: give a grid (q, p or velocity; or actions, angles) or a table, one of the two"
@@ -146,7 +146,7 @@ def _axis_faults(values: object, where: str) -> Iterator[str]:
         yield from schema.faults(values, _RANGE, where)
         count = values.get("count", 2)
         if not _is_count(count, 2):
-            yield f"{where}.count: must be a whole number from 2 to {_MOST}, not {arguments.described(count)}"
+            yield f"{where}.count: must be a whole number from 2 to {_MOST_ORBITS}, not {arguments.described(count)}"
     elif isinstance(values, list):
         if not values:
             yield f"{where}: must be a list of numbers, and not empty"
@@ -158,7 +158,7 @@ def _axis_faults(values: object, where: str) -> Iterator[str]:
 
 
 def _is_count(value: object, least: int) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and least <= value <= _MOST
+    return isinstance(value, int) and not isinstance(value, bool) and least <= value <= _MOST_ORBITS
 
 
 # ------------------------------------------------------------------------------------------------ its content

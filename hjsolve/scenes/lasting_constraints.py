@@ -273,6 +273,3 @@ def joined(first: Trajectory | None, second: Trajectory | None, places: Sequence
         together([np.asarray(x.t) for _, x in parts]), group("q"), group("p"), group("velocity"), group("turns"),
         together([np.asarray(x.status) for _, x in parts]), together(numbers), errors,
     )  # fmt: skip
-
-
-__all__ = ["Afterwards", "RationalNumbers", "afterwards", "carried_back", "joined", "solved_or_found"]

@@ -161,6 +161,7 @@ class Contact(Shown):
         return change.system, initial_data_in(change, at, short), state.t0
 
 
+@arguments.with_known_names(_EXAMPLE)
 @one_at_a_time
 def contact(
     system: System | str | Path, *, q: Mapping[str, object], velocity: Mapping[str, object] | None = None,
@@ -435,6 +436,3 @@ def _answer(
         change.original, texts, multipliers, along, motion, ended, rounded(time, digits), place, shown(free.q),
         shown(free.velocity), proved, released,
     )  # fmt: skip
-
-
-__all__ = ["Contact", "contact"]

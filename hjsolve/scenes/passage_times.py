@@ -15,6 +15,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.arithmetic.root_finding import newton
 from hjsolve.errors import NotConvergedError, OutsideMotionError, required
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
@@ -168,12 +169,10 @@ class Carried:
         side = 1 if self.grid[-1] > 0 else -1
         guess = float(np.interp(side * rest, side * self.grid, self.phases))
         χ, goal = guess + 2 * self.context.pi * whole, self.context.mpf(10) ** (-self.digits // 2 - 2)
-        for _ in range(_MOST_STEPS):
-            rate = -self.kernel.value(χ)
-            step = (angle - self.angle(χ)) / rate
-            χ += step
-            if abs(step) <= goal:  # it converges quadratically: what is left is of the order of its square
-                left = abs(angle - self.angle(χ)) / abs(rate)
-                tolerance = (2 * left + self.noise) * (1 + abs(self.clock.size)) / abs(self.rate)
-                return self.time_of(χ), self.noise + tolerance
-        raise NotConvergedError("the passage of an ignorable coordinate did not converge to the requested digits")
+        # it converges quadratically: what the last step leaves is of the order of its square
+        found = newton(lambda χ: (angle - self.angle(χ)) / self.kernel.value(χ), χ, goal, _MOST_STEPS)
+        if found is None:
+            raise NotConvergedError("the passage of an ignorable coordinate did not converge to the requested digits")
+        left = abs((angle - self.angle(found)) / self.kernel.value(found))
+        tolerance = (2 * left + self.noise) * (1 + abs(self.clock.size)) / abs(self.rate)
+        return self.time_of(found), self.noise + tolerance

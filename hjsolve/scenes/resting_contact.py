@@ -25,7 +25,7 @@ from hjsolve.motion.initial_data import to_bits
 from hjsolve.scenes.events import Event, Pending, once
 from hjsolve.scenes.question import Question
 
-_COLUMNS, _FEWEST, _SAFETY = 40, 4, 8
+_COLUMNS, _FEWEST, _SAFETY_OF_DIFFERENCES = 40, 4, 8
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -245,7 +245,7 @@ class _Limit:
             power = self.ratio**j
             grown = grown * (1 + power) / (1 - power)
             change = abs(self.last[j] - self.before[j]) / (1 - self.ratio ** (j + 1))
-            error = _SAFETY * change + grown
+            error = _SAFETY_OF_DIFFERENCES * change + grown
             if best is None or error < best[1]:
                 best = self.last[j], error
         return required(best)

@@ -10,6 +10,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.arithmetic.root_finding import interpolated_root
 from hjsolve.errors import NotConvergedError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System
@@ -160,9 +161,10 @@ def _crosses(surface: _Surface, before: Reals, after: Reals, leaving: bool) -> b
 
 
 def _root(dense: Callable[[float], Reals], surface: _Surface, low: float, high: float) -> float:
-    from scipy.optimize import brentq
+    def level(t: float) -> float:
+        return surface.level(dense(t))
 
-    return float(brentq(lambda t: surface.level(dense(t)), low, high, xtol=1e-300, rtol=1e-14))
+    return interpolated_root(level, (low, high), (level(low), level(high)), width=1e-14)
 
 
 def _reached(

@@ -9,7 +9,7 @@ from hjsolve import arguments
 from hjsolve.catalog import schema, toml_file
 from hjsolve.catalog.schema import Key
 from hjsolve.catalog.toml_file import Toml
-from hjsolve.display.first_lines import MOST
+from hjsolve.display.first_lines import MOST_LINES
 from hjsolve.errors import CatalogError
 from hjsolve.motion.velocity_frame import COORDINATE, ORTHONORMAL
 from hjsolve.scenes.initial_grid import STATE, sweep_faults
@@ -80,7 +80,7 @@ def scene_faults(table: Toml) -> Iterator[str]:
         known = {*WANTED, *([STATE] if "sweep" in table else [])}
         others = [word for word in want if isinstance(word, str) and word not in known]
         for count, word in enumerate(others):
-            yield f'want: "{word}" is not known{schema.nearest(word, WANTED) if count < MOST else ""}'
+            yield f'want: "{word}" is not known{schema.nearest(word, WANTED) if count < MOST_LINES else ""}'
     accuracy = table.get("accuracy")
     digits = accuracy.get("digits") if isinstance(accuracy, Mapping) else None
     if isinstance(accuracy, Mapping) and ("digits" in accuracy) == ("seconds" in accuracy):

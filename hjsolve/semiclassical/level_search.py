@@ -32,13 +32,14 @@ from hjsolve.semiclassical.level import Level, Levels
 from hjsolve.semiclassical.maslov_indices import LIBRATION, ROTATION, Circuit
 from hjsolve.solution.quadratures import Solution, solve
 
-_MOST = 20000
+_MOST_TORI = 20000
 """Tori that are looked at, at most."""
 _MORE, _SPARE = 1.5, 4
 """Quantum numbers that are tried beyond those of samples: as a factor, and how many."""
 EXAMPLE = "levels(solution, hbar=1, up_to=-0.01)"
 
 
+@arguments.with_known_names(EXAMPLE)
 @one_at_a_time
 def levels(
     solution: Solution | Any,
@@ -177,7 +178,7 @@ class _Search:
             if twice and all(c is None or k in c for k, c in zip(opposite, given, strict=True)):
                 signs = dict(zip(names, opposite, strict=True))
                 yield from (self._mirrored(level, signs) for level in found)
-            if len(seen) > _MOST:
+            if len(seen) > _MOST_TORI:
                 raise self._too_many()
             if more:
                 for k, (own, choice) in enumerate(zip(m, given, strict=True)):
@@ -191,7 +192,7 @@ class _Search:
 
     def _too_many(self) -> InvalidInputError:
         return InvalidInputError(
-            f"levels: more than {_MOST} tori below up_to; lower it, or choose quantum numbers by numbers={{…}}"
+            f"levels: more than {_MOST_TORI} tori below up_to; lower it, or choose quantum numbers by numbers={{…}}"
         )
 
     def _of(self, m: Mapping[str, int], skipped: list[str]) -> tuple[list[Level], bool]:
@@ -346,7 +347,7 @@ class _Counting:
     def _add(self, n: tuple[int, ...], found: list[Level]) -> float | None:
         tori = self._tori(n)
         limit = None if self.search.limit is None else to_bits(self.search.limit)(256)
-        if len(self.frame.known) > _MOST:
+        if len(self.frame.known) > _MOST_TORI:
             raise self.search._too_many()
         energies = []
         for torus in tori:

@@ -36,6 +36,7 @@ DEFAULT_BUDGET = 20.0
 SMALL_SYSTEM = 120
 
 
+@arguments.with_known_names("separate(system, budget=20)")
 @one_at_a_time
 def separate(system: System | str | Path, *, budget: float = DEFAULT_BUDGET) -> Verdict:
     """Decide whether the Hamilton–Jacobi equation of a system separates in its coordinates.
@@ -225,8 +226,8 @@ def _evidence_of(reduced: Reduced, shell: Shell) -> list[ReductionStep]:
     V = "V_eff" if shell.ignorable else "V"
     if reduced.stackel is not None:
         text = (
-            "It is read off from the shell along the coordinate lines through one base point. Row i contains "
-            f"coordinate i only. Exact substitution verified c^T Phi = (1, 0, ..., 0) and c^T psi = {V}."
+            "It is read off from the shell along the coordinate lines through one base point. Row i depends "
+            f"on coordinate i only. Exact substitution verified c^T Phi = (1, 0, ..., 0) and c^T psi = {V}."
         )
         steps.append(ReductionStep("Stäckel matrix", text, reduced.stackel.matrix))
         text = "The part of the separated equations without separation constants."

@@ -42,6 +42,7 @@ class SweepResult(Shown):
     notes: tuple[str, ...] = ()
 
 
+@arguments.with_known_names('sweep("scene.toml", "results", threads=2)')
 def sweep(
     scene: Scene | str | Path | Mapping[str, object],
     out: str | Path,

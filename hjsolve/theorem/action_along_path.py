@@ -44,6 +44,7 @@ class PathAction(Shown):
     value: Estimate
 
 
+@arguments.with_known_names('action_integral("harmonic-oscillator", {"q": "sin(t)"}, between=(0, 1))')
 @one_at_a_time
 def action_integral(
     system: System | str | Path, path: Mapping[str, object], *, between: object,

@@ -17,7 +17,7 @@ from hjsolve import arguments
 from hjsolve.algebra.integration import closed_form_potential
 from hjsolve.algebra.poly import Budget, WorkLimitError
 from hjsolve.algebra.reader import Reader
-from hjsolve.arguments import ascii_name, described
+from hjsolve.arguments import ascii_name, described, with_known_names
 from hjsolve.display.shown import Shown, listed_names
 from hjsolve.errors import InvalidInputError, required
 from hjsolve.mechanics.brackets import bracket
@@ -32,6 +32,9 @@ from hjsolve.theorem.phase_space import BUDGET, PhaseSpace, Variables
 from hjsolve.theorem.reading import new_names, read_formula
 
 TIME = sp.Symbol("t", real=True)
+_PLACES = tuple(map(sp.Rational, ("1", "1/2", "0", "2", "-1")))
+"""Values of all variables at once where a valence, which is a constant, is evaluated."""
+_SINGULAR = (sp.nan, sp.zoo, sp.oo, -sp.oo)
 
 
 @dataclass(frozen=True, repr=False)
@@ -89,6 +92,7 @@ class CanonicalMap(Shown):
         return f"Canonical with valence {self.valence}{found}."
 
 
+@with_known_names('canonical({"Q": "q*cos(a) - p*sin(a)", "P": "q*sin(a) + p*cos(a)"}, parameters="a")')
 @one_at_a_time
 def canonical(
     map: Mapping[str, object] | None = None,  # noqa: A002 - the field's word
@@ -172,6 +176,7 @@ def _decide(
         what = f"({names[0]}, {names[n]}) is not a constant, its derivative by {x.name} = 0 fails"
         if (wrong := space.proved_zero(sp.diff(μ, x), "valence", what, seconds)) is not None:
             return wrong
+    μ = _without_variables(space, μ, seconds)
     for left in range(2 * n):
         for right in range(left + 1, 2 * n):
             ought = μ if right == left + n else sp.S.Zero
@@ -189,6 +194,16 @@ def _decide(
         found.functions, found.why_not, found.where, None if H is None else short(μ * H + added, space),
         tuple(x.name for x in variables),
     )  # fmt: skip
+
+
+def _without_variables(space: PhaseSpace, μ: sp.Expr, seconds: float) -> sp.Expr:
+    """Return a valence, which is a constant, in the parameters alone."""
+    variables = {x for pair in space.pairs for x in pair} | {space.time}
+    for value in _PLACES if μ.free_symbols & variables else ():
+        found = short(μ.subs(dict.fromkeys(variables, value)), space)
+        if not found.has(*variables, *_SINGULAR) and isinstance(space.vanishes(μ - found, seconds), Zero):
+            return found
+    return μ
 
 
 def _sum(P: Sequence[sp.Expr], Q: Sequence[sp.Expr], x: sp.Symbol) -> sp.Expr:
@@ -212,22 +227,23 @@ def _potential(space: PhaseSpace, by_q: list[sp.Expr], by_p: list[sp.Expr]) -> s
     return min(found, key=lambda ψ: (ψ.has(sp.Integral), sp.count_ops(ψ)))
 
 
-def read_variables(
-    pairs: object, domains: Mapping[str, str], parameters: object, hamiltonian: sp.Expr = sp.S.Zero
-) -> PhaseSpace:
+def read_variables(pairs: object, domains: Mapping[str, str], parameters: object) -> PhaseSpace:
     """Return the phase space of variables that a user names.
 
     Args:
         pairs: coordinate → its momentum.
         domains: variable → domain; the others are any real numbers.
         parameters: names, or name → domain; empty for none.
-        hamiltonian: H in these variables.
 
     Raises:
         InvalidInputError: no pairs, a name twice, or the domain of what is not a variable.
     """
     if not isinstance(pairs, Mapping) or not pairs:
         raise InvalidInputError(f'coordinates: pairs such as {{"q": "p"}} are needed, not {described(pairs)}')
+    if domain := next((p for p in map(str, pairs.values()) if "<" in p or ">" in p), None):
+        raise InvalidInputError(
+            f'coordinates: the momentum of each is needed, such as {{"q": "p"}}; "{domain[:40]}" belongs in domains'
+        )
     momenta = [ascii_name(str(p)) for p in pairs.values()]
     names = [ascii_name(str(q)) for q in pairs]
     if len({*names, *momenta, "t"}) != 2 * len(names) + 1:
@@ -241,6 +257,6 @@ def read_variables(
     constants, ranges = new_names(parameters, symbols, "parameters") if parameters else ({}, {})
     bounds = {c.symbol: (c.domain.lower, c.domain.upper) for c in declared if c.domain.kind != "angle"}
     return PhaseSpace(
-        Variables(coordinates), hamiltonian, tuple((c.symbol, c.momentum) for c in coordinates), {},
+        Variables(coordinates), sp.S.Zero, tuple((c.symbol, c.momentum) for c in coordinates), {},
         symbols | constants, tuple(constants.values()), TIME, bounds | ranges,
     )  # fmt: skip

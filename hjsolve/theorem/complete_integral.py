@@ -116,6 +116,9 @@ class CompleteIntegral(Shown):
         return f"A complete integral in the constants {names}: it solves the equation, and |d2S/dq dalpha| is not zero."
 
 
+@arguments.with_known_names(
+    'verify(system, W="alpha*theta + integral(sqrt(2*m*(E + k/r) - alpha**2/r**2), r)", constants=["E", "alpha"])'
+)
 @one_at_a_time
 def verify(
     system: Subject | str | Path,

@@ -22,6 +22,7 @@ from hjsolve.theorem.reading import read_formula
 SECONDS_FOR_A_SHORT_FORM = 2.0
 
 
+@arguments.with_known_names('poisson_bracket("q", "p_q", "harmonic-oscillator")')
 @one_at_a_time
 def poisson_bracket(f: object, g: object, system: Subject | str | Path, *, budget: float = BUDGET) -> sp.Expr:
     """Return the Poisson bracket (f, g) = Σ ∂f/∂q ∂g/∂p − ∂f/∂p ∂g/∂q of two functions.
@@ -54,6 +55,7 @@ def poisson_bracket(f: object, g: object, system: Subject | str | Path, *, budge
     return sp.S.Zero if vanishes else short(value, space)
 
 
+@arguments.with_known_names('is_integral("p_theta", "kepler-planar")')
 @one_at_a_time
 def is_integral(f: object, system: Subject | str | Path, *, budget: float = BUDGET) -> Proof | Flaw | Undecided:
     """Decide whether a function is an integral of the motion, (f, H) + ∂f/∂t = 0.
@@ -99,6 +101,7 @@ def _function(given: object, space: PhaseSpace, name: str) -> sp.Expr:
     return found.xreplace({symbol: space.velocities[q] for q, symbol in speeds.items()})
 
 
+@arguments.with_known_names('involution(["p_theta", "p_r**2/2 + p_theta**2/(2*r**2) - 1/r"], "kepler-planar")')
 @one_at_a_time
 def involution(
     functions: Sequence[object], system: Subject | str | Path, *, budget: float = BUDGET

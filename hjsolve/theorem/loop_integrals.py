@@ -28,7 +28,7 @@ from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.motion.times import exact_numbers
 from hjsolve.solution.quadratures import Solution
 
-_FEWEST, _SAFETY = 16, 4
+_FEWEST, _SAFETY_OF_DIFFERENCES = 16, 4
 _EXAMPLE = '{"x": "1 + cos(s)/10"}'
 
 
@@ -53,6 +53,7 @@ class LoopIntegral(Shown):
         return bool(np.all(np.abs(self.value - self.value[0]) <= self.error + self.error[0]))
 
 
+@arguments.with_known_names('loop_integral(solution, q={"x": "1 + cos(s)/10"}, p={"x": "sin(s)/10"})')
 def loop_integral(
     solution: Solution, *, q: Mapping[str, object], p: Mapping[str, object], times: object = (0,),
     parameters: Mapping[str, object] | None = None, t0: object = 0, tolerance: object = 1e-12, most: object = 512,
@@ -111,7 +112,7 @@ def loop_integral(
                 states[turn] = _states(motion.at(moments), [c.name for c in coordinates])
         fine = _rule(np.array([states[turn] for turn in places]), coordinates)
         half = _rule(np.array([states[turn] for turn in places[::2]]), coordinates)
-        error = fine[1] + _SAFETY * np.abs(fine[0] - half[0])
+        error = fine[1] + _SAFETY_OF_DIFFERENCES * np.abs(fine[0] - half[0])
         if np.all(np.abs(fine[0] - half[0]) <= tolerance * np.maximum(np.abs(fine[0]), 1e-300) + fine[1]):
             return LoopIntegral(moments, fine[0], error, points)
         points *= 2

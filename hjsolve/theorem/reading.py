@@ -14,9 +14,9 @@ from hjsolve.formulas.parser import RESERVED
 from hjsolve.formulas.read import admit, parse
 from hjsolve.mechanics.coordinates_and_parameters import read_coordinates
 
-_CALL = re.compile(r"\bintegral\s*\(")
+_CALL = re.compile(r"\b(?:[iI]ntegral|integrate)\s*\(")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-_MOST = 40
+_MOST_INTEGRALS = 40
 Names = Mapping[str, sp.Expr]
 _NO_VELOCITIES: Mapping[str, sp.Symbol] = {}
 
@@ -28,7 +28,7 @@ def read_formula(
 
     Args:
         given: a text, in which ``integral(f, q)`` is an antiderivative over q and ``integral(f, q, a)`` the integral
-            from a to q; a sympy expression; or a number.
+            from a to q; sympy's ``Integral`` and ``integrate`` are read as well; a sympy expression; or a number.
         names: the names that may occur and their symbols.
         source: what the formula is called in an error.
         velocities: what ``dot(q)`` stands for, by the name of the coordinate.
@@ -49,8 +49,8 @@ def read_formula(
 def _of_text(text: str, names: Names, source: str, velocities: Mapping[str, sp.Symbol]) -> sp.Expr:
     integrals: dict[str, sp.Expr] = {}
     while found := _CALL.search(text):
-        if len(integrals) == _MOST:
-            raise ExpressionError(f"{source}: more than {_MOST} integrals", source=source, text=text[:200])
+        if len(integrals) == _MOST_INTEGRALS:
+            raise ExpressionError(f"{source}: more than {_MOST_INTEGRALS} integrals", source=source, text=text[:200])
         end = _closing(text, found.end(), source)
         name = f"integral_{len(integrals) + 1}"
         integrals[name] = _integral(text[found.end() : end], names, source)
@@ -78,6 +78,12 @@ def _integral(inside: str, names: Names, source: str) -> sp.Expr:
             parts.append("")
         else:
             parts[-1] += letter
+    if len(parts) == 2 and (ends := re.fullmatch(r"\s*\(([^,]*),([^,]*),([^,]*)\)\s*", parts[1])):
+        if ends[1].strip() != ends[3].strip():
+            raise ExpressionError(
+                f"{source}: write integral(f, q, lower limit); its upper limit is q, not {ends[3].strip()[:40]}"
+            )
+        parts = [parts[0], ends[1], ends[2]]
     if len(parts) not in (2, 3):
         raise ExpressionError(
             f"{source}: write integral(f, q) or integral(f, q, lower limit), not integral({inside[:60]})",

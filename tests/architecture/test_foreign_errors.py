@@ -1,5 +1,8 @@
 """Wrong kinds of arguments: no public call ends in an error from deep inside; what it says when it refuses."""
 
+import ast
+import inspect
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -111,3 +114,16 @@ def test_wrong_kinds_of_arguments_never_end_in_a_foreign_error(door):
 def test_the_message_says_what_to_write(call, says):
     with pytest.raises(hjsolve.InvalidInputError, match=says):
         call()
+
+
+@pytest.mark.parametrize("name", [n for n in hjsolve.__all__ if inspect.isfunction(getattr(hjsolve, n))])
+def test_a_name_that_a_function_does_not_have_is_answered_with_those_it_has_and_a_call_that_works(name):
+    function = getattr(hjsolve, name)
+    with pytest.raises(hjsolve.InvalidInputError, match=f'^{name}: no argument "nonsense"; known are ') as refused:
+        function(nonsense=1)
+    known, _, example = str(refused.value).partition("known are ")[2].partition("; write ")
+    assert known.split(", ") == list(inspect.signature(function).parameters)
+    call = ast.parse(example, mode="eval").body
+    assert isinstance(call, ast.Call)
+    assert ast.unparse(call.func) == name
+    inspect.signature(function).bind(*call.args, **{word.arg: word.value for word in call.keywords})

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support import rotation
+from tests.support import rotation, slow_tests
 
 TESTS = Path(__file__).resolve().parents[1]
 SCRIPTS = {"tests/support/hard_table.py"}
@@ -69,6 +69,22 @@ def test_marks_leave_their_cases_for_the_night() -> None:
     assert {name for name in out if name[:5] in ("slow[", "night", "plain")} == {"slow[a]", "night[a]"}
     assert {c for c in cases["entries"] if f"entries[{c}]" not in out} == {*rotation.entries(7), "no entry"}
     assert sum(f"long[{c}]" not in out for c in "abcdef") == 2
+
+
+def test_each_slow_test_runs_with_one_commit_in_four() -> None:
+    slow = list(slow_tests.slow_tests())
+    assert len(set(slow)) == len(slow) > 100
+    out = [left_out([Item(name) for name in [*slow, "tests/a.py::quick"]], number) for number in range(5)]
+    assert all(sum(name not in left for left in out[:4]) == 1 for name in slow)
+    assert out[0] == out[4]
+    assert not any("tests/a.py::quick" in left for left in out)
+    files = {name.partition("::")[0] for name in slow}
+    assert [name for name in files if not (TESTS.parent / name).exists()] == []
+
+
+def test_the_list_of_slow_tests_is_made_of_what_pytest_prints() -> None:
+    printed = "0.50s call     tests/a.py::b[x y]\n1.20s call     tests/b.py::c\n3s setup tests/b.py::c\n0.10s call tests/b.py::c\n9.00s call tests/docs/d.py::e"
+    assert slow_tests.found_in(printed) == ["tests/b.py::c", "tests/a.py::b[x y]"]
 
 
 def test_without_a_repository_or_without_git_the_rotation_is_zero(

@@ -122,9 +122,7 @@ def without_a_noun(tree: ast.Module) -> list[str]:
 
 
 def test_constants_say_of_what_they_are() -> None:
-    rooms = [ROOT / "hjsolve" / room for room in ("arithmetic", "ensembles/engine", "one_coordinate", "time_law")]
-    paths = [path for room in rooms for path in room.rglob("*.py")]
-    assert not {named(path): names for path in paths if (names := without_a_noun(tree_of(path)))}
+    assert not {named(path): names for path in SOURCES if (names := without_a_noun(tree_of(path)))}
     assert without_a_noun(ast.parse("_MOST, _FEW = 3, 1\nMOST_NODES = 4")) == ["_MOST"]
 
 

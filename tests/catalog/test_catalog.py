@@ -65,7 +65,7 @@ FAULTS = {
     "an unknown key names the nearest one": ("title =", "titel =", 'titel: unknown key; did you mean "title"?'),
     "an unknown key deep inside says where": ('assume = "p', 'asume = "p', "parameters[1].asume: unknown key"),
     "a wrong type": ('title = "Spring"', "title = 3", "title: must be a text, not an integer (3)"),
-    "a wrong type of a list": ('[{name = "x", domain = "line"}]', '"x"', "coordinates: must be a list of tables"),
+    "a wrong type of a list": ('[{name = "x", domain = "line"}]', '"x"', "coordinates: must be a list of tables, not a text (x); write coordinates = [{name = \"r\""),
     "true is not a number": ('value = "2"', "value = true", "parameters[1].value: must be a number"),
     "a missing field": ('kinetic = "dot(x)**2/2"\n', "", "kinetic: missing; it must be a text"),
     "an unknown assumption": ('"positive"', '"positiv"', '"positiv" is not known; did you mean "positive"?'),

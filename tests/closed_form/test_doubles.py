@@ -164,3 +164,22 @@ def test_half_turns_about_the_ends_of_the_axis_cancel_exactly(motion: str) -> No
         values = {n: given[n] for n in function.names}
         exact = form.evaluate(name, {n: repr(v) for n, v in values.items()}, 40).value
         assert abs(float(function(**values)) - exact) <= 50 * np.spacing(float(abs(exact)))
+
+
+CENTRES = {"m": 1.0, "a": 1.0, "k1": 1.0, "k2": 0.5, "E": -0.0113347923862, "alpha_2": 21.0558223115}
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("p_phi", [8 / 15, 1e-3])
+def test_the_half_turn_of_a_pole_beside_a_root_is_apart_where_others_are_complex(p_phi: float) -> None:
+    """cos η nearly reaches both ends of the axis, P has a complex pair: 977 units of the last place were lost."""
+    given = {**CENTRES, "p_phi": p_phi}
+    solution = hjsolve.solve("two-centres-space")
+    motion = {s: sp.Rational(given[s.name]) for s in (p.symbol for p in solution.system.parameters)}
+    motion |= {c.symbol: sp.Rational(given[c.name]) for c in solution.constants.values()}
+    form = next(f for f in forms("two-centres-space") if not f.regime.special and f.regime.holds(motion))
+    for name in ("periods.phi", "frequencies.phi", "periods.xi", "periods.eta", "actions.eta"):
+        function = form.lambdify("numpy")[name]
+        values = {n: given[n] for n in function.names}
+        exact = form.evaluate(name, {n: repr(v) for n, v in values.items()}, 40).value
+        assert abs(float(function(**values)) - exact) <= 20 * np.spacing(float(abs(exact))), name

@@ -7,7 +7,7 @@ import sympy as sp
 from mpmath import mp
 
 import hjsolve
-from hjsolve.closed_form.closed_forms import closed_forms
+from hjsolve.closed_form.closed_forms import closed_forms, own_form
 
 A, E, J, m, t, t_p = (sp.Symbol(name, real=True) for name in ("A", "E", "J_x", "m", "t", "t_p"))
 
@@ -69,3 +69,33 @@ def test_both_wells_of_a_sextic_have_periods():
     wells = [f for f in forms("-A*x**2/2 + B*x**6", A=None, B=None) if "E < 0" in f.regime.words]
     assert wells
     assert all({"x"} == set(f.periods) == set(f.actions) for f in wells)
+
+
+SEXTICS = {
+    "a wall on either side": ("A*x**6", "1/3", "2"),
+    "in a parabola": ("x**2/2 + A*x**6", "1/3", "2"),
+    "about another place": ("A*(x - B)**6", "1/3", "2"),
+    "in one of two wells": ("-x**2/2 - A*x**4 + 2*x**6", "2/5", "1/5"),
+    "between two barriers": ("-x**2/20 + 3*x**4 - A*x**6/4", "1/3", "1/10"),
+}
+
+
+@pytest.mark.parametrize("name", SEXTICS)
+def test_x_of_t_in_a_sextic_well_is_a_root_of_an_elliptic_function(name):
+    """Its curve has genus 2, and is elliptic in x². Against an integration of Newton's equation, past turning points."""
+    potential, place, speed = SEXTICS[name]
+    system = hjsolve.System({"x": "line"}, "dot(x)**2/2", potential, parameters={"A": "1/2", "B": "1/7"})
+    motion = hjsolve.solve(system).motion(q={"x": place}, velocity={"x": speed})
+    form = own_form(motion)
+    assert {"time_law", "inverse.x"} <= set(form.named())
+    assert not set(form.why_not) & {"time_law", "inverse.x"}
+    x, V = sp.Symbol("x"), sp.sympify(potential).subs({"A": sp.Rational(1, 2), "B": sp.Rational(1, 7)})
+    with mp.workdps(30):
+        force, start = (
+            sp.lambdify(x, -sp.diff(V, x), "mpmath"),
+            [mp.mpf(sp.N(sp.Rational(v), 35)) for v in (place, speed)],
+        )
+        path = mp.odefun(lambda _, y: [y[1], force(y[0])], 0, start)
+        for time in ("0.7", "2.9"):
+            given = {"t": time, "t_0": "0", "x_0": place, "E": str(motion.initial.constants["E"])}
+            assert abs(form.evaluate("inverse.x", given, 25).value - path(mp.mpf(time))[0]) < 1e-20

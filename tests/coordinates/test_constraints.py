@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mpmath
 import pytest
 import sympy as sp
 
@@ -20,6 +21,9 @@ SQUARES = {name: f"({' + '.join(f'dot({q})**2' for q in q_s)})/2" for name, q_s 
 INTEGRABLE = [
     ("P1-1, a circle", L2, T2, ["x**2 + y**2 = l**2"], ["theta"]),
     ("a circle off the origin", L2, T2, ["(x - 1)**2 + (y + 3)**2 = l**2"], ["theta"]),
+    ("a circle whose radius has no sign", L2, T2, ["x**2 + y**2 = g**2"], ["theta"]),
+    ("an ellipse", L2, T2, ["x**2/l**2 + 3*(y - 1)**2 = m**2"], ["u"]),
+    ("a spheroid about x", L3, T3, ["x**2 + 2*x + (y**2 + z**2)/r**2 = 8*l"], ["u", "phi"]),
     ("P2-9, a parabola", L2, T2, ["y = 3*x**2"], ["x"]),
     ("Ex 2-11, a sphere", L3, T3, ["x**2 + y**2 + z**2 = l**2"], ["theta", "phi"]),
     ("a line", L2, T2, ["2*x + 3*y = 5"], ["x"]),
@@ -61,10 +65,10 @@ def test_an_integrable_constraint_is_eliminated(
         rates = {f"d({n})": f"(rate_{n})" for n in domains}
         for old, new in rates.items():
             sides = [side.replace(old, new) for side in sides]
-        letters = {n: sp.Symbol(n) for n in (*domains, "l", "r")}
+        letters = {n: sp.Symbol(n) for n in (*domains, *POSITIVE)}
         difference = sp.sympify(sides[0], locals=letters) - sp.sympify(sides[1], locals=letters)
         put = {sp.Symbol(f"rate_{n}"): sp.diff(f, t) for n, f in place.items()}
-        constants = {sp.Symbol(n): system.symbols[n] for n in ("l", "r")}
+        constants = {sp.Symbol(n): system.symbols[n] for n in POSITIVE}
         assert abs(number(difference.subs(put).subs(names).subs(constants))) < 1e-30
     old = {free.coordinate(n).velocity: sp.diff(f, t) for n, f in place.items()}
     old |= {free.symbols[n]: f for n, f in place.items()}
@@ -121,3 +125,21 @@ def test_the_particle_of_problem_4_8() -> None:
 def test_a_domain_that_the_solution_may_leave() -> None:
     with pytest.raises(hjsolve.InvalidSystemError, match="stay in its domain"):
         hjsolve.System({"x": "line", "y": "0 < y"}, T2, 0, POSITIVE, constraints=["y = x"])
+
+
+def test_a_bead_on_an_ellipse_has_the_period_of_its_quadrature() -> None:
+    """T = m (a² sin² u + b² cos² u) u̇²/2, V = m g b sin u; the period is ∮ du/u̇."""
+    wire = hjsolve.System(
+        L2, T2, "m*g*y", {"m": 2, "g": "3/2", "a": 2, "b": 1}, constraints=["x**2/a**2 + y**2/b**2 = 1"]
+    )
+    motion = hjsolve.solve(wire).motion(q={"u": "-pi/2"}, velocity={"u": "4/5"})
+    with mpmath.workdps(30):
+        E = mpmath.mpf("0.64") * 2 - mpmath.mpf("1.5")
+        top = mpmath.asin(E * 2 / 3) + mpmath.pi / 2  # from the lowest place; u = −π/2 + top sin a
+
+        def rate(a: mpmath.mpf) -> mpmath.mpf:
+            height = mpmath.cos(top * mpmath.sin(a))
+            return top * mpmath.cos(a) * mpmath.sqrt((1 + 3 * height**2) / (2 * (E + mpmath.mpf("1.5") * height)))
+
+        period = 4 * mpmath.quad(rate, [0, mpmath.pi / 2 - mpmath.mpf(10) ** -12])
+    assert abs(motion.periods["u"].value / float(period) - 1) < 1e-10

@@ -8,6 +8,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 import pytest
+import sympy as sp
 
 import hjsolve
 from hjsolve.display.shown import MOST_LINES, WIDEST, Shown, brief
@@ -70,6 +71,15 @@ def test_what_is_long_is_cut_and_counted() -> None:
     assert brief(tuple(range(100)), 80) == "(0, 1, 2, 3, 4, 5, … 100 in all)"
     assert len(brief("x" * 500, 40)) == 40
     assert brief({"r": hjsolve.Estimate(2.5, 1e-3)}, 40) == "{r: 2.5000(11)}"
+    assert brief((sp.Rational(0.1), sp.Rational(1, 3), sp.Rational(1, 8)), 80) == "(0.1, 1/3, 1/8)"
+    assert brief(sp.Rational(1, 10**9), 40) == "1/1000000000"
+    assert brief(-2 + 3 / (1 + 3 * sp.cos(sp.Rational(0.3)) ** 2), 80) == "-2 + 3/(1 + 3*cos(0.3)**2)"
+    assert brief(sp.sqrt(2) / 2, 40) == "sqrt(2)/2"
+    x = sp.Symbol("x")
+    assert brief((sp.Rational(-0.1), x + sp.Rational(0.3)), 80) == "(-0.1, x + 0.3)"
+    assert brief(x**10001 / 16384, 40) == "x**10001/16384"
+    assert brief(sp.Rational(10**400, 10**5 + 3), 40) == "1" + "0" * 37 + " …"
+    assert brief(sp.Rational(5e-324), 40) == "5e-324"
 
 
 @pytest.mark.parametrize("name", ["kepler-planar", "kerr", "top-of-nothing"])

@@ -266,3 +266,22 @@ def test_e_keeps_its_digits_next_to_the_separatrix(zeros):
         found, turned = own["elliptic_e"](m), own["elliptic_e"](mpf(-5), m)
     assert abs(exact.mpf(found) - exact.ellipe(exact.mpf(m))) < 1e-59
     assert abs(exact.mpf(turned) - exact.ellipe(exact.mpf(-5), exact.mpf(m))) < 1e-58
+
+
+@pytest.mark.parametrize("away", ["1/3", "1/1000000000000"])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_doubles_keep_a_whole_integral_where_a_pole_is_beside_a_root(away, side):
+    """Next to a complex pair: all that grows is the half turn π/√(−P(ρ)), apart from the rest."""
+    rng, away = random.Random(5), sp.Rational(away)
+    for _ in range(6):
+        low, high = sorted((number(rng), number(rng) + sp.Rational(1, 13)))
+        P = BranchPoints(-1, (low, high), ((number(rng), abs(number(rng)) + sp.Rational(1, 3)),))
+        pole = high + away if side > 0 else low - away
+        at = dict(zip(sp.symbols("a:d"), (low, high, *P.pairs[0]), strict=True))
+        x = sp.Symbol("x")
+        named = BranchPoints(-1, tuple(at)[:2], (tuple(at)[2:],), sp.Poly(P.value(x), x))
+        R = PartialFractions((), ((pole, 1, sp.S.One),))
+        form = complete(R, named, (0, 1), lambda _: -side)
+        got = sp.lambdify(list(at), sp.N(form, 17), modules=modules("numpy"))(*map(float, at.values()))
+        exact = sp.N(complete(R, P, (0, 1)), 30)
+        assert abs(got - exact) <= 64 * np.spacing(abs(float(exact)))

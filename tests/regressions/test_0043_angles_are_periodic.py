@@ -42,6 +42,15 @@ def test_a_number_of_waves_is_accepted_where_its_value_or_its_declaration_makes_
         system("cos(n*a)", n=parameter("n", "1/2", assume="integer"))
 
 
+def test_only_a_letter_that_would_help_is_to_be_declared_integer():
+    with pytest.raises(hjsolve.InvalidSystemError, match="declare n integer"):
+        system("k*cos(n*(a - b))", k=None, b=None, n=None)
+    for spring in ("k*(a - b)**2/2", "k*cos(b*a/2)"):
+        with pytest.raises(hjsolve.InvalidSystemError) as refused:
+            system(spring, k=None, b=None)
+        assert "integer" not in str(refused.value)
+
+
 def test_other_values_given_later_are_held_to_the_same():
     waves = system("cos(n*a)", n=2)
     with pytest.raises(hjsolve.InvalidSystemError, match="not 2"):

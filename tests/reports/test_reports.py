@@ -20,9 +20,9 @@ import hjsolve
 from hjsolve.reports.content import Material, document, gather
 from hjsolve.reports.document import Document
 from hjsolve.reports.drawings import orbit_paths, phase_portrait
-from hjsolve.reports.drawings.axis_ticks import ticks
 from hjsolve.reports.drawings.cartesian_picture import embedding, place
 from hjsolve.reports.drawings.effective_potential import effective_potential_of
+from hjsolve.reports.drawings.svg import ticks
 from hjsolve.reports.formats.html import html_page as write_html
 from hjsolve.reports.formats.json_format import json_text
 from hjsolve.reports.formats.latex_document import tex

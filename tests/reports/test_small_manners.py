@@ -1,5 +1,6 @@
 """Small things a reader sees at once: letters in italics, numbers typeset, columns that say something, exact places."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -121,3 +122,14 @@ def test_a_squared_momentum_is_read_as_2m_times_energy_less_potential(name: str,
     shown = compact(square, solution.constants["E"].symbol)
     assert plain(box(shown)) == words
     assert sp.simplify(shown - square) == 0
+
+
+def test_a_double_is_written_as_it_was_typed(tmp_path: Path) -> None:
+    own = hjsolve.System({"x": "line"}, "m/2*dot(x)**2", "m*g*x + k*x**2/2", {"m": 0.3, "g": 9.81, "k": "27/10"})
+    start = {"q": {"x": 0.1}, "velocity": {"x": "7/9"}}
+    text = hjsolve.report(own, tmp_path / "own.txt", initial=start, brief=True).read_text(encoding="utf-8")
+    text = " ".join(text.split())
+    assert "With m = 0.3 (double), g = 9.81 (double), k = 27/10." in text
+    assert "0.1 (double)" in text
+    assert "from 1 quadrature node at most" in text
+    assert not re.search(r"\d{12}/\d{12}", text)

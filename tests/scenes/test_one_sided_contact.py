@@ -294,3 +294,17 @@ def test_what_cannot_be_a_contact_is_refused(change: dict[str, Any], message: st
     start = {"q": {"x": 0, "y": 2}, "velocity": {"x": 1, "y": 0}, "constraints": OUTSIDE}
     with pytest.raises(hjsolve.InvalidInputError, match=message):
         hjsolve.contact(BALL, **{**start, **change})
+
+
+def test_a_particle_leaves_an_ellipse_where_the_cubic_of_its_sine_says() -> None:
+    """On x = 2 cos u, y = sin u: λ ∝ g sin u − u̇², so that 3 s³ + 3 s = 2E/mg at s = sin u; t = ∫ du/u̇."""
+    found = hjsolve.contact(
+        BALL, q={"x": 0, "y": 1}, velocity={"x": "1/2", "y": 0}, constraints=["x**2/4 + y**2 >= 1"], digits=30
+    )
+    assert found.proved
+    with mp.workdps(40):
+        E = mp.mpf("2.125")  # over m; g = 2
+        s = mp.findroot(lambda s: 3 * s**3 + 3 * s - E, 0.5)
+        time = mp.quad(lambda u: mp.sqrt((1 + 3 * mp.sin(u) ** 2) / (2 * (E - 2 * mp.sin(u)))), [mp.asin(s), mp.pi / 2])
+        assert abs(found.q["y"].value / s - 1) < 1e-28
+        assert abs(found.time.value / time - 1) < 1e-28

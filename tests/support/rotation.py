@@ -12,6 +12,8 @@ Four marks leave cases to the night (they are marked ``nightly``, which ``addopt
 ``pytestmark = pytest.mark.rotating_file(n)``
     About n of all tests of a file run, chosen alike.
 
+Of the slowest tests, those of ``slow_tests.txt``, one in four runs.
+
 The rotation is a whole number N. Parts are numbered, and part N modulo their number runs, so that the rotations 0, 1, 2, …
 run every case. N comes from the commit, or from ``--rotation=N``, which runs the part of a run that failed again;
 ``--rotation=-1`` runs every part.
@@ -27,6 +29,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import pytest
+
+from tests.support import slow_tests
 
 ROOT = Path(__file__).resolve().parents[2]
 EVERY = -1
@@ -81,6 +85,9 @@ def leave_the_rest(items: list[pytest.Item], rotation: int) -> None:
         if item.nodeid.partition("[")[2][:-1] in slow:
             item.add_marker(pytest.mark.nightly)
         if item.get_closest_marker("nightly") or rotation == EVERY:
+            continue
+        if slow_tests.left_out(item.nodeid, rotation):
+            item.add_marker(pytest.mark.nightly)
             continue
         if item.get_closest_marker("entries") and entry_of(item.nodeid) not in {None, *chosen}:
             item.add_marker(pytest.mark.nightly)

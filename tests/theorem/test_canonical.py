@@ -166,6 +166,18 @@ def test_a_map_of_the_book(name: str) -> None:
             assert abs(sp.N(check.subs(point), 30, chop=True)) < 1e-25, (name, check)
 
 
+@pytest.mark.nightly
+def test_a_valence_is_a_constant_even_where_its_formula_does_not_look_so() -> None:
+    """Goldstein, Poole and Safko, Classical Mechanics (2002), problem 9.4: (Q, P) = (√q + q cos p)/(√q (1 + √q cos p))."""
+    root = "(1 + sqrt(q)*cos(p))"
+    answer = hjsolve.canonical({"Q": f"log{root}", "P": f"2*{root}*sqrt(q)*sin(p)"}, domains={"q": "0 < q"})
+    assert answer.valence == 1
+    twice = hjsolve.canonical(
+        {"Q": f"log{root}", "P": f"6*k*{root}*sqrt(q)*sin(p)"}, domains={"q": "0 < q"}, parameters="k"
+    )
+    assert str(twice.valence) == "3*k"
+
+
 WRONG = {
     "a bracket of two coordinates": ({"Q1": "q1", "Q2": "q2 + p1", "P1": "p1", "P2": "p2"}, "brackets"),
     "a bracket with another momentum": ({"Q1": "q1 + q2", "Q2": "q2", "P1": "p1", "P2": "p2"}, "brackets"),
@@ -195,6 +207,7 @@ def test_a_map_that_is_not_canonical(name: str) -> None:
     ({"map": {"Q": "q", "P": "x"}}, "x"),
     ({"map": {"Q": "q", "P": "p"}, "domains": {"x": "0 < x"}}, "not one of"),
     ({"map": {"Q": "q", "P": "p"}, "coordinates": {"q": "q"}}, "two variables"),
+    ({"map": {"Q": "q", "P": "p"}, "coordinates": {"q": "0 < q"}}, '"0 < q" belongs in domains'),
     ({"generating": {"F5": "q*Q"}}, "F1, F2, F3, F4"),
     ({"generating": {"F1": "q*P"}}, "P"),
     ({"generating": {"F2": "q + P"}}, "could not be solved"),

@@ -214,6 +214,10 @@ def test_a_lower_limit_and_sympys_integral() -> None:
     x, xi, E, m, k = sp.symbols("x xi E m k")
     W = sp.Integral(sp.sqrt(2 * m * E - m * k * xi**2), (xi, sp.sqrt(2 * E / k), x))
     assert isinstance(hjsolve.verify(OSCILLATOR, W=W, constants="E"), hjsolve.CompleteIntegral)
+    for text in ("Integral(sqrt(2*m*E - m*k*x**2), (x, 0, x))", "integrate(sqrt(2*m*E - m*k*x**2), x)"):
+        assert isinstance(hjsolve.verify(OSCILLATOR, W=text, constants="E"), hjsolve.CompleteIntegral)
+    with pytest.raises(hjsolve.ExpressionError, match="its upper limit is q, not 1"):
+        hjsolve.verify(OSCILLATOR, W="Integral(sqrt(2*m*E - m*k*x**2), (x, 0, 1))", constants="E")
 
 
 MOMENTA = {

@@ -60,7 +60,7 @@ class Interpolation:
         varied = [[j for j in range(self.letters) if depends[j][k]] for k in range(len(origin))]
         axes = [self._degrees(self._axis(j), depends[j], origin) for j in range(self.letters)]
         several = [len(letters) > 1 for letters in varied]
-        line = [tuple((a + t * b) % self.prime for a, b in zip(self.here, start, strict=True)) for t in _STEPS]
+        line = [tuple((a + t * b) % self.prime for a, b in zip(self.here, start, strict=True)) for t in _LINE_STEPS]
         total = self._degrees(line, several, origin)
         if total is None or any(axis is None for axis in axes):
             return None
@@ -82,7 +82,7 @@ class Interpolation:
         return result
 
     def _axis(self, j: int) -> list[Point]:
-        return [(*self.here[:j], (self.here[j] + t) % self.prime, *self.here[j + 1 :]) for t in _STEPS]
+        return [(*self.here[:j], (self.here[j] + t) % self.prime, *self.here[j + 1 :]) for t in _LINE_STEPS]
 
     def _depends(self, j: int, origin: Values) -> list[bool]:
         return [a != b for a, b in zip(self._value(self._axis(j)[0]), origin, strict=True)]
@@ -92,7 +92,7 @@ class Interpolation:
         result = [(0, 0)] * len(origin)
         left = [k for k, w in enumerate(wanted) if w]
         t, rows = [0], [origin]
-        for place, step in zip(line, _STEPS, strict=True):
+        for place, step in zip(line, _LINE_STEPS, strict=True):
             if not left:
                 return result
             t, rows = [*t, step], [*rows, self._value(place)]
@@ -119,7 +119,7 @@ class Interpolation:
         return None if kernel is None else _reconstructed(kernel, top, bottom, p)
 
 
-_STEPS = tuple(range(1, 2 * _MOST_DEGREE + 4))
+_LINE_STEPS = tuple(range(1, 2 * _MOST_DEGREE + 4))
 
 
 def _monomials(letters: int, inside: Sequence[int], own: Sequence[int], most: int) -> list[Point]:

@@ -12,11 +12,12 @@ import numpy as np
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.machine.writer import MachineCode
 from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset
 from hjsolve.ensembles.engine.programs import sides
 
 _TRIALS = np.linspace(0.0, 1.0, 65)
-"""Where a barrier is looked for between the start and a turning point, as shares of the distance."""
+"""Where a barrier is looked for between the start and a turning point, as fractions of the distance."""
 _BRACKET_HALVINGS = 60
 """Of a bracket of a turning point, until it is two neighbouring doubles."""
 
@@ -41,11 +42,11 @@ def before_barriers(one: CoordinateOfOrbits, places: Reals) -> tuple[Integers, R
             negative = seen.reshape(trials.shape)[:, 1:-1] < 0
             behind = np.flatnonzero(negative.any(axis=1))
             first = np.argmax(negative[behind], axis=1) + 1
-            inner, outer = trials[behind, first - 1], trials[behind, first]
-            for _ in range(_BRACKET_HALVINGS):
-                middle = 0.5 * (inner + outer)
-                beyond = _squares(one, view.slopes, middle, behind) < 0
-                inner, outer = np.where(beyond, inner, middle), np.where(beyond, middle, outer)
+            bracket = trials[behind, first - 1], trials[behind, first]
+            inner, _ = bisected(
+                lambda x: ~(_squares(one, view.slopes, x, behind) < 0),  # noqa: B023 (called at once)
+                *bracket, _BRACKET_HALVINGS,
+            )  # fmt: skip
         places[upper, behind], moved[behind] = inner, True
     return np.flatnonzero(moved), places[:, moved]
 

@@ -318,7 +318,7 @@ def _exactly(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, list[Reals], 
     C = np.concatenate([one.constants, one.low])
     bases, distances, bends = [], [], ends.bends.copy()
     for k, (formula, x) in enumerate(zip(sides(one.coordinate), (placed.lower, placed.upper), strict=True)):
-        base, slope, step = _refined(one, k, x, C)
+        base, slope, step = in_two_doubles(one, k, x)
         s, e = two_sum(one.q, -formula.origin.high)
         here = Pair(formula.sign * s, formula.sign * (e - formula.origin.low))
         with np.errstate(all="ignore"):
@@ -348,14 +348,21 @@ def _in_doubles(one: CoordinateOfOrbits) -> Reals:
     return one.uncertainty + np.maximum(one.uncertainty - np.abs(one.low), 0.0) * 2.0**44
 
 
-def _refined(one: CoordinateOfOrbits, side: int, x: Reals, C: Reals) -> tuple[Pair, Reals, Reals]:
-    """Return turning points to 32 digits by Newton's method with F′ in doubles, F′ there, and the last step."""
+def in_two_doubles(one: CoordinateOfOrbits, side: int, x: Reals, steps: int = _NEWTON) -> tuple[Pair, Reals, Reals]:
+    """Return turning points to 32 digits by Newton's method with F′ in doubles, F′ there, and the last step.
+
+    Args:
+        one: the coordinate.
+        side: 0 for lower ones, 1 for upper ones.
+        x: offsets in doubles in the view of that side, shape (n,).
+        steps: of Newton's method.
+    """
     slopes, squares = one.programs.views[side].slopes, one.programs.exact[side].squares
     with np.errstate(all="ignore"):
         _, slope = run_rows(slopes, one.parameters, np.stack([x, *one.constants]))
         base = Pair(x, 0.0 * x)
-        for _ in range(_NEWTON):
-            (f,) = run_rows(squares, one.parameters, np.stack([*base, *C]))
+        for _ in range(steps):
+            (f,) = run_rows(squares, one.parameters, np.stack([*base, *one.constants, *one.low]))
             step = f / slope
             base = DoubleDouble().sub(base, Pair(step, 0.0 * step))
             _, slope = run_rows(slopes, one.parameters, np.stack([base.high, *one.constants]))

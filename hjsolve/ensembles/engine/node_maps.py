@@ -271,7 +271,7 @@ def _barrier_top(key: NodeMap, χ: Pair) -> _Placed:
 
 
 def _divided(key: NodeMap) -> tuple[Integers, Reals]:
-    """How many nodes of every size are seen from below, in every share; and the farthest that is, seen from either end.
+    """How many nodes of every size are seen from below, in every part; and the farthest that is, seen from either end.
 
     Whole vectors are, where that moves no more than a few nodes.
     """

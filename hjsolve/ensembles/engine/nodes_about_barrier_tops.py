@@ -23,6 +23,7 @@ import numpy as np
 
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.arithmetic.root_finding import stationary_places
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, place, squares
 from hjsolve.ensembles.engine.kernels.crowding import BARRIER_TOP
 from hjsolve.ensembles.engine.nodes import MOST_LEVEL
@@ -66,12 +67,11 @@ def barrier_tops(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> Barrier
         orbit, point = np.nonzero(valley)
         some = one.take(orbit)
         x, W = grid[orbit, point], width[orbit]
-        fine = np.ones(len(orbit), dtype=bool)
-        for _ in range(_NEWTON_STEPS):
-            _, slope, bend = run_rows(code, one.parameters, np.stack([x, *some.constants]))
-            step = slope / bend
-            fine &= (bend > 0) & (np.abs(step) < _FARTHEST_STEP * W)
-            x = np.where(fine, x - step, x)
+
+        def jet(x: Reals) -> Reals:
+            return run_rows(code, one.parameters, np.stack([x, *some.constants]))
+
+        x, fine, bend = stationary_places(jet, x, _FARTHEST_STEP * W, _NEWTON_STEPS)
         gap = np.sqrt(2 * squares(some, place(formula, x)) / bend)
         low = sign * (x - lower[orbit]) / W
         gap = gap / (2 * W * low * (1 - low))
@@ -84,7 +84,7 @@ def singular_pairs(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> Barri
     radius, sign = formula.clearance.radius, formula.sign
 
     def clear(fractions: Reals) -> Reals:
-        """Return the clearance at some shares of each motion, over its width."""
+        """Return the clearance at some fractions of each motion, over its width."""
         return radius(lower[:, None] + sign * width[:, None] * fractions) / width[:, None]
 
     if formula.clearance.table() is None:

@@ -14,6 +14,7 @@ from functools import cache
 import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.arithmetic.root_finding import stationary_places
 from hjsolve.ensembles.engine.nodes import MOST_LEVEL
 from hjsolve.ensembles.engine.turned_circle import reach
 from hjsolve.one_coordinate.barriers import EQUAL_BARRIERS, barrier_order
@@ -87,13 +88,8 @@ def slow_places(jet: Jet, values: Reals, grid: Reals) -> SlowPlaces:
 
 def _refined(jet: Jet, place: Reals) -> tuple[Reals, Reals, Reals]:
     """Return a place where F is least, the distance √(2F/F″) of zeros from the real line, NaN for none near, and F."""
-    going = np.ones(len(place), dtype=bool)
+    place, going, _ = stationary_places(jet, place, _FARTHEST_STEP, 8)
     with np.errstate(all="ignore"):
-        for _ in range(8):
-            _, first, second = jet(place)
-            step = first / second
-            going &= (second > 0) & (np.abs(step) < _FARTHEST_STEP)
-            place = np.where(going, place - step, place)
         value, _, second = jet(place)
         gap = np.sqrt(2 * value / second)
     return place, np.where(going & np.isfinite(gap), gap, np.nan), value

@@ -24,9 +24,9 @@ from hjsolve.ensembles.to_states.tori import APPROXIMATE, DOUBLES, EXACT, Action
 ROUNDS, SOON = 60, 9
 """Evaluations of J; and those of orbits that have another start to try."""
 _SHORT_OF = 0.9
-"""The share of a step that is tried where the whole one makes nothing better."""
+"""The fraction of a step that is tried where the whole one makes nothing better."""
 _LEAST_STEP = 2.0**-12
-"""The share of a step below which an orbit is given up."""
+"""The fraction of a step below which an orbit is given up."""
 _CLOSE, _FALLS = 8 * EPS, 0.25
 """Relative residual at which an orbit is done, and the part of a step by which it has to fall (Armijo's rule)."""
 _FAR = 0.1
@@ -37,7 +37,7 @@ _FORESEEN, _KNOWN = 16.0, (0.0, 1e-13, 1e-11)
 """By how much what the last step leaves is taken larger than κ r²; and errors of J, rough, in doubles and to
 32 digits, up to which it is the last."""
 _ROUGHLY, _APPROXIMATE_FRACTION = 1e-8, 0.5
-"""Residual of rough integrals, as it is foreseen, and share of a step, below which they are left."""
+"""Residual of rough integrals, as it is foreseen, and fraction of a step, below which they are left."""
 _SETTLED = 1e-10
 """Residual below which a step that makes nothing better ends the search."""
 _ACTION_OF_REST = 2.0**-80

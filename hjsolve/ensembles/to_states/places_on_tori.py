@@ -19,6 +19,7 @@ from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place, squares
 from hjsolve.ensembles.engine.kernels.followed_librations import moved_ends
 from hjsolve.ensembles.engine.kernels.types import Modes
+from hjsolve.ensembles.engine.librating import in_two_doubles
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import SystemPrograms, sides
@@ -169,18 +170,9 @@ def refined(task: AngleTask, tori: Tori, k: int, places: Reals, steps: int = _PA
         places: lower and upper turning points in doubles, shape (2, n).
         steps: of Newton's method.
     """
-    D, one, rows = DoubleDouble(), coordinate_at(*task, tori, k), []
-    for side, formula in enumerate(sides(one.coordinate)):
-        base = Pair(offset(formula, places[side]), 0.0 * places[side])
-        view, exact = one.programs.views[side], one.programs.exact[side]
-        with np.errstate(all="ignore"):
-            for _ in range(steps):
-                (F,) = run_rows(exact.squares, one.parameters, np.stack([*base, *one.constants, *one.low]))
-                slope = run_rows(view.slopes, one.parameters, np.stack([base.high, *one.constants]))[1]
-                step = F / slope
-                base = D.sub(base, Pair(step, 0.0 * step))
-        rows += [base.high, base.low]
-    return np.stack(rows)
+    one = coordinate_at(*task, tori, k)
+    starts = [offset(formula, x) for formula, x in zip(sides(one.coordinate), places, strict=True)]
+    return np.concatenate([in_two_doubles(one, side, x, steps)[0] for side, x in enumerate(starts)])
 
 
 def width_of(task: AngleTask, k: int, bases: Reals) -> Reals:

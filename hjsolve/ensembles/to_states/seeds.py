@@ -25,7 +25,7 @@ from hjsolve.ensembles.to_states.tori import ALONE, Actions, Tori, joined
 _SEEDS = 1500
 """How many states are tried."""
 _CENTRAL = 0.7
-"""The share of them from the middle third of the scales of a coordinate."""
+"""The fraction of them from the middle third of the scales of a coordinate."""
 _SMALL = 0.02
 """Actions below this part of the sum of all are distinguished by their differences, larger ones by their ratios."""
 _EQUILIBRIUM = -700.0

@@ -31,7 +31,7 @@ _ROUNDING = 16 * EPS
 
 
 _ROUNDS, _LEAST_STEP = 60, 2.0**-20
-"""Evaluations of θ, and the share of a step below which an orbit is given up."""
+"""Evaluations of θ, and the fraction of a step below which an orbit is given up."""
 _LONGEST = 0.5
 """Radians that a phase moves in one step, at most."""
 _CLOSE, _SETTLED = 4e-15, 1e-9

@@ -32,7 +32,7 @@ _QUOTIENT_STEPS = 2
 """Steps of Newton's method for turning points that moved by as much."""
 _LEAST_ANGLE = 2.0**-53
 """Radians of θ of a libration, by which the lower turning point is missed."""
-_SAFETY = 2.0
+_SAFETY_OF_QUOTIENTS = 2.0
 """By which difference quotients are enlarged."""
 
 
@@ -130,7 +130,7 @@ def _quotients(
             other = placed(task, own, among, φ[:, loose])
             here_ = plain if roughly else (found.separated, found.ignorable)
             turned, rows = (wrapped(x - y[:, loose]) for x, y in zip(angles, here_, strict=True))
-            turn, factor = times(back[loose], turned), _SAFETY * spread[k, loose] / change[k]
+            turn, factor = times(back[loose], turned), _SAFETY_OF_QUOTIENTS * spread[k, loose] / change[k]
             q = other.q - at.q[:, loose] - at.moves[:, loose] * turn
             P = other.P - at.P[:, loose] - at.forces[:, loose] * turn
             for whole, part in zip(moved, (q, P, rows), strict=True):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import sympy as sp
 
@@ -24,11 +25,17 @@ class BranchPoints:
         leading: the leading coefficient; its sign follows from the interval and the roots.
         real: real roots in ascending order.
         pairs: complex pairs α ± iβ as (α, β), β > 0.
+        polynomial: P in powers of x, where it is known: at a place it may be shorter than the product.
+        distances: real root → its distance from the complex pair, by a name.
+        complement: k′ of the integrals between two real roots and beside a pair, by a name.
     """
 
     leading: sp.Expr
     real: tuple[sp.Expr, ...]
     pairs: tuple[tuple[sp.Expr, sp.Expr], ...] = ()
+    polynomial: sp.Poly | None = None
+    distances: Mapping[sp.Expr, sp.Expr] = field(default_factory=dict)
+    complement: sp.Expr | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "leading", sp.sympify(self.leading))
@@ -44,6 +51,17 @@ class BranchPoints:
         """P(x)."""
         factors = [x - r for r in self.real] + [(x - α) ** 2 + β**2 for α, β in self.pairs]
         return sp.Mul(self.leading, *factors)
+
+    def at_pole(self, place: sp.Expr) -> sp.Expr:
+        """P at the place of a pole."""
+        return self.value(place) if self.polynomial is None else sp.factor(self.polynomial.eval(place))
+
+    def distance(self, place: sp.Expr) -> sp.Expr:
+        """Return the distance of a place from the complex pair."""
+        if place in self.distances:
+            return self.distances[place]
+        α, β = self.pairs[0]
+        return sp.sqrt((place - α) ** 2 + β**2)
 
     def taylor(self, place: sp.Expr) -> list[sp.Expr]:
         """Return the coefficients of P in powers of x − place; the first is exactly zero at a real root."""

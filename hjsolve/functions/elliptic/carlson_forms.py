@@ -28,6 +28,7 @@ import sympy as sp
 
 from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
 from hjsolve.functions.complex_pole import CarlsonRCIm, CarlsonRCRe, CarlsonRJIm, CarlsonRJRe, Parts, divided, times
+from hjsolve.functions.elliptic.between_two_roots import Side, kinds_between_two_roots
 from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, PartialFractions
 from hjsolve.functions.elliptic.moments import (
     INFINITY,
@@ -39,19 +40,28 @@ from hjsolve.functions.elliptic.moments import (
 )
 
 
-def complete(R: PartialFractions, P: BranchPoints, interval: Interval) -> sp.Expr:
+def complete(R: PartialFractions, P: BranchPoints, interval: Interval, side: Side | None = None) -> sp.Expr:
     """∫ R dx/√P over the whole interval.
 
     Args:
         R: the rational function.
         P: the branch points.
+        interval: where.
+        side: real pole ↦ the sign of x − ρ on the interval; None where poles and roots are numbers.
 
     Raises:
         NoForm: it diverges, or no form is known here; the text says why.
     """
     refuse(R, P, complex_poles=True)
     path = whole_path(P, interval)
-    return first_and_other_kinds(R, path, _kinds(path))
+    if not P.pairs or None in interval:
+        return first_and_other_kinds(R, path, _kinds(path))
+
+    def of_numbers(place: sp.Expr) -> int:
+        return 1 if place < path.e else -1
+
+    kinds = kinds_between_two_roots(path, side or of_numbers, partial(_complex_third, path))
+    return first_and_other_kinds(R, path, kinds)
 
 
 def incomplete(R: PartialFractions, P: BranchPoints, interval: Interval, x: sp.Expr, start: str) -> sp.Expr:
@@ -83,8 +93,7 @@ class _Pair:
 
     def distance(self, place: sp.Expr) -> sp.Expr:
         """|place − (α + iβ)|."""
-        α, β = self.pair
-        return sp.sqrt((place - α) ** 2 + β**2)
+        return self.path.P.distance(place)
 
     def κ(self, place: sp.Expr | None) -> sp.Expr:
         """|v(place) − v₁|/S²."""
@@ -179,8 +188,6 @@ def _at_other_end(path: IntegrationPath, r: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     part = CarlsonRD(pair.a2, pair.z2[1], pair.z2[0])
     regular = (4 * path.S * (pair.z2[0] - pair.a2) * part / sp.sqrt(path.q) - 3 * first) / (3 * pair.κ(r))
     inverse = (first - path.σ / h * regular) / h
-    if path.whole:
-        return sp.S.Zero, inverse
     x = path.x
     root = sp.sqrt(path.P.leading * (x - path.e) * (x - r))
     return path.σ * root * (x + r - 2 * α) / (pair.distance(x) + pair.distance(r)), inverse

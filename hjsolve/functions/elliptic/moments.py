@@ -91,12 +91,14 @@ class Kinds:
         at_other_end: for a quartic whose only other real root r is the end of the interval: r ↦ √P/(x − r) and
             ∫ dx/((x − r)√P), without what is infinite in each and cancels between them; None where it is not needed.
         complex_third: the same as ``third`` of a complex place; None where it is not known.
+        pole: ∫ dx/((x − place)√P) of a real pole; None where it is that of ``third``.
     """
 
     first: sp.Expr
     third: Callable[[sp.Expr | None], sp.Expr]
     at_other_end: Callable[[sp.Expr], tuple[sp.Expr, sp.Expr]] | None = None
     complex_third: Callable[[Parts], Parts] | None = None
+    pole: Callable[[sp.Expr], sp.Expr] | None = None
 
 
 def first_and_other_kinds(R: PartialFractions, path: IntegrationPath, kinds: Kinds) -> sp.Expr:
@@ -209,6 +211,8 @@ class _Moments:
         path = self.path
         if place in {path.P.real[k] for k in path.interval if k is not None}:
             raise NoForm("the integrand has a pole at an end of the interval")
+        if m == 1 and self.kinds.pole is not None and place not in path.P.real:
+            return self.kinds.pole(place)
         if m == 1:
             h = path.e - place
             return (self.zeroth - path.σ / h * self.kinds.third(place)) / h

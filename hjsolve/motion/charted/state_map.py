@@ -19,7 +19,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.number_types import AtTimes, Mpf, Numbers, Reals
-from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.arithmetic.running_error import SECOND_ORDER, RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.coordinates.chart import Chart
 from hjsolve.motion.charted.curvilinear_states import bounds_in_users_coordinates, in_users_coordinates
@@ -30,7 +30,6 @@ from hjsolve.motion.state import Errors, State
 
 Made = tuple[Tape, tuple[sp.Symbol, ...]]
 """The formulas, and the parameters that are their last inputs."""
-_SAFETY = 2
 _LOST = 8
 """Where the error of an h² is more than its 8th part, nothing is known of the velocity."""
 
@@ -130,7 +129,7 @@ def _bounds(
     inputs += [WithErrorBound(x, unit * np.abs(x)) for x in numbers]
     with np.errstate(all="ignore"):
         outputs = tape.run(field, inputs)
-        result = [np.broadcast_to(0.0 if x.error is None else _SAFETY * x.error, places[0].shape) for x in outputs]
+        result = [np.broadcast_to(0.0 if x.error is None else SECOND_ORDER * x.error, places[0].shape) for x in outputs]
         n, k = len(chart.original.coordinates), len(chart.outer.place)
         lost = np.zeros(places[0].shape, dtype=bool)
         for h, error in zip(outputs[k + 2 * n :], result[k + 2 * n :], strict=True):

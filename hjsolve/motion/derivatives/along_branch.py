@@ -35,7 +35,7 @@ _STEP = 2.0**-60
 """Of a phase, relative to it, by which the slopes of functions are measured that only serve error bounds."""
 _LEAST = 80
 """At a turning point what is even in y is taken at 2^−80: its limit to 2^−160."""
-_HALVINGS = 24
+_HALVINGS_OF_A_PANEL = 24
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +162,7 @@ def _resolved(variations: BranchVariations, left: Mpf, right: Mpf, degree: int, 
         row = [context.fsum(values) / len(points), *terms]
         lack = float(max(abs(c) for c in row[-3:])) / (largest or 1.0)
         if lack > 10.0 ** (4 - variations.digits):
-            if depth == _HALVINGS:
+            if depth == _HALVINGS_OF_A_PANEL:
                 raise NotConvergedError("the derivatives of the integrals of an open motion did not converge")
             middle = (left + right) / 2
             halves = ((left, middle), (middle, right))

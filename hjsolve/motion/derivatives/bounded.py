@@ -2,7 +2,7 @@
 
 Products carry the errors of their factors to first order, abs(δ(AB)) ≤ abs(δA) abs(B) + abs(A) abs(δB), and a solution
 x of G x = r those of its equations, abs(δx) ≤ abs(G⁻¹) (abs(δr) + abs(δG) abs(x)) (Higham, Accuracy and Stability of
-Numerical Algorithms, 2002, §7.1). What is of second order is covered by the factor ``SAFETY`` of a result.
+Numerical Algorithms, 2002, §7.1). What is of second order is covered by the factor ``SECOND_ORDER`` of a result.
 """
 
 from __future__ import annotations
@@ -15,9 +15,6 @@ from numpy.typing import NDArray
 
 from hjsolve.arithmetic.number_types import Context, Reals
 from hjsolve.errors import NotConvergedError
-
-SAFETY = 2.0
-"""By which errors carried to first order are multiplied when a number is given."""
 
 
 @dataclass(frozen=True, eq=False)

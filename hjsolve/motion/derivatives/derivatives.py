@@ -10,13 +10,14 @@ import numpy as np
 from hjsolve import arguments
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import AtTimes, Mpf, Numbers, Reals
+from hjsolve.arithmetic.running_error import SECOND_ORDER
 from hjsolve.errors import InvalidInputError, required
 from hjsolve.motion.derivative_values import DEPENDENT, NOT_ALONE, OK, REMARKS, SQUARE_ROOT, MotionDerivatives
 from hjsolve.motion.derivatives.along_branch import OpenVariations
 from hjsolve.motion.derivatives.along_cycle import CycleVariations
 from hjsolve.motion.derivatives.angle_slopes import angles_by, differentiable_angles, variations
 from hjsolve.motion.derivatives.at_rest import RestVariations
-from hjsolve.motion.derivatives.bounded import SAFETY, Bounded, stacked, zeros
+from hjsolve.motion.derivatives.bounded import Bounded, stacked, zeros
 from hjsolve.motion.derivatives.canonical import ConstantsToState
 from hjsolve.motion.derivatives.in_users_coordinates import UsersCoordinates, users_coordinates
 from hjsolve.motion.derivatives.integrals import MeanMatrix, action_by, has_means, mean_matrix
@@ -98,7 +99,10 @@ class _Collected:
 
     def rounded(self, found: Bounded, shape: tuple[int, ...] | None = ()) -> tuple[AtTimes, AtTimes]:
         """Return a number, or an array of the shape of the times, rounded to the digits asked, with its error."""
-        value, error = np.asarray(found.value, dtype=object), SAFETY * np.asarray(found.error, dtype=float)
+        value, error = (
+            np.asarray(found.value, dtype=object),
+            SECOND_ORDER * np.asarray(found.error, dtype=float),
+        )
         if self.digits <= FLOAT_DIGITS:
             plain = value.astype(float)
             bound = error + EPS * np.abs(plain) / 2

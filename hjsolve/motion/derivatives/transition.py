@@ -12,9 +12,10 @@ import sympy as sp
 from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Numbers, Reals
+from hjsolve.arithmetic.running_error import SECOND_ORDER
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.charted.charted_motion import ChartedMotion
-from hjsolve.motion.derivatives.bounded import SAFETY, Bounded, converted, stacked
+from hjsolve.motion.derivatives.bounded import Bounded, converted, stacked
 from hjsolve.motion.derivatives.canonical import ConstantsToState, StateByConstants, symplectic_inverse
 from hjsolve.motion.derivatives.in_users_coordinates import UsersCoordinates, users_coordinates
 from hjsolve.motion.derivatives.preparation import MORE, prepared
@@ -194,9 +195,9 @@ def rounded(found: Bounded, digits: int, shape: tuple[int, ...] | None) -> Estim
     full = (*(shape or ()), *rest)
     if digits <= FLOAT_DIGITS:
         value = found.value.astype(float)
-        error = SAFETY * found.error + EPS * np.abs(value) / 2
+        error = SECOND_ORDER * found.error + EPS * np.abs(value) / 2
         return EstimateArray(value.reshape(full), error.reshape(full))
     context = multiprecision(bits_for(digits, 16))
     value = converted(found.value, context)
     unit = float(multiprecision(64).mpf(10) ** -digits)
-    return EstimateArray(value.reshape(full), (SAFETY * found.error + unit * found.size).reshape(full))
+    return EstimateArray(value.reshape(full), (SECOND_ORDER * found.error + unit * found.size).reshape(full))

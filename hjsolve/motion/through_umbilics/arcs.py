@@ -21,7 +21,7 @@ from hjsolve.errors import NotConvergedError, required
 from hjsolve.motion.through_umbilics.paths import Path
 
 _MOST_ARCS = 100_000
-_STEPS = 200
+_NEWTON_STEPS = 200
 _LONGEST = 3
 """Of a step of z."""
 
@@ -164,42 +164,45 @@ class _Search:
 
     def alone(self) -> tuple[Mpf | None, Mpf | None]:
         """Return a coordinate that moves while the other one rests."""
-        k = 1 - int(self.arc.rest or 0)
-        c, z, last, longest = self.goal.context, 0 * self.goal, 0 * self.goal, self.goal.context.mpf(_LONGEST)
-        for _ in range(_STEPS):
-            left, slope, *_ = self._clock(k, z)
-            step = -c.log(left / self.goal) * left / slope
-            longest = longest / 2 if step * last < 0 else longest
-            z, last = z + max(min(step, longest), -longest), step
-            if abs(step) <= c.ldexp(1, -self.paths[k].bits // 3):
-                return (z, None) if k == 0 else (None, z)
-        raise _lost()
+        k, c = 1 - int(self.arc.rest or 0), self.goal.context
+
+        def step(z: list[Mpf]) -> list[Mpf]:
+            left, slope, *_ = self._clock(k, z[0])
+            return [-c.log(left / self.goal) * left / slope]
+
+        (z,) = self._found(step, [0 * self.goal], self.paths[k].bits)
+        return (z, None) if k == 0 else (None, z)
 
     def both(self) -> tuple[Mpf, Mpf]:
         """Both coordinates, from the place on the level where the logarithms alone would have them half way."""
-        c, d = self.goal.context, self.arc.directions
-        own = required(self.arc.level) / (4 * self.paths[0].residues[d[0] > 0])
-        z, last, longest = [d[0] * own, -d[1] * own], [0 * own, 0 * own], c.mpf(_LONGEST)
-        for _ in range(_STEPS):
+        c, d, D = self.goal.context, self.arc.directions, required(self.arc.level)
+
+        def step(z: list[Mpf]) -> list[Mpf]:
             rows = [self._clock(k, z[k]) for k in (0, 1)]
-            left, level = rows[0][0] + rows[1][0], rows[0][2] + rows[1][2] - required(self.arc.level)
+            left, level = rows[0][0] + rows[1][0], rows[0][2] + rows[1][2] - D
             off, (p, q), (a, b) = c.log(left / self.goal), (r[1] / left for r in rows), (r[3] for r in rows)
             turn = a * q - b * p
-            step = [(b * off - q * level) / turn, (p * level - a * off) / turn]
-            size = max(abs(s) for s in step)
-            if step[0] * last[0] + step[1] * last[1] < 0:
+            return [(b * off - q * level) / turn, (p * level - a * off) / turn]
+
+        own = D / (4 * self.paths[0].residues[d[0] > 0])
+        one, two = self._found(step, [d[0] * own, -d[1] * own], self.paths[0].bits)
+        return one, two
+
+    def _found(self, step: Callable[[list[Mpf]], list[Mpf]], z: list[Mpf], bits: int) -> list[Mpf]:
+        """Newton's method for one or both; the longest step is halved when steps turn back."""
+        longest, last = self.goal.context.mpf(_LONGEST), [0 * v for v in z]
+        for _ in range(_NEWTON_STEPS):
+            change = step(z)
+            size = max(abs(s) for s in change)
+            if sum(s * t for s, t in zip(change, last, strict=True)) < 0:
                 longest /= 2
-            last = [s * min(1, longest / size) if size else s for s in step]
+            last = [s * min(1, longest / size) if size else s for s in change]
             z = [v + s for v, s in zip(z, last, strict=True)]
-            if size <= c.ldexp(1, -self.paths[0].bits // 3):
-                return z[0], z[1]
-        raise _lost()
-
-
-def _lost() -> NotConvergedError:
-    return NotConvergedError(
-        "a place between two umbilics could not be found; ask for a time a little earlier or later"
-    )
+            if size <= self.goal.context.ldexp(1, -bits // 3):
+                return z
+        raise NotConvergedError(
+            "a place between two umbilics could not be found; ask for a time a little earlier or later"
+        )
 
 
 class Arcs:

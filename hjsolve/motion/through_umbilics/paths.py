@@ -22,7 +22,7 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 
-_FEWEST, _MOST = 32, 4096
+_FEWEST_TERMS, _MOST_TERMS = 32, 4096
 _GUARD = 40
 Row = tuple[Mpf, ...]
 _PROBES = (-0.83, 0.11, 0.67)
@@ -193,8 +193,8 @@ def path_of(coordinate_motion: CoordinatePath, weight: Mpf, digits: int, bits: i
         NotConvergedError: the integrands are too rough.
     """
     context = multiprecision(bits)
-    n = _FEWEST
-    while n <= _MOST:
+    n = _FEWEST_TERMS
+    while n <= _MOST_TERMS:
         x = [context.cos(context.pi * (2 * m + 1) / (2 * n)) for m in range(n)]
         rates = [coordinate_motion.rates(y, weight, bits) for y in x]
         square = [(1 - y) * (1 + y) for y in x]

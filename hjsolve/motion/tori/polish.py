@@ -18,6 +18,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.arithmetic.root_finding import stationary
 from hjsolve.errors import ForbiddenMotionError, NotConvergedError
 from hjsolve.formulas.read import number
 from hjsolve.motion.initial_data import Initial, to_bits
@@ -32,10 +33,10 @@ from hjsolve.solution.quadratures import Solution
 
 _SPARE = 192
 """Bits of the constants beyond the digits asked: near a separatrix or a circle J depends on the last of them."""
-_STEPS, _FALLS = 20, 0.9
+_NEWTON_STEPS, _FALLS = 20, 0.9
 """Steps of Newton's method, and the ratio by which a step must make the residual smaller."""
 _FRACTIONS: tuple[Fraction | int, ...] = (1, Fraction(9, 10), *(Fraction(1, 2**k) for k in range(1, 8)))
-"""The shares of a step that are tried. Next to a separatrix J ~ J₀ + δ ln δ, δ the distance of the constants from it,
+"""Fractions of a step that are tried. Next to a separatrix J ~ J₀ + δ ln δ, δ the distance of the constants from it,
 and Newton's method overshoots it by δ/ln δ: nine tenths of the step stay inside, and leave a twentieth of δ."""
 _ASIDE, _SAME_FAMILY = tuple(Fraction(1, 10**k) for k in (14, 12, 10, 8, 6, 4)), 0.1
 """By which parts of J the search goes aside from constants that doubles do not distinguish from a separatrix, and by
@@ -132,7 +133,7 @@ def polished(goal: Goal, curves: Sequence[RadicandCurve], candidate: Candidate) 
     trial = _tried(goal, curves, κ, tops, kinds, goals, bits)
     if trial is None:
         trial, κ = _aside(goal, curves, candidate, (κ, unknown, tops), (kinds, goals, bits))
-    for _ in range(_STEPS):
+    for _ in range(_NEWTON_STEPS):
         if trial is None:
             break
         size = max(abs(r) / a for r, a in zip(trial.residuals, allowed, strict=True))
@@ -171,7 +172,7 @@ def _aside(
 
 
 def _moved(κ: list[Mpf], unknown: Sequence[int], step: Sequence[Mpf], fraction: Fraction | int) -> list[Mpf]:
-    """Return the constants after a share of a step."""
+    """Return the constants after a fraction of a step."""
     moved = list(κ)
     for j, change in zip(unknown, step, strict=True):
         moved[j] = moved[j] + change * fraction.numerator / fraction.denominator
@@ -182,7 +183,7 @@ def _damped(
     goal: Goal, curves: Sequence[RadicandCurve], move: tuple[list[Mpf], list[int], Sequence[Mpf]], before: _Trial,
     about: tuple[Sequence[str], list[Mpf], list[Mpf], int],
 ) -> tuple[_Trial | None, list[Mpf]]:  # fmt: skip
-    """Return the torus after the longest share of a step that makes the residual less."""
+    """Return the torus after the longest fraction of a step that makes the residual less."""
     (κ, unknown, step), (kinds, goals, allowed, bits) = move, about
     old = max(abs(r) / a for r, a in zip(before.residuals, allowed, strict=True))
     for fraction in _FRACTIONS:
@@ -246,19 +247,14 @@ def _top(curve: RadicandCurve, κ: list[Mpf], top: Mpf, bits: int) -> Mpf:
 
     The place itself where p² has none there.
     """
-    begin, first = top, None
-    for _ in range(12 + bits.bit_length()):
-        _, slope, bend = curve.exactly(top, κ, bits)
-        if not bend < 0:
-            return begin if first is None else top
-        step = -slope / bend
-        first = abs(step) if first is None else first
-        if abs(step) > 2 * first:
-            return begin
-        top = top + step
-        if abs(step) <= abs(top) * top.context.ldexp(1, 8 - bits) or not step:
-            return top
-    return top
+    _, slope, bend = curve.exactly(top, κ, bits)
+    farthest = 4 * abs(slope / bend) if bend < 0 else 0 * top
+    low, high = max(top - farthest, curve.lower), min(top + farthest, curve.upper)
+    place = stationary(
+        lambda q: curve.exactly(q, κ, bits), top, lambda bend, q: bend < 0 and low <= q <= high,
+        lambda q: abs(q) * top.context.ldexp(1, 8 - bits), 12 + bits.bit_length(),
+    )  # fmt: skip
+    return top if place is None else place
 
 
 def between_walls(start: CoordinateStart, walls: tuple[bool, bool], digits: int) -> Located:

@@ -35,7 +35,7 @@ _ROUNDING = 30
 """Bits of the working precision beyond those of J(α₀)."""
 _ATTEMPTS = 4
 """How often the precision is doubled."""
-_STEPS = 3
+_NEWTON_STEPS = 3
 """Most of the steps to the middle of the box, with ∂J/∂α as it was computed; each squares what is open."""
 _WIDER = 2
 """The box over the step that leads to its middle."""
@@ -146,13 +146,13 @@ def _middle(
     """Return constants whose actions are next to those asked, and J − J(α) there: Newton's steps with one matrix."""
     centre, kept, inverse = about
     at = list(centre.constants)
-    for step in range(_STEPS):
+    for step in range(_NEWTON_STEPS):
         cycles = _cycles(motion, curves, at).values()
         lost = [
             exact_ball(J) - certified_means(replace(cycle, wanted=(-1,)), kept)[0]
             for J, cycle in zip(goal.actions, cycles, strict=True)
         ]
-        if step == _STEPS - 1 or all(x.contains(0) for x in lost):
+        if step == _NEWTON_STEPS - 1 or all(x.contains(0) for x in lost):
             break
         for k, j in enumerate(centre.unknown):
             move = sum((inverse[k, i] * x for i, x in enumerate(lost)), flint.arb(0))

@@ -17,6 +17,7 @@ import sympy as sp
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.number_types import Mpf, Reals
+from hjsolve.arithmetic.root_finding import stationary
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.lowering import momentum_squared_tapes, with_plain_exponents
 from hjsolve.motion.initial_data import domain_ends, to_bits
@@ -232,6 +233,7 @@ def place_of_maximum(curve: RadicandCurve, κ: Reals, low: float, high: float) -
 
     Uphill only: next to the interval p² may be greater on the flank of another well, whose cycles are another family.
     """
+    low, high = max(low, curve.lower), min(high, curve.upper)  # a harmonic cycle may be wider than the domain
     margin = (high - low) / 2 or 1e-3 * max(abs(low), 1e-3)
     first, last = max(low - margin, (low + curve.lower) / 2), min(high + margin, (high + curve.upper) / 2)
     if curve.turn:
@@ -249,17 +251,11 @@ def place_of_maximum(curve: RadicandCurve, κ: Reals, low: float, high: float) -
             best += step
     top = float(q[best])
     bottom, ceiling = float(q[max(best - 2, 0)]), float(q[min(best + 2, len(q) - 1)])
-    for _ in range(30):
-        _, slope, bend = curve.bend(top, κ)
-        if not bend < 0:
-            break
-        new = top - slope / bend
-        if not bottom <= new <= ceiling:
-            break
-        if abs(new - top) <= max(1e-16 * abs(top), 1e-9 * (high - low)):
-            return new
-        top = new
-    return top
+    place = stationary(
+        lambda q: curve.bend(q, κ), top, lambda bend, q: bend < 0 and bottom <= q <= ceiling,
+        lambda q: max(1e-16 * abs(q), 1e-9 * (high - low)), 30,
+    )  # fmt: skip
+    return top if place is None else place
 
 
 def _turning_point(curve: RadicandCurve, κ: Reals, top: float, side: int) -> float | None:

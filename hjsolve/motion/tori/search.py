@@ -16,6 +16,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.tori.radicand_curve import Cycle, RadicandCurve, cycle_near
@@ -29,7 +30,7 @@ _WELLS = 4
 """How many wells of one family are looked for."""
 _AROUND, _FINE = 10.0, 4000
 """How far beyond the action asked ranges of actions are looked at, and nodes of the actions at their ends."""
-_STEPS, _HALVINGS, _CLOSE = 60, 8, 1e-11
+_NEWTON_STEPS, _HALVINGS_OF_A_STEP, _CLOSE = 60, 8, 1e-11
 """Steps of Newton's method and halvings of each, and the relative residual at which it ends."""
 
 
@@ -277,7 +278,7 @@ def _newton(
     cycles = _cycles(curves, κ, intervals, kinds, goals)
     if cycles is None:
         return None
-    for _ in range(_STEPS):
+    for _ in range(_NEWTON_STEPS):
         residual = goals - np.array([c.action for c in cycles])
         now = float(np.max(np.abs(residual) / size))
         if now < _CLOSE:
@@ -287,7 +288,7 @@ def _newton(
         except np.linalg.LinAlgError:
             return None
         wells = [(c.low, c.high) for c in cycles]
-        for halving in range(_HALVINGS):
+        for halving in range(_HALVINGS_OF_A_STEP):
             trial = κ.copy()
             trial[wanted.unknown] += step * 2.0**-halving
             new = _cycles(curves, trial, wells, kinds, goals)
@@ -466,18 +467,20 @@ def _action_at_the_end(
     if not len(beyond):
         return np.inf if side > 0 else 0.0
     outside = float(side * np.min(side * beyond))
-    for _ in range(_STEPS):
-        middle = (inside + outside) / 2
+
+    def belongs(middle: float) -> bool:
+        nonlocal low, high
         trial = κ.copy()
         trial[unknown] = middle
         within = np.where((grid >= low) & (grid <= high), np.nan_to_num(curve.value(grid, trial), nan=-np.inf), -np.inf)
         at = np.array([int(np.clip(np.argmax(within), 1, len(grid) - 2))])
         run = _runs(curve, trial[:, None], at)
-        if run.bounded[0] and run.round[0] == own.round[0] and run.maxima[0] == own.maxima[0]:
-            inside, low, high = middle, float(run.low[0]), float(run.high[0])
-        else:
-            outside = middle
-    κ[unknown] = inside
+        if not (run.bounded[0] and run.round[0] == own.round[0] and run.maxima[0] == own.maxima[0]):
+            return False
+        low, high = float(run.low[0]), float(run.high[0])
+        return True
+
+    κ[unknown] = bisected(belongs, inside, outside, _NEWTON_STEPS)[0]
     if own.round[0]:
         low, high = float(grid[0]), float(grid[0]) + curve.turn
     # next to a barrier: between samples that are outside, whatever lies beyond the barrier

@@ -48,7 +48,7 @@ def drawn_level(frame: DrawingFrame, x: Array, y: Array, values: Array, level: f
 
 
 def spread_levels(values: Array, many: int) -> Sequence[float]:
-    """Choose levels that part the values into equal shares.
+    """Choose levels that part the values into equal parts.
 
     Args:
         values: any; those that are not finite do not count.

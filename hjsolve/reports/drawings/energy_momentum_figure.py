@@ -24,7 +24,7 @@ _COARSE = (90, 66)
 _LEVELS = 9
 LINES = {"relative equilibrium": "curve", "separatrix": "edge", "edge of escape": "energy", "end of the domain": "grid"}
 _FILLS = (("blue", 0.13), ("red", 0.12), ("ink", 0.1), ("blue", 0.3), ("red", 0.28), ("ink", 0.24))
-_MOST = len(_FILLS)
+_MOST_REGIONS = len(_FILLS)
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def map_grid(found: EnergyMomentumMap) -> MapGrid | None:
     if any(own.polynomial is None for own in found.coordinates):
         return None
     x, y, numbers, regions = found.grid(_ACROSS, _UP)
-    kept = [k for k, region in enumerate(regions) if all(region.kinds.values())][:_MOST]
+    kept = [k for k, region in enumerate(regions) if all(region.kinds.values())][:_MOST_REGIONS]
     return MapGrid(x, y, numbers, [regions[k] for k in kept], [_deepest(numbers == k, x, y) for k in kept])
 
 
@@ -68,12 +68,11 @@ def _deepest(mask: NDArray[np.bool_], x: Array, y: Array) -> tuple[float, float]
     return float(x[columns[k]]), float(y[rows[k]])
 
 
-def figure_of_map(found: EnergyMomentumMap, key: str, *, actions: bool = True) -> Figure:
+def figure_of_map(found: EnergyMomentumMap, key: str) -> Figure:
     """Draw a map.
 
     Args:
         key: a name that is unique on the page.
-        actions: whether lines of equal action are drawn.
 
     Returns:
         The figure; its caption tells what the letters mean.
@@ -82,9 +81,7 @@ def figure_of_map(found: EnergyMomentumMap, key: str, *, actions: bool = True) -
     grid = map_grid(found)
     inside: list[str] = []
     if grid is not None:
-        inside += [_filled(frame, grid, k) for k in range(len(grid.regions))]
-    if actions and grid is not None:
-        inside += action_lines(found, frame)
+        inside += [_filled(frame, grid, k) for k in range(len(grid.regions))] + action_lines(found, frame)
     inside += [svg.curve(frame, *visible(found, grid, curve), LINES[curve.kind]) for curve in found.curves]
     above = [svg.disc(frame, value.x, value.y, "ring") for value in found.isolated]
     if grid is not None:
@@ -102,7 +99,7 @@ def figure_of_map(found: EnergyMomentumMap, key: str, *, actions: bool = True) -
     data: dict[str, list[float]] = {}
     for k, curve in enumerate(found.curves):
         data[f"{k}.{found.x}"], data[f"{k}.{found.y}"] = list(map(float, curve.x)), list(map(float, curve.y))
-    return Figure(text, title, description, _caption(found, grid, actions=actions), data)
+    return Figure(text, title, description, _caption(found, grid), data)
 
 
 def kinds_by_letter(grid: MapGrid) -> list[str]:
@@ -186,7 +183,7 @@ def action_lines(found: EnergyMomentumMap, frame: svg.DrawingFrame) -> list[str]
     return parts
 
 
-def _caption(found: EnergyMomentumMap, grid: MapGrid | None, *, actions: bool) -> Text:
+def _caption(found: EnergyMomentumMap, grid: MapGrid | None) -> Text:
     x, y = Mathematics(name_box(found.x)), Mathematics(name_box(found.y))
     pieces: list[Inline] = ["Kinds of motion for every ", x, " and ", y, ". "]
     if grid is not None:
@@ -202,7 +199,7 @@ def _caption(found: EnergyMomentumMap, grid: MapGrid | None, *, actions: bool) -
         "edge of escape": "dotted: edge of escape", "end of the domain": "thin: an end of the domain is reached",
     }  # fmt: skip
     legend = [meaning for kind, meaning in meanings.items() if kind in kinds]
-    if actions and grid is not None:
+    if grid is not None:
         legend.append("thin blue: equal actions")
     if found.isolated:
         legend.append("ring: isolated critical value")

@@ -12,13 +12,13 @@ import numpy as np
 from hjsolve.costs import Cost, Row
 from hjsolve.reports.document import Figure, Text
 from hjsolve.reports.drawings import svg
+from hjsolve.reports.formulas.names import RAISED
 
 _UNITS = ((1e-6, "µs"), (1e-3, "ms"), (1.0, "s"), (1e3, "ks"))
 _POWER = 0.62
 """Errors are drawn at (−log₁₀ error)^0.62, so that 5 digits and 100 digits can both be read; the ticks say which."""
 _PITCH = 34
 _TICKS = (0, 3, 6, 10, 15, 20, 30, 50, 75, 100, 150, 200, 250)
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,10 @@ def log_axes(frame: svg.DrawingFrame) -> list[str]:
             parts.append(f'<text class="tick" x="{x:.1f}" y="{bottom + 17}" text-anchor="middle">{text}</text>')
     last = -math.inf
     for digits in _TICKS:
-        y, text = float(frame.py(depth(digits))), "1" if digits == 0 else f"10{str(-digits).translate(_RAISED)}"
+        y, text = (
+            float(frame.py(depth(digits))),
+            "1" if digits == 0 else f"10{''.join(RAISED[x] for x in str(-digits))}",
+        )
         if y > bottom + 0.5 or y - last < 18:
             continue
         last = y

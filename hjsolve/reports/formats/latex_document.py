@@ -9,7 +9,7 @@ from hjsolve.reports.document import ArgumentStep, Document, Figure, Formula, Nu
 from hjsolve.reports.formats.block_writer import BlockWriter, PieceWriter
 from hjsolve.reports.formulas.latex import escape, latex_of
 from hjsolve.reports.formulas.layout import Box, Grid
-from hjsolve.reports.formulas.names import GREEK
+from hjsolve.reports.formulas.names import LATEX_SIGNS
 
 _PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
 \usepackage[T1]{fontenc}
@@ -19,44 +19,11 @@ _PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
 \allowdisplaybreaks
 \begin{document}
 """
-_LETTERS = {
-    "−": "$-$",
-    "±": r"$\pm$",
-    "×": r"$\times$",
-    "∮": r"$\oint$",
-    "∂": r"$\partial$",
-    "½": r"\textonehalf{}",
-    "²": r"\textsuperscript{2}",
-    "ᵀ": r"\textsuperscript{T}",
-    "…": r"\dots{}",
-    "·": r"$\cdot$",
-    "→": r"$\to$",
-    "∞": r"$\infty$",
-    "–": "--",
-    "Σ": r"$\Sigma$",
-    "∑": r"$\sum$",
-    "ᵢ": r"\textsubscript{i}",
-    "ⱼ": r"\textsubscript{j}",
-    "ʰ": r"\textsuperscript{h}",
-    "θ": r"$\theta$",
-    "µ": r"$\mu$",
-    "§": r"\S{}",
-    "√": r"$\surd$",
-    "≈": r"$\approx$",
-    "∛": r"$\sqrt[3]{\ }$",
-    "∓": r"$\mp$",
-    "≤": r"$\le$",
-    "≥": r"$\ge$",
-    "≠": r"$\ne$",
-    "′": r"$'$",
-    "⋅": r"$\cdot$",
-    "ο": "o",
-}
-_LETTERS |= {
-    letter: f"${latex_name}$"
-    for letter, latex_name in ((v, f"\\{k}") for k, v in GREEK.items() if k not in {"lamda", "lam", "omicron"})
-}
-
+_LETTERS = {sign: f"${latex}$" for sign, latex in LATEX_SIGNS.items()} | {
+    "½": r"\textonehalf{}", "²": r"\textsuperscript{2}", "ᵀ": r"\textsuperscript{T}", "ʰ": r"\textsuperscript{h}",
+    "ᵢ": r"\textsubscript{i}", "ⱼ": r"\textsubscript{j}", "…": r"\dots{}", "·": r"$\cdot$", "–": "--", "µ": r"$\mu$",
+    "§": r"\S{}", "∛": r"$\sqrt[3]{\ }$", "′": r"$'$", "ο": "o",
+}  # fmt: skip
 _SIGNS = {"yes": r"$\surd$ ", "no": r"$\times$ ", "open": "? "}
 
 

@@ -11,9 +11,10 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from hjsolve.reports.formulas.layout import Box, Dotted, Fence, Glyph, Script, row
+from hjsolve.reports.formulas.names import LOWERED, RAISED
 
-_RAISED = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹ⁿᵀʰ", "0123456789nTh", strict=True))
-_LOWERED = dict(zip("₀₁₂₃₄₅₆₇₈₉ᵢⱼₖ", "0123456789ijk", strict=True))
+_RAISED = {RAISED[letter]: letter for letter in "0123456789nTh"}
+_LOWERED = {LOWERED[letter]: letter for letter in "0123456789ijk"}
 _FUNCTIONS = "arcsin|arccos|arctan|sin|cos|tan|sgn|exp|ln|log|sn|cn|dn|am"
 _TOKEN = re.compile(
     rf"(?P<function>{_FUNCTIONS})(?![A-Za-z])"

@@ -14,35 +14,11 @@ from hjsolve.reports.formulas.layout import (
     RowBox,
     Script,
 )
-from hjsolve.reports.formulas.names import GREEK
+from hjsolve.reports.formulas.names import LATEX_SIGNS
 
-_LETTERS = {
-    letter: f"\\{name}" for name, letter in reversed(GREEK.items()) if name not in {"lamda", "lam", "omicron"}
-} | {
-    "ε": r"\varepsilon",
-    "φ": r"\varphi",
-    "ο": "o",
-    "∞": r"\infty",
-    "π": r"\pi",
-    "Π": r"\Pi",
-    "ℰ": r"\mathcal{E}",
-}
-_OPERATORS = {
-    "−": "-",
-    "⋅": r"\cdot ",
-    "×": r"\times ",
-    "∑": r"\sum ",
-    "…": r"\dots ",
-    "≤": r"\le ",
-    "≥": r"\ge ",
-    "≠": r"\ne ",
-    "∂": r"\partial ",
-    "\u2061": "",
-    "±": r"\pm ",
-}
+_OPERATORS = {sign: f"{latex} " if latex[0] == "\\" else latex for sign, latex in LATEX_SIGNS.items()} | {"\u2061": ""}
 _NAMED = {"sin", "cos", "tan", "ln", "exp", "sinh", "cosh", "tanh", "arcsin", "arccos", "arctan"}
 _WORDS = tuple(f"\\{name}" for name in sorted(_NAMED)) + (r"\sqrt", r"\int", r"\operatorname")
-_SIGNS = {"∫": r"\int", "∑": r"\sum"}
 
 
 def latex_of(box: Box) -> str:
@@ -76,7 +52,7 @@ def latex_of(box: Box) -> str:
 def _glyph(glyph: Glyph) -> str:
     match glyph.kind:
         case "number":
-            return _LETTERS.get(glyph.text, glyph.text)
+            return LATEX_SIGNS.get(glyph.text, glyph.text)
         case "operator":
             return _OPERATORS.get(glyph.text, glyph.text)
         case "text":
@@ -84,7 +60,7 @@ def _glyph(glyph: Glyph) -> str:
         case "function":
             if glyph.text in _NAMED:
                 return rf"\{glyph.text}"
-            return rf"\operatorname{{{_LETTERS.get(glyph.text, escape(glyph.text))}}}"
+            return rf"\operatorname{{{LATEX_SIGNS.get(glyph.text, escape(glyph.text))}}}"
         case "constant" | "differential" if glyph.text.isalpha():
             return rf"\mathrm{{{glyph.text}}}"
         case "differential":
@@ -92,8 +68,8 @@ def _glyph(glyph: Glyph) -> str:
         case _:
             if "′" in glyph.text:
                 return latex_of(Glyph(glyph.text.rstrip("′"))) + "'" * glyph.text.count("′")
-            if glyph.text in _LETTERS:
-                return _LETTERS[glyph.text]
+            if glyph.text in LATEX_SIGNS:
+                return LATEX_SIGNS[glyph.text]
             return glyph.text if len(glyph.text) == 1 else rf"\mathrm{{{escape(glyph.text)}}}"
 
 
@@ -136,7 +112,7 @@ def _definite(box: Definite) -> str:
     lower = f"_{{{latex_of(box.lower)}}}" if box.lower else ""
     upper = f"^{{{latex_of(box.upper)}}}" if box.upper else ""
     tail = rf"\,\mathrm{{d}}{latex_of(box.variable)}" if box.variable else ""
-    return f"{_SIGNS[box.sign]}{lower}{upper} {latex_of(box.body)}{tail}"
+    return f"{LATEX_SIGNS[box.sign]}{lower}{upper} {latex_of(box.body)}{tail}"
 
 
 def escape(text: str) -> str:

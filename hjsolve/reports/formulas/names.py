@@ -8,69 +8,28 @@ from keyword import iskeyword
 from hjsolve.reports.formulas.layout import Box, Dotted, Glyph, Script, row
 
 GREEK = {
-    "alpha": "α",
-    "beta": "β",
-    "gamma": "γ",
-    "delta": "δ",
-    "epsilon": "ε",
-    "varepsilon": "ε",
-    "zeta": "ζ",
-    "eta": "η",
-    "theta": "θ",
-    "iota": "ι",
-    "kappa": "κ",
-    "lambda": "λ",
-    "lamda": "λ",
-    "lam": "λ",
-    "mu": "μ",
-    "nu": "ν",
-    "xi": "ξ",
-    "omicron": "ο",
-    "pi": "π",
-    "rho": "ρ",
-    "sigma": "σ",
-    "tau": "τ",
-    "upsilon": "υ",
-    "phi": "φ",
-    "varphi": "φ",
-    "chi": "χ",
-    "psi": "ψ",
-    "omega": "ω",
-    "Gamma": "Γ",
-    "Delta": "Δ",
-    "Theta": "Θ",
-    "Lambda": "Λ",
-    "Xi": "Ξ",
-    "Pi": "Π",
-    "Sigma": "Σ",
-    "Upsilon": "Υ",
-    "Phi": "Φ",
-    "Psi": "Ψ",
-    "Omega": "Ω",
-}
+    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "varepsilon": "ε", "zeta": "ζ", "eta": "η",
+    "theta": "θ", "iota": "ι", "kappa": "κ", "lambda": "λ", "lamda": "λ", "lam": "λ", "mu": "μ", "nu": "ν", "xi": "ξ",
+    "omicron": "ο", "pi": "π", "rho": "ρ", "sigma": "σ", "tau": "τ", "upsilon": "υ", "phi": "φ", "varphi": "φ",
+    "chi": "χ", "psi": "ψ", "omega": "ω", "Gamma": "Γ", "Delta": "Δ", "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π",
+    "Sigma": "Σ", "Upsilon": "Υ", "Phi": "Φ", "Psi": "Ψ", "Omega": "Ω",
+}  # fmt: skip
+LATEX_SIGNS = {
+    **{letter: f"\\{name}" for name, letter in GREEK.items() if name not in {"lamda", "lam"}},
+    "ο": "o", "−": "-", "⋅": r"\cdot", "×": r"\times", "∑": r"\sum", "∫": r"\int", "∮": r"\oint", "∂": r"\partial",
+    "±": r"\pm", "∓": r"\mp", "≤": r"\le", "≥": r"\ge", "≠": r"\ne", "≈": r"\approx", "→": r"\to", "∞": r"\infty",
+    "√": r"\surd", "…": r"\dots", "ℰ": r"\mathcal{E}",
+}  # fmt: skip
+"""A letter or sign → what LaTeX writes for it in mathematics mode."""
+RAISED = dict(zip("0123456789−-+nhT", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻⁺ⁿʰᵀ", strict=True))
+LOWERED = dict(zip("0123456789aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ", strict=True))
+"""A letter → its form as an index above or below the line, of those that Unicode has."""
 FUNCTION_NAMES = {
-    "log": "ln",
-    "asin": "arcsin",
-    "acos": "arccos",
-    "atan": "arctan",
-    "asinh": "arsinh",
-    "acosh": "arcosh",
-    "atanh": "artanh",
-    "sign": "sgn",
-    "elliptic_k": "K",
-    "elliptic_f": "F",
-    "elliptic_e": "E",
-    "elliptic_pi": "Π",
-    "CarlsonRF": "R_F",
-    "CarlsonRC": "R_C",
-    "CarlsonRD": "R_D",
-    "CarlsonRJ": "R_J",
-    "JacobiSN": "sn",
-    "JacobiCN": "cn",
-    "JacobiDN": "dn",
-    "JacobiAM": "am",
-    "JacobiEpsilon": "ℰ",
-}
+    "log": "ln", "asin": "arcsin", "acos": "arccos", "atan": "arctan", "asinh": "arsinh", "acosh": "arcosh",
+    "atanh": "artanh", "sign": "sgn", "elliptic_k": "K", "elliptic_f": "F", "elliptic_e": "E", "elliptic_pi": "Π",
+    "CarlsonRF": "R_F", "CarlsonRC": "R_C", "CarlsonRD": "R_D", "CarlsonRJ": "R_J", "JacobiSN": "sn", "JacobiCN": "cn",
+    "JacobiDN": "dn", "JacobiAM": "am", "JacobiEpsilon": "ℰ",
+}  # fmt: skip
 
 
 def name_box(name: str) -> Box:

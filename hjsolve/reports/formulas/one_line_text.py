@@ -18,19 +18,12 @@ from hjsolve.reports.formulas.layout import (
     RowBox,
     Script,
 )
-from hjsolve.reports.formulas.names import FUNCTION_NAMES, name_box
+from hjsolve.reports.formulas.names import FUNCTION_NAMES, LOWERED, RAISED, name_box
 
-_SUPERSCRIPTS = dict(zip("0123456789−-+nhT", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻⁺ⁿʰᵀ"))
-_SUBSCRIPTS = dict(zip("0123456789aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ"))
 _VULGAR = {
-    ("1", "2"): "½",
-    ("1", "3"): "⅓",
-    ("1", "4"): "¼",
-    ("3", "4"): "¾",
-    ("2", "3"): "⅔",
-    ("1", "8"): "⅛",
+    ("1", "2"): "½", ("1", "3"): "⅓", ("1", "4"): "¼", ("3", "4"): "¾", ("2", "3"): "⅔", ("1", "8"): "⅛",
     ("1", "6"): "⅙",
-}
+}  # fmt: skip
 _APPLY = Glyph("\u2061", "operator")
 _LETTERS = {"K", "F", "E", "Π"}
 """Legendre's functions, which a formula calls by letters that are names of constants far more often."""
@@ -170,16 +163,16 @@ def _fraction(top: Box, bottom: Box) -> str:
 
 
 def _exponent(text: str) -> str:
-    if all(letter in _SUPERSCRIPTS for letter in text):
-        return "".join(_SUPERSCRIPTS[letter] for letter in text)
+    if all(letter in RAISED for letter in text):
+        return "".join(RAISED[letter] for letter in text)
     return f"^{text}" if len(text) == 1 else f"^({text})"
 
 
 def _index(text: str) -> str:
     if "," in text:
         return ",".join(_index(part.strip()) for part in text.split(","))
-    if all(letter in _SUBSCRIPTS for letter in text):
-        return "".join(_SUBSCRIPTS[letter] for letter in text)
+    if all(letter in LOWERED for letter in text):
+        return "".join(LOWERED[letter] for letter in text)
     return f"_{text}" if text.isalnum() or len(text) == 1 else f"_({text})" if " " in text else f"_{text}"
 
 

@@ -28,7 +28,7 @@ from hjsolve.reports.sections.solution import source_of_equation
 from hjsolve.reports.sections.system_and_verdict import IN_A_CELL, equation, formula, math
 from hjsolve.solution.quadratures import Solution
 
-_MOST_PARTS, _FEWEST, _MOST = 30, 3, 60
+_MOST_PARTS, _SMALLEST_PART, _LARGEST_PART = 30, 3, 60
 """Of letters; and of operations in what one stands for."""
 Parts = list[tuple[sp.Symbol, sp.Expr]]
 
@@ -388,5 +388,5 @@ def _widest_sum(e: sp.Basic) -> sp.Expr | None:
     outer = set(e.args) | {e} if isinstance(e, sp.Eq) else {e}
     found = Counter(p for p in sp.preorder_traversal(e) if p.is_Add and p not in outer)
     sizes = {p: sp.count_ops(p) for p in found}
-    good = [(found[p] * n, n, sp.srepr(p), p) for p, n in sizes.items() if _FEWEST <= n <= _MOST]
+    good = [(found[p] * n, n, sp.srepr(p), p) for p, n in sizes.items() if _SMALLEST_PART <= n <= _LARGEST_PART]
     return max(good)[-1] if good else None

@@ -100,6 +100,3 @@ def contact_section(found: Contact) -> Section:
 
 def _row(name: str, x: Estimate, velocity: Mapping[str, Estimate]) -> tuple[Text, ...]:
     return ((Mathematics(name_box(name)),), (str(x),), (str(velocity[name]),))
-
-
-__all__ = ["contact_section", "force_blocks", "forces_section"]

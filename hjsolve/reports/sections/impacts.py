@@ -57,6 +57,3 @@ def impact_section(hit: Impact, later: tuple[System, Mapping[str, Mapping[str, s
             Table((("Name",), ("Value",), ("Velocity",)), tuple(starts), "Where it starts"),
         ]  # fmt: skip
     return Section("impact", "The impact", tuple(blocks))
-
-
-__all__ = ["impact_section"]

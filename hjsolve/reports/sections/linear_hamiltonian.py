@@ -89,7 +89,7 @@ def hamiltonian_motion_section(motion: LinearMotion, summary: str) -> Section:
         summary: what the catalog says about it.
     """
     from hjsolve.arithmetic.estimate import Estimate
-    from hjsolve.reports.sections.rounded_numbers import quantity
+    from hjsolve.reports.sections.rounded_numbers import HOW_NUMBERS_ARE_PRINTED, quantity
 
     c = motion.problem.coordinate
     description: Text = (": ", *typeset_prose(summary, motion.problem)) if summary else ()
@@ -109,7 +109,7 @@ def hamiltonian_motion_section(motion: LinearMotion, summary: str) -> Section:
         Table((("Constant",), ("Value",)), (((Mathematics(Glyph("E")),), (quantity(motion.constants["E"]),)),),
               "Constants of the motion"),
         Table(header, tuple(rows), "Where it is" + ("" if len(rows) == len(times) else ", until it leaves its domain")),
-        Note(("Every number is a value ± a bound on its error. A number without ± is exact as printed.",)),
+        Note((HOW_NUMBERS_ARE_PRINTED,)),
     ]  # fmt: skip
     return Section("numbers", "Results with error bounds", tuple(blocks))
 

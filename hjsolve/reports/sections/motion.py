@@ -28,7 +28,7 @@ from hjsolve.reports.formulas.layout import Glyph, Script
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import spoken
 from hjsolve.reports.sections.prose import typeset_prose
-from hjsolve.reports.sections.rounded_numbers import bound, quantity, terminating
+from hjsolve.reports.sections.rounded_numbers import HOW_NUMBERS_ARE_PRINTED, bound, quantity, terminating
 from hjsolve.reports.sections.system_and_verdict import exactly, formula
 
 DASH: Text = ("–",)
@@ -158,7 +158,7 @@ def numbers_section(motion: Motion) -> Section:
     if motion.boundary_times:
         times = tuple(((Mathematics(name_box(name)),), _number(e)) for name, e in motion.boundary_times.items())
         blocks.append(Table((("Coordinate",), ("Time",)), times, "Times at which an end of the domain is reached"))
-    blocks.append(Note(("Every number is a value ± a bound on its error. A number without ± is exact as printed.",)))
+    blocks.append(Note((HOW_NUMBERS_ARE_PRINTED,)))
     return Section("numbers", "Results with error bounds", tuple(blocks))
 
 
@@ -223,7 +223,8 @@ def how_section(
 def _effort(motion: Motion) -> Paragraph:
     digits, nodes = motion.digits, motion.nodes
     arithmetic = "double precision" if digits <= 15 else "multiple precision"
-    used = f", from {nodes} quadrature nodes at most per coordinate" if nodes else ""
+    several = "nodes" if nodes > 1 else "node"
+    used = f", from {nodes} quadrature {several} at most per coordinate" if nodes else ""
     return Paragraph(
         (
             f"Results were requested to {digits} digits ({arithmetic}){used}. Initial data and constants of the motion "

@@ -99,8 +99,8 @@ _TYPESET: dict[str, tuple[Inline, ...]] = {
     "S_ij(V)": (Mathematics(row(_pair("S"), Fence(Glyph("V")))),),
     "S_ij": (Mathematics(_pair("S")),),
     "L_ij": (Mathematics(_pair("L")),),
-    "Row i contains coordinate i": (
-        "Row ", Mathematics(Glyph("i")), " contains coordinate ", Mathematics(Glyph("i")),
+    "Row i depends on coordinate i": (
+        "Row ", Mathematics(Glyph("i")), " depends on coordinate ", Mathematics(Glyph("i")),
     ),
     "T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)": _liouville_sums(),
 }  # fmt: skip

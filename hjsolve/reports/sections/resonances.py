@@ -9,7 +9,7 @@ import sympy as sp
 
 from hjsolve.motion.motion import Motion
 
-_MOST = {2: 12, 3: 6}
+_MOST_OF_A_FACTOR = {2: 12, 3: 6}
 """Largest whole number that is looked for, in relations of two and of three frequencies."""
 
 _SURELY = 1e-9
@@ -42,7 +42,7 @@ def frequency_relations(motion: Motion) -> tuple[str, ...]:
 def _whole_numbers(count: int) -> list[Whole]:
     """Rows with two or three that are not 0, the first of these positive, no common divisor; the simplest first."""
     found = []
-    for terms, most in _MOST.items():
+    for terms, most in _MOST_OF_A_FACTOR.items():
         numbers = [n for n in range(-most, most + 1) if n]
         for k in product(numbers, repeat=terms):
             if k[0] > 0 and gcd(*k) == 1:

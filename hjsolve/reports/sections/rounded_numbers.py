@@ -40,6 +40,12 @@ class WithError(Protocol):
         """Whether that is proved."""
 
 
+HOW_NUMBERS_ARE_PRINTED = (
+    "Every number is a value ± a bound on its error. A number without ± is exact as printed; (double) stands for the "
+    "binary number nearest to it."
+)
+
+
 def quantity(estimate: WithError) -> Number:
     """Write an estimate: the error rounded up to one digit (two if the first is a 1), the value to the same last place.
 

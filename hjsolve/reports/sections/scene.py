@@ -29,7 +29,7 @@ from hjsolve.reports.formulas.one_line_text import spoken
 from hjsolve.reports.sections import solution, system_and_verdict
 from hjsolve.reports.sections.chart import chart_section
 from hjsolve.reports.sections.prose import typeset_prose
-from hjsolve.reports.sections.rounded_numbers import bound, quantity
+from hjsolve.reports.sections.rounded_numbers import HOW_NUMBERS_ARE_PRINTED, bound, quantity
 from hjsolve.reports.sections.system_and_verdict import formula
 from hjsolve.scenes import Run
 
@@ -155,7 +155,7 @@ def _numbers(run: Run) -> Section | None:
         blocks.append(_kinds(run))
     if not blocks:
         return None
-    blocks.append(Note(("Every number is a value ± a bound on its error. A number without ± is exact as printed.",)))
+    blocks.append(Note((HOW_NUMBERS_ARE_PRINTED,)))
     return Section("numbers", "Results with error bounds", tuple(blocks))
 
 

@@ -83,13 +83,9 @@ def _stackel(form: Stackel, whose: _Whose) -> list[Block]:
         Mathematics(row(Fraction(Glyph("1", "number"), Glyph("2", "number")), _squared("p"))),
         " in ",
         *([Mathematics(Glyph("H"))] if whose.energy == "H" else [whose.energy]),
-        ". Row ",
-        Mathematics(Glyph("i")),
-        " contains coordinate ",
-        Mathematics(Glyph("i")),
-        " of ",
-        *listed(form.coordinates),
-        " only. Checked by substitution, exactly: ",
+        ". ",
+        *(_rows(form.coordinates) if len(form.coordinates) > 1 else ()),
+        "Checked by substitution, exactly: ",
         Mathematics(row(transposed, Φ, EQUALS, first_unit_vector())),
         " and ",
         Mathematics(row(transposed, ψ, EQUALS, whose.potential)),
@@ -97,6 +93,11 @@ def _stackel(form: Stackel, whose: _Whose) -> list[Block]:
     )
     source = f"Phi = {form.matrix.tolist()}, psi = {list(form.column)}, c = {list(form.inverse_metric)}"
     return [Paragraph(text), Formula(broken(whole), source, "Greenwood (5-139)")]
+
+
+def _rows(coordinates: tuple[str, ...]) -> Text:
+    i = Mathematics(Glyph("i"))
+    return ("Row ", i, " depends on coordinate ", i, " only, in the order ", *listed(coordinates), ". ")
 
 
 def _squared(letter: str) -> Box:

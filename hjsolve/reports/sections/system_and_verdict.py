@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import sympy as sp
 
 from hjsolve.arithmetic.printed_digits import shortest
+from hjsolve.display.shown import as_argument
 from hjsolve.mechanics.energy_shell import ReductionStep
 from hjsolve.mechanics.system import System, hamiltonian, linear_terms, mass_matrix, momenta
 from hjsolve.precision import mp
@@ -45,25 +46,30 @@ def math(expression: sp.Basic) -> Mathematics:
     return Mathematics(display(expression, IN_A_CELL))
 
 
-_SIMPLE, _FIRST_DIGITS = 12, 6
-"""Denominators up to which fractions are read best; digits shown of a long exact number."""
+_SIMPLE, _FIRST_DIGITS, _READABLE = 12, 6, 24
+"""Denominators up to which fractions are read best; digits shown of a long exact number; letters of one that is shown
+whole before them."""
 
 
 def exactly(value: sp.Expr) -> Text:
-    """Write a number that is known exactly: short fractions as they are, decimals where they end, the rest with both.
+    """Write a number that is known exactly: short fractions as they are, decimals where they end, doubles as typed.
 
     Args:
         value: an exact number.
 
     Returns:
-        The number in pieces, a long one followed by its first digits.
+        The number in pieces, a long one followed by its first digits, or as these alone.
     """
     if isinstance(value, sp.Rational) and value.q <= _SIMPLE:
         return (math(value),)
     ending = terminating(value)
     if ending is not None:
         return (ending,)
-    return (math(value), " ≈ ", Number(shortest(mp.mpf(sp.N(value, 20)), _FIRST_DIGITS)))
+    typed = as_argument(value)
+    if isinstance(typed, float):
+        return (Number(repr(typed)), " (double)")
+    digits = Number(shortest(mp.mpf(sp.N(value, 20)), _FIRST_DIGITS))
+    return ("≈ ", digits) if len(typed) > _READABLE else (math(value), " ≈ ", digits)
 
 
 def formula(left: Box, expression: sp.Basic, tag: str = "") -> Formula:

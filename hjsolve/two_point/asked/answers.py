@@ -137,6 +137,3 @@ class Connections(Shown):
             parts[0] += f" in this time; the least time with these turns is {self.least_time.value:.9g}"
         sentences = [f"{parts[0]}.", *(str(family) for family in self.continua), str(self.complete)]
         return " ".join(sentences)
-
-
-__all__ = ["Completeness", "Connection", "Connections", "Continuum"]

@@ -10,11 +10,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from hjsolve.arithmetic.number_types import Context, Mpf
+from hjsolve.arithmetic.root_finding import newton
 from hjsolve.errors import NotConvergedError
 from hjsolve.two_point.kepler.central_places import CentralPlaces
 
 _GUARD = 25
-_STEPS = 60
+_SECANT_STEPS = 60
 
 
 class ExactTransfer(NamedTuple):
@@ -99,17 +100,25 @@ def refined(transfer: ExactTransfer, sense: int, N: int, x: float) -> Mpf:
     """
     context, goal = transfer.context, transfer.wanted
     λ = transfer.λ(sense)
-    before, here = context.mpf(x) * (1 + context.mpf(2) ** -40) + context.mpf(2) ** -80, context.mpf(x)
-    miss_before, small = time_exactly(context, λ, N, before) - goal, context.mpf(2) ** (40 - context.prec)
-    for _ in range(_STEPS):
+    before, small = (
+        context.mpf(x) * (1 + context.mpf(2) ** -40) + context.mpf(2) ** -80,
+        context.mpf(2) ** (40 - context.prec),
+    )
+    miss_before = time_exactly(context, λ, N, before) - goal
+
+    def step(here: Mpf) -> Mpf:
+        nonlocal before, miss_before
         miss = time_exactly(context, λ, N, here) - goal
-        if miss == miss_before:
-            return here
-        step = -miss * (here - before) / (miss - miss_before)
-        before, miss_before, here = here, miss, here + step
-        if abs(step) <= small * max(abs(here), 1 - abs(here), small):
-            return here
-    raise NotConvergedError("two of the motions between these places nearly coincide; more digits do not separate them")
+        change = miss * (here - before) / (miss - miss_before) if miss != miss_before else 0 * here
+        before, miss_before = here, miss
+        return change
+
+    found = newton(step, context.mpf(x), lambda here: small * max(abs(here), 1 - abs(here), small), _SECANT_STEPS)
+    if found is None:
+        raise NotConvergedError(
+            "two of the motions between these places nearly coincide; more digits do not separate them"
+        )
+    return found
 
 
 def momenta_exactly(transfer: ExactTransfer, sense: int, x: Mpf) -> list[Mpf]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from hjsolve.algebra.time_limit import out_of_time
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.root_finding import regula_falsi
+from hjsolve.arithmetic.root_finding import interpolated_root
 from hjsolve.two_point.one_freedom.high_energies import HIGHEST, far_time
 from hjsolve.two_point.one_freedom.line_branches import LineBranch
 from hjsolve.two_point.one_freedom.travel_time import Line, Segment, Span, across, outward
@@ -232,7 +232,8 @@ def _at_most_one(times: TravelTimes, branch: LineBranch, T: float, s: tuple[floa
             time, _, there = total(branch, times.segments((at, at), _FINEST))
             return -sign * ((time.low + time.high) / 2 - T) if there and np.isfinite(time.high) else -np.inf
 
-        at = regula_falsi(miss, s[0], s[1]) if miss(s[0]) <= 0 <= miss(s[1]) else (s[0] + s[1]) / 2
+        values = miss(s[0]), miss(s[1])
+        at = interpolated_root(miss, s, values, width=EPS) if values[0] <= 0 <= values[1] else (s[0] + s[1]) / 2
         proof.energies.append(IsolatedEnergy(branch, times.energy(at), times.energy(s[0]), times.energy(s[1])))
         return "one"
     return "split"

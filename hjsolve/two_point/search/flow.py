@@ -39,7 +39,7 @@ from hjsolve.two_point.search.conjugate_points import ConjugatePoints
 _MOST_STEPS = 4000
 _SHORTEST = 1e-15
 """Step of t, in units of T, below which a motion is given up: it meets a singularity."""
-_SAFETY, _SHRINK, _GROW = 0.8, 0.1, 4.0
+_SAFETY_OF_A_STEP, _SHRINK, _GROW = 0.8, 0.1, 4.0
 _ARGUMENT = 1e-5
 """Error of the argument of det U in one step, in radians."""
 _ENERGY = sp.Dummy("E")
@@ -356,7 +356,7 @@ def _grown(h: Reals, ratio: Reals, parts: tuple[int, ...]) -> Reals:
         parts: of the extrapolation.
     """
     with np.errstate(all="ignore"):
-        factor = np.clip(_SAFETY * ratio ** (-1 / (2 * len(parts) - 1)), _SHRINK, _GROW)
+        factor = np.clip(_SAFETY_OF_A_STEP * ratio ** (-1 / (2 * len(parts) - 1)), _SHRINK, _GROW)
     factor = np.where(np.isfinite(factor), factor, _SHRINK)
     return h * np.where(ratio <= 1, np.maximum(factor, 0.5), np.minimum(factor, 0.5))
 

@@ -22,7 +22,7 @@ from hjsolve.two_point.search.flow import Ends, RegularFlow
 
 _STARTS = {1: 60, 2: 800}
 _MOST_STARTS = 1280
-_STEPS, _LEAST_FACTOR, _LONGEST = 30, 1 / 128, 0.5
+_NEWTON_STEPS, _LEAST_FACTOR, _LONGEST = 30, 1 / 128, 0.5
 _FAST, _COARSE, _LONG_ENOUGH = (2, 4, 6), 1e-5, 250
 """Parts of the extrapolation, relative error of a step and most steps while zeros are looked for."""
 _EXACT, _FINER = (2, 4, 6, 8), 1e-10
@@ -178,7 +178,7 @@ def _newton(target: _Target, u: Reals, scale: float) -> Reals:
     size = np.where(reached, np.linalg.norm(y, axis=0), np.inf)
     live, found = np.flatnonzero(reached), np.zeros((n, 0))
     factor = np.ones(m)
-    for _ in range(_STEPS):
+    for _ in range(_NEWTON_STEPS):
         done = live[size[live] <= _FOUND * scale]
         found = _different(np.concatenate([found, u[:, done]], axis=1), scale)
         live = live[(size[live] > _FOUND * scale) & (factor[live] >= _LEAST_FACTOR)]

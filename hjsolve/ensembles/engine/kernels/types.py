@@ -14,7 +14,7 @@ VECTOR = 8
 """Lanes of a vector of doubles."""
 
 FARTHEST = 6
-"""Columns at the end of ``Tables.places``: the farthest places of either view in three shares."""
+"""Columns at the end of ``Tables.places``: the farthest places of either view in three parts."""
 
 BLOCK = 16
 """Orbits that are integrated together."""

@@ -29,7 +29,7 @@ _SERIES_REACH = 0.3
 """Up to which |S| Battin's series serves."""
 _TERMS = 60
 """Terms of it at most: 0.3⁶⁰ is far below half an ulp of the sum."""
-_STEPS = 100
+_NEWTON_STEPS = 100
 _LEAST = 1e-10
 """How far x may be from the minimum of T, which is then right to 10⁻²⁰ of itself."""
 _ROUNDING = 12.0 * EPS
@@ -108,7 +108,7 @@ def _bend(λ: float, k: float, N: int, w: float, v: float) -> float:
 def _minimum(λ: float, k: float, N: int) -> float:
     """Where T is least for N ≥ 1: Newton's method on T′ in a bracket."""
     x, low, high = 0.0, -1.0, 1.0
-    for count in range(_STEPS):
+    for count in range(_NEWTON_STEPS):
         _, slope, _ = time_at(λ, k, N, 1 + x, 1 - x)
         if slope == 0:
             break
@@ -165,7 +165,7 @@ def _root(λ: float, k: float, W: float, N: int, side: int, end: float) -> tuple
             guess = end - sqrt(2 * (W - least) / bend) if bend > 0 else -1.0
             z = guess if guess > 0 else z
     slope, rounding, miss = -inf, 0.0, 0.0
-    for count in range(_STEPS):
+    for count in range(_NEWTON_STEPS):
         if not low < z < high:
             z = _middle(low, high)
         w, v = (z, 2 - z) if side <= 0 else (2 - z, z)
