@@ -24,6 +24,7 @@ class CoordinateOfOrbits:
         parameters: of the programs.
         q, P: starts, shape (n,).
         constants, low, uncertainty: of the motion, in two doubles, shape (constants, n).
+        rest: what the rounding of q leaves of the starts, shape (n,); None where q is exact.
     """
 
     coordinate: Separated
@@ -34,6 +35,7 @@ class CoordinateOfOrbits:
     constants: Reals
     low: Reals
     uncertainty: Reals
+    rest: Reals | None = None
 
     @staticmethod
     def of(model: Model, programs: SystemPrograms, start: InitialConstants, k: int) -> CoordinateOfOrbits:
@@ -51,8 +53,8 @@ class CoordinateOfOrbits:
         if len(index) == len(self.q) and bool((index == np.arange(len(index))).all()):
             return self
         constants, low, uncertainty = (np.take(x, index, axis=1) for x in (self.constants, self.low, self.uncertainty))
-        q, P = self.q[index], self.P[index]
-        return replace(self, q=q, P=P, constants=constants, low=low, uncertainty=uncertainty)
+        q, P, rest = self.q[index], self.P[index], None if self.rest is None else self.rest[index]
+        return replace(self, q=q, P=P, constants=constants, low=low, uncertainty=uncertainty, rest=rest)
 
 
 def squares(one: CoordinateOfOrbits, q: Reals) -> Reals:

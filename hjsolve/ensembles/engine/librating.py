@@ -248,6 +248,8 @@ def _placed_between(one: CoordinateOfOrbits, places: Reals, bends: Reals) -> tup
     n, walks = len(one.q), [_walk(one, upper) for upper in (0, 1)]
     distances = [walk.side * (x - walk.start) for walk, x in zip(walks, places, strict=True)]
     below, above = sides(one.coordinate)
+    if one.rest is not None:
+        distances = [distances[0] + one.rest, distances[1] - one.rest]
     width = distances[0] + distances[1]
     even = one.coordinate.even & (np.abs(distances[0] - distances[1] - 2 * one.q) <= 1e-13 * width)
     ends = LibrationEnds(node_maps(), bends, np.array([float(below.sign), -float(above.sign)]), even)
@@ -320,7 +322,8 @@ def _exactly(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, list[Reals], 
     for k, (formula, x) in enumerate(zip(sides(one.coordinate), (placed.lower, placed.upper), strict=True)):
         base, slope, step = in_two_doubles(one, k, x)
         s, e = two_sum(one.q, -formula.origin.high)
-        here = Pair(formula.sign * s, formula.sign * (e - formula.origin.low))
+        e = e - formula.origin.low + (0.0 if one.rest is None else one.rest)
+        here = Pair(formula.sign * s, formula.sign * e)
         with np.errstate(all="ignore"):
             scale = np.fmin(placed.width, np.abs(slope / bends[k, 1]))
             known = (np.abs(step) <= _STANDING * scale) & (slope * bends[k, 0] > 0)

@@ -83,7 +83,7 @@ def angles_at(task: AngleTask, tori: Tori, frames: Frames, at: Placed, how: int)
     modes = _TIMED._replace(approximate=how == APPROXIMATE)
     sums, good = [], np.ones(n, dtype=bool)
     for k in range(size):
-        one = coordinate_at(*task, tori._replace(q=at.q), k, at.P[k])
+        one = coordinate_at(*task, tori._replace(q=at.q), k, at.P[k], at.rest[k])
         total = no_sums(len(model.constants), n)
         moving = np.flatnonzero(~frames.resting[k])
         if len(moving):

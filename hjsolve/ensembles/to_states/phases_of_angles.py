@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at, ignorable_slopes, matrix_of
+from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at, matrix_of
 from hjsolve.ensembles.to_states.followed_tori import FollowedLibrations, phases_along, series_of
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, blurred, placed
 from hjsolve.ensembles.to_states.short_arcs import (
@@ -71,9 +71,9 @@ def phases_of(
     rest = np.flatnonzero(~close)
     if len(rest):
         φ[:, rest], curve[rest] = _nearly(task, tori.take(rest), frames.take(rest), θ[:, rest], φ[:, rest])
-    φ, found, at, _ = _phases(task, tori, frames, (θ, φ, curve), EXACT)
+    φ, found, at, curve, seen = _phases(task, tori, frames, (θ, φ, curve), EXACT)
     unresolved = _unresolved(frames, (φ, found, at), θ)
-    return _by_arcs(task, tori, frames, (φ, found, at), (θ, unresolved)), unresolved
+    return _by_arcs(task, tori, frames, (φ, found, at), (θ, seen, unresolved)), unresolved
 
 
 def _close_to_ends(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -> Mask:
@@ -95,12 +95,12 @@ def _close_to_ends(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: R
 def _nearly(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -> tuple[Reals, Reals]:
     """Phases of angles, by rough integrals, in doubles where these do not lead there; and κ of ``_phases``."""
     unknown = np.full(θ.shape[1], np.inf)
-    φ, found, _, curve = _phases(task, tori, frames, (θ, φ, unknown), APPROXIMATE)
+    φ, found, _, curve, _ = _phases(task, tori, frames, (θ, φ, unknown), APPROXIMATE)
     far = np.flatnonzero(frames.good & ~(np.abs(wrapped(θ - found.separated)).max(axis=0) < _NEARLY))
     if len(far):
         among = frames.take(far)
         start = _nearest_start(task, tori.take(far), among, θ[:, far])
-        φ[:, far], _, _, curve[far] = _phases(task, tori.take(far), among, (θ[:, far], start, unknown[far]), DOUBLES)
+        φ[:, far], _, _, curve[far], _ = _phases(task, tori.take(far), among, (θ[:, far], start, unknown[far]), DOUBLES)
     return φ, curve
 
 
@@ -115,15 +115,15 @@ def _unresolved(frames: Frames, here: Here, θ: Reals) -> Mask:
     return unresolved
 
 
-def _by_arcs(task: AngleTask, tori: Tori, frames: Frames, here: Here, which: tuple[Reals, Mask]) -> Here:
-    """Move unresolved states to their angles by integrals over short arcs."""
-    (φ, found, at), (θ, unresolved) = here, which
+def _by_arcs(task: AngleTask, tori: Tori, frames: Frames, here: Here, which: tuple[Reals, Reals, Mask]) -> Here:
+    """Move unresolved states to their angles by integrals over short arcs, from where the engine gave G."""
+    (φ, found, at), (θ, seen, unresolved) = here, which
     some = np.flatnonzero(unresolved)
     if not len(some):
         return here
     own, among = tori.take(some), frames.take(some)
     known = Integrals._make(x[..., some] for x in found.integrals)
-    arcs = ShortArcs.of(known, found.inverse[some], φ[:, some], np.abs(θ[:, some]) < SMALL)
+    arcs = ShortArcs.of(known, found.inverse[some], seen[:, some], np.abs(θ[:, some]) < SMALL)
     moved = φ[:, some]
     for exact in (False, True):
         moved, _ = phases_by_arcs(task, own, among, arcs, (θ[:, some], moved), exact=exact)
@@ -138,14 +138,15 @@ def _by_arcs(task: AngleTask, tori: Tori, frames: Frames, here: Here, which: tup
 
 def _phases(
     task: AngleTask, tori: Tori, frames: Frames, given: tuple[Reals, Reals, Reals], how: int
-) -> tuple[Reals, AnglesFound, Placed, Reals]:
+) -> tuple[Reals, AnglesFound, Placed, Reals, Reals]:
     """Phases at which the separated coordinates have given angles, by damped Newton's method from other phases.
 
-    Residuals of full steps fall like rₖ₊₁ = κ rₖ², as those of ``newton_on_actions``; κ is given and returned.
+    Residuals of full steps fall like rₖ₊₁ = κ rₖ², as those of ``newton_on_actions``; κ is given and returned, and at
+    last the phases to which ``integrals`` belong: the last step moves angles only.
     """
     (θ, base, curve), m, close = given, len(task.model.constants), _CLOSE if how == EXACT else _NEARLY
     size, n = θ.shape
-    base, curve = base.copy(), curve.copy()
+    base, curve, seen = base.copy(), curve.copy(), base.copy()
     trial, step = base.copy(), np.zeros((size, n))
     fraction, merit = np.ones(n), np.full(n, np.inf)
     angles = len(task.model.angles)
@@ -153,7 +154,7 @@ def _phases(
     integrals = Integrals._make(np.full((size, m, n), np.nan) for _ in range(4))
     best = AnglesFound._make((*(np.full(shape, np.nan) for shape in shapes), integrals, np.zeros(n, dtype=bool)))
     kept = Placed._make(
-        (*(np.full((size, n), np.nan) for _ in range(4)), np.full((size, m, n), np.nan), np.full((size, n), np.nan))
+        (*np.full((4, size, n), np.nan), np.full((size, m, n), np.nan), *np.full((2, size, n), np.nan))
     )
     active = np.flatnonzero(frames.good)
     for _ in range(_ROUNDS[how]):
@@ -176,7 +177,7 @@ def _phases(
             after = _FORESEEN * curve[active] * size_**2
         last = better & ~finished & (after <= close) & (how == EXACT)
         here = active[better]
-        base[:, here], merit[here] = trial[:, here], size_[better]
+        base[:, here], seen[:, here], merit[here] = trial[:, here], trial[:, here], size_[better]
         for whole, part in zip(kept, at, strict=True):
             whole[..., here] = part[..., better]
         best.put(here, found, better)
@@ -185,34 +186,35 @@ def _phases(
         with np.errstate(all="ignore"):
             step[:, here], fraction[here] = newton, np.fmin(1.0, _LONGEST / np.max(np.abs(newton), axis=0))
         fraction[active[~better]] *= 0.25
+        last &= fraction[active] == 1.0
         some = active[last]
         if len(some):
             base[:, some] += step[:, some]
-            _stepped(
-                task,
-                tori.take(some),
-                frames.take(some),
-                (best, kept),
-                (some, base[:, some], step[:, some], after[last]),
-            )
+            known = some, base[:, some], step[:, some]
+            _stepped(task, tori.take(some), frames.take(some), (best, kept), known)
         active = active[~finished & ~settled & ~last & (fraction[active] >= _LEAST_STEP)]
         trial[:, active] = base[:, active] + fraction[active] * step[:, active]
-    return base, best, kept, curve
+    return base, best, kept, curve, seen
 
 
 def _stepped(
     task: AngleTask, tori: Tori, frames: Frames, known: tuple[AnglesFound, Placed],
-    last: tuple[Integers, Reals, Reals, Reals],
+    last: tuple[Integers, Reals, Reals],
 ) -> None:  # fmt: skip
-    """Move states by the last step, by what θ and the running integrals change to first order; count the rest."""
-    (best, kept), (index, φ, step, after) = known, last
-    before, there = best.take(index), kept.take(index)
-    best.separated[:, index] += times(matrix_of(before, there), step)
-    best.ignorable[:, index] += np.einsum("ain,in->an", ignorable_slopes(task.model, before, there), step)
-    best.integrals.running[..., index] += there.rates * step[:, None]
-    for errors in (best.errors, best.ignorable_errors):
-        errors[:, index] += after
-    for whole, part in zip(kept, placed(task, tori, frames, φ, bounds=True), strict=True):
+    """Move states by the last step: G by the trapezoidal rule, whose difference from R δφ is counted."""
+    (best, kept), (index, φ, step) = known, last
+    before, there = best.take(index), placed(task, tori, frames, φ, bounds=True)
+    old, new = kept.rates[..., index], there.rates
+    G, open_ = 0.5 * ((new + old) * step[:, None]).sum(axis=0), 0.5 * np.abs((new - old) * step[:, None]).sum(axis=0)
+    size = len(step)
+    best.separated[:, index] += times(before.inverse, G[:size])
+    best.errors[:, index] += times(np.abs(before.inverse), open_[:size])
+    for k, name in enumerate(task.model.angles):
+        j = task.model.ignorable[name]
+        along = times(before.inverse.transpose(0, 2, 1), before.integrals.means[:, j])
+        best.ignorable[k, index] += G[j] - np.sum(along * G[:size], axis=0)
+        best.ignorable_errors[k, index] += open_[j] + np.sum(np.abs(along) * open_[:size], axis=0)
+    for whole, part in zip(kept, there, strict=True):
         whole[..., index] = part
 
 

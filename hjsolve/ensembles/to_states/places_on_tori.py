@@ -74,6 +74,7 @@ class Placed(NamedTuple):
         forces: dP/dφ.
         rates: kernels over P times dq/dφ.
         rounding: what 32 digits of p² leave open of P: next to the turning points of the smallest motions p² has few.
+        rest: what the rounding of q leaves of the place.
     """
 
     q: Reals
@@ -82,6 +83,7 @@ class Placed(NamedTuple):
     forces: Reals
     rates: Reals
     rounding: Reals
+    rest: Reals
 
     def take(self, index: Integers | Mask) -> Placed:
         """Return those of some states."""
@@ -198,7 +200,7 @@ def placed(
     """
     size, n = φ.shape
     m = len(task.model.constants)
-    found = Placed._make((*(np.zeros((size, n)) for _ in range(4)), np.zeros((size, m, n)), np.zeros((size, n))))
+    found = Placed._make((*(np.zeros((size, n)) for _ in range(4)), np.zeros((size, m, n)), *np.zeros((2, size, n))))
     for k in range(size):
         stays, turns = frames.resting[k], frames.rotating[k]
         between = partial(_between, exact=exact, bounds=bounds)
@@ -211,7 +213,7 @@ def placed(
     return found
 
 
-_Row = tuple[Reals, Reals, Reals, Reals, Reals, Reals]
+_Row = tuple[Reals, Reals, Reals, Reals, Reals, Reals, Reals]
 
 
 def _at_rest(task: AngleTask, tori: Tori, _: Frames, k: int, φ: Reals) -> _Row:
@@ -227,7 +229,7 @@ def _at_rest(task: AngleTask, tori: Tori, _: Frames, k: int, φ: Reals) -> _Row:
             q = q - slope / bend
     with np.errstate(all="ignore"):
         rates = kernels(one) / np.sqrt(-0.5 * bend)
-    return q, 0 * φ, 0 * φ, 0 * φ, rates, 0 * φ
+    return q, 0 * φ, 0 * φ, 0 * φ, rates, 0 * φ, 0 * φ
 
 
 def _on_turn(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> _Row:
@@ -241,7 +243,7 @@ def _on_turn(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals) -> 
         _, slope, _ = run_rows(one.programs.views[0].bend, one.parameters, given)
         slope = slope * sides(one.coordinate)[0].sign
         forces = direction * slope / (2 * root) * direction
-        return q, direction * root, direction, forces, kernels(one) / root, 0 * φ
+        return q, direction * root, direction, forces, kernels(one) / root, 0 * φ, 0 * φ
 
 
 def changed(rows: Reals, k: int, values: Reals) -> Reals:
@@ -263,7 +265,7 @@ def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals, *, 
     D, s, c = DoubleDouble(), np.sin(0.5 * φ), np.cos(0.5 * φ)
     lower = np.abs(s) <= np.abs(c)
     s, c = (np.where(np.abs(x) < _TURNING, np.copysign(_TURNING, x), x) for x in (s, c))
-    q, square, slope, noise = np.empty_like(φ), np.empty_like(φ), np.empty_like(φ), np.zeros_like(φ)
+    square, slope, noise, at = np.empty_like(φ), np.empty_like(φ), np.zeros_like(φ), np.empty((2, len(φ)))
     weights = np.empty((len(one.constants), len(φ)))
     for side, formula in enumerate(sides(one.coordinate)):
         index = np.flatnonzero(lower if side == 0 else ~lower)
@@ -291,10 +293,11 @@ def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals, *, 
         slope[index] = formula.sign * slopes[1]
         base = D.add(Pair(*bases[2 * side : 2 * side + 2, index]), Pair(away * d, zero))
         # in two doubles: next to q = 0 places far from the origin of the view keep their digits
-        q[index] = D.add(formula.origin, Pair(formula.sign * base.high, formula.sign * base.low)).high
+        at[:, index] = D.add(formula.origin, Pair(formula.sign * base.high, formula.sign * base.low))
     with np.errstate(all="ignore"):
         root = np.sqrt(square)
         moves = W * s * c  # dq/dφ = ½ W sin φ
         turns = np.abs(moves) / root  # finite at turning points
         rounding = np.fmin(0.5 * noise / root, np.sqrt(noise))
-        return q, np.where(s * c < 0, -1.0, 1.0) * root, moves, 0.5 * slope * turns, weights * turns, rounding
+        P = np.where(s * c < 0, -1.0, 1.0) * root
+        return at[0], P, moves, 0.5 * slope * turns, weights * turns, rounding, at[1]

@@ -118,19 +118,20 @@ def no_actions(size: int, constants: int, count: int) -> Actions:
 
 
 def coordinate_at(
-    model: Model, programs: SystemPrograms, tori: Tori, k: int, P: Reals | None = None
+    model: Model, programs: SystemPrograms, tori: Tori, k: int, P: Reals | None = None, rest: Reals | None = None
 ) -> CoordinateOfOrbits:
     """Return one coordinate of tori, started at its place.
 
     Args:
         k: which coordinate.
         P: its momenta there, shape (n,); None for 1.
+        rest: what the rounding of the place leaves; None where it is exact.
     """
     uncertainty = np.abs(tori.low) + FINER * np.abs(tori.values)
     momenta = np.ones(tori.q.shape[1]) if P is None else P
     return CoordinateOfOrbits(
         model.separated[k], programs.coordinates[k], programs.parameters, np.ascontiguousarray(tori.q[k]), momenta,
-        np.ascontiguousarray(tori.values), np.ascontiguousarray(tori.low), uncertainty,
+        np.ascontiguousarray(tori.values), np.ascontiguousarray(tori.low), uncertainty, rest,
     )  # fmt: skip
 
 
