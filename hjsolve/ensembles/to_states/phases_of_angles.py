@@ -153,9 +153,7 @@ def _phases(
     shapes = (size, n), (size, n), (angles, n), (angles, n), (n, size, size)
     integrals = Integrals._make(np.full((size, m, n), np.nan) for _ in range(4))
     best = AnglesFound._make((*(np.full(shape, np.nan) for shape in shapes), integrals, np.zeros(n, dtype=bool)))
-    kept = Placed._make(
-        (*np.full((4, size, n), np.nan), np.full((size, m, n), np.nan), *np.full((2, size, n), np.nan))
-    )
+    kept = Placed._make((*np.full((4, size, n), np.nan), np.full((size, m, n), np.nan), *np.full((2, size, n), np.nan)))
     active = np.flatnonzero(frames.good)
     for _ in range(_ROUNDS[how]):
         if not len(active):

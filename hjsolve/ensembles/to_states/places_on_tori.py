@@ -31,7 +31,8 @@ _PAIR_STEPS = 4
 _KNOWN, _SURE = 1e-7, 1e-12
 """Last step of a turning point, over the width, with which it is known on the way to a torus, and on it."""
 _TURNING, _NEXT = 1e-60, 1e-17
-"""Sine or cosine of φ/2 that stands for 0, and the distance from a turning point, over W, below which F is linear."""
+"""Sine or cosine of φ/2 that stands for 0, and the distance from a turning point, over W and over F′/½F″, below which F
+is linear."""
 
 
 class AngleTask(NamedTuple):
@@ -273,24 +274,24 @@ def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals, *, 
             continue
         away = (1.0, -1.0)[side] * formula.sign
         d = W[index] * (s if side == 0 else c)[index] ** 2
-        seen = np.fmax(d, _NEXT * W[index])
-        zero = 0.0 * d
+        zero, x = 0.0 * d, bases[2 * side, index] + away * d
+        with np.errstate(all="ignore"):
+            bend = run_rows(one.programs.views[side].bend, one.parameters, np.stack([x, *one.constants[:, index]]))
+            seen = np.fmax(d, _NEXT * np.fmin(W[index], 2 * np.abs(bend[1] / bend[2])))
         if exact:
             code, known = one.programs.exact[side].fill, np.stack([*one.constants, *one.low, *bases])[:, index]
             given = np.stack([away * seen, zero, zero + 1.0, zero, *known])
         else:
             code, end = one.programs.views[side].fill, bases[2 * side, index]
             given = np.stack([away * seen, end + away * seen, zero + 1.0, end, *one.constants[:, index]])
-        x = bases[2 * side, index] + away * d
         with np.errstate(all="ignore"):
             _, r, F, *rates = run_rows(code, one.parameters, given)
-            slopes = run_rows(one.programs.views[side].slopes, one.parameters, np.stack([x, *one.constants[:, index]]))
             weights[:, index] = np.stack(rates) / r
             if bounds:
                 seen_at = np.stack([away * seen, zero, zero, *known, *one.uncertainty[:, index]])
                 noise[index] = run_rows(one.programs.exact[side].errors, one.parameters, seen_at)[0]
             square[index] = np.where(d < seen, F * (d / seen), F)  # linear next to the turning point
-        slope[index] = formula.sign * slopes[1]
+        slope[index] = formula.sign * bend[1]
         base = D.add(Pair(*bases[2 * side : 2 * side + 2, index]), Pair(away * d, zero))
         # in two doubles: next to q = 0 places far from the origin of the view keep their digits
         at[:, index] = D.add(formula.origin, Pair(formula.sign * base.high, formula.sign * base.low))

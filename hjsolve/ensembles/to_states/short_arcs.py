@@ -7,7 +7,9 @@ in 1e-15 of a period; there the difference of those two has no digits, but G is 
     Gᵢⱼ(φ) = Gᵢⱼ(φ₀) + ∫_{φ₀}^{φ} kᵢⱼ/pᵢ dqᵢ/dφ dφ,
 
 by the rule of Gauss and Legendre (Trefethen, SIAM Review 50 (2008) 67, §1), with φ₀ the turning point, G = 0, where θ
-is small, and the phase at which the engine gave G elsewhere. The difference of two rules is part of the claim.
+is small, and the phase at which the engine gave G elsewhere. The difference of two rules is part of the claim. Next to
+a = 0 the integrand changes on the distance a′ = F′/½F″ of another zero or a pole of F from the turning point, which
+both rules would miss if they were in φ: they are in t, φ = φₐ sinh t, W sin²(φₐ/2) = a′.
 
 Of the tori of n orbits none has a coordinate that rotates or rests; ``frames`` are between what they move, ``arcs``
 where integrals begin, and ``exact`` is whether p² is from 32 digits.
@@ -20,12 +22,15 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, placed
-from hjsolve.ensembles.to_states.tori import Tori
+from hjsolve.ensembles.to_states.tori import Tori, coordinate_at
 
 _NODES, _MORE = 20, 32
 """Nodes on an arc, and of the second rule."""
+_LONG = 1.5
+"""Half of a piece in t, whose nodes suffice for singularities at a distance of π/2."""
 _ROUNDING = 16 * EPS
 """What rounding leaves open of kᵢⱼ/pᵢ dqᵢ/dφ, relatively: that of sin φ/2, of p² to 32 digits, and of the sum."""
 
@@ -125,15 +130,38 @@ def _integrated(
 ) -> tuple[Reals, Reals]:
     """∫ kᵢⱼ/pᵢ dqᵢ from phases to phases, and that of the sizes; shape (separated, constants, n)."""
     task, tori, frames = system
+    size, scale = len(begin), _scales(task, tori, frames)
+    first, last = (np.arcsinh(φ / scale) for φ in (begin, end))
+    half = 0.5 * (last - first)
+    pieces = int(np.ceil(np.fmax.reduce(np.abs(half), axis=None, initial=_LONG) / _LONG))
     x, weights = np.polynomial.legendre.leggauss(nodes)
-    size, n = begin.shape
-    half = 0.5 * (end - begin)
-    φ = (0.5 * (end + begin) + half * x[:, None, None]).transpose(1, 0, 2).reshape(size, nodes * n)
+    x, weights = (
+        np.concatenate([(x + 2 * k + 1) / pieces - 1 for k in range(pieces)]),
+        np.tile(weights / pieces, pieces),
+    )
+    nodes, n = len(x), begin.shape[1]
+    t = 0.5 * (last + first) + half * x[:, None, None]
+    φ, stretch = (part.transpose(1, 0, 2) for part in (scale * np.sinh(t), scale * np.cosh(t)))
     each = np.tile(np.arange(n), nodes)
-    rates = placed(task, tori.take(each), frames.take(each), φ, exact=exact).rates.reshape(size, -1, nodes, n)
+    rates = placed(
+        task, tori.take(each), frames.take(each), np.ascontiguousarray(φ).reshape(size, nodes * n), exact=exact
+    ).rates.reshape(size, -1, nodes, n)
     with np.errstate(all="ignore"):
+        rates = rates * stretch[:, None]
         total, sizes = (np.einsum("k,ijkn->ijn", weights, r) for r in (rates, np.abs(rates)))
         return half[:, None] * total, np.abs(half[:, None]) * sizes
+
+
+def _scales(task: AngleTask, tori: Tori, frames: Frames) -> Reals:
+    """Return the phases φₐ on which integrands change next to lower turning points, at most 1."""
+    rows = []
+    for k, bases in enumerate(frames.bases):
+        one = coordinate_at(*task, tori, k)
+        with np.errstate(all="ignore"):
+            given = np.stack([bases[0], *one.constants])
+            _, first, second = run_rows(one.programs.views[0].bend, one.parameters, given)
+            rows.append(2 * np.sqrt(np.fmin(np.abs(2 * first / second) / frames.widths[k], 0.25)))
+    return np.stack(rows)
 
 
 def phases_by_arcs(
