@@ -106,8 +106,9 @@ def ensemble(
         from hjsolve.ensembles.states_from_actions import batch_of_states
 
         return batch_of_states(
-            solution, actions=actions, angles=angles, kinds=kinds, want=want, parameters=parameters, fallback=fallback
-        )
+            solution, actions=actions, angles=angles, kinds=kinds, want=want, parameters=parameters, fallback=fallback,
+            threads=threads,
+        )  # fmt: skip
     arguments.refuse_unused({"angles": angles is not None, "kinds": kinds is not None}, "there are no actions={…}")
     given, layout = _starts(solution.system_as_given, q, p, velocity, velocity_frame), layout_of(solution, want)
     parameters = in_units(solution.system_as_given, parameters, "parameters")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hjsolve import arguments
 from hjsolve.coordinates.chart import Chart
 from hjsolve.ensembles.batch import Batch
-from hjsolve.ensembles.compute import Columns
+from hjsolve.ensembles.compute import Columns, cores
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.initial_conditions import arrays_of, is_dask
 from hjsolve.ensembles.layout import ERROR, RECOMPUTED, STATUS, Layout
@@ -31,6 +31,7 @@ from hjsolve.solution.quadratures import Solution
 def batch_of_states(
     solution: Solution, *, actions: Mapping[str, Any], angles: Mapping[str, Any] | None,
     kinds: Mapping[str, str] | None, want: Any, parameters: Mapping[str, Any] | None, fallback: bool,
+    threads: int | None = None,
 ) -> Batch:  # fmt: skip
     """Return the states of many orbits from their actions and angles.
 
@@ -42,6 +43,7 @@ def batch_of_states(
         want: ``"state"`` or None.
         parameters: name → number, where it differs from the default.
         fallback: whether what the engine hands back goes to single motions.
+        threads: how many; None for the cores that this process may use.
 
     Raises:
         InvalidInputError: an unknown name, arrays of no real numbers, something else wanted, or a coordinate that may
@@ -63,6 +65,7 @@ def batch_of_states(
         from hjsolve.ensembles.dask_blocks import by_blocks
 
         return by_blocks(partial(state_columns, task), inputs, layout, shape)
+    task = replace(task, threads=cores() if threads is None else arguments.whole(threads, "threads", 1))
     columns = state_columns(task, [np.broadcast_to(array, shape).reshape(-1) for array in inputs])
     return Batch({name: column.reshape(shape) for name, column in columns.items()}, layout, shape)
 
@@ -99,10 +102,10 @@ def state_columns(task: InverseTask, inputs: Sequence[NDArray[np.generic]]) -> C
         inputs: actions and, after these, angles, in the order of the task's names; each of shape (n,).
     """
     half = len(inputs) // 2
-    with shared_libraries:
-        actions, angles = (np.stack(group).astype(float) for group in (inputs[:half], inputs[half:]))
-        found = states_of(replace(task, actions=actions, angles=angles))
-        if task.chart is not None:
+    actions, angles = (np.stack(group).astype(float) for group in (inputs[:half], inputs[half:]))
+    found = states_of(replace(task, actions=actions, angles=angles))
+    if task.chart is not None:
+        with shared_libraries:
             found = carried_back(task, task.chart, found)
     columns: Columns = {STATUS: found.status, RECOMPUTED: found.recomputed}
     columns |= {f"q.{name}": x for name, x in found.q.items()} | {f"p.{name}": x for name, x in found.p.items()}

@@ -8,7 +8,9 @@ where U is kept as a difference (``arithmetic.block_exponents``), f = 2e.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,13 +35,14 @@ from hjsolve.errors import InvalidInputError, NotConvergedError, SeveralToriErro
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.motion.tori.radicand_curve import curves_of
+from hjsolve.precision import shared_libraries
 from hjsolve.solution.quadratures import Solution
 
 _FARTHEST_EXPONENT = 1000
 """Of the length of a coordinate."""
 
-_CHUNK = 16384
-"""Orbits that are worked on together."""
+_CHUNK = 8192
+"""Orbits that one thread treats at a time."""
 _MANY, _EVERY = 2048, 8
 """Orbits from which on some are solved first, and which of them: every eighth."""
 _AGAIN = 3
@@ -66,6 +69,7 @@ class InverseTask:
         parameters: name → number.
         fallback: whether what is left over goes to single motions.
         chart: from the separated coordinates, in which all of this is, to the user's; None where they are his.
+        threads: how many work on chunks; the result does not depend on it.
     """
 
     solution: Solution
@@ -76,6 +80,7 @@ class InverseTask:
     parameters: Mapping[str, Any]
     fallback: bool
     chart: Chart | None = None
+    threads: int = 1
 
 
 @dataclass(frozen=True)
@@ -95,19 +100,36 @@ def states_of(task: InverseTask) -> FoundStates:
     found = _none(task)
     finite = np.isfinite(task.actions).all(axis=0) & np.isfinite(task.angles).all(axis=0)
     found.status[~finite] = Status.NOT_FINITE
-    near = next_to_poles(task.solution)
+    with shared_libraries:
+        near = next_to_poles(task.solution)
     for one in (task, *([] if near is None else [replace(task, solution=near)])):
         left = np.flatnonzero(finite & _open(found.status))
         known = _lowered(one) if len(left) else None
         if known is not None:
-            ready = _ready(one, known[0], _scales(one, known[1]), np.flatnonzero(finite))
-            for begin in range(0, len(left), _CHUNK):
-                _chunk(one, ready, found, left[begin : begin + _CHUNK])
+            with shared_libraries:
+                ready = _ready(one, known[0], _scales(one, known[1]), np.flatnonzero(finite))
+            _in_chunks(one, ready, found, left)
     _in_their_own_units(task, found, np.flatnonzero(finite & _open(found.status)))
     if task.fallback:
         for k in np.flatnonzero(finite & _open(found.status)):
-            _one(task, found, int(k))
+            with shared_libraries:
+                _one(task, found, int(k))
     return found
+
+
+def _in_chunks(task: InverseTask, ready: _Ready, found: FoundStates, index: Integers) -> None:
+    """Return the states of some orbits, chunk by chunk: which orbits are in one does not depend on the threads."""
+    chunks = [index[begin : begin + _CHUNK] for begin in range(0, len(index), _CHUNK)]
+    if min(task.threads, len(chunks)) <= 1:
+        for chunk in chunks:
+            _chunk(task, ready, found, chunk)
+        return
+    with ThreadPoolExecutor(min(task.threads, len(chunks))) as pool:
+        try:
+            for _ in pool.map(partial(_chunk, task, ready, found), chunks):
+                pass
+        finally:  # after an error, or the user's Ctrl-C, what has not begun need not begin
+            pool.shutdown(wait=True, cancel_futures=True)
 
 
 def _open(status: Integers) -> Mask:
@@ -127,21 +149,23 @@ def _in_their_own_units(task: InverseTask, found: FoundStates, left: Integers) -
     known = _lowered(task) if len(left) else None
     if known is None:
         return
-    model, scales = known[0], _scales(task, known[1])
+    with shared_libraries:
+        model, scales = known[0], _scales(task, known[1])
     with np.errstate(divide="ignore"):
         sizes = np.log2(np.abs(task.actions[:, left]).max(axis=0))
     kinds = rounded_exponents(np.where(np.isfinite(sizes), sizes, 0.0))
     for action in np.unique(kinds[(kinds < 0) | (kinds > LARGE_BITS)]):
         index = left[kinds == action]
-        units = units_of_tori(task.solution, model, int(action))
+        with shared_libraries:
+            units = units_of_tori(task.solution, model, int(action))
         actions, angles = np.ldexp(task.actions[:, index], -units.action), task.angles[:, index]
         one = replace(task, actions=actions, angles=angles)
         part, everything = _none(one), np.arange(len(index))
         lengths = [units.places[c.index] for c in model.separated]
         near = [_near_one(scale) if e else scale for scale, e in zip(scales, lengths, strict=True)]
-        ready = _ready(one, model_in_units(model, units).model, near, everything)
-        for begin in range(0, len(index), _CHUNK):
-            _chunk(one, ready, part, everything[begin : begin + _CHUNK])
+        with shared_libraries:
+            ready = _ready(one, model_in_units(model, units).model, near, everything)
+        _in_chunks(one, ready, part, everything)
         solved = np.flatnonzero(part.status == Status.OK)
         for name, place, momentum in zip(model.names, units.places, units.momenta, strict=True):
             for old, new, e in (
@@ -163,8 +187,9 @@ class _Ready(NamedTuple):
 
 def _lowered(task: InverseTask) -> tuple[Model, Mapping[sp.Symbol, sp.Expr]] | None:
     """Return the lowered solution with the parameters; None for systems that are left to single motions."""
-    values = parameter_values(task.solution.system, task.parameters)
-    model = lowered_model(task.solution, values)
+    with shared_libraries:
+        values = parameter_values(task.solution.system, task.parameters)
+        model = lowered_model(task.solution, values)
     if not model.separated or any(c.shifted or c.repeats for c in model.separated) or task.solution.system.kinks:
         return None
     return model, values

@@ -71,9 +71,10 @@ def phases_of(
     rest = np.flatnonzero(~close)
     if len(rest):
         φ[:, rest], curve[rest] = _nearly(task, tori.take(rest), frames.take(rest), θ[:, rest], φ[:, rest])
+    begin = φ
     φ, found, at, curve, seen = _phases(task, tori, frames, (θ, φ, curve), EXACT)
     unresolved = _unresolved(frames, (φ, found, at), θ)
-    return _by_arcs(task, tori, frames, (φ, found, at), (θ, seen, unresolved)), unresolved
+    return _by_arcs(task, tori, frames, (φ, found, at), (θ, begin, seen, unresolved)), unresolved
 
 
 def _close_to_ends(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -> Mask:
@@ -115,18 +116,17 @@ def _unresolved(frames: Frames, here: Here, θ: Reals) -> Mask:
     return unresolved
 
 
-def _by_arcs(task: AngleTask, tori: Tori, frames: Frames, here: Here, which: tuple[Reals, Reals, Mask]) -> Here:
+def _by_arcs(task: AngleTask, tori: Tori, frames: Frames, here: Here, which: tuple[Reals, Reals, Reals, Mask]) -> Here:
     """Move unresolved states to their angles by integrals over short arcs, from where the engine gave G."""
-    (φ, found, at), (θ, seen, unresolved) = here, which
+    (φ, found, at), (θ, begin, seen, unresolved) = here, which
     some = np.flatnonzero(unresolved)
     if not len(some):
         return here
     own, among = tori.take(some), frames.take(some)
     known = Integrals._make(x[..., some] for x in found.integrals)
     arcs = ShortArcs.of(known, found.inverse[some], seen[:, some], np.abs(θ[:, some]) < SMALL)
-    moved = φ[:, some]
-    for exact in (False, True):
-        moved, _ = phases_by_arcs(task, own, among, arcs, (θ[:, some], moved), exact=exact)
+    # the engine's steps follow its rounding: where it began is nearer
+    moved, _ = phases_by_arcs(task, own, among, arcs, (θ[:, some], begin[:, some]), exact=True)
     better = angles_by_arcs(task, own, among, arcs, moved, exact=True, proved=True)
     φ[:, some] = moved
     for whole, part in zip(at, placed(task, own, among, moved, bounds=True), strict=True):

@@ -27,8 +27,8 @@ from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, placed
 from hjsolve.ensembles.to_states.tori import Tori, coordinate_at
 
-_NODES, _MORE = 20, 32
-"""Nodes on an arc, and of the second rule."""
+_NODES, _MORE, _FEW = 20, 32, 12
+"""Nodes on an arc, of the second rule, and of searches in doubles."""
 _LONG = 1.5
 """Half of a piece in t, whose nodes suffice for singularities at a distance of π/2."""
 _ROUNDING = 16 * EPS
@@ -39,8 +39,8 @@ _ROUNDS, _LEAST_STEP = 60, 2.0**-20
 """Evaluations of θ, and the fraction of a step below which an orbit is given up."""
 _LONGEST = 0.5
 """Radians that a phase moves in one step, at most."""
-_CLOSE, _SETTLED = 4e-15, 1e-9
-"""Step at which an orbit is done, and below which one that makes nothing better ends the search."""
+_SETTLED = 1e-9
+"""Step that is the last, over the phase, and in radians the one that ends the search where it makes nothing better."""
 
 
 class Integrals(NamedTuple):
@@ -108,7 +108,9 @@ def angles_by_arcs(
         φ: phases, shape (separated, n).
         proved: whether a second rule tells the error of the first; else bounds hold rounding only.
     """
-    more, sizes = _integrated((task, tori, frames), arcs.phases, φ, _MORE if proved else _NODES, exact=exact)
+    more, sizes = _integrated(
+        (task, tori, frames), arcs.phases, φ, _MORE if proved else _NODES if exact else _FEW, exact=exact
+    )
     known, size = arcs.known, len(φ)
     errors = known.running_errors + _ROUNDING * (sizes + np.abs(known.running))
     if proved:
@@ -130,26 +132,36 @@ def _integrated(
 ) -> tuple[Reals, Reals]:
     """∫ kᵢⱼ/pᵢ dqᵢ from phases to phases, and that of the sizes; shape (separated, constants, n)."""
     task, tori, frames = system
-    size, scale = len(begin), _scales(task, tori, frames)
-    first, last = (np.arcsinh(φ / scale) for φ in (begin, end))
-    half = 0.5 * (last - first)
-    pieces = int(np.ceil(np.fmax.reduce(np.abs(half), axis=None, initial=_LONG) / _LONG))
-    x, weights = np.polynomial.legendre.leggauss(nodes)
-    x, weights = (
-        np.concatenate([(x + 2 * k + 1) / pieces - 1 for k in range(pieces)]),
-        np.tile(weights / pieces, pieces),
-    )
-    nodes, n = len(x), begin.shape[1]
-    t = 0.5 * (last + first) + half * x[:, None, None]
+    scale = _scales(task, tori, frames)
+    span = np.stack([np.arcsinh(φ / scale) for φ in (begin, end)])
+    with np.errstate(invalid="ignore"):
+        longest = 0.5 * np.abs(span[1] - span[0]).max(axis=0)
+        pieces = 2 ** np.ceil(np.log2(np.where(longest > _LONG, longest / _LONG, 1.0))).astype(int)
+    found = np.empty((2, len(begin), len(tori.values), begin.shape[1]))
+    for count in np.unique(pieces):
+        some = np.flatnonzero(pieces == count)
+        own = (task, tori.take(some), frames.take(some)) if len(some) < len(pieces) else system
+        x, weights = np.polynomial.legendre.leggauss(nodes)
+        x = ((x + 2 * np.arange(count)[:, None] + 1) / count - 1).ravel()
+        rule = x, np.tile(weights / count, count)
+        found[..., some] = _by_one_rule(own, scale[:, some], span[..., some], rule, exact=exact)
+    return found[0], found[1]
+
+
+def _by_one_rule(
+    system: tuple[AngleTask, Tori, Frames], scale: Reals, span: Reals, rule: tuple[Reals, Reals], *, exact: bool
+) -> Reals:
+    """Integrals, and those of the sizes, between the t of ``span``; shape (2, separated, constants, n)."""
+    (task, tori, frames), (x, weights), (size, n) = system, rule, scale.shape
+    half = 0.5 * (span[1] - span[0])
+    t = 0.5 * (span[1] + span[0]) + half * x[:, None, None]
     φ, stretch = (part.transpose(1, 0, 2) for part in (scale * np.sinh(t), scale * np.cosh(t)))
-    each = np.tile(np.arange(n), nodes)
-    rates = placed(
-        task, tori.take(each), frames.take(each), np.ascontiguousarray(φ).reshape(size, nodes * n), exact=exact
-    ).rates.reshape(size, -1, nodes, n)
+    each = np.tile(np.arange(n), len(x))
+    at = placed(task, tori.take(each), frames.take(each), np.ascontiguousarray(φ).reshape(size, -1), exact=exact)
     with np.errstate(all="ignore"):
-        rates = rates * stretch[:, None]
-        total, sizes = (np.einsum("k,ijkn->ijn", weights, r) for r in (rates, np.abs(rates)))
-        return half[:, None] * total, np.abs(half[:, None]) * sizes
+        rates = at.rates.reshape(size, -1, len(x), n) * stretch[:, None]
+        sums = np.stack([np.einsum("k,ijkn->ijn", weights, r) for r in (rates, np.abs(rates))])
+        return np.stack([half, np.abs(half)])[:, :, None] * sums
 
 
 def _scales(task: AngleTask, tori: Tori, frames: Frames) -> Reals:
@@ -198,8 +210,12 @@ def phases_by_arcs(
             left[here] = np.abs(newton).max(axis=0)
             step[:, here], fraction[here] = newton, np.fmin(1.0, _LONGEST / left[here])
         fraction[active[~better]] *= 0.25
-        small = left[active] <= np.where(better, _CLOSE, _SETTLED)
-        active = active[~small & (fraction[active] >= _LEAST_STEP) & np.isfinite(left[active])]
+        # what the last step leaves is its square
+        last = better & (np.abs(step[:, active]) <= _SETTLED * np.abs(base[:, active])).all(axis=0)
+        base[:, active[last]] += step[:, active[last]]
+        active = active[
+            ~last & (better | (left[active] > _SETTLED)) & (fraction[active] >= _LEAST_STEP) & np.isfinite(left[active])
+        ]
         trial[:, active] = base[:, active] + fraction[active] * step[:, active]
     return base, left <= _SETTLED
 
