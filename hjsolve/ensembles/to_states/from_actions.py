@@ -8,7 +8,7 @@ where U is kept as a difference (``arithmetic.block_exponents``), f = 2e.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,11 +22,13 @@ from hjsolve.ensembles.engine.lowered_solution import Model, Separated, lowered_
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.engine.units_of_orbits import LARGE_BITS, UnitsOfOrbits, model_in_units, rounded_exponents
-from hjsolve.ensembles.to_states.newton_on_actions import ROUNDS, SOON, Goals, Solved, constants_of_tori, newton_step
+from hjsolve.ensembles.to_states.newton_on_actions import ROUNDS, SOON, Asked, Solved, constants_of_tori, newton_step
+from hjsolve.ensembles.to_states.other_wells import in_the_wells_meant
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, frames_of
 from hjsolve.ensembles.to_states.seeds import Scales, Seeds, nearest, seeds_of
 from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
 from hjsolve.ensembles.to_states.tori import FINER, Actions, Tori
+from hjsolve.ensembles.to_states.wells import Landscape
 from hjsolve.errors import InvalidInputError, NotConvergedError, SeveralToriError
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.motion.initial_data import parameter_values
@@ -48,6 +50,7 @@ _TOLERANCE = 1e-6
 """Largest claimed error of q, over the width of its motion, with which a state is kept."""
 
 Rows = dict[str, Reals]
+_Pattern = tuple[bool, ...]
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,7 @@ class InverseTask:
         parameters: name → number.
         fallback: whether what is left over goes to single motions.
         chart: from the separated coordinates, in which all of this is, to the user's; None where they are his.
+        wells: coordinate → a place in the well that is meant, shape (n,).
     """
 
     solution: Solution
@@ -72,6 +76,7 @@ class InverseTask:
     parameters: Mapping[str, Any]
     fallback: bool
     chart: Chart | None = None
+    wells: Mapping[str, Reals] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -149,10 +154,18 @@ def _in_their_own_units(task: InverseTask, found: FoundStates, left: Integers) -
 
 
 class _Ready(NamedTuple):
-    """What all orbits share: the system, seeds, and the rows of the separated and of the ignorable coordinates."""
+    """What all orbits share.
+
+    Attributes:
+        angles: the system.
+        seeds: tori to begin from.
+        landscape: where other wells are looked for.
+        own, others: rows of the separated and of the ignorable coordinates among all actions.
+    """
 
     angles: AngleTask
     seeds: Seeds
+    landscape: Landscape
     own: list[int]
     others: list[int]
 
@@ -182,7 +195,8 @@ def _ready(task: InverseTask, model: Model, scales: list[Scales], finite: Intege
     programs = system_programs(model, kernels=True)
     wanted = task.actions[:, finite]
     seeds = seeds_of(model, programs, scales, (wanted[own], wanted[others]))
-    return _Ready(AngleTask(model, programs), seeds, own, others)
+    landscape = Landscape.of(model, programs, [scale.places for scale in scales], seeds.tori)
+    return _Ready(AngleTask(model, programs), seeds, landscape, own, others)
 
 
 def _chunk(task: InverseTask, ready: _Ready, found: FoundStates, index: Integers) -> None:
@@ -201,12 +215,20 @@ def _chunk(task: InverseTask, ready: _Ready, found: FoundStates, index: Integers
         if not len(some):
             continue
         mine = seeds.take((rotating == np.array(pattern)[:, None]).all(axis=0))
-        solved = _solved(ready.angles, mine, (J[:, some], momenta[:, some]), pattern)
-        twice = solved.good & done[some]
+        wanted = Asked.of(model, J[:, some], momenta[:, some], pattern)
+        solved = _solved(ready.angles, mine, wanted)
+        several = in_the_wells_meant(ready.landscape, mine, solved, wanted, _hints(task, model, index[some]))
+        twice = several | (solved.good & done[some])
         ambiguous[some[twice]] = True
         done[some[solved.good]] = True
         _written(task, found, ready.angles, (index[some], pattern), solved)
     _withdrawn(found, index[ambiguous])
+
+
+def _hints(task: InverseTask, model: Model, index: Integers) -> Reals:
+    """Return places in the wells that are meant, shape (separated, n); NaN where none is given."""
+    none = np.full(len(index), np.nan)
+    return np.stack([task.wells[c.name][index] if c.name in task.wells else none for c in model.separated])
 
 
 def _withdrawn(found: FoundStates, index: Integers) -> None:
@@ -229,15 +251,11 @@ def _possible(J: Reals, pattern: tuple[bool, ...]) -> Mask:
     return fine
 
 
-def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern: tuple[bool, ...]) -> Solved:
+def _solved(task: AngleTask, seeds: Seeds, wanted: Asked) -> Solved:
     """Constants of tori, from the nearest seeds; what takes long starts again from the nearest that were solved."""
-    (J, momenta), model = wanted, task.model
-    rotating = np.broadcast_to(np.array(pattern)[:, None], J.shape)
-    places = [model.ignorable[name] for name in model.angles]
-    unknown = np.array([j for j in range(len(model.constants)) if j not in places])
-    goals = Goals(np.abs(J), rotating, np.abs(J).sum(axis=0) + np.abs(momenta).sum(axis=0), unknown)
-    everything = np.concatenate([np.abs(J), np.abs(momenta)])
-    begin = _begun(seeds.tori, seeds.shells, nearest(seeds.actions, everything), (goals, momenta, places))
+    model, goals = task.model, wanted.goals
+    everything = wanted.sizes
+    begin = _begun(seeds.tori, seeds.shells, nearest(seeds.actions, everything), wanted)
     solved = constants_of_tori(model, task.programs, begin, goals, SOON)
     for attempt in range(_AGAIN):
         lost, good = np.flatnonzero(~solved.good), np.flatnonzero(solved.good)
@@ -247,12 +265,12 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern:
         start = begin[0].take(lost), begin[1][:, lost]
         if len(good):
             near = good[nearest(everything[:, good], everything[:, lost])]
-            start = _begun(solved.tori, solved.actions, near, (goals.take(lost), momenta[:, lost], places))
+            start = _begun(solved.tori, solved.actions, near, wanted.take(lost))
         solved.put(lost, constants_of_tori(model, task.programs, start, goals.take(lost), rounds))
     return solved
 
 
-def _begun(tori: Tori, actions: Actions, near: Integers, wanted: tuple[Goals, Reals, list[int]]) -> tuple[Tori, Reals]:
+def _begun(tori: Tori, actions: Actions, near: Integers, wanted: Asked) -> tuple[Tori, Reals]:
     """Constants of other tori, and the step to those with the actions wanted, to first order; none far from them."""
     goals, momenta, places = wanted
     values, there = tori.values[:, near], actions.values[:, near]
@@ -269,7 +287,7 @@ def _written(
     task: InverseTask,
     found: FoundStates,
     angle_task: AngleTask,
-    which: tuple[Integers, tuple[bool, ...]],
+    which: tuple[Integers, _Pattern],
     solved: Solved,
 ) -> None:
     """Write the states on tori that were found."""
@@ -325,8 +343,9 @@ def _one(task: InverseTask, found: FoundStates, k: int) -> None:
     found.recomputed[k] = True
     try:
         motion = task.solution.motion(
-            actions=actions, angles=angles, kinds=dict(task.kinds), parameters=dict(task.parameters)
-        )
+            actions=actions, angles=angles, kinds=dict(task.kinds), parameters=dict(task.parameters),
+            q={name: float(places[k]) for name, places in task.wells.items()},
+        )  # fmt: skip
         state = motion.at(0)
     except SeveralToriError:
         found.status[k] = Status.AMBIGUOUS

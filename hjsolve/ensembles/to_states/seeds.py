@@ -111,7 +111,7 @@ def nearest(seeds: Reals, wanted: Reals) -> Integers:
         wanted: actions, shape (names, n).
     """
     found = np.empty(wanted.shape[1], dtype=np.int64)
-    theirs, own = _shapes(seeds), _shapes(wanted)
+    theirs, own = shapes(seeds), shapes(wanted)
     half = 0.5 * (theirs**2).sum(axis=0)
     span = max(1, _TOGETHER // max(seeds.shape[1], 1))
     for begin in range(0, wanted.shape[1], span):  # ½|a − b|² less ½|a|², which is the same for all seeds
@@ -119,8 +119,12 @@ def nearest(seeds: Reals, wanted: Reals) -> Integers:
     return found
 
 
-def _shapes(actions: Reals) -> Reals:
-    """Logarithms of actions: differences of them are ratios of large actions, and differences of small ones."""
+def shapes(actions: Reals) -> Reals:
+    """Return logarithms of actions: differences of them are ratios of large actions, and differences of small ones.
+
+    Args:
+        actions: shape (names, n).
+    """
     sizes = np.abs(actions)
     with np.errstate(divide="ignore"):
         logarithms = np.log(sizes + _SMALL * sizes.sum(axis=0))
