@@ -96,9 +96,9 @@ class Landscape(NamedTuple):
         given = np.stack([offset(formula, np.tile(grid, count)), *one.constants])
         with np.errstate(all="ignore"):
             F, slope, *_ = run_rows(one.programs.views[0].slopes, one.parameters, given)
-        beyond, after_place = ~(F.reshape(count, size) > 0), grid > tori.q[k][:, None]
-        before = np.where(beyond & ~after_place, index, 0).max(axis=1)
-        after = np.where(beyond & after_place, index, size - 1).min(axis=1)
+        beyond, places = ~(F.reshape(count, size) > 0), tori.q[k][:, None]
+        before = np.where(beyond & (grid < places), index, 0).max(axis=1)
+        after = np.where(beyond & (grid > places), index, size - 1).min(axis=1)
         low, high = np.fmin(grid[before], tori.q[k]), np.fmax(grid[after], tori.q[k])
         # maxima by the slope: p² itself shows no wells that are below the rounding of its constants
         rises = (formula.sign * slope).reshape(count, size) > 0
