@@ -64,8 +64,9 @@ def ensemble(
         velocity: every coordinate → velocity. A system in x, y, z that is symmetric about z takes columns of stars
             as well: q with R and z, velocity with vR, vT and vz; the azimuth is 0.
         actions: instead of q, p and velocity: every coordinate that has an action → array of J; the result is the state
-            with these actions, ``batch.q["r"]`` and ``batch.p["r"]`` (lazy from dask arrays, as with q), at
-        angles: the same names → angle variables in radians; 0 where left out.
+            with these actions, ``batch.q["r"]`` and ``batch.p["r"]`` (lazy from dask arrays, as with q). Where several
+            wells have them an orbit is ``ambiguous``, unless ``q`` says a place in the one that is meant.
+        angles: with actions, the same names → angle variables in radians; 0 where left out.
         kinds: with actions, separated coordinate → libration or rotation, where both have the same actions.
         want: ``state`` with actions, else of
             ``actions``, ``frequencies``, ``periods``, ``angles``, ``constants``, ``turning_points``; nothing else
@@ -100,14 +101,14 @@ def ensemble(
     arguments.refuse_other(compiled, (bool, type(None)), "compiled", "True, False or None is needed")
     solution = _solution(system, coordinates)
     refuse_null(solution)
-    places = {"q": q is not None, "p": p is not None, "velocity": velocity is not None}
     if actions is not None:
-        arguments.refuse_unused(places, "actions={…} and angles={…} give the orbits")
+        momenta = {"p": p is not None, "velocity": velocity is not None}
+        arguments.refuse_unused(momenta, "actions={…} and angles={…} give the orbits")
         from hjsolve.ensembles.states_from_actions import batch_of_states
 
         return batch_of_states(
-            solution, actions=actions, angles=angles, kinds=kinds, want=want, parameters=parameters, fallback=fallback,
-            threads=threads,
+            solution, actions=actions, angles=angles, q=q, kinds=kinds, want=want, parameters=parameters,
+            fallback=fallback, threads=threads,
         )  # fmt: skip
     arguments.refuse_unused({"angles": angles is not None, "kinds": kinds is not None}, "there are no actions={…}")
     given, layout = _starts(solution.system_as_given, q, p, velocity, velocity_frame), layout_of(solution, want)

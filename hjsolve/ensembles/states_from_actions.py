@@ -29,7 +29,7 @@ from hjsolve.solution.quadratures import Solution
 
 
 def batch_of_states(
-    solution: Solution, *, actions: Mapping[str, Any], angles: Mapping[str, Any] | None,
+    solution: Solution, *, actions: Mapping[str, Any], angles: Mapping[str, Any] | None, q: Mapping[str, Any] | None,
     kinds: Mapping[str, str] | None, want: Any, parameters: Mapping[str, Any] | None, fallback: bool,
     threads: int | None = None,
 ) -> Batch:  # fmt: skip
@@ -39,6 +39,7 @@ def batch_of_states(
         actions: every coordinate that has one (of the separated ones where they were found) → array of J, any shape;
             arrays broadcast. Dask arrays make the result lazy, one task a block.
         angles: the same names → θ in radians; 0 where left out.
+        q: coordinate → a place in the well that is meant, as an array.
         kinds: separated coordinate → libration or rotation, of all orbits.
         want: ``"state"`` or None.
         parameters: name → number, where it differs from the default.
@@ -55,9 +56,11 @@ def batch_of_states(
         raise InvalidInputError('want: from actions "state" is computed; for more give its q and p to a second call')
     task = task_of_tori(solution, kinds, parameters, fallback=fallback)
     names = list(task.names)
-    given, shape = arrays_of({"actions": actions, "angles": angles or {}}, names)
+    given, shape = arrays_of({"actions": actions, "angles": angles or {}, "q": q or {}}, names)
     lazy = any(is_dask(array) for group in given.values() for array in group.values())
     inputs = [given[group].get(name, np.zeros(())) for group in ("actions", "angles") for name in names]
+    inputs += given["q"].values()
+    task = replace(task, wells=dict.fromkeys(given["q"], np.empty(0)))
     own = solution.system_as_given
     coordinates = tuple(c.name for c in own.coordinates)
     layout = Layout({"q": coordinates, "p": coordinates}, solution if own.declared_units else None)
@@ -71,17 +74,19 @@ def batch_of_states(
 
 
 def task_of_tori(
-    solution: Solution, kinds: Mapping[str, str] | None, parameters: Mapping[str, Any] | None, *, fallback: bool = True
-) -> InverseTask:
+    solution: Solution, kinds: Mapping[str, str] | None, parameters: Mapping[str, Any] | None, *, fallback: bool = True,
+    wells: Mapping[str, float] | None = None,
+) -> InverseTask:  # fmt: skip
     """Write the task of states on tori, without actions and angles yet.
 
     Args:
         kinds: separated coordinate → libration or rotation, of all orbits.
         parameters: name → number, where it differs from the default.
         fallback: whether what the engine hands back goes to single motions.
+        wells: coordinate → a place in the well that is meant, of all orbits.
 
     Raises:
-        InvalidInputError: kinks of V, a coordinate that never comes back, an unknown kind.
+        InvalidInputError: kinks of V, a coordinate that never comes back, an unknown kind, or well of no coordinate.
         MissingValueError: a parameter without a value.
     """
     refuse_kinks(solution.system.kinks, "actions=")
@@ -90,8 +95,11 @@ def task_of_tori(
     parameter_values(solution.system, dict(parameters or {}))
     none = np.empty((len(names), 0))
     separated = replace(solution, chart=None)
+    if unknown := set(wells or {}).difference(names):
+        raise InvalidInputError(f"wells: {', '.join(sorted(unknown))}: known are {', '.join(names)}")
+    places = {name: np.asarray(float(x)) for name, x in (wells or {}).items()}
     return InverseTask(
-        separated, tuple(names), none, none, chosen, dict(parameters or {}), fallback, solution.chart
+        separated, tuple(names), none, none, chosen, dict(parameters or {}), fallback, solution.chart, places
     )  # fmt: skip
 
 
@@ -99,11 +107,17 @@ def state_columns(task: InverseTask, inputs: Sequence[NDArray[np.generic]]) -> C
     """Return the columns of orbits.
 
     Args:
-        inputs: actions and, after these, angles, in the order of the task's names; each of shape (n,).
+        inputs: actions, angles, both in the order of the task's names, and places in wells where orbits have
+            their own; each of shape (n,).
     """
-    half = len(inputs) // 2
-    actions, angles = (np.stack(group).astype(float) for group in (inputs[:half], inputs[half:]))
-    found = states_of(replace(task, actions=actions, angles=angles))
+    size = len(task.names)
+    actions, angles = (np.stack(group).astype(float) for group in (inputs[:size], inputs[size : 2 * size]))
+    places = inputs[2 * size :] or list(task.wells.values())
+    wells = {
+        name: np.broadcast_to(np.asarray(x, dtype=float), actions.shape[1])
+        for name, x in zip(task.wells, places, strict=True)
+    }
+    found = states_of(replace(task, actions=actions, angles=angles, wells=wells))
     if task.chart is not None:
         with shared_libraries:
             found = carried_back(task, task.chart, found)

@@ -40,7 +40,7 @@ _RANGE = {
 }  # fmt: skip
 _SWEEP = {
     "chunk": Key("number"), "table": Key("text"), "columns": Key("formulas"), "keep": Key("texts"),
-    "kinds": Key("formulas"), **{group: Key("table") for group in GROUPS},
+    "kinds": Key("formulas"), "wells": Key("formulas"), **{group: Key("table") for group in GROUPS},
 }  # fmt: skip
 _NOT_WITH = ("events", "times", "orbit")
 _OF_STATES = ("initial", "motion", "velocity_frame")
@@ -82,6 +82,7 @@ class Varied:
         columns: initial condition, ``q.r``, → its column in the file, where that has another name.
         keep: columns of the file that are written next to the results as they are.
         kinds: of tori, separated coordinate → libration or rotation, where both have the same actions.
+        wells: of tori, coordinate → a place in the well that is meant, where several have the same actions.
     """
 
     chunk: int
@@ -90,6 +91,7 @@ class Varied:
     columns: Mapping[str, str]
     keep: tuple[str, ...] = ()
     kinds: Mapping[str, str] = field(default_factory=dict)
+    wells: Mapping[str, sp.Expr] = field(default_factory=dict)
 
     @property
     def over_tori(self) -> bool:
@@ -124,8 +126,8 @@ def sweep_faults(given: object, scene: Toml) -> Iterator[str]:
         yield from (f"{key}: a sweep over actions has no places; leave it out" for key in _OF_STATES if key in scene)
         if "coordinates" in scene:
             yield "coordinates: a sweep over actions is in coordinates that separate as they are given; leave it out"
-    elif "kinds" in given and "table" not in given:
-        yield "sweep.kinds: belongs to actions"
+    elif "table" not in given:
+        yield from (f"sweep.{key}: belongs to actions" for key in ("kinds", "wells") if key in given)
     if "columns" in given and "table" not in given:
         yield "sweep.columns: belongs to a table"
     if "keep" in given and Path(str(given.get("table", ""))).suffix != ".parquet":
@@ -179,7 +181,8 @@ def read_sweep(given: Toml | None, folder: Path) -> Varied | None:
     if table is not None and (folder / table).exists():
         table = folder / table
     columns, kinds, keep = dict(given.get("columns", {})), dict(given.get("kinds", {})), tuple(given.get("keep", ()))
-    return Varied(given.get("chunk", CHUNK), axes, table, columns, keep, kinds)
+    wells = {name: number(value, source=f"sweep.wells.{name}") for name, value in given.get("wells", {}).items()}
+    return Varied(given.get("chunk", CHUNK), axes, table, columns, keep, kinds, wells)
 
 
 def _axis(group: str, name: str, values: object) -> Axis:

@@ -116,7 +116,8 @@ def sweep(
 def _task(scene: Scene, kind: str) -> SweepTask:
     solution, parameters = solve(scene.system, scene.coordinates), dict(scene.parameters)
     if kind == "angles":
-        return task_of_tori(solution, required(scene.sweep).kinds, parameters)
+        sweep = required(scene.sweep)
+        return task_of_tori(solution, sweep.kinds, parameters, wells={n: float(x) for n, x in sweep.wells.items()})
     return task_for(solution, wanted(scene.want), parameters, kind, frame=scene.velocity_frame)
 
 

@@ -47,6 +47,7 @@ def sweep_digest(scene: Scene, table: str, chunk: int) -> dict[str, str]:
             *([scene.velocity_frame] if scene.velocity_frame != COORDINATE else ()),
             *([list(sweep.keep)] if sweep.keep else ()),
             *([sorted(sweep.kinds.items())] if sweep.kinds else ()),
+            *([sorted(sweep.wells.items())] if sweep.wells else ()),
         ],
         "table": table,
     }

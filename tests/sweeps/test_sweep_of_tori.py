@@ -76,6 +76,19 @@ def test_rotations_are_chosen_by_kinds(tmp_path: Path) -> None:
     assert hjsolve.sweep(scene, tmp_path / "out2").statuses["ok"] == 1
 
 
+def test_a_well_is_chosen_by_a_place_in_it(tmp_path: Path) -> None:
+    system = {
+        "coordinates": [{"name": "x", "domain": "line"}],
+        "kinetic": "dot(x)**2/2", "potential": "x**4/4 - x**2/2 + x/20",
+    }  # fmt: skip
+    scene = {"system": system, "sweep": {"actions": {"x": ["0.05", "0.1"]}}}
+    assert hjsolve.sweep(scene, tmp_path / "out").statuses["ambiguous"] == 2
+    scene["sweep"] = {"actions": {"x": ["0.05", "0.1"]}, "wells": {"x": "1"}}
+    done = hjsolve.sweep(scene, tmp_path / "out2")
+    assert done.statuses["ok"] == 2
+    assert (rows(done.path)["q.x"] > 0).all()
+
+
 @pytest.mark.parametrize(
     ("scene", "message"),
     [
@@ -87,6 +100,7 @@ def test_rotations_are_chosen_by_kinds(tmp_path: Path) -> None:
         ({**GRID, "want": ["actions"]}, 'want: "actions" is not for a sweep over actions, which has state'),
         ({**GRID, "coordinates": "find", "system": "kepler-spatial-cartesian"}, "actions|no "),
         (with_sweep(kinds={"r": "spin"}), r"kinds\[r\]: a separated coordinate"),
+        (with_sweep(wells={"z": "1"}), "wells: z: known are r, theta"),
         ({"system": "kepler-planar", "sweep": {"q": {"r": "1"}, "kinds": {"r": "libration"}}}, "belongs to actions"),
     ],
 )

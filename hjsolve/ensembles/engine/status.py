@@ -38,7 +38,7 @@ _MEANINGS = {
     Status.OUTSIDE_DOMAIN: "the place lies outside the domain, or on a singularity of the coordinates",
     Status.NOT_FINITE: "an input is NaN or infinite",
     Status.NOT_CONVERGED: "a result did not reach 15 digits",
-    Status.AMBIGUOUS: "several tori have these actions; kinds={…} chooses between libration and rotation",
+    Status.AMBIGUOUS: "several tori have these actions; kinds={…} chooses between libration and rotation, q={…} a well",
 }
 
 

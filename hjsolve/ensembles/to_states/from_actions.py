@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -25,12 +25,14 @@ from hjsolve.ensembles.engine.lowered_solution import Model, Separated, lowered_
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.engine.units_of_orbits import LARGE_BITS, UnitsOfOrbits, model_in_units, rounded_exponents
-from hjsolve.ensembles.to_states.newton_on_actions import ROUNDS, SOON, Goals, Solved, constants_of_tori, newton_step
+from hjsolve.ensembles.to_states.newton_on_actions import ROUNDS, SOON, Asked, Solved, constants_of_tori, newton_step
+from hjsolve.ensembles.to_states.other_wells import in_the_wells_meant
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, frames_of
 from hjsolve.ensembles.to_states.seeds import Scales, Seeds, nearest, seeds_of
 from hjsolve.ensembles.to_states.short_arcs import inverses
 from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
 from hjsolve.ensembles.to_states.tori import FINER, Tori
+from hjsolve.ensembles.to_states.wells import Landscape
 from hjsolve.errors import InvalidInputError, NotConvergedError, SeveralToriError
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.motion.initial_data import parameter_values
@@ -55,6 +57,7 @@ _TOLERANCE = 1e-6
 """Largest claimed error of q, over the width of its motion, with which a state is kept."""
 
 Rows = dict[str, Reals]
+_Pattern = tuple[bool, ...]
 
 
 @dataclass(frozen=True)
@@ -69,6 +72,7 @@ class InverseTask:
         parameters: name → number.
         fallback: whether what is left over goes to single motions.
         chart: from the separated coordinates, in which all of this is, to the user's; None where they are his.
+        wells: coordinate → a place in the well that is meant, shape (n,).
         threads: how many work on chunks; the result does not depend on it.
     """
 
@@ -80,6 +84,7 @@ class InverseTask:
     parameters: Mapping[str, Any]
     fallback: bool
     chart: Chart | None = None
+    wells: Mapping[str, Reals] = field(default_factory=dict)
     threads: int = 1
 
 
@@ -177,10 +182,18 @@ def _in_their_own_units(task: InverseTask, found: FoundStates, left: Integers) -
 
 
 class _Ready(NamedTuple):
-    """What all orbits share: the system, seeds, and the rows of the separated and of the ignorable coordinates."""
+    """What all orbits share.
+
+    Attributes:
+        angles: the system.
+        seeds: tori to begin from.
+        landscape: where other wells are looked for.
+        own, others: rows of the separated and of the ignorable coordinates among all actions.
+    """
 
     angles: AngleTask
     seeds: Seeds
+    landscape: Landscape
     own: list[int]
     others: list[int]
 
@@ -211,7 +224,8 @@ def _ready(task: InverseTask, model: Model, scales: list[Scales], finite: Intege
     programs = system_programs(model, kernels=True)
     wanted = task.actions[:, finite]
     seeds = seeds_of(model, programs, scales, (wanted[own], wanted[others]))
-    return _Ready(AngleTask(model, programs), seeds, own, others)
+    landscape = Landscape.of(model, programs, [scale.places for scale in scales], seeds.tori)
+    return _Ready(AngleTask(model, programs), seeds, landscape, own, others)
 
 
 def _chunk(task: InverseTask, ready: _Ready, found: FoundStates, index: Integers) -> None:
@@ -230,12 +244,20 @@ def _chunk(task: InverseTask, ready: _Ready, found: FoundStates, index: Integers
         if not len(some):
             continue
         mine = seeds.take((rotating == np.array(pattern)[:, None]).all(axis=0))
-        solved = _solved(ready.angles, mine, (J[:, some], momenta[:, some]), pattern)
-        twice = solved.good & done[some]
+        wanted = Asked.of(model, J[:, some], momenta[:, some], pattern)
+        solved = _solved(ready.angles, mine, wanted)
+        several = in_the_wells_meant(ready.landscape, mine, solved, wanted, _hints(task, model, index[some]))
+        twice = several | (solved.good & done[some])
         ambiguous[some[twice]] = True
         done[some[solved.good]] = True
         _written(task, found, ready.angles, (index[some], pattern), solved)
     _withdrawn(found, index[ambiguous])
+
+
+def _hints(task: InverseTask, model: Model, index: Integers) -> Reals:
+    """Return places in the wells that are meant, shape (separated, n); NaN where none is given."""
+    none = np.full(len(index), np.nan)
+    return np.stack([task.wells[c.name][index] if c.name in task.wells else none for c in model.separated])
 
 
 def _withdrawn(found: FoundStates, index: Integers) -> None:
@@ -258,20 +280,15 @@ def _possible(J: Reals, pattern: tuple[bool, ...]) -> Mask:
     return fine
 
 
-def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern: tuple[bool, ...]) -> Solved:
+def _solved(task: AngleTask, seeds: Seeds, wanted: Asked) -> Solved:
     """Constants of tori, from the nearest seeds; what takes long starts again from the nearest that were solved."""
-    (J, momenta), model = wanted, task.model
-    rotating = np.broadcast_to(np.array(pattern)[:, None], J.shape)
-    places = [model.ignorable[name] for name in model.angles]
-    unknown = np.array([j for j in range(len(model.constants)) if j not in places])
-    goals = Goals(np.abs(J), rotating, np.abs(J).sum(axis=0) + np.abs(momenta).sum(axis=0), unknown)
-    everything = np.concatenate([np.abs(J), np.abs(momenta)])
+    goals, everything = wanted.goals, wanted.sizes
 
     def begun(pool: Seeds, index: Integers, *, again: bool = False) -> tuple[Tori, Reals]:
         near = nearest(pool.actions, everything[:, index])[: 1 if again else None]
-        return _begun(pool, near, (goals.take(index), momenta[:, index], places))
+        return _begun(pool, near, wanted.take(index))
 
-    everyone = np.arange(J.shape[1])
+    everyone = np.arange(everything.shape[1])
     first = (everyone % _EVERY == 0) | (len(everyone) < _MANY)
     few, rest = everyone[first], everyone[~first]
     solved = constants_of_tori(task, begun(seeds, few), goals.take(few), SOON)
@@ -292,7 +309,7 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: tuple[Reals, Reals], pattern:
     return solved
 
 
-def _begun(pool: Seeds, near: Integers, wanted: tuple[Goals, Reals, list[int]]) -> tuple[Tori, Reals]:
+def _begun(pool: Seeds, near: Integers, wanted: Asked) -> tuple[Tori, Reals]:
     """Constants of the nearest tori, and the step to those with the actions wanted; none far from them.
 
     To third order from several neighbours, or to first order from the nearest one.
@@ -312,7 +329,7 @@ def _begun(pool: Seeds, near: Integers, wanted: tuple[Goals, Reals, list[int]]) 
     return Tori(values, np.zeros_like(values), pool.tori.q[:, first], pool.tori.ends[..., first]), step
 
 
-def _extrapolated(pool: Seeds, near: Integers, wanted: tuple[Goals, Reals, list[int]]) -> Reals:
+def _extrapolated(pool: Seeds, near: Integers, wanted: Asked) -> Reals:
     """Return the unknown constants of tori by those of several neighbours."""
     goals, momenta, places = wanted
     inverse = inverses(pool.shells.slopes[:, goals.unknown].transpose(2, 0, 1))  # ∂c/∂J
@@ -332,7 +349,7 @@ def _written(
     task: InverseTask,
     found: FoundStates,
     angle_task: AngleTask,
-    which: tuple[Integers, tuple[bool, ...]],
+    which: tuple[Integers, _Pattern],
     solved: Solved,
 ) -> None:
     """Write the states on tori that were found."""
@@ -388,8 +405,9 @@ def _one(task: InverseTask, found: FoundStates, k: int) -> None:
     found.recomputed[k] = True
     try:
         motion = task.solution.motion(
-            actions=actions, angles=angles, kinds=dict(task.kinds), parameters=dict(task.parameters)
-        )
+            actions=actions, angles=angles, kinds=dict(task.kinds), parameters=dict(task.parameters),
+            q={name: float(places[k]) for name, places in task.wells.items()},
+        )  # fmt: skip
         state = motion.at(0)
     except SeveralToriError:
         found.status[k] = Status.AMBIGUOUS

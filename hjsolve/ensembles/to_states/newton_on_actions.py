@@ -17,6 +17,7 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.to_states.followed_tori import followed
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask
 from hjsolve.ensembles.to_states.tori import APPROXIMATE, DOUBLES, EXACT, Actions, Tori, actions_of, joined, no_actions
@@ -62,6 +63,44 @@ class Goals(NamedTuple):
     def take(self, index: Integers) -> Goals:
         """Return those of some orbits."""
         return Goals(self.actions[:, index], self.rotating[:, index], self.scale[index], self.unknown)
+
+
+class Asked(NamedTuple):
+    """What is asked of n orbits.
+
+    Attributes:
+        goals: of the separated coordinates.
+        momenta: of the ignorable angles, which are constants; shape (angles, n).
+        places: positions of these among the constants.
+    """
+
+    goals: Goals
+    momenta: Reals
+    places: list[int]
+
+    @classmethod
+    def of(cls, model: Model, J: Reals, momenta: Reals, pattern: tuple[bool, ...]) -> Asked:
+        """Write what Newton's method is to reach, and which constants it may change.
+
+        Args:
+            J: actions of the separated coordinates, signed; shape (separated, n).
+            momenta: of the ignorable angles.
+            pattern: which coordinates are to go round.
+        """
+        places = [model.ignorable[name] for name in model.angles]
+        unknown = np.array([j for j in range(len(model.constants)) if j not in places])
+        rotating = np.broadcast_to(np.array(pattern)[:, None], J.shape)
+        scale = np.abs(J).sum(axis=0) + np.abs(momenta).sum(axis=0)
+        return cls(Goals(np.abs(J), rotating, scale, unknown), momenta, places)
+
+    @property
+    def sizes(self) -> Reals:
+        """All actions without their signs, those of the ignorable angles last."""
+        return np.concatenate([self.goals.actions, np.abs(self.momenta)])
+
+    def take(self, index: Integers) -> Asked:
+        """Return those of some orbits."""
+        return Asked(self.goals.take(index), self.momenta[:, index], self.places)
 
 
 class Solved(NamedTuple):

@@ -121,12 +121,16 @@ def nearest(seeds: Reals, wanted: Reals) -> Integers:
         wanted: actions, shape (names, n).
     """
     found = np.zeros((min(2 * len(wanted) + 1, seeds.shape[1]), wanted.shape[1]), dtype=np.int64)
-    nearest_points(_shapes(seeds), _shapes(wanted), found, np.empty(seeds.shape[1]))
+    nearest_points(shapes(seeds), shapes(wanted), found, np.empty(seeds.shape[1]))
     return found
 
 
-def _shapes(actions: Reals) -> Reals:
-    """Logarithms of actions: differences of them are ratios of large actions, and differences of small ones."""
+def shapes(actions: Reals) -> Reals:
+    """Return logarithms of actions: differences of them are ratios of large actions, and differences of small ones.
+
+    Args:
+        actions: shape (names, n).
+    """
     sizes = np.abs(actions)
     with np.errstate(divide="ignore"):
         logarithms = np.log(sizes + _SMALL * sizes.sum(axis=0))

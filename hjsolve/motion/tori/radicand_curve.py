@@ -177,15 +177,18 @@ def curves_of(
     return result
 
 
-def cycle_near(curve: RadicandCurve, κ: Reals, low: float, high: float, *, harmonic: bool) -> Cycle | None:
+def cycle_near(
+    curve: RadicandCurve, κ: Reals, low: float, high: float, *, harmonic: bool, start: float | None = None
+) -> Cycle | None:
     """Return the cycle about the maximum of p² next to an interval; None where the coordinate does not come back.
 
     Args:
         κ: constants, shape (k,).
         low, high: where the cycle was for other constants.
         harmonic: whether J is to be zero.
+        start: place from where the maximum lies uphill; None for the highest of the interval.
     """
-    top = place_of_maximum(curve, κ, low, high)
+    top = place_of_maximum(curve, κ, low, high, start)
     value = float(curve.value(np.array([top]), κ)[0])
     if harmonic or not value > 0 or _is_small(curve, κ, top):
         return _harmonic(curve, κ, top)
@@ -228,10 +231,16 @@ def _harmonic(curve: RadicandCurve, κ: Reals, top: float) -> Cycle | None:
     )
 
 
-def place_of_maximum(curve: RadicandCurve, κ: Reals, low: float, high: float) -> float:
+def place_of_maximum(curve: RadicandCurve, κ: Reals, low: float, high: float, start: float | None = None) -> float:
     """Return the maximum of p² in an interval, or uphill from there; any place inside where p² has none.
 
     Uphill only: next to the interval p² may be greater on the flank of another well, whose cycles are another family.
+    So may it be in the interval, which may reach over a barrier that there was not for the constants before.
+
+    Args:
+        κ: constants, shape (k,).
+        low, high: the interval.
+        start: place from where the maximum lies uphill; None for the highest.
     """
     low, high = max(low, curve.lower), min(high, curve.upper)  # a harmonic cycle may be wider than the domain
     margin = (high - low) / 2 or 1e-3 * max(abs(low), 1e-3)
@@ -246,6 +255,9 @@ def place_of_maximum(curve: RadicandCurve, κ: Reals, low: float, high: float) -
     values = np.where(np.isfinite(values), values, -np.inf)
     within = (q >= low) & (q <= high) & (values > -np.inf)
     best = int(np.argmax(np.where(within, values, -np.inf) if within.any() else values))
+    if start is not None:
+        nearest = int(np.argmin(np.abs(q - start)))
+        best = nearest if values[nearest] > -np.inf else best
     for step in (-1, 1):
         while 0 <= best + step < len(q) and values[best + step] > values[best]:
             best += step
@@ -268,11 +280,13 @@ def _turning_point(curve: RadicandCurve, κ: Reals, top: float, side: int) -> fl
         away = np.unique(np.concatenate([away[away < gap / 2], gap * (1 - 2.0 ** -np.arange(1.0, 50.0))]))
     if curve.turn:
         away = np.unique(np.concatenate([away[away < curve.turn], curve.turn * np.arange(1, 129) / 128]))
-    positive = curve.value(top + side * away, κ) > 0
-    first = int(np.argmin(positive))
-    if positive[first]:
-        return end if curve.walls[side > 0] else None
-    inside, outside = (float(away[first - 1]) if first else 0.0), float(away[first])
+    values = curve.value(top + side * away, κ)
+    first = int(np.argmin(values > 0))
+    inside, outside = _thin_barrier(curve, κ, top, side, away, values)
+    if outside == np.inf:
+        if values[first] > 0:
+            return end if curve.walls[side > 0] else None
+        inside, outside = (float(away[first - 1]) if first else 0.0), float(away[first])
     for _ in range(_ROUNDS):
         trial = np.linspace(inside, outside, _TRIED + 1)
         values = curve.value(top + side * trial, κ)
@@ -284,3 +298,25 @@ def _turning_point(curve: RadicandCurve, κ: Reals, top: float, side: int) -> fl
             break
     ratio = here / (here - there) if here > 0 > there else 0.5
     return top + side * (inside + (outside - inside) * ratio)
+
+
+def _thin_barrier(
+    curve: RadicandCurve, κ: Reals, top: float, side: int, away: Reals, values: Reals
+) -> tuple[float, float]:
+    """Return distances on either side of the first zero where p² dips below zero between samples of it; else infinite.
+
+    Next to a separatrix the barrier between two wells is thin: samples lie on both sides of it.
+    """
+    dips = np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:])) + 1
+    first = int(np.argmin(values > 0)) if (values <= 0).any() else len(values)
+    for dip in dips[dips < first]:
+        before, after = float(away[dip - 1]), float(away[dip + 1])
+        for _ in range(_ROUNDS):
+            trial = np.linspace(before, after, _TRIED + 1)
+            seen = curve.value(top + side * trial, κ)
+            below = np.flatnonzero(seen <= 0)
+            if len(below):
+                return float(trial[below[0] - 1]) if below[0] else before, float(trial[below[0]])
+            lowest = int(np.argmin(np.where(np.isfinite(seen), seen, np.inf)))
+            before, after = float(trial[max(lowest - 1, 0)]), float(trial[min(lowest + 1, _TRIED)])
+    return np.inf, np.inf

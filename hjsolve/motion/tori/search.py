@@ -30,8 +30,10 @@ _WELLS = 4
 """How many wells of one family are looked for."""
 _AROUND, _FINE = 10.0, 4000
 """How far beyond the action asked ranges of actions are looked at, and nodes of the actions at their ends."""
-_NEWTON_STEPS, _HALVINGS_OF_A_STEP, _CLOSE = 60, 8, 1e-11
-"""Steps of Newton's method and halvings of each, and the relative residual at which it ends."""
+_NEWTON_STEPS, _CLOSE = 60, 1e-11
+"""Steps of Newton's method, and the relative residual at which it ends."""
+_FRACTIONS_OF_A_STEP = (1.0, *(0.9 * 2.0**-k for k in range(8)))
+"""Tried one after the other: next to a separatrix a whole step goes beyond it, nine tenths stay before it."""
 
 
 Meant = Callable[[Sequence[tuple[float, float, bool]]], bool]
@@ -288,14 +290,14 @@ def _newton(
         except np.linalg.LinAlgError:
             return None
         wells = [(c.low, c.high) for c in cycles]
-        for halving in range(_HALVINGS_OF_A_STEP):
+        for fraction in _FRACTIONS_OF_A_STEP:
             trial = κ.copy()
-            trial[wanted.unknown] += step * 2.0**-halving
-            new = _cycles(curves, trial, wells, kinds, goals)
+            trial[wanted.unknown] += step * fraction
+            new = _cycles(curves, trial, wells, kinds, goals, [c.top for c in cycles])
             if new is None:
                 continue
             left = float(np.max(np.abs(goals - np.array([c.action for c in new])) / size))
-            if left < now * (1 - 2.0 ** -(halving + 3)):
+            if left < now * (1 - fraction / 8):
                 κ, cycles = trial, new
                 break
         else:
@@ -309,12 +311,13 @@ def _newton(
 
 def _cycles(
     curves: Sequence[RadicandCurve], κ: Reals, intervals: Sequence[tuple[float, float]], kinds: Sequence[str],
-    goals: Reals,
+    goals: Reals, starts: Sequence[float] | None = None,
 ) -> list[Cycle] | None:  # fmt: skip
     """Return the cycles of all coordinates; None where one does not come back, or is of another kind."""
     result = []
-    for curve, (low, high), kind, goal in zip(curves, intervals, kinds, goals, strict=True):
-        cycle = cycle_near(curve, κ, low, high, harmonic=goal == 0)
+    for i, (curve, (low, high), kind, goal) in enumerate(zip(curves, intervals, kinds, goals, strict=True)):
+        start = None if starts is None else starts[i]
+        cycle = cycle_near(curve, κ, low, high, harmonic=goal == 0, start=start)
         if cycle is None or not np.isfinite(cycle.action) or (cycle.kind == "rotation") != (kind == "rotation"):
             return None
         result.append(cycle)

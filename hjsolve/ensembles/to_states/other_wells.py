@@ -1,0 +1,103 @@
+"""Tori with the same actions in other wells: two minima of V, or two centres, have such, with constants that differ.
+
+Newton's method begins once more where p², with the constants of the torus that was found, has other maxima (p² < 0 is
+no obstacle, see ``tori``), and where it has none, from the nearest of those random tori that have another well beside
+their own. Which of several tori is meant actions do not tell: that takes a place in its well.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.ensembles.to_states.newton_on_actions import SOON, Asked, Solved, constants_of_tori
+from hjsolve.ensembles.to_states.places_on_tori import AngleTask
+from hjsolve.ensembles.to_states.seeds import Seeds, shapes
+from hjsolve.ensembles.to_states.tori import Tori
+from hjsolve.ensembles.to_states.wells import Landscape, Wells, in_wells, same_tori
+
+_ROUNDS = 2 * SOON
+"""Evaluations of J from a start in another well."""
+_AS_NEAR = 2.0
+"""How far off, in logarithms of actions, a random torus may be to begin with: a factor of 7."""
+
+
+def in_the_wells_meant(landscape: Landscape, seeds: Seeds, solved: Solved, wanted: Asked, hints: Reals) -> Mask:
+    """Look into other wells, and leave out tori that are not where they are meant to be.
+
+    Args:
+        landscape: the system.
+        seeds: random tori that librate and rotate as wanted.
+        solved: the tori found of n orbits; others are written into it.
+        wanted: their actions.
+        hints: of each coordinate a place in the well that is meant, NaN where none is given; shape (separated, n).
+
+    Returns:
+        Which orbits have several tori where they are meant to be.
+    """
+    several, hinted = np.zeros(hints.shape[1], dtype=bool), bool(np.isfinite(hints).any())
+    good = np.flatnonzero(solved.good)
+    if not len(good) or not (hinted or any(landscape.several)):
+        return several
+    tori, asked = solved.tori.take(good), wanted.take(good)
+
+    def wells(some: Tori, orbits: Integers) -> list[Wells]:
+        return landscape.wells(some, asked.goals.rotating[:, orbits], every=hinted)
+
+    first = wells(tori, np.arange(len(good)))
+    solved.good[good] = in_wells(landscape.model, first, hints[:, good])
+
+    def from_there(seen: Integers, begin: Tori) -> None:
+        own, step = asked.take(seen), np.zeros((len(asked.goals.unknown), len(seen)))
+        there = constants_of_tori(AngleTask(landscape.model, landscape.programs), (begin, step), own.goals, _ROUNDS)
+        met = np.flatnonzero(there.good)
+        new, seen = there.take(met), seen[met]
+        index, second = good[seen], wells(new.tori, seen)
+        fits = in_wells(landscape.model, second, hints[:, index])
+        for other in (tori.take(seen), solved.tori.take(index)):  # the first one, and what has taken its place
+            known = (second, wells(other, seen))
+            fits &= ~same_tori(landscape.model, new, other, asked.goals.scale[seen], known)
+        several[index[fits & solved.good[index]]] = True
+        solved.put(index[fits], new.take(np.flatnonzero(fits)))
+
+    for seen, begin in _elsewhere(first, tori):
+        from_there(seen, begin)
+    left = np.flatnonzero(~several[good])
+    seen, begin = _beside(landscape, seeds, asked.take(left), [well.take(left) for well in first])
+    if len(seen):
+        from_there(left[seen], begin)
+    return several
+
+
+def _elsewhere(wells: Sequence[Wells], tori: Tori) -> Iterator[tuple[Integers, Tori]]:
+    """Yield which tori see another well along one coordinate or several, and the same tori with a place there."""
+    choices = [[tori.q[k], *(row for row in own.others if np.isfinite(row).any())] for k, own in enumerate(wells)]
+    for rows in itertools.islice(itertools.product(*choices), 1, None):
+        q = np.stack(rows)
+        seen = np.flatnonzero(np.isfinite(q).all(axis=0))
+        if len(seen):
+            yield seen, tori._replace(q=q, ends=np.full_like(tori.ends, np.nan)).take(seen)
+
+
+def _beside(landscape: Landscape, seeds: Seeds, asked: Asked, wells: Sequence[Wells]) -> tuple[Integers, Tori]:
+    """Return which orbits have near them a seed whose well is not theirs but next to another one, and that seed."""
+    around = landscape.wells(seeds.tori, seeds.shells.rotations)
+    known = np.flatnonzero(np.any([np.isfinite(own.others).any(axis=0) for own in around], axis=0))
+    if not len(known) or not asked.goals.actions.shape[1]:
+        return np.zeros(0, dtype=int), seeds.tori.take(known[:0])
+    apart = np.zeros((asked.goals.actions.shape[1], len(known)), dtype=bool)
+    for own, other in zip(wells, around, strict=True):
+        low, high = own.low[:, None], own.high[:, None]
+        apart |= (other.high[known] <= low) | (high <= other.low[known])
+    here, there = shapes(asked.sizes), shapes(seeds.actions[:, known])
+    square = (here**2).sum(axis=0)[:, None] + (there**2).sum(axis=0) - 2 * here.T @ there
+    square[~apart] = np.inf
+    near = square.argmin(axis=1)
+    seen = np.flatnonzero(square[np.arange(len(near)), near] <= _AS_NEAR**2)
+    begin = seeds.tori.take(known[near[seen]])
+    begin.values[asked.places] = asked.momenta[:, seen]
+    begin.low[asked.places] = 0.0
+    return seen, begin

@@ -1,0 +1,151 @@
+"""The wells that tori lie in, seen on samples of p², and where p² has other maxima."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from hjsolve.arithmetic.machine.over_rows import run_rows
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
+from hjsolve.ensembles.engine.coordinate_of_orbits import offset
+from hjsolve.ensembles.engine.lowered_solution import Model
+from hjsolve.ensembles.engine.programs import SystemPrograms, sides
+from hjsolve.ensembles.to_states.newton_on_actions import Solved
+from hjsolve.ensembles.to_states.tori import Tori, coordinate_at
+
+_VALUES = 1 << 20
+"""Values of p² that are held at once."""
+_SAME = 1e-6
+"""How far apart, over the size of all actions, constants of one torus may be: what Newton's method leaves, and more."""
+_MARGIN = 1e-9
+"""By what part of itself a place may lie beyond a turning point, as for single motions."""
+_WELLS = 4
+"""How many other wells of one coordinate are looked at."""
+
+
+class Wells(NamedTuple):
+    """The well of one coordinate that each of n tori lies in, on samples.
+
+    Attributes:
+        low, high: ends of it, shape (n,).
+        others: places of other maxima of p², shape (wells, n); NaN where there are fewer.
+    """
+
+    low: Reals
+    high: Reals
+    others: Reals
+
+    def take(self, index: Integers | Mask) -> Wells:
+        """Return those of some tori."""
+        return Wells(*(x[..., index] for x in self))
+
+
+class Landscape(NamedTuple):
+    """A system, and the places at which p² is looked at.
+
+    Attributes:
+        model, programs: the system.
+        grids: of each separated coordinate, ascending.
+        several: which coordinates have several wells, as far as seeds tell.
+    """
+
+    model: Model
+    programs: SystemPrograms
+    grids: Sequence[Reals]
+    several: tuple[bool, ...]
+
+    @classmethod
+    def of(cls, model: Model, programs: SystemPrograms, grids: Sequence[Reals], seeds: Tori) -> Landscape:
+        """Look which coordinates of tori have several maxima of p².
+
+        Args:
+            grids: places that show the domain of each coordinate.
+            seeds: tori of all kinds.
+        """
+        everywhere = cls(model, programs, grids, (True,) * len(grids))
+        found = everywhere.wells(seeds, np.zeros(seeds.q.shape, dtype=bool))
+        return everywhere._replace(several=tuple(bool(np.isfinite(one.others).any()) for one in found))
+
+    def wells(self, tori: Tori, rotating: Mask, *, every: bool = False) -> list[Wells]:
+        """Return the wells of all coordinates.
+
+        Args:
+            rotating: which go round, shape (separated, n): all of a turn is their well.
+            every: whether the ends of the only well of a coordinate are wanted, too.
+        """
+        found, count = [], tori.q.shape[1]
+        for k, grid in enumerate(self.grids):
+            one = Wells(np.full(count, -np.inf), np.full(count, np.inf), np.full((_WELLS, count), np.nan))
+            moving = np.flatnonzero(~rotating[k]) if self.several[k] or every else np.zeros(0, dtype=int)
+            span = max(1, _VALUES // len(grid))
+            for begin in range(0, len(moving), span):
+                some = moving[begin : begin + span]
+                for whole, part in zip(one, self._seen(tori.take(some), k), strict=True):
+                    whole[..., some] = part
+            found.append(one)
+        return found
+
+    def _seen(self, tori: Tori, k: int) -> Wells:
+        """Return the wells of one coordinate: between the last samples before and after its place with p² ≤ 0."""
+        grid, coordinate, count = self.grids[k], self.model.separated[k], tori.q.shape[1]
+        size, index = len(grid), np.arange(len(grid))
+        one = coordinate_at(self.model, self.programs, tori.take(np.repeat(np.arange(count), size)), k)
+        formula = sides(coordinate)[0]
+        given = np.stack([offset(formula, np.tile(grid, count)), *one.constants])
+        with np.errstate(all="ignore"):
+            F, slope, *_ = run_rows(one.programs.views[0].slopes, one.parameters, given)
+        beyond, places = ~(F.reshape(count, size) > 0), tori.q[k][:, None]
+        before = np.where(beyond & (grid < places), index, 0).max(axis=1)
+        after = np.where(beyond & (grid > places), index, size - 1).min(axis=1)
+        low, high = np.fmin(grid[before], tori.q[k]), np.fmax(grid[after], tori.q[k])
+        # maxima by the slope: p² itself shows no wells that are below the rounding of its constants
+        rises = (formula.sign * slope).reshape(count, size) > 0
+        outside = rises[:, :-1] & ~rises[:, 1:] & ((index[1:] <= before[:, None]) | (index[:-1] >= after[:, None]))
+        others = np.full((_WELLS, count), np.nan)
+        middles = 0.5 * (grid[:-1] + grid[1:])
+        if coordinate.periodic:  # each maximum once, the one next above the lower end of the well
+            turned = middles + 2 * np.pi * np.ceil((low[:, None] - middles) / (2 * np.pi))
+            outside &= (turned > high[:, None]) & (middles >= 0)
+        rank = np.cumsum(outside, axis=1)
+        for j in range(_WELLS):
+            own = outside & (rank == j + 1)
+            others[j] = np.where(own.any(axis=1), middles[own.argmax(axis=1)], np.nan)
+        return Wells(low, high, others)
+
+
+def same_tori(model: Model, one: Solved, other: Tori, scale: Reals, seen: tuple[list[Wells], list[Wells]]) -> Mask:
+    """Return which tori are the same: constants that give the same actions, to first order, and wells that overlap.
+
+    Args:
+        model: the system.
+        one, other: n tori each, that librate and rotate alike.
+        scale: the size of all actions together, shape (n,).
+        seen: wells of the ones and of the others.
+    """
+    with np.errstate(all="ignore"):
+        apart = np.abs(np.einsum("kcn,cn->kn", one.actions.slopes, one.tori.values - other.values))
+        alike = (apart <= _SAME * scale).all(axis=0)
+        for coordinate, a, b in zip(model.separated, *seen, strict=True):
+            turns = 2 * np.pi * np.rint((a.low + a.high - b.low - b.high) / (4 * np.pi)) if coordinate.periodic else 0.0
+            apart = (b.high + turns <= a.low) | (a.high <= b.low + turns)
+            alike &= ~apart
+    return np.asarray(alike)
+
+
+def in_wells(model: Model, wells: Sequence[Wells], hints: Reals) -> Mask:
+    """Return which tori move, along every coordinate, where they are meant to.
+
+    Args:
+        wells: where they move.
+        hints: a place in the well, shape (separated, n); NaN where none is given.
+    """
+    found = np.ones(hints.shape[1], dtype=bool)
+    for coordinate, own, q in zip(model.separated, wells, hints, strict=True):
+        with np.errstate(invalid="ignore"):
+            margin = _MARGIN * (np.abs(own.low) + np.abs(own.high))
+            if coordinate.periodic:
+                q = np.where(np.isfinite(own.low), q + 2 * np.pi * np.ceil((own.low - margin - q) / (2 * np.pi)), q)
+            found &= np.isnan(q) | ~((q < own.low - margin) | (q > own.high + margin))
+    return found
