@@ -8,6 +8,7 @@ import sympy as sp
 from mpmath import mp
 
 import hjsolve
+from hjsolve.ensembles.to_states import from_actions
 from tests.support import entries, kuzmin_kutuzov
 
 RANDOM = np.random.default_rng(5)
@@ -339,3 +340,71 @@ def test_librations_next_to_a_separatrix_are_found_in_a_batch():
         off = p**2 / 2 + x**2 / 2 - x**3 / 3 - mp.mpf(E.p) / E.q
         frequency = float(solution.motion(q={"x": 0}, constants={"E": E}, signs={"x": 1}).frequencies["x"])
         assert abs(off) <= abs(p) * δp + abs(x - x**2) * δx + 2e-16 * frequency * J[k] < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("name", "actions", "angles", "q", "p"),
+    [
+        # nearly unbound: the last step of the phases moves θ_u by noise, of which φ_w makes 1e-6 radians
+        (
+            "galaxy", {"u": 7065.658388135006, "w": 0.9403639814185047, "phi": 0.24524810093952248},
+            {"u": -8.811784635298636e-12, "w": -0.50156971063208, "phi": 1.4608075216910974},
+            {"u": "1.66346339817781269279361599", "w": "0.34158744209059964209160680"},
+            {"u": "-1.6398709403548038147016595", "w": "-1.3897804894803036176310329"},
+        ),
+        (
+            "galaxy", {"u": 6215.738730506061, "w": 0.7368749277324476, "phi": 0.576647508752526},
+            {"u": -1.4715839657952756e-11, "w": -0.5084366069786288, "phi": 1.5136221869141877},
+            {"u": "1.77473573616856658053893574", "w": "0.30688064081369291837830795"},
+            {"u": "-1.7517331415982029369819701", "w": "-1.3703247112954739609155774"},
+        ),
+        # next to a turning point the rounding of q is many roundings of P
+        (
+            "galaxy", {"u": 0.005421868776837102, "w": 0.3749029292569884, "phi": -0.7088596989474175},
+            {"u": -0.013725177715932882, "w": -1.9909987497347807, "phi": 0.38434004343828254},
+            {"u": "1.40793690783534102769027931", "w": "0.30347150463144163680445390"},
+            {"u": "0.00064307148262917275673082", "w": "-0.9298780742007785166970855"},
+        ),
+        (
+            "isochrone", {"r": 0.004159192307791693, "theta": 1.0613433321827794},
+            {"r": 3.1373957201449216, "theta": -0.7275720141333251},
+            {"r": "2.10392074120275883588196720", "theta": "-0.7270887113461389348194602"},
+            {"r": "0.00019526735574487946058787"},
+        ),
+        # the centre is a 1e-12th of the width of the motion, and most of the azimuth is gained next to it
+        (
+            "isochrone", {"r": 396218.80405291036, "theta": 0.012133361567596083},
+            {"r": -3.75402703777771e-08, "theta": 0.017836253721911444},
+            {"r": "2905850.62597418508194007212", "theta": "-1.5664262684211816409586527"},
+            {"r": "-0.0008296144500031367806533"},
+        ),
+    ],
+)  # fmt: skip
+def test_claims_hold_where_a_step_a_rounding_or_a_narrow_passage_was_not_counted(name, actions, angles, q, p):
+    """Against single motions with 25 digits, whose values are written here."""
+    solution = kuzmin_kutuzov.solution() if name == "galaxy" else hjsolve.solve(name)
+    batch = hjsolve.ensemble(solution, actions=actions, angles=angles, want={"state"}, fallback=False)
+    assert batch.status.item() == "ok"
+    with mp.workdps(30):
+        for rows, errors, wanted in ((batch.q, batch.error["q"], q), (batch.p, batch.error["p"], p)):
+            for c, digits in wanted.items():
+                assert abs(mp.mpf(float(rows[c])) - mp.mpf(digits)) <= float(errors[c]), c
+                assert float(errors[c]) <= 1e-10 * max(1.0, abs(float(digits))), c
+
+
+def test_states_do_not_depend_on_the_number_of_threads(monkeypatch):
+    monkeypatch.setattr(from_actions, "_CHUNK", 16)
+    dice = np.random.default_rng(4)
+    actions = {"r": np.exp(dice.uniform(-6, 1, 70)), "theta": np.exp(dice.uniform(-2, 1, 70))}
+    angles = {c: dice.uniform(-3, 3, 70) for c in actions}
+    one, *others = (
+        hjsolve.ensemble("isochrone", actions=actions, angles=angles, fallback=False, threads=threads)
+        for threads in (1, 2, 4, None)
+    )
+    for other in others:
+        assert (one.codes == other.codes).all()
+        for mine, theirs in ((one.q, other.q), (one.p, other.p), (one.error["q"], other.error["q"])):
+            for c in actions:
+                np.testing.assert_array_equal(mine[c], theirs[c])
+    with pytest.raises(hjsolve.InvalidInputError, match="threads"):
+        hjsolve.ensemble("isochrone", actions=actions, angles=angles, threads=0)

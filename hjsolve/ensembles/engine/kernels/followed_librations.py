@@ -29,7 +29,7 @@ _ORBIT, _SIZE, _MAP, _LOW, _HIGH, _LEFT = range(6)  # rows of ``Scratch.block``
 _ROUNDS = 24  # evaluations of θ
 _LONGEST = 1.0  # radians that a phase moves in one step
 _NEARLY = 1e-6  # residual after which the next step is the last: it leaves 1e-12, less than the integrals do
-_LEAST_STEP = 2.0**-20  # share of a step below which an orbit is given up
+_LEAST_STEP = 2.0**-20  # fraction of a step below which an orbit is given up
 
 
 class RunningSeries(NamedTuple):

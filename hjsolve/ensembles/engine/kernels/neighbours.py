@@ -36,7 +36,7 @@ def nearest_points(points: Reals, wanted: Reals, found: Integers, squares: Reals
     Args:
         points: shape (dimensions, points).
         wanted: places, shape (dimensions, n).
-        found: filled with the numbers of the nearest points, the nearest one first, shape (neighbours, n).
+        found: filled with the positions of the nearest points, the nearest one first, shape (neighbours, n).
         squares: scratch, shape (points,).
     """
     count, last = 0, found.shape[0] - 1
