@@ -226,7 +226,8 @@ def test_bad_orbits_stop_nobody():
     [
         ({"actions": {"r": [1.0]}}, "no values for theta"),
         ({"actions": {"r": 1, "theta": 1, "x": 1}}, "'x' has none"),
-        ({"actions": {"r": 1, "theta": 1}, "q": {"r": 1}}, "q: is not used"),
+        ({"actions": {"r": 1, "theta": 1}, "p": {"r": 1}}, "p: is not used"),
+        ({"actions": {"r": 1, "theta": 1}, "q": {"x": 1}}, "q: 'x' has none"),
         ({"actions": {"r": 1, "theta": 1}, "want": "actions"}, 'from actions "state" is computed'),
         ({"q": {"r": 1, "theta": 0}, "p": {"r": 0, "theta": 1}, "angles": {"r": 1}}, "angles: is not used"),
         ({}, "no q="),

@@ -13,7 +13,7 @@ from hjsolve.ensembles.engine.coordinate_of_orbits import offset
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.programs import SystemPrograms, sides
 from hjsolve.ensembles.to_states.newton_on_actions import Solved
-from hjsolve.ensembles.to_states.tori import Tori, coordinate_at
+from hjsolve.ensembles.to_states.tori import Tori
 
 _VALUES = 1 << 20
 """Values of p² that are held at once."""
@@ -73,7 +73,7 @@ class Landscape(NamedTuple):
 
         Args:
             rotating: which go round, shape (separated, n): all of a turn is their well.
-            every: whether the ends of the only well of a coordinate are wanted, too.
+            every: whether wells are told from one another: the ends of an only one are wanted, and all that are alike.
         """
         found, count = [], tori.q.shape[1]
         for k, grid in enumerate(self.grids):
@@ -82,20 +82,20 @@ class Landscape(NamedTuple):
             span = max(1, _VALUES // len(grid))
             for begin in range(0, len(moving), span):
                 some = moving[begin : begin + span]
-                for whole, part in zip(one, self._seen(tori.take(some), k), strict=True):
+                for whole, part in zip(one, self._seen(tori.take(some), k, every=every), strict=True):
                     whole[..., some] = part
             found.append(one)
         return found
 
-    def _seen(self, tori: Tori, k: int) -> Wells:
+    def _seen(self, tori: Tori, k: int, *, every: bool) -> Wells:
         """Return the wells of one coordinate: between the last samples before and after its place with p² ≤ 0."""
         grid, coordinate, count = self.grids[k], self.model.separated[k], tori.q.shape[1]
         size, index = len(grid), np.arange(len(grid))
-        one = coordinate_at(self.model, self.programs, tori.take(np.repeat(np.arange(count), size)), k)
-        formula = sides(coordinate)[0]
-        given = np.stack([offset(formula, np.tile(grid, count)), *one.constants])
+        code, formula = self.programs.coordinates[k].views[0].slopes, sides(coordinate)[0]
+        given = np.empty((1 + len(tori.values), count, size))
+        given[0], given[1:] = offset(formula, grid), tori.values[:, :, None]
         with np.errstate(all="ignore"):
-            F, slope, *_ = run_rows(one.programs.views[0].slopes, one.parameters, given)
+            F, slope, *_ = run_rows(code, self.programs.parameters, given.reshape(len(given), -1))
         beyond, places = ~(F.reshape(count, size) > 0), tori.q[k][:, None]
         before = np.where(beyond & (grid < places), index, 0).max(axis=1)
         after = np.where(beyond & (grid > places), index, size - 1).min(axis=1)
@@ -108,6 +108,8 @@ class Landscape(NamedTuple):
         if coordinate.periodic:  # each maximum once, the one next above the lower end of the well
             turned = middles + 2 * np.pi * np.ceil((low[:, None] - middles) / (2 * np.pi))
             outside &= (turned > high[:, None]) & (middles >= 0)
+        elif coordinate.even and not every:  # seen from a well about 0 the others are alike in pairs
+            outside &= (middles > 0) | ~((low < 0) & (high > 0))[:, None]
         rank = np.cumsum(outside, axis=1)
         for j in range(_WELLS):
             own = outside & (rank == j + 1)
