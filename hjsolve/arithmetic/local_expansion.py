@@ -298,12 +298,11 @@ class Locals:
         if len(f) == 1:
             return LocalExpansion(0, (value,))
         f0, at0 = _at_base(f[0]), _at_base(value)
-        gap, both = d.sub(f[0], f0), hull(f[0], f0)
-        first = tighter(d.div(d.sub(value, at0), gap), d.derivative(name, both))
+        first = d.chord(name, f[0], f0, value, at0)
         parts = [value, d.mul(first, f[1])]
         if len(f) > 2:
-            close = d.times(d.bend(name, both), 0.5)
-            second = tighter(d.div(d.sub(first, _at_base(first)), gap), close)
+            close = d.times(d.bend(name, hull(f[0], f0)), 0.5)
+            second = tighter(d.div(d.sub(first, _at_base(first)), d.sub(f[0], f0)), close)
             parts.append(d.add(d.mul(first, f[2]), d.mul(d.mul(_at_base(f[1]), f[1]), second)))
         return LocalExpansion(0, tuple(parts))
 

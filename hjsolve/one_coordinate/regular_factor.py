@@ -30,7 +30,6 @@ from hjsolve.one_coordinate.difference_rules import (
     EndValues,
     OverDisks,
     ProgramLine,
-    first_disk,
 )
 
 _DISKS = Disks()
@@ -227,5 +226,5 @@ class _Builder:
             case "inverse":
                 found = d.mul(d.mul(*at), Disk(-first.centre, first.radius))
             case _:
-                found = d.mul(first_disk(code, f.lower, f.upper), first)
+                found = d.mul(d.chord(code, f.lower, f.upper, *at), first)
         return tighter(found, d.div(d.sub(at[1], at[0]), self.width))
