@@ -43,6 +43,9 @@ class Disk(NamedTuple):
     centre: Complexes
     radius: Reals
 
+    def __neg__(self) -> Disk:
+        return Disk(-self.centre, self.radius)
+
     @property
     def largest(self) -> Reals:
         """The greatest |z|."""
@@ -274,10 +277,6 @@ def _sign(x: Disk) -> Disk:
     return _where(np.abs(real) > x.radius, Disk(np.sign(real) + 0j, 0.0 * x.radius))
 
 
-def _neg(x: Disk) -> Disk:
-    return Disk(-x.centre, x.radius)
-
-
 def _paired(name: str) -> Callable[[Disks, Disk], Disk]:
     return lambda _, x: _sincos(x, name)
 
@@ -287,7 +286,7 @@ def _inverse_function(name: str) -> Callable[[Disks, Disk], Disk]:
 
 
 _FUNCTIONS: dict[str, Callable[[Disks, Disk], Disk]] = {
-    "neg": lambda _, x: _neg(x), "abs": _abs, "exp": _exp, "log": _log, "sqrt": _sqrt, "tan": _tan, "tanh": _tanh,
+    "neg": lambda _, x: -x, "abs": _abs, "exp": _exp, "log": _log, "sqrt": _sqrt, "tan": _tan, "tanh": _tanh,
     "sech": _sech, "turned": lambda _, x: Disk(1j * x.centre, x.radius),
     **{name: _paired(name) for name in _PAIR}, **{name: _inverse_function(name) for name in _NUMPY},
 }  # fmt: skip

@@ -31,10 +31,6 @@ class Rated(NamedTuple):
     line: tuple[Disk, Disk] | None = None
 
 
-def _negative(x: Disk) -> Disk:
-    return Disk(-x.centre, x.radius)
-
-
 @dataclass(frozen=True)
 class Rates:
     """Arithmetic on ``Rated`` over disks that all lie on one side of 0.
@@ -109,8 +105,8 @@ class Rates:
     def unary(self, name: str, x: Rated) -> Rated:
         """Return a function of x; an exponential of a q + b becomes a factor e^{aq}."""
         if name == "neg":
-            line = x.line and (x.line[0] if x.line[0] is _ZERO else _negative(x.line[0]), _negative(x.line[1]))
-            return Rated(x.rate, _negative(x.value), line)
+            line = x.line and (x.line[0] if x.line[0] is _ZERO else -x.line[0], -x.line[1])
+            return Rated(x.rate, -x.value, line)
         if x.line is not None and x.line[0] is _ZERO:
             return self.constant(_D.unary(name, x.value))
         if name in EXPONENTIAL and x.line is not None:

@@ -54,10 +54,6 @@ def _after(base: Disk, cells: Disk) -> Disk:
     return Disk(np.append(base.centre, cells.centre), np.append(base.radius, cells.radius))
 
 
-def _negative(x: Disk) -> Disk:
-    return Disk(-x.centre, x.radius)
-
-
 def _at_base(x: Disk) -> Disk:
     """Return the element that belongs to q = e."""
     return Disk(np.ravel(x.centre)[0], np.ravel(x.radius)[0])
@@ -194,8 +190,8 @@ class Locals:
     # ------------------------------------------------------------------ the arithmetic
 
     def _negative(self, x: LocalExpansion) -> LocalExpansion:
-        line = x.line and (_negative(x.line[0]), _negative(x.line[1]))
-        return x._replace(parts=tuple(map(_negative, x.parts)), line=line)
+        line = x.line and (-x.line[0], -x.line[1])
+        return x._replace(parts=tuple(-part for part in x.parts), line=line)
 
     def _add(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
         if x.constant and y.constant:
@@ -250,7 +246,7 @@ class Locals:
         parts = [value]
         base = _at_base(value)
         if len(x.parts) > 1:
-            parts.append(_negative(d.mul(d.mul(base, value), x.parts[1])))
+            parts.append(-d.mul(d.mul(base, value), x.parts[1]))
         if len(x.parts) > 2:  # (1/f)[e, e, q] = (f[e, e] f[e, q] − f(e) f[e, e, q]) / (f(e)² f(q))
             inner = d.sub(d.mul(_at_base(x.parts[1]), x.parts[1]), d.mul(_at_base(x.parts[0]), x.parts[2]))
             parts.append(d.mul(d.mul(d.mul(base, base), value), inner))
@@ -283,7 +279,7 @@ class Locals:
             return LocalExpansion(
                 order, (d.unary("exp", d.add(left, line[1])), *(self._full(0.0) for _ in range(self.depth)))
             )
-        up, down = (self._exponential("exp", ends) for ends in (line, (_negative(line[0]), _negative(line[1]))))
+        up, down = (self._exponential("exp", ends) for ends in (line, (-line[0], -line[1])))
         both = self._sum(up, down if name == "cosh" else self._negative(down))
         return both._replace(parts=tuple(d.times(part, 0.5) for part in both.parts))
 

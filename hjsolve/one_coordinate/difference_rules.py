@@ -128,12 +128,9 @@ class DifferenceRules(ABC, Generic[N]):
         """(1/f)[a, b, q] = (f[a, b] f[a, q] − f(a) f[a, b, q])/(f(a) f(b) f(q)), (1/f)[b, q] = −f[b, q]/(f(b) f(q))."""
         here = self.reciprocal(f.here)
         ends = self.fixed(_DISKS.mul(_DISKS.inverse(x.lower), _DISKS.inverse(x.upper)))
-        minus = self.fixed(Disk(-x.lower.centre, x.lower.radius))
+        minus = self.fixed(-x.lower)
         inner = self.plus(self.times(self.fixed(required(x.chord)), f.from_lower), self.times(minus, f.second))
-        upper, lower = (
-            self.times(self.fixed(Disk(-part.centre, part.radius)), here)
-            for part in (_DISKS.inverse(x.upper), _DISKS.inverse(x.lower))
-        )
+        upper, lower = (self.times(self.fixed(-_DISKS.inverse(end)), here) for end in (x.upper, x.lower))
         return DividedValues(
             here,
             self.times(self.times(ends, here), inner),

@@ -89,7 +89,7 @@ class Deflated:
             better = (other.radius < best.radius) | (~np.isfinite(best.radius) & np.isfinite(other.radius))
             best = Disk(*(np.where(better, x, y) for x, y in zip(other, best, strict=True)))
             method = np.where(better, number, method)
-        return Disk(-best.centre, best.radius), method
+        return -best, method
 
     def at(
         self, q: Complexes, from_lower: Complexes | None, from_upper: Complexes | None, method: Integers | int = 0
@@ -224,7 +224,7 @@ class _Builder:
             case "mul":
                 found = d.add(d.mul(f.lower, second), d.mul(first, g.upper))
             case "inverse":
-                found = d.mul(d.mul(*at), Disk(-first.centre, first.radius))
+                found = d.mul(d.mul(*at), -first)
             case _:
                 found = d.mul(d.chord(code, f.lower, f.upper, *at), first)
         return tighter(found, d.div(d.sub(at[1], at[0]), self.width))
