@@ -28,6 +28,7 @@ def relative(times: Reals, start: Callable[[int], Mpf]) -> tuple[Reals, Reals]:
         return upper, lower
     for begin in range(0, len(times), CHUNK):
         part = slice(begin, begin + CHUNK)
+        # two_sum of the time and −t₀ (high part): t − t₀ next to 0 keeps the digits of t₀ that no double holds
         difference = times[part] - high
         error = difference - times[part]
         upper[part] = difference
