@@ -76,6 +76,7 @@ def offset(formula: LoweredFormula, q: Reals) -> Reals:
         formula: with its origin.
         q: positions, shape (n,).
     """
+    # q − origin with the part that rounding cuts off, and the low part of the origin: one rounding in all
     s, e = two_sum(q, -formula.origin.high)
     return formula.sign * (s + (e - formula.origin.low))
 

@@ -179,6 +179,7 @@ def _separated(
 
     def formula(origin: sp.Expr, sign: int, near: Callable[[sp.Expr], sp.Expr]) -> LoweredFormula:
         arguments = [q, *constants, *parameters]
+        # p²(origin ± x) multiplied out in x: a pole at x = 0 is a power of x, not a difference of q and the end
         seen = [near(e) for e in (F, *kernels)]
         side = 1 if origin == lower_end or sign < 0 else -1 if origin == upper_end else 0
         if parts is None:

@@ -68,6 +68,7 @@ def _steps(program: MachineProgram, at: int, span: tuple[int, int], half: int, p
     if bounds:
         rounding_error, X, Y = registers[PLACE, at : at + n], steps[:2, start:], steps[2:4, start:]
         for j in range(n):
+            # rounding of a sum refers to its terms: b, and both parts of the path
             wide, narrow = A * (abs(X[0, j]) + abs(X[1, j])), B * (abs(Y[0, j]) + abs(Y[1, j]))
             rounding_error[j] = ROUNDING_ERROR * (abs(b) + wide + narrow)
         first += 1
@@ -112,6 +113,7 @@ def _means(below: MachineProgram, above: MachineProgram, at: tuple[int, int], co
     made[0, i] = sign[n - 1] * re[n - 1]
     for k in range(4):
         for j in range(n):
+            # the sign of r goes into the weights once, for all integrands
             signed[k, j] = sign[j] * weights[k, j]
     _row(below, above, 2, at, counts, re)
     made[1, i] = _weighted(re, sign, n) / n
@@ -132,6 +134,7 @@ def _largest(below: MachineProgram, above: MachineProgram, at: tuple[int, int], 
         _row(below, above, k, at, counts, row)
         total = 0.0
         for j in range(n):
+            # every fourth step is looked at: between two of them the larger one counts
             before, after = row[j - 1 if j > 0 else 0], row[j + 1 if j + 1 < n else n - 1]
             total += max(row[j], before, after)
         made[k, i] = total / n

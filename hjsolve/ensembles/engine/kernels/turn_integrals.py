@@ -183,6 +183,7 @@ def _phase(left: float, direction: float, ratio: float, map_: Reals) -> tuple[fl
     """χ in (−π, π] of a place, and a bound on its error; the slow place is χ = π."""
     turn = 2.0 * math.pi
     here = direction * left
+    # to half a turn about the slow place, where p² is least and χ = π
     here -= turn * np.floor(here / turn + 0.5)
     bound, whole = 16.0 * EPS * math.pi**2 / (2.0 * map_[2] * map_[4]), 0.0
     if map_[5] == 2.0:
@@ -191,6 +192,7 @@ def _phase(left: float, direction: float, ratio: float, map_: Reals) -> tuple[fl
         bound *= 2.0 * max(ratio, 1.0 / ratio)
         here, whole = (2.0 * θ - math.pi, turn) if θ > 0.0 else (2.0 * θ + math.pi, 0.0)
     # half the angle from the place opposite to the slow one, where χ = 0: sine and cosine change places
+    # half the angle, as am is half of q
     s, c = sincos(0.5 * here)
     sine, cosine = (-c if here > 0.0 else c), abs(s)
     χ = 2.0 * math.atan2(sine, cosine) if map_[3] == 1.0 else elliptic(sine, cosine, map_)
