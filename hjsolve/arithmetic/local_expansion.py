@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from math import lcm
+from math import ceil, lcm
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
@@ -43,7 +43,7 @@ class LocalExpansion(NamedTuple):
     only with exponentials.
     """
 
-    order: int
+    order: float
     parts: tuple[Disk, ...]
     constant: bool = False
     line: tuple[Disk, Disk] | None = None
@@ -171,7 +171,15 @@ class Locals:
             x = LocalExpansion(x.order + 1, x.parts[1:])
         return self.lowered(x, known) if known < x.order else x
 
-    def lowered(self, x: LocalExpansion, order: int) -> LocalExpansion:
+    def _scale(self, n: float) -> Disk:
+        """Return uⁿ."""
+        return _DISKS.power(self.offset, int(n))
+
+    def _order(self, rate: float) -> float:
+        """Return the order of e^{aq} for the real part of a, a multiple of ``rate``."""
+        return round(rate / self.rate)
+
+    def lowered(self, x: LocalExpansion, order: float) -> LocalExpansion:
         """Return the same with φ multiplied by a power of u.
 
         Args:
@@ -181,10 +189,9 @@ class Locals:
         n = x.order - order
         if n == 0:
             return x
-        powers = [_DISKS.power(self.offset, n - i) for i in range(min(n, self.depth + 1))]
-        parts = [_DISKS.mul(power, x.parts[0]) for power in powers]
+        parts = [_DISKS.mul(self._scale(n - i), x.parts[0]) for i in range(min(ceil(n), self.depth + 1))]
         if n <= self.depth:
-            parts += x.parts[: self.depth + 1 - n]
+            parts += x.parts[: self.depth + 1 - int(n)]
         return LocalExpansion(order, tuple(parts))
 
     # ------------------------------------------------------------------ the arithmetic
@@ -263,7 +270,7 @@ class Locals:
         if name == "log" and x.order:
             return self._logarithm(x)
         if x.order < 0:  # no expansion; its values where u is not 0
-            return LocalExpansion(0, (d.unary(name, d.mul(x.parts[0], d.power(self.offset, x.order))),))
+            return LocalExpansion(0, (d.unary(name, d.mul(x.parts[0], self._scale(x.order))),))
         return self._composed(name, self.lowered(x, 0))
 
     def _exponential(self, name: str, line: tuple[Disk, Disk]) -> LocalExpansion:
@@ -274,7 +281,7 @@ class Locals:
         if name == "sech":
             return self._inverse(self._exponential("cosh", line))
         if name == "exp":
-            order = round(float(np.real(line[0].centre)) / self.rate)
+            order = self._order(float(np.real(line[0].centre)))
             left = d.mul(d.shifted(line[0], -order * self.rate), self.exponent().parts[0])
             return LocalExpansion(
                 order, (d.unary("exp", d.add(left, line[1])), *(self._full(0.0) for _ in range(self.depth)))
@@ -286,7 +293,7 @@ class Locals:
     def _logarithm(self, x: LocalExpansion) -> LocalExpansion:
         d = _DISKS
         log = d.times(self.exponent().parts[0], self.rate) if self.rate else d.unary("log", self.offset)
-        return LocalExpansion(0, (d.add(d.mul(d.rational(x.order, 1), log), d.unary("log", x.parts[0])),))
+        return LocalExpansion(0, (d.add(d.times(log, x.order), d.unary("log", x.parts[0])),))
 
     def _composed(self, name: str, x: LocalExpansion) -> LocalExpansion:
         d, f = _DISKS, x.parts

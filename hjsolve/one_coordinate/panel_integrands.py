@@ -357,7 +357,7 @@ class Surrounding:
             local = Locals(_with_base(offset), 2, orders, rate=view.rate, q=_with_base(q))
             outputs.append(tape.run(local, [view.variable(local), *map(local.constant, sight.inputs)]))
         squared, *weights = (
-            (f.order, _D.times(_full(_cells(f.parts[0]), offset), view.length**f.order))
+            (int(f.order), _D.times(_full(_cells(f.parts[0]), offset), view.length**f.order))
             for f in (*outputs[0], *outputs[1])
         )
         # the root of x that p² has at the turning point goes with the map there
@@ -368,14 +368,15 @@ class Surrounding:
     def _by_rates(self, places: PanelSamples) -> Sizes:
         """Return the formulas with their exponentials taken out."""
         sight, q = self.sight, self._place(places)
-        rates = Rates(q, sight.end_map.side)
-        inputs = [rates.variable(), *map(rates.constant, sight.inputs)]
+        rates = Rates.over(q, sight.end_map.side)
+        inputs = [rates.exponent(), *map(rates.constant, sight.inputs)]
         squared, *weights = (f for tape in sight.tapes for f in tape.run(rates, inputs))
-        factor = _full(squared.value, q)
+        factor = _full(squared.parts[0], q)
         factor = _D.div(factor, places.x) if sight.end_map.turning else factor
         root = root_bounds(_ONE, places)
-        sizes = sight.integrands(factor, [w.value for w in weights], root, [0] * len(weights), 0)
-        growths = [*(w.rate - squared.rate / 2 for w in weights), squared.rate / 2]
+        sizes = sight.integrands(factor, [w.parts[0] for w in weights], root, [0] * len(weights), 0)
+        half = squared.order / 2
+        growths = [rates.rate * order for order in (*(w.order - half for w in weights), half)]
         # the exponent of all factors together, bounded once: e^{λq} of each alone would overflow
         most = [row * np.exp(largest(q, rate)) for row, rate in zip(sizes.most, growths, strict=True)]
         inside = [row * np.exp(rate * np.real(q.centre)) for row, rate in zip(sizes.inside, growths, strict=True)]
