@@ -15,11 +15,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from hjsolve.arithmetic.complex_disks import Disk, Disks, single, tighter
-from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.floats import Float64, by_squaring
 from hjsolve.arithmetic.number_types import Complexes, Integers, N
 from hjsolve.arithmetic.tape import Operation, Tape
 from hjsolve.errors import required
@@ -187,11 +188,7 @@ class _Builder:
     def _power(self, x: int, n: int) -> int:
         if n < 0:
             return self._line("inverse", self._power(x, -n))
-        result = x if n else self._constant(_ONE)
-        for bit in bin(n)[3:]:
-            result = self._line("mul", result, result)
-            result = self._line("mul", result, x) if bit == "1" else result
-        return result
+        return by_squaring(partial(self._line, "mul"), x, n) if n else self._constant(_ONE)
 
     def _line(self, code: str, x: int, y: int = -1) -> int:
         f, g = self.ends[x], self.ends[y]

@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.error_free import Pair, split
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.coordinates.chart import Chart
@@ -111,7 +111,7 @@ def chart_map(
         chart.kind, chart.coordinates, tuple(chart.coordinates.index(name) for name in names),
         {name: float(a) for name, a in lengths.items()},
         lower(X, [*x, *fixed]), lower(steps, [*u, *x, *fixed]), lower(lifted, [*u, *x, *rates, *fixed]),
-        (*(_pair(to_bits(values[p.symbol])(_BITS)) for p in chart.system.parameters), *numbers.known.values()),
+        (*(split(to_bits(values[p.symbol])(_BITS)) for p in chart.system.parameters), *numbers.known.values()),
         tuple((d.lower == 0, d.upper == sp.pi) for d in domains[:2]),
         tuple(d.kind == "angle" or s.has(sp.sin, sp.sinh) for d, s in zip(domains, _functions_of(chart), strict=True)),
         model,
@@ -164,7 +164,7 @@ class _Numbers:
         if scaled == int(scaled) and abs(scaled) < 2 ** (2 * _SHORT):
             return sp.Rational(int(scaled), 2**_SHORT)
         symbol = sp.Symbol(f"_c{len(self.known)}", real=True)
-        self.known[symbol] = _pair(value)
+        self.known[symbol] = split(value)
         return symbol
 
 
@@ -194,8 +194,3 @@ def _tidy(x: Any, c: Any) -> Any:
     """Return a short binary number where x is one but for the rounding of an inverse matrix."""
     near = c.nint(x * 2**_SHORT) / 2**_SHORT
     return near if abs(near - x) <= abs(x) * c.mpf(2) ** (-_NOUGHT // 2) else x
-
-
-def _pair(value: Any) -> Pair:
-    high = float(value)
-    return Pair(high, float(value - high))

@@ -15,7 +15,7 @@ from functools import lru_cache
 import sympy as sp
 from mpmath import frexp, ldexp
 
-from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.error_free import Pair, split
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.clearance import Clearance
@@ -150,9 +150,7 @@ def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Mo
 
 def parameter_pair(value: sp.Expr) -> Pair:
     """Return a number in two doubles."""
-    bits = to_bits(value)(160)
-    high = float(bits)
-    return Pair(high, float(bits - high))
+    return split(to_bits(value)(160))
 
 
 def _fraction(value: sp.Expr) -> Fraction:

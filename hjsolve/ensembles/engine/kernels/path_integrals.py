@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from hjsolve.arithmetic.machine.compiling import helper, kernel, reducing
+from hjsolve.arithmetic.machine.compiling import helper, kernel
 from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.ensembles.engine.kernels.midpoint_rule import dot
 from hjsolve.ensembles.engine.kernels.types import SLOTS
 
 PLACE, ROUNDING_ERROR = 4, 4.0 * 2.0**-53
@@ -80,14 +81,6 @@ def _steps(program: MachineProgram, at: int, span: tuple[int, int], half: int, p
             row[j] = value
 
 
-@reducing
-def _weighted(x: Reals, w: Reals, n: int) -> float:
-    total = 0.0
-    for j in range(n):
-        total += x[j] * w[j]
-    return total
-
-
 @helper
 def _row(below: MachineProgram, above: MachineProgram, k: int, at: tuple[int, int], counts: tuple[int, int],
          to: Reals) -> None:  # fmt: skip
@@ -116,13 +109,13 @@ def _means(below: MachineProgram, above: MachineProgram, at: tuple[int, int], co
             # the sign of r goes into the weights once, for all integrands
             signed[k, j] = sign[j] * weights[k, j]
     _row(below, above, 2, at, counts, re)
-    made[1, i] = _weighted(re, sign, n) / n
+    made[1, i] = dot(re, sign, n) / n
     for k in range((made.shape[0] - 2) // 3):
         _row(below, above, 3 + 2 * k, at, counts, re)
         _row(below, above, 4 + 2 * k, at, counts, im)
-        made[2 + 3 * k, i] = _weighted(re, sign, n) / n
-        made[3 + 3 * k, i] = abs(_weighted(re, signed[0], n) + _weighted(im, signed[1], n))
-        made[4 + 3 * k, i] = abs(_weighted(re, signed[2], n) + _weighted(im, signed[3], n))
+        made[2 + 3 * k, i] = dot(re, sign, n) / n
+        made[3 + 3 * k, i] = abs(dot(re, signed[0], n) + dot(im, signed[1], n))
+        made[4 + 3 * k, i] = abs(dot(re, signed[2], n) + dot(im, signed[3], n))
 
 
 @helper
