@@ -468,11 +468,9 @@ def _outgrows_powers(radicand: MomentumSquared, place: Mpf, direction: Mpf) -> b
 
 
 def _length(start: CoordinateStart, place: Mpf, bits: int, *, turning: bool) -> Mpf:
-    """Return a length over which p² changes by itself near a place.
+    """Return a length over which p² changes by itself near a place; at a turning point its value is rounding only.
 
-    At a turning point its value there is rounding only.
-
-    Beside a narrow feature far away p² hardly changes at all: the length is not much larger than |q|.
+    Next to a narrow feature far away p² hardly changes at all: the length is not much larger than |q|.
     """
     # |F/F′|, or |F′/F″| where F is nearly a parabola: the distance over which F changes by its own size
     value, slope, bend = start.radicand.jet(place, bits)

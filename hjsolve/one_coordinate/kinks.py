@@ -65,7 +65,7 @@ def push(start: CoordinateStart) -> int:
     q = start.place(_BITS)
     up, down = (_rises(start.cells[k].radicand, q, side) for k, side in ((above, 1), (below, -1)))
     if (up > 0 and down > 0) or (_at_kink(start.cells[below], 1) or 0) > 0:
-        # p² has no Lipschitz bound at its zero there: two motions leave the same state
+        # the force points away from the kink on both sides: more than one motion begins there
         raise _undetermined(start.name, q)
     return int(up > 0) - int(down > 0)
 

@@ -102,7 +102,7 @@ def _product(
 
 
 def _chebyshev_sum(series: list[Mpf], panel: tuple[Mpf, Mpf], bits: int) -> Callable[[Mpf], Mpf]:
-    """Return sum a Chebyshev series of a panel by Clenshaw's recurrence, in fixed-point integers as ``clenshaw.Fixed``.
+    """Return y ↦ a Chebyshev series of a panel, by Clenshaw's recurrence in integers as ``clenshaw.Fixed``.
 
     The rounding is that of the largest coefficient, times at most the square of the number of terms, which the guard
     bits cover.

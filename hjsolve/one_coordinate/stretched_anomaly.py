@@ -127,8 +127,7 @@ class Stretched:
     def _in_fixed_point(self, ψ: Mpf, arithmetic: Multi) -> tuple[Mpf, Mpf]:
         """χ = ψ + Im Σ (cₖ − i sₖ) e^{ikψ} + Σ (−1)ᵏ sₖ and its derivative by Horner's rule in integers."""
         bits, context = arithmetic.bits + 32, arithmetic.context
-        # integers as fixed-point numbers: the map is exact as soon as all precisions take the same doubles for its
-        # coefficients
+        # the coefficients are doubles, taken as exact: the map is the same at every precision
         one = context.mpf(2) ** bits
         x, y = (int(context.nint(part * one)) for part in context.cos_sin(ψ))
         waves = self._fixed(bits)

@@ -126,7 +126,7 @@ def _small_value(squared: Tape, constants: int, parameters: int) -> MachineCode:
 
 
 def _small_bounds(squared: Tape, constants: int, parameters: int) -> MachineCode:
-    """Return the bound holds for slopes nearby, too."""
+    """Write ½F″ and a bound on its error that holds for slopes nearby, too."""
     writer = InstructionWriter()
     x, *rows = writer.inputs(1 + 2 * constants)
     numbers = ParameterRows(writer, parameters)
