@@ -1,4 +1,8 @@
-"""p² along the line of one coordinate, in balls: values and Taylor coefficients, and its zeros proved."""
+"""p² along the line of one coordinate, in balls: values and Taylor coefficients, and its zeros proved.
+
+If N = m − F(m)/F′(X) lies inside a ball X about m, X holds one zero of F, a simple one, and N holds it (Moore, Interval
+Analysis, 1966): one evaluation of F at the centre and one of F′ over the ball.
+"""
 
 from __future__ import annotations
 

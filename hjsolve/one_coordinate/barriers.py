@@ -1,4 +1,7 @@
-"""Where a rotation is slowest: at the highest barrier. Its angle is counted from the place opposite to that."""
+"""Where a rotation is slowest: at the highest barrier. Its angle is counted from the place opposite to that.
+
+There p² ≈ F₀ + ½F″ (q − q₀)² has its complex pair of zeros next to the real axis, q₀ ± i √(2F₀/F″).
+"""
 
 from __future__ import annotations
 

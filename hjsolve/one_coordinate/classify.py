@@ -1,4 +1,4 @@
-"""From the initial place of a coordinate to its course: kind of motion, turning points, integrals."""
+"""From the initial place of a coordinate to its motion: its kind by the zeros of p² on both sides, and integrals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,13 @@
-"""The integrals over one cycle of a libration or rotation, as trigonometric series."""
+"""The integrals over one cycle of a libration or rotation, as trigonometric series.
+
+With p² = (q − a)(b − q) R between turning points (R = p² for a rotation) and |dq/dχ| = s √((q − a)(b − q)) of the
+anomaly,
+
+    kⱼ dq/p = kⱼ s/√R dχ,     p dq = (q − a)(b − q) s √R dχ,     J = (1/2π) ∮ p dq,     ∂J/∂κⱼ = (1/2π) ∮ kⱼ dq/p,
+
+whose integrands are analytic and periodic in χ: values at equally spaced midpoints give their Fourier coefficients
+(Trefethen & Weideman, SIAM Review 56 (2014) 385, §3).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""The panels of an open motion, made one after the other as far as they are asked for (``chebyshev_panels``)."""
+"""The panels of an open motion, made one after the other as far as they are asked for (``chebyshev_panels``).
+
+On each panel values at Chebyshev points give the series Σ cₖ Tₖ of an integrand, and its integral term by term, Σ (cₖ₋₁
+− cₖ₊₁)/2k Tₖ times half the length (Mason & Handscomb, Chebyshev Polynomials, 2003, (2.43)). How long a panel may be
+and how many points it takes is proved beforehand (``panel_length``).
+"""
 
 from __future__ import annotations
 

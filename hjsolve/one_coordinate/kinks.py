@@ -1,4 +1,8 @@
-"""The motion of a coordinate along which p² has kinks: found piece by piece, from one kink to the next."""
+"""The motion of a coordinate along which p² has kinks: found piece by piece, from one kink to the next.
+
+Between two kinks p² is one analytic formula. At a kink its limits F₋ and F₊ decide: both positive, the motion goes on;
+F₊ < 0 < F₋, it is thrown back by the jump of V; F₋ = 0, it turns as at any simple zero.
+"""
 
 from __future__ import annotations
 

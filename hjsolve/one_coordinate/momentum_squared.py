@@ -1,4 +1,7 @@
-"""p²(q) of one separated coordinate, at any precision and over intervals."""
+"""p²(q) of one separated coordinate, at any precision and over intervals.
+
+F(q; κ) = p², and the kernels kⱼ = ½ ∂F/∂κⱼ of Jacobi's equations Σᵢ ∫ kᵢⱼ dqᵢ/pᵢ = βⱼ (Greenwood (5-70), (5-71)).
+"""
 
 from __future__ import annotations
 

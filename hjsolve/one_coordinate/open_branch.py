@@ -1,4 +1,8 @@
-"""One branch of an open motion: its integrals from the start to its end, as far as they are asked for."""
+"""One branch of an open motion: its integrals from the start to its end, as far as they are asked for.
+
+Over the parameter y of ``chebyshev_panels`` the kernels kⱼ |dq/dy|/|p| and |p|/|dq/dy|, times ``EndMap.rest``, are
+analytic up to and including both ends; next to these p² is taken with as many bits more as its terms cancel.
+"""
 
 from __future__ import annotations
 

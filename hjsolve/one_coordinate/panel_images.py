@@ -1,4 +1,9 @@
-"""Where disks of the parameter of a branch put the coordinate, and how fast it moves there."""
+"""Where disks of the parameter of a branch put the coordinate, and how fast it moves there.
+
+The maps are those of ``chebyshev_panels``. Distances from the place y₀ of a panel come from identities and not from
+differences: (y₀ + z)² − y₀² = z (2y₀ + z), sin²α − sin²β = sin(α − β) sin(α + β), e^−y₀ − e^−(y₀ + z) = e^−y₀ (1 −
+e^−z).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""The motion of one coordinate that repeats itself: libration and rotation."""
+"""The motion of one coordinate that repeats itself: libration and rotation.
+
+Gⱼ(χ) = ∫₀^χ kⱼ dq/p = ⟨gⱼ⟩ χ + Σ (cₖ/k) sin kχ, mean growth and oscillation, from the Fourier series of gⱼ = kⱼ
+(dq/dχ)/p; p = (dq/dχ) exp(series of ln(p/(dq/dχ))), so that p keeps its relative accuracy where it is tiny.
+"""
 
 from __future__ import annotations
 

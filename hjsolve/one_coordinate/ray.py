@@ -1,4 +1,7 @@
-"""A half line along which turning points are looked for, and a simple zero of p² on it at any precision."""
+"""A half line along which turning points are looked for, and a simple zero of p² on it at any precision.
+
+A zero x of F is believed to as many digits as |F(x)/F′(x)|, taken with twice the digits, is smaller than x.
+"""
 
 from __future__ import annotations
 

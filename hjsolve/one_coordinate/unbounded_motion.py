@@ -1,4 +1,8 @@
-"""The motion of one coordinate that does not come back: escape, asymptotic, or to an end of the domain."""
+"""The motion of one coordinate that does not come back: escape, asymptotic, or to an end of the domain.
+
+Gⱼ(χ) = ± ∫₀^|χ| kⱼ |dq/dy|/|p| dy along the branch ahead for χ ≥ 0 and along that behind for χ < 0, from Chebyshev
+series on panels (``chebyshev_panels``). Where the motion turns at χ = 0 both are one branch, gone to and fro.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Times as the user gave them: any number of digits in, two doubles or many digits out."""
+"""Times as the user gave them: any number of digits in, two doubles or many digits out.
+
+t − t₀ of doubles t and t₀ in two doubles is exact: s = fl(t − t₀), e = (t − (s − (s − t))) − (t₀ + (s − t)) (Knuth).
+"""
 
 from __future__ import annotations
 

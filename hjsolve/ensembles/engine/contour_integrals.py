@@ -99,7 +99,7 @@ def _table(places: tuple[Any, Any, Any, Any], χ: Reals, below: int, *, real: bo
     """Return the steps, and every fourth of them."""
     n = len(χ)
     parts = np.stack([part for z in places for part in (np.real(z), np.imag(z))]).astype(float)
-    # alternating signs: the mean over every other step less that over all, that is, the coefficient of order n
+    # alternating signs: the mean over every other step less that over all
     turned = np.where(np.arange(n) % 2 == 0, 1.0, -1.0) / n
     none = 0.0 * turned
     weights = [turned, none, turned * np.cos(χ), none] if real else [

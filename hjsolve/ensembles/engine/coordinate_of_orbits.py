@@ -1,4 +1,8 @@
-"""One separated coordinate of many orbits: its programs, and where they start."""
+"""One separated coordinate of many orbits: its programs, and where they start.
+
+A place is an offset x in a view of p², q = origin ± x, with the origin in two doubles: x next to an end of the domain
+has digits of its own.
+"""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ def libration_places(χ: Pair, level: int, node_map: int) -> tuple[float, float,
     D = DoubleDouble()
     γ, δ = (Pair(c, 0.0) for c in CLUSTERINGS[node_map])
     turned, twice = D.unary("sin", χ), D.unary("sin", _twice(χ))
-    # u before crowding, in two doubles: sn² next to 0 and next to 1 has all its digits
+    # the anomaly of the crowded χ, in two doubles: sn² next to 0 and next to 1 has all its digits
     goal = D.add(χ, D.add(D.mul(γ, turned), D.mul(Pair(0.5 * δ.high, 0.0), twice)))
     complement, quarter, sn, cn, _ = _functions(goal, level)
     derivative = D.add(D.mul(γ, D.unary("cos", χ)), D.mul(δ, D.unary("cos", _twice(χ))))

@@ -1,4 +1,8 @@
-"""Which closed path is drawn round the turning points of each of many librations."""
+"""Which closed path is drawn round the turning points of each of many librations.
+
+A circle of the elliptic kind, q = m + ρ e^{iχ} + (h²/4ρ) e^{−iχ}, round m ± h, where nothing else is within some times
+h; else the line χ + iη in the strip that is proved to resolve the orbit (``contour_integrals``).
+"""
 
 from __future__ import annotations
 

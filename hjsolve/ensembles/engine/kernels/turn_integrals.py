@@ -192,7 +192,6 @@ def _phase(left: float, direction: float, ratio: float, map_: Reals) -> tuple[fl
         bound *= 2.0 * max(ratio, 1.0 / ratio)
         here, whole = (2.0 * θ - math.pi, turn) if θ > 0.0 else (2.0 * θ + math.pi, 0.0)
     # half the angle from the place opposite to the slow one, where χ = 0: sine and cosine change places
-    # half the angle, as am is half of q
     s, c = sincos(0.5 * here)
     sine, cosine = (-c if here > 0.0 else c), abs(s)
     χ = 2.0 * math.atan2(sine, cosine) if map_[3] == 1.0 else elliptic(sine, cosine, map_)
