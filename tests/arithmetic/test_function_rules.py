@@ -7,6 +7,7 @@ import pytest
 from hjsolve.arithmetic.complex_disks import Disk, Disks
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.function_rules import BY_VALUE, QUOTIENTS, bend, quotient, slope
+from hjsolve.arithmetic.power_series import PowerSeriesArithmetic
 from hjsolve.arithmetic.tape import UNARY
 
 FUNCTIONS = [name for name in UNARY if name != "neg"]
@@ -64,3 +65,13 @@ def test_disks_hold_both_derivatives_at_their_places(name):
                 points = [disks.unary(name, Disk(np.complex128(z + k * h), np.float64(0.0))).centre for k in (-1, 0, 1)]
                 step = (points[2] - points[0]) / (2 * h) if order == 1 else np.diff(points, 2)[0] / h**2
                 assert abs(step - found.centre) <= found.radius + 1e-6 * (1 + abs(step)), (name, centre, order)
+
+
+@pytest.mark.parametrize("name", sorted(QUOTIENTS))
+def test_power_series_have_the_quotients_by_the_same_rule(name):
+    series = PowerSeriesArithmetic(Multi(200), 6)
+    place = series.plain.context.mpf("0.4")
+    found = series.unary(name, series.variable(place))
+    with mpmath.workdps(80):
+        expected = mpmath.taylor(lambda y: of_mpmath(name, y), mpmath.mpf(place), 6)
+    assert all(abs(a - b) < 1e-30 for a, b in zip(found, expected, strict=True))
