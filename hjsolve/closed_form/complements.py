@@ -13,6 +13,7 @@ import mpmath
 import sympy as sp
 from sympy.core.relational import Relational
 
+from hjsolve.closed_form.arcs import arcs_by_tangents
 from hjsolve.closed_form.common_factors import grouped
 from hjsolve.closed_form.complete_integrals import CompleteIntegrals, Where, roots_by_polynomial
 from hjsolve.closed_form.pairs_by_division import deflated_pair, remaining_pair
@@ -42,7 +43,7 @@ class ForDoubles:
         """
         made = self._integrals.arranged(expression)
         conditions = {c: sp.Dummy() for c in made.atoms(Relational)}  # any digits decide them, and no quotient within
-        plain = made.xreplace(conditions)
+        plain = arcs_by_tangents(made.xreplace(conditions))
         plain = plain.xreplace(_gaps(plain, self.where, self._roots))
         plain = plain.xreplace({a: b for a in plain.atoms(sp.Add) if (b := _small(a)) is not a})
         return plain.xreplace({name: c for c, name in conditions.items()})
