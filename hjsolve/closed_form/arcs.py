@@ -2,7 +2,7 @@
 
 asin x has half of the digits of x where x is next to 1, because the rounding of x is all that is left of 1 − x². Of
 Kepler's orbit x = (kmr − p²)/(r √m √(2Ep² + k²m)), which is next to 1 all along a nearly radial orbit (p → 0); with
-x = N/D, D² − N² = p² (2Emr² + 2kmr − p²) has no difference left but the radicand, which is zero at turning points alone.
+x = N/D, D² − N² = p² (2Emr² + 2kmr − p²) has no difference left but the radicand, zero at turning points alone.
 Likewise acos x = atan2(√(1 − x²), x), and acosh x = asinh √(x² − 1).
 """
 
