@@ -119,8 +119,7 @@ class _Closing:
 
     def _without_curve(self, context: FormContext, name: str) -> WhyNot:
         numerators = [N for key, N in context.numerators[name].items() if key != W]
-        q = self.solution.system.coordinate(name).symbol
-        return why_no_curve(self.solution.momentum_squared[name], numerators, q)
+        return why_no_curve(self.solution.momentum_squared[name], numerators, self.solution.system.coordinate(name))
 
     def equation(
         self, name: str, equation: sp.Eq | None, key: sp.Symbol, why_not: dict[str, WhyNot]
