@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 import hjsolve
 from benchmarks.closed_form_comparisons import FAR, Met, compare, condition, in_many_digits, taken
-from benchmarks.closed_form_draws import DRAWN, Reals, Table, constants_of, exact, ignorable, motions_of
+from benchmarks.closed_form_draws import Reals, Table, constants_of, exact, ignorable, motions_of
 from benchmarks.closed_form_quadratures import ULP, Quadratures
 from hjsolve.closed_form.closed_forms import closed_forms
 from hjsolve.closed_form.curves import W
@@ -36,6 +36,8 @@ from hjsolve.functions import modules
 from hjsolve.motion.rational_values import rational_value
 from hjsolve.solution.quadratures import Solution
 
+DRAWN = 1024
+"""Motions drawn with the same parameters."""
 DRAWS = 60
 """Sets of parameters that are drawn at most."""
 IDLE = 4
@@ -80,7 +82,7 @@ def campaign(solution: Solution, forms: Sequence[RegimeForms], motions: int, see
         over = time.process_time() - begin > seconds or all(own.motions >= motions for own in met)
         if k and (over or idle >= IDLE):
             break
-        drawn = motions_of(solution, dice, k)
+        drawn = motions_of(solution, dice, k, DRAWN)
         if drawn is None:
             continue
         table, others = drawn
@@ -112,7 +114,7 @@ def _turns(solution: Solution, table: Table, others: Table) -> Iterator[tuple[Ta
 
 
 def _inside(own: Met, table: Table) -> Reals:
-    found = np.broadcast_to(own.inside(**{n: table[n] for n in own.inside.names}), (DRAWN,))  # type: ignore[attr-defined]
+    found = np.broadcast_to(own.inside(**{n: table[n] for n in own.inside.names}), np.shape(next(iter(table.values()))))  # type: ignore[attr-defined]
     own_zero = [table[constant.name] == 0 for constant in own.form.regime.special]
     return np.where(np.all(own_zero, axis=0), found, np.nan) if own_zero else found
 
@@ -273,7 +275,7 @@ def _inverses(
         back = quadrature.between(name, given, low, np.where(q > low, q, np.nan))
         with np.errstate(all="ignore"):
             rate = abs(back[E][0] / (q - low))
-        compare(own, "anomaly.t", there, back[E][0], back[E][1] + 16 * ULP * abs(q) * rate, {})
+        compare(own, "anomaly.t", there, back[E][0], back[E][1] + FAR * ULP * abs(q) * rate, {})
 
 
 HEAD = (

@@ -23,8 +23,6 @@ Reals = NDArray[np.float64]
 Table = dict[str, Reals]
 """Name of a symbol → its value at every motion."""
 
-DRAWN = 4096
-"""Motions drawn with the same parameters."""
 DECADES = 3.0
 """Decades to either side of 1 that momenta and parameters are drawn from; places from half as many."""
 _IGNORED = 0.02
@@ -59,13 +57,14 @@ def exact(value: float) -> sp.Rational:
     return sp.Rational(part.numerator, part.denominator)
 
 
-def motions_of(solution: Solution, dice: np.random.Generator, turn: int) -> tuple[Table, Table] | None:
+def motions_of(solution: Solution, dice: np.random.Generator, turn: int, drawn: int) -> tuple[Table, Table] | None:
     """Draw motions with one set of parameters.
 
     Args:
         solution: what is solved.
         dice: random numbers.
         turn: its number; the first has the default parameters.
+        drawn: how many motions.
 
     Returns:
         The parameters, constants and separated coordinates; and the columns of the ensemble, with the momenta. None
@@ -74,13 +73,13 @@ def motions_of(solution: Solution, dice: np.random.Generator, turn: int) -> tupl
     system = solution.system
     values = {p.name: _parameter(p, dice, turn) for p in system.parameters}
     numbers = {p.symbol: sp.Float(values[p.name], 17) for p in system.parameters}
-    places = {c.name: _places(c, numbers, dice) for c in system.coordinates}
-    ignored = dice.random(DRAWN) < _IGNORED  # at rest in what is ignorable: p_θ = 0
+    places = {c.name: _places(c, numbers, dice, drawn) for c in system.coordinates}
+    ignored = dice.random(drawn) < _IGNORED  # at rest in what is ignorable: p_θ = 0
     momenta = dict[str, Reals]()
     for c in system.coordinates:
-        p = 10 ** dice.uniform(-DECADES, DECADES / 2, DRAWN)
+        p = 10 ** dice.uniform(-DECADES, DECADES / 2, drawn)
         momenta[c.name] = (
-            p if c.name in solution.coordinates else np.where(ignored, 0.0, p * dice.choice((-1, 1), DRAWN))
+            p if c.name in solution.coordinates else np.where(ignored, 0.0, p * dice.choice((-1, 1), drawn))
         )
     try:
         batch = hjsolve.ensemble(
@@ -91,14 +90,14 @@ def motions_of(solution: Solution, dice: np.random.Generator, turn: int) -> tupl
         print(f"    parameters refused: {values}: {str(error)[:100]}")
         return None
     columns = {name: np.asarray(column) for name, column in batch.columns.items()}
-    table = {name: np.full(DRAWN, value) for name, value in values.items()} | places
+    table = {name: np.full(drawn, value) for name, value in values.items()} | places
     refused = np.isin(columns["status"], [Status.FORBIDDEN, Status.OUTSIDE_DOMAIN, Status.NOT_FINITE])
     phase = table | {c.momentum.name: momenta[c.name] for c in system.coordinates}
     for constant in solution.constants.values():
         column, symbols = columns[f"constants.{constant.name}"], sorted(constant.expression.free_symbols, key=str)
         made = sp.lambdify(symbols, constant.expression, modules="numpy")
         with np.errstate(all="ignore"):  # those of motions that the engine hands back, by their formula
-            own = np.broadcast_to(made(*(phase[s.name] for s in symbols)), (DRAWN,))
+            own = np.broadcast_to(made(*(phase[s.name] for s in symbols)), (drawn,))
         table[constant.symbol.name] = np.where(refused, np.nan, np.where(np.isnan(column), own, column))
     return table, columns | {f"p.{name}": p for name, p in momenta.items()} | {f"q.{n}": q for n, q in places.items()}
 
@@ -113,8 +112,8 @@ def _parameter(parameter: Any, dice: np.random.Generator, turn: int) -> float:
     return float((default or 1.0) * size)
 
 
-def _places(c: Coordinate, numbers: Mapping[sp.Symbol, sp.Expr], dice: np.random.Generator) -> Reals:
-    size, part = 10 ** dice.uniform(-DECADES / 2, DECADES / 2, DRAWN), dice.uniform(0.01, 0.99, DRAWN)
+def _places(c: Coordinate, numbers: Mapping[sp.Symbol, sp.Expr], dice: np.random.Generator, drawn: int) -> Reals:
+    size, part = 10 ** dice.uniform(-DECADES / 2, DECADES / 2, drawn), dice.uniform(0.01, 0.99, drawn)
     if c.domain.kind == "angle":
         return np.pi * (2 * part - 1)
     low, high = (
@@ -123,5 +122,5 @@ def _places(c: Coordinate, numbers: Mapping[sp.Symbol, sp.Expr], dice: np.random
     if low is not None and high is not None:
         return low + (high - low) * part
     if low is None and high is None:
-        return size * dice.choice((-1, 1), DRAWN)
+        return size * dice.choice((-1, 1), drawn)
     return low + size if low is not None else (high or 0.0) - size

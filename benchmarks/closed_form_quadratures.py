@@ -16,6 +16,8 @@ from hjsolve.functions import modules
 ULP = float(np.finfo(float).eps)
 _PANELS, _NODES = (6, 10), 20
 """Of Gauss's rule, coarse and fine."""
+_SAFETY = 8.0
+"""Times the difference of the two rules that the fine one may be off: of a pole nearby it is not the square."""
 _SETTLED = 1e-9
 """The relative difference of the two rules beyond which a quadrature is not used."""
 
@@ -53,7 +55,7 @@ class Quadratures:
         found = dict[sp.Symbol, tuple[Reals, Reals]]()
         for key, (value, lost, size) in fine.items():
             off = abs(value - coarse[key][0])
-            claim = 2 * off + lost
+            claim = _SAFETY * off + lost
             settled = (off <= _SETTLED * size) & np.isfinite(claim)
             found[key] = np.where(settled, value, np.nan), np.where(settled, claim, np.nan)
         return found
