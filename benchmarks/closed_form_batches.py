@@ -200,8 +200,12 @@ def _ends(own: Met, name: str, table: Table, others: Table, dice: np.random.Gene
     start, stop = np.sort(dice.uniform(0.05, 0.95, (2, len(q))), axis=0)
     both, lower, upper = np.isfinite(low) & np.isfinite(high), np.isfinite(low), np.isfinite(high)
     first, second = q, q + (1 + abs(q)) * stop
-    if own.form.solution.system.coordinate(name).domain.kind == "angle":
+    domain = own.form.solution.system.coordinate(name).domain
+    if domain.kind == "angle":
         second = q + (np.pi - q) * stop
+    elif domain.upper is not None:
+        at = {p.symbol: sp.Float(table[p.name][0], 17) for p in own.form.solution.system.parameters}
+        second = q + (float(sp.N(domain.upper.xreplace(at))) - q) * stop
     with np.errstate(all="ignore"):
         first = np.where(lower, low + (q - low) * start, np.where(upper, q, first))
         second = np.where(lower, q + (q - low) * stop, np.where(upper, q + (high - q) * stop, second))
@@ -218,6 +222,11 @@ def _antiderivatives(
     ends = {name: _ends(own, name, table, others, dice) for name in solution.coordinates}
     for name, (low, high) in ends.items():
         given |= {name: high, solution.lower_limits[name].name: low}
+    for name, pair in ends.items():
+        if name in own.angles:  # of the turn that the form holds for
+            for there in pair:
+                known = np.isfinite(_inside(own, {**table, name: there}))
+                given[name] = np.where(known, given[name], np.nan)
     parts = {name: quadrature.between(name, table, *pair) for name, pair in ends.items()}
     equations = {(W, "characteristic_function"): solution.characteristic_function}
     if solution.time_law is not None:

@@ -300,6 +300,9 @@ def holds_place(curve: MomentumCurve, like: RootInterval, place: mpmath.mpf, num
         tolerance = (1 + abs(place)) * mp.mpf(10) ** -12  # of ends that were given in doubles
         if s.closed and abs(place - middle_of(curve, numbers)) > number_of(s.turn, numbers) / 2 + tolerance:
             return False
+        first, last = (number_of(end, numbers) for end in curve.ends)
+        if not s.closed and not first - tolerance <= place <= last + tolerance:
+            return False  # cos θ is that of another angle beyond the poles
         roots, _ = real_roots(curve, numbers)
         low, high = (number_of(end, numbers) for end in (s.lower, s.upper))
         marks = {key: value for value, key in _marks(curve, roots, numbers, low, high)}
