@@ -16,6 +16,8 @@ from hjsolve.functions import modules
 ULP = float(np.finfo(float).eps)
 _PANELS, _NODES = (6, 10), 20
 """Of Gauss's rule, coarse and fine."""
+_APART = 1e-8
+"""The rounding of a place by the distance of both, beyond which they are not told apart: both are turning points."""
 _SAFETY = 8.0
 """Times the difference of the two rules that the fine one may be off: of a pole nearby it is not the square."""
 _SETTLED = 1e-9
@@ -74,6 +76,7 @@ class Quadratures:
             (square, *numerators), (size, *sizes) = values[:count], values[count:]
             root, lost = np.sqrt(square), 8 * ULP * size / square
             moved = 2 * ULP * (abs(low) + abs(high)) / abs(high - low)  # of a node that is rounded
+            moved = np.where(moved < _APART, moved, np.nan)
             found = dict[sp.Symbol, tuple[Reals, Reals, Reals]]()
             for key, N, S in zip(self.names[name], [square, *numerators], [size, *sizes], strict=True):
                 whole = np.sum(weights * abs(N) / root, axis=0)

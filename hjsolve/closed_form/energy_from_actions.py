@@ -207,7 +207,7 @@ def _without_root(
     top = sp.numer(plain)
     if not top.is_polynomial(z) or sp.degree(top, z) != 1:
         return []
-    # α z + γ = 0 squared, α² z² = γ²: the root that is no root of the first is left out by ``_right_one``
+    # α z + γ = 0 squared, α² z² = γ²: a root that the first equation does not have is left out by ``_right_one``
     one, zero = sp.Poly(top, z).all_coeffs()
     return _roots(sp.expand(one**2 * base - zero**2), unknown)
 

@@ -167,7 +167,7 @@ def _phases(
         if name not in pieces:
             raise NoFormError(f"{name} has no integral in closed form")
     references = {name: _reference(pieces[name], [c.symbol for c in inner]) for name in names}
-    # Σ_j M_cj τ_j = right side of c; M is Stäckel's matrix where every column is a constant
+    # Σ_j M_cj τ_j = right side of c; M is the Stäckel matrix where every column is a constant
     M = sp.Matrix([[_multiple(pieces[n], c.symbol, references[n]) for n in names] for c in inner])
     right = []
     for c in inner:

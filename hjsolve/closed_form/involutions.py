@@ -14,9 +14,9 @@ from collections.abc import Iterable, Iterator
 import mpmath
 import sympy as sp
 
-from hjsolve.closed_form.conic_variables import conic_variables
 from hjsolve.closed_form.curves import MomentumCurve, genus, momentum_curve
 from hjsolve.closed_form.liouville import not_elementary
+from hjsolve.closed_form.root_of_a_wave import conic_variables
 from hjsolve.closed_form.why_not import HighGenus, NotFound, WhyNot
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.precision import mp

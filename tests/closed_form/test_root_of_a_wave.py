@@ -6,8 +6,8 @@ import pytest
 import sympy as sp
 
 import hjsolve
-from hjsolve.closed_form.conic_variables import conic_variables
 from hjsolve.closed_form.involutions import why_no_curve
+from hjsolve.closed_form.root_of_a_wave import conic_variables
 from hjsolve.closed_form.why_not import HighGenus, NotFound, OfCoordinate
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 
