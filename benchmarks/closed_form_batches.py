@@ -277,7 +277,8 @@ def _inverses(
             if f"inverse.{other}" in own.functions:
                 compare(own, f"inverse.{other}", place, -Q, lost, {"t": off})
             if f"orbit.{name}" in own.functions and len(rest) == 1:
-                compare(own, f"orbit.{name}", {**given, other: -Q}, high, 4 * ULP * abs(high), {other: lost})
+                there = np.where(given[c.name] == 0, np.nan, -Q)  # the orbit of a motion with p_θ = 0 is no r(θ)
+                compare(own, f"orbit.{name}", {**given, other: there}, high, 4 * ULP * abs(high), {other: lost})
     if f"anomaly.{name}" in own.functions and "anomaly.t" in own.functions:
         there = {**given, "xi": dice.uniform(0.1, _FIRST, len(high))}
         q = own.at(f"anomaly.{name}", there)
