@@ -93,7 +93,7 @@ class Met:
         function = self.functions[name]
         shape = np.shape(next(iter(given.values())))
         names = function.names  # type: ignore[attr-defined]
-        held = {n: np.zeros(shape) if n.startswith("beta_") else given[n] for n in names}
+        held = {n: given[n] if n in given else np.zeros(shape) for n in names if n in given or n.startswith("beta_")}
         return np.broadcast_to(function(**held), shape).astype(float)
 
 

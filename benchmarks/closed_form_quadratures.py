@@ -18,7 +18,7 @@ _PANELS, _NODES = (6, 10), 20
 """Of Gauss's rule, coarse and fine."""
 _APART = 1e-8
 """The rounding of a place by the distance of both, beyond which they are not told apart: both are turning points."""
-_SAFETY = 8.0
+_SAFETY = 32.0
 """Times the difference of the two rules that the fine one may be off: of a pole nearby it is not the square."""
 _SETTLED = 1e-12
 """The relative difference of the two rules beyond which a quadrature is not used."""
