@@ -17,7 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hjsolve.arithmetic import function_rules
 from hjsolve.arithmetic.floats import EPS, Float64
+from hjsolve.arithmetic.function_rules import BY_VALUE, OF_ITSELF
 from hjsolve.arithmetic.number_types import Complexes, Mask, Numeric, Reals
 
 _UNIT = 4 * EPS
@@ -40,6 +42,9 @@ class Disk(NamedTuple):
 
     centre: Complexes
     radius: Reals
+
+    def __neg__(self) -> Disk:
+        return Disk(-self.centre, self.radius)
 
     @property
     def largest(self) -> Reals:
@@ -154,13 +159,29 @@ class Disks:
 
     def derivative(self, name: str, x: Disk) -> Disk:
         """Return Φ′ over a disk."""
-        result: Disk = _SLOPES[name](self, x)
-        return result
+        if name == "abs":
+            return _sign(x)
+        if name == "turned":
+            return Disk(1j + 0 * x.centre, 0 * x.radius)
+        return function_rules.slope(self, name, x, self.unary(name, x) if name in BY_VALUE else x)
 
     def bend(self, name: str, x: Disk) -> Disk:
         """Return Φ″ over a disk."""
-        result: Disk = _BENDS[name](self, x)
-        return result
+        if name in {"abs", "turned"}:
+            return Disk(0 * x.centre, 0 * x.radius)
+        value = x if name == "log" or name in _NUMPY else self.unary(name, x)
+        return function_rules.bend(self, name, x, value, x if name in OF_ITSELF else self.derivative(name, x))
+
+    def chord(self, name: str, x: Disk, y: Disk, at_x: Disk, at_y: Disk) -> Disk:
+        """Return Φ[x, y]: the quotient of differences, or the mean of Φ′ over the hull: the smaller disk.
+
+        Args:
+            name: of Φ.
+            x, y: the two places.
+            at_x, at_y: Φ of them.
+        """
+        quotient = self.div(self.sub(at_y, at_x), self.sub(y, x))
+        return tighter(quotient, self.derivative(name, hull(x, y)))
 
     def shifted(self, x: Disk, by: float) -> Disk:
         """Return x + by."""
@@ -246,28 +267,14 @@ def _by_slope(d: Disks, x: Disk, name: str) -> Disk:
     return _where(clear, Disk(value, x.radius * slope.largest + _UNIT * (noise + np.abs(value))))
 
 
-def _root(d: Disks, x: Disk, n: int) -> Disk:
-    """x^(n/2)."""
-    return d.power(_sqrt(d, x), n)
-
-
 def _beside(d: Disks, x: Disk, sign: float) -> Disk:
     """1 + sign·x²."""
     return d.shifted(d.times(d.power(x, 2), sign), 1.0)
 
 
-def _hyperbola(d: Disks, x: Disk) -> Disk:
-    """√(x − 1) √(x + 1)."""
-    return d.mul(_sqrt(d, d.shifted(x, -1.0)), _sqrt(d, d.shifted(x, 1.0)))
-
-
 def _sign(x: Disk) -> Disk:
     real = np.real(x.centre)
     return _where(np.abs(real) > x.radius, Disk(np.sign(real) + 0j, 0.0 * x.radius))
-
-
-def _neg(x: Disk) -> Disk:
-    return Disk(-x.centre, x.radius)
 
 
 def _paired(name: str) -> Callable[[Disks, Disk], Disk]:
@@ -279,47 +286,7 @@ def _inverse_function(name: str) -> Callable[[Disks, Disk], Disk]:
 
 
 _FUNCTIONS: dict[str, Callable[[Disks, Disk], Disk]] = {
-    "neg": lambda _, x: _neg(x), "abs": _abs, "exp": _exp, "log": _log, "sqrt": _sqrt, "tan": _tan, "tanh": _tanh,
+    "neg": lambda _, x: -x, "abs": _abs, "exp": _exp, "log": _log, "sqrt": _sqrt, "tan": _tan, "tanh": _tanh,
     "sech": _sech, "turned": lambda _, x: Disk(1j * x.centre, x.radius),
     **{name: _paired(name) for name in _PAIR}, **{name: _inverse_function(name) for name in _NUMPY},
 }  # fmt: skip
-_SLOPES: dict[str, Callable[[Disks, Disk], Disk]] = {
-    "turned": lambda _, x: Disk(1j + 0 * x.centre, 0 * x.radius),
-    "abs": lambda _, x: _sign(x),
-    "exp": _exp,
-    "log": Disks.inverse,
-    "sqrt": lambda d, x: d.times(_root(d, x, -1), 0.5),
-    "sin": lambda _, x: _sincos(x, "cos"),
-    "cos": lambda _, x: _neg(_sincos(x, "sin")),
-    "sinh": lambda _, x: _sincos(x, "cosh"),
-    "cosh": lambda _, x: _sincos(x, "sinh"),
-    "tan": lambda d, x: _beside(d, _tan(d, x), 1.0),
-    "tanh": lambda d, x: d.power(_sech(d, x), 2),
-    "sech": lambda d, x: _neg(d.mul(_sech(d, x), _tanh(d, x))),
-    "asin": lambda d, x: _root(d, _beside(d, x, -1.0), -1),
-    "acos": lambda d, x: _neg(_root(d, _beside(d, x, -1.0), -1)),
-    "atan": lambda d, x: d.inverse(_beside(d, x, 1.0)),
-    "asinh": lambda d, x: _root(d, _beside(d, x, 1.0), -1),
-    "acosh": lambda d, x: d.inverse(_hyperbola(d, x)),
-    "atanh": lambda d, x: d.inverse(_beside(d, x, -1.0)),
-}
-_BENDS: dict[str, Callable[[Disks, Disk], Disk]] = {
-    "turned": lambda _, x: Disk(0 * x.centre, 0 * x.radius),
-    "abs": lambda d, x: d.times(_sign(x), 0.0),
-    "exp": _exp,
-    "log": lambda d, x: _neg(d.power(x, -2)),
-    "sqrt": lambda d, x: d.times(_root(d, x, -3), -0.25),
-    "sin": lambda _, x: _neg(_sincos(x, "sin")),
-    "cos": lambda _, x: _neg(_sincos(x, "cos")),
-    "sinh": lambda _, x: _sincos(x, "sinh"),
-    "cosh": lambda _, x: _sincos(x, "cosh"),
-    "tan": lambda d, x: d.times(d.mul(_tan(d, x), _beside(d, _tan(d, x), 1.0)), 2.0),
-    "tanh": lambda d, x: d.times(d.mul(_tanh(d, x), d.power(_sech(d, x), 2)), -2.0),
-    "sech": lambda d, x: d.mul(_sech(d, x), d.shifted(d.times(d.power(_sech(d, x), 2), -2.0), 1.0)),
-    "asin": lambda d, x: d.mul(x, _root(d, _beside(d, x, -1.0), -3)),
-    "acos": lambda d, x: _neg(d.mul(x, _root(d, _beside(d, x, -1.0), -3))),
-    "atan": lambda d, x: d.times(d.mul(x, d.power(_beside(d, x, 1.0), -2)), -2.0),
-    "asinh": lambda d, x: _neg(d.mul(x, _root(d, _beside(d, x, 1.0), -3))),
-    "acosh": lambda d, x: _neg(d.mul(x, d.power(_hyperbola(d, x), -3))),
-    "atanh": lambda d, x: d.times(d.mul(x, d.power(_beside(d, x, -1.0), -2)), 2.0),
-}

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, NamedTuple
 
 from hjsolve.arithmetic.floats import by_squaring
+from hjsolve.arithmetic.function_rules import QUOTIENTS, quotient
 from hjsolve.arithmetic.number_types import N
 from hjsolve.arithmetic.tape import Arithmetic
 
@@ -103,11 +104,8 @@ class FirstDifferences(Generic[N]):
         a = self.plain
         if x.slope is None:
             return self.constant(a.unary(name, x.value))
-        if name in {"tan", "tanh"}:
-            over, under = ("sin", "cos") if name == "tan" else ("sinh", "cosh")
-            return self.div(self.unary(over, x), self.unary(under, x))
-        if name == "sech":
-            return self.div(self.rational(1, 1), self.unary("cosh", x))
+        if name in QUOTIENTS:
+            return quotient(self, name, x)
         base, value = a.unary(name, x.base), a.unary(name, x.value)
         return FirstDifference(base, value, a.mul(self._between(name, x, base, value), x.slope))
 

@@ -296,5 +296,6 @@ class Multi(ByOperators):
         context = self.context
         if name in {"sin", "cos"} and (context.isinf(v) or context.mag(v) > 16 * FARTHEST):
             return context.nan
-        value = getattr(context, name)(within_reach(name, v, context))
+        # an infinite end has its limit, e^(−∞) = 0: that of the farthest number in reach would lie inside the range
+        value = getattr(context, name)(v if context.isinf(v) else within_reach(name, v, context))
         return cast("Mpf", value) if isinstance(value, context.mpf) else context.nan

@@ -16,16 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi
+from hjsolve.arithmetic.function_rules import RISING
 from hjsolve.arithmetic.number_types import Elementwise, Mpf, Truth
-
-_RISING = {"exp", "sinh", "tanh", "asinh", "atan"}
-_RISING_ON = {
-    "sqrt": (0.0, np.inf),
-    "log": (0.0, np.inf),
-    "asin": (-1.0, 1.0),
-    "acosh": (1.0, np.inf),
-    "atanh": (-1.0, 1.0),
-}
 
 
 class Interval(NamedTuple):
@@ -126,10 +118,8 @@ class Intervals:
             inside = (x.low <= 0) & (x.high >= 0)
             a, b = abs(x.low), abs(x.high)
             return Interval(np.where(inside, 0, np.minimum(a, b)), np.maximum(a, b))
-        if name in _RISING:
-            return self._rising(name, x, -np.inf, np.inf)
-        if name in _RISING_ON:
-            return self._rising(name, x, *_RISING_ON[name])
+        if name in RISING:
+            return self._rising(name, x, *RISING[name])
         return _OTHERS[name](self, x)
 
     def _call(self, name: str, x: Elementwise) -> Elementwise:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Generic, NamedTuple
 
+from hjsolve.arithmetic.function_rules import bend, slope
 from hjsolve.arithmetic.number_types import N
 from hjsolve.arithmetic.tape import Arithmetic
 
@@ -109,51 +110,5 @@ class Jets(Generic[N]):
         value = self.plain.unary(name, x.value)
         if x.first is None:
             return Jet(value)
-        return self._chain(x, value, *self._derivatives(name, x.value, value))
-
-    def _derivatives(self, name: str, x: N, f: N) -> tuple[N, N]:
-        """First and second derivative of an elementary function at x, where it has the value f."""
-        a = self.plain
-        one = a.rational(1, 1)
-        match name:
-            case "exp":
-                return f, f
-            case "sin" | "cos":
-                other = a.unary("cos" if name == "sin" else "sin", x)
-                return (other if name == "sin" else a.unary("neg", other)), a.unary("neg", f)
-            case "sinh" | "cosh":
-                return a.unary("cosh" if name == "sinh" else "sinh", x), f
-            case "log":
-                inverse = a.div(one, x)
-                return inverse, a.unary("neg", a.power(inverse, 2))
-            case "sqrt":
-                slope = a.div(a.rational(1, 2), f)
-                return slope, a.unary("neg", a.div(slope, a.mul(a.rational(2, 1), x)))
-            case "tan" | "tanh":
-                slope = a.add(one, a.power(f, 2)) if name == "tan" else a.sub(one, a.power(f, 2))
-                return slope, a.mul(a.rational(2 if name == "tan" else -2, 1), a.mul(f, slope))
-            case "sech":
-                square, two = a.power(f, 2), a.rational(2, 1)
-                return a.unary("neg", a.mul(f, a.unary("tanh", x))), a.mul(f, a.sub(one, a.mul(two, square)))
-            case "abs":
-                return a.div(f, x), a.rational(0, 1)
-            case _:
-                return self._inverse_derivatives(name, x)
-
-    def _inverse_derivatives(self, name: str, x: N) -> tuple[N, N]:
-        """asin, acos, atan, asinh, acosh, atanh: Φ′ = ±w⁻ˢ with w = 1 ± x² or x² − 1, s = 1 or ½."""
-        a = self.plain
-        one, square = a.rational(1, 1), a.power(x, 2)
-        w = (
-            a.sub(square, one)
-            if name == "acosh"
-            else a.add(one, square)
-            if name in {"atan", "asinh"}
-            else a.sub(one, square)
-        )
-        half = name not in {"atan", "atanh"}
-        slope = a.div(one, a.unary("sqrt", w) if half else w)
-        turn = a.mul(a.rational(1 if half else 2, 1), a.mul(x, a.div(slope, w)))
-        if name in {"atan", "asinh", "acosh"}:
-            turn = a.unary("neg", turn)
-        return (slope, turn) if name != "acos" else (a.unary("neg", slope), a.unary("neg", turn))
+        first = slope(self.plain, name, x.value, value)
+        return self._chain(x, value, first, bend(self.plain, name, x.value, value, first))

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from math import lcm
+from math import ceil, lcm
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
@@ -43,7 +43,7 @@ class LocalExpansion(NamedTuple):
     only with exponentials.
     """
 
-    order: int
+    order: float
     parts: tuple[Disk, ...]
     constant: bool = False
     line: tuple[Disk, Disk] | None = None
@@ -52,10 +52,6 @@ class LocalExpansion(NamedTuple):
 def _after(base: Disk, cells: Disk) -> Disk:
     """Return the cells with the base before them."""
     return Disk(np.append(base.centre, cells.centre), np.append(base.radius, cells.radius))
-
-
-def _negative(x: Disk) -> Disk:
-    return Disk(-x.centre, x.radius)
 
 
 def _at_base(x: Disk) -> Disk:
@@ -175,7 +171,15 @@ class Locals:
             x = LocalExpansion(x.order + 1, x.parts[1:])
         return self.lowered(x, known) if known < x.order else x
 
-    def lowered(self, x: LocalExpansion, order: int) -> LocalExpansion:
+    def _scale(self, n: float) -> Disk:
+        """Return uⁿ."""
+        return _DISKS.power(self.offset, int(n))
+
+    def _order(self, rate: float) -> float:
+        """Return the order of e^{aq} for the real part of a, a multiple of ``rate``."""
+        return round(rate / self.rate)
+
+    def lowered(self, x: LocalExpansion, order: float) -> LocalExpansion:
         """Return the same with φ multiplied by a power of u.
 
         Args:
@@ -185,17 +189,16 @@ class Locals:
         n = x.order - order
         if n == 0:
             return x
-        powers = [_DISKS.power(self.offset, n - i) for i in range(min(n, self.depth + 1))]
-        parts = [_DISKS.mul(power, x.parts[0]) for power in powers]
+        parts = [_DISKS.mul(self._scale(n - i), x.parts[0]) for i in range(min(ceil(n), self.depth + 1))]
         if n <= self.depth:
-            parts += x.parts[: self.depth + 1 - n]
+            parts += x.parts[: self.depth + 1 - int(n)]
         return LocalExpansion(order, tuple(parts))
 
     # ------------------------------------------------------------------ the arithmetic
 
     def _negative(self, x: LocalExpansion) -> LocalExpansion:
-        line = x.line and (_negative(x.line[0]), _negative(x.line[1]))
-        return x._replace(parts=tuple(map(_negative, x.parts)), line=line)
+        line = x.line and (-x.line[0], -x.line[1])
+        return x._replace(parts=tuple(-part for part in x.parts), line=line)
 
     def _add(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
         if x.constant and y.constant:
@@ -250,7 +253,7 @@ class Locals:
         parts = [value]
         base = _at_base(value)
         if len(x.parts) > 1:
-            parts.append(_negative(d.mul(d.mul(base, value), x.parts[1])))
+            parts.append(-d.mul(d.mul(base, value), x.parts[1]))
         if len(x.parts) > 2:  # (1/f)[e, e, q] = (f[e, e] f[e, q] − f(e) f[e, e, q]) / (f(e)² f(q))
             inner = d.sub(d.mul(_at_base(x.parts[1]), x.parts[1]), d.mul(_at_base(x.parts[0]), x.parts[2]))
             parts.append(d.mul(d.mul(d.mul(base, base), value), inner))
@@ -267,7 +270,7 @@ class Locals:
         if name == "log" and x.order:
             return self._logarithm(x)
         if x.order < 0:  # no expansion; its values where u is not 0
-            return LocalExpansion(0, (d.unary(name, d.mul(x.parts[0], d.power(self.offset, x.order))),))
+            return LocalExpansion(0, (d.unary(name, d.mul(x.parts[0], self._scale(x.order))),))
         return self._composed(name, self.lowered(x, 0))
 
     def _exponential(self, name: str, line: tuple[Disk, Disk]) -> LocalExpansion:
@@ -278,19 +281,19 @@ class Locals:
         if name == "sech":
             return self._inverse(self._exponential("cosh", line))
         if name == "exp":
-            order = round(float(np.real(line[0].centre)) / self.rate)
+            order = self._order(float(np.real(line[0].centre)))
             left = d.mul(d.shifted(line[0], -order * self.rate), self.exponent().parts[0])
             return LocalExpansion(
                 order, (d.unary("exp", d.add(left, line[1])), *(self._full(0.0) for _ in range(self.depth)))
             )
-        up, down = (self._exponential("exp", ends) for ends in (line, (_negative(line[0]), _negative(line[1]))))
+        up, down = (self._exponential("exp", ends) for ends in (line, (-line[0], -line[1])))
         both = self._sum(up, down if name == "cosh" else self._negative(down))
         return both._replace(parts=tuple(d.times(part, 0.5) for part in both.parts))
 
     def _logarithm(self, x: LocalExpansion) -> LocalExpansion:
         d = _DISKS
         log = d.times(self.exponent().parts[0], self.rate) if self.rate else d.unary("log", self.offset)
-        return LocalExpansion(0, (d.add(d.mul(d.rational(x.order, 1), log), d.unary("log", x.parts[0])),))
+        return LocalExpansion(0, (d.add(d.times(log, x.order), d.unary("log", x.parts[0])),))
 
     def _composed(self, name: str, x: LocalExpansion) -> LocalExpansion:
         d, f = _DISKS, x.parts
@@ -298,12 +301,11 @@ class Locals:
         if len(f) == 1:
             return LocalExpansion(0, (value,))
         f0, at0 = _at_base(f[0]), _at_base(value)
-        gap, both = d.sub(f[0], f0), hull(f[0], f0)
-        first = tighter(d.div(d.sub(value, at0), gap), d.derivative(name, both))
+        first = d.chord(name, f[0], f0, value, at0)
         parts = [value, d.mul(first, f[1])]
         if len(f) > 2:
-            close = d.times(d.bend(name, both), 0.5)
-            second = tighter(d.div(d.sub(first, _at_base(first)), gap), close)
+            close = d.times(d.bend(name, hull(f[0], f0)), 0.5)
+            second = tighter(d.div(d.sub(first, _at_base(first)), d.sub(f[0], f0)), close)
             parts.append(d.add(d.mul(first, f[2]), d.mul(d.mul(_at_base(f[1]), f[1]), second)))
         return LocalExpansion(0, tuple(parts))
 

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from hjsolve.arithmetic.floats import Multi
+from hjsolve.arithmetic.function_rules import QUOTIENTS, quotient
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError
 
@@ -81,6 +82,8 @@ class PowerSeriesArithmetic:
         """
         if name == "neg":
             return [-a for a in x]
+        if name in QUOTIENTS:
+            return quotient(self, name, x)
         rule = _RULES.get(name)
         if rule is None:
             raise NotConvergedError(f"{name}(t) has no power series here; write it by exp, log, sqrt, sin and cos")
@@ -130,14 +133,6 @@ def _hyperbolic(which: int) -> Callable[[PowerSeriesArithmetic, Series], Series]
     return lambda s, x: _pair(s, x, ("sinh", "cosh"), 1)[which]
 
 
-def _tan(s: PowerSeriesArithmetic, x: Series) -> Series:
-    return s.div(*_pair(s, x, ("sin", "cos"), -1))
-
-
-def _tanh(s: PowerSeriesArithmetic, x: Series) -> Series:
-    return s.div(*_pair(s, x, ("sinh", "cosh"), 1))
-
-
 def _log(s: PowerSeriesArithmetic, x: Series) -> Series:
     y = [s.plain.unary("log", x[0])]
     for k in range(1, s.order + 1):
@@ -160,5 +155,5 @@ def _sqrt(s: PowerSeriesArithmetic, x: Series) -> Series:
 
 _RULES: dict[str, Callable[[PowerSeriesArithmetic, Series], Series]] = {
     "exp": _exp, "sin": _circular(0), "cos": _circular(1), "sinh": _hyperbolic(0), "cosh": _hyperbolic(1),
-    "tan": _tan, "tanh": _tanh, "log": _log, "sqrt": _sqrt,
+    "log": _log, "sqrt": _sqrt,
 }  # fmt: skip

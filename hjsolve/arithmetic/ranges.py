@@ -11,8 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from math import inf
 from typing import TypeAlias
 
+from hjsolve.arithmetic import function_rules
 from hjsolve.arithmetic.floats import CIRCULAR, FARTHEST, by_squaring
 from hjsolve.arithmetic.number_types import Context, Mpf
 from hjsolve.errors import InvalidInputError
@@ -23,13 +25,12 @@ Function: TypeAlias = Callable[[Context, Range], Range]
 """(mpmath's context, interval) → interval."""
 
 _WIDER = 6
-_RISING: dict[str, tuple[float | None, float | None, int]] = {
-    "exp": (None, None, 0), "expm1": (None, None, 0), "sinh": (None, None, 0), "tanh": (None, None, 0),
-    "asinh": (None, None, 0), "atan": (None, None, 0), "cbrt": (None, None, 0), "asin": (-1, 1, 0),
-    "acosh": (1, None, 1), "log": (0, None, 1), "log2": (0, None, 1), "log10": (0, None, 1),
-    "log1p": (-1, None, 0), "atanh": (-1, 1, 0),
+_RISING = {name: ends for name, ends in function_rules.RISING.items() if name != "sqrt"} | {
+    "expm1": (-inf, inf), "cbrt": (-inf, inf), "log2": (0.0, inf), "log10": (0.0, inf), "log1p": (-1.0, inf),
 }  # fmt: skip
-"""Rising functions: the ends of where they are real, and where they are exact."""
+"""Rising functions but the root, which is rounded as directed: the ends of where they are real."""
+_EXACT_AT_ONE = frozenset({"acosh", "log", "log2", "log10"})
+"""Those that are exact at 1; the others are at 0."""
 _POLES = {"log": (0,), "log2": (0,), "log10": (0,), "log1p": (-1,), "atanh": (-1, 1)}
 """Ends at which a function is infinite."""
 
@@ -120,7 +121,7 @@ def square_root(c: Context, x: Range) -> Range:
     Raises:
         InvalidInputError: x is negative.
     """
-    low, high = _inside(c, "sqrt", x, 0, None)
+    low, high = _inside(c, "sqrt", x, 0, inf)
     return c.sqrt(low, rounding="f"), c.sqrt(high, rounding="c")
 
 
@@ -136,16 +137,14 @@ def apply(c: Context, name: str, x: Range) -> Range:
         InvalidInputError: the function is not real there, has no bound, or its argument is beyond reach.
     """
     if name in _RISING:
-        left, right, exact = _RISING[name]
-        low, high = _inside(c, name, x, left, right)
+        low, high, exact = *_inside(c, name, x, *_RISING[name]), int(name in _EXACT_AT_ONE)
         return _wide(c, name, low, exact)[0], _wide(c, name, high, exact)[1]
     return _OTHERS[name](c, x)
 
 
-def _inside(c: Context, name: str, x: Range, left: float | None, right: float | None) -> Range:
+def _inside(c: Context, name: str, x: Range, left: float, right: float) -> Range:
     """Return the part of an interval where a function is real."""
-    low = x[0] if left is None else max(x[0], c.mpf(left))
-    high = x[1] if right is None else min(x[1], c.mpf(right))
+    low, high = max(x[0], c.mpf(left)), min(x[1], c.mpf(right))
     if low > high:
         raise InvalidInputError(f"{name} of {_text(c, x)} is not real")
     if any(end in _POLES.get(name, ()) for end in (low, high)):

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Generic, NamedTuple
 
+from hjsolve.arithmetic.function_rules import slope
 from hjsolve.arithmetic.number_types import N
 from hjsolve.arithmetic.tape import Arithmetic
 
@@ -117,13 +118,5 @@ class RunningError(Generic[N]):
                 return one
             case "sinh":
                 return a.add(one, a.unary("abs", f))
-            case "log":
-                return a.div(one, x)
-            case "tan":
-                return a.add(one, a.power(f, 2))
-            case "atanh":
-                return a.div(one, a.sub(one, a.power(x, 2)))
-            case "acosh":
-                return a.div(one, a.unary("sqrt", a.sub(a.power(x, 2), one)))
             case _:
-                return a.div(one, a.unary("sqrt", a.sub(one, a.power(x, 2))))
+                return slope(a, name, x, f)

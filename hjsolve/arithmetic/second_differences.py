@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, NamedTuple
 
 from hjsolve.arithmetic.floats import by_squaring
+from hjsolve.arithmetic.function_rules import QUOTIENTS, quotient
 from hjsolve.arithmetic.number_types import N
 from hjsolve.arithmetic.tape import Arithmetic
 
@@ -119,12 +120,8 @@ class SecondDifferences(Generic[N]):
             return SecondDifference(a.unary(name, x.base))
         if name == "neg":
             return SecondDifference(*(a.unary("neg", part) for part in x))
-        if name == "tan":
-            return self.div(self.unary("sin", x), self.unary("cos", x))
-        if name == "tanh":
-            return self.div(self.unary("sinh", x), self.unary("cosh", x))
-        if name == "sech":
-            return self.div(self.rational(1, 1), self.unary("cosh", x))
+        if name in QUOTIENTS:
+            return quotient(self, name, x)
         if name == "abs":
             return self.mul(x, SecondDifference(self.sign(x.base, x.value)))
         if name == "sqrt":

@@ -28,6 +28,7 @@ def mean(cycle: CycleIntegrand, j: int, bits: int, size: flint.arb) -> flint.arb
     """
     f = _Plain(cycle)
     length = flint.arb.pi() * (1 if cycle.librates else 2)
+    # Petras's algorithm: subdivision with Gauss and Legendre's rule where the integrand is bounded on an ellipse
     total = flint.acb.integral(
         lambda χ, _: f.value(j, χ),
         0,
@@ -52,6 +53,7 @@ class _Plain:
         if self.cycle.lower is None:
             root = Balls().unary("sqrt", self._squared(χ))
             return root if j < 0 else self._weight(j, χ) / root
+        # q − a = W sin²(χ/2), b − q = W cos²(χ/2): dχ = dq/√((q − a)(b − q)) takes the two inverse roots away
         s, c = (χ / 2).sin_cos()
         from_lower, to_upper = self.cycle.width * s * s, self.cycle.width * c * c
         q = self.cycle.lower + from_lower
@@ -68,6 +70,7 @@ class _Plain:
         """
         # where q − a may vanish only the slope F[a, q] from that end is of use; a wide ball takes the nearer end
         at_lower, at_upper = _touches_zero(from_lower), _touches_zero(to_upper)
+        # a ball that holds both ends says nothing: Arb divides it
         if at_lower and at_upper:
             return q * flint.arb("nan")
         if at_lower or (not at_upper and _wide(q) and abs(from_lower) < abs(to_upper)):
@@ -76,12 +79,14 @@ class _Plain:
             found = self._sloped(q, 1, -to_upper, -from_lower)
         else:
             return self._squared(q) / (from_lower * to_upper)
+        # a slope that may be 0 tells less than the quotient, where there is one
         if at_lower or at_upper or found.real > 0:
             return found
         return self._squared(q) / (from_lower * to_upper)
 
     def _sloped(self, q: Ball, end: int, offset: Ball, distance: Ball) -> Ball:
         place = self.cycle.ends[end]
+        # the remainder ½F″ over the hull of the ball and the end: Taylor's formula needs a convex set
         bend = self.cycle.line.taylor(_hull(q, place), 3)[2]
         return (self._end_slopes[end] + bend * offset) / distance
 
@@ -95,6 +100,7 @@ class _Plain:
         """F on a ball: directly at a point, by a Taylor polynomial about the middle where the ball is wide."""
         middle = q.mid()
         offset = q - middle
+        # on a ball this small the dependency of the formula on q costs nothing
         if abs(offset).upper() < flint.arb(2) ** -40 * abs(middle).upper():
             return self.cycle.line.value(q)
         value, slope = self.cycle.line.taylor(middle, 2)
@@ -112,6 +118,7 @@ def _touches_zero(x: Ball) -> bool:
 
 def _hull(q: Ball, end: flint.arb) -> Ball:
     """Return a ball holding q, a real ball and all segments between them."""
+    # the union of two real balls is the hull
     if isinstance(q, flint.arb):
         return q.union(end)
     return flint.acb(q.real.union(end), q.imag.union(flint.arb(0)))

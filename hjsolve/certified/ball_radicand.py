@@ -1,4 +1,8 @@
-"""p² along the line of one coordinate, in balls: values and Taylor coefficients, and its zeros proved."""
+"""p² along the line of one coordinate, in balls: values and Taylor coefficients, and its zeros proved.
+
+If N = m − F(m)/F′(X) lies inside a ball X about m, X holds one zero of F, a simple one, and N holds it (Moore, Interval
+Analysis, 1966): one evaluation of F at the centre and one of F′ over the ball.
+"""
 
 from __future__ import annotations
 
@@ -37,6 +41,7 @@ class BallMomentumSquared:
 
     def rounded(self, bits: int) -> BallMomentumSquared:
         """Return the same line for a low precision."""
+        # rounding the inputs costs a new tape: worth it where the operations of many digits are dearer
         if self.bits <= _FINE:
             return self
         with working(bits):
@@ -86,6 +91,7 @@ class BallMomentumSquared:
         """
         real = isinstance(q, flint.arb)
         kind, number = (flint.arb_series, flint.arb) if real else (flint.acb_series, flint.acb)
+        # the series of q + h: its k-th coefficient is F⁽ᵏ⁾/k! over the ball
         value: Any = self._series.run(kind([q, 1], prec=terms))[0]  # type: ignore[list-item]  # of its own kind
         if not isinstance(value, kind):
             return [number(value), *[number(0)] * (terms - 1)]
@@ -105,10 +111,14 @@ def turning_point(line: BallMomentumSquared, guess: flint.arb, bits: int) -> fli
     Raises:
         NotConvergedError: the test does not contract.
     """
+    # 2^(−bits) stands for the size of a zero at q = 0
     centre, size = guess.mid(), abs(guess.mid()) + flint.arb(2) ** -bits
     for _ in range(2 * bits.bit_length()):
         value, slope = line.taylor(centre, 2)
+        # Newton's step in balls of no width doubles the digits; what it is worth is proved below, not here
         step = (value / slope).mid()
+        # quadratic convergence: a step below 2^(−bits/2) leaves 2^(−bits); the test before would be over too wide a
+        # ball
         if abs(step) < size * flint.arb(2) ** (16 - bits // 2):  # the square of it is left
             found = _contracted(line, centre, value, 2 * abs(step), size, bits)
             if found is not None and (found.rad() < size * flint.arb(2) ** (_SPARE - bits) or value.contains(0)):
@@ -121,11 +131,14 @@ def _contracted(
     line: BallMomentumSquared, centre: flint.arb, value: flint.arb, reach: flint.arb, size: flint.arb, bits: int
 ) -> flint.arb | None:
     """Newton's step from the values of F and the slopes on a ball; it holds the only zero there if it lies inside."""
+    # too narrow a ball misses the zero by rounding, too wide a one has a slope that holds 0: several are tried
     for spare in (16, 24, 48, 96, bits // 2):
         around = flint.arb(centre, reach + size * flint.arb(2) ** (spare - bits))
         slope = line.taylor(around, 2)[1]
+        # F is monotone on the ball, so that it has at most one zero there
         if not slope.contains(0):
             newton = centre - value / slope
+            # N(X) ⊂ X: a zero lies in it, and it is the only one (Moore, Interval Analysis, 1966)
             if around.contains(newton):
                 return newton
     return None

@@ -77,10 +77,13 @@ class AnomalyMap:
 
 def _shared(s: Ball, c: Ball) -> tuple[Ball, Ball]:
     """s²/(s² + c²) and c²/(s² + c²); a complex ball is wide, and what varies stands in each of them once."""
+    # the smaller over the larger: the square is at most about 1, and neither overflows nor divides by a ball with 0
     swapped = bool(abs(s).mid() > abs(c).mid())
     ratio = c / s if swapped else s / c
     square = ratio * ratio
     large = 1 / (1 + square)
+    # over a real ball square·large keeps the relative digits of a small distance; over a wide complex one it would use
+    # the ball twice
     small = 1 - large if isinstance(s, flint.acb) else square * large
     return (large, small) if swapped else (small, large)
 
@@ -109,11 +112,14 @@ def between_turns(near_lower: float, near_upper: float) -> AnomalyMap:
     Args:
         near_lower, near_upper: (b − a) over the distance of the next zero from a and from b; 0 where it is far.
     """
+    # sinh²λ = ρ; up to ρ = 1 the next zero is as far away as the motion is wide, and the plain map does
     return AnomalyMap(*(math.asinh(math.sqrt(ρ)) if ρ > 1 else 0.0 for ρ in (near_lower, near_upper)))
 
 
 def all_round(gap: float) -> AnomalyMap:
     """Make the map of a rotation; ``gap`` is the distance of the complex zero of p² near χ = π from the real axis."""
+    # at the critical point c = i/sinh μ = i·gap/2, and q − q₀ is about ±2c: the zero of p² lies where the map is
+    # stationary
     return AnomalyMap(0.0, math.asinh(2 / gap))
 
 
@@ -181,6 +187,7 @@ class CycleIntegrand:
         if line is self.line:
             return self
         with working(bits):
+            # x + 0 rounds the ball to the working precision, outward
             lower, upper = (None if x is None else x + 0 for x in (self.lower, self.upper))
             return replace(self, line=line, lower=lower, upper=upper, slow=self.slow + 0)
 
@@ -220,16 +227,19 @@ class CycleIntegrand:
             return CycleNode(self._turned(χ, fraction), None, None, fraction.stretch, fraction.denominator)
         from_lower, to_upper = self.width * fraction.low, self.width * fraction.high
         near_lower = bool(fraction.low.real < 0.5)  # the shares add up to 1
+        # counted from the nearer end: q − a there has no cancellation
         q = self.lower + from_lower if near_lower else self.upper - to_upper
         return CycleNode(q, from_lower, to_upper, fraction.stretch, fraction.denominator, near_lower)
 
     def _turned(self, χ: Ball, fraction: Fractions) -> Ball:
         """Return the q of a rotation; on a complex ball up to whole turns, which p² does not see."""
+        # with λ = μ = 0 it is 2 arg(c + is) = χ, without an arctangent that has cuts
         if self.map.plain:
             return self.slow + χ - flint.arb.pi()
         s, c = fraction.s, fraction.c
         if isinstance(s, flint.arb) and isinstance(c, flint.arb):
             return self.slow + 2 * flint.arb.atan2(s, c) - flint.arb.pi()
+        # |s| < |c|: atan(s/c) is used where its argument is small and away from the cuts at ±i
         if fraction.high.real > 0.5:
             return self.slow + 2 * Balls().unary("atan", s / c) - flint.arb.pi()
         side = 1 if χ.real.mid() > 0 else -1  # c/s is small near χ = ±π and keeps its relative width there
@@ -248,6 +258,7 @@ class CycleIntegrand:
             root = square.sqrt()
         else:
             product = sample.from_lower * sample.to_upper
+            # √R at a node: a node is never a turning point, so product is not 0
             root = (square / product).sqrt()
         return self.integrands(sample, product, root)
 
@@ -259,6 +270,7 @@ class CycleIntegrand:
             root: √(p²/product).
         """
         weights = iter(self.weights.run(sample.q) if self.weights.outputs else ())
+        # (dq/dχ)/p = stretch/√R, since dq/dχ = stretch √((q − a)(b − q)) and p = √((q − a)(b − q)) √R
         scale = sample.stretch / root
         return [product * root * sample.stretch if j < 0 else next(weights) * scale for j in self.wanted]
 
@@ -271,6 +283,8 @@ def _entire(tape: Tape) -> bool:
             continue
         varying.add(place)
         constant_divisor = operation.code == "div" and operation.operands[1] not in varying
+        # quotients by constants and whole powers are polynomials of what they are made of; all else may have a pole or
+        # a cut
         positive_power = operation.code == "power" and operation.payload[0] > 0
         if not (operation.code in _ENTIRE or constant_divisor or positive_power):
             return False

@@ -45,6 +45,7 @@ def prove_turning_points(
         line: its p² in balls.
     """
     with working(_BITS):
+        # a ball of 2^(8 − bits) about the start: what is proved from it holds for the exact place
         origin = flint.arb(
             from_mpf(start.place(_BITS)), abs(from_mpf(start.place(_BITS))) * flint.arb(2) ** (8 - _BITS)
         )
@@ -52,6 +53,7 @@ def prove_turning_points(
         still = ProvedTurningPoint(0.0, 0.0, place.mid())
         found: list[ProvedTurningPoint | None] = []
         for side in (-1, 1):
+            # a start at rest is itself a turning point: the sign of F′ says on which side the motion lies
             resting = start.forward == 0
             if resting and walker.rises(-side):
                 found.append(still)
@@ -88,18 +90,22 @@ class _Walker:
         x0, steps, here = 0.0, _MOST_STEPS, self.line.value(self.origin)
         if not resting and not here > 0:
             return None
+        # the first step follows from F/F′, F′/F″ and √(F/F″): the lengths over which F changes
         step = first = self._step(reach)
         growth = 2.0
         while (steps := steps - 1) > 0 and step > _SMALLEST * first:
             x1 = x0 + step if reach is None else min(x0 + step, reach)
             if x1 <= x0:
                 return None
+            # the sign at the front is decided at a point; what lies between is decided over the ball
             end = self.line.value(self.origin + side * flint.arb(x1))
             ball = self.origin + side * flint.arb((x0 + x1) / 2, (x1 - x0) / 2 * (1 + 1e-12))
             value, slope, bend = self.line.taylor(ball, 3)
             slope = side * slope
+            # F > 0 at both ends, and monotone, concave or positive between: no zero was passed
             if end > 0 and (slope > 0 or slope < 0 or bend < 0 or value > 0):
                 x0, here, step, growth = x1, end, growth * step, min(2.0, growth + 0.25)
+            # from F > 0 to F < 0, falling or concave: exactly one zero, and it is simple
             elif end < 0 and (slope < 0 or bend < 0):
                 return ProvedTurningPoint(x0, x1, self._refined(side, x0, x1, float((here / (here - end)).mid())))
             else:
@@ -126,8 +132,10 @@ class _Walker:
             value, slope = (part.mid() for part in self.line.taylor(self.origin.mid() + side * x, 2))
             low, high = (x, high) if value > 0 else (low, x)
             if slope == 0:
+                # a zero slope between a positive and a negative value: halve
                 new = (low + high) / 2
             else:
+                # the sign of the side: x counts the distance outward, F′ the direction of q
                 new = (x - side * value / slope).mid()
             new = new if low < new < high else ((low + high) / 2).mid()
             if abs(new - x) <= abs(new) * 2.0**-25:

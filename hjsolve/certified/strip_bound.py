@@ -111,11 +111,14 @@ def certified_means(cycle: CycleIntegrand, bits: int) -> list[flint.arb]:
     Raises:
         NotConvergedError: a ball is wide; the motion is too close to a separatrix for the precision asked.
     """
+    # two phases away from χ = 0 and π, where p dq vanishes: only the order of magnitude enters, as the unit of 2⁻ᵇⁱᵗˢ
     rows = zip(*(cycle.values(flint.arb(x)) for x in (0.7, 2.0)), strict=True)
     sizes = [max(abs(x.mid()) for x in row) for row in rows]
     found = _midpoints(cycle, bits, sizes)
+    # Arb's quadrature subdivides next to singularities: slower, but it needs no strip of one width
     if found is None:
         found = [mean(cycle, j, bits, size) for j, size in zip(cycle.wanted, sizes, strict=True)]
+    # rounding makes a ball no wider than that but where R is nearly 0 at a node, next to a separatrix
     if any(not x.is_finite() or x.rel_accuracy_bits() < bits - 12 for x in found):
         raise NotConvergedError(
             "the integral could not be enclosed to the digits asked: the motion is too close to a separatrix"
@@ -126,6 +129,7 @@ def certified_means(cycle: CycleIntegrand, bits: int) -> list[flint.arb]:
 def _midpoints(cycle: CycleIntegrand, bits: int, sizes: list[flint.arb]) -> list[flint.arb] | None:
     """Return the means by the midpoint rule; None where no strip is found, or it would need too many nodes."""
     for map_, a in _plans(cycle, bits, sizes):
+        # the first strip that is proved serves: those that follow are narrower, and need more nodes
         over = cycle.over(map_)
         strip = bound_in_strip(over, a)
         if strip is not None:
@@ -139,13 +143,16 @@ def _plans(cycle: CycleIntegrand, bits: int, sizes: list[flint.arb]) -> Iterator
     if wide is None and cycle.librates and cycle.near < 1:  # F in doubles is all rounding: the motion is small
         wide = 2 * math.asinh(1 / math.sqrt(cycle.near)) if cycle.near > _SMALL else _HEIGHTS[-1]
     if cycle.spread is not None:
+        # the critical point of S lies where κ sin(χ/2) = iπ/2, at a height of about π/κ: widths are counted in that
         part = next((part for most, part in _PARTS if bits <= most), _LARGEST_PART)
         κ = max(cycle.spread.lower, cycle.spread.upper)
         spread = part * math.pi / κ
         if wide is not None:  # the doubles may step over what is very near
             wide = min(wide, 2 * math.asinh(math.sqrt(2) / math.sinh(κ)))
+        # the spread map costs sinh, cosh and a division for each ball
         if wide is None or _SPREAD * wide < spread:
             yield from ((cycle.spread, portion * spread) for portion in (1.0, 0.7, 0.5))
+    # nodes are about bits·ln 2/wide
     if wide is not None and wide > 1 / _MOST_NODES:
         first = next((portion for most, portion in _PORTIONS if bits <= most), _LARGEST_PORTION)
         yield from ((AnomalyMap(), first * portion * wide) for portion in (1.0, 0.6, 0.36))
@@ -164,8 +171,10 @@ def midpoint(cycle: CycleIntegrand, strip: StripBound, bits: int, sizes: list[fl
     excess = max(float((4 * most / size).log().upper()) for most, size in zip(strip.most, sizes, strict=True))
     nodes = math.ceil((excess + (bits + 4) * _LN2) / (cycle.symmetry * strip.width)) + 1  # the others are mirror images
     count(squares=nodes, kernels=nodes)
+    # midpoints χ = angle (m + ½): no node is a turning point, where p dq/dχ and p vanish together
     angle = 2 * flint.arb.pi() / (cycle.symmetry * nodes)
     rows = zip(*(cycle.values(angle * (2 * m + 1) / 2) for m in range(nodes)), strict=True)
+    # e^(aN) − 1 with N counted over a whole turn, mirror images included
     rest = (flint.arb(strip.width) * nodes * cycle.symmetry).exp() - 1
     return [
         sum(row, flint.arb(0)) / nodes + flint.arb(0, (2 * most / rest).upper())
@@ -190,9 +199,12 @@ def _widest(cycle: CycleIntegrand, bits: int, sizes: list[flint.arb]) -> float |
         weights = cycle.line.radicand.kernels.run(Float64(), [q, *inputs])
         root = np.sqrt(np.abs(regular))
         values = [np.abs(product) * root if j < 0 else np.abs(weights[j]) / root for j in cycle.wanted]
+        # the argument principle on a few points: where arg R turns, a zero lies below this height
         turns = np.sum(np.angle(regular[:, 1:] / regular[:, :-1]), axis=1)
+        # a strip that holds a zero is in every wider one: all heights above the first failure are out
         clear = np.cumprod(np.isfinite(turns) & (np.abs(turns) < 1)).astype(bool)
         excess = [np.log(4 * np.max(v, axis=-1) / float(size)) for v, size in zip(values, sizes, strict=True)]
+        # from 2M/(e^(aN) − 1) = 2⁻⁽ᵇⁱᵗˢ⁺⁴⁾ size: N = (ln(4M/size) + (bits + 4) ln 2)/a for the worst integrand
         nodes = (functools.reduce(np.maximum, excess) + (bits + 4) * _LN2) / _HEIGHTS
         best = np.where(clear & np.isfinite(nodes), nodes, np.inf)
     return float(_HEIGHTS[np.argmin(best)]) if np.min(best) < np.inf else None
@@ -208,13 +220,16 @@ def bound_in_strip(cycle: CycleIntegrand, a: float) -> StripBound | None:
         The bound; None where the strip could not be proved to be free of singularities.
     """
     with working(_BITS):
+        # what cancellation in F takes at one node is added to the precision of all balls
         sure = cycle.line.value(cycle.sample(flint.arb(1)).q).rel_accuracy_bits()
     bits = _BITS + min(max(0, _SURE - sure), cycle.line.bits)
     with working(bits):
         low = cycle.rounded(bits)
+        # analytic first: without that neither the argument principle nor the maximum principle holds
         if not (low.entire or _covered(low, a)):
             return None
         # no zero of R, nor of s² + c², inside: their arguments return along the edge
+        # F may be zero on the real axis at the turning points alone, and R = F/((q − a)(b − q)) is not zero there
         boxes = _edge(low, a)
         if boxes is None or not _returns([b.centre for b in boxes], even=low.symmetry > 1):
             return None
@@ -229,6 +244,7 @@ def bound_in_strip(cycle: CycleIntegrand, a: float) -> StripBound | None:
 
 def _edge(cycle: CycleIntegrand, a: float) -> list[_Box] | None:
     """Cover the edge Im χ = a with balls from left to right, as wide as they may be; None where that takes too many."""
+    # Schwarz's reflection f(χ̄) = f̄(χ): the lower edge is the image of the upper one
     x, end = (-_PI, _PI) if cycle.symmetry == 1 else (0.0, 2 * _PI / cycle.symmetry)
     found: list[_Box] = []
     step, growth, work = _PI / _PIECES, _GROWTH, _MOST_BOXES
@@ -237,10 +253,12 @@ def _edge(cycle: CycleIntegrand, a: float) -> list[_Box] | None:
             return None
         box = _box(cycle, flint.acb(_between(x, x + step), a))
         change = min(growth, max(0.5, math.sqrt(_AIM / box.spread)))  # the spread goes like the square of the step
+        # spread < 1: R lies in a disk that does not hold 0, so that √R and arg R are those of one branch on it
         if box.spread < _CLEAR:
             found.append(box)
             x, step, growth = x + step, step * change, _GROWTH
         else:
+            # next to an obstacle the step is not allowed to grow again at once: it would fail at every second ball
             step, growth = step * min(change, 0.7), 1.0
     return found
 
@@ -248,11 +266,14 @@ def _edge(cycle: CycleIntegrand, a: float) -> list[_Box] | None:
 def _box(cycle: CycleIntegrand, χ: Ball) -> _Box:
     """Evaluate on a ball of the edge; R = F/P with P = (q − a)(b − q), or R = F for a rotation."""
     sample = cycle.sample(χ)
+    # s² + c² is 1 for the plain map; of other maps its zeros are poles of q
     denominator, _, _, width = (flint.acb(1), 1, 1, 0.0) if cycle.map.plain else _ring(sample.denominator)
     if width >= 1:
         return _Box([], denominator, denominator, math.inf)
+    # (q − a)(b − q) from the factors of the map, which keep their digits next to the ends
     product = flint.arb(1) if sample.from_lower is None else sample.from_lower * sample.to_upper
     best = None
+    # both forms are enclosures of one number; which is sharper depends on the distance from the end
     for form in _forms(cycle, sample):
         ring = _ring(form(cycle, sample, product))
         best = ring if best is None or ring[3] < best[3] else best
@@ -260,7 +281,9 @@ def _box(cycle: CycleIntegrand, χ: Ball) -> _Box:
             break
     centre, least, most, spread = required(best)
     spread = max(spread, width)
+    # |R| between least and most is all that the size of the integrand needs
     sizes = cycle.integrands(sample, product, least.union(most).sqrt()) if spread < _CLEAR else []
+    # 1e-9 covers the rounding of the spread to a double
     return _Box([abs(x) for x in sizes], centre, denominator, spread + 1e-9)
 
 
@@ -269,6 +292,7 @@ def _forms(cycle: CycleIntegrand, sample: CycleNode) -> list[Callable[[CycleInte
     if sample.from_lower is None:
         return [_of_a_rotation]
     nearest = abs(sample.nearest)
+    # next to an end F and q − a are both small, and a quotient of two balls about 0 says nothing
     return [_from_an_end, _from_the_middle] if nearest < _NEAR * cycle.width else [_from_the_middle]
 
 
@@ -283,6 +307,8 @@ def _ring(x: Ball) -> tuple[Ball, flint.arb, flint.arb, float]:
 def _of_a_rotation(cycle: CycleIntegrand, sample: CycleNode, _product: Ball) -> Ball:
     """F from its value and slope at the centre."""
     middle = sample.q.mid()
+    # F₀ and F₁ at the centre are sharp; only F₂ is taken over the ball, and it is multiplied by h²: the excess goes
+    # like the square of the ball's size
     (value, slope), bend, h = cycle.line.taylor(middle, 2), cycle.line.taylor(sample.q, 3)[2], sample.q - middle
     return value + (slope + bend * h) * h
 
@@ -292,10 +318,13 @@ def _from_an_end(cycle: CycleIntegrand, sample: CycleNode, _product: Ball) -> Ba
     lower = sample.near_lower
     from_lower, to_upper = required(sample.from_lower), required(sample.to_upper)
     end, h = (cycle.ends[0], from_lower) if lower else (cycle.ends[1], -to_upper)
+    # the remainder of Taylor's formula holds on a convex set that contains a and the ball
     hull = flint.acb(sample.q.real.union(end), sample.q.imag.union(flint.arb(0)))
     value = cycle.line.taylor(hull, TERMS + 1)[TERMS]
+    # Horner down to the coefficient of h¹: F(a) = 0 exactly, so that this is F[a, q], and h has been divided out
     for coefficient in (cycle.lower_series if lower else cycle.upper_series)[:0:-1]:
         value = coefficient + value * h
+    # from below R = F[a, q]/(b − q), from above R = −F[b, q]/(q − a)
     return value / to_upper if lower else -value / from_lower
 
 
@@ -307,6 +336,7 @@ def _from_the_middle(cycle: CycleIntegrand, sample: CycleNode, product: Ball) ->
     middle = sample.q.mid()
     h, (value, slope), bend = sample.q - middle, cycle.line.taylor(middle, 2), cycle.line.taylor(sample.q, 3)[2]
     from_lower, to_upper = middle - cycle.ends[0], cycle.ends[1] - middle
+    # R₀ = F₀/P₀ at the centre of the ball
     start = value / (from_lower * to_upper)
     return start + h * (slope - start * (to_upper - from_lower) + (bend + start) * h) / product
 
@@ -317,12 +347,14 @@ def _returns(centres: list[Ball], *, even: bool) -> bool:
     The part of an even function's edge begins and ends at a real value, whose sign is that of the centre: what it grows
     by is a multiple of π. The edge of a rotation closes: a multiple of 2π.
     """
+    # neighbouring disks meet and neither holds 0, so arg(after/before) is below π in size and needs no choice of branch
     growth = sum(_angle(after / before) for before, after in itertools.pairwise(centres))
     first, last = centres[0], centres[-1]
     if even:
         growth += _angle(first if first.real > 0 else -first) - _angle(last if last.real > 0 else -last)
     else:
         growth += _angle(first / last)
+    # the growth is a multiple of π or 2π: below 1 it is 0, with room for the rounding of the angles
     return bool(abs(growth) < 1)
 
 
@@ -341,11 +373,13 @@ def _covered(cycle: CycleIntegrand, a: float) -> bool:
     work = _MOST_CELLS
     while todo:
         x0, x1, y0, y1 = todo.pop()
+        # a cell that small and still not finite holds a singularity, or is too costly to decide
         if (work := work - 1) < 0 or x1 - x0 < _SMALLEST_CELL:
             return False
         q = cycle.sample(flint.acb(_between(x0, x1), _between(y0, y1))).q
         if all(x.is_finite() for x in (cycle.line.value(q), *cycle.weights.run(q))):
             continue
+        # the longer side is halved: enclosures over nearly square cells are the sharpest
         if x1 - x0 > y1 - y0:
             todo += [(x0, (x0 + x1) / 2, y0, y1), ((x0 + x1) / 2, x1, y0, y1)]
         else:
@@ -355,4 +389,5 @@ def _covered(cycle: CycleIntegrand, a: float) -> bool:
 
 def _between(low: float, high: float) -> flint.arb:
     """Return a real ball that holds an interval."""
+    # rounded outward: middle and half width of doubles are each off by a rounding
     return flint.arb((low + high) / 2, (high - low) / 2 * (1 + 1e-12) + 1e-15)

@@ -84,6 +84,7 @@ class _Along:
         own, start = pieces[first], self.solution.lower_limits[first]
         self.main = by_parameter(own, own.integrals[self.key], self.ξ, start, names)
         self.running = self._scaled(self.main.integral(self.key))
+        # t − t₀ = t(ξ) − t(ξ₀), so that t_p = t₀ − t(ξ₀), the time of the turning point
         begin = (self.t - self.elapsed) - at_the_limit(self.running.subs(self.ξ, self.main.begin))
         self.passed = names.same(f"{self.t.name}_p", begin)
 
@@ -132,6 +133,7 @@ class _Along:
                 begin, grown = self._grown(key)
             except (NoFormError, KeyError):
                 continue
+            # the equation of the separation constant is linear in ψ, which makes ψ a function of ξ
             rate = running.diff(ψ)
             moving = sp.expand(-grown / rate)
             δ = self.names.named(f"delta_{name}", made.begin + (equation.lhs + begin) / rate, short=SHORT)
@@ -175,6 +177,7 @@ class _Along:
             rate = shortened_powers(1 / slope)
             return rate * since
         weight, wave = running.as_independent(ξ, as_Add=False)
+        # t = c sinh ξ, of a free particle or a repelling oscillator: solved by arsinh
         if wave == sp.sinh(ξ):
             return sp.asinh(shortened_powers(1 / weight) * since)
         running = sp.expand(running)
@@ -184,6 +187,7 @@ class _Along:
         ratio = sp.cancel(first / (3 * third))
         if second != 0 or not ratio.is_positive:
             return None
+        # ξ³ + 3s²ξ = c: one real root ξ = 2s sinh(⅓ arsinh(c/2s³)), without a difference of cube roots
         s = sp.sqrt(ratio)
         return 2 * s * sp.sinh(sp.asinh(sp.factor(3 / (2 * s * first)) * since) / 3)
 
@@ -198,6 +202,7 @@ class _Along:
             return running
         α = shortened_powers(-α if self._sign(α) < 0 else α)
         n = self.names.named("n" if running != ξ * running.coeff(ξ) else "omega", shortened_powers(1 / α), short=SHORT)
+        # (ξ − e sin ξ)/n: Kepler's equation, n the mean motion
         waves = _by_waves(running, ξ).items()
         rest = (shortened_powers(in_factors(c / α)) * wave for wave, c in waves)
         return sp.Add(*rest) / n

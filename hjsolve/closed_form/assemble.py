@@ -119,8 +119,7 @@ class _Closing:
 
     def _without_curve(self, context: FormContext, name: str) -> WhyNot:
         numerators = [N for key, N in context.numerators[name].items() if key != W]
-        q = self.solution.system.coordinate(name).symbol
-        return why_no_curve(self.solution.momentum_squared[name], numerators, q)
+        return why_no_curve(self.solution.momentum_squared[name], numerators, self.solution.system.coordinate(name))
 
     def equation(
         self, name: str, equation: sp.Eq | None, key: sp.Symbol, why_not: dict[str, WhyNot]
@@ -165,6 +164,7 @@ def _numbers(
     for c in solution.system.coordinates:
         if c.name in cyclic:
             J = _cycle(pieces[c.name], W)
+            # J of a rotation is ∮ p dq with p = P − A; over a libration A cancels between there and back
             if pieces[c.name].kind == "rotation" and not isinstance(J, WhyNot):
                 J = _without_shift(J, solution.shift[c.name].subs(dict(special)), c.symbol)
             if isinstance(J, WhyNot):
@@ -199,6 +199,7 @@ def _plain_action(J: sp.Expr) -> sp.Expr:
 def _without_shift(cycle: sp.Expr, shift: sp.Expr, q: sp.Symbol) -> sp.Expr | WhyNot:
     """∮ (P − A) dq over a turn, of a trigonometric polynomial A(q); why not, of any other."""
     z = sp.Dummy("z")
+    # the mean of a trigonometric polynomial is its constant term, in z = e^{iq}
     laurent = sp.expand(sp.expand(shift.rewrite(sp.exp)).subs(q, sp.log(z) / sp.I))
     terms = sp.Add.make_args(sp.expand(sp.powsimp(laurent)))
     if any(not term.as_independent(z)[1].as_base_exp()[1].is_Integer for term in terms):
@@ -276,10 +277,12 @@ def _rates(
         for name in (*names, *(c.name for c in ignorable.values() if c.domain.kind == "angle")):
             why_not[f"frequencies.{name}"] = why_not[f"periods.{name}"] = missing
         return
+    # 2π ∂J_n/∂c = ∮ ∂p_n/∂c dq; ∂E/∂J is the first row of the inverse matrix
     M = [
         [_derivative(value, f"J_{n}_{c}", named, several=len(names) > 1) for value, c in zip(row, inner, strict=True)]
         for row, n in zip(rows, names, strict=True)
     ]
+    # Cramer's rule: sympy's inverse would expand elliptic integrals and look for zeros among them
     cofactors = [_cofactor(M, i) for i in range(len(names))]
     determinant = sp.Add(*(row[0] * cofactor for row, cofactor in zip(M, cofactors, strict=True)))
     top = [cofactor / determinant for cofactor in cofactors]
@@ -300,5 +303,6 @@ def _rates(
             _derivative(part, f"J_{n}_{c.momentum}", named, several=len(names) > 1)
             for n, part in zip(names, parts, strict=True)
         ]
+        # J_φ = p_φ: Ω_φ = ∂E/∂p_φ at constant J_n = −Σ Ω_n ∂J_n/∂p_φ
         rate = shortened_powers(sp.Add(*(-Ω[n] * part for n, part in zip(names, given, strict=True))))
         (frequencies if c.domain.kind == "angle" else velocities)[c.name] = rate if elliptic(rate) else sp.factor(rate)

@@ -54,15 +54,19 @@ def named_roots(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix
     P, x = curve.polynomial, curve.x
     found, pairs, left = _radicals(curve, signs)
     where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]] = {}
+    # an irreducible cubic or quartic has no radicals that anybody reads (Cardano): its roots are named by their order
     if left is not None:
         symbols = _by_numbers(left, found, signs, prefix)
         where |= {symbol: (left, k) for k, symbol in enumerate(symbols)}
         found = [*found, *symbols]
         pairs += remaining_pair(left, symbols) if symbols else _two_pairs(left, signs, prefix, where)
+    # in order at the sample: within a regime roots neither meet nor change places
     real = tuple(sorted(found, key=lambda e: mp.mpf(signs.number(e))))
+    # x₁ for √(a + √(a² + 4Eb))/√b of the double well: moduli and periods hold each root many times
     if left is None and any(sp.count_ops(r) > LONGEST_ROOT or _nested(r) for r in real):
         real, where = _by_names(real, signs, prefix)
         pairs = tuple((re, _part_by_name(im, signs, prefix, where) if re == 0 else im) for re, im in pairs)
+    # a wrong sign of a discriminant would show here: numbers of the roots were found without radicals
     if len(real) != len(region.roots) or len(real) + 2 * len(pairs) != P.degree():
         raise NoFormError(f"the roots of {P.as_expr()} in {x} could not be separated")
     with mp.workdps(30):
@@ -100,6 +104,7 @@ def _by_names(
     """Names for the roots with radicals, whose differences and ratios are not multiplied out; −x₁ has no new name."""
     where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]] = {}
     named = dict[sp.Expr, sp.Expr]()
+    # of an even P the roots are ± x₁, ± x₂: half of the names are enough, and x₁² cancels between them
     opposite = {r for r in real if -r in real and signs.number(r) < 0}
     for root in real:
         if root in opposite:
@@ -136,8 +141,10 @@ def _two_pairs(
     """
     a, b, c, d, e = P.all_coeffs()
     b, c, d, e = (sp.cancel(k / a) for k in (b, c, d, e))
+    # the depressed quartic y⁴ + p y² + q y + r, by Tschirnhaus's shift
     p, q = sp.factor(c - 3 * b**2 / 8), sp.factor(d - b * c / 2 + b**3 / 8)
     r = sp.factor(e - b * d / 4 + b**2 * c / 16 - 3 * b**4 / 256)
+    # then z = 0 is a root of the resolvent, and q/s is 0/0
     if q == 0:
         raise NoFormError("P is even about the middle of its roots, and they have no names")
     symbol = sp.Symbol(f"{prefix}_z", positive=True)
@@ -148,6 +155,7 @@ def _two_pairs(
     if len(values) != 3 or not values[2] > 0:
         raise NoFormError("the complex roots of P could not be separated")
     signs.name({symbol: sp.Float(values[2], 50)})
+    # y² ± s y + (z + p ∓ q/s)/2: real part ∓ s/2, imaginary part √(z/4 + p/2 ∓ q/(2s))
     s, found = sp.sqrt(symbol), list[tuple[sp.Expr, sp.Expr]]()
     for side in (-1, 1):
         found.append((side * s / 2 - b / 4, sp.sqrt(symbol / 4 + p / 2 + side * q / (2 * s))))
@@ -169,12 +177,14 @@ def _radicals(
                 real.append(sp.cancel(-coefficients[1] / coefficients[0]))
             case 3:
                 _quadratic(coefficients, signs, real, pairs)
+            # x³ = ratio: the real cube root, and its turns by ± 120°
             case 4 if coefficients[1] == 0 and coefficients[2] == 0:
                 ratio = sp.factor(sp.cancel(-coefficients[3] / coefficients[0]))
                 side = signs.sign(ratio)
                 size = sp.cbrt(side * ratio)
                 real.append(side * size)
                 pairs.append((-side * size / 2, sp.sqrt(3) * size / 2))
+            # biquadratic: roots of a quadratic in x², each positive one gives ± √, each negative one a pair on the axis
             case 5 if coefficients[1] == 0 and coefficients[3] == 0:
                 squares, complex_squares = list[sp.Expr](), list[tuple[sp.Expr, sp.Expr]]()
                 _quadratic(coefficients[::2], signs, squares, complex_squares)
@@ -184,6 +194,7 @@ def _radicals(
                     else:
                         pairs.append((sp.S.Zero, sp.sqrt(-square)))
                 for re, im in complex_squares:
+                    # √(re + i im) = √((|z| + re)/2) + i √((|z| − re)/2)
                     size = sp.sqrt(re**2 + im**2)
                     part = (sp.sqrt((size + re) / 2), sp.sqrt((size - re) / 2))
                     pairs += [part, (-part[0], part[1])]
@@ -200,6 +211,7 @@ def _quadratic(
     if signs.sign(D) > 0:
         ratio = sp.factor(sp.cancel(-c / a))
         sides = (-1, 1)
+        # without b the root of c/a is shorter, and has no a to cancel
         real += [s * sp.sqrt(ratio) for s in sides] if b == 0 else [(-b / 2 + s * sp.sqrt(D)) / a for s in sides]
     else:
         size = a if signs.sign(a) > 0 else -a

@@ -52,6 +52,7 @@ def carlson_map(roots: NamedRoots, prefix: str) -> CarlsonMap:
         real.append(name)
     for k, (re, im) in enumerate(roots.pairs):
         mark = "" if len(roots.pairs) == 1 else f"_{k + 1}"
+        # both pairs of an even P on one vertical: one name for the real part
         same = next((named for (other, _), (named, _) in zip(roots.pairs, pairs, strict=False) if other == re), None)
         along = re if re.is_number else sp.Symbol(f"{prefix}_re{mark}", real=True) if same is None else same
         across = im if im.is_number else sp.Symbol(f"{prefix}_im{mark}", positive=True)
@@ -61,6 +62,7 @@ def carlson_map(roots: NamedRoots, prefix: str) -> CarlsonMap:
     plain = elliptic.BranchPoints(roots.leading, named.real, named.pairs, roots.polynomial)
     if len(pairs) != 1 or len(real) != 2 or None in roots.interval:
         return CarlsonMap(named, plain)
+    # |x₁ − z| and |x₂ − z|: scale and modulus of the complete integrals are theirs (Byrd and Friedman 259)
     distances = {r: sp.Symbol(f"{prefix.replace('x', 'd', 1)}_z{k + 1}", positive=True) for k, r in enumerate(real)}
     where |= {name: plain.distance(r) for r, name in distances.items()}
     complement = sp.Symbol(prefix.replace("x", "k_c", 1), positive=True)
@@ -101,6 +103,7 @@ def pairs_map(roots: NamedRoots, signs: Signs, prefix: str, begin: sp.Expr) -> P
     if α1 == α2:
         farther = 0 if β1 > β2 else 1
     else:
+        # the Möbius map with 0 and ∞ at total/2 ± gap takes both pairs onto the imaginary axis, and P to an even one
         total = (α1**2 + β1**2 - α2**2 - β2**2) / (α1 - α2)
         gap = mp.sqrt(total**2 / 4 - total * α1 + α1**2 + β1**2)
         sizes = [abs((mp.mpc(α, β) - total / 2 - gap) / (mp.mpc(α, β) - total / 2 + gap)) for α, β in

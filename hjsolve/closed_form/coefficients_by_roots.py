@@ -51,8 +51,10 @@ def _families(P: sp.Poly, numbers: Mapping[sp.Symbol, int]) -> Iterator[list[sp.
 def _letters(P: sp.Poly, named: Sequence[sp.Symbol]) -> dict[sp.Symbol, sp.Expr]:
     """Return letters that are linear in the second and the third coefficient, by roots and what is left of letters."""
     leading, found = P.LC(), dict[sp.Symbol, sp.Expr]()
+    # Vieta: b = −a Σ xⱼ, c = a Σ xⱼxₖ; a letter found from b is already written by roots in c
     for k in (1, 2):
         own = sp.expand(P.all_coeffs()[k]).xreplace(found)
+        # the k-th elementary symmetric function of the roots
         value = (-1) ** k * leading * sp.Add(*(sp.Mul(*some) for some in combinations(named, k)))
         free = own.free_symbols - leading.free_symbols - set(named)
         letter = next((s for s in sorted(free, key=str) if sp.degree(own, s) == 1), None)

@@ -74,12 +74,14 @@ class _In:
         ψ = sp.Dummy("psi", real=True)
         self.own, self.τ, self.ψ, self.names = own, τ, ψ, names
         self.made: Regularised = by_parameter(own, own.integrals[key], ψ, start, names)
+        # of the first kind it is linear in ψ, the anomaly or the argument u of sn u
         running = self.made.integral(key)
         slope = sp.factor(sp.diff(running, ψ))
         if slope == 0 or slope.has(ψ):
             raise NoFormError("the integral in the separation constant is not of the first kind")
         q = self.made.curve.coordinate.symbol
         numerator = value_at(own.integrals[key].numerator, sample_numbers(own) | {q: sample_place(own)})
+        # dτ = |∂p/∂α| dq, so that τ grows with every coordinate on the branch p > 0
         rate = names.shortest((1 if numerator > 0 else -1) / slope)
         passed = names.same(f"{τ.name}_p", -at_the_limit(self.made.begin) / rate)
         self.argument = rate * (τ - passed)

@@ -13,6 +13,7 @@ import mpmath
 import sympy as sp
 from sympy.core.relational import Relational
 
+from hjsolve.closed_form.arcs import arcs_by_tangents
 from hjsolve.closed_form.common_factors import grouped
 from hjsolve.closed_form.complete_integrals import CompleteIntegrals, Where, roots_by_polynomial
 from hjsolve.closed_form.pairs_by_division import deflated_pair, remaining_pair
@@ -42,7 +43,7 @@ class ForDoubles:
         """
         made = self._integrals.arranged(expression)
         conditions = {c: sp.Dummy() for c in made.atoms(Relational)}  # any digits decide them, and no quotient within
-        plain = made.xreplace(conditions)
+        plain = arcs_by_tangents(made.xreplace(conditions), self.where)
         plain = plain.xreplace(_gaps(plain, self.where, self._roots))
         plain = plain.xreplace({a: b for a in plain.atoms(sp.Add) if (b := _small(a)) is not a})
         return plain.xreplace({name: c for c, name in conditions.items()})
@@ -109,9 +110,9 @@ def _small(total: sp.Expr) -> sp.Expr:
     """Write u + √D as (u² − D)/(u − √D) where the signs differ, if that is short; keep squares in sums as squares."""
     if total.is_positive or elliptic(total) or longer_than(total, _LONGEST):
         return total
-    rooted = [
-        t for t in total.args if any(p.base.is_Add and p.exp == sp.S.Half for p in sp.Mul.make_args(t) if p.is_Pow)
-    ]
+    if (squares := _difference_of_squares(total)) is not None:
+        return squares
+    rooted = [t for t in total.args if _root_of_sum(t)]
     if len(rooted) != 1:
         return grouped(total)
     (root,) = rooted
@@ -121,3 +122,33 @@ def _small(total: sp.Expr) -> sp.Expr:
     if longest > len(sp.Add.make_args(rest)) + 1 or longer_than(above, operations(total)):
         return total
     return sp.Piecewise((total, rest * root >= 0), (above / (rest - root), True))
+
+
+def _root_of_sum(term: sp.Expr) -> bool:
+    """Whether a term is a multiple of √(a + …)."""
+    return any(p.base.is_Add and p.exp == sp.S.Half for p in sp.Mul.make_args(term) if p.is_Pow)
+
+
+def _difference_of_squares(total: sp.Expr) -> sp.Expr | None:
+    """Return (x − b)(x + b) for x² − b² with x = (u + √D)/v, which is next to b; None of another sum.
+
+    The turning points of an isochrone: r² = s² − b², s a root of a quadratic, next to b where p_θ → 0.
+    """
+    sides = list[tuple[sp.Expr, sp.Expr]]()
+    for term in total.args:
+        c, rest = term.as_coeff_Mul()
+        powers = [f.as_base_exp() for f in sp.Mul.make_args(rest)]
+        if any(not (power.is_Integer and power.is_even) for _, power in powers):
+            return None
+        sides.append((c, sp.sqrt(abs(c)) * sp.Mul(*(base ** (power / 2) for base, power in powers))))
+    if len(sides) != 2 or sides[0][0] * sides[1][0] > 0:
+        return None
+    (_, b), (_, x) = sorted(sides, key=lambda side: side[0])
+    if not any(_root_of_sum(t) for a in (x, b) for e in a.atoms(sp.Add) for t in e.args):
+        return None
+    value = sp.S.One
+    for side in (-1, 1):
+        top, bottom = sp.fraction(sp.together(x + side * b))
+        top = sp.expand(top, deep=False)
+        value *= (_small(top) if top.is_Add else top) / bottom
+    return value

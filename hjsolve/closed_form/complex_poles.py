@@ -84,11 +84,13 @@ class PairOfComplexPoles:
         """
         (A, B, C), (p, q), (σ, τ), u = self.polynomial, self.pole, self.root, sp.Dummy("u", real=True)
         P = A * u**2 + B * u + C
+        # N = 2P(z) + P′(z)(x − z) is the polar of z on the conic y² = P: its real and imaginary part follow
         re, im = sp.expand(A * (p**2 - q**2) + B * p + C), sp.expand(2 * A * p * q + B * q)  # P(z)
         slope_re, slope_im = 2 * A * p + B, 2 * A * q  # P′(z)
         n1 = sp.expand(2 * re + slope_re * (u - p) + slope_im * q)
         n2 = sp.expand(2 * im + slope_im * (u - p) - slope_re * q)
         around = (u - p) ** 2 + q**2
+        # of a constant P: ½K ln((x − p)² + q²) + G arctan((x − p)/q)
         if self.discriminant == 0:
             (K, L), root = self.numerator, sp.sqrt(sp.factor_terms(C))
             angle = sp.factor((K * p + L) / q) * sp.atan((u - p) / q)
@@ -99,11 +101,13 @@ class PairOfComplexPoles:
         total = sp.S.Zero
         if first != 0 and self.falling:
             across = sp.factor(n1 * q + n2 * (u - p))
+            # by atan2, as N changes its quadrant along the motion, where an arctan would jump by π
             total += first * sp.atan2(across, 2 * root * sp.factor(σ * q + τ * (u - p)))
         elif first != 0:
             ratio = sp.factor(sp.cancel((n1 * (u - p) - n2 * q) / (-2 * (σ * (u - p) - τ * q))))
             total += first * sp.atan2(root, ratio)
         if second != 0:
+            # sinh 2λ and not ln ρ: next to λ = 0 a logarithm of a number next to 1 would lose its digits
             level = sp.factor(4 * (τ * n1 - σ * n2) / (size * around))
             total -= second * sp.asinh(root * level) / 2
         return total.subs(u, x)
@@ -132,6 +136,7 @@ def pair_of_complex_poles(
         root = (sp.sqrt(U), sp.S.Zero) if signs.sign(U) > 0 else (sp.S.Zero, sp.sqrt(sp.factor_terms(-U)))
     else:
         M = sp.sqrt(sp.factor(sp.expand(U**2 + V**2)))
+        # s = √(U + iV): τ = √((M − U)/2), and σ = V/2τ, which has the sign of V
         h = sp.sqrt(sp.factor_terms((M - U) / 2))
         root = (V / (2 * h), h)
     return PairOfComplexPoles((A, B, C), (p, q), (K, L), root, D, signs.sign(D) < 0)

@@ -26,6 +26,8 @@ Doubles = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
 _NEAR = 0.25
 """How far from ±1, the ends of a cosine, a root may be that is sought from there."""
+_AT_END = 1e-12
+"""In units of the coordinate, how far beyond an end of the domain a place may be by its rounding."""
 _UNSURE = 1e-8
 """Below this part of what it is a sum of, a number has no certain sign."""
 
@@ -113,8 +115,8 @@ class PlaceTest:
     """Whether a place is in a region that exists, for arrays.
 
     Attributes:
-        numbers: arrays of the symbols ↦ coefficients of what is left of P, the ends of the domain, x, and how far the
-            place is from the middle of the turn.
+        numbers: arrays of the symbols ↦ coefficients of what is left of P, the ends of the values of x, x, how far the
+            place is from the middle of the turn, and how far it is inside the ends of the domain.
         at_end: whether P has a root at the lower end for all constants.
         region: the region.
     """
@@ -131,7 +133,7 @@ class PlaceTest:
             shape: of the arrays.
         """
         given = (np.broadcast_to(np.asarray(v, dtype=float), shape) for v in self.numbers(*places))
-        *coefficients, low, high, x, away = given
+        *coefficients, low, high, x, away, after, before = given
         coefficients, unit = _of_size_one(coefficients)
         sequence, unsure = _sturm(coefficients)
         far, doubtful = _changes(sequence, np.full(shape, -np.inf))
@@ -140,6 +142,7 @@ class PlaceTest:
         start = self.region.lower[1] if self.region.lower[0] == "root" else far - below + self.at_end - 1
         unsure = unsure | doubtful | beside | ~np.isfinite(x) | (abs(abs(away) - np.pi) < _UNSURE)
         inside = (far - here + self.at_end == start + 1) & (low <= x) & (x <= high) & (abs(away) <= np.pi)
+        inside &= (after >= -_AT_END) & (before >= -_AT_END)
         return inside, unsure
 
 
@@ -161,7 +164,8 @@ def place_test(
     s = curve.substitution
     x = s.place.subs(curve.coordinate.symbol, place)
     away = 2 * sp.pi * (place - s.inverse.subs(s.x, 0)) / s.turn if s.closed else sp.S.Zero  # in parts of a turn
-    formulas = [*rest.all_coeffs(), s.lower, s.upper, x, away]
+    first, last = (-sp.oo, sp.oo) if s.closed else curve.ends
+    formulas = [*rest.all_coeffs(), s.lower, s.upper, x, away, place - first, last - place]
     return PlaceTest(sp.lambdify(list(symbols), formulas, modules=modules("numpy"), cse=True), at_ends[0], region)
 
 

@@ -62,25 +62,31 @@ class BasicIntegral:
         """
         A, B, C = self.quadratic
         if self.kind == "pair":
+            # d/dx arcsin(κ x/√(C (1 − x²/r²))) = κ r²/((r² − x²) √P) with P = Ax² + C, by P(r) = −κ² r²
             κ, r = self.rate, self.pole
             return sp.asin(κ * x / (positive_root(C) * sp.sqrt(1 - x**2 / r**2))) / (κ * r**2)
         u = self.variable(x)
         slope, D = _halved(A, B, C, sp.Dummy("u"), u)
         match self.kind:
+            # 2Au + B over the root of the discriminant is −cos of the eccentric anomaly, so within ± 1
             case "arcsine":
                 value = sp.asin(-slope / positive_root(D)) / positive_root(-A)
+            # D < 0: no turning point, u from −∞ to ∞
             case "area sine":
                 value = sp.asinh(slope / positive_root(-D)) / positive_root(A)
+            # D > 0 and beyond the greater root: 2Au + B > √(B² − 4AC)
             case "area cosine right":
                 value = sp.acosh(slope / positive_root(D)) / positive_root(A)
             case "area cosine left":
                 value = -sp.acosh(-slope / positive_root(D)) / positive_root(A)
+            # A = 0, uniform acceleration: P itself is linear
             case "root":
                 value = 2 * positive_root(B * u + C) / B
             case "line":
                 value = u / positive_root(C)
             case _:
                 value = self.sign_of_u * sp.log(self.sign_of_u * u) / positive_root(A)
+        # du = −dx/(x − r)², and √P = |x − r| √Q: the sign of x − r is left
         return -self.side * value
 
     @property
@@ -124,6 +130,7 @@ class BasicIntegral:
             return sp.pi / (self.rate * self.pole**2)
         if self.kind != "arcsine":
             return None
+        # from −1 to 1 the arcsine grows by π
         return (1 if self.place is None else self.side) * sp.pi / positive_root(-A)
 
 
@@ -167,6 +174,7 @@ class Antiderivative(Shown):
             integrand: R(x).
         """
         P, a = self.polynomial, self.algebraic
+        # d(a √P) = (a′P + aP′/2) dx/√P
         slope = sp.diff(a, self.x) * P + a * sp.diff(P, self.x) / 2
         rest = sp.Add(*(c * t.integrand(self.x) for c, t in self.terms))
         return sp.cancel(sp.together(slope + rest - integrand))
@@ -177,6 +185,7 @@ def _halved(
 ) -> tuple[sp.Expr, sp.Expr]:  # fmt: skip
     """Au + B/2 and B²/4 − AC, both without the positive factor of the first."""
     slope, D = A * name + B / 2, sp.expand(B**2 / 4 - A * C)
+    # only the ratio slope/√D enters the arcs: Kepler's (kmr − p²)/… has no 2 and no m left
     number, rest = sp.factor_terms(slope).as_coeff_Mul()
     common = abs(number) * sp.Mul(*(f for f in sp.Mul.make_args(rest) if f.is_positive))
     slope = sp.expand(sp.cancel(slope / common)).subs(name, u)
@@ -209,6 +218,7 @@ def elementary_antiderivative(
         NoFormError: R has multiple poles at complex places, or poles at a root of P that is not rational.
     """
     (x,) = P.gens
+    # Hermite's reduction first: what is left has simple poles and no powers, each with one logarithm or arc
     algebraic, rest = reduced(R, P)
     parts = partial_fractions(rest, x, signs)
     if any(power > 1 for _, power, _ in parts.poles):
@@ -216,6 +226,7 @@ def elementary_antiderivative(
     C, B, A = (P.coeff_monomial(x**k) for k in range(3))
     kept = [(weight, BasicIntegral(_kind((A, B, C), signs, None), (A, B, C), None, -1)) for _, weight in parts.powers]
     for place, _, weight in parts.poles:
+        # with x = r + 1/u, P = (P(r) u² + P′(r) u + A)/u²: Q is the quadratic of u
         here, slope = (in_factors(sp.expand(f.as_expr().subs(x, place))) for f in (P, P.diff(x)))
         Q = (here, slope, A)
         kept.append((in_factors(sp.expand(weight)), BasicIntegral(_kind(Q, signs, place), Q, place, side_of(place))))
@@ -248,6 +259,7 @@ def _kind(
         return "arcsine"
     if leading == 0:
         return "line" if signs.sign(B) == 0 else "root"
+    # a double root is a separatrix: ∫ du/(√A |u|)
     discriminant = sp.expand(B**2 - 4 * A * C)
     if signs.sign(discriminant) == 0:
         return "logarithm"

@@ -39,10 +39,13 @@ def elliptic_inverse(
         return _complex_pair(change, amount, begin, names)
     k = change.k
     if isinstance(change, EvenMap):
+        # x = a sn, a cn or a dn (Byrd and Friedman 211 to 218), by the signs of the squares of the roots
         y = begin / _scale(change, names)
         φ_0 = {"sn": sp.asin(y), "cn": sp.acos(y), "dn": sp.asin(sp.sqrt(1 - y**2) / k)}[change.kind]
     else:
+        # s = sn² u = sin² φ is the ratio of the map
         φ_0 = sp.asin(sp.sqrt(names.oriented(sp.factor(change.s(begin)))))
+    # sn² , cn and dn do not change with the sign of the phase: it begins at the turning point
     even = isinstance(change, LegendreMap) or change.kind != "sn"
     start = sp.elliptic_f(monotone_inverse(φ_0), k**2)
     return place_of_argument(
@@ -70,8 +73,10 @@ def place_of_argument(change: EvenMap | LegendreMap, u: sp.Expr, names: NamedQua
     if change.d is FAR:
         a, b = (names.named(f"x_{mark}", end, short=3 * SHORT) for mark, end in (("a", change.a), ("b", change.b)))
         return a - (names.oriented(change.a - change.b) if (a, b) == (change.a, change.b) else a - b) * s
+    # b = ∞: x goes to infinity as s → 1, in a finite time (a cubic or quartic force)
     if change.b is FAR:
         return (change.a - change.d * s) / (1 - s)
+    # all four points finite: a fraction of sn², of characteristic ν with s = 1/ν at x = ∞
     n = names.named("nu", names.oriented(change.pole(FAR)), short=SHORT)
     return (change.a - n * change.d * s) / (1 - n * s)
 
@@ -102,6 +107,7 @@ def modulus(names: NamedQuantities, m: sp.Expr) -> sp.Expr:
     """
     if m not in names.moduli:
         ratio = names.oriented(sp.factor(m))
+        # k² of named roots stays a quotient of differences; of other quantities the root is taken out as far as it goes
         root = sp.sqrt(ratio) if ratio.free_symbols <= names.roots else square_root(ratio)
         names.moduli[m] = names.named("k", root, positive=True)
     return names.moduli[m]

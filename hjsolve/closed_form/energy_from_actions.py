@@ -151,6 +151,7 @@ def _power_of(action: sp.Expr, unknown: sp.Symbol) -> sp.Expr | None:
 
 def _of_nested_roots(equation: sp.Expr, radicals: list[sp.Pow], unknown: sp.Symbol) -> list[sp.Expr] | None:
     """Return the roots of α √(b + c √d) + γ = 0, squared once; None of another equation (Rosen and Morse, Scarf)."""
+    # J + … = √(b + c √(E₀ − E)): one squaring gives √d, a second E
     outer = [p for p in radicals if any(p.base.has(other) for other in radicals)]
     if len(outer) != 1 or outer[0].exp != sp.S.Half:
         return None
@@ -160,6 +161,7 @@ def _of_nested_roots(equation: sp.Expr, radicals: list[sp.Pow], unknown: sp.Symb
     inner = [p for p in radicals if p is not root]
     if plain.has(unknown) or sp.expand(plain - α * z - γ) != 0 or len({p.base for p in inner}) != 1:
         return None
+    # for the inner square root, so that the outer one is the root of a polynomial in w
     w = sp.Dummy("w", positive=True)
     roots = _without_root(root.base - w**2, inner[0].base, inner, unknown)
     return [sp.apart(root, w).xreplace({w: sp.factor(-γ / α)}) for root in roots if root.is_rational_function(w)]
@@ -173,6 +175,7 @@ def _of_two_roots(equation: sp.Expr, radicals: list[sp.Pow], unknown: sp.Symbol)
     if len(radicals) != 2 or any(p.exp != sp.S.Half or sp.degree(p.base, unknown) != 1 for p in radicals):
         return []
     y, z = sp.symbols("y z", positive=True)
+    # α y + β z + γ with y² − (β/α)² z² = d: then y + (β/α) z = w gives y − (β/α) z = d/w
     plain = sp.expand(equation.xreplace(dict(zip(radicals, (y, z), strict=True))))
     α, β, γ = plain.coeff(y), plain.coeff(z), plain.subs({y: 0, z: 0})
     b, c = (p.base for p in radicals)
@@ -195,6 +198,7 @@ def _without_root(
     z = sp.Dummy("z")
     plain = sp.together(equation.xreplace({p: z ** (2 * p.exp) for p in radicals}))
     w, even = sp.Dummy("w"), sp.Poly(base, unknown)
+    # Sommerfeld: J holds E/√(m²c⁴ − E²) alone, so that E = w √(…) with w rational in J
     homogeneous = sp.cancel(plain.subs(unknown, w * z))
     if not homogeneous.has(z) and sp.degree(sp.numer(homogeneous), w) == 1 and even.coeff_monomial(unknown) == 0:
         w_J = plain_roots(sp.solve_linear(homogeneous, symbols=[w])[1])  # E = w √(b E² + c)
@@ -203,6 +207,7 @@ def _without_root(
     top = sp.numer(plain)
     if not top.is_polynomial(z) or sp.degree(top, z) != 1:
         return []
+    # α z + γ = 0 squared, α² z² = γ²: a root that the first equation does not have is left out by ``_right_one``
     one, zero = sp.Poly(top, z).all_coeffs()
     return _roots(sp.expand(one**2 * base - zero**2), unknown)
 
@@ -215,6 +220,7 @@ def _right_one(
     numbers = dict(names.numbers)
     with mp.workdps(_DIGITS):
         numbers |= {named[name]: number_of(other, numbers) for name, other in actions.items()}
+        # squaring has brought in false roots: the right one is E at the example, to 40 digits
         for root in found:
             got = number_of(root, numbers)
             if mp.isfinite(got) and abs(got - numbers[unknown]) <= abs(got) * mp.mpf(10) ** -_AGREE:
@@ -236,6 +242,7 @@ def _roots(polynomial: sp.Expr, unknown: sp.Symbol) -> list[sp.Expr]:
             a, b, c = coefficients
             root = sp.sqrt(sp.factor(b**2 - 4 * a * c))
             found += [(-b + root) / (2 * a), (-b - root) / (2 * a)]
+        # E^n = value: of the powers (J^{2n/(n+2)} of a power potential) the positive root
         elif not any(coefficients[1:-1]):
             found.append((-coefficients[-1] / coefficients[0]) ** sp.Rational(1, len(coefficients) - 1))
     return [root.xreplace(back) for root in found]

@@ -70,6 +70,7 @@ class EvenMap:
         if self.kind == "cn":
             return sp.acos(y), sp.sqrt(1 - y**2), y
         X0, X1 = self.line
+        # dn² = 1 − m sn² falls from X₁ at the outer turning point to X₂ at the inner one
         s = (X0 - x**2) / (X0 - X1)
         return sp.asin(sp.sqrt(s)), sp.sqrt(s), sp.sqrt(1 - s)
 
@@ -78,13 +79,16 @@ def even_map(roots: NamedRoots) -> EvenMap | None:
     """Return the map of an even P; None where there is none of these."""
     A = roots.leading
     squares = [sp.factor(sp.expand(r**2)) for r in roots.real]
+    # P > 0 between the inner roots ± √X₂: A > 0, a pendulum or a soft spring
     if len(squares) == 4 and roots.interval == (1, 2):
         X1, X2 = squares[3], squares[2]
         return EvenMap("sn", 1, sp.sqrt(X2), (sp.S.Zero, X2), in_factors(X2 / X1), sp.sqrt(in_factors(A * X1)))
+    # A < 0 between an inner and an outer root: one well of two
     if len(squares) == 4 and roots.interval in ((0, 1), (2, 3)):
         X1, X2 = squares[3], squares[2]
         side = 1 if roots.interval == (2, 3) else -1
         return EvenMap("dn", side, sp.sqrt(X1), (X1, X2), in_factors(1 - X2 / X1), sp.sqrt(in_factors(-A * X1)))
+    # X₂ < 0, a pair on the imaginary axis: a hard spring, or a double well above its barrier
     if len(squares) == 2 and roots.interval == (0, 1) and roots.pairs[0][0] == 0:
         X1, X2 = squares[1], -sp.factor(sp.expand(roots.pairs[0][1] ** 2))
         gap = in_factors(X1 - X2)
@@ -127,6 +131,7 @@ def even_integral(
     X = sp.Symbol(x.name, positive=True)
     parts = partial_fractions(in_square(R, x, X), X, signs)
     own = own or LegendreIntegrals(change.k, change.m, None if complete else change.amplitude(x))
+    # X is linear in sn², as x is on a cubic: the same reductions with d = ∞
     linear = LegendreMap(*change.line, FAR, FAR, 1, sp.S.One)
     total = over_s(parts, linear, own) / change.rate
     return change.quarters * total if complete else change.direction * total

@@ -62,6 +62,7 @@ def inverse_forms(
         names: of the quantities of the forms.
     """
     solution, found = context.solution, dict[str, sp.Expr]()
+    # Jacobi: ∂W/∂E = t − t₀, ∂W/∂α = −β: linear in the τ_j where each coordinate has one independent integral
     values = _values(context, pieces, special, why_not)
     for name, (integral, τ) in values.items():
         try:
@@ -109,6 +110,7 @@ def _in_time(place: sp.Expr, c: Coordinate, context: FormContext, names: NamedQu
         if all(straight.is_polynomial(t) for t in time_of(context.solution)):
             return straight
     terms = sp.Add(*(sp.expand_mul(term, deep=False) for term in sp.Add.make_args(place)))
+    # φ_p is φ at the turning point: it collects what the lower limit and β have added
     constant, running = terms.as_independent(*time_of(context.solution), as_Add=True)
     return names.named(f"{c.name}_p", constant, short=3 * SHORT) + running
 
@@ -119,6 +121,7 @@ def _straight(place: sp.Expr, context: FormContext) -> sp.Expr:
     if law is None:
         return place
     (t,), s = time_of(context.solution), sp.Dummy("s")
+    # s = t − t₀, so that x₀ + v₀ (t − t₀) + … is expanded about the start and not about t = 0
     moved = sp.expand(place.subs(t, s + t - law.lhs))
     if not moved.is_polynomial(s) or not moved.has(s):
         return place
@@ -137,6 +140,7 @@ def _values(
         reason = error.why
     for c in solution.system.coordinates:
         why_not[f"inverse.{c.name}"] = reason
+    # of Kepler in space E stands over r alone: r(t) does not wait for the angles
     held = integrated_over(solution, pieces, key)
     if solution.time_law is None or len(held) != 1 or held[0] not in pieces or key not in pieces[held[0]].integrals:
         return {}
@@ -163,6 +167,7 @@ def _phases(
         if name not in pieces:
             raise NoFormError(f"{name} has no integral in closed form")
     references = {name: _reference(pieces[name], [c.symbol for c in inner]) for name in names}
+    # Σ_j M_cj τ_j = right side of c; M is the Stäckel matrix where every column is a constant
     M = sp.Matrix([[_multiple(pieces[n], c.symbol, references[n]) for n in names] for c in inner])
     right = []
     for c in inner:
@@ -188,6 +193,7 @@ def _reference(own: CoordinateIntegrals, inner: list[sp.Symbol]) -> PieceIntegra
 def _multiple(own: CoordinateIntegrals, key: sp.Symbol, reference: PieceIntegral) -> sp.Expr:
     """N/N_reference, a constant."""
     numerator = own.numerators.get(key, sp.S.Zero)
+    # r² and 1 of Kepler's ∫ r dr/√P and ∫ dr/(r √P) are no multiples: t(r) and θ(r) are two functions
     ratio = sp.cancel(sp.together(numerator / reference.numerator))
     if ratio.has(reference.curve.coordinate.symbol):
         raise NoFormError(IndependentIntegrals(own.name, reference.curve.coordinate.symbol, ratio))
@@ -220,6 +226,7 @@ def inverted(
     s = integral.curve.substitution
     if not law.terms and law.algebraic != 0:
         return _algebraic(own, integral, value, start, names, others)
+    # of a separatrix tanh and sech, before the general logarithm
     x = separatrix_inverse(law, value, s.place.subs(q, start), names)
     if x is None and (law.algebraic != 0 or len(law.terms) != 1):
         raise NoFormError(_why_not_inverted(own, law))
@@ -237,11 +244,13 @@ def _elliptic(
 ) -> sp.Expr:  # fmt: skip
     """sn² of an integral of the first kind."""
     s, q = integral.curve.substitution, integral.curve.coordinate.symbol
+    # R = 1: ∫ dx/√P(x²) = ½ ∫ dX/√(X P(X)) is of the first kind in X
     if integral.squared is not None and not integral.rational.has(integral.curve.x):
         x = _through_square(integral, integral.squared, value, start, names)
         return verified_inverse(own, integral, s.q(x), value, start, names, others)
     if integral.curve.degree > 4:
         raise NoFormError(f"t({own.name}) is an integral on a curve of genus 2: its inverse is not given")
+    # of second and third kind the inverse is not single-valued in the complex plane (Jacobi, Abel)
     if integral.first is None or integral.change is None:
         raise NoFormError(NotOfTheFirstKind(own.name, integral.curve.x, integral.rational))
     amount, begin = multiplied_out(value / integral.first), s.place.subs(q, start)
@@ -271,6 +280,7 @@ def _through_square(
     amount, begin = multiplied_out(twice * value), s.place.subs(integral.curve.coordinate.symbol, start)
     if not squared.passes:
         return squared.side * sp.sqrt(elliptic_inverse(change, amount, begin**2, names))
+    # √X goes on with the other sign at X = 0: the phase begins there, where x = ± √X is odd in it
     passed = twice * integral.value.subs(integral.curve.coordinate.symbol, start)
     return root_of_square(change, squared.roots, amount, passed, names)
 
@@ -293,10 +303,13 @@ def _algebraic(
     law, s, q = required(integral.law), integral.curve.substitution, integral.curve.coordinate.symbol
     P, begin, plain = sp.Poly(law.polynomial, law.x), s.place.subs(q, start), not law.algebraic.has(law.x)
     x = None
+    # √(x² + bx + c) = value: as of a free particle in r, one square root
     if P.degree() == 2 and plain:
         x = square_root_inverse(law, own_side(own, integral), value, begin, names)
+    # √(Bx + C) = value: uniform acceleration
     elif P.degree() == 1 and plain:
         x = _accelerated(law, P, value, begin, names)
+    # (x + c) √(Bx + C) = value: a cubic in the root (Barker), or a pure power of it
     elif P.degree() == 1:
         x = power_inverse(law, value, begin, names) or cubic_inverse(law, value, begin, names)
     if x is None:
@@ -363,17 +376,21 @@ def verified_inverse(
         free = sorted(value.free_symbols - set(numbers), key=str)
         numbers |= {s: mp.mpf(k + 2) / 7 for k, s in enumerate(free)}
         numbers[start], target = sample_place(own), number_of(stop, {})
+        # the time at which the motion is at ``target`` by the verified integral; β and t₀ have numbers of their own
         difference = value_at(integral.value, numbers | {q: target}) - value_at(
             integral.value, numbers | {q: numbers[start]}
         )
         unknown, offset = free[0], value_at(value, numbers)
+        # the value is linear in each of t and the β, so one step of Newton's rule is exact
         numbers[unknown] += (difference - offset) / value_at(sp.diff(value, unknown), numbers)
         got = value_at(explicit, numbers)
         if not abs(got - target) <= (abs(target) + mp.mpf(10) ** -5) * mp.mpf(10) ** -_DIGITS:
             raise NoFormError(f"not verified: the inverse gives {mp.nstr(got, 15)} for {mp.nstr(target, 15)}")
+        # a turn later an arc function would be back at its first value, am u goes on
         if own.kind == "rotation" and integral.cycle is not None:
             numbers[unknown] += value_at(integral.cycle, numbers) / value_at(sp.diff(value, unknown), numbers)
             turn = value_at(integral.curve.substitution.turn, numbers)
+            # the angle itself, or the angle and a whole turn
             turned = mp.sin((value_at(explicit, numbers) - target) * mp.pi / turn)
             if not abs(turned) <= mp.mpf(10) ** -_DIGITS:
                 raise NoFormError("the inverse that was found is right on one turn only")
@@ -471,5 +488,6 @@ def _on_branch(
 ) -> sp.Expr:  # fmt: skip
     """Q(τ) of a coordinate that grows with τ."""
     integral, numbers = own.integrals[key], sample_numbers(own)
+    # ∂p/∂α is positive for one of the coordinates and negative for the other
     numerator = value_at(integral.numerator, numbers | {integral.curve.coordinate.symbol: sample_place(own)})
     return inverted(own, integral, τ if numerator > 0 else -τ, start, names)

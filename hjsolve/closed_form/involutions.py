@@ -14,9 +14,11 @@ from collections.abc import Iterable, Iterator
 import mpmath
 import sympy as sp
 
-from hjsolve.closed_form.curves import MomentumCurve, genus
+from hjsolve.closed_form.curves import MomentumCurve, genus, momentum_curve
 from hjsolve.closed_form.liouville import not_elementary
+from hjsolve.closed_form.root_of_a_wave import conic_variables
 from hjsolve.closed_form.why_not import HighGenus, NotFound, WhyNot
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.precision import mp
 
 _DIGITS = 60
@@ -36,17 +38,24 @@ def why_no_form(found: Iterable[MomentumCurve]) -> WhyNot:
     return HighGenus(curve.substitution.place, _at_random(curve.polynomial), P, steps, involution)
 
 
-def why_no_curve(square: sp.Expr, numerators: Iterable[sp.Expr], q: sp.Symbol) -> WhyNot:
-    """Return why a coordinate has no curve: a proof that its integrals are not elementary, or what p² is made of.
+def why_no_curve(square: sp.Expr, numerators: Iterable[sp.Expr], coordinate: Coordinate) -> WhyNot:
+    """Return why a coordinate has no curve in a variable that is monotone along the motion.
+
+    A proof that its integrals are not elementary, or the genus of a curve in another variable, or what p² is made of.
 
     Args:
         square: P²(q).
         numerators: N of its integrals, but that of W.
-        q: the coordinate.
+        coordinate: the coordinate.
     """
+    q = coordinate.symbol
     proof = not_elementary(square, numerators, q)
     if proof is not None:
         return proof
+    for variable in conic_variables(square, q, sp.Dummy("x", real=True)):
+        curve = momentum_curve(variable, coordinate, square)
+        if curve is not None and genus(curve.degree) > 1 and (why := why_no_form([curve])).proved:
+            return why
     held = square.atoms(sp.Function) | {p for p in square.atoms(sp.Pow) if not p.exp.is_Integer}
     functions = sorted(str(a) for a in held if a.has(q))
     bare = square.xreplace({a: sp.Dummy() for a in square.atoms(sp.Function)}).has(q)

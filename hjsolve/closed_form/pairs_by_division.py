@@ -34,6 +34,7 @@ def remaining_pair(P: sp.Poly, real: Sequence[sp.Symbol]) -> tuple[Parts, ...]:
     if len(real) != P.degree() - 2:
         raise NoFormError("P has no real root")
     A, b, c = P.all_coeffs()[:3]
+    # x² + βx + γ: the sum of all roots is −b/A, and the sum of products in twos is c/A
     total = sp.Add(*real)
     β = b / A + total
     γ = c / A - (real[0] * real[1] if len(real) == 2 else 0) + β * total
@@ -61,9 +62,12 @@ def deflated_pair(P: sp.Poly, real: Sequence[sp.Symbol]) -> Parts:
     total, product = sp.Add(*real), sp.Mul(*real)
     β, γ = b + total, e / product
     cases = [
+        # both real roots smaller than the pair: from the highest power down
         (_parts(β, c + total * β - product), sp.And(*small)),
+        # both larger: γ is the constant by their product, β from the next coefficient
         (_parts((d + total * γ) / product, γ), sp.Not(sp.Or(*small))),
     ]
+    # one of each: the small root is divided out from above, the large one of what is left from below
     for (x, y), first in (((real[0], real[1]), small[0]), ((real[1], real[0]), sp.true)):
         cubic = c + x * (b + x)
         constant = -(d + x * cubic) / y

@@ -126,6 +126,7 @@ class CoordinateIntegrals:
         self.conditions |= task.conditions([key for key in self.numerators if key != W])
         self.integrals |= done
         self.why_not = {key: reason for key, reason in self.why_not.items() if key not in self.integrals}
+        # names that no form holds are dropped; what a kept name is defined by is kept
         held = {s for found in done.values() for s in (found.value + (found.cycle or 0)).free_symbols}
         held |= {s for root in self.roots or () for s in root.free_symbols}
         for change in task.changes:
@@ -150,9 +151,11 @@ class CoordinateIntegrals:
             return
         for key, numerator in self.numerators.items():
             R = rational_factor(curve, region, signs, key)
+            # of C − A(x − b)ⁿ the value of ∮ is a beta function (Euler), where t(q) itself has genus ≥ 2
             cycle = between_the_roots_of_a_power(R, curve)
             if cycle is None:
                 return
+            # there and back
             turned = 2 * cycle * (1 if curve.substitution.increasing else -1)
             self.cycles[key] = PieceIntegral(numerator, sp.nan, turned, R, None, curve)
         for c in (curve.polynomial.LC(), curve.polynomial.coeff_monomial(1)):
@@ -194,6 +197,7 @@ def piece(
         if not missing:
             break
         region = root_interval_of(curve, sample)
+        # an interval that ends where its variable is cut (cos θ of a motion through θ = π) is not the whole motion
         if region is None or not region.whole:
             continue
         made.region = made.region or region
@@ -225,6 +229,7 @@ class _Task:
     def __init__(self, curve: MomentumCurve, region: RootInterval, signs: Signs, prefix: str, start: sp.Symbol | None):
         self.curve, self.region, self.signs = curve, region, signs
         self.denominators = dict[sp.Expr, None]()
+        # y² = P(x²) is elliptic in X = x² up to P of degree 3: x⁶ + x² and its kind have genus 2 but split
         self.squared = square_curve(curve, region, signs, prefix) if reduces(curve) else None
         if curve.degree > 4 and self.squared is None:
             raise NoFormError(why_no_form([curve]))
@@ -234,6 +239,7 @@ class _Task:
             self.changes = _maps(self.squared.inner, self.squared.roots, signs, prefix)
         else:
             self.roots = named_roots(curve, region, signs, prefix) if curve.degree > 2 else None
+            # no real root: the integral has no turning point to begin at, and is taken from the lower limit (Carlson)
             if self.roots is not None and not self.roots.real and start is not None:
                 begin = curve.substitution.place.subs(curve.coordinate.symbol, start)
                 self.changes = [pairs_map(self.roots, signs, prefix, begin)]
@@ -254,6 +260,7 @@ class _Task:
                 whole = whole if plain is None else plain
             value = value.xreplace({curve.x: s.place})
         else:
+            # deg P ≤ 2: genus 0
             law = elementary_antiderivative(R, curve.polynomial, self.signs, self.side)
             if region.kind == "rotation" and any(isinstance(term, PairOfComplexPoles) for _, term in law.terms):
                 # past complex poles a whole turn has no form here, and a rest at its end is not seen in this variable
@@ -261,10 +268,12 @@ class _Task:
             value, whole = law.written(s.place), law.complete() if self._from_root_to_root() else None
         cycle = None
         if whole is not None:
+            # a libration passes its interval twice; x may fall where q grows
             cycle = whole * (2 if region.kind == "libration" else 1) * (1 if s.increasing else -1)
         value = monotone_inverse(value)
         if longer_than(value, LONGEST_FORM):
             raise NoFormError(f"the form has more than {LONGEST_FORM} operations")
+        # only an integral of the first kind has a single-valued inverse (Jacobi): sn, cn, dn
         first = None if R.has(curve.x) or self.squared is not None else R
         return PieceIntegral(numerator, value, cycle, R, law, curve, first, change, self.squared)
 
@@ -476,5 +485,6 @@ def _roots(curve: MomentumCurve, signs: Signs) -> tuple[sp.Expr, ...] | None:
     D = sp.factor_terms(sp.expand(B**2 / 4 - A * C))
     if signs.sign(D) < 0:
         return ()
+    # (−B/2 ± √D)/A, ascending: dividing by A < 0 turns the order around
     order = (-1, 1) if signs.sign(A) > 0 else (1, -1)
     return tuple((-B / 2 + side * positive_root(D)) / A for side in order)

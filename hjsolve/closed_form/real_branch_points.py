@@ -82,7 +82,9 @@ def _ratio(*pairs: tuple[sp.Expr, sp.Expr]) -> sp.Expr:
     for k, (p, q) in enumerate(pairs):
         if p is FAR or q is FAR:
             continue
+        # the first two pairs are numerator, the others denominator
         value = value * (p - q) if k < 2 else value / (p - q)
+    # (p − ∞)/(r − ∞) → 1, (p − ∞)/(∞ − r) → −1: infinite differences leave their sign
     far = [(-1 if q is FAR else 1) for p, q in pairs if FAR in (p, q)]
     return sp.factor(sp.cancel(value * sp.Mul(*far)))
 
@@ -99,12 +101,16 @@ def legendre_map(roots: NamedRoots, signs: Signs) -> LegendreMap:
     """
     if roots.pairs:
         raise NoFormError("P has complex roots in this regime")
+    # a cubic's fourth branch point is ∞, which follows the greatest root and precedes the smallest
     circle = [*roots.real] if len(roots.real) == 4 else [*roots.real, FAR]
     low, high = roots.interval
+    # between the upper two roots of a cubic s grows downwards, from x₃ to x₂: then d = ∞ and x is linear in sn²
     upwards = low is not None and not (len(roots.real) == 3 and (low, high) == (1, 2))  # so that ∞ is where s is ∞
     start = required(low if upwards else high)
     direction = 1 if upwards else -1
+    # around the circle in the direction of the motion, so that m = (c − d)(b − a)/((c − a)(b − d)) is in (0, 1)
     a, b, c, d = (circle[(start + direction * k) % 4] for k in range(4))
+    # 4Ω² = |A (c − a)(b − d)|; of a cubic the difference with ∞ is left out
     size = roots.leading
     for p, q in ((c, a), (b, d)):
         if FAR not in (p, q):
@@ -168,6 +174,7 @@ class LegendreIntegrals:
         if k == 1:
             return sp.elliptic_pi(*((n,) if self.φ is None else (n, self.φ)), self.named)
         edge = sp.S.Zero if self.s is None else n**2 * self.edge / (1 - n * self.s)
+        # Byrd and Friedman 336.02, solved for Π₂: d(sn cn dn/(1 − n sn²)) holds Π₂, Π₁, F and E
         total = edge + (n**2 - 2 * n * m - 2 * n + 3 * m) * self.third(n, 1)
         return (total - m * (self.F - n * self.power(1))) / (2 * (1 - n) * (m - n))
 
@@ -189,6 +196,7 @@ def elliptic_integral(
     amplitude = None
     if x is not None:
         s = change.s(x)
+        # F and Π take φ; sin φ and cos φ are kept apart, since sin(asin √s) would not be simplified under a root
         amplitude = (sp.asin(sp.sqrt(s)), sp.sqrt(s), sp.sqrt(1 - s))
     own = own or LegendreIntegrals(change.k, change.m, amplitude)
     value = over_s(R, change, own) / change.rate
@@ -204,6 +212,7 @@ def without_square(R: PartialFractions, change: LegendreMap, P: sp.Poly) -> tupl
     if change.b is FAR or change.d is FAR or P.degree() != 4 or 2 not in weights:
         return R, sp.S.Zero
     x, w, (a, b, c, d) = P.gen, weights.pop(2), (change.a, change.b, change.c, change.d)
+    # Vieta: the sum of all four roots, without their radicals
     total = sp.cancel(-P.coeff_monomial(x**3) / P.LC())
     weights[1] = sp.factor(weights.get(1, sp.S.Zero) + w * total / 2)
     weights[0] = weights.get(0, sp.S.Zero) - w * d * (total - 2 * d) / 2
@@ -229,18 +238,23 @@ def over_s(R: PartialFractions, change: LegendreMap, own: LegendreIntegrals) -> 
     for k, weight in R.powers:
         if k == 0:
             total += weight * own.F
+        # x = a + (b − a) s: a power of x is one of s, and only the first is left by the reduction
         elif change.d is FAR:
             total += weight * (change.a * own.F + (change.b - change.a) * own.power(1))
+        # of a cubic beyond its greatest root: x dx/√x³ grows without bound, as W of an escape does over a whole cycle
         elif change.b is FAR:
             raise NoFormError("the integral is infinite at the end of the motion")
         else:
+            # x = d + (a − d)/(1 − νs), with 1/ν the s of x = ∞
             total += weight * _fraction((change.d, change.a - change.d), change.pole(FAR), k, own)
     for r, k, weight in R.poles:
         if k > 1:
             raise NoFormError("a multiple pole at a place with radicals")
         if r == change.d:
+            # 1/(x − d) = (1 − νs)/(a − d) has no pole in s: the two F and E are all that is needed
             total += weight / (change.a - change.d) * (own.F - change.pole(FAR) * own.power(1))
             continue
+        # 1/(x − r) = 1/(d − r) + β/(1 − ns): its values at s = ∞ (x = d) and s = 0 (x = a) give both terms
         constant = sp.S.Zero if change.d is FAR else 1 / (change.d - r)
         rest = sp.factor(sp.cancel(1 / (change.a - r) - constant))
         total += weight * _fraction((constant, rest), change.pole(r), k, own)

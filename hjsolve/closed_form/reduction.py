@@ -44,8 +44,10 @@ class _Reduction:
     def __init__(self, R: sp.Expr, P: sp.Poly):
         self.x = x = P.gen
         top, bottom = sp.fraction(sp.cancel(sp.together(R)))
+        # square-free factors over the constants' field, not its closure: no root of the denominator is needed
         constant, factors = sp.factor_list(bottom, x) if bottom.has(x) else (bottom, [])
         held = [P, sp.Poly(top / constant, x), *(sp.Poly(f, x) for f, _ in factors)]
+        # one domain for all: sympy would find it anew in each product, which takes most of the time
         domain = sp.construct_domain([c for p in held for c in p.all_coeffs()], field=True)[0]
         self.domain = domain
         self.P = self._poly(P.as_expr())
@@ -61,6 +63,7 @@ class _Reduction:
             for j, (g, power) in enumerate(self.factors):
                 others *= g**power if j != k else self._poly(1)
             self.parts[k] = [self._poly(0)] * (n + 1)
+            # partial fractions by Bézout: h ≡ rest/others modulo fⁿ
             self._add(k, n, sp.rem(rest * sp.invert(others, f**n), f**n) if n else rest)
 
     def _poly(self, e: sp.Expr | int) -> sp.Poly:
@@ -87,8 +90,11 @@ class _Reduction:
         f, n = self.factors[k]
         slope = f.diff()
         G, common = sp.div(self.P, f)
+        # f divides P: then √P/fⁿ has its pole at a branch point, and 1/f itself can be taken away
         inside = common.is_zero
+        # h = c f′P modulo f has a solution, since f is square-free and prime to P: c = h (f′P)⁻¹
         unit = sp.invert(slope * G if inside else slope * self.P, f)
+        # off the roots of P a simple pole is an integral of the third kind and stays
         while n >= (1 if inside else 2):
             power = n if inside else n - 1
             factor = sp.Rational(1, 2) - power if inside else -sp.Integer(power)
@@ -107,6 +113,7 @@ class _Reduction:
     def _take_powers(self) -> None:
         d = self.P.degree()
         x = self._poly(self.x)
+        # of x⁰ … xᵈ⁻² the integrals are independent (first and second kind); higher powers are not
         while not self.whole.is_zero and (k := self.whole.degree()) >= (d - 1 if d else 1):
             n = k - d + 1
             slope = x ** (n - 1) * self.P * self._poly(n) if n else self._poly(0)

@@ -117,6 +117,7 @@ def _roots_of(coefficients: tuple[mpmath.mpf, ...], digits: int) -> tuple[tuple[
         return (), True
     with mp.workdps(digits):
         size, first = max(abs(c) for c in coefficients), 0
+        # a leading coefficient that is zero at these constants (E = 0) is a root at infinity
         while first < len(coefficients) and abs(coefficients[first]) <= size * _SAME:
             first += 1
         if len(coefficients) - first < 2:
@@ -131,8 +132,10 @@ def _complex_roots(coefficients: tuple[mpmath.mpf, ...], digits: int) -> list[mp
     """Return all roots; in doubles first, and from there by Newton's rule: simple roots are soon had."""
     import numpy as np
 
+    # Newton's rule, from doubles, would fail for the two roots of E x² + kx − L² with E → 0
     if len(coefficients) <= 3:
         return _quadratic_roots(coefficients)
+    # eigenvalues of the companion matrix: right to 1e-16 of the greatest root
     starts = np.roots([complex(c / coefficients[0]) for c in coefficients])
     found = []
     for start in starts:
@@ -146,6 +149,7 @@ def _complex_roots(coefficients: tuple[mpmath.mpf, ...], digits: int) -> list[mp
         else:
             return list(mp.polyroots([*coefficients], maxsteps=300, extraprec=400))
         found.append(z)
+    # two starts may lead to the same root, and the other would be lost: then all are found at once (Durand and Kerner)
     gaps = [abs(a - b) for k, a in enumerate(found) for b in found[:k]]
     if gaps and min(gaps) < max(abs(z) for z in found) * mp.mpf(10) ** -6:
         return list(mp.polyroots([*coefficients], maxsteps=300, extraprec=400))
@@ -158,6 +162,7 @@ def _quadratic_roots(coefficients: tuple[mpmath.mpf, ...]) -> list[mpmath.mpc]:
     a, b, c = coefficients
     with mp.extradps(30):
         root = mp.sqrt(mp.mpc(b * b - 4 * a * c))
+        # −(b + sign(b) √D)/2a and c by it: −b and √D are of one sign, so that nothing cancels
         far = -(b + (root if b >= 0 else -root)) / 2
         return [far / a, c / far if far != 0 else far]
 
@@ -173,11 +178,13 @@ def root_interval_of(curve: MomentumCurve, sample: Sample) -> RootInterval | Non
     if any(c.has(sp.nan) for c in curve.polynomial.coeffs()):
         return None
     with mp.workdps(DIGITS):
+        # a substitution such as u = √(r² + a²) is real for some values of the letters only
         if not number_of(s.condition, numbers) > 0:
             return None
         start = sample.places[curve.coordinate.name]
         place = number_of(s.place, {**numbers, q: number_of(start, {})})
         roots, double = real_roots(curve, numbers)
+        # a double root is a rest, or a separatrix: another curve with the factor in S, a special case, holds for it
         if double or not _value(curve, place, numbers) > 0:
             return None
         low, high = (number_of(end, numbers) for end in (s.lower, s.upper))
@@ -187,10 +194,13 @@ def root_interval_of(curve: MomentumCurve, sample: Sample) -> RootInterval | Non
         lower = below[-1][1] if below else ("end", 0)
         upper = above[0][1] if above else ("end", 0)
     both = {lower[0], upper[0]}
+    # dt = dq S/√P …: at a zero of S the momentum vanishes to first order, and the time to it is infinite
     if "rest" in both:
         kind = "asymptotic"
+    # simple roots on both sides: p² changes sign there and the motion turns back
     elif both == {"root"}:
         kind = "libration"
+    # of an angle, without a root on the circle
     elif s.closed:
         kind = "rotation"
     else:
@@ -290,6 +300,9 @@ def holds_place(curve: MomentumCurve, like: RootInterval, place: mpmath.mpf, num
         tolerance = (1 + abs(place)) * mp.mpf(10) ** -12  # of ends that were given in doubles
         if s.closed and abs(place - middle_of(curve, numbers)) > number_of(s.turn, numbers) / 2 + tolerance:
             return False
+        first, last = (number_of(end, numbers) for end in curve.ends)
+        if not s.closed and not first - tolerance <= place <= last + tolerance:
+            return False  # cos θ is that of another angle beyond the poles
         roots, _ = real_roots(curve, numbers)
         low, high = (number_of(end, numbers) for end in (s.lower, s.upper))
         marks = {key: value for value, key in _marks(curve, roots, numbers, low, high)}

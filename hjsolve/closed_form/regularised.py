@@ -108,6 +108,7 @@ class EllipticArgument(Regularised):
         else:
             φ_0 = sp.asin(sp.sqrt(self.names.oriented(sp.factor(change.s(x_0)))))
         self.change, self.direction = change, change.direction * self.direction
+        # u = F(φ) at the lower limit, x(u) and dx/du from sn, cn and dn
         u_0, x = sp.elliptic_f(monotone_inverse(φ_0), change.k**2), place_of_argument(change, self.ξ, self.names)
         slope = slope_of_argument(change, self.ξ, self.names)
         return x, change.direction * change.rate * slope, change.direction * self.ξ / change.rate, u_0
@@ -120,6 +121,7 @@ class EllipticArgument(Regularised):
         if isinstance(change, EvenMap):
             value = even_integral(rest, change, x, self.signs, complete=False, own=integrals)
         else:
+            # the poles of second order of x² dx/√P at d, where sn² = 1/ν, would give Π twice
             parts, more = without_square(partial_fractions(rest, x, self.signs), change, self.curve.polynomial)
             value, a = elliptic_integral(parts, change, x, integrals), a + more
         return in_moduli(value + a.subs(x, self.x) * self.root, self.names)
@@ -143,6 +145,7 @@ class Anomaly(Regularised):
         law = integral.law
         if law is None:
             raise NoFormError("no anomaly is known here")
+        # one arc alone is q(t) itself, c − h cos ωt; Kepler's two need a and e
         self.law, self.conic = law, not (law.algebraic == 0 and len(law.terms) == 1)
         P = sp.Poly(law.polynomial, law.x)
         self.A, self.B, self.C = (P.coeff_monomial(law.x**k) for k in (2, 1, 0))
@@ -167,20 +170,24 @@ class Anomaly(Regularised):
         kind = self.sign_of(A)
         if kind == 0:
             raise NoFormError("the sign of the leading coefficient is open")
+        # x = c ± h wave ξ, with h² = D/A²: the middle and half distance of the roots
         centre = sp.cancel(-B / (2 * A))
         square = sp.expand(sp.cancel(B**2 / (4 * A**2) - C / A))
         D = self.signs.number(square)
         size = positive_root(A if kind > 0 else -A)
+        # no real root: sinh takes every x once
         if kind > 0 and D < 0:
             h = self.names.named("a", square_root(-square), positive=True)
             middle = self.names.named("c", centre, short=3 * SHORT)
             self.wave = (sp.sinh, middle, δ * h)
             return middle + δ * h * sp.sinh(ξ), size * h * sp.cosh(ξ), δ * ξ / size, δ * sp.asinh((x_0 - middle) / h)
         if kind < 0:
+            # of a conic ξ = 0 is the pericentre, else the upper turning point
             x, level, h = self._about(centre, square, -δ if self.conic else 1, sp.cos, x_0)
             turn = 1 if self.conic else -δ
             ξ_0 = sp.acos(level) if self.conic else -δ * sp.acos(level)
             return x, turn * size * h * sp.sin(ξ), δ * ξ / size, ξ_0
+        # on the branch of the hyperbola that the motion is on: r = a (e cosh ξ − 1), attracted
         side = 1 if self.signs.number(centre) < self.region.place else -1
         x, level, h = self._about(centre, square, side, sp.cosh, x_0)
         turn = side * δ
@@ -196,6 +203,7 @@ class Anomaly(Regularised):
             middle = self.names.named("c", centre, short=3 * SHORT)
             self.wave = (wave, middle, side * h)
             return middle + side * h * wave(self.ξ), side * (x_0 - middle) / h, h
+        # e = h/|c|, so that of Kepler e² = 1 + 2EL²/mk²
         e = self.names.named("e", sp.sqrt(sp.expand(sp.cancel(square / centre**2))), positive=True)
         a = self.names.named("a", sign * centre, positive=True)
         self.e, self.wave = e, (wave, sign * a, side * a * e)
@@ -208,6 +216,7 @@ class Anomaly(Regularised):
         grows = self.sign_of(B)
         if grows == 0:
             raise NoFormError("the sign of the slope of P is open")
+        # q grows with ξ where it grows with x (δ) and x with ξ² (the sign of B)
         turn = δ * grows
         if self.sign_of(C) < 0:
             positive = True if self.sign_of(first) > 0 else None
@@ -216,6 +225,7 @@ class Anomaly(Regularised):
             self.wave = (sp.Pow, vertex, vertex)
             return vertex * (1 + ξ**2), turn * root * ξ, 2 * turn * root * ξ / B, turn * sp.sqrt(x_0 / vertex - 1)
         self.wave = (sp.Pow, first, 1 / B)
+        # without a sign of C: ξ = √P itself
         return first + ξ**2 / B, turn * ξ, 2 * turn * ξ / B, turn * positive_root(B * x_0 + C)
 
     def integral(self, key: sp.Symbol) -> sp.Expr:
@@ -240,6 +250,7 @@ class Anomaly(Regularised):
         (function, middle, b), ξ, r = self.wave, self.ξ, term.place
         if term.kind == "pair":
             return self._pair(r)
+        # ∫ dx/((x − r) √P) = ∫ (dx/√P)/(a + b wave ξ), dx/√P = rate dξ
         a, rate = sp.factor(middle - r), sp.diff(self.amount, ξ)
         a_n, b_n = (self._number(e) for e in (a, b))
         if function is sp.sinh or (function is sp.Pow and not a_n * b_n > 0):
@@ -252,11 +263,14 @@ class Anomaly(Regularised):
         square = sp.factor(P.as_expr().subs(self.law.x, r) / self.A)
         w = square_root(square if self._number(square) > 0 else -square)
         if function is sp.cos:
+            # 2 arctan(√((a−b)/(a+b)) tan ½ξ) would jump at ξ = π; less ξ it is the arctan of a periodic function
             above = b * sp.sin(ξ) / (a + sign * w + b * sp.cos(ξ))
             if self.e != 0 and r == 0:
+                # r = 0: a = c, w = |c| √(1 − e²), the true anomaly ν = ξ + 2 arctan(e sin ξ/(1 + √(1 − e²) − e cos ξ))
                 e = b / middle  # ± e
                 above = e * sp.sin(ξ) / (1 + sp.sqrt(1 - self.e**2) + e * sp.cos(ξ))
             return sign * rate * (ξ - 2 * sp.atan(above)) / w
+        # |b| > |a|: of a pole between the roots of P, tanh; else artanh
         if abs(b_n) > abs(a_n):
             return sign * rate * 2 * sp.atan((sign * b - sign * a) / w * sp.tanh(ξ / 2)) / w
         if not a_n * b_n > 0:
@@ -268,6 +282,7 @@ class Anomaly(Regularised):
         function, middle, b = self.wave
         if function is not sp.cos or middle != 0:
             raise NoFormError("the integral is not smooth in the anomaly")
+        # x = b cos ξ, so that r² − x² = w² + b² sin² ξ, w² = r² − b²: an arctan of (r/w) tan ξ, made smooth
         w, ξ = sp.sqrt(sp.factor(sp.cancel(r**2 - self.names.written_out(b) ** 2))), self.ξ
         above = (r - w) * sp.sin(2 * ξ) / (r + w - (r - w) * sp.cos(2 * ξ))
         return sp.diff(self.amount, ξ) * (ξ + sp.atan(above)) / (r * w)

@@ -66,6 +66,7 @@ class SquareCurve:
         """
         if not self.passes:
             return value.xreplace({self.X: x**2})
+        # of y > 0 the root √X is y: with x of either sign in its place the integral is odd
         y = sp.Dummy("y", positive=True)
         return value.subs(self.X, y**2).xreplace({y: x})
 
@@ -93,12 +94,14 @@ def square_curve(curve: MomentumCurve, region: RootInterval, signs: Signs, prefi
     """
     P, x = curve.polynomial, curve.x
     X = sp.Symbol(x.name, positive=True)
+    # dx/√P = dX/(2 √X √P): the X under the root makes a quartic of the cubic P(X)
     polynomial = sp.Poly(sum(c * X ** (n // 2 + 1) for (n,), c in P.terms()), X)
     end = curve.substitution.upper
     squares = replace(curve.substitution, x=X, lower=sp.S.Zero, upper=end**2 if end.is_finite else sp.oo)
     inner = replace(curve, polynomial=polynomial, substitution=squares)
     below = [r for r in region.roots if r < region.place]
     above = [r for r in region.roots if r > region.place]
+    # between −x₁ and x₁: X goes from 0 to x₁² and back, and the integral over X is odd in x
     passes = (not below or below[-1] < 0) and (not above or above[0] > 0)
     real, double = real_roots(inner, signs.numbers)
     if double:
@@ -127,6 +130,7 @@ def between_the_roots_of_a_power(R: sp.Expr, curve: MomentumCurve) -> sp.Expr | 
     total, r, a = sp.S.Zero, ends[1], P.coeff_monomial(1)
     for (k,), c in sp.Poly(R, x).terms():
         if k % 2 == 0:
+            # xᵏ and xᵏ⁺ⁿ are of one period, up to a rational factor: J and T of xⁿ hold one beta function
             first, whole = sp.Rational(k % n + 1, n), k // n  # by Γ(s + 1) = s Γ(s), so that terms of one period join
             total += c * r ** (k + 1) * sp.rf(first, whole) / sp.rf(first + sp.S.Half, whole) * _beta(first)
     return 2 * sp.factor_terms(sp.expand(total)) / (n * sp.sqrt(a))

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from operator import mul
 
-from hjsolve.arithmetic.floats import Multi
+from hjsolve.arithmetic.floats import Multi, by_squaring
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.errors import InvalidInputError, NotConvergedError, of_kind
@@ -132,10 +132,8 @@ class Program:
         """Return a whole power, by products, so that a base that vanishes does no harm."""
         if isinstance(x, ConstantSeries):
             return ConstantSeries(x.value**n)
-        result: Slot = x
-        for digit in f"{abs(n):b}"[1:]:
-            result = self.mul(result, result)
-            result = self.mul(result, x) if digit == "1" else result
+        base: Slot = x
+        result = by_squaring(self.mul, base, abs(n))
         return result if n > 0 else self.div(self.rational(1, 1), result)
 
     def unary(self, name: str, x: Slot) -> Slot:

@@ -110,6 +110,7 @@ def _fill(
     names = [c.name for c in task.system.coordinates]
     places, speeds = dict(zip(names, q, strict=True)), dict(zip(names, rates, strict=True))
     codes = columns[STATUS][window]
+    # NaN and places outside the domain get their status here: the engine sees none of them
     codes[:] = _at_the_door(tools, places, speeds)
     good = np.flatnonzero(codes == Status.OK)
     if not len(good):
@@ -149,6 +150,7 @@ def _fill(
     for k in map(int, singly):
         if stop.is_set():
             return
+        # an orbit that seems to run away has no frequencies: of the single motion less is asked
         endless = bool(found.status[k] == ENDLESS)
         _one(task, tools, columns, window.start + int(good[k]), _start(task, places, speeds, k), endless)
         done(1)

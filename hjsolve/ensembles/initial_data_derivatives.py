@@ -48,6 +48,7 @@ def slopes_of_constants(
     if "velocity" in given:
         formulas = [momenta(solution.system)[name].subs(values) for name in names]
         rule = lower(formulas, [c.symbol for c in coordinates] + [c.velocity for c in coordinates])
+        # p = M(q) v with its rounding, which counts in what follows
         moving = rule.run(arithmetic, [*places, *moving])
     symbols = [c.symbol for c in coordinates] + [c.momentum for c in coordinates]
     varied = {f"q.{c.name}": c.symbol for c in coordinates} | {f"p.{c.name}": c.momentum for c in coordinates}
@@ -80,9 +81,11 @@ def by_initial_data(
     for key, by in slopes.items():
         rows = [(np.asarray(value[c]), np.asarray(error[c]), *by[c]) for c in by]
         if key in value:
+            # a parameter acts through the constants and by itself: its derivative at fixed constants is added
             rows.append((np.asarray(value[key]), np.asarray(error[key]), np.ones(()), np.zeros(())))
         with np.errstate(all="ignore"):
             total = np.sum(np.stack([a * b for a, _, b, _ in rows]), axis=0)
+            # the product rule of errors, term by term: terms may cancel, their errors do not
             open_ = [np.abs(b) * δa + np.abs(a) * δb + 4 * EPS * np.abs(a * b) for a, δa, b, δb in rows]
             left = np.sum(np.stack(open_), axis=0)
         pair = isinstance(next(iter(value.values())), tuple)

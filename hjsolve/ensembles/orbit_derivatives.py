@@ -187,7 +187,9 @@ def _derivatives(
     K, K_error = np.full((n, N, count), np.nan), np.zeros((n, N, count))
     dK, error, sizes = (np.zeros((n, n, N, count)) for _ in range(3))
     good = np.zeros(count, dtype=bool)
+    # what the ensemble did not decide has no derivative either
     good[open_] = True
+    # another form of p² for orbits next to poles that cancel, as in the engine
     near = next_to_poles(solution)
     for i, name in enumerate(names):
         found = _coordinate(solution, values, (name, variables), batch, open_)
@@ -196,6 +198,7 @@ def _derivatives(
             found.put(left, _coordinate(near, values, (name, variables), batch, open_[left]))
         numbers, _ = _numbers(batch, values, variables)
         mean, turns = mean_shifts(solution, name, values, variables, numbers[:, open_]), _goes_round(batch, name, open_)
+        # paths see |J| of the shell momentum; a rotation the other way has −J, less what shifts add to p
         direction = np.sign(np.ravel(batch.actions[name])[open_] + np.where(turns, mean.value[0], 0.0))
         direction = np.where(direction == 0, 1.0, direction)
         first, second = np.where(turns, mean.first, 0.0), np.where(turns, mean.second, 0.0)
@@ -206,6 +209,7 @@ def _derivatives(
     others = [c for c in solution.system.coordinates if c.name not in names]
     for row, c in enumerate(others, len(names)):
         K[row] = 0.0
+        # the action of an ignorable angle is its momentum: one row of the unit matrix
         K[row, constants.index(c.momentum.name)] = 1.0
     return _collected((solution, values, variables), batch, (K, K_error, dK, error, sizes), good, status)
 
@@ -258,11 +262,13 @@ def _coordinate(
     turning = np.flatnonzero(~goes_round)
     found = placed(model.separated[k], programs, k, np.stack(ends)[:, turning], κ[:, open_[turning]])
     open_of_last = np.ones(len(turning))
+    # circles first, then lines in the strip, nearer and nearer to the motion
     for attempt in range(ATTEMPTS):
         left = np.flatnonzero(~done[turning])
         for own, tables, paths, view, proved in found.paths(left, attempt, integrand.known[turning], open_of_last):
             made = along(integrand, tables, paths, view, proved)
             open_of_last[own] = np.where(_keep(result, done, turning[own], made, J, J_error), made.left, 1.0)
+    # a rotation has no turning points to go round: the path is the real axis itself
     for count in _TURNS:
         left = np.flatnonzero(~done & goes_round)
         if len(left):
@@ -280,6 +286,7 @@ def _keep(result: Seconds, done: Mask, some: Integers, found: Seconds, J: Reals,
     with np.errstate(all="ignore"):
         known = (found.error <= TOLERANCE * found.scale).all(axis=(0, 1))
         agrees = np.abs(found.action - J[some]) <= J_error[some] + _SAME * np.abs(J[some]) + 4 * found.action_error
+    # of the paths that agree with the ensemble's J the one that leaves least open is kept
     right = found.good & agrees & known & ~(result.left[some] <= found.left)
     result.put(some[right], Seconds._make(new[..., right] for new in found))
     done[some] = result.good[some] & (result.left[some] <= _LITTLE)
@@ -297,20 +304,25 @@ def _collected(
     varied = [*constants, *variables.parameters]
     order = names + [c.name for c in solution.system.coordinates if c.name not in names]
     E, n = constants.index(solution.separation.shell.energy.name), len(constants)
+    # the unit matrix stands for orbits without one, so that all inverses are taken in one call
     matrices = np.where(good, K[:, :n], np.eye(n)[:, :, None]).transpose(2, 0, 1)
     with np.errstate(all="ignore"):
         inverse = np.linalg.inv(matrices)
+        # Ωᵢ = ∂E/∂Jᵢ
         Ω = inverse[:, E, :]
         size = np.abs(inverse)
         row, rows = Ω[:, None, :], np.abs(Ω)[:, None, :]
         slopes, unsure, wide = (x.transpose(3, 2, 0, 1) for x in (dK, error + 8 * EPS * np.abs(dK), sizes))  # k, i, j
+        # dK⁻¹ = −K⁻¹ dK K⁻¹, of which Ω is one row
         dΩ = -np.concatenate([row @ slopes[:, k] @ inverse for k in range(len(varied))], axis=1).transpose(0, 2, 1)
         unsure_K = np.where(good, K_error[:, :n] + 64 * EPS * np.abs(K[:, :n]), 0.0).transpose(2, 0, 1)
         spread = size @ unsure_K @ size  # what the errors of K leave open of K⁻¹
         bound, terms = [], []
         for k in range(len(varied)):
             steep = np.abs(slopes[:, k])
+            # first order in what is not known of both factors K⁻¹
             rounded = rows @ steep @ spread + spread[:, E : E + 1, :] @ steep @ size
+            # the size of all terms without signs: the claim is relative to it, as the derivative itself may vanish
             terms.append(rows @ wide[:, k] @ size)
             bound.append(rows @ unsure[:, k] @ size + rounded)
         bound = np.concatenate(bound, axis=1).transpose(0, 2, 1) + 64 * EPS * np.abs(dΩ)
@@ -358,6 +370,7 @@ def _ends(
         )
         tape = tape_of_ends(solution, name, values, variables)
         found = slopes_of_ends(tape, fixed, (places, open_), numbers)
+        # F_q is not known from 0: the end moves like √J there
         lost = good & (np.isfinite(places) & np.isnan(found.value).any(axis=0)).any(axis=0)
         fine = good & ~lost
         statuses[name] = np.where(lost, SQUARE_ROOT, status).reshape(batch.shape)
@@ -373,5 +386,6 @@ def _check(batch: Batch, order: Iterable[str], Ω: Reals, spread: Reals, good: M
         if name in batch.frequencies:
             there = np.ravel(batch.frequencies[name])
             with np.errstate(all="ignore"):
+                # Ω from the path and from the nodes between turning points: nothing but F is common to both
                 near = np.abs(Ω[:, i] - there) <= _SAME * np.abs(there) + spread[:, i]
             good &= near

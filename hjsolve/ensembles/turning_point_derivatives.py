@@ -79,9 +79,11 @@ def slopes_of_ends(
         value, error = np.full((len(κ), *q.shape), np.nan), np.full((len(κ), *q.shape), np.nan)
         for j, other in enumerate(others):
             by, by_error = _both(other[0], q)
+            # the implicit function theorem on F(q; κ) = 0
             value[j] = -by / slope
             rounding = 4 * EPS * np.abs(value[j])
             error[j] = SECOND_ORDER * (by_error + np.abs(value[j]) * slope_error) / np.abs(slope) + rounding
+        # next to a double zero ∂q/∂κ grows without bound: it is given as long as its sign and three digits are sure
         good = slope_error < _KNOWN * np.abs(slope)
     return EndSlopes(np.where(good, value, np.nan), np.where(good, error, np.nan))
 
@@ -103,5 +105,6 @@ def periods_by_constants(Ω: tuple[Reals, Reals], slopes: tuple[Reals, Reals]) -
         value = -rate / Ω[0] * slopes[0]
         off = Ω[1] / np.abs(Ω[0])
         error = rate / np.abs(Ω[0]) * slopes[1] + np.abs(value) * (2 * off / (1 - off) ** 2 + 8 * EPS)
+        # 1/Ω² over the whole interval Ω ± δΩ
         error = error / (1 - off) ** 2
     return value, np.where(off < 1, error, np.inf)

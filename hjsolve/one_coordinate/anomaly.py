@@ -54,10 +54,14 @@ class Libration(Unstretched):
     direction = 1
 
     def place(self, χ: Numeric, arithmetic: Float64 | Multi) -> Place:
+        # u = Kχ/π: χ = 0, π, 2π are u = 0, K, 2K, at which sn² is 0, 1, 0
         sn, cn, _ = jacobi(χ * self.quarter / arithmetic.pi(), self.complement, self.quarter, arithmetic)
+        # D of Byrd & Friedman 254-256; it is positive for ρ_d > −1
         denominator = 1 + self.near_lower * cn * cn
         from_lower = self.width * (sn * sn / denominator)
+        # b − q from cn², not as W less q − a: next to b it has all its digits
         to_upper = self.width * ((1 + self.near_lower) * cn * cn / denominator)
+        # √((q − a)(b − q)) with the sign of sn cn: dq/dχ changes its sign at the turning points
         root = self.width * (arithmetic.unary("sqrt", 1 + self.near_lower) * sn * cn / denominator)
         ends = (1 + self.near_upper * (to_upper / self.width)) * (1 + self.near_lower * (from_lower / self.width))
         stretch = 2 * self.quarter / arithmetic.pi() * arithmetic.unary("sqrt", ends * self.complement)
@@ -74,10 +78,12 @@ class Libration(Unstretched):
         """
         x = (q - self.lower) / self.width
         y = (self.upper - q) / self.width
+        # p = 0 is a turning point: χ is 0 or π exactly, whatever the rounding of x and y says
         if forward == 0:
             return arithmetic.pi() if x > y else 0 * x
         context = arithmetic.context
         sine = context.sqrt(abs(x) * (1 + self.near_lower))
+        # tan²am = (1 + ρ_d) x/y: the arctangent of both roots keeps its digits next to either end
         amplitude = context.atan2(sine, context.sqrt(abs(y)))
         return forward * arithmetic.pi() * context.ellipf(amplitude, 1 - self.complement) / self.quarter
 
@@ -106,8 +112,10 @@ class BarrierAnomaly(Unstretched):
     direction = 1
 
     def place(self, χ: Numeric, arithmetic: Float64 | Multi) -> Place:
+        # a turn of χ is one period 4K of cn: χ is reduced to it before it is multiplied
         reduced = χ - 2 * arithmetic.pi() * arithmetic.rint(χ / (2 * arithmetic.pi()))
         sn, cn, dn = jacobi(2 * reduced * self.quarter / arithmetic.pi(), self.complement, self.quarter, arithmetic)
+        # sin²(φ/2) = (1 − cos φ)/2 cancels where cos φ is near 1: sin²φ/(2(1 + |cos φ|)) does not
         small = sn * sn / (1 + abs(cn)) / 2
         large = (1 + abs(cn)) / 2
         low, high = _ordered(small, large, cn > 0, arithmetic)  # sin²(φ/2), cos²(φ/2)
@@ -127,6 +135,7 @@ class BarrierAnomaly(Unstretched):
         if forward == 0:
             return arithmetic.pi() if x > y else 0 * x
         context = arithmetic.context
+        # tan²(φ/2) = (B/A) (q − a)/(b − q), the map solved for φ
         amplitude = 2 * context.atan2(context.sqrt(abs(x) * self.from_upper), context.sqrt(abs(y) * self.from_lower))
         return forward * arithmetic.pi() * context.ellipf(amplitude, 1 - self.complement) / (2 * self.quarter)
 
@@ -151,6 +160,7 @@ class Rotation(Unstretched):
     def place(self, χ: Numeric, arithmetic: Float64 | Multi) -> Place:
         """Return the place at χ, |χ| ≤ 2π; q is not reduced to one turn."""
         sn, cn, dn = jacobi(χ * self.quarter / arithmetic.pi(), self.complement, self.quarter, arithmetic)
+        # am from its sine and cosine: an arctangent of sn/cn would lose the half turn
         amplitude = arithmetic.atan2(sn, cn)
         stretch = 2 * self.quarter / arithmetic.pi() * dn
         q = self.slow + self.direction * (2 * amplitude - arithmetic.pi())
@@ -160,6 +170,7 @@ class Rotation(Unstretched):
         """Return χ in (−π, π] of a position."""
         context = arithmetic.context
         angle = self.direction * (q - self.slow) + arithmetic.pi()
+        # one turn of the angle is one of χ: what is left lies in (−π, π]
         angle -= 2 * arithmetic.pi() * context.nint(angle / (2 * arithmetic.pi()))
         return arithmetic.pi() * context.ellipf(angle / 2, 1 - self.complement) / self.quarter
 
@@ -193,6 +204,7 @@ class TwoBarrierAnomaly(Unstretched):
         turn = arithmetic.rint((χ - pi) / (2 * pi))
         sn, cn, dn = jacobi(2 * self.quarter * ((χ - pi) / pi - 2 * turn), self.complement, self.quarter, arithmetic)
         cosine, sine = cn / dn, root * sn / dn
+        # half angles by the root that does not cancel; the other one from sin w = 2 sin(w/2) cos(w/2)
         large = arithmetic.unary("sqrt", (1 + abs(cosine)) / 2)
         s, c = _ordered(abs(sine) / (2 * large), large, cosine > 0, arithmetic)  # |sin w/2|, cos w/2
         s = arithmetic.copysign(s, sine)
@@ -208,7 +220,9 @@ class TwoBarrierAnomaly(Unstretched):
         half = self.direction * (q - self.slow) / 2
         half -= pi * context.nint(half / pi)
         sine, cosine = context.sin(half), context.cos(half)
+        # the Möbius map of tan((q − slow)/2), solved for Y = tan(w/2)
         w = 2 * context.atan2(self.scale * sine, cosine - self.direction * self.tilt * sine)
+        # w = am(v + K) − π/2, so that w = 0 is v = 0
         v = context.ellipf(w + pi / 2, 1 - self.complement) - self.quarter
         χ = pi + pi * v / (2 * self.quarter)
         return χ - 2 * pi * context.ceil((χ - pi) / (2 * pi))
@@ -226,8 +240,10 @@ def libration_anomaly(lower: Mpf, upper: Mpf, below: Mpf | None, above: Mpf | No
         arithmetic: precision of all of them.
     """
     width = upper - lower
+    # no zero near: ρ = 0, for which the elliptic map is the plain one
     near_lower = width / (lower - below) if below is not None else 0 * width
     near_upper = width / (above - upper) if above is not None else 0 * width
+    # k′² must not exceed 1: c and d change their places in the cross ratio
     if (1 + near_lower) * (1 + near_upper) < 1:  # on one side of the motion, c between it and d
         near_lower, near_upper = -near_upper / (1 + near_upper), -near_lower / (1 + near_lower)
     complement = 1 / ((1 + near_lower) * (1 + near_upper))
@@ -245,7 +261,9 @@ def barrier_anomaly(lower: Mpf, upper: Mpf, barrier_top: Mpf, gap: Mpf, arithmet
     width = upper - lower
     left, right, δ = ((x / width) for x in (barrier_top - lower, upper - barrier_top, gap))
     A, B = (arithmetic.unary("sqrt", x * x + δ * δ) for x in (left, right))
+    # A − left = δ²/(A + left): the difference of two nearly equal lengths is written without one
     excess = δ * δ / (A + left) + δ * δ / (B + right)  # (A + B) − W, which may be tiny
+    # k′² = ((A + B)² − W²)/(4AB) with W = 1, as a product of sum and difference
     complement = excess * (A + B + 1) / (4 * A * B)
     return BarrierAnomaly(lower, width, upper, A, B, complement, quarter_period(complement, arithmetic))
 
@@ -260,6 +278,7 @@ def rotation_anomaly(slow: Mpf, direction: int, gap: Mpf | None, arithmetic: Mul
         arithmetic: precision of all of them.
     """
     one = arithmetic.rational(1, 1)
+    # dn vanishes at χ = π + iK′π/K; k′ = tanh(gap/2), of which this is the second order, puts the zero of p² there
     complement = one if gap is None else (gap / 2) ** 2 / (1 + (gap / 2) ** 2)
     return Rotation(slow, direction, complement, quarter_period(complement, arithmetic))
 
@@ -279,11 +298,15 @@ def two_barrier_anomaly(
         arithmetic: precision of all of them.
     """
     context = arithmetic.context
+    # the circle as a line by Y = tan(q/2): crest ± i·gap becomes ± i tanh(gap/2)
     e1 = context.tanh(gap / 2)
     z2 = context.tan(context.mpc(other - barrier_top, other_gap) / 2)
     x2, e2 = z2.real, z2.imag
+    # cosh of the hyperbolic distance of z₁ and z₂, less 1: next to 0 it keeps its digits
     ρ = (x2 * x2 + (e2 - e1) ** 2) / (2 * e1 * e2)
+    # ε² = e^(−distance): the pairs iε and i/ε lie as far apart as z₁ and z₂
     ε = context.sqrt(1 / (1 + ρ + context.sqrt(ρ * (ρ + 2))))
+    # (A Y + B)/(C Y + D) with determinant 1 takes iε to z₁: Im z₁ = ε/|C iε + D|² gives C and D
     C = context.sqrt(max(0 * ε, (1 / (ε * e2) - ε / e1) / (1 / ε**2 - ε**2))) * (1 if x2 > 0 else -1)
     D = context.sqrt(ε / e1 - (C * ε) ** 2)
     A, B = D * e1 / ε, -C * ε * e1

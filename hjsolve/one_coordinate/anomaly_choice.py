@@ -51,6 +51,7 @@ def over_the_best_map(start: CoordinateStart, kind: Kind, maps: Iterator[Anomaly
         NotConvergedError: for none of them it could be proved how many nodes are enough, or they are too many.
     """
     best: tuple[int, Anomaly] | None = None
+    # the plain map must be good to be taken; a costlier one is taken if it is not bad
     limits: Iterator[int] = itertools.chain([_FEW], itertools.repeat(_MANY))
     if not start.parts:  # nothing is integrated
         best, limits = (1, next(maps)), iter(())
@@ -63,6 +64,7 @@ def over_the_best_map(start: CoordinateStart, kind: Kind, maps: Iterator[Anomaly
     if best is not None and best[0] > (
         _MOST_NODES * max(1.0, digits / 15) if isinstance(best[1], Stretched) else _MANY
     ):
+        # many nodes: finer squares next to the obstacles may prove a wider strip
         best = _better(best, _proved(start, best[1], digits, bits, resolution.FINE))
     if best is None:
         return _next_to_a_separatrix(start, kind, tried, digits, bits)
@@ -77,6 +79,7 @@ def _proved(
     start: CoordinateStart, anomaly: Anomaly, digits: int, bits: int, *coarse: float, zeros: bool = True
 ) -> tuple[int, Anomaly] | None:
     """Return the nodes that are proved to be enough over a map; None where nothing is."""
+    # the number of nodes is proved before one of them is computed
     subject = resolution.integrands_to_resolve(anomaly, start.radicand, start.skipped, start.parts, bits)
     found = resolution.strip(subject, digits, *coarse, zeros=zeros)
     return None if found is None else (smooth(found.nodes(digits) * (1 if anomaly.even else 2)), anomaly)
@@ -101,10 +104,12 @@ def _next_to_a_separatrix(start: CoordinateStart, kind: Kind, maps: list[Anomaly
         NotConvergedError: not even R is proved to be resolved, or that takes too many nodes.
     """
     for anomaly in reversed(maps):
+        # a zero of R so near that doubles do not know its sign: only R and the kernels are proved to be resolved
         least = _proved(start, anomaly, digits, bits, zeros=False)
         nodes = least[0] if least is not None else _MOST_NODES
         while nodes < _MANY * 8 * max(1.0, digits / 15):
             found = _integrated(start, kind, nodes, anomaly, digits, bits)
+            # with R proved to be its interpolant, the coefficients of the integrands can be believed
             if found.tail <= 10.0 ** -(digits + 1):
                 return found
             nodes = smooth(int(1.4 * nodes))
@@ -118,6 +123,7 @@ def over_near_zeros(start: CoordinateStart, usual: Libration, bits: int) -> Iter
         usual: its anomaly between the turning points.
     """
     arithmetic = Multi(bits)
+    # first the places that a proof did not get past; then the nearest pair by an elliptic map of its own
     yield from _spread(start, usual, bits)
     found = complex_zero_pairs(start.radicand, usual.lower, usual.upper, bits)
     if found:
@@ -134,6 +140,7 @@ def over_other_near_zeros(start: CoordinateStart, anomaly: Rotation, gap: Mpf | 
         gap: distance of the complex zero of p² next to that maximum from the real axis; None where it is far.
     """
     arithmetic = Multi(bits)
+    # the barrier at which the angle begins is known already: it is left out of the search
     turn, margin = 2 * arithmetic.pi(), arithmetic.pi() / 512
     yield from _spread(start, anomaly, bits)
     found = complex_zero_pairs(start.radicand, anomaly.slow + margin, anomaly.slow + turn - margin, bits)
@@ -175,6 +182,7 @@ def complex_zero_pairs(radicand: MomentumSquared, lower: Mpf, upper: Mpf, bits: 
     ]
     distinct: list[ComplexZeroPair] = []
     for pair in sorted(found, key=lambda c: c.gap):
+        # Newton's method from two points of the grid may end at one place
         if all(abs(pair.place - other.place) > width / _GRID_PLACES for other in distinct):
             distinct.append(pair)
     return distinct
@@ -186,6 +194,7 @@ def _extrema(radicand: MomentumSquared, lower: float, upper: float) -> list[floa
     count(squares=q.size)
     inputs = [float(x) for x in radicand.inputs(64)]
     with np.errstate(all="ignore"):
+        # a grid in doubles: a pair it misses costs nodes, never a digit
         rise = np.diff(np.broadcast_to(radicand.squared.run(Float64(), [q, *inputs])[0], q.shape))
     return [float(x) for x in q[1:-1][rise[:-1] * rise[1:] <= 0]]
 
@@ -197,4 +206,5 @@ def _refined(radicand: MomentumSquared, q: Mpf, lower: Mpf, upper: Mpf, bits: in
     if place is None:
         return None
     value, _, bend = radicand.jet(place, bits)
+    # δ = √(2F/|F″|) of the parabola through the minimum of p², or through the maximum next to a pair of poles
     return ComplexZeroPair(place, (2 * abs(value / bend)) ** 0.5) if value > 0 and bend else None

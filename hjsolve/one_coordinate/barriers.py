@@ -1,4 +1,7 @@
-"""Where a rotation is slowest: at the highest barrier. Its angle is counted from the place opposite to that."""
+"""Where a rotation is slowest: at the highest barrier. Its angle is counted from the place opposite to that.
+
+There p² ≈ F₀ + ½F″ (q − q₀)² has its complex pair of zeros next to the real axis, q₀ ± i √(2F₀/F″).
+"""
 
 from __future__ import annotations
 
@@ -36,11 +39,13 @@ def slow_place(start: CoordinateStart, bits: int) -> tuple[Mpf, Mpf | None]:
         The place, of several equal ones the first from 0 upwards; and √(2F/F″), None for no zero near.
     """
     context = multiprecision(bits)
+    # the least p² over the whole turn, not that next to the start: the map depends on the orbit, not on where it begins
     q = context.convert(_roughly_slow(start, bits))
     place = _valley(start, q, 0.1, context.mpf(2) ** (16 - bits // 2), bits)
     if place is None:
         return q, None
     value, _, bend = start.radicand.jet(place, bits)
+    # F ≈ F₀ + ½F″(q − q₀)² vanishes at q₀ ± i√(2F₀/F″)
     return place, (2 * value / bend) ** 0.5
 
 
@@ -57,6 +62,7 @@ def _roughly_slow(start: CoordinateStart, bits: int) -> float:
     inputs = [float(x) for x in start.radicand.inputs(bits)]
     values = np.broadcast_to(start.radicand.squared.run(Float64(), [grid, *inputs])[0], grid.shape)
     valleys: list[tuple[float, float]] = []
+    # every valley of the grid is brought to its bottom before the deepest is chosen: equal barriers differ on a grid
     for k in np.flatnonzero((values < np.roll(values, 1)) & (values <= np.roll(values, -1))):
         q = context.convert(float(grid[k]))
         place = _valley(start, q, 2 * np.pi / _POINTS, context.mpf(2) ** -50, 64)
@@ -64,5 +70,6 @@ def _roughly_slow(start: CoordinateStart, bits: int) -> float:
         valleys.append((float(start.radicand.value(place, 64)), float(place)))
     if not valleys:
         return float(grid[int(np.argmin(values))])
+    # of barriers that are equal but for rounding always the same one: results must not depend on it
     equal = min(valleys)[0] + EQUAL_BARRIERS * float(np.abs(values).max())
     return min((q for value, q in valleys if value <= equal), key=barrier_order)

@@ -61,6 +61,7 @@ class ChainMap:
     def last(self, context: Context) -> Mpf | None:
         """Return the greatest y, None where there is none."""
         last = self.maps[-1].last(context)
+        # each part but the last takes one unit of y
         return None if last is None else len(self.maps) - 1 + last
 
     def in_doubles(self) -> ChainMap:
@@ -80,6 +81,7 @@ class ChainMap:
         def at(part: EndMap, z: Elementwise) -> tuple[Elementwise, ...]:
             x, left, slope = part.distances(z, arithmetic)
             before, after = ahead[part]
+            # distances add up over parts; the one to the end of the last part keeps its relative digits
             return before + x, after + (part.length - x if left is None else left), slope
 
         x, left, slope = self._of_part(y, at)
@@ -94,6 +96,7 @@ class ChainMap:
         """Return y of a place; None where the chain does not pass it."""
         for k, part in enumerate(self.maps):
             y = part.parameter(q)
+            # a kink belongs to the part that ends there
             if y is not None and (k == len(self.maps) - 1 or y <= 1):
                 return k + y
         return None
@@ -165,12 +168,16 @@ def _joined(
     for k, table in enumerate(tables):
         own = table.edges[1:].copy()
         if k < len(tables) - 1:
+            # panels end just before a kink at which p² is not analytic: the gap is closed, and the last polynomial goes
+            # on over it
             own[-1] = own[-1] * 0 + 1
         edges.append(own + k)
         added = table.sums.copy()
+        # the integral is continuous through a kink: the next part begins with what the last one ended with
         added[:, :, 0] = added[:, :, 0] + (before[:, None] if k else 0)
         coefficients.append(table.coefficients)
         sums.append(added)
+        # the value of a Chebyshev series at x = 1 is the sum of its coefficients
         before = np.sum(added[:, -1, :], axis=-1)
     return Panels(
         np.concatenate(edges), _padded(coefficients), _padded(sums), max(t.nodes for t in tables), tables[-1].finished

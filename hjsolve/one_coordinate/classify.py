@@ -1,4 +1,4 @@
-"""From the initial place of a coordinate to its course: kind of motion, turning points, integrals."""
+"""From the initial place of a coordinate to its motion: its kind by the zeros of p² on both sides, and integrals."""
 
 from __future__ import annotations
 
@@ -61,6 +61,7 @@ def locate(start: CoordinateStart, digits: int) -> Located:
     """
     if start.cells:
         return _through_kinks(start, digits)
+    # a start at rest moves to where F′ is positive; where F′ = 0, too, it stays
     forward = start.forward or _push(start)
     if forward == 0:
         return at_rest(start, digits)
@@ -68,6 +69,7 @@ def locate(start: CoordinateStart, digits: int) -> Located:
         return wound
     ahead = _first_end(start, forward, digits)
     if start.forward == 0:
+        # it starts at a turning point: nothing is searched behind it
         behind = End("turning", start.place)
     elif ahead.kind == "round":
         behind = ahead
@@ -87,6 +89,7 @@ def _through_kinks(start: CoordinateStart, digits: int) -> Located:
     Raises:
         NotConvergedError: it comes to rest at a kink that it may leave to either side.
     """
+    # a start on a kink belongs to two cells: the sign of p, or of the push, says which p² goes on
     at_kink = kinks.cell_of(start, -1) != kinks.cell_of(start, 1)
     own = kinks.in_its_cell(start, kinks.cell_of(start, start.forward))
     forward = start.forward or (kinks.push(start) if at_kink else _push(own))
@@ -97,6 +100,7 @@ def _through_kinks(start: CoordinateStart, digits: int) -> Located:
     behind = kinks.Reached(kinks.cell_of(start, forward), End("turning", start.place))
     if start.forward:
         behind = kinks.reached(start, -forward, digits)
+    # no kink is passed: the motion is that of one analytic p²
     if ahead.cell == behind.cell and "wall" not in {ahead.end.kind, behind.end.kind}:
         return locate(kinks.in_its_cell(start, ahead.cell), digits)
     lower, upper = (behind, ahead) if forward > 0 else (ahead, behind)
@@ -109,6 +113,7 @@ def _push(start: CoordinateStart) -> int:
     """Direction in which a coordinate leaves a turning point: the sign of F′ (Greenwood, item 102); 0 when it rests."""
     if start.exact is not None and _looks_multiple(start) and start.exact.order_at_start() > 1:
         return 0
+    # F′ next to a double zero is small: its sign is believed above the rounding of its terms only
     for bits in (256, 1024, 2048):
         q = start.place(bits)
         value, slope, bend = start.radicand.jet(q, bits)
@@ -129,6 +134,7 @@ def _first_end(start: CoordinateStart, side: int, digits: int) -> End:
         return first_end(outward, digits=digits)
     except NotConvergedError:
         q = start.place(1024)
+        # a zero of order 3 or more has F″ = 0 as well: no enclosure decides it, exact algebra does
         zeros = start.exact.multiple_zeros() if start.exact is not None else ()
         beyond = [zero for zero in zeros if side * (zero(1024) - q) > 0]
         if not beyond:
@@ -142,6 +148,7 @@ def _first_end(start: CoordinateStart, side: int, digits: int) -> End:
 def _looks_multiple(start: CoordinateStart) -> bool:
     """Return whether p² at a turning point grows by much more than its slope lets it."""
     q = start.place(256)
+    # F(q ± h) ~ F′h at a simple zero; where it is larger by 2¹⁰ the zero may be multiple
     step = q.context.ldexp(abs(q) or 1, -_STEP)
     try:
         grown = max(abs(start.radicand.value(q + side * step, 256)) for side in (1, -1))
@@ -181,7 +188,9 @@ def at_rest(start: CoordinateStart, digits: int, *, sides: list[MomentumSquared]
     stable = sides is None and bool(bend < 0) and (start.exact is None or start.exact.order_at_start() == 2)
     scale = (-bend / 2) ** 0.5 if stable else 1
     size, h = abs(q) or 1, multiprecision(bits).mpf(2) ** -20
+    # kernels at rest, and by how much they change over |q|: the size that cancellation refers to
     weights, beside = start.radicand.weights(q, bits), start.radicand.weights(q + size * h, bits)
+    # the limit of a vanishing libration: ∂J/∂cⱼ = kⱼ/√(−½F″)
     rates = [0 * q if skip else w / scale for w, skip in zip(weights, start.skipped, strict=True)]
     changes = [abs(after - w) / h / scale for w, after in zip(weights, beside, strict=True)]
     sizes = [abs(r) + (c if c < multiprecision(bits).inf else 0) for r, c in zip(rates, changes, strict=True)]
@@ -212,10 +221,12 @@ def _libration(start: CoordinateStart, lower: End, upper: End, digits: int) -> P
         )
     ends = places[0](256), places[1](256)
     _refuse_beyond_doubles(start, sum(ends) / 2, ends[1] - ends[0])
+    # next to an end of the domain p² is known to fewer bits: twice the powers of two by which the end is nearer
     bits = needed + 80 + 2 * nearness + start.radicand.guard
     while True:
         arithmetic = Multi(bits)
         a, b = (arithmetic.convert(place(bits)) for place in places)
+        # the plain anomaly first: circular orbits and oscillators need nothing else
         plain = libration_anomaly(a, b, None, None, arithmetic)
         lost = _lost_bits(start.radicand, plain, bits)
         if bits - lost >= needed:
@@ -228,6 +239,8 @@ def _libration(start: CoordinateStart, lower: End, upper: End, digits: int) -> P
 
     def maps() -> Iterator[Anomaly]:
         yield plain
+        # the elliptic one takes the next zeros on both sides away; then those inside the motion, one kind after the
+        # other
         usual = libration_anomaly(
             a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic
         )
@@ -249,6 +262,7 @@ def _refuse_beyond_doubles(start: CoordinateStart, middle: Numeric, width: Mpf) 
     """
     if not start.parts:
         return
+    # p²/W² is of the size of R, whose root and inverse disks in doubles must hold
     bend = abs(start.radicand.value(middle, 256)) / (width * width) if width else 0
     if width >= _WIDEST or (bend and not 1 / _CURVED < bend < _CURVED):
         raise NotConvergedError(
@@ -276,6 +290,7 @@ def _lost_bits(radicand: MomentumSquared, anomaly: Anomaly, bits: int) -> int:
     worst = 0
     for χ in (0.3, 1.6, 2.9):
         place = anomaly.place(Multi(bits).convert(χ), Multi(bits))
+        # twice the precision is the truth here: their difference is what cancellation takes
         near, exact = radicand.value(place.q, bits), radicand.value(place.q, 2 * bits)
         size = abs(exact)
         if not size:
@@ -293,6 +308,7 @@ def _outside(start: CoordinateStart, end: Mpf, width: Mpf, side: int, bits: int)
     context = multiprecision(bits)
     domain = None if start.angle else start.upper if side > 0 else start.lower
     limit = abs(domain(bits) - end) if domain is not None else 64 * width
+    # doubling steps from W/2⁷⁰: a zero next to a separatrix may be that near
     inner, step = context.mpf(0), width * context.mpf(2) ** -70
     while step < limit:
         if start.radicand.value(end + side * step, bits) > 0:
@@ -308,11 +324,13 @@ def _rotation(start: CoordinateStart, direction: int, digits: int) -> Periodic:
     slow, gap = slow_place(start, bits)
     anomaly: Rotation = rotation_anomaly(slow, direction, gap, arithmetic)
     phase = anomaly.phase(arithmetic.convert(start.place(bits)), direction, arithmetic)
+    # the slow place was found modulo 2π
     whole = arithmetic.context.nint((start.place(bits) - anomaly.place(phase, arithmetic).q) / (2 * arithmetic.pi()))
     slow += 2 * arithmetic.pi() * whole  # turns are counted from the place given, whichever way the motion goes
     anomaly = rotation_anomaly(slow, direction, gap, arithmetic)
     lost = _lost_bits(start.radicand, anomaly, bits)
     if gap is not None:
+        # k′² ~ gap²/4: the elliptic functions lose as many bits
         lost += int(max(0.0, -2 * float(arithmetic.context.log(gap, 2))))
     if lost > 64:
         bits += lost
@@ -334,6 +352,7 @@ def _wound(start: CoordinateStart, winding: Winding, digits: int) -> Located | N
 
 def _open(start: CoordinateStart, forward: int, lower: End, upper: End, digits: int) -> Unbounded:
     bits = bits_for(digits, 128)
+    # the ends to more bits than the integrals: distances from them must keep their relative digits far into the branch
     exact = bits + 512 + start.radicand.guard
     lower, upper = _judged(start, lower), _judged(start, upper)
     kind = _kind_of_open(lower, upper, forward)
@@ -426,11 +445,13 @@ def _judged(start: CoordinateStart, end: End) -> End:
             "essential singularity: no integral converges up to there; give the coordinate a domain that ends before"
         )
     sizes = []
+    # the integrand at 2⁻²⁰⁰ and 2⁻²¹⁶ of the way: kⱼ/p ~ x^(−s) has no integral for s ≥ 1, a ratio of 2¹⁶ or more
     for power in (200, 216):
         q = place + (here - place) * context.mpf(2) ** -power
         root = abs(start.radicand.value(q, bits)) ** 0.5
         weights = zip(start.radicand.weights(q, bits), start.skipped, strict=True)
         sizes.append([0 * root if skip else abs(w / root) for w, skip in weights])
+    # the first kernel is that of the energy: where it has no limit the end is never reached
     endless = [bool(before and after / before > context.mpf(2) ** 15.99) for before, after in zip(*sizes, strict=True)]
     return replace(end, kind="asymptote" if endless[0] else "fall" if any(endless) else "boundary")
 
@@ -441,16 +462,15 @@ def _outgrows_powers(radicand: MomentumSquared, place: Mpf, direction: Mpf) -> b
     values = [abs(radicand.value(place + direction * context.mpf(2) ** -k, context.prec)) for k in (50, 66, 100, 116)]
     if not all(values):
         return False
+    # the exponent of p² at 2⁻⁵⁰ and at 2⁻¹⁰⁰: of a power it is the same
     far, near = (context.log(after / before, 2) / 16 for before, after in (values[:2], values[2:]))
     return bool(near > max(_STEEPEST, 2 * abs(far)) or context.log(values[0], 2) > 2**64)
 
 
 def _length(start: CoordinateStart, place: Mpf, bits: int, *, turning: bool) -> Mpf:
-    """Return a length over which p² changes by itself near a place.
+    """Return a length over which p² changes by itself near a place; at a turning point its value is rounding only.
 
-    At a turning point its value there is rounding only.
-
-    Beside a narrow feature far away p² hardly changes at all: the length is not much larger than |q|.
+    Next to a narrow feature far away p² hardly changes at all: the length is not much larger than |q|.
     """
     # |F/F′|, or |F′/F″| where F is nearly a parabola: the distance over which F changes by its own size
     value, slope, bend = start.radicand.jet(place, bits)
@@ -469,6 +489,7 @@ def _open_phase(end_map: EndMap, start: CoordinateStart, forward: int, bits: int
     if start.forward == 0:
         return multiprecision(bits).mpf(0)
     context = multiprecision(bits)
+    # x = y², sin²(y/2) or tanh²y (``chebyshev_panels``), solved for y
     x = abs(start.place(bits) - end_map.start) / end_map.length
     if end_map.end == "infinity":
         y = context.sqrt(x)

@@ -30,6 +30,7 @@ class Fixed:
         self.series, self.context = series, multiprecision(bits)
         parts = [part for part in (series.cosines, series.sines) if part is not None]
         self.size = max((abs(c) for part in parts for c in part), default=0)
+        # rounding grows like the square of the number of terms at most
         self.work = bits + 2 * max(len(series.cosines), 1).bit_length() + _GUARD
 
     def _integers(self, coefficients: Iterable[object], divided: bool) -> list[int]:
@@ -55,6 +56,7 @@ class Fixed:
         work, twice = self.work, 2 * c
         b, after = 0, 0
         for u in coefficients:
+            # bₖ = uₖ + 2 cos χ bₖ₊₁ − bₖ₊₂, a shift in place of a division
             b, after = u + (twice * b >> work) - after, b
         return b, after
 
@@ -68,8 +70,10 @@ class Fixed:
         c, s = self._wave(χ)
         cosines, sines = self._slopes
         b, after = self._total(cosines, c)
+        # Σ uₖ cos kχ = b₁ cos χ − b₂
         total = (b * c >> self.work) - after
         if sines:
+            # Σ uₖ sin kχ = b₁ sin χ
             total += self._total(sines, c)[0] * s >> self.work
         return self.series.mean + self._number(total)
 
@@ -82,5 +86,6 @@ class Fixed:
         total = self._total(cosines, c)[0] * s >> self.work
         if sines:
             b, after = self._total(sines, c)
+            # ∫ of sines: Σ (sₖ/k)(1 − cos kχ), which is 0 at χ = 0
             total += all_sines - ((b * c >> self.work) - after)
         return self._number(total)

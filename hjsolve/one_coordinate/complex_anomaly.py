@@ -58,8 +58,10 @@ def jacobi_complex(u: Complexes, complement: float, quarter: float) -> tuple[Com
     s, c, d = jacobi(np.real(u), complement, quarter, _FLOAT)
     parameter = 1.0 - complement
     other = quarter_period(parameter, _FLOAT)
+    # 2iK′ is a period of sn²: no strip goes that far, and the clip keeps the arithmetic finite
     y = np.clip(np.imag(u), -1.999 * other, 1.999 * other)
     s1, c1, d1 = jacobi(y, parameter, other, _FLOAT)
+    # a sum of squares: it vanishes at the poles alone
     below = c1 * c1 + parameter * (s * s1) ** 2
     sn = (s * d1 + 1j * c * d * s1 * c1) / below
     cn = (c * c1 - 1j * s * d * s1 * d1) / below
@@ -87,6 +89,7 @@ def _(anomaly: Libration, phase: Complexes) -> ComplexPlace:
     quarter, complement = float(anomaly.quarter), float(anomaly.complement)
     sn, cn, _ = jacobi_complex(phase * (quarter / np.pi), complement, quarter)
     below = 1 + low * cn * cn
+    # both fractions from their own squares: their sum is 1, but neither is a difference
     x, y = sn * sn / below, (1 + low) * cn * cn / below
     stretch = 2 * quarter / np.pi * np.sqrt(np.abs((1 + up * y) * (1 + low * x)) * complement)
     return ComplexPlace(_nearer(anomaly, width * x, width * y), width * x, width * y, stretch)
@@ -97,6 +100,7 @@ def _(anomaly: BarrierAnomaly, phase: Complexes) -> ComplexPlace:
     width, left, right = (float(x) for x in (anomaly.width, anomaly.from_lower, anomaly.from_upper))
     quarter, complement = float(anomaly.quarter), float(anomaly.complement)
     sn, cn, dn = jacobi_complex(phase * (2 * quarter / np.pi), complement, quarter)
+    # as on the real axis: sin²(φ/2) from sn²/(2(1 + cn)) on the half where cn is near 1
     forward = np.real(cn) > 0
     large = np.where(forward, 1 + cn, 1 - cn) / 2
     low: Complexes = np.where(forward, sn * sn / (4 * large), large)
@@ -112,6 +116,7 @@ def _(anomaly: BarrierAnomaly, phase: Complexes) -> ComplexPlace:
 def _(anomaly: Rotation, phase: Complexes) -> ComplexPlace:
     quarter, complement = float(anomaly.quarter), float(anomaly.complement)
     sn, cn, dn = jacobi_complex(quarter * phase / np.pi, complement, quarter)
+    # e^(i am) = cn + i sn, continued off the axis by the principal logarithm
     amplitude = -1j * np.log(cn + 1j * sn)
     q = float(anomaly.slow) + anomaly.direction * (2 * amplitude - np.pi)
     return ComplexPlace(q, None, None, 2 * quarter / np.pi * np.abs(dn))
@@ -121,6 +126,7 @@ def _(anomaly: Rotation, phase: Complexes) -> ComplexPlace:
 def _(anomaly: TwoBarrierAnomaly, phase: Complexes) -> ComplexPlace:
     quarter, complement = float(anomaly.quarter), float(anomaly.complement)
     scale, tilt, root = float(anomaly.scale), float(anomaly.tilt), complement**0.5
+    # the map is centred at χ = π: v = 2K(χ − π)/π with |v| ≤ 2K
     turned: Complexes = np.where(np.real(phase) < 0, phase + np.pi, phase - np.pi)
     sn, cn, dn = jacobi_complex(2 * quarter * turned / np.pi, complement, quarter)
     w = -1j * np.log(cn / dn + 1j * root * sn / dn)
@@ -137,6 +143,7 @@ def _(anomaly: Stretched, phase: Complexes) -> ComplexPlace:
     k = np.arange(1, len(slope.cosines) + 1)
     cosines = slope.cosines.astype(complex)
     sines = 0 * cosines if slope.sines is None else slope.sines.astype(complex)
+    # off the axis e^(ikψ) falls and e^(−ikψ) grows: two power series instead of sines and cosines
     up, down = (cosines - 1j * sines) / 2, (cosines + 1j * sines) / 2  # of e^{ikψ} and e^{−ikψ}
     wave: Complexes = np.exp(1j * phase)
     rising, rising_rate = _power_sums(np.stack([up / (1j * k), up]), wave)
@@ -163,6 +170,7 @@ def _power_sums(coefficients: Complexes, z: Complexes) -> Complexes:
     total = np.empty((rows, z.size), dtype=complex)
     for first in range(0, z.size, _AT_ONCE):
         part = z.reshape(-1)[first : first + _AT_ONCE]
+        # z … z⁶⁴ once for all rows of coefficients
         powers = np.cumprod(np.broadcast_to(part, (_BLOCK, part.size)), axis=0)
         sums = table @ powers
         joined = sums[-1]
@@ -200,6 +208,7 @@ def place_disks(anomaly: Inner | Stretched, χ: Complexes, radius: Reals) -> Pla
         return Disk(values[0], _MARGIN * apart + 1e-15 * np.abs(values[0]))
 
     if found.from_lower is None:
+        # the angle is known up to turns: the edge is brought next to the centre
         across = np.real(found.q - found.q[0]) + np.pi
         turned = found.q[0] + across % (2 * np.pi) - np.pi + 1j * np.imag(found.q - found.q[0])
         return PlaceDisks(disk(turned), None, None)

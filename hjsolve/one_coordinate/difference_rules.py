@@ -128,12 +128,9 @@ class DifferenceRules(ABC, Generic[N]):
         """(1/f)[a, b, q] = (f[a, b] f[a, q] − f(a) f[a, b, q])/(f(a) f(b) f(q)), (1/f)[b, q] = −f[b, q]/(f(b) f(q))."""
         here = self.reciprocal(f.here)
         ends = self.fixed(_DISKS.mul(_DISKS.inverse(x.lower), _DISKS.inverse(x.upper)))
-        minus = self.fixed(Disk(-x.lower.centre, x.lower.radius))
+        minus = self.fixed(-x.lower)
         inner = self.plus(self.times(self.fixed(required(x.chord)), f.from_lower), self.times(minus, f.second))
-        upper, lower = (
-            self.times(self.fixed(Disk(-part.centre, part.radius)), here)
-            for part in (_DISKS.inverse(x.upper), _DISKS.inverse(x.lower))
-        )
+        upper, lower = (self.times(self.fixed(-_DISKS.inverse(end)), here) for end in (x.upper, x.lower))
         return DividedValues(
             here,
             self.times(self.times(ends, here), inner),
@@ -143,11 +140,13 @@ class DifferenceRules(ABC, Generic[N]):
 
     def _unary(self, name: str, x: EndValues, f: DividedValues[N]) -> DividedValues[N]:
         a, b, q = self.fixed(x.lower), self.fixed(x.upper), f.here
-        at_a, at_b = (self.fixed(_DISKS.unary(name, end)) for end in (x.lower, x.upper))
+        ends = [_DISKS.unary(name, end) for end in (x.lower, x.upper)]
+        at_a, at_b = map(self.fixed, ends)
         here = self.call(name, q)
         # Φ[f(a), f(q)], Φ[f(b), f(q)] and Φ[f(a), f(b), f(q)]
         near_a, near_b = self.chord(name, a, q, at_a, here), self.chord(name, b, q, at_b, here)
-        twice = self.bend(name, (a, b, q), self.fixed(first_disk(name, x.lower, x.upper)), near_a, near_b)
+        fixed = self.fixed(_DISKS.chord(name, x.lower, x.upper, *ends))
+        twice = self.bend(name, (a, b, q), fixed, near_a, near_b)
         # (Φ∘f)[a, b, q] = Φ[f(b), f(q)] f[a, b, q] + f[a, b] f[a, q] Φ[f(a), f(b), f(q)]
         inner = self.times(self.times(self.fixed(required(x.chord)), f.from_lower), twice)
         second = self.plus(self.times(near_b, f.second), inner)
@@ -166,8 +165,7 @@ class OverDisks(DifferenceRules[Disk]):
 
     def chord(self, name: str, x: Disk, y: Disk, at_x: Disk, at_y: Disk) -> Disk:
         """Return the quotient of differences, or the mean of Φ′ over the hull: the smaller disk."""
-        quotient = _DISKS.div(_DISKS.sub(at_y, at_x), _DISKS.sub(y, x))
-        return tighter(quotient, _DISKS.derivative(name, hull(x, y)))
+        return _DISKS.chord(name, x, y, at_x, at_y)
 
     def bend(self, name: str, places: tuple[Disk, Disk, Disk], chord: Disk, near_a: Disk, near_b: Disk) -> Disk:
         """Return one of two quotients, or half the mean of Φ″ over the hull: the smallest disk."""
@@ -217,13 +215,3 @@ class AtPoints(DifferenceRules[Complexes]):
         if not np.any(close):
             return quotient
         return np.where(close, _DISKS.bend(name, Disk((a + b + q) / 3, np.zeros(()))).centre / 2, quotient)
-
-
-def first_disk(name: str, x: Disk, y: Disk) -> Disk:
-    """Enclose Φ[x, y] for an elementary function Φ.
-
-    Args:
-        name: of the function, such as ``sqrt``.
-        x, y: the two places.
-    """
-    return OverDisks().chord(name, x, y, _DISKS.unary(name, x), _DISKS.unary(name, y))

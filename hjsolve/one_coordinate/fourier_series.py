@@ -49,6 +49,7 @@ class FourierSeries:
 
     def oscillation(self, χ: Elementwise) -> Elementwise:
         """Return the periodic part of the integral from 0 to χ, that is ∫₀^χ − c₀ χ."""
+        # ∫ cos kχ = sin kχ/k and ∫ sin kχ = (1 − cos kχ)/k: 0 at χ = 0 exactly
         k = np.arange(1, len(self.cosines) + 1)
         total = _horner(self.cosines / k, χ)[1]
         if self.sines is None:
@@ -105,6 +106,7 @@ class FourierSeries:
         context, total = cast("Mpf", χ).context, 0.0
         for part, wave in ((self.cosines, context.sin), (self.sines, lambda x: 1 - context.cos(x))):
             if part is not None:
+                # terms as they are at this phase: next to a turning point they are small, and so is their rounding
                 total += sum(abs(float(c) / k * float(wave(k * χ))) for k, c in enumerate(part, 1))
         return total
 
@@ -114,6 +116,7 @@ class FourierSeries:
         Args:
             terms: pairs (wⱼ, seriesⱼ) of this class, none of which vanishes.
         """
+        # one series of many digits makes all of the sum have them
         floats = all(s.cosines.dtype == float for _, s in terms)
         length = max(len(s.cosines) for _, s in terms)
 
@@ -233,6 +236,7 @@ def oscillations(series: Sequence[FourierSeries], χ: Numbers) -> list[Numbers |
         series: of one phase; those that are no Fourier series, through kinks, are asked one by one.
         χ: ``mpf`` of shape (m,).
     """
+    # series through kinks have no coefficients of sines and cosines
     plain = {type(one) for one in series} == {FourierSeries}
     if not (χ.size and plain and all(one.sines is None for one in series)):
         return [0 if one.constant else cast("Numbers", one.oscillation(χ)) for one in series]
@@ -245,6 +249,7 @@ def oscillations(series: Sequence[FourierSeries], χ: Numbers) -> list[Numbers |
 
 def _waves_of_many(χ: Numbers, terms: int) -> tuple[int, Numbers, Numbers]:
     """Bits after the point for a series of so many terms, and cos χ and sin χ in as many."""
+    # Clenshaw's recurrence magnifies rounding by at most terms²: twice as many bits as the number of terms has
     work = cast("Mpf", χ.flat[0]).context.prec + 2 * terms.bit_length() + _GUARD
     fine = multiprecision(work)
     turns = [fine.cos_sin(fine.convert(x)) for x in χ.flat]
@@ -269,6 +274,7 @@ def _clenshaw_of_many(
     if not largest:
         return 0 * χ, 0 * χ
     work, cosine, sine = waves or _waves_of_many(χ, len(numbers))
+    # scaled by the largest coefficient: the smallest keep the bits that matter for the sum
     shift = work - int(context.mag(largest))
     fixed = [int(context.nint(context.ldexp(c, shift))) for c in numbers]
     twice: Elementwise = 2 * cosine

@@ -1,4 +1,9 @@
-"""The panels of an open motion, made one after the other as far as they are asked for (``chebyshev_panels``)."""
+"""The panels of an open motion, made one after the other as far as they are asked for (``chebyshev_panels``).
+
+On each panel values at Chebyshev points give the series Σ cₖ Tₖ of an integrand, and its integral term by term, Σ (cₖ₋₁
+− cₖ₊₁)/2k Tₖ times half the length (Mason & Handscomb, Chebyshev Polynomials, 2003, (2.43)). How long a panel may be
+and how many points it takes is proved beforehand (``panel_length``).
+"""
 
 from __future__ import annotations
 
@@ -62,7 +67,9 @@ class Growing:
         )
         self.context = multiprecision(bits)
         self.last = end_map.last(self.context)
+        # the first panel is at most ``_FIRST`` long: the map makes y a number of order one there
         self.step = self.context.mpf(_FIRST) / _GROWTH
+        # a shorter panel, in proportion to y, has both edges in one double: the way to infinity is given up there
         self.finest = self.context.mpf(2) ** -(50 if digits <= 15 else bits // 2)
         self.edges, self.values, self.sums, self.totals = [self.context.mpf(0)], [], [], []  # type: ignore[var-annotated]
         self.nodes: list[int] = []
@@ -122,6 +129,7 @@ class Growing:
         if self.failed is not None:
             raise self.failed
         context, y = self.context, self.edges[-1] + self.step
+        # each panel begins with the sum of all before it, in many digits
         before = self.totals[-1] if self.totals else [context.mpf(0)] * len(rows)
         integrated = [integrated_row(row, self.step / 2, total) for row, total in zip(rows, before, strict=True)]
         after = [context.fsum(row) for row in integrated]
@@ -145,23 +153,29 @@ class Growing:
                 f"more than {_MAX_PANELS} panels on the way to {self.end_map.end}; {self._reached(y)}"
             )
         rest = 0.0 if self.last is None else float(self.last - y)
+        # no longer than four times the last: where the integrands change their scale it shows in steps
         around, most = self.coordinate_motion.around(y, rest), _GROWTH * float(self.step)
         if self.last is not None:
+            # no sliver before the end: it would cost as many nodes as a panel
             most = min(most, rest) if most < rest / 2 else rest
         elif self.end_map.end != "infinity":
             most = min(most, _LONGEST)
         for _ in range(_RETRIES):
+            # the length for which a strip of analyticity is proved, and the nodes for that
             reach = longest(around, most, self.digits, float(y))
             if reach is None or (self.end_map.end == "infinity" and reach.length <= y * self.finest):
                 break
+            # exactly the end where the panel reaches it, though the length was a double
             self.step = self.last - y if reach.length == rest else self._to_a_double(y, reach.length)
             count, most = reach.nodes, reach.length / 2
             ends = [y + self.step] if self.last is None or y + self.step < self.last else []
+            # p² next to an end of the branch cancels more the nearer it comes: bits are added as they are lost
             extra = max([self.extra, *(self.coordinate_motion.cancelled(end, self.extra) for end in ends)])
             while count <= _COSTLIEST * nodes_for(0.0, self.digits):
                 points = chebyshev_points(smooth(count), self.bits)
                 rows = _expand(self.coordinate_motion, y, self.step, points, self.bits, extra)
                 nodes += len(points)
+                # the proof is relative to the size of the integrands, which is known now: it may ask for more nodes
                 count = reach.nodes_for([max(abs(c) for c in row) for row in rows], self.digits)
                 if count <= len(points):
                     self.extra = extra
@@ -177,6 +191,7 @@ class Growing:
         Edges that are rounded later shift each panel by itself; where the integrals are steep that is another time.
         """
         end = float(y + length)
+        # rounded down: the panel must not be longer than what was proved
         if end > y + length:
             end = float(np.nextafter(end, 0.0))
         return self.context.mpf(end) - y if self.digits <= 15 and end > y else self.context.mpf(length)
@@ -210,6 +225,7 @@ def _expand(
     rows = []
     for column in zip(*samples, strict=True):
         values = [context.convert(v) for v in column]
+        # values at Chebyshev points are an even function of the angle: a cosine transform gives the coefficients
         waves_ = waves(values, even=True, bits=bits)[0] if any(values) else [context.mpf(0)] * (n - 1)
         rows.append([context.fsum(values) / n, *waves_])
     return rows

@@ -47,6 +47,7 @@ class PieceMap:
         Args:
             y: fraction of the phase of the piece.
         """
+        # 1 − y² = z (1 + y), 1 − z² = y (1 + z): differences of squares as products
         z = 1 - y
         if self.turning < 0:
             return self.length * y * y, self.length * z * (1 + y), 2 * self.length * y
@@ -57,6 +58,7 @@ class PieceMap:
     def fraction(self, q: Mpf) -> Mpf:
         """Return y of a place."""
         x = (q - self.lower) / self.length
+        # |·|: a place at the end may lie beyond it by its rounding
         root: Mpf = x.context.sqrt(abs(x if self.turning < 0 else 1 - x)) if self.turning else x
         return 1 - root if self.turning > 0 else root
 
@@ -79,6 +81,7 @@ class PieceByPiece(Unstretched):
 
     def place(self, χ: Elementwise, arithmetic: Float64 | Multi) -> Place:
         n, pi = len(self.pieces), arithmetic.pi()
+        # even in χ: the way back passes the same pieces
         reduced = χ - 2 * pi * arithmetic.rint(χ / (2 * pi))
         step = pi / n
         if context_of(χ) is not None:
@@ -91,6 +94,7 @@ class PieceByPiece(Unstretched):
             below, above, speed = (np.choose(inside, part) for part in zip(
                 *(self._within(k, (a - k * step) / step, step) for k in range(n)), strict=True))  # fmt: skip
             sign = np.where(reduced >= 0, 1.0, -1.0)
+        # from the nearer end, as for every libration
         q = arithmetic.where(below < above, self.lower + below, self.upper - above)
         product = below * above
         return Place(q, sign * speed, product, abs(speed), 1, below, above)
@@ -99,6 +103,8 @@ class PieceByPiece(Unstretched):
         """Distances from both ends and |dq/dχ| on a piece."""
         piece = self.pieces[k]
         x, left, slope = piece.distances(y)
+        # only the first and the last piece touch an end: there the first difference is 0 exactly, and x keeps its
+        # digits
         return piece.lower - self.lower + x, self.upper - (piece.lower + piece.length) + left, slope / step
 
     def phase(self, q: Mpf, forward: int, arithmetic: Multi) -> Mpf:
@@ -180,6 +186,7 @@ def integrated(pieces: list[SmoothPiece], digits: int, bits: int) -> tuple[list[
         digits: to which the branches are proved.
         bits: of the results.
     """
+    # y goes from 0 to 1 on each piece
     own = [piece.branch.panels(None, 1.0) for piece in pieces]
     sweeps = [swept(piece.branch, None, 1.0) for piece in pieces]
     count = len(own[0].coefficients)
@@ -198,7 +205,9 @@ def _joined(pieces: list[SmoothPiece], panels: list[Panels], j: int, digits: int
         back = piece.map.turning > 0
         order = range(len(ends) - 2, -1, -1) if back else range(len(ends) - 1)
         for m in order:
+            # dχ = step dy: rates are divided by it, p/(dq/dχ) is multiplied
             row = [context.convert(c) * step**power for c in part.coefficients[j][m]]
+            # Tᵢ(−x) = (−1)ⁱ Tᵢ(x): a branch that was integrated from its turning point is gone the other way
             row = [c if i % 2 == 0 else -c for i, c in enumerate(row)] if back else row
             right = 1 - ends[m] if back else ends[m + 1]
             edges.append(step * (k + right))

@@ -1,4 +1,8 @@
-"""The motion of a coordinate along which p² has kinks: found piece by piece, from one kink to the next."""
+"""The motion of a coordinate along which p² has kinks: found piece by piece, from one kink to the next.
+
+Between two kinks p² is one analytic formula. At a kink its limits F₋ and F₊ decide: both positive, the motion goes on;
+F₊ < 0 < F₋, it is thrown back by the jump of V; F₋ = 0, it turns as at any simple zero.
+"""
 
 from __future__ import annotations
 
@@ -65,6 +69,7 @@ def push(start: CoordinateStart) -> int:
     q = start.place(_BITS)
     up, down = (_rises(start.cells[k].radicand, q, side) for k, side in ((above, 1), (below, -1)))
     if (up > 0 and down > 0) or (_at_kink(start.cells[below], 1) or 0) > 0:
+        # the force points away from the kink on both sides: more than one motion begins there
         raise _undetermined(start.name, q)
     return int(up > 0) - int(down > 0)
 
@@ -86,11 +91,13 @@ def reached(start: CoordinateStart, side: int, digits: int) -> Reached:
         NotConvergedError: it comes to rest at a kink from which it may go on or go back.
     """
     k, origin = cell_of(start, side), start.place
+    # only a start inside a cell has p² analytic on both sides of it
     inner = cell_of(start, -side) == k
     while True:
         cell = start.cells[k]
         last = cell.upper if side > 0 else cell.lower
         reach = None if last is None else partial(distance, origin, last)
+        # a start at the far end of its cell goes on in the next one at once
         if reach is None or reach(_BITS) > 0:
             begin = origin if inner and origin is start.place else _inside(cell.radicand, origin, side, reach)
             reach = None if last is None else partial(distance, begin, last)
@@ -98,17 +105,21 @@ def reached(start: CoordinateStart, side: int, digits: int) -> Reached:
         else:
             end = End("boundary", origin)
         beyond = k + side
+        # it turned inside the cell, or the cell ends with the domain
         if end.kind not in {"boundary", "asymptote"} or last is None or not 0 <= beyond < len(start.cells):
             return Reached(k, end)
         q = last(_BITS)
+        # a double zero before the kink; one at the kink is one of this side only
         if end.kind == "asymptote" and end.place is not None and abs(end.place(_BITS) - q) > abs(q) * 1e-30:
             return Reached(k, end)
         here, there = _at_kink(cell, side), _at_kink(start.cells[beyond], -side)
         if here is None or there is None:
             return Reached(k, end)
+        # p² < 0 beyond: V jumps up there, and the motion is thrown back; with p² = 0 here it turns
         if there < 0:
             return Reached(k, End("wall" if here > 0 else "turning", last))
         if there == 0 or here == 0:
+            # p² = 0 at the kink and negative behind it: an ordinary turning point, whose slope is that of this side
             if there == 0 and _rises(start.cells[beyond].radicand, q, side) < 0:
                 return Reached(k, End("wall" if here > 0 else "turning", last))
             raise _undetermined(start.name, q)
@@ -135,6 +146,7 @@ def _inside(radicand: MomentumSquared, kink: Number, side: int, reach: Number | 
     """
     q = kink(_BITS)
     try:
+        # a finite F′ at the kink: the cell can be searched from the kink itself
         if all(abs(part) < part.context.inf for part in radicand.jet(q, _BITS)):
             return kink
     except InvalidInputError:
@@ -142,6 +154,7 @@ def _inside(radicand: MomentumSquared, kink: Number, side: int, reach: Number | 
     length = reach(_BITS) if reach is not None else abs(q) or q.context.mpf(1)
     for power in range(1, _BITS, 2):
         x = q + side * q.context.ldexp(length, -power)
+        # F itself may be enclosed where F′ is infinite: the search begins where p² is proved positive up to
         low = radicand.enclose(np.array([min(q, x)], dtype=object), np.array([max(q, x)], dtype=object), 256)[0].low[0]
         if low > 0:
             return partial(_beyond, kink, side, length, power)
@@ -179,6 +192,7 @@ def libration(start: CoordinateStart, lower: Reached, upper: Reached, forward: i
     """
     more = max(digits, 15) + _MORE
     bits = bits_for(more, 128)
+    # the kinks and turning points are ends of pieces, from which distances are counted
     exact = bits + 256 + start.radicand.guard
     places = [
         required(lower.end.place),
@@ -189,6 +203,7 @@ def libration(start: CoordinateStart, lower: Reached, upper: Reached, forward: i
     for k, (low, high) in enumerate(itertools.pairwise(places)):
         a, b = low(exact), high(exact)
         first, last = k == 0 and lower.end.kind == "turning", k == len(places) - 2 and upper.end.kind == "turning"
+        # each piece is integrated from its turning point, if it has one: the inverse root is at y = 0 of its map
         end_map = EndMap(first or last, "kink", b if last else a, -1 if last else 1, b - a)
         radicand = start.cells[lower.cell + k].radicand
         pieces.append(

@@ -152,17 +152,22 @@ class Curve:
             radius: greatest half length, in units of x.
             tries: how often the length is halved before None is given.
         """
+        # y is solved for along x, as long as H_y ≠ 0
         x0, y0 = point[along], point[1 - along]
         _, slope, rate = self.at(along, x0, y0)
         if not rate:
             return None
+        # dq/dt = H_p, dp/dt = −H_q: the sign of the slope says in which direction time runs
         side = (1 if rate > 0 else -1) * (1 if along == 0 else -1)
         for _ in range(tries):
             c = float(x0 + side * radius)
+            # from the tangent at the beginning to the middle of the piece
             found = self._proved(along, c, float(y0 - slope / rate * (c - x0)), radius)
+            # the branch that is proved must be the one that the curve has come along
             if found is not None and abs(y0 - found[0]) < found[1]:
                 middle, room, bound = found
                 steep = abs(float(self.at(along, x0, y0)[2]))
+                # (64/15) M ρ^(−2n)/(1 − ρ^(−2)) against the rate at the beginning: 64/15/(1 − ρ⁻²) is below 5
                 n = ceil((log(10) * (self.digits + _GUARD_DIGITS) + log(5 * max(bound * steep, 1.0))) / (2 * log(_RHO)))
                 return Piece(along, x0, x0 + 2 * side * radius, y0, middle, room, n), radius / steep
             radius /= 2
@@ -174,6 +179,7 @@ class Curve:
             return None
         exact = multiprecision(self.bits).mpf
         # towards the root; the proof does not need it to be one
+        # six steps: a guess for the centre; what they leave is part of |H − E| in the proof
         near = newton(self._steps(along, exact(c)), exact(y), exact(0), 6, ended=True)
         if near is None:
             return None
@@ -181,10 +187,13 @@ class Curve:
         h, _, slope = self.at(along, exact(c), exact(y))
         wide, steep = single(c, _WIDER * radius), abs(float(slope))
         across = self._slopes(along, wide, single(y, 0.0))[0]
+        # R |H_x| + |H − E|: how far H − E may be from 0 on the disk of x
         moved = float(across.largest) * _WIDER * radius + abs(float(h))
         if not (np.isfinite(moved) and steep > 0):
             return None
+        # twice what a constant H_y would need: room for its variation
         room = 2 * moved / steep + 2.0**-50 * abs(y)
+        # the least |H_y| over both disks: Krawczyk's operator maps the disk of y into itself if moved/least < room
         least = float(self._slopes(along, wide, single(y, room))[1].least)
         return (y, room, 1 / least) if moved < 0.99 * room * least < np.inf else None
 
@@ -199,9 +208,11 @@ class Curve:
         time, action, signs, x, slope = 0 * half, 0 * half, [], piece.begin, None
         for node, weight in gauss_legendre(piece.nodes, self.bits):
             new = piece.begin + half * (1 + node)
+            # along the tangent from the last node: one or two steps of Newton's method are left
             guess = y if slope is None else y + slope * (new - x)
             x, y = new, self.root(along, new, guess, piece.room)
             _, across, steep = self.at(along, x, y)
+            # dy/dx = −H_x/H_y on H = E
             slope = -across / steep
             time += weight * half / (steep if along == 0 else -steep)
             action += weight * half * (y if along == 0 else x * slope)
@@ -218,6 +229,8 @@ class Curve:
         across, steep = self._slopes(along, wide, single(piece.middle, piece.room))
         rate = 1 / float(steep.least)
         largest = abs(piece.middle) + piece.room if along == 0 else (abs(c) + 2 * half) * float(across.largest) * rate
+        # Gauss and Legendre's error for |f| ≤ 1 in the ellipse of parameter ρ, which the disk of twice the radius
+        # contains
         off = 64 / 15 * half * _RHO ** (-2 * piece.nodes) / (1 - _RHO**-2)
         lost = 2.0 ** (_LOST_BITS - self.bits)
         done = Piece(
@@ -280,6 +293,7 @@ class Orbit:
         Args:
             time: in the units of t.
         """
+        # the piece in which the time falls, by the times of the others
         k = min(max(bisect.bisect_right(self._begins, time) - 1, 0), len(self.pieces) - 1)
         piece, left = self.pieces[k], time - self._begins[k]
         x = piece.begin + (piece.end - piece.begin) * left / piece.time
@@ -290,6 +304,7 @@ class Orbit:
 
         def step(x: Mpf) -> Mpf:
             rate = self.curve.at(piece.along, x, solved_for(x))[2]
+            # Newton's method on t(x) = time with dt/dx = 1/H_y
             early = left - self.curve.integrals(piece, x)[0]
             return x - min(max(x + early * (rate if piece.along == 0 else -rate), low), high)
 
@@ -316,13 +331,16 @@ def followed(curve: Curve, q: Mpf, p: Mpf, domain: tuple[Mpf | None, Mpf | None]
     longest = [0.0, 0.0]
     for _ in range(_MOST_PIECES):
         tries = [_LATER_HALVINGS if far else _FIRST_HALVINGS for far in longest]
+        # both parameters are tried: the piece that lasts longer in time is taken
         tried = [found for k in (0, 1) if (found := curve.piece(k, point, radii[k], tries[k])) is not None]
         piece = max(tried, key=lambda found: found[1])[0] if tried else None
         if piece is not None:
+            # twice as long as the last one that was proved: lengths follow the curve
             radii[piece.along] = 2 * abs(float(piece.end - piece.begin))
             longest[piece.along] = max(longest[piece.along], radii[piece.along])
         if piece is None or radii[piece.along] < _SHORTEST_PIECE * longest[piece.along]:
             raise NotConvergedError(_where("meets an equilibrium, another branch or a singularity of H", point))
+        # the start again, or its image a turn away, inside the disk in which the branch is the only one
         back = next((turns for turns, goal in goals.items() if piece.passes(goal)), None)
         end = piece.end if back is None else goals[back][piece.along]
         done, point, signs = curve.finished(piece, end)
@@ -372,7 +390,9 @@ def gauss_legendre(n: int, bits: int) -> list[tuple[Mpf, Mpf]]:
             before, value = mp.one, x
             for k in range(2, n + 1):
                 before, value = value, ((2 * k - 1) * x * value - (k - 1) * before) / k
+            # Pₙ′ = n (Pₙ₋₁ − x Pₙ)/(1 − x²)
             slope = n * (before - x * value) / (1 - x * x)
+            # Newton's method on Pₙ, whose zeros are simple: digits double from 15
             x -= value / slope
         result.append((x, 2 / ((1 - x * x) * slope * slope)))
     return result

@@ -56,15 +56,18 @@ def swept(branch: OpenBranchIntegrals, weights: tuple[float, ...] | None, amount
     for k, row in enumerate(panels.coefficients[-1]):
         series = [context.mpf(c) for c in row]
         ends = context.mpf(panels.edges[k]), context.mpf(panels.edges[k + 1])
+        # p² is resolved on the panel; the factor (dq/dy)²/rest may need shorter ones
         todo, halvings = [ends], 0
         while todo:
             low, high = todo.pop()
             product = _product(end_map, series, ends, (low, high), bits, digits)
             if product is None and halvings < _PANEL_HALVINGS:
                 middle, halvings = (low + high) / 2, halvings + 1
+                # the lower half is done first: integrals are added in their order
                 todo += [(middle, high), (low, middle)]
                 continue
             if product is None:
+                # as far as it went: W is not given beyond the last part that was resolved
                 return _assembled(edges, values, sums, panels.nodes, digits)
             integral = integrated_row(product, (high - low) / 2, total)
             total = context.fsum(integral)
@@ -85,6 +88,7 @@ def _product(
     for x in points:
         y = low + (high - low) * (1 + x) / 2
         slope = end_map.position(y, arithmetic)[1]
+        # |P dq/dy| = (|P|/|dq/dy| · rest) · (dq/dy)²/rest
         samples.append(summed(y) * slope * slope / end_map.rest(y, arithmetic))
     if any(isinstance(value, context.mpc) for value in samples):
         return None
@@ -93,11 +97,12 @@ def _product(
     kept = next(
         (k for k in range(len(product), 0, -1) if abs(product[k - 1]) > size * context.mpf(10) ** -(digits + 3)), 1
     )
+    # six coefficients below the tolerance: a series that ends by chance has not six
     return product[:kept] if kept <= len(product) - 6 else None
 
 
 def _chebyshev_sum(series: list[Mpf], panel: tuple[Mpf, Mpf], bits: int) -> Callable[[Mpf], Mpf]:
-    """Return sum a Chebyshev series of a panel by Clenshaw's recurrence, in fixed-point integers as ``clenshaw.Fixed``.
+    """Return y ↦ a Chebyshev series of a panel, by Clenshaw's recurrence in integers as ``clenshaw.Fixed``.
 
     The rounding is that of the largest coefficient, times at most the square of the number of terms, which the guard
     bits cover.

@@ -1,4 +1,7 @@
-"""p²(q) of one separated coordinate, at any precision and over intervals."""
+"""p²(q) of one separated coordinate, at any precision and over intervals.
+
+F(q; κ) = p², and the kernels kⱼ = ½ ∂F/∂κⱼ of Jacobi's equations Σᵢ ∫ kᵢⱼ dqᵢ/pᵢ = βⱼ (Greenwood (5-70), (5-71)).
+"""
 
 from __future__ import annotations
 
@@ -102,6 +105,7 @@ class MomentumSquared:
             squared: p² > 0 there, by other means.
         """
         for bits in _TRIED:
+            # p² by the velocity, which does not cancel, against the difference E − V at the same place
             known = squared(bits)
             if abs(self.value(place(bits), bits) - known) <= known * known.context.ldexp(1, -_KEPT):
                 return replace(self, guard=bits - _TRIED[0])
@@ -118,6 +122,7 @@ class MomentumSquared:
         """Return the tapes with all but q known, kept for every precision that was asked for."""
         key = what, bits
         if key not in self._tapes:
+            # all callers say how many bits they want; what cancels at the start is added here
             work = bits + self.guard
             arithmetic = Multi(work)
             field = Intervals(Float64()) if bits == 53 else Intervals(arithmetic)
@@ -150,6 +155,7 @@ class MomentumSquared:
         first, second = (zero if part is None else part for part in (first, second))
         centre = centres.run(Interval(middle, middle))[0]
         with np.errstate(all="ignore"):
+            # over a narrow cell the mean value form is off by (width)², the formula as it stands by its width
             sharp = field.add(centre, field.mul(first, field.sub(cell, Interval(middle, middle))))
             value = Interval(np.maximum(value.low, sharp.low), np.minimum(value.high, sharp.high))
         return Derivatives(
@@ -169,4 +175,5 @@ def has_period(radicand: MomentumSquared, place: Number) -> bool:
     places = [place(bits) + k for k in range(3)]
     pairs = [(radicand.value(q, bits), radicand.value(q + turn, bits)) for q in places]
     size = max(abs(value) for pair in pairs for value in pair)
+    # three places that no symmetry relates, to 120 bits
     return all(abs(here - there) <= multiprecision(bits).mpf(2) ** -120 * size for here, there in pairs)

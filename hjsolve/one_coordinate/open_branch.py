@@ -1,4 +1,8 @@
-"""One branch of an open motion: its integrals from the start to its end, as far as they are asked for."""
+"""One branch of an open motion: its integrals from the start to its end, as far as they are asked for.
+
+Over the parameter y of ``chebyshev_panels`` the kernels kⱼ |dq/dy|/|p| and |p|/|dq/dy|, times ``EndMap.rest``, are
+analytic up to and including both ends; next to these p² is taken with as many bits more as its terms cancel.
+"""
 
 from __future__ import annotations
 
@@ -42,14 +46,17 @@ class Branch:
             extra: bits above the working precision.
         """
         work = self.bits + extra
+        # how near y is to either end, roughly: p² is small or large there, and its terms cancel
         x, left, _ = self.end_map.distances(y, Multi(64))
         nearest = min(v for v in (x, left) if v is not None)
         if nearest < self.end_map.length:
+            # three bits for each power of two: q itself loses one of them, p² at a double zero two more
             work += 64 + 3 * int(max(0.0, -float(Multi(64).context.log(nearest / self.end_map.length, 2))))
         q, slope = self.end_map.position(y, Multi(work))
         p = self.radicand.value(q, work) ** 0.5
         weights = self.radicand.weights(q, work)
         kernels = [0 * p if skip else w * abs(slope) / p for w, skip in zip(weights, self.skipped, strict=True)]
+        # |p|/|dq/dy| times a power of what is left: finite up to the end, so that Chebyshev polynomials serve
         return [*kernels, p / abs(slope) * self.end_map.rest(y, Multi(work))]
 
     def cancelled(self, y: Mpf, extra: int) -> int:
@@ -63,9 +70,11 @@ class Branch:
             NotConvergedError: p² is too small there.
         """
         enough, more = bits_for(self.digits, 16), extra
+        # the same with twice the bits is the truth that fewer are compared with
         exact = self._seen(y, extra + 2 * self.bits)
         while True:
             lost = _disagreement(self._seen(y, more), exact)
+            # all digits asked, and sixteen bits, agree
             if lost <= -enough:
                 return more
             if more > _MOST_BITS:
@@ -107,8 +116,10 @@ class Branch:
         Raises:
             NotConvergedError: they cannot be had so far.
         """
+        # an angle winds for ever on the way, but q and t settle: panels go as far as digits do
         if self.end_map.end == "fall":  # all of it, once
             return _panels(self, None, 1000 * _FINE)
+        # rounded up to an eighth of an octave: requests that differ little share their panels
         power = int(np.ceil(_FINE * np.log2(max(abs(amount), 1e-290)))) + 1
         if partly and self.end_map.end != "asymptote":
             return _as_far_as_known(self, weights, power)
@@ -157,6 +168,7 @@ def _panels(branch: Branch, weights: tuple[float, ...] | None, power: int) -> Pa
     far = Multi(branch.bits).context.mpf(2) ** 1000
 
     def enough(y: Mpf, integrals: list[Mpf]) -> bool:
+        # what is left of the way, about e^(−y), is below all digits
         if branch.end_map.end in {"asymptote", "fall"} and y > farthest(branch.digits):
             return True
         if weights is None:

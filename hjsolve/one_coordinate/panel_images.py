@@ -1,4 +1,9 @@
-"""Where disks of the parameter of a branch put the coordinate, and how fast it moves there."""
+"""Where disks of the parameter of a branch put the coordinate, and how fast it moves there.
+
+The maps are those of ``chebyshev_panels``. Distances from the place y₀ of a panel come from identities and not from
+differences: (y₀ + z)² − y₀² = z (2y₀ + z), sin²α − sin²β = sin(α − β) sin(α + β), e^−y₀ − e^−(y₀ + z) = e^−y₀ (1 −
+e^−z).
+"""
 
 from __future__ import annotations
 
@@ -69,12 +74,14 @@ def samples(end_map: EndMap, y: float, rest: float, z: Disk) -> PanelSamples:
     here = d.shifted(z, y)
     if end_map.end in {"infinity", "kink"}:
         if end_map.turning:
+            # (y + z)² − y² = z (z + 2y): no difference of squares
             return PanelSamples(d.times(d.power(here, 2), length), _ONE, d.times(d.mul(z, d.shifted(z, 2 * y)), length))
         return PanelSamples(d.times(here, length), _ONE, d.times(z, length))
     if end_map.end == "boundary":
         left = d.shifted(d.times(z, -1.0), rest)
         if end_map.turning:
             half, sine, root = d.times(z, 0.5), d.unary("sin", d.times(here, 0.5)), d.unary("sin", d.times(left, 0.5))
+            # sin²α − sin²β = sin(α − β) sin(α + β)
             moved = d.mul(d.unary("sin", half), d.unary("sin", d.shifted(half, y)))
             x = tighter(d.power(sine, 2), d.sub(_ONE, d.power(root, 2)))
             return PanelSamples(d.times(x, length), root, d.times(moved, length))
@@ -82,11 +89,13 @@ def samples(end_map: EndMap, y: float, rest: float, z: Disk) -> PanelSamples:
         return PanelSamples(d.times(x, length), left, d.times(d.mul(z, d.shifted(left, rest)), length))
     if end_map.turning:
         rise, root = d.unary("tanh", here), d.inverse(d.unary("cosh", here))
+        # the difference is taken, with the rounding of tanh² y
         before = np.tanh(y) ** 2
         x = tighter(d.power(rise, 2), d.sub(_ONE, d.power(root, 2)))
         moved = d.sub(x, single(before, 2.0**-50 * before))
         return PanelSamples(d.times(x, length), root, d.times(moved, length))
     root = d.unary("exp", d.times(here, -0.5))
+    # e^(−y) − e^(−y−z) = e^(−y) (1 − e^(−z))
     moved = d.mul(d.unary("exp", single(-y, 0)), d.sub(_ONE, d.unary("exp", d.times(z, -1.0))))
     return PanelSamples(d.times(d.sub(_ONE, d.power(root, 2)), length), root, d.times(moved, length))
 

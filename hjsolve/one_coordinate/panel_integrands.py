@@ -75,6 +75,7 @@ class View:
         """Return q where u is 2^−``_FAR`` and 2^−``_FARTHER`` (of the length)."""
         context, end_map = Multi(_EXACT).context, self.end_map
         if end_map.end != "infinity":
+            # two places 2¹⁶ apart: the ratio of values tells the order of a zero or a pole
             return [self._finish - end_map.side * end_map.length * context.mpf(2) ** -k for k in (_FAR, _FARTHER)]
         if self.rate:
             return [-k * context.log(2) / self.rate for k in (_FAR, _FARTHER)]
@@ -102,6 +103,7 @@ class View:
         side = float(self.end_map.side)
         if self.end_map.end == "infinity":
             return local.exponent() if self.rate else local.inverse_variable(side)
+        # an end at q = 0, but for rounding: q itself is then of first order in u
         centred = bool(abs(self._finish) < abs(self.end_map.length) * 2.0**-300)
         return local.variable(_D.point(self._finish), -side, centred=centred)
 
@@ -178,6 +180,7 @@ class Sight:
             return None
         if end_map.end == "infinity":
             unit = exponential_unit(tapes, self.inputs)
+            # exponentials with one common rate: u = e^(−c|q|), in which p² is a rational function
             view = View(end_map, -end_map.side * unit, 1.0)
         else:
             view = View(end_map, 0.0, float(end_map.length))
@@ -199,10 +202,13 @@ class Sight:
             order: o, the exponent of |p²|.
         """
         with np.errstate(all="ignore"):
+            # √|p²| from below: 1/p is largest where p is least
             (low, middle, high), least, shape = root, np.sqrt(squared.least), np.shape(root.middle)
             centre = np.sqrt(np.abs(squared.centre))
             most, inside = [], []
             for w, power, skip in zip(weights, powers, self.skipped, strict=True):
+                # exponents of r are added before it is bounded: r is small next to the end, and powers that cancel must
+                # not be bounded apart
                 k = self.scale.a + power - order // 2
                 if skip:
                     most.append(0 * least)
@@ -210,6 +216,7 @@ class Sight:
                     continue
                 most.append(self.scale.rate * largest_power(low, high, k) * w.largest / least)
                 inside.append(self.scale.rate * middle**k * np.abs(w.centre) / centre)
+            # |p|/|dq/dy| times ``rest``: finite at the end by the choice of the map
             k = self.scale.b + order // 2
             most.append(self.scale.weighted_rate * largest_power(low, high, k) * np.sqrt(squared.largest))
             inside.append(self.scale.weighted_rate * middle**k * centre)
@@ -231,6 +238,7 @@ def _orders(tape: Tape, places: list[Mpf], inputs: list[Mpf]) -> list[Order] | N
         if not a and not b:
             found.append(ZERO)
             continue
+        # f ~ uᵏ: log₂ of the ratio over 16 is k; ½ stands for none
         ratio = float(a.context.log(abs(a / b), 2)) / (_FARTHER - _FAR) if a and b else 0.5
         is_whole = abs(ratio) < _HIGHEST and abs(ratio - round(ratio)) < 1e-9
         found.append(round(ratio) if is_whole else None)
@@ -261,6 +269,7 @@ class Surrounding:
             bad = ~np.all(np.isfinite(sizes.most), axis=0)
             if not bad.any():
                 break
+            # costlier enclosures for the disks alone that the plain one left open
             more = look(_chosen(places, bad))
             for part, better in zip(sizes, more, strict=True):
                 part[:, bad] = better
@@ -301,6 +310,7 @@ class Surrounding:
             local = Locals(offset, 1)
             variable = local.variable(sight.start, float(sight.end_map.side), q)
             found = sight.tapes[0].run(local, [variable, *map(local.constant, sight.inputs)])[0]
+            # p²/x = F[a, q]: the quotient, or the divided difference itself where x may be 0
             squared = _D.div(_cells(found.parts[0]), places.x)
             if len(found.parts) > 1:
                 squared = tighter(_cells(found.parts[1]), squared)
@@ -316,6 +326,7 @@ class Surrounding:
         """p² from the place of the panel, where its value and slope are known to many digits."""
         sight, end_map = self.sight, self.sight.end_map
         here = end_map.position(self.y, Multi(sight.bits + 64))[0] if self.y else end_map.start
+        # F₀ and F₁ to twice the digits: next to a near zero of p² they are all that is left of it
         value, slope, _ = sight.radicand.jet(here, 2 * sight.bits + 256)
         local = Locals(_with_base(places.moved), 2)
         variable = local.variable(_D.point(here), float(end_map.side), self._place(places))
@@ -325,6 +336,7 @@ class Surrounding:
         if self.y:
             start = [_D.point(value), _D.point(end_map.side * slope)]
         else:
+            # at the turning point F₀ is 0 exactly, whatever rounding has left
             start = [_D.point(0 * value if end_map.turning else value), _D.point(end_map.side * slope)]
         bend = _D.mul(places.moved, _cells(found.parts[2]))
         squared = _D.add(start[0], _D.mul(places.moved, _D.add(start[1], bend)))
@@ -345,9 +357,10 @@ class Surrounding:
             local = Locals(_with_base(offset), 2, orders, rate=view.rate, q=_with_base(q))
             outputs.append(tape.run(local, [view.variable(local), *map(local.constant, sight.inputs)]))
         squared, *weights = (
-            (f.order, _D.times(_full(_cells(f.parts[0]), offset), view.length**f.order))
+            (int(f.order), _D.times(_full(_cells(f.parts[0]), offset), view.length**f.order))
             for f in (*outputs[0], *outputs[1])
         )
+        # the root of x that p² has at the turning point goes with the map there
         factor = _D.div(squared[1], places.x) if end_map.turning else squared[1]
         powers = [2 * order for order, _ in weights]
         return sight.integrands(factor, [w for _, w in weights], view.root(q, places), powers, 2 * squared[0])
@@ -355,14 +368,16 @@ class Surrounding:
     def _by_rates(self, places: PanelSamples) -> Sizes:
         """Return the formulas with their exponentials taken out."""
         sight, q = self.sight, self._place(places)
-        rates = Rates(q, sight.end_map.side)
-        inputs = [rates.variable(), *map(rates.constant, sight.inputs)]
+        rates = Rates.over(q, sight.end_map.side)
+        inputs = [rates.exponent(), *map(rates.constant, sight.inputs)]
         squared, *weights = (f for tape in sight.tapes for f in tape.run(rates, inputs))
-        factor = _full(squared.value, q)
+        factor = _full(squared.parts[0], q)
         factor = _D.div(factor, places.x) if sight.end_map.turning else factor
         root = root_bounds(_ONE, places)
-        sizes = sight.integrands(factor, [w.value for w in weights], root, [0] * len(weights), 0)
-        growths = [*(w.rate - squared.rate / 2 for w in weights), squared.rate / 2]
+        sizes = sight.integrands(factor, [w.parts[0] for w in weights], root, [0] * len(weights), 0)
+        half = squared.order / 2
+        growths = [rates.rate * order for order in (*(w.order - half for w in weights), half)]
+        # the exponent of all factors together, bounded once: e^{λq} of each alone would overflow
         most = [row * np.exp(largest(q, rate)) for row, rate in zip(sizes.most, growths, strict=True)]
         inside = [row * np.exp(rate * np.real(q.centre)) for row, rate in zip(sizes.inside, growths, strict=True)]
         return Sizes(np.where(np.isfinite(most), most, np.inf), np.nan_to_num(inside, posinf=0.0))

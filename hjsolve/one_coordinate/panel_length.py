@@ -49,13 +49,16 @@ class Sectors:
         """Return the disk about each: through its corners, or through the outer ones where it is a half disk."""
         half = (self.last - self.first) / 2
         core, inner = self.inner == 0, self.inner / self.outer
+        # the centre on the bisector that is as far from the inner as from the outer corners
         away = np.where(core, 0.0, (inner + 1) / (2 * np.cos(np.where(core, 0.0, half))))
         corner = np.sqrt(np.abs(away**2 + 1 - 2 * away * np.cos(half)))
+        # the outer arc bulges beyond its corners
         radius = np.where(core, 1.0, np.maximum(corner, 1 - away))
         return Disk(self.outer * away * np.exp(1j * (self.first + half)), self.outer * radius * (1 + 1e-12))
 
     def lengths(self) -> Reals:
         """Return the length of the panel whose ellipse begins to meet each sector: λ is least at a corner."""
+        # λ(z) with |z| and −Re z least: the inner corner next to the real axis
         return 2 * self.inner * (_R - np.cos(self.first)) / (_R * _R - 1)
 
     def chosen(self, which: Mask) -> Sectors:
@@ -72,6 +75,7 @@ class Sectors:
 
     def quartered(self) -> Sectors:
         """Return four parts of each; those of one sector stand together."""
+        # the geometric mean of the radii: quarters are alike at all scales
         radius, angle = np.sqrt(self.inner) * np.sqrt(self.outer), (self.first + self.last) / 2
         inner = np.stack([self.inner, self.inner, radius, radius], axis=1).ravel()
         outer = np.stack([radius, radius, self.outer, self.outer], axis=1).ravel()
@@ -198,8 +202,10 @@ def _within(surroundings: Surroundings, most: float, digits: int, short: float) 
     sizes = surroundings(sectors.disks(), False)
     careful = False
     for turn in range(_ROUNDS + 1):
+        # a sector with no bound: what lies there is not known to be analytic
         bad = ~np.all(np.isfinite(sizes.most), axis=0)
         lengths = sectors.lengths()
+        # the panel whose ellipse just does not meet a bad sector
         length = float(np.min(lengths[bad], initial=most))
         if turn == _ROUNDS or length >= most:
             break
@@ -210,6 +216,7 @@ def _within(surroundings: Surroundings, most: float, digits: int, short: float) 
             continue
         if length == 0:
             break
+        # only those that bound the panel, and those it would meet next
         limiting = bad & (lengths < _WORTH * max(length, least))
         parts = sectors.chosen(limiting).quartered()
         finer = surroundings(parts.disks(), careful)
@@ -231,6 +238,7 @@ def _best(sectors: Sectors, sizes: Sizes, length: float, digits: int) -> Reach:
     order = np.argsort(sectors.lengths())
     met = sectors.lengths()[order]
     most = np.maximum.accumulate(sizes.most[:, order], axis=1)
+    # sizes on the real axis, of the panel itself: sectors that touch it from above
     inside = np.maximum.accumulate(np.where(sectors.first[order] == 0, sizes.inside[:, order], 0.0), axis=1)
     steps = length * _FRACTIONS
     outer = np.searchsorted(met, steps) - 1
@@ -239,6 +247,7 @@ def _best(sectors: Sectors, sizes: Sizes, length: float, digits: int) -> Reach:
         excess = np.nan_to_num(np.log(most[:, outer] / inside[:, inner]), nan=0.0, posinf=700.0, neginf=0.0)
     excess[most[:, outer] < _NOTHING] = 0.0
     nodes = np.array([nodes_for(x, digits) for x in np.max(excess, axis=0)])
+    # a panel on which integrands grow much needs more nodes than two shorter ones
     costly = nodes > _MOST_NODES * nodes_for(0.0, digits)
     best = int(np.argmin(np.where(costly, 1e3, 1.0) * nodes / steps))
     return Reach(float(steps[best]), most[:, outer[best]], int(nodes[best]))

@@ -97,7 +97,9 @@ class PanelSeries:
             rest = χ - 2 * context.pi * context.nint(χ / (2 * context.pi))
             inner = self._at(self.sums, 2, abs(rest))
             return (inner if rest >= 0 else -inner) - self.mean * rest
+        # even with period 2π: |χ| reduced to half a turn is all that panels know
         rest = χ - 2 * np.pi * np.rint(χ / (2 * np.pi))
+        # the integral of an even function is odd; its mean growth is taken off
         return np.copysign(self._at(self.sums, 2, np.abs(rest)), rest) - float(self.mean) * rest
 
     def combined(self, terms: list[tuple[float | Mpf, PanelSeries]]) -> PanelSeries:

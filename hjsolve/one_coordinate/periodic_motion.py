@@ -1,4 +1,8 @@
-"""The motion of one coordinate that repeats itself: libration and rotation."""
+"""The motion of one coordinate that repeats itself: libration and rotation.
+
+Gⱼ(χ) = ∫₀^χ kⱼ dq/p = ⟨gⱼ⟩ χ + Σ (cₖ/k) sin kχ, mean growth and oscillation, from the Fourier series of gⱼ = kⱼ
+(dq/dχ)/p; p = (dq/dχ) exp(series of ln(p/(dq/dχ))), so that p keeps its relative accuracy where it is tiny.
+"""
 
 from __future__ import annotations
 
@@ -138,6 +142,7 @@ class Periodic(KindOfMotion):
     def distances(self, χ: Reals) -> tuple[Reals, Reals]:
         """Return distances from the lower and the upper turning point of a libration, each to relative accuracy."""
         rest: Elementwise = χ - 2 * np.pi * np.rint(χ / (2 * np.pi))
+        # q − a and b − q by the map, not by subtraction: they keep their relative digits next to the ends
         place: Elementwise = self.anomaly.in_doubles().place(rest, Float64())
         return place.below, place.above
 
@@ -149,6 +154,7 @@ class Periodic(KindOfMotion):
         """
         (a, b), low = map(split, self.turning_points), below < above
         end = Pair(np.where(low, a.high, b.high), np.where(low, a.low, b.low))
+        # the turning point in two doubles and the small distance: their sum has more digits than a double
         return moved(end, np.where(low, below, -above))
 
     def place_in_two_doubles(self, χ: Reals, approximate: Reals) -> Pair:
@@ -188,6 +194,7 @@ class Periodic(KindOfMotion):
         q, _ = self._inner_place(χ)
         count(kernels=q.size)
         numbers = [float(x) for x in self.radicand.inputs(64)]
+        # next to a zero of the kernel the series has the rounding of its largest value, the formula its own
         kernels = self.radicand.kernels.run(Float64(), [q, *numbers])
         total: Elementwise = sum(w * k for w, k in zip(weights, kernels, strict=False) if w)
         return total / self.ratio(χ) * self.anomaly.slope_at(χ)
@@ -203,6 +210,7 @@ class Periodic(KindOfMotion):
         if (context := context_of(χ)) is not None:
             return context.exp(self.momentum.value(χ))
         rest = replace(self.momentum, mean=0.0)
+        # the mean of the logarithm may be hundreds: its exponential is taken once, in many digits
         return float(multiprecision(96).exp(self.momentum.mean)) * np.exp(rest.value(χ))
 
     def crowding(self, χ: Reals) -> Reals:
@@ -210,6 +218,7 @@ class Periodic(KindOfMotion):
 
         p is a product of two factors; next to a pole both change fast with χ, and p may not.
         """
+        # a central difference: an estimate of an error needs no more
         h, series = 1e-5, replace(self.momentum, mean=0.0)
         return np.abs(χ * (series.value(χ + h) - series.value(χ - h)) / (2 * h))
 
@@ -230,6 +239,7 @@ class Periodic(KindOfMotion):
             like: of the numbers wanted: doubles, or ``mpf``.
         """
         if like.dtype == float:
+            # whole turns times an exact length: multiplied once, not added turn by turn
             turn: Elementwise = 2 * np.pi if self.radian == 1 else float(2 * multiprecision(96).pi * self.radian)
             return self.direction * turn * count
         turn = 2 * arithmetic_of(like).pi() * self.radian
@@ -253,6 +263,7 @@ class Periodic(KindOfMotion):
             else elementwise(lambda x: x.context.nint(x / (2 * x.context.pi)), χ, 1)
         )
         pi: Elementwise = arithmetic.pi()
+        # the map is asked within one turn, where elliptic functions have all their digits
         rest: Numbers = χ - 2 * pi * turn
 
         def at(x: Elementwise) -> tuple[Elementwise, Elementwise]:

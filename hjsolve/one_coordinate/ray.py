@@ -1,4 +1,7 @@
-"""A half line along which turning points are looked for, and a simple zero of p² on it at any precision."""
+"""A half line along which turning points are looked for, and a simple zero of p² on it at any precision.
+
+A zero x of F is believed to as many digits as |F(x)/F′(x)|, taken with twice the digits, is smaller than x.
+"""
 
 from __future__ import annotations
 
@@ -71,6 +74,7 @@ class Ray:
         """
         if bits == 53:
             near = float(self.origin(128))
+            # origin and sum are rounded to doubles: the cell is widened by both
             widening: Elementwise = EPS * (abs(near) + abs(x1))
             ends: tuple[Numbers, Numbers] = near + self.side * x0, near + self.side * x1
         else:
@@ -79,6 +83,7 @@ class Ray:
             origin: Elementwise = self.origin(work)
             widening, ends = 0, (origin + self.side * convert(x0), origin + self.side * convert(x1))
         value, first, second = self.radicand.enclose(np.minimum(*ends) - widening, np.maximum(*ends) + widening, bits)
+        # dF/dx = side F′, d²F/dx² = F″
         return value, first if self.side > 0 else type(first)(-first.high, -first.low), second
 
 
@@ -107,13 +112,16 @@ class SimpleZero:
         while extra <= _MOST_BITS:
             fixed = ray.fixed(extra + 64)
             try:
+                # F is monotone in the cell: one zero, and Newton's method in the bracket cannot lose it
                 x = bracketed_root(partial(_value_and_slope, fixed, extra), x0, x1, extra)
             except InvalidInputError:  # far from here and next to a pole, which is hit where these bits do not tell
                 extra *= 2
                 continue
             f, slope, _ = fixed.jet(x, 2 * extra)
+            # F/F′ with twice the digits is the error that is left of x
             if not f or abs(f) <= abs(slope * x) * multiprecision(64).mpf(2) ** -(bits + 32):
                 return fixed.place(x, 2 * extra)
+            # as many bits more as the check has found to be wrong
             left = float(multiprecision(64).log(abs(f / (slope * x)), 2)) if slope else 0.0
             extra += max(64, int(bits + 48 + left))
         raise NotConvergedError(

@@ -15,11 +15,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from hjsolve.arithmetic.complex_disks import Disk, Disks, single, tighter
-from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.floats import Float64, by_squaring
 from hjsolve.arithmetic.number_types import Complexes, Integers, N
 from hjsolve.arithmetic.tape import Operation, Tape
 from hjsolve.errors import required
@@ -30,7 +31,6 @@ from hjsolve.one_coordinate.difference_rules import (
     EndValues,
     OverDisks,
     ProgramLine,
-    first_disk,
 )
 
 _DISKS = Disks()
@@ -90,7 +90,7 @@ class Deflated:
             better = (other.radius < best.radius) | (~np.isfinite(best.radius) & np.isfinite(other.radius))
             best = Disk(*(np.where(better, x, y) for x, y in zip(other, best, strict=True)))
             method = np.where(better, number, method)
-        return Disk(-best.centre, best.radius), method
+        return -best, method
 
     def at(
         self, q: Complexes, from_lower: Complexes | None, from_upper: Complexes | None, method: Integers | int = 0
@@ -188,11 +188,7 @@ class _Builder:
     def _power(self, x: int, n: int) -> int:
         if n < 0:
             return self._line("inverse", self._power(x, -n))
-        result = x if n else self._constant(_ONE)
-        for bit in bin(n)[3:]:
-            result = self._line("mul", result, result)
-            result = self._line("mul", result, x) if bit == "1" else result
-        return result
+        return by_squaring(partial(self._line, "mul"), x, n) if n else self._constant(_ONE)
 
     def _line(self, code: str, x: int, y: int = -1) -> int:
         f, g = self.ends[x], self.ends[y]
@@ -225,7 +221,7 @@ class _Builder:
             case "mul":
                 found = d.add(d.mul(f.lower, second), d.mul(first, g.upper))
             case "inverse":
-                found = d.mul(d.mul(*at), Disk(-first.centre, first.radius))
+                found = d.mul(d.mul(*at), -first)
             case _:
-                found = d.mul(first_disk(code, f.lower, f.upper), first)
+                found = d.mul(d.chord(code, f.lower, f.upper, *at), first)
         return tighter(found, d.div(d.sub(at[1], at[0]), self.width))

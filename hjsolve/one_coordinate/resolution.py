@@ -68,6 +68,7 @@ class Strip(NamedTuple):
 
     def nodes(self, digits: int) -> int:
         """Return the nodes, for half a turn, that leave less than 10^−(digits + 1) of the size."""
+        # 4M e^(−aN)/(1 − e^(−a)) ≤ 10^−(digits + 1) size, solved for N
         wanted = (digits + 1) * math.log(10) + self.growth + math.log(4 / -math.expm1(-self.width))
         return math.ceil(wanted / self.width)
 
@@ -159,6 +160,7 @@ def integrands_to_resolve(
     exact = radicand.inputs(bits)
     points: list[Disk] = [_DISKS.point(x) for x in exact]
     numbers: list[Elementwise] = [float(x) for x in exact]
+    # over disks a quotient of two overflows is unknown: exponentials are written so that they decay
     squared, kernels = (without_overflow(tape, packets=True) for tape in (radicand.squared, radicand.kernels))
     kernels = kernels.only(*(j for j, skip in enumerate(skipped) if not skip and "time" in parts))
     with np.errstate(all="ignore"):
@@ -166,6 +168,7 @@ def integrands_to_resolve(
         if not anomaly.even:
             return Integrands(anomaly, AsItStands(squared.bind(_DISKS, points), squared.bind(_POINTS, numbers)), both)
         inner: Any = getattr(anomaly, "inner", anomaly)
+        # the width apart from the ends: b − a of close turning points is not the difference of two doubles
         ends = (_DISKS.point(x) for x in (inner.lower, inner.upper, inner.width))
         return Integrands(anomaly, deflated(squared, points, *ends), both)
 
@@ -184,6 +187,7 @@ def strip(subject: Integrands, digits: int, coarse: float = _COARSE, *, zeros: b
         The strip that needs the fewest nodes; None where no strip could be proved in doubles.
     """
     # points say how wide the strip may be; where it is wide, a part of it is enough, for the nodes are few
+    # points are cheap against disks: they say how high it is worth to go
     cap = _foreseen(subject) if zeros else _HIGHEST / 2
     high = _HIGH * cap if cap > _WIDE and coarse == _COARSE else cap
     done: list[tuple[Reals, Reals]] = []
@@ -193,15 +197,19 @@ def strip(subject: Integrands, digits: int, coarse: float = _COARSE, *, zeros: b
         work += todo.x.size
         logs, here = _sizes(subject, todo, zeros=zeros)
         fine = np.all(np.isfinite(logs), axis=0)
+        # the size on the real axis, from squares with y = 0, is what errors are relative to
         size = np.maximum(size, here)
         done.append((todo.y[fine], logs[:, fine]))
         # a square that will not be decided any more bounds the strip from above; whatever lies higher is dropped
         left = todo.chosen(~fine)
+        # small against its height: dividing it further would gain less of the width than it costs
         hopeless = _hopeless(left, coarse) | ((left.y >= high) & (len(done) > 1)) | (work > _MOST_SQUARES)
+        # its lower edge is the top of the strip: the squares below it are proved
         cap = min([cap, *left.y[hopeless]])
         left = left.chosen(~hopeless).beside(waiting)
         left = left.chosen(left.y < cap)
         # the lowest rows go first, since they may lower the cap; squares that are above the cap then need not be seen
+        # rows next to the axis first: one of them that fails makes all higher ones needless
         low = left.y < 2 * np.min(left.top, initial=cap)
         todo, waiting = left.chosen(low).divided(), left.chosen(~low)
         todo = todo.chosen(todo.y < cap)
@@ -225,13 +233,16 @@ def obstacles(subject: Integrands) -> list[tuple[float, float]] | None:
         work += todo.x.size
         fine = np.all(np.isfinite(_sizes(subject, todo)[0]), axis=0)
         left = todo.chosen(~fine).beside(waiting)
+        # what lies over an undecided square waits: its obstacle may be the same one
         above = straight_above(left)
         left, waiting = left.chosen(~above), left.chosen(above)
+        # an obstacle: a singularity lies in the square or next to it
         hopeless = _hopeless(left)
         if work > _MOST_SQUARES_SEARCHED or found.shape[1] > _MOST_OBSTACLES or np.any(left.y[hopeless] == 0):
             return None
         found = np.concatenate([found, np.stack([left.x + left.side / 2, left.y])[:, hopeless]], axis=1)
         todo = left.chosen(~hopeless).divided()
+        # what lies in the cone over an obstacle is explained by it: the stretched phase is slow there already
         todo, waiting = (part.chosen(~in_a_cone(part, found)) for part in (todo, waiting))
         if not todo.x.size:
             todo, waiting = waiting, StripSquares.none()
@@ -247,6 +258,7 @@ def approximate_places(subject: Integrands) -> list[tuple[float, float]] | None:
     """
     x, y = np.zeros(0), np.zeros(0)
     for χ, height in obstacles(subject) or []:
+        # the lowest first: each explains the higher ones about it
         if height < 1 and not np.any(height > _EXPLAINED * np.hypot(_apart(χ - x, subject), y)):
             x, y = np.append(x, χ), np.append(y, height)
     return list(zip(x.tolist(), y.tolist(), strict=True)) if len(x) <= _MOST_PLACES else None
@@ -261,6 +273,7 @@ def _covering(subject: Integrands, height: float) -> StripSquares:
     """Squares that cover the strip up to a height, of a quarter of its size."""
     begin, length = (0.0, np.pi) if subject.anomaly.even else (-np.pi, 2 * np.pi)
     columns = math.ceil(_ROWS * length / height)
+    # squares and no flat rectangles: a disk is put about each
     side = length / columns
     x, y = np.meshgrid(begin + side * np.arange(columns), side * np.arange(math.ceil(height / side)))
     return StripSquares(x.ravel(), y.ravel(), np.full(x.size, side))
@@ -276,7 +289,9 @@ def _foreseen(subject: Integrands) -> float:
     columns = 192 if isinstance(subject.anomaly, Stretched) else 12
     χ = np.linspace(begin, np.pi, turn * columns + 1) + 1j * _HEIGHTS[:, None]
     with np.errstate(all="ignore"):
+        # each form of R cancels elsewhere: a height is clear if one of them says so
         methods = [np.broadcast_to(R, χ.shape) for R in subject.factors(complex_place(subject.anomaly, χ))]
+        # the argument principle: a zero or pole of R below this height turns R along it
         turns = [np.sum(np.angle(R[:, 1:] / R[:, :-1]), axis=1) for R in methods]
         calm = np.any([np.isfinite(t) & (np.abs(t) < 1) for t in turns], axis=0)
         clear = np.cumprod(calm).astype(bool)
@@ -290,7 +305,9 @@ def _cheapest(cap: float, y: Reals, logs: Reals, size: Reals, digits: int) -> St
         # ln(M/size) of the worst integrand on every square; a strip is as bad as the worst square in it
         excess = np.max(np.where(size[:, None] > 0, logs - np.log(size)[:, None], -np.inf), axis=0, initial=0.0)
     order = np.argsort(y)
+    # the growth over a strip is the greatest of all squares below its edge: a narrower strip may need fewer nodes
     heights, growths = y[order], np.maximum.accumulate(excess[order])
+    # the lower edges of squares are the widths for which all below is proved
     edges = np.unique(heights[(heights > 0) & (heights < cap)])
     found = [Strip(float(h), float(growths[np.searchsorted(heights, h, side="left") - 1])) for h in (*edges, cap)]
     return min(found, key=lambda s: s.nodes(digits))
@@ -320,6 +337,7 @@ def _sizes_of_block(subject: Integrands, squares: StripSquares, zeros: bool) -> 
         disks, method = subject.over(place_disks(subject.anomaly, χ, _WIDER * radius))
         bounds = [x.largest + 0 * radius for x in disks]
         # power series from values on circles: |f| at the centres, and what f varies by on the smaller disks
+        # twenty points of a circle give the Taylor coefficients by the trapezoidal rule (Cauchy's integral)
         points = complex_place(subject.anomaly, χ + radius * _CIRCLE[:, None])
         (centre, spread), *weights = (
             _series(values, bound) for values, bound in zip(subject.at(points, method), bounds, strict=True)
@@ -330,7 +348,9 @@ def _sizes_of_block(subject: Integrands, squares: StripSquares, zeros: bool) -> 
             usual = np.stack([np.broadcast_to(c, radius.shape) for c in (centre, *(c for c, _ in weights))])
             return logs, np.max(np.where(axis & np.isfinite(usual), usual, 0.0), axis=1, initial=0.0)
         # R has no zero on a disk where its variation is below its value at the centre
+        # |R| over the square from its Taylor series, far sharper than the disk of its formula
         least, most = centre - spread, centre + spread
+        # analytic, as every operation was defined on the wider disk, and without zero: √R is analytic too
         known = np.isfinite(np.stack(bounds)).all(axis=0) & (least > 0)
         product = _product(points)
         stretch = np.max(points.stretch, axis=0)

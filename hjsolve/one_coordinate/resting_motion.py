@@ -1,4 +1,8 @@
-"""The motion of one coordinate that stays where it is."""
+"""The motion of one coordinate that stays where it is.
+
+At a double zero of F = p² with F″ < 0 it is the limit of a vanishing libration, F ≈ ½F″ (q − q₀)² + δ: J = 0 and ∂J/∂κⱼ
+= kⱼ/√(−½F″).
+"""
 
 from __future__ import annotations
 

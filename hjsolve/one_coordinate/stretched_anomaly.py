@@ -102,8 +102,10 @@ class Stretched:
         """Yield the places at the midpoints of equal parts of half a turn (of a turn where it is not even)."""
         bits, context = arithmetic.bits + 32, arithmetic.context
         waves = self._fixed(bits)[::-1]
+        # Σ (−1)ᵏ sₖ: what the series is at ψ = π, taken off so that χ = π is ψ = π
         shift = sum(s if k % 2 == 0 else -s for k, (_, s) in enumerate(waves, 1))
         turn = 2 * nodes if self.even else nodes
+        # all nodes by one fast transform in integers: Horner's rule would cost as many products as nodes times terms
         _, moved = at_midpoints([(c, -s) for c, s in waves], turn, bits)
         rates, _ = at_midpoints([(k * c, -k * s) for k, (c, s) in enumerate(waves, 1)], turn, bits)
         for ψ, v, du in zip(midpoints(nodes, even=self.even, bits=arithmetic.bits), moved, rates, strict=False):
@@ -125,6 +127,7 @@ class Stretched:
     def _in_fixed_point(self, ψ: Mpf, arithmetic: Multi) -> tuple[Mpf, Mpf]:
         """χ = ψ + Im Σ (cₖ − i sₖ) e^{ikψ} + Σ (−1)ᵏ sₖ and its derivative by Horner's rule in integers."""
         bits, context = arithmetic.bits + 32, arithmetic.context
+        # the coefficients are doubles, taken as exact: the map is the same at every precision
         one = context.mpf(2) ** bits
         x, y = (int(context.nint(part * one)) for part in context.cos_sin(ψ))
         waves = self._fixed(bits)
@@ -173,9 +176,11 @@ def stretched(inner: Inner, places: list[tuple[float, float]]) -> Stretched | No
     Returns:
         The map; None where doubles cannot hold one.
     """
+    # an even map needs an even density: the mirror images on the other half turn
     if inner.even:
         places = places + [(-χ, δ) for χ, δ in places if 0 < χ < np.pi]
     narrowest = _NARROWEST
+    # a width below what doubles resolve makes dχ/dψ negative by rounding: wider places are a worse map, and still a map
     while narrowest < 0.1:
         slope = _inverse_slope([(χ, max(δ, narrowest)) for χ, δ in places], even=inner.even)
         if slope is not None:
@@ -191,6 +196,7 @@ def _inverse_slope(places: list[tuple[float, float]], *, even: bool) -> FourierS
     while samples <= _MOST_SAMPLES:
         fraction = np.arange(samples) / samples
         # dχ/dψ at equal steps of ψ from −π, and its Fourier coefficients
+        # the inverse function ψ ↦ dχ/dψ, from which the polynomial takes its coefficients
         values = growth.rate(fraction)
         waves = np.fft.rfft(np.roll(values, samples // 2)) / samples
         size = np.abs(waves[1:])
@@ -227,6 +233,7 @@ class _Growth:
         half = np.diff(edges) / 2
         values = _density((edges[:-1] + half)[:, None] + half[:, None] * nodes, places)
         k = np.arange(_LEGENDRE_TERMS)
+        # coefficients k + ½ times ∫ f Pₖ, by the rule that has the nodes of f
         rates = (values * weights) @ np.polynomial.legendre.legvander(nodes, _LEGENDRE_TERMS - 1) * (k + 0.5)
         return cls(edges, np.concatenate([[0.0], np.cumsum(2 * half * rates[:, 0])]), rates)
 
@@ -252,11 +259,13 @@ class _Growth:
 
 def _edges(places: list[tuple[float, float]]) -> Reals:
     """Return phases between which ψ grows by about 1: closer to each other than to the rough places."""
+    # geometric steps from δ/4 outwards: the density varies by a power law there
     near = [χ + side * δ * 2.0 ** np.arange(-2, 4 - np.log2(δ), 0.5) for χ, δ in places for side in (-1, 1)]
     points = np.concatenate([np.linspace(-np.pi, np.pi, 65), [χ for χ, _ in places], *near])
     table = np.unique(np.concatenate([np.remainder(points + np.pi, 2 * np.pi) - np.pi, [np.pi]]))
     density = _density(table, places)
     levels = np.concatenate([[0.0], np.cumsum(np.diff(table) * (density[1:] + density[:-1]) / 2)])
+    # the trapezoidal rule places the edges only; the integral over a piece is Gauss and Legendre's
     inner = np.interp(np.arange(1, np.ceil(levels[-1])), levels, table)
     return np.concatenate([[-np.pi], inner, [np.pi]])
 
@@ -265,5 +274,6 @@ def _density(χ: Reals, places: list[tuple[float, float]]) -> Reals:
     """dψ/dχ, up to a constant."""
     total = np.full_like(χ, _BASE**4)
     for place, width in places:
+        # sin²((χ − χₖ)/2) + δₖ²/4 is about |χ − (χₖ ± iδₖ)|²/4, with period 2π
         total += (np.sin((χ - place) / 2) ** 2 + width**2 / 4) ** -2
     return total**0.25

@@ -60,6 +60,7 @@ def straight_above(squares: StripSquares) -> Mask:
         return np.zeros(0, dtype=bool)
     unit = np.min(squares.side)
     left = np.rint((squares.x - np.min(squares.x)) / unit).astype(np.int64)
+    # columns between the edges of all squares: one number, the lowest square, for each
     edges = np.unique(np.concatenate([left, left + np.rint(squares.side / unit).astype(np.int64)]))
     first = np.searchsorted(edges, left)
     last = np.searchsorted(edges, left + np.rint(squares.side / unit).astype(np.int64))
@@ -80,6 +81,7 @@ def in_a_cone(squares: StripSquares, found: Reals) -> Mask:
     if not found.shape[1]:
         return np.zeros(squares.x.shape, dtype=bool)
     x, y = found[:, np.argsort(found[0])]
+    # y − yₖ > x − xₖ for xₖ left of x, and the mirror image: two running minima in place of all pairs
     rising = np.concatenate([[np.inf], np.minimum.accumulate(y - x)])
     falling = np.concatenate([np.minimum.accumulate((y + x)[::-1])[::-1], [np.inf]])
     middle = squares.x + squares.side / 2

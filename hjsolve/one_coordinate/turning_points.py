@@ -89,10 +89,13 @@ def _within_doubles(ray: Ray) -> bool:
 def _cells(ray: Ray) -> Reals:
     """Edges growing geometrically from the origin and, where the domain ends, shrinking towards its end."""
     if ray.reach is None:
+        # powers of two of a length of the motion: a cell is as long as its distance from the origin, which intervals
+        # resolve
         edges = np.ldexp(_scale(ray), np.arange(-50, min(120, 1023 - int(np.frexp(_scale(ray))[1]))))
         return np.concatenate([[0.0], edges])
     reach = float(ray.reach(128))
     outward = reach * 2.0 ** np.arange(-50, 0)
+    # towards an end of the domain cells shrink with the distance to it: p² may have a pole there
     inward = np.zeros(0) if ray.turns else reach * (1 - 2.0 ** -np.arange(2, 41))
     return np.concatenate([[0.0], outward, inward, [reach] if ray.turns else []])
 
@@ -103,6 +106,7 @@ def _scale(ray: Ray) -> float:
     if q:
         return q
     value, first, second = (abs(float(part)) for part in ray.jet(0, 128))
+    # at q = 0 the lengths F/F′ and √(F/F″) take the place of |q|
     guesses = [value / first if first else 0.0, (value / second) ** 0.5 if second else 0.0]
     return max(guesses) or 1.0
 
@@ -159,9 +163,12 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
     while cells:
         first = cells[0]
         check(partial(_sought, ray, first))
+        # a cell that dividing does not settle: what lies beyond it may be decided as a whole, by the expansion at
+        # infinity
         stubborn = first.undecided and (first.unresolved or first.depth >= _STUBBORN)
         if (first.overflowed or stubborn) and outlook.clear(first.ends[0]):
             return None
+        # doubles have said all they can: many digits decide this one cell
         if first.overflowed or first.rounded:
             work += 1 if first.rounded else _COST_OF_MANY_DIGITS
             cells = [_exactly(ray, first), *cells[1:]]
@@ -175,6 +182,7 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
                 )
             cells = _divided(ray, cells)
             continue
+        # F, F′ or F″ has one sign on it: a few exact values decide
         found = None if first.positive else _settle(ray, first.ends, digits)
         if found is not None:
             return found
@@ -197,6 +205,7 @@ class _Outlook:
         """Return True when p² > 0 from a distance x on."""
         if self.ray.turns:
             return False
+        # an expansion holds from a place on: asked once an octave, it costs what a few cells cost
         left = x if self.ray.reach is None else float(self.ray.reach(BITS) - x)
         octave = int(np.frexp(left)[1])
         if octave in self.asked:
@@ -209,7 +218,9 @@ def _stays_positive(ray: Ray, x: float) -> bool:
     if ray.reach is not None:
         bits = BITS + 2 * ray.radicand.guard
         reach = ray.reach(bits)
+        # the expansion in the distance that is left to the end
         return ray.radicand.sign_before(ray.place(reach, bits), ray.side, reach - x) > 0
+    # a little nearer than the cell: its rounded edge may lie beyond it
     far = ray.side * float(ray.place(x, 128))
     return ray.radicand.sign_beyond(ray.side, far * (1 - 2.0**-50)) > 0
 
@@ -227,6 +238,7 @@ def _finite(enclosure: _Enclosure) -> bool:
 def _divided(ray: Ray, cells: list[_Cell]) -> list[_Cell]:
     """Divide the first cell, and with it those that wait behind it for the same: many enclosures cost little more."""
     depth = cells[0].depth
+    # many digits where doubles were divided often, or have rounded away what is asked
     exact = depth >= _EXACT or cells[0].unresolved
     together = 1 if exact else _TOGETHER
     alike = [c.undecided and c.depth == depth and c.unresolved <= exact for c in cells[:together]]
@@ -236,6 +248,7 @@ def _divided(ray: Ray, cells: list[_Cell]) -> list[_Cell]:
     result: list[_Cell] = []
     for cell, parts in zip(cells[:together], pieces, strict=True):
         inner = [next(enclosures) for _ in parts]
+        # an enclosure that does not shrink with its cell is rounding, not range: dividing it further is idle
         widths, enough = [e[1] - e[0] for e in inner], 0.6 * (cell.enclosure[1] - cell.enclosure[0])
         if parts and not exact and enough <= min(widths) <= max(widths) < np.inf:
             result.append(cell._replace(rounded=True))
@@ -261,6 +274,7 @@ def _pieces(ray: Ray, cell: _Cell) -> list[tuple[float, float]]:
             else "it has a pole or no real value there; give the coordinate a domain that ends at that place"
         )
         raise NotConvergedError(f"p² could not be decided near q = {float(ray.place(cell.ends[0], 128)):.15g}: {why}")
+    # eight at first, when a cell is still an octave long; later halves, towards the one place that does not settle
     parts = 8 if cell.depth < 4 else 2
     edges = np.linspace(*cell.ends, parts + 1)
     return [] if len(set(edges)) < parts + 1 else list(itertools.pairwise(edges))
@@ -270,18 +284,24 @@ def _settle(ray: Ray, cell: tuple[float, float], digits: int) -> End | None:
     """Decide a cell on which F is monotone or F′ is: at most one critical point, found exactly."""
     x0, x1 = cell
     bits = 256
+    # 256 bits: what interval arithmetic left open is decided at the ends, with digits to spare
     f0, d0, _ = ray.jet(x0, bits)
     f1, d1, _ = ray.jet(x1, bits)
+    # F = F′ = 0 at the end of a cell: a double zero, as exactly as 256 bits tell
     if d1 == 0 and abs(f1) <= abs(f0) * multiprecision(bits).mpf(2) ** (24 - bits):
         return End("asymptote", partial(_at, ray, x1), 2.0)
+    # F is monotone on the cell: a sign change is one simple zero
     if d0 * d1 >= 0:
         return _turning(ray, x0, x1, digits) if f1 < 0 else None
+    # F rises to a maximum: the zero, if there is one, lies beyond it
     if d0 > 0:
         maximum = _critical(ray, x0, x1, bits)
         return _turning(ray, maximum, x1, digits) if f1 < 0 else None
     while True:
+        # F falls and rises: two zeros, one double zero or none, by the value at the minimum
         minimum = _critical(ray, x0, x1, bits)
         value, _, bend = ray.jet(minimum, bits)
+        # what 24 bits less than the precision leave of the largest terms: below it the sign is not known
         rounding = max(abs(f0), abs(f1), abs(bend) * (x1 - x0) ** 2) * multiprecision(bits).mpf(2) ** (24 - bits)
         if value < -rounding:
             return _turning(ray, x0, minimum, digits)
@@ -289,6 +309,7 @@ def _settle(ray: Ray, cell: tuple[float, float], digits: int) -> End | None:
             return None
         if bits >= _LAST_BITS:
             return End("asymptote", partial(_at_critical, ray, x0, x1), 2.0)
+        # a close pair of zeros and a double one look alike until the precision tells them apart
         bits *= 2
 
 
@@ -338,10 +359,12 @@ def _beyond(ray: Ray, last: float, digits: int) -> End:
     """
     if ray.reach is None and _stays_positive(ray, last):
         return End("infinity")
+    # a place that is 2⁻²⁰⁸⁸ of the way before an end is told from it by so many bits alone
     bits = 3072
     context = multiprecision(bits)
     powers = [*range(0, 400, 16), *range(432, _FARTHEST, 64), _FARTHEST, _FARTHEST + 16]
     if ray.reach is None:
+        # a geometric sequence: p² behaves like a power there, and a sign change between two samples is one
         steps = [context.mpf(last) * context.mpf(2) ** k for k in powers]
     else:
         steps = [ray.reach(bits) * (1 - context.mpf(2) ** -(40 + k)) for k in powers]
@@ -353,6 +376,7 @@ def _beyond(ray: Ray, last: float, digits: int) -> End:
             return _turning(ray, before, x, digits)
         before = x
     end = None if ray.reach is None else ray.place(ray.reach(bits), bits)
+    # the sign of the leading term decides what samples cannot: a zero farther out than any double
     sign = ray.radicand.sign_in_the_end(ray.side, end)
     if sign < 0 or (sign == 0 and ray.reach is None and not _positive_to_infinity(ray, last)):
         where = f"beyond q = {context.nstr(ray.place(steps[-1], bits), 3)}"
@@ -362,7 +386,9 @@ def _beyond(ray: Ray, last: float, digits: int) -> End:
             f"p² vanishes {where}, which is farther than it is looked for" if sign < 0
             else f"whether p² vanishes {where} was not decided"
         )  # fmt: skip
+    # the steps grow towards infinity, and the distances to an end shrink: hence the sign
     power = leading_power(values, context) * (1 if ray.reach is None else -1)
     if ray.reach is None:
         return End("infinity", None, power)
+    # ∫ dq/p ~ ∫ x^(−power/2) dx is finite for power < 2
     return End("boundary" if power < 2 else "asymptote", partial(_at_reach, ray), power)

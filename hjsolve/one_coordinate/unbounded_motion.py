@@ -1,4 +1,8 @@
-"""The motion of one coordinate that does not come back: escape, asymptotic, or to an end of the domain."""
+"""The motion of one coordinate that does not come back: escape, asymptotic, or to an end of the domain.
+
+Gⱼ(χ) = ± ∫₀^|χ| kⱼ |dq/dy|/|p| dy along the branch ahead for χ ≥ 0 and along that behind for χ < 0, from Chebyshev
+series on panels (``chebyshev_panels``). Where the motion turns at χ = 0 both are one branch, gone to and fro.
+"""
 
 from __future__ import annotations
 
@@ -97,6 +101,7 @@ class Unbounded(KindOfMotion):
         edges, limit = self.edges(), self.limits()[side > 0]
         beyond = edges[edges > start] if side > 0 else edges[edges < start][::-1]
         places = np.concatenate([[start], beyond])
+        # beyond the last panel the integrals go on evenly: doublings reach any time in sixty steps
         doublings = 2.0 ** np.arange(-2, 61)
         return places if np.isfinite(limit) else np.concatenate([places, places[-1] + side * doublings])
 
@@ -104,6 +109,7 @@ class Unbounded(KindOfMotion):
         """Return what the rounding of Σ wⱼ Gⱼ(χ) is relative to: the greatest value of a panel's series."""
         used = [(j, abs(w)) for j, w in enumerate(weights) if w]
         edges = self.edges()
+        # a panel's series is rounded like its greatest value, which is at one of its ends as integrals grow
         summed: Elementwise = sum(w * np.abs(self.integral(j, edges)) for j, w in used)
         position = np.clip(np.searchsorted(edges, χ) - 1, 0, len(edges) - 2)
         tail = sum(w * np.abs(self.integral(j, χ)) for j, w in used)
@@ -114,9 +120,11 @@ class Unbounded(KindOfMotion):
         back = amount if self.back is None or not self.both_directions else self.back
         ahead, behind = self.ahead.swept(weights, amount), self.behind.swept(weights, back)
         forward, y = χ >= 0, np.abs(χ)
+        # both branches run outward from χ = 0: behind it the integral is negative
         values = np.where(forward, ahead.integral(0, y), -behind.integral(0, y))
         slopes: Numbers = np.abs(np.where(forward, ahead.value(0, y), behind.value(0, y)))
         beyond = np.where(forward, y > ahead.edges[-1], y > behind.edges[-1])
+        # past the last panel W is not known; it is not continued as phases are
         values = np.where(beyond, np.nan, values) if beyond.any() else values
         return values, slopes, np.where(forward, ahead.spacing(0, y), behind.spacing(0, y))
 
@@ -130,11 +138,13 @@ class Unbounded(KindOfMotion):
                 split(branch.end_map.start),
                 split(branch.end_map.start + branch.end_map.side * branch.end_map.length),
             )
+            # the exact start and the distance from it: near the start the place has more digits than a double
             from_start = moved(Pair(start.high + 0 * χ, start.low + 0 * χ), end_map.side * x)
             if left is None:
                 pairs.append(from_start)
                 continue
             from_end = moved(Pair(end.high + 0 * χ, end.low + 0 * χ), -end_map.side * left)
+            # counted from the nearer end of the branch
             pairs.append(Pair(*(np.where(left < x, e, s) for s, e in zip(from_start, from_end, strict=True))))
         ahead, behind = pairs
         return Pair(*(np.where(χ >= 0, a, b) for a, b in zip(ahead, behind, strict=True)))

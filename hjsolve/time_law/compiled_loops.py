@@ -43,6 +43,7 @@ def fill_relative(times: Reals, high: float, low: float, upper: Reals, lower: Re
     """
     for i in range(times.size):
         t = times[i]
+        # two_sum of t and −high (Knuth): difference + error is exact, then the low part comes off
         difference = t - high
         part = difference - t
         upper[i] = difference
@@ -70,6 +71,7 @@ def turns(
         whole, rest: filled here; shape (m,).
     """
     rh, rl, sh, sl = rate[0], rate[1], start[0], start[1]
+    # Dekker's splitting by 2²⁷ + 1: the halves have 26 bits, and their products are exact
     c = _SPLITTER * rh
     ah = c - (c - rh)
     al = rh - ah
@@ -79,12 +81,15 @@ def turns(
         cb = _SPLITTER * t
         bh = cb - (cb - t)
         bl = t - bh
+        # p + e = rh·t exactly; the low parts of rate and time come next, to 106 bits
         e = ((ah * bh - p) + ah * bl + al * bh) + al * bl
         e = e + (rh * lower[i] + rl * t)
+        # whole turns first: p − n is exact, and what is left is below one
         n = np.rint(p)
         a = p - n
         s = a + sh
         part = s - a
+        # two_sum of the rest and the start, and all that was too small for it
         w = ((a - (s - part)) + (sh - part)) + (e + sl)
         more = np.rint(s + w)
         whole[i] = _counted(n, more)
@@ -99,8 +104,10 @@ def _place(argument: Reals, edges: Reals, guide: Integers, parity: int, panels: 
     for i in range(argument.size):
         θ = argument[i]
         u = abs(θ) if parity else θ
+        # equally spaced cells, four a panel: the guide gives the panel nearly always without a search
         cell = min(max(int((u - first) * scale), 0), cells - 1)
         k, beyond = guide[cell], guide[cell + 1] + 1
+        # bisection where edges crowd into one cell, then a walk of at most four
         while beyond - k > 4:
             middle = (k + beyond) >> 1
             if edges[middle] <= u:
@@ -119,6 +126,7 @@ def _polynomial(panels: Integers, places: Reals, rows: Reals, out: Reals) -> Non
     """Horner's rule of degree ``table.DEGREE``, written out so that it becomes vector instructions."""
     for i in range(panels.size):
         k, x = panels[i], places[i]
+        # the operations of ``InterpolationTable._chunk`` in their order: results do not depend on which of the two ran
         value = rows[k, 11] * x + rows[k, 10]
         value = (value * x + rows[k, 9]) * x + rows[k, 8]
         value = (value * x + rows[k, 7]) * x + rows[k, 6]
@@ -163,6 +171,7 @@ def fill_principal(angle: Reals, value: Reals, count: Integers) -> None:
     """
     for i in range(angle.size):
         x = angle[i]
+        # (−π, π], the upper end included: −π becomes π
         n = np.ceil((x - np.pi) / _TURN)
         count[i] = _counted(n, 0.0)
         value[i] = x if n == 0 else x - _TURN * n

@@ -73,11 +73,15 @@ def choose_pair(
     """
     rows = [_kernels(c, equations) for c in coordinate_motions]
     units = [tuple(float(j == k) for j in range(equations)) for k in range(equations)]
+    # combinations without the time first: then the search for one phase does not depend on the clock
     for level in (*units[1:], units[0]):
         signs = [_sign(c, part, level) for c, part in zip(coordinate_motions, rows, strict=True)]
+        # opposite signs: the level curve is increasing, and the second equation monotone along it
         if signs[0] * signs[1] != -1:
             continue
+        # the clock must be independent of the combinations that are used up
         size = [abs(np.linalg.det(np.array([*used, level, clock]))) for clock in units]
+        # the energy's equation where it can be: it is the one that holds the time
         clock = units[0] if size[0] > 1e-9 else units[int(np.argmax(size))]
         if max(size) > 1e-9:
             return CoupledPair(coordinate_motions, level, clock)
@@ -96,6 +100,7 @@ def _sign(coordinate_motion: CoordinateMotion, rows: Reals, level: Weights) -> i
     Beside a pole in a coordinate a kernel may be smaller than the rounding of its series: that counts as zero.
     """
     values = rows @ np.array(level)
+    # a Fourier series is rounded like its greatest value; panels each have a size of their own
     error_bounds = _ROUNDING_ERROR * float(np.max(np.abs(rows) @ np.abs(level))) if coordinate_motion.one_scale else 0.0
     side = 1 if values[int(np.argmax(np.abs(values)))] > 0 else -1
     return side if np.all(side * values >= -error_bounds) and np.any(values) and (error_bounds or np.all(values)) else 0
@@ -125,15 +130,18 @@ def solve_pair(couple: CoupledPair, goals: Reals, noise: Reals, time: Reals) -> 
 
 def _one_direction(pair: CoupledPair, side: int, goals: Reals, error_bounds: Reals) -> CoupledPhases:
     """Return times on one side of t₀."""
+    # the coordinate whose side of the level equation is used up first ends the motion: it is the one searched in
     gains = [_gain(c, pair.level, side) for c in pair.coordinate_motions]
     k = int(gains[1] < gains[0])
     outer, inner = pair.coordinate_motions[k], pair.coordinate_motions[1 - k]
     search = _Search(pair, outer, inner, goals)
     places = outer.stations(side)
+    # where the equation is still early at the last station the goal lies beyond what panels reach
     last = search.late(np.broadcast_to(places[-1:], goals.shape[1:]))
     passed = side * last < 0
     x = search.between(places, side)
     χ = np.empty_like(goals)
+    # the inner phase from the outer one, and then both at once: next to an end one of the two is ill conditioned
     χ[k], χ[1 - k] = x, search.other(x)[0]
     χ = _polished(pair, goals, χ)
     finished = outer.finished(side)
@@ -192,6 +200,8 @@ class _Search:
         y, ended = self.other(x)
         clock = self.pair.clock
         off = _amount(self.outer, clock, x) + _amount(self.inner, clock, y) - self.goals[1]
+        # where the inner coordinate has ended there is no level curve: that place is taken to be too late, so that the
+        # search turns back
         outward = np.where(x >= float(self.outer.start), np.inf, -np.inf)
         return np.where(ended, outward, self._sign * off), self._sign * self._slope(x, y)
 
@@ -199,6 +209,7 @@ class _Search:
         """Growth of the left side of the second equation along the first one's curve."""
         level, clock = self.pair.level, self.pair.clock
         with np.errstate(all="ignore"):
+            # dy/dx along the level curve, by the implicit function theorem
             ratio = -_weighted_rate(self.outer, level, x) / _weighted_rate(self.inner, level, y)
         return _weighted_rate(self.outer, clock, x) + _weighted_rate(self.inner, clock, y) * ratio
 
@@ -212,6 +223,7 @@ class _Search:
         # bisection over the stations, for all times at once
         first, last = np.zeros(shape, dtype=int), np.full(shape, len(stations) - 1)
         while np.any(last - first > 1):
+            # stations are few, and each look costs one inner search for all times
             middle = (first + last) // 2
             beyond = side * self.late(stations[middle]) > 0
             first, last = np.where(beyond, first, middle), np.where(beyond, middle, last)
@@ -225,6 +237,7 @@ class _Search:
             low, high = np.where(off <= 0, x, low), np.where(off >= 0, x, high)
             with np.errstate(all="ignore"):
                 new = x - off / slope
+            # four steps that shrink the bracket by less than 4: halving is better (the safeguard of Brent's method)
             slow = (count % 4 == 3) & (high - low > width / 4)  # Newton's steps are worth less than halving
             new = np.where((new >= low) & (new <= high) & ~slow, new, (low + high) / 2)
             width = np.where(count % 4 == 3, high - low, width)
@@ -239,7 +252,9 @@ def _polished(pair: CoupledPair, goals: Reals, χ: Reals) -> Reals:
     for _ in range(_NEWTON_STEPS):
         residual, ((a, b), (c, d)) = _residual(pair, goals, χ), _slopes(pair, χ)
         with np.errstate(all="ignore"):
+            # Cramer's rule of two equations, rows (a, b) and (c, d)
             step = np.stack([b * residual[1] - d * residual[0], c * residual[0] - a * residual[1]]) / (a * d - b * c)
+            # a correction, not a search: a long step says that the slopes are useless here
             small = np.all(np.abs(step) <= 1e-3 * np.abs(χ) + 1e-8, axis=0)
         trial = np.where(small, χ + step, χ)
         for row, coordinate_motion in enumerate(pair.coordinate_motions):
@@ -274,5 +289,6 @@ def _bound(pair: CoupledPair, goals: Reals, error_bounds: Reals, χ: Reals) -> R
     ]
     left = np.abs(_residual(pair, goals, χ)) + error_bounds + 4 * EPS * np.stack(sizes)
     with np.errstate(all="ignore"):
+        # |J⁻¹| times residual, errors of the right sides and rounding of both sums
         inverse = np.abs(np.stack([np.stack([d, -b]), np.stack([-c, a])]) / (a * d - b * c))
     return np.sum(inverse * left[None, :], axis=1) + 2 * EPS * np.abs(χ)

@@ -1,4 +1,7 @@
-"""Times as the user gave them: any number of digits in, two doubles or many digits out."""
+"""Times as the user gave them: any number of digits in, two doubles or many digits out.
+
+t − t₀ of doubles t and t₀ in two doubles is exact: s = fl(t − t₀), e = (t − (s − (s − t))) − (t₀ + (s − t)) (Knuth).
+"""
 
 from __future__ import annotations
 
@@ -28,6 +31,7 @@ def relative(times: Reals, start: Callable[[int], Mpf]) -> tuple[Reals, Reals]:
         return upper, lower
     for begin in range(0, len(times), CHUNK):
         part = slice(begin, begin + CHUNK)
+        # two_sum of the time and −t₀ (high part): t − t₀ next to 0 keeps the digits of t₀ that no double holds
         difference = times[part] - high
         error = difference - times[part]
         upper[part] = difference

@@ -64,10 +64,13 @@ def _of_cycle(
     time: tuple[Reals, Reals],
 ) -> tuple[Reals, Reals, Reals, Mask]:
     total = combine(list(weights), coordinate_motion.kernels[: len(weights)])
+    # divided by the mean growth the equation is χ + D(χ) = θ, which ``torus`` solves
     scaled = combine([1 / total.mean], [total])
     angle, whole = value / float(total.mean), 0.0 * value
     if own:
+        # turns come off the part that grows with the time, to 32 digits; the rest of the right side stays bounded
         count, rest = turns_and_rest(split(own / total.mean / (2 * multiprecision(160).pi)), time)
+        # what is not the time: the value at t₀ and the other coordinates
         start = angle - own / float(total.mean) * (time[0] + time[1])
         whole = count + np.rint(rest).astype(int)
         angle = 2 * np.pi * (rest - np.rint(rest)) + start
@@ -80,6 +83,7 @@ def _of_rest(
     coordinate_motion: AtRest, weights: Weights, value: Reals, residual_bound: Reals, *_: object
 ) -> tuple[Reals, Reals, Reals, Mask]:
     rate = float(sum(w * float(r) for w, r in zip(weights, coordinate_motion.rates, strict=False)))
+    # at rest Gⱼ grows evenly: the equation is linear
     error = residual_bound / abs(rate) + EPS * np.abs(value / rate)
     return value / rate, 0.0 * value, error, np.zeros(value.shape, dtype=bool)
 
@@ -94,13 +98,17 @@ def _of_open(
         ]
         return cast("Reals", sum(p[0] for p in pairs)), cast("Reals", sum(p[1] for p in pairs))
 
+    # monotone all along: one phase tells whether it rises or falls
     sign = 1.0 if function(np.array([0.1]))[1][0] > 0 else -1.0
     edges = coordinate_motion.edges()
     levels = sign * function(edges)[0]
     goal = sign * value
+    # the integral at the edges of panels brackets every goal
     position = np.clip(np.searchsorted(levels, goal) - 1, 0, len(edges) - 2)
     low, high = edges[position], edges[position + 1]
     floor, ceiling = coordinate_motion.limits()
+    # beyond the last panel the integral is continued by its last slope: a bracket of twice that distance and a little
+    # more holds the zero
     if not np.isfinite(ceiling):
         high = np.where(
             goal > levels[-1],
@@ -120,6 +128,7 @@ def _of_open(
         return sign * f - goal, sign * slope
 
     χ, residual, slope = bracketed_roots(equation, (low + high) / 2, low, high)
+    # sizes before terms cancel: that is what rounding refers to
     summed: Elementwise = sum(np.abs(w * coordinate_motion.integral(j, edges)) for j, w in enumerate(weights) if w)
     rounding = np.maximum(summed[position], summed[position + 1])  # a panel's series is rounded like its greatest value
     rounding_and_error = (

@@ -70,6 +70,8 @@ def plan(coordinate_motions: Sequence[CoordinateMotion]) -> TriangularScheme:
         NotConvergedError: the integrals are beyond the range of doubles.
     """
     n = len(coordinate_motions)
+    # whether a combination of kernels vanishes identically is asked of six phases: it is a question of the form of T,
+    # not of the motion
     samples = [_sample(c, n) for c in coordinate_motions]
     steps: list[DecoupledStep] = []
     left = list(range(n))
@@ -87,6 +89,7 @@ def _sample(coordinate_motion: CoordinateMotion, n: int) -> Reals:
 
     A periodic series is rounded like its greatest value, panels each like their own.
     """
+    # phases of no special meaning; on an open branch nearer to the start, as y there has no period
     χ = np.array([0.37, 0.81, 1.23, 1.77, 2.41, 2.93]) * (0.3 if coordinate_motion.branches else 1.0)
     rows = np.stack([np.broadcast_to(coordinate_motion.rate(j, χ), χ.shape) for j in range(n)], axis=1)
     sizes = np.max(np.abs(rows), axis=1, keepdims=True)
@@ -101,19 +104,24 @@ def _sample(coordinate_motion: CoordinateMotion, n: int) -> Reals:
 
 def _own(i: int, left: list[int], samples: list[Reals]) -> DecoupledStep | None:
     n = samples[i].shape[1]
+    # w must be orthogonal to the kernels of every coordinate that is not yet known
     others = np.concatenate([samples[l] for l in left if l != i] or [np.zeros((1, n))])
     for j in range(n):
         if np.all(others[:, j] == 0) and np.min(np.abs(samples[i][:, j])) > 1e-9:
             return DecoupledStep(i, tuple(float(j == c) for c in range(n)))
+    # the null space by singular values: rank is decided against the largest of them, at the rounding of kernels
     _, values, rows = np.linalg.svd(others)
     rank = int(np.sum(values > 1e-12 * max(values[0], 1e-300)))
     null = rows[rank:]
     if not len(null):
         return None
+    # the projection of this coordinate's own kernels: of the null space the direction in which its equation is steepest
     weights = null.T @ (null @ samples[i][0])
     weights = weights / max(np.max(np.abs(weights)), 1e-300)
+    # a weight that is rounding would bring a foreign kernel into the equation, and its error with it
     weights[np.abs(weights) < 1e-11] = 0.0
     seen = samples[i] @ weights
+    # no sample of the sum is near 0: the equation is taken to be monotone in χᵢ
     return DecoupledStep(i, tuple(float(w) for w in weights)) if np.min(np.abs(seen)) > 1e-6 else None
 
 
@@ -150,6 +158,7 @@ def own_turns(scheme: TriangularScheme, bits: int) -> list[OwnTurns]:
         if cycle is None or not step.weights[0] or not (step == scheme.steps[0] or _alone(scheme, step)):
             continue
         kernels = cycle.kernels[: scheme.equations]
+        # growth of the left side a turn over 2π: divided by it the equation has slope one in the mean
         mean = sum((w * series.mean for w, series in zip(step.weights, kernels, strict=True)), context.mpf(0))
         series = combine([w / mean for w in step.weights], kernels)
         begin = context.mpf(cycle.start)
@@ -182,6 +191,7 @@ def open_phases(
         For each coordinate χ, whole turns and a bound on the error of χ, shape (m,); and an array that is True
         where the motion has ended before that time.
     """
+    # a little more than the farthest time, so that it is inside its panel
     span = float(np.max(np.abs(time[0]), initial=0.0)) * (1 + 1e-9) + 1e-290
     for attempt in range(_REACHES):
         χ, whole, errors, ended, short = _phases(scheme, time, span, attempt)
@@ -195,6 +205,7 @@ def _phases(
 ) -> tuple[list[Reals], list[Counts], list[Reals], Mask, Mask]:
     """Return the same with panels that reach so far; True last where that is not far enough."""
     t = time[0] + time[1]
+    # panels grow geometrically, so that 8 times the time is a few panels more
     coordinate_motions = [
         reaching(c, scheme, span * 8.0**attempt, i, attempt) for i, c in enumerate(scheme.coordinate_motions)
     ]
@@ -209,8 +220,10 @@ def _phases(
     ended, short = np.zeros(t.shape, dtype=bool), np.zeros(t.shape, dtype=bool)
     for step in scheme.steps:
         known = [(l, c) for l, c in enumerate(coordinate_motions) if χ[l] is not None]
+        # Gⱼ grows from turn to turn: kernels are asked at the full phase
         full = [None if x is None else x + 2 * np.pi * n for x, n in zip(χ, whole, strict=True)]
         value, error_bound = _right_side(step, targets, known, full, errors, t)
+        # only the first equation holds the time alone; there whole turns come off in 32 digits
         own = step.weights[0] if not known else 0.0
         coordinate_motion = coordinate_motions[step.index]
         χ[step.index], whole[step.index], errors[step.index], ended_here = solve_alone(
@@ -218,9 +231,11 @@ def _phases(
         )
         further = np.where(t >= 0, *(_goes_on(coordinate_motion, side) for side in (1, -1)))
         short |= ended_here & further
+        # beyond the last panel of a branch that is complete the motion is over; of another one panels are too short
         ended |= ended_here & ~further
     if scheme.coupled:
         full = [None if x is None else x + 2 * np.pi * n for x, n in zip(χ, whole, strict=True)]
+        # two coordinates by brackets, which cannot miss; three or more by following them in time
         pair = _couple(coordinate_motions, scheme)
         if pair is None:
             _march(coordinate_motions, scheme, targets, t, full, χ, errors, ended)
@@ -273,12 +288,14 @@ def _right_sides(
     goals[0] += t
     starts = [sum(abs(float(np.ravel(c.integral(j, np.array([float(c.start)])))[0])) for c in coordinate_motions)
               for j in range(scheme.equations)]  # fmt: skip
+    # the right side is a difference of integrals at the start and at t: each is rounded like itself
     error_bounds = 4 * EPS * (np.array(starts)[:, None] + np.abs(goals))
     for l, χ in enumerate(known):
         if χ is not None:
             for j in range(scheme.equations):
                 part = coordinate_motions[l].integral(j, χ)
                 goals[j] -= part
+                # |∂G/∂χ| δχ of a phase that is known, and the rounding of its integral
                 error_bounds[j] += np.abs(coordinate_motions[l].rate(j, χ)) * errors[l] + 4 * EPS * np.abs(part)
     return goals, error_bounds
 
@@ -329,6 +346,7 @@ def integral_at(coordinate_motion: CoordinateMotion, j: int, χ: Mpf | int) -> f
         χ: phase.
     """
     near = np.array([float(χ)])
+    # first order in χ − fl(χ): the phase rounded to a double, times a steep slope, would be another time
     value, slope = (
         float(np.ravel(np.asarray(f(j, near)))[0]) for f in (coordinate_motion.integral, coordinate_motion.rate)
     )
@@ -357,6 +375,7 @@ def _right_side(
             if w:
                 part = w * coordinate_motion.integral(j, χ[l])
                 value = value - part
+                # twice the integral at the start: it stands in the target as well
                 size = size + np.abs(part) + 2 * np.abs(w * coordinate_motion.integral(j, start))
                 error_bound = error_bound + np.abs(w * coordinate_motion.rate(j, χ[l]) * errors[l])
     return value, error_bound + 2 * EPS * size
@@ -385,6 +404,7 @@ def _march(
             equations = _Equations(
                 coordinate_motions, scheme, targets, {l: float(x[m]) for l, x in enumerate(known) if x is not None}
             )
+            # from one sorted time to the next: each solution starts the next search
             state, now = equations.advance(state, now, float(t[m]), limits)
             found[:, m] = state
             bounds[:, m] = equations.bound(state, now)
@@ -423,6 +443,7 @@ class _Equations:
             trial, worked = self._newton(x, target, limits)
             if worked:
                 x, now, step = trial, target, 2 * step
+            # time steps at rounding: a coordinate has come to its end, or the equations are singular
             elif abs(step) < 1e-13 * max(abs(goal), 1e-13):
                 near = [min(v - low, high - v) < 1e-6 * (1 + abs(v)) for v, (low, high) in zip(x, limits, strict=True)]
                 if not any(near):
@@ -436,8 +457,10 @@ class _Equations:
         last = np.inf
         for _ in range(12):
             residual, jacobian = self._evaluate(x, t)
+            # equations may outnumber the coupled coordinates; they are consistent, so that least squares solves them
             step = np.linalg.lstsq(jacobian, -residual, rcond=None)[0]
             size = float(np.max(np.abs(step) / (1 + np.abs(x))))
+            # not a correction of a nearby solution: the step in time was too long
             if size > 0.5 or size > 2 * last + 1e-12:
                 return x, False
             x, last = x + step, size
@@ -453,4 +476,5 @@ class _Equations:
         error_bounds = np.abs(residual) + 4 * EPS * (
             np.abs(self.targets) + abs(t) * (np.arange(len(residual)) == 0) + np.abs(jacobian) @ np.abs(x)
         )
+        # |J⁺| times residual and rounding of the sums, to first order
         return np.abs(np.linalg.pinv(jacobian)) @ error_bounds + 2 * EPS * np.abs(x)

@@ -45,11 +45,14 @@ def turns_and_rest(
 
 
 def _turns(rate: tuple[float, float], upper: Reals, lower: Reals, start: tuple[float, float]) -> tuple[Integers, Reals]:
+    # p + e is the exact product of the two high parts
     p, e = two_product(rate[0], upper)
     e = e + (rate[0] * lower + rate[1] * upper)
+    # p − rint(p) is exact (Sterbenz): the fraction keeps every bit of the product
     whole = np.rint(p)
     s, low = two_sum(p - whole, start[0])
     low = low + (e + start[1])
+    # start and low parts may carry over once more
     more = np.rint(s + low)
     return _counted(whole, more), (s - more) + low
 
@@ -71,6 +74,7 @@ def grown_by(rate: tuple[float, float], time: tuple[Reals, Reals], rest: Reals |
     """
     upper, lower = time
     p, e = two_product(rate[0], upper)
+    # the largest term comes last: one rounding of the sum, at its own size
     return p + (rest + (e + (rate[0] * lower + rate[1] * upper)))
 
 
@@ -89,6 +93,7 @@ def principal(angle: Reals) -> tuple[Reals, Integers]:
         return value, count
     for begin in range(0, len(angle), CHUNK):
         part = slice(begin, begin + CHUNK)
+        # ceil and not rint: π stays π, −π is taken up a turn
         n = np.ceil((angle[part] - np.pi) / (2 * np.pi))
         count[part] = _counted(n)
         value[part] = np.where(n == 0, angle[part], angle[part] - 2 * np.pi * n)

@@ -1,4 +1,9 @@
-"""Phases in many digits: Newton's method on Jacobi's equations, started from the phases in doubles."""
+"""Phases in many digits: Newton's method on Jacobi's equations, started from the phases in doubles.
+
+On a torus χₖ + Σᵢ Dₖᵢ(χᵢ) = θₖ⁰ + Ωₖ (t − t₀) is solved for all times at once, with slopes in doubles: these are wrong
+by δ = 1e-16 times the condition of the Jacobian, and each step leaves δ times the error before it. Times at which that
+is too much, and motions that do not come back, take slopes of many digits, one time after the other.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +45,9 @@ def on_torus(
     context = multiprecision(bits)
     n, turn = len(system.coordinate_motions), 2 * context.pi
     t: Elementwise = np.array(time, dtype=object)
+    # the turns counted in doubles are whole numbers, exact: taking them away leaves angles of order one in many digits
     goal: list[Numbers] = [system.starts[k] + system.rates[k] * t - turn * whole[k].astype(object) for k in range(n)]
+    # what the series lack moves the angles, and |J⁻¹| of that the phases
     cut = np.array([float(sum(series.left_out for series in row)) for row in system.oscillations])
     x, error, spread = _together(system, goal, χ, cut, context, bits)
     for m in np.flatnonzero(~np.isfinite(error.astype(float))):
@@ -65,17 +72,21 @@ def _together(
     as_digits = np.frompyfunc(lambda v: context.mpf(float(v)), 1, 1)
     x = [as_digits(c) for c in χ]
     error, spread = np.array([context.inf] * m, dtype=object), np.full((m, n), np.inf)
+    # 2⁻⁹⁰⁰ is near the least double: steps in doubles would be 0
     if bits > _MOST_BITS or not m:
         return x, error, spread
     slopes = np.stack(
         [np.stack([(k == i) + _slope(system, k, i, c) + 0 * c for i, c in enumerate(χ)]) for k in range(n)]
     )
     with np.errstate(all="ignore"):
+        # a slope in doubles is wrong by 1e-16 × condition, by which factor each step contracts: 1e-8 at least
         good = np.linalg.cond(slopes.transpose(2, 0, 1)) < _MOST_UNEVEN
     open_, last = np.flatnonzero(good), np.full(m, np.inf)
     inverse = np.linalg.inv(slopes[:, :, open_].transpose(2, 0, 1))
     spread[open_] = np.abs(inverse) @ cut
     least = 2.0 ** (_GUARD - bits)
+    # slopes in doubles and this condition leave 1e-8 of an error at worst: 24 bits a step, and a few steps more for the
+    # start
     for _ in range(4 + bits // 24):
         if not len(open_):
             break
@@ -86,6 +97,7 @@ def _together(
         size = np.max(np.abs(step), axis=1)
         for k in range(n):
             x[k][open_] = at[k] - as_digits(step[:, k])
+        # linear convergence: the next error is this step times the rate at which steps have shrunk
         rate = np.where(np.isinf(last[open_]), 1.0, np.minimum(1.0, _UNSTEADY * size / last[open_]))
         left = size * rate  # what this step leaves, when it contracts nearly as well as the one before
         done = (left < least) & (size <= last[open_] / 4)
@@ -109,6 +121,7 @@ def _alone(
         slopes = context.matrix([[(k == i) + _slope(system, k, i, x[i]) for i in range(n)] for k in range(n)])
         return residual, slopes
 
+    # slopes in many digits: quadratic however uneven they are, one time after the other
     x, error = _newton(equations, [context.convert(c) for c in χ], context, bits)
     return x, error, equations(x)[1] ** -1
 
@@ -144,6 +157,7 @@ def unbounded(
     def single(value: object) -> NDArray[np.object_]:
         return np.array([value], dtype=object)
 
+    # Cⱼ = Σᵢ Gᵢⱼ(χᵢ(t₀)): what the sums are at the start
     targets = [sum(c.integral(j, single(c.start))[0] for c in coordinate_motions) for j in range(equations)]
     result = [np.empty(len(time), dtype=object) for _ in range(n)]
     bounds = [np.empty(len(time), dtype=object) for _ in range(n)]
@@ -183,9 +197,11 @@ def _newton(
         step = context.lu_solve(slopes, -residual)
         size = max(abs(s) for s in step)
         x = [a + s for a, s in zip(x, step, strict=True)]
+        # no longer quadratic and already small: rounding of the integrals is reached
         if size >= last / 2 and size < context.mpf(2) ** (-bits // 3):
             return x, 4 * last
         last = size
+        # a step of 2^(12 − bits) is the rounding of the residual itself
         if size < context.mpf(2) ** (12 - bits):
             return x, 4 * max(size, context.mpf(2) ** (12 - bits))
     raise NotConvergedError("the phases could not be refined to the digits asked")

@@ -122,6 +122,7 @@ class InterpolationTable:
         u = np.abs(θ) if reduced else θ
         panel = self.panels(u)
         left, right = np.take(self.edges, panel), np.take(self.edges[1:], panel)
+        # both differences are exact or nearly so (Sterbenz) inside a narrow panel; 2u − left − right would round first
         x = ((u - left) - (right - u)) / (right - left)
         buffer = np.empty_like(x)
         for quantity, result in zip(quantities, out, strict=True):
@@ -174,6 +175,7 @@ def tabulate(
         small = (right - left) <= 1e-13 * np.maximum(np.abs(left), np.abs(right))
         good |= small
         done.append((left[good], lengths[good], [part[:, good] for part in parts], right[good]))
+        # bisection in χ: where a quantity varies fast in χ, and not in θ, panels pile up
         left, right = left[~good], right[~good]
         middle = _halfway(left, right)
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
@@ -183,9 +185,11 @@ def tabulate(
     lengths = np.concatenate([d[1] for d in done])[order]
     edges = origin + np.concatenate([[0.0], np.cumsum(lengths)])
     if total is not None:
+        # the sum of lengths is off by rounding of many panels; the whole is known to be a turn
         edges = origin + (edges - origin) * (total / (edges[-1] - origin))
         if known is not None:
             phases = np.append(np.concatenate([d[0] for d in done])[order], starts[-1])
+            # far from the origin an absolute error in the last bits of ``total`` beats a relative one that has added up
             edges = np.where(edges - origin > total / 16, known(phases), edges)
             edges = np.maximum.accumulate(np.minimum(edges, origin + total))
     tables = tuple(
@@ -197,6 +201,7 @@ def tabulate(
         np.maximum(np.sum(np.abs(rows), axis=0), np.maximum(scale or 0.0, floor))
         for rows, scale, floor in zip(tables, scales, floors)
     )
+    # δθ = (dθ/dχ) δχ, with the mean slope of the panel, δχ the rounding of the phase at which samples were taken
     uncertainties = EPS * np.maximum(np.abs(begins), np.abs(ends)) * np.diff(edges) / (ends - begins)
     return InterpolationTable(edges, tables, tuple(even), bounds, uncertainties)
 
@@ -235,21 +240,28 @@ def _panels(
     points, matrix = _chebyshev(_GROWTH_NODES)
     half = (right - left) / 2
     values: Elementwise = np.reshape(growth((left + half + half * points[:, None]).ravel()), (_GROWTH_NODES, -1))
+    # Chebyshev coefficients of dθ/dχ: the last two tell whether twenty nodes resolve it
     series = matrix @ values
     good = np.max(np.abs(series[-2:]), axis=0) <= 2 * _TOLERANCE * np.abs(series[0])
+    # θ on the panel, from its left edge: integrated term by term, no difference of two large angles
     integral: Reals = np.polynomial.chebyshev.chebint(series * half, lbnd=-1)
     length = np.sum(integral, axis=0)
     nodes, transform = _chebyshev(DEGREE + 1)
     goal = length * (1 + nodes[:, None]) / 2
+    # the phases at which θ is at Chebyshev points: the quantities are interpolated in θ, that is in time
     s = np.clip(_local(integral, series * half, goal, nodes[:, None] + 0 * goal), -1, 1)
     tables = []
     argument = EPS * np.maximum(np.abs(left), np.abs(right)) / half
     for quantity, scale in zip(outputs((left + half + half * s).ravel()), scales, strict=True):
         rows = np.reshape(quantity, s.shape)
         middle = rows[len(rows) // 2]
+        # less the middle value: a quantity that hardly varies on the panel would spend its digits on its mean
         coefficients = transform @ (rows - middle)
+        # accuracy relative to the *least* value on the panel, down to the scale below which none is wanted
         size = np.max(np.abs(rows), axis=0) if scale is None else np.maximum(np.min(np.abs(rows), axis=0), scale)
+        # what one rounding of the phase does to the quantity no degree can mend
         good &= np.max(np.abs(coefficients[-2:]), axis=0) <= _TOLERANCE * size + 2 * argument * np.abs(coefficients[1])
+        # powers of x: Horner's rule takes one addition a term, Clenshaw's two
         powers = _to_powers(DEGREE + 1) @ _chopped(coefficients, np.max(np.abs(rows), axis=0))
         powers[0] += middle
         tables.append(powers)
@@ -258,6 +270,7 @@ def _panels(
 
 def _chopped(coefficients: Reals, size: Reals) -> Reals:
     """Chebyshev coefficients without their last ones, where these are the rounding of the samples."""
+    # a coefficient stays if it or one after it is more than rounding: none is cut out of the middle
     largest = np.maximum.accumulate(np.abs(coefficients[::-1]), axis=0)[::-1]
     return np.where(largest > 1e-16 * size, coefficients, 0.0)
 
@@ -266,6 +279,8 @@ def _local(integral: Reals, series: Reals, goal: Reals, s: Reals) -> Reals:
     """Solve ∫ growth = goal on each panel by Newton's method in the panel's own variable."""
     for _ in range(14):
         value, slope = clenshaw(integral, s), clenshaw(series, s)
+        # the integral is increasing on the panel, and nearly linear: Newton's method from the Chebyshev points settles
+        # in a few steps
         step = (value - goal) / slope
         s = np.clip(s - step, -1, 1)
         if np.max(np.abs(step), initial=0) < 1e-9:

@@ -74,21 +74,26 @@ def torus_equations(coordinate_motions: Sequence[Periodic | AtRest], bits: int) 
     """
     n = len(coordinate_motions)
     context = multiprecision(bits)
+    # ∂Jᵢ/∂cⱼ, the mean growth of Gᵢⱼ with χᵢ; its inverse exists where the actions are independent
     means = context.matrix([[c.growth(j) for c in coordinate_motions] for j in range(n)])
     try:
         inverse = means**-1
     except ZeroDivisionError:
         raise NotConvergedError("the separated integrals are dependent: this motion has no angle variables") from None
     growth = tuple(tuple(inverse[k, j] for j in range(n)) for k in range(n))
+    # Dₖᵢ = Σⱼ growthₖⱼ (Gᵢⱼ less its mean growth): a sum of series of the same phase is one series
     oscillations = tuple(tuple(combine(list(growth[k]), c.kernels[:n]) for c in coordinate_motions) for k in range(n))
     starts, roundings = [], []
     for k in range(n):
         total = context.mpf(0)
         for i, c in enumerate(coordinate_motions):
+            # θₖ⁰ is the left side at t₀; at a turning point sin kχ = 0, so that it is exact there
             total += (c.start if i == k else 0) + _at(oscillations[k][i], c.start, context)
         starts.append(total)
         roundings.append(sum(_rounding(oscillations[k][i], c.start, context) for i, c in enumerate(coordinate_motions)))
+    # a constant Dₖᵢ means that θₖ does not feel χᵢ: the matrix of equations is triangular as far as it goes
     order, coupled = _ordering([[i for i in range(n) if not oscillations[k][i].constant] for k in range(n)])
+    # Ωₖ = ∂E/∂Jₖ, the row of the inverse that belongs to the energy
     rates = tuple(growth[k][0] for k in range(n))
     return TorusEquations(
         tuple(coordinate_motions), rates, tuple(starts), growth, oscillations, order, coupled, tuple(roundings)
@@ -102,6 +107,7 @@ def mean_rate(system: TorusEquations, j: int) -> Mpf:
         system: the equations in angle form.
         j: position of the constant.
     """
+    # an ignorable coordinate stands on the other side of its Jacobi equation, hence the sign
     return -cast(
         "Mpf",
         sum(
@@ -160,6 +166,7 @@ def torus_phases(system: TorusEquations, time: tuple[Reals, Reals]) -> tuple[lis
     whole: list[Counts] = []
     for k in range(n):
         turn = 2 * multiprecision(160).pi
+        # Ω t/2π to 32 digits before turns are taken away: a double would lose a digit for every factor of ten of t
         count, rest = turns_and_rest(split(system.rates[k] / turn), time, split(system.starts[k] / turn))
         angles.append(2 * np.pi * rest)
         whole.append(count)
@@ -182,6 +189,7 @@ def _of_others(
         periodic = system.oscillations[k][i]
         if i != k and χ[i] is not None and not periodic.constant:
             total = total + periodic.oscillation(χ[i])
+            # an error δχᵢ of a phase that was found before moves this equation by |D′| δχᵢ
             slope = np.abs(periodic.value(χ[i]) - float(periodic.mean))
             error_bound = error_bound + slope * errors[i] + 2 * EPS * periodic.wave_size
     return total, error_bound
@@ -197,7 +205,9 @@ def _alone(periodic: FourierSeries, goal: Reals, error_bound: Reals) -> tuple[Re
     shift = 2 * np.pi * np.rint(goal / (2 * np.pi))
     goal = goal - shift
     table = grid + periodic.oscillation(grid)
+    # χ + D(χ) at ±π is not ±π: the goal may belong to the turn before or after
     offset = np.where(goal > table[-1], 2 * np.pi, np.where(goal < table[0], -2 * np.pi, 0.0))
+    # the table is increasing, since 1 + D′ = dθ/dχ > 0: one bracket, and it holds the only zero
     position = np.clip(np.searchsorted(table, goal - offset) - 1, 0, len(grid) - 2)
     low, high = grid[position] + offset, grid[position + 1] + offset
     # start by interpolation, then Newton's method that never leaves the bracket
@@ -206,7 +216,9 @@ def _alone(periodic: FourierSeries, goal: Reals, error_bound: Reals) -> tuple[Re
     χ, residual, slope = bracketed_roots(
         lambda x: (x + periodic.oscillation(x) - goal, 1 + periodic.value(x) - float(periodic.mean)), χ, low, high
     )
+    # what bisection or Newton's method left open counts as an error of the right side
     rounding = rounding + 2 * EPS * (periodic.wave_size + np.pi) + np.abs(residual)
+    # δχ = δθ/(dθ/dχ): the slope is small where little time passes along χ, as next to a pericentre
     return χ + shift, rounding / np.maximum(slope, EPS) + EPS * np.pi
 
 
@@ -217,13 +229,16 @@ def _together(system: TorusEquations, angles: list[Reals], χ: list[Reals | None
     goal = np.stack([angles[k] - oscillations for k, (oscillations, _) in zip(block, others, strict=True)])
     # Newton's method from the angles themselves, which differ from the phases by the periodic parts only
     found = _newton(system, goal, goal.copy(), _NEWTON_STEPS)
+    # what has not settled is tried from better starts, dearer ones last
     bad = np.flatnonzero(_unsolved(system, goal, found))
     if len(bad):
         found[:, bad] = _newton(system, goal[:, bad], _one_by_one(system, goal[:, bad]), _NEWTON_STEPS)
         bad = bad[_unsolved(system, goal[:, bad], found[:, bad])]
     if len(bad):
+        # the last resort: it cannot fail but by the size of its steps
         found[:, bad] = _follow(system, goal[:, bad])
     residual = _residual(system, goal, found)
+    # δχ ≤ |J⁻¹| δθ in the largest norm of the residuals
     inverse = np.linalg.inv(_jacobian(system, found).transpose(2, 0, 1))
     size = sum(system.oscillations[k][i].size for k in block for i in block)
     rounding = np.max(np.abs(residual), axis=0) + 2 * EPS * (np.max(np.abs(goal), axis=0) + size + np.pi)
@@ -278,12 +293,14 @@ def _newton(system: TorusEquations, goal: Reals, x: Reals, steps: int) -> Reals:
         jacobian = _jacobian(system, x).transpose(2, 0, 1)
         step = -np.linalg.solve(jacobian, residual.T[..., None])[..., 0].T
         size = np.max(np.abs(step), axis=0)
+        # no step is longer than a radian: beyond it the linear model of D knows nothing
         step *= np.minimum(1.0, 1.0 / np.maximum(size, 1e-300))
         trial = x + step
         if np.all(size < 4 * EPS * np.pi):
             return trial
         new = _residual(system, goal, trial)
         for _ in range(_SHORTENINGS):
+            # steps below 1e-9 are not shortened: there the residual is rounding, and grows and falls by chance
             worse = (np.max(np.abs(new), axis=0) > np.max(np.abs(residual), axis=0)) & (size > _SETTLED)
             if not worse.any():
                 break
@@ -302,6 +319,7 @@ def _follow(system: TorusEquations, goal: Reals) -> Reals:
     """
     block = system.coupled
     begin = np.array([[float(system.coordinate_motions[k].start)] for k in block])
+    # the straight line from θ at the start to the goal: every point of it is an angle of the torus
     origin = begin + sum_oscillations(system, begin)
     result = np.empty_like(goal)
     for m in range(goal.shape[1]):
@@ -311,6 +329,7 @@ def _follow(system: TorusEquations, goal: Reals) -> Reals:
             target = origin + fraction * (goal[:, m : m + 1] - origin)
             trial = _newton(system, target, x, 12)
             if np.max(np.abs(_residual(system, target, trial))) < 1e-10:
+                # as a step control: double where it went well, a quarter where it did not
                 x, done, step = trial, fraction, 2 * step
             elif step < 1e-6:
                 raise NotConvergedError("the phases of coupled coordinates could not be followed from the start")

@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from mpmath import mp
 
@@ -48,6 +48,7 @@ def truth(tree, place):
 
 @pytest.mark.parametrize("bits", [53, 90])
 @given(tree=trees, left=places, width=st.integers(0, 256), fraction=st.floats(0, 1))
+@example(tree=x ** sp.Rational(1, 4), left=0.0, width=0, fraction=0.0)
 @settings(max_examples=150)
 def test_an_enclosure_holds_the_value_at_every_place_inside(bits, tree, left, width, fraction):
     tape, right = lowered(tree), left + width / 128

@@ -7,6 +7,7 @@ every form whose regime holds there, on the piece of the axis the motion is on, 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 
 import mpmath
@@ -124,3 +125,18 @@ def _evaluated(form: RegimeForms, values: Mapping[sp.Symbol, sp.Expr]) -> None:
     name = next(iter(form.periods))
     known = {s.name for s in (*form.regime.example, *form.periods[name].free_symbols)}
     form.evaluate(f"periods.{name}", {s.name: v for s, v in values.items() if s.name in known})
+
+
+def test_an_angle_beyond_a_pole_is_outside() -> None:
+    form = next(f for f in hjsolve.closed_forms("free-particle-spherical") if not f.regime.special)
+    function = form.lambdify("numpy")["orbit_equations.alpha_2"]
+    given = {s.name: float(v) for s, v in form.regime.example.items()} | {"theta_0": 1.5, "r": 6.0, "r_0": 5.0}
+
+    def at(theta: float) -> dict[str, float]:
+        return {n: {**given, "theta": theta}[n] for n in function.names}
+
+    assert math.isfinite(function(**at(1.6)))
+    assert math.isnan(function(**at(2 * math.pi - 1.6)))
+    form.evaluate("orbit_equations.alpha_2", at(1.6))
+    with pytest.raises(hjsolve.InvalidInputError, match="outside"):  # where cos θ is the same
+        form.evaluate("orbit_equations.alpha_2", at(2 * math.pi - 1.6))

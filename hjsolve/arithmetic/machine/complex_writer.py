@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from hjsolve.arithmetic.floats import by_squaring
+from hjsolve.arithmetic.function_rules import quotient
 from hjsolve.arithmetic.machine.elementary import ROUNDINGS
 from hjsolve.arithmetic.machine.writer import InstructionWriter, Value
 from hjsolve.arithmetic.number_types import N
@@ -208,12 +209,8 @@ def composed(arithmetic: TurningArithmetic[N], name: str, z: N) -> N:
         return a.unary("sqrt", x)
 
     match name:
-        case "tan":
-            return a.div(a.unary("sin", z), a.unary("cos", z))
-        case "tanh":
-            return a.div(a.unary("sinh", z), a.unary("cosh", z))
-        case "sech":
-            return a.div(one, a.unary("cosh", z))
+        case "tan" | "tanh" | "sech":
+            return quotient(a, name, z)
         case "asinh":  # z + √(1 + z²) is 1 + z + z²/(1 + √(1 + z²))
             square = a.mul(z, z)
             return a.unary("log1p", a.add(z, a.div(square, a.add(one, root(a.add(one, square))))))

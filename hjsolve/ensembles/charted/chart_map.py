@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.error_free import Pair, split
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.coordinates.chart import Chart
@@ -87,12 +87,14 @@ def chart_map(
     rates = [sp.Symbol(f"_w{i}", real=True) for i in range(len(own))]
     place, momentum = _in_space(chart, x, rates, kind, frame)
     origin, inverse, forward = _frame(chart, numbers, kind)
+    # x − o before the matrix: next to the centre of a web the difference keeps its digits
     X = [sum(inverse[i][j] * (place[j] - origin[j]) for j in range(n)) for i in range(n)]
     P = [sum(forward[i][j] * momentum[j] for j in range(n)) for i in range(n)]
     lengths = {name: numbers.value(e) for name, e in chart.lengths.items()}
     if any(not float(a) > 0 for name, a in lengths.items() if name == "a"):
         raise InvalidInputError(f"parameters: the {chart.kind} coordinates do not hold for these values")
     u = chart.symbols
+    # the columns of J are orthogonal: Newton's step needs no inverse, only the scale factors
     J = [[sp.diff(place, s) for s in u] for place in chart.place]
     squared = [sp.S.One] * n if chart.kind == "normal modes" else list(chart.scale)
     moved = [sp.Symbol(f"_r{i}", real=True) for i in range(n)]
@@ -109,7 +111,7 @@ def chart_map(
         chart.kind, chart.coordinates, tuple(chart.coordinates.index(name) for name in names),
         {name: float(a) for name, a in lengths.items()},
         lower(X, [*x, *fixed]), lower(steps, [*u, *x, *fixed]), lower(lifted, [*u, *x, *rates, *fixed]),
-        (*(_pair(to_bits(values[p.symbol])(_BITS)) for p in chart.system.parameters), *numbers.known.values()),
+        (*(split(to_bits(values[p.symbol])(_BITS)) for p in chart.system.parameters), *numbers.known.values()),
         tuple((d.lower == 0, d.upper == sp.pi) for d in domains[:2]),
         tuple(d.kind == "angle" or s.has(sp.sin, sp.sinh) for d, s in zip(domains, _functions_of(chart), strict=True)),
         model,
@@ -157,11 +159,12 @@ class _Numbers:
 
     def term(self, value: Any) -> sp.Expr:
         """Return a number of many digits as a term of a formula."""
+        # a short binary number is exact in a formula, and costs no input of two doubles
         scaled = value * 2**_SHORT
         if scaled == int(scaled) and abs(scaled) < 2 ** (2 * _SHORT):
             return sp.Rational(int(scaled), 2**_SHORT)
         symbol = sp.Symbol(f"_c{len(self.known)}", real=True)
-        self.known[symbol] = _pair(value)
+        self.known[symbol] = split(value)
         return symbol
 
 
@@ -179,6 +182,7 @@ def _frame(chart: Chart, numbers: _Numbers, kind: str) -> tuple[list[sp.Expr], A
     n = len(chart.symbols)
 
     def terms(matrix: Any) -> list[list[sp.Expr]]:
+        # entries that are rounding of an inverse in 600 bits would be terms of every formula
         tiny = max(abs(x) for x in matrix) * c.mpf(2) ** -_NOUGHT
         rows = [[matrix[i, j] for j in range(n)] for i in range(n)]
         return [[numbers.term(_tidy(x, c)) if abs(x) > tiny else sp.S.Zero for x in row] for row in rows]
@@ -190,8 +194,3 @@ def _tidy(x: Any, c: Any) -> Any:
     """Return a short binary number where x is one but for the rounding of an inverse matrix."""
     near = c.nint(x * 2**_SHORT) / 2**_SHORT
     return near if abs(near - x) <= abs(x) * c.mpf(2) ** (-_NOUGHT // 2) else x
-
-
-def _pair(value: Any) -> Pair:
-    high = float(value)
-    return Pair(high, float(value - high))

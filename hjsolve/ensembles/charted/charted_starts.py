@@ -68,10 +68,12 @@ def charted_starts(chart: ChartMap, x: Reals, rates: Reals) -> ChartedStarts:
     with np.errstate(all="ignore"):
         found = carried(chart, x, rates)
         moved, p = _moved(chart, found)
+        # û was moved into the motion next to a turning point: the distance counts as an error of the place
         q, loss = found.q + moved, found.loss + np.abs(moved)
         spread, rates_of_phases = _ERROR_FACTOR * found.p_loss, np.zeros_like(q)
         for row, k in enumerate(_separated(chart)):
             slope, unitless = found.slope[row], chart.unitless[chart.order[k]]
+            # δ(p²) = |F′| δu, and δp = δ(p²)/2|p|
             shift = np.abs(slope) * loss[k]
             spread[k] += np.where(shift > 0, _ERROR_FACTOR * shift / (2 * np.abs(p[k])), 0.0)
             phase = _PHASE * _phase_rate(unitless, q[k], p[k], slope, found.bend[row])
@@ -117,6 +119,7 @@ def _shake(chart: ChartMap, engine: Engine, columns: Columns, starts: Starts, of
     errors = np.stack([columns.error[f"angles.{name}"] for name in engine.names["angles"]])
     with np.errstate(invalid="ignore"):
         shaken = np.sum(off * rates, axis=0)
+        # only where first-order bounds make too much of it û − u is worked out in two doubles
         doubtful = (errors * (1 + shaken / _LEAST)).max(axis=0) > _LARGEST_ERROR
         again = np.flatnonzero(doubtful & (columns.status == Status.OK))
         if len(again):
@@ -141,6 +144,7 @@ def _moved(chart: ChartMap, found: SeparatedStarts) -> tuple[Reals, Reals]:
     for row, k in enumerate(_separated(chart)):
         slope, step = found.slope[row], np.maximum(found.loss[k], np.spacing(np.abs(found.q[k])))
         resting = (p[k] == 0) & (found.p_loss[k] == 0) & (slope == 0)
+        # p² is hardly more than what δu does to it: û goes on into the motion, and p̂² = p² + F′ (û − u)
         near = (p[k] ** 2 < _NEAR * np.abs(slope) * step) & ~resting
         moved[k] = np.where(near, _FAR * np.sign(slope) * step, 0.0)
         p[k] = np.where(near, np.where(p[k] < 0, -1.0, 1.0) * np.sqrt(p[k] ** 2 + slope * moved[k]), p[k])

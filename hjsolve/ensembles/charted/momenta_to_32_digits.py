@@ -127,6 +127,7 @@ def _rounding(
 ) -> tuple[list[N], list[N]]:  # fmt: skip
     """Return what doubles lose of p_u and of F(û); two doubles lose 2⁻⁴⁴ of it at most."""
     q, x, rates = given
+    # the same formulas once in doubles with bounds: two doubles lose 2⁻⁴⁴ of that
     start = [WithErrorBound(row) for row in (*in_order_of_chart(formulas.order, q), *x)]
     steps = [r.error for r in formulas.step.run(errors, [*start, *known.numbers])]
     inputs = [WithErrorBound(a, e) for a, e in zip(in_order_of_chart(formulas.order, q), steps, strict=True)]
@@ -194,6 +195,7 @@ def _starts(formulas: ChartFormulas, near: bool) -> MachineCode:
     _, momenta, constants, roots = exactly(
         formulas, pairs, exact[: formulas.numbers], exact[formulas.numbers :],
         *([pairs.of(value) for value in block] for block in (q, x, rates)),
+        # sines of a place a rounding away follow by the addition theorem from those of û
         moved=pairs.displaced if near else pairs.add,
     )  # fmt: skip
     lost, uncertainties = _rounding(

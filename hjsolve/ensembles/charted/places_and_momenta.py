@@ -54,6 +54,7 @@ def carried(chart: ChartMap, x: Reals, rates: Reals) -> SeparatedStarts:
     n, m = len(x), len(chart.model.separated)
     X = chart.local.run(Float64(), [*x, *(float(c.high) for c in chart.numbers)])
     places, onward = [np.broadcast_to(row, x.shape[1:]) for row in X], [0.0] * len(X)
+    # inverse formulas lose digits next to edges of the web; Newton's steps in the forward map give them back
     near = _inside(chart, inverse_chart(chart.kind, places, onward, chart.lengths, Float64()))
     code = _written(formulas_of(chart), _NEWTON_STEPS.get(chart.kind, 1))
     rows = run_rows(code, parameter_values(chart), np.concatenate([near, x, rates]))
@@ -77,9 +78,11 @@ def _written(formulas: ChartFormulas, steps: int) -> MachineCode:
 
     for _ in range(steps):
         u = [plain.add(a, b) for a, b in zip(u, formulas.step.run(plain, [*u, *x, *numbers]), strict=True)]
+    # one more step, not taken: it is the error of û, with the rounding of the step itself
     last = formulas.step.run(errors, [*(WithErrorBound(row) for row in (*u, *x)), *known.numbers])
     sizes = [plain.add(plain.unary("abs", step.value), or_zero(step.error)) for step in last]
     loss = [plain.mul(plain.number(_ERROR_FACTOR), size) for size in sizes]
+    # p̂ is what the momentum would be at û: its error is that of the lift at a place known to δu
     inputs = [WithErrorBound(a, e) for a, e in zip(u, loss, strict=True)] + [WithErrorBound(w) for w in (*x, *rates)]
     lifted = formulas.lifted.run(errors, [*inputs, *known.numbers])
     places, momenta = [u[k] for k in formulas.order], [lifted[k].value for k in formulas.order]

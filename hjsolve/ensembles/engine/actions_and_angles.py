@@ -44,14 +44,19 @@ def combine_integrals(model: Model, sums: list[Sums], directions: Reals, q: Real
     with np.errstate(all="ignore"):
         matrix, rounding = (x[:, :size].transpose(2, 1, 0) for x in (means, uncertainties))  # (n, constant, coordinate)
         inverse = _inverse(matrix)
+        # the inverse in doubles is that of a matrix whose elements are off by as much (Higham 2002, ch. 14)
         rounding = rounding + 4 * size * EPS * np.abs(matrix)
+        # Σᵢ Ωᵢ ∂Jᵢ/∂cⱼ = δⱼ₁: the column that belongs to the energy
         rates = inverse[:, :, 0].T
         shaken = _applied(rounding, np.abs(rates))
+        # |M⁻¹| |δM| |Ω|: the first order of δΩ = −M⁻¹ δM Ω
         rate_errors = _applied(np.abs(inverse), shaken) + 2 * EPS * np.abs(rates)
         frequencies = {c.name: (directions[k] * rates[k], rate_errors[k]) for k, c in enumerate(model.separated)}
         for name in model.angles:
             j = model.ignorable[name]
             value = -np.sum(rates * means[:, j], axis=0)
+            # (∂J/∂c) M⁻¹ multiplied out before sizes are taken: both factors are large next to a separatrix, the
+            # product is not
             error = np.sum(np.abs(_applied(inverse.transpose(0, 2, 1), means[:, j])) * shaken, axis=0)
             error = error + np.sum(np.abs(rates) * uncertainties[:, j], axis=0)
             frequencies[name] = value, error + 8 * EPS * np.sum(np.abs(rates * means[:, j]), axis=0)
@@ -73,6 +78,7 @@ def _inverse(matrix: Reals) -> Reals:
     if n == 2:
         a, b, c, d = matrix[:, 0, 0], matrix[:, 0, 1], matrix[:, 1, 0], matrix[:, 1, 1]
         det = a * d - b * c
+        # Cramer's rule: results do not depend on a library, nor on how many orbits come together
         return np.stack([np.stack([d, -b], axis=-1), np.stack([-c, a], axis=-1)], axis=1) / det[:, None, None]
     bad: Mask = ~np.all(np.isfinite(matrix), axis=(1, 2))
     safe = np.where(bad[:, None, None], np.eye(n), matrix)
@@ -102,6 +108,7 @@ def _angles(
     phases, phase_errors = np.stack([s.phase for s in sums]), np.stack([s.phase_error for s in sums])
     θ = _applied(inverse, oscillations[:, :size].sum(axis=0))
     shaken = _applied(rounding, np.abs(θ)) + roundings[:, :size].sum(axis=0)
+    # an error of a phase moves all angles
     moved = [_applied(inverse, speeds[i, :size]) for i in range(size)]  # ∂θ/∂χᵢ
     error = _applied(np.abs(inverse), shaken) + 4 * EPS * (np.pi + np.abs(phases) + np.abs(θ))
     error = error + sum(np.abs(moved[i]) * phase_errors[i] for i in range(size))

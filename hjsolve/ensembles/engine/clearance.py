@@ -133,11 +133,13 @@ class Clearance:
         What holds in a disk is taken to hold in smaller ones; where it is not so, a smaller radius may be found.
         """
         with np.errstate(all="ignore"):
+            # radii as powers of two between the smallest asked and 2⁴⁰ times the place
             octaves = np.log2(np.maximum(1.0, np.abs(centre))) + _LONGEST - np.log2(smallest)
             octaves = np.where(np.isfinite(octaves) & (smallest > 0), octaves, 0.0)
             side = np.where((centre.real < 0) & self._both, -1.0, 1.0) * self._side
             real = (side * np.abs(centre))[:, None] * _REAL
             found, step = np.zeros(len(centre)), octaves / (_COARSE - 1)
+            # twenty radii of all places in one run, then twenty between the last good and the first bad one
             for grid, width in ((np.arange(_COARSE), step), (np.arange(_COARSE) / _COARSE, step)):
                 radii = (smallest * 2**found)[:, None] * 2.0 ** (grid * width[:, None])
                 good = self._bounded((), centre[:, None], radii, real)
@@ -161,8 +163,10 @@ class Clearance:
     def _bounded(self, constants: tuple[Reals, ...], centres: Reals | Complexes, radii: Reals, real: Reals) -> Mask:
         """Return the same for each of the disks."""
         with np.errstate(all="ignore"):
+            # the size on the real axis includes its rounding: where a function is all rounding no claim depends on it
             noisy = [WithErrorBound(x) for x in (real, *self._known(constants))]
             sizes = self._parts.run(RunningError(Float64()), noisy)
+            # the centre is rounded: the disk is widened by that
             place = Disk(centres.astype(complex), radii + 4 * UNIT * np.abs(centres))
             known = [Disk(np.asarray(c, complex), EPS * np.abs(c)) for c in self._known(constants)]
             arithmetic = DisksInLogarithms()
@@ -172,6 +176,7 @@ class Clearance:
                 noise = 0.0 if size.error is None else size.error  # what rounding hides no claim leaves out
                 scale = np.broadcast_to(np.abs(size.value) + noise, real.shape)
                 scale = np.where(np.isfinite(scale), scale, 0.0).max(axis=1)
+                # a feature of width w would have a pole in a disk of radius r > w, or grow in it like exp((r/w)²)
                 good = good & (value.largest <= GROWTH * scale[:, None])
         return good
 
@@ -197,6 +202,7 @@ class _Table:
     def place(self, re: Reals, im: Reals) -> Integers:
         """Return where the radii of some places stand; negative where that is not known yet."""
         cells, (size, fraction) = self.cells, _fractions(re, im)
+        # cells by the exponent and two bits of the size, and by the angle: as wide as they are far from the origin
         along, turn = _numbers(size, fraction, re < 0, 0)
         large = along * (2 * QUARTER) + turn
         start, depth = cells.start[large], cells.depth[large]
@@ -214,6 +220,7 @@ class _Table:
         if not len(places):
             return
         owner = np.unique(self.owner[places])
+        # a cell with few parts is done as a whole: what costs is the run, not the place
         few = owner[depths[owner] <= _ALL]
         whole = [np.arange(start[k], start[k] + 4 ** int(depths[k])) for k in few]
         fresh = np.unique(np.concatenate([places, *whole]))
@@ -224,6 +231,8 @@ class _Table:
         turn = ((large % (2 * QUARTER)) << depth) + (part & within)
         centre, half = _middle(along, turn, depth)
         radius = radius_at(centre, half)
+        # from the middle of the cell to its farthest corner: what holds about the middle holds in a smaller disk about
+        # every place
         radii[fresh] = np.where(radius > half, radius - half, _NONE)
 
     def divide(self, re: Reals, im: Reals, unknown: Mask, radius_at: RadiusAt) -> None:
@@ -238,6 +247,7 @@ class _Table:
         depths, start, radii = self.cells.depth.copy(), self.cells.start.copy(), self.cells.radii
         depths[cells], start[cells] = depth, len(radii) + np.cumsum(sizes) - sizes
         self.owner = np.concatenate([self.owner, np.repeat(cells, sizes)])
+        # one assignment of a new object: readers see the old table or the new one, never half of it
         self.cells = Cells(depths, start, np.concatenate([radii, np.zeros(int(sizes.sum()))]))
 
 
@@ -273,6 +283,7 @@ def _fractions(re: Reals, im: Reals) -> tuple[Reals, Reals]:
 def _numbers(size: Reals, fraction: Reals, left: Mask, depth: _Often) -> tuple[Integers, Integers]:
     """Return the cell of a place when all cells are halved ``depth`` times: along its size, and along the angle."""
     turn = np.minimum((fraction * (QUARTER << depth)).astype(np.int64), (QUARTER << depth) - 1)
+    # the bits of a double are its exponent and mantissa: shifted, they number the octaves and their quarters
     return size.view(np.int64) >> (DROPPED - depth), np.where(left, (2 * QUARTER << depth) - 1 - turn, turn)
 
 

@@ -55,6 +55,7 @@ def initial_constants(model: Model, programs: SystemPrograms, starts: Starts) ->
     m, given = len(model.constants), np.concatenate([starts.q, starts.p, starts.low, starts.spread])
     C, L, E, P = np.split(run_rows(programs.start, programs.parameters, given), [m, 2 * m, 3 * m])
     places = [c.index for c in model.separated]
+    # no claim counts underflow of second halves: such orbits go to units of their own
     C[:, _too_far(starts.q[places], C)] = np.nan
     uncertainty, p = starts.uncertainty[places], starts.p[places]
     with np.errstate(all="ignore"):

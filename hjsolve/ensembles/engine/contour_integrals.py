@@ -90,6 +90,7 @@ def steps(η: Reals) -> Integers:
     Args:
         η: how far it is, shape (m,).
     """
+    # e^(−2nη) over the path, and e^(−48) wanted; a little more next to the motion
     needed = (_LONG + _NEAR * np.maximum(0.0, -np.log(η))) / η / 2
     return (8 * np.ceil(needed / 8)).astype(np.int64)
 
@@ -98,6 +99,7 @@ def _table(places: tuple[Any, Any, Any, Any], χ: Reals, below: int, *, real: bo
     """Return the steps, and every fourth of them."""
     n = len(χ)
     parts = np.stack([part for z in places for part in (np.real(z), np.imag(z))]).astype(float)
+    # alternating signs: the mean over every other step less that over all
     turned = np.where(np.arange(n) % 2 == 0, 1.0, -1.0) / n
     none = 0.0 * turned
     weights = [turned, none, turned * np.cos(χ), none] if real else [
@@ -150,6 +152,7 @@ def strip(key: NodeMap, size: int, count: int, side: int) -> tuple[PathTable, ..
     x, y = key.stretched(sn2, cn2)
     γ, δ = table.node_map
     slope = 1 + γ * np.cos(z) + δ * np.cos(2 * z)
+    # (dq/dχ)² of the plain map, with the crowding's derivative; of stretched maps times their own factor
     square: Any = slope * slope * x * y
     if key.level:
         d, c = 2.0**key.lower - 1, 2.0**key.upper - 1
@@ -187,6 +190,7 @@ def along(integrand: Integrand, tables: tuple[PathTable, ...], paths: Paths, vie
     values, left = made[2::3], np.maximum(made[3::3], made[4::3])
     with np.errstate(all="ignore"):
         c = left / scale[1:]
+        # n steps leave the square of what n/2 leave, if the rate is that of one singularity: proved, or taken with less
         fraction = np.minimum(1.0, np.where(proved, (8 * c) ** _PROVED, (4 * c) ** _EXPECTED))
         open_ = np.where(scale[1:] == 0, 0.0, scale[1:] * fraction)
         fraction = np.where(scale[1:] == 0, 0.0, fraction)
@@ -196,6 +200,7 @@ def along(integrand: Integrand, tables: tuple[PathTable, ...], paths: Paths, vie
         if k < n:
             place[k, j] = position
     error = rounding[1:] + open_
+    # r continued along half a closed path comes back with its sign if two turning points, and nothing else, are inside
     good = (made[0] > 0) & np.isfinite(made).all(axis=0) & np.isfinite(bounds).all(axis=0)
     return Seconds(
         made[1], rounding[0], values[:varied], rounding[1 : 1 + varied] + 4 * open_[:varied], values[place],

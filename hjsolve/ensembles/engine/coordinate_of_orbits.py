@@ -1,4 +1,8 @@
-"""One separated coordinate of many orbits: its programs, and where they start."""
+"""One separated coordinate of many orbits: its programs, and where they start.
+
+A place is an offset x in a view of p², q = origin ± x, with the origin in two doubles: x next to an end of the domain
+has digits of its own.
+"""
 
 from __future__ import annotations
 
@@ -78,6 +82,7 @@ def offset(formula: LoweredFormula, q: Reals) -> Reals:
         formula: with its origin.
         q: positions, shape (n,).
     """
+    # q − origin with the part that rounding cuts off, and the low part of the origin: one rounding in all
     s, e = two_sum(q, -formula.origin.high)
     return formula.sign * (s + (e - formula.origin.low))
 

@@ -86,18 +86,22 @@ class Engine:
             Columns of shape (n,); the status is ``UNBOUNDED`` where that is proved, ``ENDLESS`` where it is not.
         """
         count = starts.q.shape[1]
+        # every column begins as NaN: what no pass decides stays so
         columns = blank(self.names, count)
         if not self.model.separated:
             return columns
         everything = np.arange(count)
         self._run_passes(columns, starts, everything, self.model)
+        # the rest costs another p², more digits or other units: it is done for the orbits that need it
         left = everything[columns.unresolved | (columns.status == UNDECIDED)]
+        # log(1 + r)/r is 0/0 at r = 0: a form of p² that keeps its digits there has other branch points
         near = next_to_poles(self.solution) if len(left) else None
         if near is not None:
             some = blank(self.names, len(left))
             self._run_passes(some, starts.take(left), np.arange(len(left)), lowered_model(near, self.values))
             solved = some.status == Status.OK
             put(columns, left[solved], some.take(solved))
+        # orbits at extreme scales, or deep in a core, in units in which their numbers are of order one
         self._run_in_their_own_units(columns, starts)
         programs = system_programs(self.model, kernels=bool(TIMED & self.want))
         for index in _chunks(everything[columns.status == ENDLESS]):
@@ -120,6 +124,7 @@ class Engine:
     def _run_passes(self, columns: Columns, starts: Starts, orbits: Integers, model: Model) -> None:
         """Fill columns by the two passes."""
         programs = system_programs(model, kernels=bool(TIMED & self.want))
+        # doubles first, with a claim well below the tolerance; pairs of doubles for those whose claims were too large
         for tolerance, exact in ((FAST, False), (TOLERANCE, True)):
             for index in _chunks(orbits[columns.unresolved] if exact else orbits):
                 part = run_pass(model, programs, dict(self.names), starts.take(index), tolerance=tolerance, exact=exact)

@@ -97,12 +97,14 @@ class EscapeRoute:
     def enclosed(self, index: Integers) -> list[Interval]:
         """Return enclosures of the constants of some orbits."""
         pairs = zip(self.constants, self.uncertainty, strict=True)
+        # the bound of the constant and the rounding of c ± e
         wide = [(c[index], e[index] + EPS * np.abs(c[index])) for c, e in pairs]
         return [Interval(c - e, c + e) for c, e in wide]
 
     def radicand(self, index: Integers, x: Interval) -> Interval:
         """Return an enclosure of F over cells."""
         found = self.formula.squared.run(_INTERVALS, [x, *self.numbers(index)])[0]
+        # a formula that lacks x gives one number: it is spread over the cells
         return Interval(found.low + 0.0 * x.low, found.high + 0.0 * x.low)
 
     def slope(self, index: Integers, x: Interval) -> Interval:
@@ -119,6 +121,7 @@ class EscapeRoute:
         """
         middle = 0.5 * (x.low + x.high)
         point = Interval(middle, middle)
+        # F(m) is sharp, and F′ is multiplied by half the length of the cell
         away = _INTERVALS.mul(self.slope(index, x), _INTERVALS.sub(x, point))
         return _INTERVALS.add(self.radicand(index, point), away).low
 
@@ -162,6 +165,7 @@ def _from_turning_point(
     with np.errstate(all="ignore"):
         here = route.radicand(np.arange(len(x)), Interval(x, x))
         slope = run_rows(slopes, one.parameters, np.stack([x, *one.constants]))[1]
+        # twice what F may be at the place over its slope: the sign change on both sides of it is proved later
         error = 2 * np.maximum(-here.low, here.high) / np.abs(slope) + 4 * EPS * np.abs(x) + 1e-300
     return replace(route, error=error)
 
@@ -174,6 +178,7 @@ def _free(route: EscapeRoute) -> Mask:
         begin[left] = _begun(route.take(left))
         left = left[np.isfinite(begin[left])]
         for power in _FAR:
+            # the expansion holds from some distance on: three are tried, the nearest first, which needs fewest cells
             far = 2.0**power * np.maximum(route.size[left], 1.0)
             good = _beyond(route.take(left), far)
             clear = np.zeros(len(left), dtype=bool)
@@ -190,6 +195,7 @@ def _begun(route: EscapeRoute) -> Reals:
     everything, side = np.arange(len(route.start)), route.side
     turning = route.error > 0
     outer, inner = route.start - side * route.error, route.start + side * route.error
+    # F < 0 just outside and F > 0 just inside: the turning point lies between
     sure = ~turning | (
         (route.radicand(everything, Interval(outer, outer)).high < 0)
         & (route.radicand(everything, Interval(inner, inner)).low > 0)
@@ -201,6 +207,7 @@ def _begun(route: EscapeRoute) -> Reals:
         first = np.where(turning[left], outer[left], some.start)
         cell = _cell(first, some.start + side * length[left])
         slope, value = some.slope(np.arange(len(left)), cell), some.radicand(np.arange(len(left)), cell)
+        # F rises outward all along the first cell: no second zero next to the turning point
         rising = slope.low > 0 if side > 0 else slope.high < 0
         good = np.where(turning[left], rising, value.low > 0) & (length[left] > 4 * route.error[left])
         begin[left[good]] = length[left[good]]
@@ -219,6 +226,7 @@ def _positive(route: EscapeRoute, begin: Reals, far: Reals) -> Mask:
     """Return whether F > 0 at all distances from ``begin`` to beyond x = ``far``."""
     n, side = len(begin), route.side
     end = far + np.abs(route.start)
+    # a geometric sequence of cells: F behaves like a power over each
     steps = np.ceil(np.log(end / begin) / np.log(_RATIO)).astype(int)
     orbit = np.repeat(np.arange(n), steps)
     place = np.arange(len(orbit)) - np.repeat(np.cumsum(steps) - steps, steps)
@@ -227,13 +235,16 @@ def _positive(route: EscapeRoute, begin: Reals, far: Reals) -> Mask:
     for _ in range(_CELL_HALVINGS):
         cell = _cell(route.start[orbit] + side * near, route.start[orbit] + side * away)
         bad = ~(route.radicand(orbit, cell).low > 0)
+        # the costlier form for the cells alone that the plain one left open
         bad[bad] = ~(route.about_middle(orbit[bad], Interval(cell.low[bad], cell.high[bad])) > 0)
         orbit, near, away = orbit[bad], near[bad], away[bad]
+        # an orbit that keeps dividing is left to the engine of single motions
         lost |= np.bincount(orbit, minlength=n) > _MOST_CELLS
         kept = ~lost[orbit]
         orbit, near, away = orbit[kept], near[kept], away[kept]
         if not len(orbit):
             break
+        # the geometric mean: halves are alike
         middle = np.sqrt(near * away)
         orbit = np.concatenate([orbit, orbit])
         near, away = np.concatenate([near, middle]), np.concatenate([middle, away])
@@ -259,6 +270,7 @@ def _for_box(route: EscapeRoute, far: Reals, index: Integers, proved: Mask) -> N
     ``far`` becomes the greatest of a box where it is proved.
     """
     most = far[index].max()
+    # one expansion for all orbits whose constants lie in the box
     if sign_beyond_for_all(route.formula.squared, _box(route, index), route.side, float(most), _BITS) > 0:
         proved[index], far[index] = True, most
         return

@@ -39,8 +39,10 @@ def before_barriers(one: CoordinateOfOrbits, places: Reals) -> tuple[Integers, R
         trials = start[:, None] + (places[upper] - start)[:, None] * _TRIALS
         with np.errstate(all="ignore"):
             seen = _squares(one, view.slopes, trials.ravel(), np.repeat(everything, len(_TRIALS)))
+            # not at the ends: start and turning point have F ≥ 0 but for rounding
             negative = seen.reshape(trials.shape)[:, 1:-1] < 0
             behind = np.flatnonzero(negative.any(axis=1))
+            # the first one from the start: what lies beyond it is another well
             first = np.argmax(negative[behind], axis=1) + 1
             bracket = trials[behind, first - 1], trials[behind, first]
             inner, _ = bisected(

@@ -105,6 +105,7 @@ def librations(
     """
     n = len(one.q)
     sums, found = no_sums(len(one.constants), n), TurningPoints(*(np.full((2, n), np.nan) for _ in range(3)))
+    # about a deep maximum of p² its value at the start is a difference of large terms: second differences have the rest
     narrow = np.flatnonzero(_smallness(one) > _SEEN_FROM_START)
     if len(narrow):
         _narrow(one.take(narrow), narrow, modes._replace(chords=modes.kernels, shifts=False), sums, found, places)
@@ -119,6 +120,7 @@ def librations(
         if places:
             found.put(wide, *_turning_points(some, motions.lower, motions.upper))
     # p² next to a crest that is passed slowly may have no digits in doubles
+    # slow ones need 32 digits even without a second pass: doubles do not know p² on the crest
     approximate = np.flatnonzero(np.where(sums.good, approximate_ones(sums, modes, kept) if exact else False, slow))
     if len(approximate):
         better, bases, slopes = _exactly(one.take(approximate), modes)
@@ -155,7 +157,9 @@ def _walk(one: CoordinateOfOrbits, upper: int) -> SearchSide:
     formula = sides(one.coordinate)[upper]
     side = (2.0 * upper - 1.0) * formula.sign
     origin = (one.coordinate.lower, one.coordinate.upper)[upper]
+    # offsets are counted from the end of the domain: it lies at 0
     floor = side * np.inf if origin is None else 0.0
+    # beyond a turn p² repeats itself
     reach = 2 * np.pi if one.coordinate.periodic else np.inf
     return SearchSide(np.ascontiguousarray(offset(formula, one.q)), one.P, one.constants, floor, side, reach)
 
@@ -178,6 +182,7 @@ def _over_barrier_tops(
         some = left[found.orbits]
         if not len(some):
             continue
+        # the crest is moved to the middle: each end sees its half
         first, none = node_maps().index(found.maps), np.zeros(len(some), dtype=np.int64)
         own, where = (
             _taken(x, some)._replace(first=first, fraction=none, barrier_top=found.places) for x in (motions, placed)
@@ -196,6 +201,7 @@ def _wide(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, Motions, Integer
     sums, slow = _by_any_nodes(one, motions, ends, modes)
     left = np.flatnonzero(~sums.good & (motions.width > 0))
     offered = np.stack([motions.lower[left], motions.upper[left]])
+    # F < 0 at a node: the search stepped over a barrier, and the nearer turning point is the right one
     hidden, places = before_barriers(one.take(left), offered)
     hidden = left[hidden]
     if len(hidden):
@@ -251,6 +257,7 @@ def _placed_between(one: CoordinateOfOrbits, places: Reals, bends: Reals) -> tup
     if one.rest is not None:
         distances = [distances[0] + one.rest, distances[1] - one.rest]
     width = distances[0] + distances[1]
+    # p²(−q) = p²(q) and a motion about q = 0: the integrands have period π, and half of the nodes do
     even = one.coordinate.even & (np.abs(distances[0] - distances[1] - 2 * one.q) <= 1e-13 * width)
     ends = LibrationEnds(node_maps(), bends, np.array([float(below.sign), -float(above.sign)]), even)
     first, fraction = ends.maps(width)
@@ -268,8 +275,10 @@ def _resolved(one: CoordinateOfOrbits, motions: Motions, placed: Motions, modes:
     """Integrate with as many nodes as are proved to resolve every motion, which lies where ``placed`` says."""
     below, above = sides(one.coordinate)
     if modes.approximate:
+        # a guess for Newton's method on actions: no claim, hence no proof
         motions.least[:] = np.where(motions.first < len(CLUSTERINGS), *APPROXIMATE_SIZES)
         return _integrated(one, motions, modes, programs)
+    # nodes are not believed by their own coefficients: a dip between two of them has none
     proof, n = ResolutionProof(node_maps(), placed, below.clearance, above.clearance), len(motions.width)
     span = np.stack([np.zeros(n, dtype=np.int64), np.full(n, len(COUNTS))])
     least = proof.least(np.arange(n), motions.first, span)
@@ -278,6 +287,7 @@ def _resolved(one: CoordinateOfOrbits, motions: Motions, placed: Motions, modes:
         least = np.where(least < 0, least, np.minimum(least + np.where(motions.first < len(CLUSTERINGS), 1, 2), most))
     motions.least[:] = least
     sums = _integrated(one, motions, modes, programs)
+    # the rule took another map than the one that was proved: it is proved afterwards
     crowded = np.flatnonzero(sums.good & (sums.chosen[1] != motions.first))
     if len(crowded):
         size, map_ = sums.chosen[:, crowded]
@@ -325,12 +335,15 @@ def _exactly(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, list[Reals], 
         e = e - formula.origin.low + (0.0 if one.rest is None else one.rest)
         here = Pair(formula.sign * s, formula.sign * e)
         with np.errstate(all="ignore"):
+            # the distance of the next zero: F′/(½F″) next to a close one
             scale = np.fmin(placed.width, np.abs(slope / bends[k, 1]))
+            # a step that still moves, or a slope that changed its sign, is another zero's
             known = (np.abs(step) <= _STANDING * scale) & (slope * bends[k, 0] > 0)
             distances.append(np.where(known, np.abs(DoubleDouble().sub(here, base).high), np.nan))
         bases += [base.high, base.low]
         bends[k, 0] = slope
     left, right = distances
+    # F′ at the exact turning points says better than before how near the next zero is
     first, _ = ends._replace(bends=bends).maps(left + right)
     fraction = np.zeros_like(first)  # turning points to 32 digits leave nothing to be lost far from them
     motions = placed._replace(
@@ -348,6 +361,7 @@ def _exactly(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, list[Reals], 
 
 def _in_doubles(one: CoordinateOfOrbits) -> Reals:
     """Return bounds on the errors that the constants have in doubles, of which 32 digits leave a part."""
+    # the bound is |low| and 2⁻⁴⁴ of what doubles lose: the latter is undone here, for programs in doubles
     return one.uncertainty + np.maximum(one.uncertainty - np.abs(one.low), 0.0) * 2.0**44
 
 
@@ -362,6 +376,7 @@ def in_two_doubles(one: CoordinateOfOrbits, side: int, x: Reals, steps: int = _N
     """
     slopes, squares = one.programs.views[side].slopes, one.programs.exact[side].squares
     with np.errstate(all="ignore"):
+        # F to 32 digits over F′ to 16: each step gains sixteen digits, or as many as F′ has
         _, slope = run_rows(slopes, one.parameters, np.stack([x, *one.constants]))
         base = Pair(x, 0.0 * x)
         for _ in range(steps):
@@ -395,6 +410,7 @@ def _narrow(
     """Integrate motions about a maximum of p² that is deep next to them, or that stay there."""
     made, n = one.programs.small, len(one.q)
     (first,) = run_rows(made.slope, one.parameters, np.stack([one.q, *one.constants, *one.low]))
+    # F = P₀² + x (F′₀ + x t): P₀² from the momentum, which does not cancel
     known = np.stack([*one.constants, one.q, one.P**2, first, 0 * one.q, 0 * one.q])
     floors = np.stack([np.full(n, -np.inf), np.full(n, np.inf)])
     for k, formula in enumerate((one.coordinate.lower, one.coordinate.upper)):
@@ -408,6 +424,7 @@ def _narrow(
     if places:
         good = np.flatnonzero(part.good)
         found.put(index[good], *_turning_points_from_start(one.take(good), known[:, good], ends[:, good]))
+    # no amplitude at all: a place of rest, if F′ is rounding
     still = np.flatnonzero((one.P == 0) & ~part.good)
     if len(still):
         resting, q = _at_rest(one.take(still), first[still]), one.q[still]
@@ -454,6 +471,7 @@ def _turning_points_from_start(one: CoordinateOfOrbits, known: Reals, ends: Real
         return run_rows(code, one.parameters, given)
 
     with np.errstate(all="ignore"):
+        # F in the middle is W²S/4 and |F′| at the ends W S; half of that is taken
         slope = 2 * looked(0.5 * (low + high))[-1] / (high - low)
         places = one.q + ends
         for x, q in zip(ends, places, strict=True):
@@ -469,6 +487,7 @@ def _at_rest(one: CoordinateOfOrbits, first: Reals) -> Sums:
     with np.errstate(all="ignore"):
         bend, uncertainty = run_rows(made.bounds, one.parameters, given)
         kernels, errors = np.split(run_rows(made.kernels, one.parameters, given), 2)
+        # √(−½F″) is the frequency of the vanishing libration, on the scale of the kernels
         root = np.sqrt(-bend)
         sums.means[:] = kernels / root
         sums.mean_errors[:] = errors / root + np.abs(kernels / root) * uncertainty / -bend
@@ -493,6 +512,7 @@ def home(view: LoweredFormula, own: Reals, other: LoweredFormula, far: Reals) ->
         view, own: of the turning point from which p² is seen there.
         other, far: of the other one.
     """
+    # both ends of the domain have offsets of their own: one is expressed in the other's
     moved = DoubleDouble().sub(other.origin, view.origin).high
     found = view.sign * (moved + other.sign * far)
     return np.where((np.abs(found) < np.abs(own)) & (np.abs(moved) <= np.abs(found)), found, own)

@@ -49,10 +49,12 @@ class LibrationEnds(NamedTuple):
                 ρ = np.abs(width * bend / (sign * first) + 1)
                 found.append(1 + np.where(np.isfinite(ρ) & (ρ > _NEAR), ρ, 0.0))
             lower, upper = (np.maximum(*found),) * 2 if alike else found
+            # 1/k′² = (1 + ρ_d)(1 + ρ_c): below 16 the elliptic map gains less than crowding does
             stretched = np.where(self.even, np.maximum(lower, upper) ** 2, lower * upper) >= _STRETCHED
             index = np.where(self.even, EVEN, 0)
             some = np.flatnonzero(stretched)
             if len(some):
                 index[some] = self.known.index(fitting(lower[some], upper[some], self.even[some]))
+            # an even motion is seen from one end over half of it, and mirrored
             fraction = np.where(~self.even, views(self.bends[0, 0], self.bends[1, 0], (lower, upper)), 0)
         return index, fraction

@@ -15,7 +15,7 @@ from functools import lru_cache
 import sympy as sp
 from mpmath import frexp, ldexp
 
-from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.error_free import Pair, split
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.engine.clearance import Clearance
@@ -150,9 +150,7 @@ def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Mo
 
 def parameter_pair(value: sp.Expr) -> Pair:
     """Return a number in two doubles."""
-    bits = to_bits(value)(160)
-    high = float(bits)
-    return Pair(high, float(bits - high))
+    return split(to_bits(value)(160))
 
 
 def _fraction(value: sp.Expr) -> Fraction:
@@ -179,6 +177,7 @@ def _separated(
 
     def formula(origin: sp.Expr, sign: int, near: Callable[[sp.Expr], sp.Expr]) -> LoweredFormula:
         arguments = [q, *constants, *parameters]
+        # p²(origin ± x) multiplied out in x: a pole at x = 0 is a power of x, not a difference of q and the end
         seen = [near(e) for e in (F, *kernels)]
         side = 1 if origin == lower_end or sign < 0 else -1 if origin == upper_end else 0
         if parts is None:

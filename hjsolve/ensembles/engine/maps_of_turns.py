@@ -81,6 +81,7 @@ def _shared() -> tuple[Reals, Reals, Reals]:
         angle = np.arange(2 * n) * (np.pi / n)
         circle[k, 0, : 2 * n], circle[k, 1, : 2 * n] = np.sin(angle), np.cos(angle)
         for rows, terms in ((last, range(count - 3, count)), (middle, range(count // 2 - 1, count // 2 + 2))):
+            # reduced as whole numbers before they become angles
             exact = (np.array(terms)[:, None] * (2 * np.arange(n) + 1)) % (2 * n) * (np.pi / n)
             rows[k, :3, :n], rows[k, 3:, :n] = np.cos(exact), np.sin(exact)
     return circle, last, middle

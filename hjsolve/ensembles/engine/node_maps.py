@@ -84,14 +84,18 @@ def fitting(lower: Reals, upper: Reals, even: Mask) -> Integers:
         lower, upper: 1 + ρ_d and 1 + ρ_c, shape (n,).
         even: True where the motion is even about its middle, ρ_d = ρ_c.
     """
+    # 1 + ρ as a power of two: the convergence changes little with it, the integral not at all
     i, j = (np.rint(np.log2(x)).astype(np.int64) for x in (lower, upper))
     i, j = np.where(even, np.maximum(i, j), i), np.where(even, np.maximum(i, j), j)
+    # k′² = 2^−(i + j) must be a power of 4, of which there are tables
     odd = (i + j) % 2
     i, j = i + odd * (i >= j), j + odd * (i < j)
     room = 2 * MOST_LEVEL
     i, j = np.minimum(i, np.where(even, MOST_LEVEL, room)), np.minimum(j, np.where(even, MOST_LEVEL, room))
     excess = np.maximum(i + j - room, 0)
+    # too near for the tables: the nearer end gives way, and takes more nodes
     i, j = np.where(i >= j, i - excess, i), np.where(i >= j, j, j - excess)
+    # the fraction of the logarithms of both ends says where in the period nearly all of the motion happens
     where = np.rint(4 * i / np.maximum(i + j, 1)).astype(np.int64)
     far = i + j >= 2 * _WARPED
     return np.stack([np.where(even, EVEN + far, np.where(far, 1 + where, 0)), i, j], axis=1)
@@ -107,6 +111,7 @@ def views(lower: Reals, upper: Reals, nearby: tuple[Reals, Reals]) -> Integers:
         lower, upper: slopes of p² at the ends.
         nearby: 1 + ρ_d and 1 + ρ_c.
     """
+    # p² next to an end goes as far as its own scale W/(1 + ρ), with this slope
     low, high = (np.abs(slope) / near for slope, near in zip((lower, upper), nearby, strict=True))
     return np.where(high > _TALL * low, _FROM_BELOW, np.where(low > _TALL * high, _FROM_ABOVE, _FROM_MIDDLE))
 
@@ -131,6 +136,7 @@ class NodeMaps:
         """
         kinds = tuple(maps.T)
         places = self._by_kind[kinds]
+        # asked without the lock first: nearly every map is in the tables already
         if (places < 0).any():
             with self._lock:
                 wanted = [NodeMap(*map(int, kind)) for kind in np.unique(maps[places < 0], axis=0)]
@@ -176,6 +182,7 @@ class NodeMaps:
             key = self.key(map_)
             *parts, low = _disks(key, COUNTS[size])
             flat = dict(zip(("along", "away", "spread"), parts, strict=True))
+            # a new object each time: compiled loops that read the old one go on undisturbed
             counts = strips.counts.copy()
             counts[:, map_, size] = len(parts[0]), low, len(strips.along)
             grown = {name: np.concatenate([getattr(strips, name), row]) for name, row in flat.items()}
@@ -259,6 +266,7 @@ def _stretched(key: NodeMap, χ: Pair) -> _Placed:
     x, y = key.stretched(sn2, cn2)
     d, c = 2.0**key.lower - 1, 2.0**key.upper - 1
     if key.level:
+        # dq/√((q − a)(b − q)) of Byrd & Friedman 254-256, see ``one_coordinate.anomaly``
         derivative = (2 * quarter / np.pi * derivative) * np.sqrt(complement * (1 + c * y) * (1 + d * x))
     known = [*CLUSTERINGS[key.node_map], quarter, complement, d, c, float(key.symmetry), 0.0]
     return known, x, y, derivative * np.sqrt(x * y)
@@ -307,6 +315,7 @@ def _at_half(key: NodeMap, ratio: float) -> float:
     """χ where (q − a)/(b − q) has some value, nearly: doubles are enough."""
     if key.node_map == BARRIER_TOP:
         return 0.5 * np.pi
+    # interpolated in log(x/y), which is nearly linear in χ where nodes are stretched
     χ = np.linspace(0.0, np.pi, 514)[1:-1]
     table = nodes.libration_nodes(COUNTS[0], key.level, key.node_map)
     x, y = key.stretched(*(square.real for square in squares(χ.astype(complex), table)))
@@ -324,6 +333,7 @@ def _disks(key: NodeMap, count: int) -> tuple[Reals, Reals, Reals, int]:
         table = nodes.libration_nodes(count, key.level, key.node_map)
         low, high, radii = disks(covered_strip(table), 2.0**key.lower - 1)
     below = (low.real <= 0.5) | (key.symmetry == 2)
+    # disks that the lower view sees come first, as the compiled loop takes them
     order = np.argsort(~below, kind="stable")
     seen = np.where(below, low, high)[order]
     return seen.real, np.abs(seen.imag), radii[order], int(below.sum())

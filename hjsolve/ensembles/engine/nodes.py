@@ -96,6 +96,7 @@ def _functions_at(χ: Pair, level: int, node_map: int) -> tuple[Reals, Reals, Re
 
 def series(count: int) -> Reals:
     """Return cos kχ, 0 < k < count, at the nodes of half a period, shape (count − 1, count)."""
+    # the angle as a whole number of parts, reduced before it is multiplied by π: no cosine of a large argument
     exact = (np.arange(1, count)[:, None] * (2 * np.arange(count) + 1)) % (4 * count)
     found: Reals = np.cos(exact * (np.pi / (2 * count)))
     return found
@@ -106,6 +107,7 @@ def libration_places(χ: Pair, level: int, node_map: int) -> tuple[float, float,
     D = DoubleDouble()
     γ, δ = (Pair(c, 0.0) for c in CLUSTERINGS[node_map])
     turned, twice = D.unary("sin", χ), D.unary("sin", _twice(χ))
+    # the anomaly of the crowded χ, in two doubles: sn² next to 0 and next to 1 has all its digits
     goal = D.add(χ, D.add(D.mul(γ, turned), D.mul(Pair(0.5 * δ.high, 0.0), twice)))
     complement, quarter, sn, cn, _ = _functions(goal, level)
     derivative = D.add(D.mul(γ, D.unary("cos", χ)), D.mul(δ, D.unary("cos", _twice(χ))))
@@ -125,6 +127,7 @@ def barrier_top_places(χ: Pair, level: int) -> tuple[float, float, Reals, Reals
     complement, quarter, sn, cn, dn = _functions(_twice(χ), level)
     below = cn.high < 0
     larger = D.mul(half, D.add(Pair(1.0, 0.0), _where(below, Pair(-cn.high, -cn.low), cn)))
+    # (1 − cn)/2 = sn²/(4 (1 + cn)/2): no difference where cn is near 1
     smaller = D.div(D.mul(Pair(0.25, 0.0), D.mul(sn, sn)), larger)
     root = D.mul(D.div(_moduli(level)[1], D.pi()), D.mul(sn, dn))
     return complement, quarter, _where(below, larger, smaller).high, _where(below, smaller, larger).high, root.high
@@ -145,6 +148,7 @@ def rotation_nodes(count: int, level: int, slow: int = 1) -> Nodes:
 def _turn(count: int, level: int, slow: int) -> tuple[Reals, Reals, Reals]:
     """2 am − π and dn over a whole turn, and 1."""
     *_, sn, cn, dn = _functions(equal_anomalies(count // slow, count // 2 // slow), level)
+    # 2 am − π from (−cos am, sin am): the slow place is the angle 0, where it keeps relative digits
     angle = 2 * np.arctan2(-cn.high, sn.high)
     low = angle if slow == 1 else np.concatenate([0.5 * (angle + side * np.pi) for side in (-1, 1)])
     return low, np.tile(dn.high, slow), np.ones(count)
@@ -182,6 +186,7 @@ def _functions(χ: Pair, level: int) -> tuple[float, float, Pair, Pair, Pair]:
     turn = D.pi()
     reduced, mirrored = χ.high > np.pi, D.sub(_twice(turn), χ)
     χ = _where(reduced, mirrored, χ)
+    # beyond ½K by sn(K − u) = cd u and so on (DLMF 22.4(iii)): arguments stay below ½K
     far = χ.high > np.pi / 2
     sn, cn, dn = descended(D.mul(_where(far, D.sub(turn, χ), χ), D.div(quarter, turn)), [*pairs], D)
     k = 2.0**-level
@@ -213,6 +218,7 @@ def shifts(count: int, symmetry: int) -> tuple[Reals, Reals]:
         sin²χ at the nodes, shape (count,); |cot χ| symmetry/π half way between, shape (count − 1,).
     """
     χ = (np.arange(count) + 0.5) * np.pi / (symmetry * count)
+    # half way between two nodes
     slopes = np.abs(1 / np.tan(χ[1:] - χ[0])) * symmetry / np.pi
     slopes[0] *= 1.5
     if symmetry == 1:

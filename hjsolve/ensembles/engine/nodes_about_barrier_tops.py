@@ -72,8 +72,10 @@ def barrier_tops(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> Barrier
             return run_rows(code, one.parameters, np.stack([x, *some.constants]))
 
         x, fine, bend = stationary_places(jet, x, _FARTHEST_STEP * W, _NEWTON_STEPS)
+        # ε = √(2F/F″); F on the crest from 32 digits, since E − V is small there
         gap = np.sqrt(2 * squares(some, place(formula, x)) / bend)
         low = sign * (x - lower[orbit]) / W
+        # δ/sin φ_c: with x = sin²(φ/2), dx = ½ sin φ dφ and sin²φ = 4x(1 − x)
         gap = gap / (2 * W * low * (1 - low))
     return _narrowest(orbit, low, np.where(fine, gap, np.inf))
 
@@ -94,6 +96,7 @@ def singular_pairs(one: CoordinateOfOrbits, lower: Reals, width: Reals) -> Barri
         low, high = _GRID[nearest - 1], _GRID[nearest + 1]
         for _ in range(_THIRDS):
             fractions = np.stack([low + (high - low) / 3, high - (high - low) / 3], axis=1)
+            # the clearance has kinks: thirds of a bracket, no derivative
             first, second = clear(fractions).T
             low, high = np.where(first > second, fractions[:, 0], low), np.where(first > second, high, fractions[:, 1])
         middle = 0.5 * (low + high)

@@ -52,6 +52,7 @@ def run_pass(
     """
     count = starts.q.shape[1]
     columns = blank(names, count)
+    # E − V is a small difference for nearly unbound or nearly circular orbits: constants in two doubles
     start = initial_constants(model, programs, starts)
     modes = modes_of(names)
     status = np.full(count, Status.OK, dtype=np.uint8)
@@ -66,13 +67,16 @@ def run_pass(
         directions[k, left[round_]] = np.sign(start.P[k, left[round_]])
         if "turning_points" in names:
             _put_turning_points(columns, coordinate.name, left, found.places, found.errors)
+        # no turning point on a side: not a failure of the quadrature, but a motion that may run away
         endless = np.isnan(found.offsets).any(axis=0) & ~round_
         status[left[~part.good]] = np.where(endless, ENDLESS, UNDECIDED)[~part.good]
+        # momenta from velocities are rounded: next to a turning point χ ~ P, so that δχ is at most δP/P
         total.phase_error[:] += start.rounding[k]
         sums.append(total)
     _results(model, names, columns, sums, directions, start)
     if modes.oscillations and any(c.shifted for c in model.separated):
         status[status == Status.OK] = UNDECIDED
+    # what is resolved but claims too much is worth a second pass; what is not resolved is not
     resolved = status == Status.OK
     _settle(columns, status, tolerance)
     columns.unresolved[:] = resolved & (columns.status != Status.OK)
@@ -112,6 +116,7 @@ def integrated(
         if len(going.orbits):
             some = one.take(going.orbits)
             part = rotations(some, going.slow, modes, finely=False)
+            # next to a barrier top p² of a rotation is the small difference E − V: 32 digits have it
             approximate = (
                 np.flatnonzero(~part.good | approximate_ones(part, modes, kept)) if exact else going.orbits[:0]
             )
@@ -163,6 +168,7 @@ def run_escapes(model: Model, programs: SystemPrograms, names: Names, starts: St
         if "turning_points" in names:
             _put_turning_points(columns, coordinate.name, np.arange(count), found.places, found.errors)
         with np.errstate(all="ignore"):
+            # every other coordinate must be known to return, or to run away itself
             fine = total.good & (total.action_error <= TOLERANCE * np.abs(total.action))
         left &= fine | (total.good & (total.action_error == 0)) | endless[k]
         sums.append(total)
@@ -229,6 +235,7 @@ def _timed(
             _fill(columns, "frequencies", name, rate, error)
         if "periods" in names:
             with np.errstate(all="ignore"):
+                # δT/T = δΩ/Ω, to first order
                 period = 2 * np.pi / np.abs(rate)
                 _fill(columns, "periods", name, period, period * (error / np.abs(rate) + EPS))
     for name, (angle, error) in torus.angles.items():
@@ -244,6 +251,7 @@ def worst(columns: Columns) -> Reals:
             value = columns.group(quantity)[name]
             scale = _RADIANS if quantity == "angles" else np.abs(value)
             with np.errstate(all="ignore"):
+                # 0/0 of a quantity that is exactly 0 counts as exact
                 relative = np.where((error == 0) & np.isfinite(value), 0.0, error / scale)
             largest = np.maximum(largest, relative)
     return largest
@@ -253,6 +261,7 @@ def _settle(columns: Columns, status: Codes, tolerance: float) -> None:
     """Keep the orbits whose errors are small enough; NaN for the others."""
     status[(status == Status.OK) & ~(worst(columns) <= tolerance)] = UNDECIDED
     columns.status[:] = status
+    # no number of an orbit that is not ``OK``: a value without a claim would be taken for one with
     lost = status != Status.OK
     for key, error in columns.error.items():
         quantity, name = key.split(".", 1)

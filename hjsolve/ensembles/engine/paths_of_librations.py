@@ -1,4 +1,8 @@
-"""Which closed path is drawn round the turning points of each of many librations."""
+"""Which closed path is drawn round the turning points of each of many librations.
+
+A circle of the elliptic kind, q = m + ρ e^{iχ} + (h²/4ρ) e^{−iχ}, round m ± h, where nothing else is within some times
+h; else the line χ + iη in the strip that is proved to resolve the orbit (``contour_integrals``).
+"""
 
 from __future__ import annotations
 
@@ -90,6 +94,7 @@ class PlacedLibrations:
         part = _CIRCLES[min(attempt, len(_CIRCLES) - 1)]
         η, away = self._circles(left, part)
         # next to a small motion the integrands on a line in its strip are far larger than their means
+        # a circle needs room on all sides; a line in the strip needs what was proved for the nodes
         roomy = self.radius[left] >= _ROOMY * self.width[left] / 2
         round_ = roomy & (attempt < len(_CIRCLES))
         again = left[~round_ & (attempt > np.where(roomy, len(_CIRCLES), 0))]
@@ -134,6 +139,7 @@ class PlacedLibrations:
             away = part * np.maximum(farthest / 2, farthest - _FROM_END)
             away = np.where(np.isfinite(away), away, part * _SMALL)
             near = np.where(np.isfinite(farthest), np.minimum(away, farthest - away), _FROM_END)
+            # rounded down to thirds of an octave: orbits with the same number of steps share a table
             η = np.clip(2.0 ** (np.floor(3 * np.log2(near)) / 3), 2.0**-6, 1.0)
             ρ = np.where(h > radius * np.exp(-_SMALL), h * np.exp(away) / 2, radius * part * np.exp(-_FROM_END))
         return η, ρ
@@ -142,6 +148,7 @@ class PlacedLibrations:
         h, sign = self.width[own] / 2, float(self.formulas[side].sign)
         inward = sign if side == 0 else -sign
         middle = self.offsets[side, own] + inward * h
+        # q = m + ρ e^(iχ) + (h²/4ρ) e^(−iχ): an ellipse with the turning points for its foci
         return Paths(np.stack([middle] * 2), np.ones(2), ρ, h * h / (4 * ρ), known)
 
     def _between(self, own: Integers, end: int, known: Reals) -> Paths:

@@ -1,4 +1,4 @@
-"""What the programs of a view are made of."""
+"""What the programs of a view are made of: the integrands F r, r and kⱼ r with r = |dq/dχ|/√F at a node."""
 
 from __future__ import annotations
 

@@ -135,6 +135,7 @@ def _jet(writer: InstructionWriter, squared: Tape, constants: int, parameters: i
 def _view(squared: Tape, full: Tape, constants: int, parameters: int, kernels: bool) -> ViewPrograms:
     writer = InstructionWriter()
     parts = _jet(writer, squared, constants, parameters)
+    # F[b, b + d] where all functions of p² have a rule; else F as it is written, with the bound that this has
     chorded = kernels and (
         bool(squared.operations) and {operation.code for operation in squared.operations} <= CHORDS | ARITHMETIC
     )
@@ -156,6 +157,7 @@ def _fill(squared: Tape, full: Tape, constants: int, parameters: int, kernels: b
     if chorded:
         chords = FirstDifferences(writer, d)
         (F,) = squared.run(chords, [chords.variable(b, x), *map(chords.constant, known)])
+        # F(b) = 0: F = d F[b, b + d], which keeps its relative accuracy down to d = 0
         square = writer.mul(d, F.slope)
         _, *weights = full.run(writer, [x, *known])
     else:
@@ -167,6 +169,7 @@ def _errors(tape: Tape, constants: int, parameters: int) -> MachineCode:
     writer = InstructionWriter()
     x, rounding_error, mask, *rows = writer.inputs(3 + 2 * constants)
     numbers = ParameterRows(writer, parameters)
+    # one program for both: with mask 0 the constants count as exact, and the difference is what they do
     known = [WithErrorBound(c, writer.mul(mask, e)) for c, e in zip(rows[:constants], rows[constants:], strict=True)]
     results = tape.run(
         RunningError(writer, own=ROUNDINGS), [WithErrorBound(x, rounding_error), *known, *numbers.rounded]
@@ -210,6 +213,7 @@ def _at(
     """F at a distance d from a turning point, and the place in doubles."""
     pairs, constants = PairWriter(writer), (len(rows) - 4) // 2
     base = PairOfValues(*rows[-2:]) if upper else PairOfValues(*rows[-4:-2])
+    # b in two doubles and d: the place next to a close zero is known to d's digits
     place = pairs.add(base, pairs.of(d))
     known = [PairOfValues(*both) for both in zip(rows[:constants], rows[constants : 2 * constants], strict=True)]
     return squared.run(pairs, [place, *known, *numbers.pairs])[0].high, place.high

@@ -99,9 +99,11 @@ def _means(tape: Tape, constants: int, varied: int, parameters: int) -> MachineC
     known = [ComplexValue(v) for v in (*rows, *ParameterRows(writer, parameters).plain)]
     F, *others = tape.run(a, [ComplexValue(xr, xi), *known])
     t, half, quarter = ComplexValue(tr, ti), a.rational(1, 2), a.rational(1, 4)
+    # one root of a quotient; its sign is continued from step to step (``kernels.path_integrals``)
     r = a.unary("sqrt", a.div(a.mul(t, t), F))
     found, part = [a.mul(half, a.mul(f, r)) for f in others[:varied]], a.mul(quarter, a.div(r, F))
     for (j, k), f in zip(pairs(constants, varied), others[varied:], strict=True):
+        # J_jk: (½ F_jk − ¼ F_j F_k/F) r, see ``contour_integrals``
         found.append(a.sub(a.mul(half, a.mul(f, r)), a.mul(a.mul(others[j], part), others[k])))
     zero = writer.number(0.0)
     parts = [part for f in (r, *found) for part in (f.re, zero if f.im is None else f.im)]

@@ -59,6 +59,7 @@ def _second(squared: Tape, writer: InstructionWriter, known: Sequence[Value], st
 
     def elementary(name: str, x: Value, d: Value) -> tuple[Value, Value, Value]:
         if name in {"sin", "cos"}:
+            # Φ[x, x, x + d] of sine and cosine in one operation: both need the same two series
             s, c, bend_s, bend_c = writer.called("sincos_bends", x, d, results=4)
             return (s, c, bend_s) if name == "sin" else (c, writer.unary("neg", s), bend_c)
         if name in {"sinh", "cosh"}:
@@ -72,11 +73,13 @@ def _second(squared: Tape, writer: InstructionWriter, known: Sequence[Value], st
 
     slopes = SecondDifferences(writer, offset, elementary, lambda x, y: writer.called("common_sign", x, y)[0])
     result = squared.run(slopes, [slopes.variable(start), *map(SecondDifference, known)])[0]
+    # p² without q, or linear in it, has no second difference
     return writer.number(0.0) if result.second is None else result.second
 
 
 def _square(writer: InstructionWriter, more: Sequence[Value], x: Value, second: Value) -> Value:
     _, square, first, *_ = more
+    # P₀² + x (F′₀ + x t): three terms of known size, P₀² and F′₀ from 32 digits
     return writer.add(square, writer.mul(x, writer.add(first, writer.mul(x, second))))
 
 
@@ -88,6 +91,7 @@ def _from_end(
     As F vanishes at both turning points, s W apart, F(b + d) = d (d F[b, b, b + d] − s W F[b, b, b + s W]). What F is
     at the numbers that stand for them is left out by that, as a linear function.
     """
+    # s W with the sign of d: the other turning point, seen from b
     origin, span = writer.add(more[0], b), writer.called("signed", d, more[4])[0]
     here = writer.mul(d, _second(squared, writer, known, origin, d))
     there = writer.mul(span, _second(squared, writer, known, origin, span))
@@ -122,17 +126,19 @@ def _small_value(squared: Tape, constants: int, parameters: int) -> MachineCode:
 
 
 def _small_bounds(squared: Tape, constants: int, parameters: int) -> MachineCode:
-    """Return the bound holds for slopes nearby, too."""
+    """Write ½F″ and a bound on its error that holds for slopes nearby, too."""
     writer = InstructionWriter()
     x, *rows = writer.inputs(1 + 2 * constants)
     numbers = ParameterRows(writer, parameters)
     jets = Jets(RunningError(writer, own=ROUNDINGS))
     known = [*map(WithErrorBound, rows[:constants], rows[constants:]), *numbers.rounded]
+    # q₀ + x is rounded once
     place = WithErrorBound(x, writer.mul(writer.number(UNIT), writer.unary("abs", x)))
     bend = squared.run(jets, [jets.variable(place), *map(Jet, known)])[0].second
     if bend is None:
         return writer.code([writer.number(0.0)] * 2)
     size = writer.mul(writer.number(4 * UNIT), writer.unary("abs", bend.value))
+    # 3 · ½ of the error of F″: what ½F″ may be off by at other places of the motion is counted, too
     error = writer.mul(writer.number(1.5), writer.add(error_of(writer, bend), size))
     return writer.code([writer.mul(writer.number(0.5), bend.value), error])
 
@@ -154,6 +160,7 @@ def _small_fill(squared: Tape, full: Tape, constants: int, parameters: int, kern
     d, x, root, b, *rows = writer.inputs(4 + constants + SMALL_KNOWN)
     known, more = [*rows[:constants], *ParameterRows(writer, parameters).plain], rows[constants:]
     if kernels:
+        # F = d F[b, b + d]: relative accuracy next to the turning point, which kernels over √F need
         square = writer.mul(d, _from_end(squared, writer, known, more, b, d)[0])
         weights = full.run(writer, [writer.add(more[0], x), *known])[1:]
     else:
@@ -169,11 +176,13 @@ def _small_errors(squared: Tape, full: Tape, constants: int, parameters: int, ke
     value = _square(writer, more, x, _second(squared, writer, [*c, *numbers.plain], more[0], x))
     wide = writer.mul(writer.number(2.0), writer.unary("abs", writer.mul(x, more[2])))
     rounding = writer.mul(writer.number(_ROUNDED), writer.add(more[1], wide))
+    # x² times what is not known of the second difference
     own = writer.add(rounding, writer.mul(writer.mul(x, x), more[3]))
     others: list[Value] = []
     if kernels:
         q = writer.add(more[0], x)
         place = WithErrorBound(q, writer.mul(writer.number(PLACE), writer.unary("abs", q)))
+        # mask 0 counts the constants as exact, as in ``programs``
         known = [WithErrorBound(k, writer.mul(mask, lost)) for k, lost in zip(c, e, strict=True)]
         results = full.run(RunningError(writer, own=ROUNDINGS), [place, *known, *numbers.rounded])[1:]
         others = [error_of(writer, r) for r in results]
@@ -185,6 +194,7 @@ def _small_relative(squared: Tape, constants: int, parameters: int) -> MachineCo
     b, d, _, _, *rows = writer.inputs(4 + constants + SMALL_KNOWN)
     known, more = [*rows[:constants], *ParameterRows(writer, parameters).plain], rows[constants:]
     slope, terms = _from_end(squared, writer, known, more, b, d)
+    # both second differences are multiplied by a length, d and W
     uncertainty = writer.mul(more[3], writer.add(writer.unary("abs", d), more[4]))
     error = writer.add(uncertainty, writer.mul(writer.number(_OFFSETS), terms))
     return writer.code([writer.div(error, writer.unary("abs", slope))])

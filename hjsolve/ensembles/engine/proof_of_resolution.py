@@ -50,9 +50,12 @@ def least_at_a_glance(
 ) -> Integers:
     """Return the first size that one disk about the middle of a motion proves to be enough, −1 for none."""
     known = np.nan_to_num(room(clearance, middle, width), nan=-1.0)
+    # the disk about the middle that holds the whole strip, one radius for each size: one look at the table does for
+    # most
     enough = maps.strips.enough[0]
     least = np.searchsorted(-enough, -known)
     some = np.flatnonzero((least > _HELD) & (width < _NARROW * np.abs(middle)))
+    # a motion far narrower than its distance from the origin gets a disk that is proved for it alone
     if len(some):  # cells are too large for it
         x, W = middle[some, None], width[some, None]
         chosen = tuple(c[some] for c in constants)
@@ -98,6 +101,7 @@ class ResolutionProof:
             glances(self.motions, left, maps, todo, known, span, self.maps.strips, low, high, least)
             found = least[todo]
             bare = todo[found == _NOT_COVERED]
+            # strips are covered as they are met, once for all orbits
             for map_, size in set(zip(maps[bare].tolist(), span[0, bare].tolist(), strict=True)):
                 self.maps.cover(map_, size)
             untold = todo[found == _UNTOLD][:block]
@@ -107,6 +111,7 @@ class ResolutionProof:
             last = filled
             self._fill(left[untold], maps[untold], span[0, untold])
             todo = todo[(least[todo] == _UNTOLD) | (least[todo] == _NOT_COVERED)]
+            # the first orbits fill most of the table for the others
             block *= 4
         return least
 

@@ -60,6 +60,7 @@ def going_round(one: CoordinateOfOrbits) -> Rotations:
     with np.errstate(all="ignore"):
         given = np.concatenate([np.tile(_GRID, n)[None], np.repeat(one.constants, _POINTS, axis=1)])
         values = run_rows(code, one.parameters, given)[0].reshape(n, _POINTS)
+        # a grid only proposes: that p² > 0 between its points is shown by the least value, and proved by the nodes
         going = np.flatnonzero((values > 0).all(axis=1) & np.isfinite(one.P) & (one.P != 0))
         some = one.take(going)
 
@@ -68,6 +69,7 @@ def going_round(one: CoordinateOfOrbits) -> Rotations:
             return value, first, second
 
         slow = slow_places(jet, values[going], _GRID)
+    # p² at its minimum decides whether it goes round
     sure = np.flatnonzero(slow.least > 0)
     return Rotations(going[sure], slow.take(sure))
 
@@ -88,6 +90,7 @@ def rotations(one: CoordinateOfOrbits, slow: SlowPlaces, modes: Modes, *, finely
     direction = np.sign(one.P)
     least = _least(sides(one.coordinate)[0].clearance, slow, direction)
     zero = 0.0 * slow.centre
+    # the bound that programs in doubles need, as in ``librating``
     lost = np.maximum(one.uncertainty - np.abs(one.low), 0.0) * 2.0**44  # by doubles, of the constants
     known = [*one.constants, *one.low, slow.centre, zero, slow.centre, zero] if finely else one.constants
     motions = Rounds(
@@ -111,6 +114,7 @@ def _least(clearance: Clearance, slow: SlowPlaces, direction: Reals) -> Integers
     See ``proof_of_resolution``; what is proved for a number of nodes is proved for more, whose strip is narrower.
     """
     found = np.full(len(slow.level), -1, dtype=np.int64)
+    # fewer nodes than these hardly ever suffice: to look for a proof would cost more than the nodes
     hint = np.where(slow.level > 0, np.maximum(_FIRST, _CROWDED[0] + _CROWDED[1] * slow.level), float(_FIRST))
     codes = 2 * slow.level + slow.several
     for k, count in enumerate(COUNTS):
@@ -119,6 +123,7 @@ def _least(clearance: Clearance, slow: SlowPlaces, direction: Reals) -> Integers
             fraction = np.zeros(len(left))
             for code in np.unique(codes[left]):
                 part = np.flatnonzero(codes[left] == code)
+                # fewer and larger disks first; the finer cover where they came near
                 for coarse in (True, False):
                     some = left[part]
                     fraction[part] = _fraction(clearance, slow.take(some), direction[some], count, coarse=coarse)
@@ -127,6 +132,8 @@ def _least(clearance: Clearance, slow: SlowPlaces, direction: Reals) -> Integers
                         break
             found[left[fraction >= 1]] = k
             floor = np.where((fraction > 0) & (slow.level[left] == 0), 0.0, _UNKNOWN)
+            # the strip of N nodes is as wide as 1/N: a radius that is too small by a factor asks for about as many more
+            # nodes
             guess = count * np.fmax(fraction, np.fmax(floor, 1e-3)) ** -_CAUTIOUS
             hint[left] = np.where(guess < _HOPELESS * COUNTS[-1], np.minimum(guess, COUNTS[-1]), np.inf)
     return found
@@ -139,6 +146,7 @@ def _fraction(clearance: Clearance, slow: SlowPlaces, direction: Reals, count: i
     """
     over = covered_turn(rotation_nodes(2 * count, int(slow.level[0]), 1 + int(slow.several[0])), coarse=coarse)
     if not over.inside:
+        # am has a logarithmic branch point in the strip: no disk covers it
         return np.zeros(len(slow.level))
     angle: Complexes | Reals = over.angle
     radii = over.reach

@@ -61,19 +61,23 @@ def slow_places(jet: Jet, values: Reals, grid: Reals) -> SlowPlaces:
         grid: angles, equally spaced over a turn.
     """
     bottom = values.min(axis=1, keepdims=True)
+    # the first of equal barriers, whatever rounding says of their order
     first = np.argmax(values <= bottom + 1e-9 * np.abs(values).max(axis=1, keepdims=True), axis=1)
     slow, gap, least = _refined(jet, grid[first])
     second, there = _second(values, grid, slow)
     other, far, lowest = _refined(jet, grid[second])
     far, lowest = np.where(there & np.isfinite(far), far, np.inf), np.where(there, lowest, np.inf)
     alike = np.abs(lowest - least) <= EQUAL_BARRIERS * np.abs(values).max(axis=1)
+    # the same barrier as for single motions, from which angles are counted
     swapped = np.isfinite(far) & np.where(alike, barrier_order(other) < barrier_order(slow), lowest < least)
     slow, other = np.where(swapped, other, slow), np.where(swapped, slow, other)
     gap, far = np.where(swapped, far, gap), np.where(swapped, np.nan_to_num(gap, nan=np.inf), far)
     level, width = _one(gap, far)
+    # the shorter way round
     between = (other - slow + np.pi) % (2 * np.pi) - np.pi
     ratio = np.tan(0.25 * np.abs(between))
     deeper, wider = _two(np.fmin(gap, far) / np.sin(0.5 * np.abs(between)), ratio)
+    # the map whose strip is wider needs fewer nodes
     both = np.isfinite(far) & (wider > width)
     half = np.where(both, 0.5 * between, 0.0)
     return SlowPlaces(
@@ -101,6 +105,8 @@ def _second(values: Reals, grid: Reals, slow: Reals) -> tuple[Integers, Mask]:
     away = np.abs((grid - slow[:, None] + np.pi) % (2 * np.pi) - np.pi) > _AWAY * 2 * np.pi / len(grid)
     bend = before - 2 * values + after
     with np.errstate(all="ignore"):
+        # F at the bottom of the parabola through three points, over its second difference: the distance of its zeros,
+        # squared
         gaps = values / bend - 0.125 * ((after - before) / bend) ** 2
     gaps = np.where(away & (values <= before) & (values <= after) & (bend > 0), gaps, np.inf)
     point = gaps.argmin(axis=1)

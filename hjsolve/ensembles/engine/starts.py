@@ -116,6 +116,7 @@ class Starts:
         if self.rule is None or self.velocity is None:
             return self
         p, low = self.rule.exactly(self.q, self.velocity)
+        # p alone lacks its low part; both together lack 2⁻⁴⁴ of what doubles lose
         return replace(self, p=p, low=low, uncertainty=np.abs(low) + _FINER * self.spread)
 
 

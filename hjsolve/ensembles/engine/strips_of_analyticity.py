@@ -82,6 +82,7 @@ def half_width(count: int, symmetry: int) -> float:
     Args:
         count: N.
     """
+    # 2aN = 36, the exponent of a rounding
     return EXPONENT / (2 * symmetry * count)
 
 
@@ -106,10 +107,13 @@ def covered_strip(table: Nodes, *, coarse: bool = False) -> CoveredStrip:
 
     Of the three functions f that one is taken whose disks are smallest for typical motions with these nodes.
     """
+    # the upper half of the strip over half a period: the rest is its mirror image
     a, length = half_width(len(table.χ), table.symmetry), np.pi / table.symmetry
     middles, corners = _rectangles(table, a, length, _shape(table, coarse))
     with np.errstate(all="ignore"):
+        # at the corners a function that is analytic in the rectangle is farthest from its middle, or nearly
         (w, c), (near_w, near_c) = squares(middles, table), squares(corners, table)
+        # three charts of the sphere of (sn² : cn²): each is small where another has its pole
         f = np.stack([w, c / w, w / c])
         apart = np.stack([near_w, near_c / near_w, near_w / near_c]) - f[:, :, None]
         reach = np.where(
@@ -120,6 +124,7 @@ def covered_strip(table: Nodes, *, coarse: bool = False) -> CoveredStrip:
         CoveredStrip(n, m, r, slope * one, more * one)
         for n, m, r, (slope, more) in zip((w, one, f[2]), (c, f[1], one), reach, _SLOPES, strict=True)
     ]
+    # the chart with the smallest disk, rectangle by rectangle
     best = np.argmin([disks(chart, _typical(table))[2] for chart in charts], axis=0)
     rows = (np.stack([getattr(chart, name) for chart in charts]) for name in CoveredStrip.__dataclass_fields__)
     return CoveredStrip(*(row[best, np.arange(len(w))] for row in rows))
@@ -162,6 +167,7 @@ def disks(over: CoveredStrip, d: Reals | float) -> tuple[Complexes, Complexes, R
         above, below = over.above, (1 + d) * over.below
         re, im = above.real + below.real, above.imag + below.imag
         size = np.sqrt(re * re + im * im)
+        # the least |T′|: where it is not positive the rectangle may hold q = ∞
         nearest = size - (over.slope * d + over.more) * over.reach
         radii = np.where(nearest > 0, (1 + d) * over.reach / (size * nearest), np.inf)
         inverse = np.empty(size.shape, dtype=complex)
@@ -181,6 +187,7 @@ def barrier_top_disks(table: Nodes) -> tuple[Complexes, Complexes, Reals]:
     low, high = _halves(middles, table)
     near, far = _halves(corners, table)
     # the smaller one of both keeps the digits of small disks
+    # differences of the smaller of X and 1 − X: the larger one has lost what the small disk is about
     apart = np.where(low.real[:, None] < 0.5, near - low[:, None], far - high[:, None])
     inside = 2 * a * table.quarter / np.pi < _INSIDE * quarter_period(1 - table.complement, Float64())
     return low, high, _CORNER_MARGIN * np.abs(apart).max(axis=1) if inside else np.full(len(low), np.inf)

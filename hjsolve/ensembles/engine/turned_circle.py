@@ -25,13 +25,16 @@ def moved_disks(E: Complexes, reach: Reals, m: Reals) -> tuple[Complexes, Reals]
     Returns:
         Shape (n, disks); radii are infinite where q = ∞ may lie in the disk.
     """
+    # |N|² and |T|² written out: sums of squares, no complex division
     a, b, square, x, y = 1 + m, 1 - m, E.real**2 + E.imag**2, E.real, E.imag
     N, T = a * a * square + 2 * a * b * x + b * b, b * b * square + 2 * a * b * x + a * a
+    # the least |T′| over the disk of E′
     nearest = np.sqrt(T) - np.abs(b) * reach
     with np.errstate(all="ignore"):
         δ = np.where(nearest > 0, 4 * m * reach / (np.sqrt(N) * nearest), 1.0)
         places = np.empty(δ.shape, dtype=complex)
         places.real = np.arctan2(4 * m * y, a * b * (square + 1) + (a * a + b * b) * x)
+        # q = −i log Z: its imaginary part is −log|Z|
         places.imag = 0.5 * np.log(T / N)
         return places, np.where(δ < 1, -np.log1p(-np.minimum(δ, 0.999)), np.inf)
 

@@ -63,8 +63,10 @@ def groups(model: Model, starts: Starts, orbits: Integers) -> Iterator[tuple[Uni
     with np.errstate(all="ignore"):
         size = np.log2(np.abs(q))
         size = np.where(np.isfinite(size) & ~angle[:, None], size, 0.0)
+        # the unit of q p: one for all coordinates, as a canonical map of valence has
         action = (size + np.log2(np.abs(p))).max(axis=0)
     action = np.where(np.isfinite(action), action, 0.0)
+    # each group costs programs of its own: exponents are rounded so that there are few
     kinds, which = np.unique(rounded_exponents(np.vstack([size, action])), axis=1, return_inverse=True)
     for k in np.flatnonzero((kinds[:-1] < 0).any(axis=0) | (np.abs(kinds) > LARGE_BITS).any(axis=0)):
         *places, unit = (int(e) for e in kinds[:, k])
@@ -121,6 +123,7 @@ def model_in_units(model: Model, units: UnitsOfOrbits) -> ModelInUnits:
 
 def _separated(one: Separated, units: UnitsOfOrbits, constants: tuple[Unit, ...], own: tuple[Unit, ...]) -> Separated:
     place, square = units.places[one.index], 2 * units.momenta[one.index]
+    # p² in units of P², its kernels ∂p²/∂c in those over the unit of c
     wanted = [square, *(square - c.exponent for c in constants)]
 
     def formula(view: LoweredFormula) -> LoweredFormula:
@@ -145,6 +148,7 @@ def starts_in_units(starts: Starts, units: UnitsOfOrbits) -> Starts:
     """
     starts = starts.precise()
     places, momenta = (-np.array(e)[:, None] for e in (units.places, units.momenta))
+    # powers of two: nothing is rounded
     rows = (np.ldexp(row, momenta) for row in (starts.p, starts.uncertainty, starts.low, starts.spread))
     return Starts(np.ldexp(starts.q, places), *rows)
 
@@ -164,6 +168,7 @@ def columns_in_old_units(columns: Columns, made: ModelInUnits, units: UnitsOfOrb
     def in_given_units(x: Reals, exponent: int) -> Reals:
         with np.errstate(all="ignore"):
             found: Reals = np.ldexp(x, exponent)
+            # a result that has no double in the user's units is not given
             lost[(x != 0) & ~np.isnan(x) & ~((np.abs(found) > _SMALLEST) & np.isfinite(found))] = True
         return found
 

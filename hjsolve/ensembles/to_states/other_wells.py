@@ -1,8 +1,8 @@
 """Tori with the same actions in other wells: two minima of V, or two centres, have such, with constants that differ.
 
-Newton's method begins once more where p², with the constants of the torus that was found, has other maxima (p² < 0 is
-no obstacle, see ``tori``), and where it has none, from the nearest of those random tori that have another well beside
-their own. Which of several tori is meant actions do not tell: that takes a place in its well.
+Newton's method begins once more where p², with the constants of the torus that was found, has other maxima (p² may be
+negative there, see ``tori``), and where it has none, from the nearest of those random tori that have another well
+beside their own. Which of several tori is meant actions do not tell: that takes a place in its well.
 """
 
 from __future__ import annotations

@@ -32,10 +32,12 @@ def _radius(re: float, im: float, table: Clearances) -> float:
     """
     size = abs(re) + im
     turn = min(int(im / size * _TURNS), _TURNS - 1) if size > 0.0 else 0
+    # the left half plane has cells of its own, numbered on from the right one's
     turn = 2 * _TURNS - 1 - turn if re < 0.0 else turn
     along = as_bits(size) >> (_DROPPED - _DEEPEST)
     large = (along >> _DEEPEST) * (2 * _QUARTER) + (turn >> _DEEPEST)
     first, halved = table.start[large], int(table.depth[large])
+    # cell numbers at the finest division, shifted to that of this large cell
     rest, within = _DEEPEST - halved, (1 << halved) - 1
     place = first + (((along >> rest) & within) << halved) + ((turn >> rest) & within)
     return table.radii[max(place, 0)]
@@ -84,6 +86,7 @@ def _failing(motions: Motions, i: int, place: tuple[int, int], first: int, strip
             return -1
         if not radius >= W * spread:
             return j
+        # from the disk that failed last, and around: the next size fails at the same place, if at all
         j = j + 1 if j + 1 < count else 0
     return count
 

@@ -45,6 +45,7 @@ def _shifts(work: Scratch, residue: tuple[float, float], E: Reals, place: tuple[
     (m, size, fraction), buffer, scratch, found = place, work.buffer, work.rows, work.found
     n, split, symmetry = tables.counts[size], tables.split[m, size, fraction], int(tables.maps[m, 6])
     squares, slopes = tables.squares[symmetry - 1, size], tables.slopes[symmetry - 1, size]
+    # (q − a)/W at the nodes: a linear function of it is what the tilt takes
     low = tables.low[m, tables.first[size] : tables.first[size + 1]]
     shaken, flatter, moved = scratch[0], scratch[1], scratch[2]  # sin²χ/F, that over r, and k r δF sin²χ/F
     r, F = buffer[1], buffer[2]
@@ -288,6 +289,7 @@ def packed(below: Side, above: Side, motions: Motions, span: tuple[int, int], ta
     while at < span[1]:
         t = block[_LEFT, at]
         i, m, size = block[_ORBIT, t], block[_MAP, t], block[_SIZE, t]
+        # nodes below ``split`` are seen from the lower turning point, the others from the upper one
         n, split = tables.counts[size], tables.split[m, size, motions.fraction[i]]
         # the first orbit is taken whatever it needs: programs are as wide as the widest rule
         if at > span[0] and (low + split > SLOTS or high + n - split > SLOTS):

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from hjsolve.arithmetic.machine.compiling import helper, kernel, reducing
+from hjsolve.arithmetic.machine.compiling import helper, kernel
 from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.ensembles.engine.kernels.midpoint_rule import dot
 from hjsolve.ensembles.engine.kernels.types import SLOTS
 
 PLACE, ROUNDING_ERROR = 4, 4.0 * 2.0**-53
@@ -68,6 +69,7 @@ def _steps(program: MachineProgram, at: int, span: tuple[int, int], half: int, p
     if bounds:
         rounding_error, X, Y = registers[PLACE, at : at + n], steps[:2, start:], steps[2:4, start:]
         for j in range(n):
+            # rounding of a sum refers to its terms: b, and both parts of the path
             wide, narrow = A * (abs(X[0, j]) + abs(X[1, j])), B * (abs(Y[0, j]) + abs(Y[1, j]))
             rounding_error[j] = ROUNDING_ERROR * (abs(b) + wide + narrow)
         first += 1
@@ -77,14 +79,6 @@ def _steps(program: MachineProgram, at: int, span: tuple[int, int], half: int, p
         row, value = registers[first + k, at : at + n], paths.known[i, k]
         for j in range(n):
             row[j] = value
-
-
-@reducing
-def _weighted(x: Reals, w: Reals, n: int) -> float:
-    total = 0.0
-    for j in range(n):
-        total += x[j] * w[j]
-    return total
 
 
 @helper
@@ -112,15 +106,16 @@ def _means(below: MachineProgram, above: MachineProgram, at: tuple[int, int], co
     made[0, i] = sign[n - 1] * re[n - 1]
     for k in range(4):
         for j in range(n):
+            # the sign of r goes into the weights once, for all integrands
             signed[k, j] = sign[j] * weights[k, j]
     _row(below, above, 2, at, counts, re)
-    made[1, i] = _weighted(re, sign, n) / n
+    made[1, i] = dot(re, sign, n) / n
     for k in range((made.shape[0] - 2) // 3):
         _row(below, above, 3 + 2 * k, at, counts, re)
         _row(below, above, 4 + 2 * k, at, counts, im)
-        made[2 + 3 * k, i] = _weighted(re, sign, n) / n
-        made[3 + 3 * k, i] = abs(_weighted(re, signed[0], n) + _weighted(im, signed[1], n))
-        made[4 + 3 * k, i] = abs(_weighted(re, signed[2], n) + _weighted(im, signed[3], n))
+        made[2 + 3 * k, i] = dot(re, sign, n) / n
+        made[3 + 3 * k, i] = abs(dot(re, signed[0], n) + dot(im, signed[1], n))
+        made[4 + 3 * k, i] = abs(dot(re, signed[2], n) + dot(im, signed[3], n))
 
 
 @helper
@@ -132,6 +127,7 @@ def _largest(below: MachineProgram, above: MachineProgram, at: tuple[int, int], 
         _row(below, above, k, at, counts, row)
         total = 0.0
         for j in range(n):
+            # every fourth step is looked at: between two of them the larger one counts
             before, after = row[j - 1 if j > 0 else 0], row[j + 1 if j + 1 < n else n - 1]
             total += max(row[j], before, after)
         made[k, i] = total / n

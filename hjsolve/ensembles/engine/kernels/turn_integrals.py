@@ -183,6 +183,7 @@ def _phase(left: float, direction: float, ratio: float, map_: Reals) -> tuple[fl
     """χ in (−π, π] of a place, and a bound on its error; the slow place is χ = π."""
     turn = 2.0 * math.pi
     here = direction * left
+    # to half a turn about the slow place, where p² is least and χ = π
     here -= turn * np.floor(here / turn + 0.5)
     bound, whole = 16.0 * EPS * math.pi**2 / (2.0 * map_[2] * map_[4]), 0.0
     if map_[5] == 2.0:
