@@ -85,7 +85,7 @@ def _elsewhere(wells: Sequence[Wells], tori: Tori) -> Iterator[tuple[Integers, T
 def _beside(landscape: Landscape, seeds: Seeds, asked: Asked, wells: Sequence[Wells]) -> tuple[Integers, Tori]:
     """Return which orbits have near them a seed whose well is not theirs but next to another one, and that seed."""
     around = landscape.wells(seeds.tori, seeds.shells.rotations)
-    known = np.flatnonzero(np.any([np.isfinite(own.others).any(axis=0) for own in around], axis=0))
+    known = np.flatnonzero(np.any([own.beside for own in around], axis=0))
     if not len(known) or not asked.goals.actions.shape[1]:
         return np.zeros(0, dtype=int), seeds.tori.take(known[:0])
     apart = np.zeros((asked.goals.actions.shape[1], len(known)), dtype=bool)

@@ -31,11 +31,13 @@ class Wells(NamedTuple):
     Attributes:
         low, high: ends of it, shape (n,).
         others: places of other maxima of p², shape (wells, n); NaN where there are fewer.
+        beside: where p² > 0 at one of them: another well, with the same constants.
     """
 
     low: Reals
     high: Reals
     others: Reals
+    beside: Mask
 
     def take(self, index: Integers | Mask) -> Wells:
         """Return those of some tori."""
@@ -58,7 +60,7 @@ class Landscape(NamedTuple):
 
     @classmethod
     def of(cls, model: Model, programs: SystemPrograms, grids: Sequence[Reals], seeds: Tori) -> Landscape:
-        """Look which coordinates of tori have several maxima of p².
+        """Look which coordinates of tori have several wells.
 
         Args:
             grids: places that show the domain of each coordinate.
@@ -66,7 +68,7 @@ class Landscape(NamedTuple):
         """
         everywhere = cls(model, programs, grids, (True,) * len(grids))
         found = everywhere.wells(seeds, np.zeros(seeds.q.shape, dtype=bool))
-        return everywhere._replace(several=tuple(bool(np.isfinite(one.others).any()) for one in found))
+        return everywhere._replace(several=tuple(bool(one.beside.any()) for one in found))
 
     def wells(self, tori: Tori, rotating: Mask, *, every: bool = False) -> list[Wells]:
         """Return the wells of all coordinates.
@@ -77,7 +79,12 @@ class Landscape(NamedTuple):
         """
         found, count = [], tori.q.shape[1]
         for k, grid in enumerate(self.grids):
-            one = Wells(np.full(count, -np.inf), np.full(count, np.inf), np.full((_WELLS, count), np.nan))
+            one = Wells(
+                np.full(count, -np.inf),
+                np.full(count, np.inf),
+                np.full((_WELLS, count), np.nan),
+                np.zeros(count, dtype=bool),
+            )
             moving = np.flatnonzero(~rotating[k]) if self.several[k] or every else np.zeros(0, dtype=int)
             span = max(1, _VALUES // len(grid))
             for begin in range(0, len(moving), span):
@@ -114,7 +121,9 @@ class Landscape(NamedTuple):
         for j in range(_WELLS):
             own = outside & (rank == j + 1)
             others[j] = np.where(own.any(axis=1), middles[own.argmax(axis=1)], np.nan)
-        return Wells(low, high, others)
+        there = F.reshape(count, size)
+        beside = (outside & ((there[:, :-1] > 0) | (there[:, 1:] > 0))).any(axis=1)
+        return Wells(low, high, others, beside)
 
 
 def same_tori(model: Model, one: Solved, other: Tori, scale: Reals, seen: tuple[list[Wells], list[Wells]]) -> Mask:
