@@ -30,6 +30,7 @@ from hjsolve.ensembles.engine.libration_ends import LibrationEnds
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.node_maps import COUNTS, node_maps
 from hjsolve.ensembles.engine.nodes_about_barrier_tops import barrier_tops, singular_pairs
+from hjsolve.ensembles.engine.pairs_of_turning_points import in_doubles, in_two_doubles, places_and_errors
 from hjsolve.ensembles.engine.programs import ExactPrograms, ViewPrograms, sides
 from hjsolve.ensembles.engine.programs_of_small_motions import SmallPrograms, has_slopes
 from hjsolve.ensembles.engine.proof_of_resolution import ResolutionProof, least_at_a_glance
@@ -40,7 +41,6 @@ _SEARCHING = 72
 _SEEN_FROM_START = 1e-13
 """Error of p² at the start over its size above which a motion is seen from its start."""
 
-_NEWTON = 4
 _STANDING = 2.0**-60
 """Last step of Newton's method, over the distance of the zero of p² next to it, with which a turning point is known.
 
@@ -127,7 +127,7 @@ def librations(
         fine = np.flatnonzero(better.good)
         sums.put(approximate[fine], better.take(fine))
         if places and len(fine):
-            found.put(approximate[fine], *_turning_points_of_32_digits(one.take(approximate), bases, slopes, fine))
+            found.put(approximate[fine], *places_and_errors(one.take(approximate), bases, slopes, fine))
     return sums, found
 
 
@@ -350,57 +350,13 @@ def _exactly(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, list[Reals], 
         left=left, right=right, width=left + right, lower=0.0 * left, upper=0.0 * right,
         homes=np.zeros((2, len(left))), first=first, fraction=fraction,
         known=np.ascontiguousarray(np.stack([*C, *bases], axis=1)),
-        uncertainty=np.ascontiguousarray(_in_doubles(one).T),
+        uncertainty=np.ascontiguousarray(in_doubles(one).T),
     )  # fmt: skip
     placed = placed._replace(width=motions.width, first=first, fraction=fraction)
     modes = modes._replace(chords=False, shifts=False)
     sums = _resolved(one, motions, placed, modes, one.programs.exact)
     _over_barrier_tops(one, motions, placed, (sums, modes, one.programs.exact))
     return sums, bases, bends[:, 0]
-
-
-def _in_doubles(one: CoordinateOfOrbits) -> Reals:
-    """Return bounds on the errors that the constants have in doubles, of which 32 digits leave a part."""
-    # the bound is |low| and 2⁻⁴⁴ of what doubles lose: the latter is undone here, for programs in doubles
-    return one.uncertainty + np.maximum(one.uncertainty - np.abs(one.low), 0.0) * 2.0**44
-
-
-def in_two_doubles(one: CoordinateOfOrbits, side: int, x: Reals, steps: int = _NEWTON) -> tuple[Pair, Reals, Reals]:
-    """Return turning points to 32 digits by Newton's method with F′ in doubles, F′ there, and the last step.
-
-    Args:
-        one: the coordinate.
-        side: 0 for lower ones, 1 for upper ones.
-        x: offsets in doubles in the view of that side, shape (n,).
-        steps: of Newton's method.
-    """
-    slopes, squares = one.programs.views[side].slopes, one.programs.exact[side].squares
-    with np.errstate(all="ignore"):
-        # F to 32 digits over F′ to 16: each step gains sixteen digits, or as many as F′ has
-        _, slope = run_rows(slopes, one.parameters, np.stack([x, *one.constants]))
-        base = Pair(x, 0.0 * x)
-        for _ in range(steps):
-            (f,) = run_rows(squares, one.parameters, np.stack([*base, *one.constants, *one.low]))
-            step = f / slope
-            base = DoubleDouble().sub(base, Pair(step, 0.0 * step))
-            _, slope = run_rows(slopes, one.parameters, np.stack([base.high, *one.constants]))
-    return base, slope, step
-
-
-def _turning_points_of_32_digits(
-    one: CoordinateOfOrbits, bases: list[Reals], slopes: Reals, fine: Integers
-) -> tuple[Reals, Reals]:
-    """Return the turning points of some of the orbits, and bounds on their errors."""
-    zero, places, errors = np.zeros(len(one.q)), [], []
-    given = np.stack([zero, zero, zero, *one.constants, *one.low, *bases, *_in_doubles(one)])
-    for k, formula in enumerate(sides(one.coordinate)):
-        with np.errstate(all="ignore"):
-            noise = run_rows(one.programs.exact[k].errors, one.parameters, given)[0]
-            x = bases[2 * k]
-            q = place(formula, x)
-            errors.append((noise / np.abs(slopes[k]) + 2 * EPS * (np.abs(q) + np.abs(x)))[fine])
-        places.append(q[fine])
-    return np.stack(places), np.stack(errors)
 
 
 # ------------------------------------------------------------------------------------------------- seen from the start

@@ -43,8 +43,8 @@ from hjsolve.solution.quadratures import Solution
 _FARTHEST_EXPONENT = 1000
 """Of the length of a coordinate."""
 
-_CHUNK = 8192
-"""Orbits that one thread treats at a time."""
+_CHUNK, _LEAST_CHUNK = 16384, 8192
+"""Orbits that one thread treats at a time: half of them, for two threads, but not fewer than the second number."""
 _MANY, _EVERY = 2048, 8
 """Orbits from which on some are solved first, and which of them: every eighth."""
 _AGAIN = 3
@@ -124,7 +124,8 @@ def states_of(task: InverseTask) -> FoundStates:
 
 def _in_chunks(task: InverseTask, ready: _Ready, found: FoundStates, index: Integers) -> None:
     """Return the states of some orbits, chunk by chunk: which orbits are in one does not depend on the threads."""
-    chunks = [index[begin : begin + _CHUNK] for begin in range(0, len(index), _CHUNK)]
+    size = min(_CHUNK, max(len(index) // 2, _LEAST_CHUNK))
+    chunks = [index[begin : begin + size] for begin in range(0, len(index), max(size, 1))]
     if min(task.threads, len(chunks)) <= 1:
         for chunk in chunks:
             _chunk(task, ready, found, chunk)

@@ -19,8 +19,8 @@ from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place, squares
 from hjsolve.ensembles.engine.kernels.followed_librations import moved_ends
 from hjsolve.ensembles.engine.kernels.types import Modes
-from hjsolve.ensembles.engine.librating import in_two_doubles
 from hjsolve.ensembles.engine.lowered_solution import Model
+from hjsolve.ensembles.engine.pairs_of_turning_points import in_two_doubles
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import SystemPrograms, sides
 from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, kernels

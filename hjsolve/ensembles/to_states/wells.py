@@ -41,7 +41,7 @@ class Wells(NamedTuple):
 
     def take(self, index: Integers | Mask) -> Wells:
         """Return those of some tori."""
-        return Wells(*(x[..., index] for x in self))
+        return Wells._make(x[..., index] for x in self)
 
 
 class Landscape(NamedTuple):
