@@ -12,7 +12,7 @@ Four marks leave cases to the night (they are marked ``nightly``, which ``addopt
 ``pytestmark = pytest.mark.rotating_file(n)``
     About n of all tests of a file run, chosen alike.
 
-Of the slowest tests, those of ``slow_tests.txt``, one in four runs.
+Of the slowest tests, those of ``slow_tests.txt``, one in five runs.
 
 The rotation is a whole number N. Parts are numbered, and part N modulo their number runs, so that the rotations 0, 1, 2, …
 run every case. N comes from the commit, or from ``--rotation=N``, which runs the part of a run that failed again;

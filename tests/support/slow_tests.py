@@ -1,4 +1,4 @@
-"""Which tests take longest: one in four of them runs with a commit, another one with the next.
+"""Which tests take longest: one in five of them runs with a commit, another one with the next.
 
 ``slow_tests.txt`` lists those of a third of a second and more, slowest first. It is made of what runs print:
 
@@ -15,7 +15,7 @@ from functools import cache
 from pathlib import Path
 
 LIST = Path(__file__).with_suffix(".txt")
-ONE_IN = 4
+ONE_IN = 5
 ALWAYS = ("tests/architecture/", "tests/docs/")
 """What every commit runs, however long it takes: threads that start cold, the examples of README."""
 _LONG = re.compile(r"\s*([\d.]+)s call +(tests/.+)")
@@ -28,7 +28,7 @@ def slow_tests() -> dict[str, int]:
 
 
 def left_out(nodeid: str, rotation: int) -> bool:
-    """Whether a test is slow and another commit's: neighbours in the list, which take equally long, go to four parts."""
+    """Whether a test is slow and another commit's: neighbours in the list, which take equally long, go to five parts."""
     place = slow_tests().get(nodeid)
     return place is not None and place % ONE_IN != rotation % ONE_IN
 
