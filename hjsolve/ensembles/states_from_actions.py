@@ -29,8 +29,9 @@ from hjsolve.solution.quadratures import Solution
 
 
 def batch_of_states(
-    solution: Solution, *, actions: Mapping[str, Any], angles: Mapping[str, Any] | None, q: Mapping[str, Any] | None,
-    kinds: Mapping[str, str] | None, want: Any, parameters: Mapping[str, Any] | None, fallback: bool,
+    solution: Solution, *, actions: Mapping[str, object], angles: Mapping[str, object] | None,
+    q: Mapping[str, object] | None, kinds: Mapping[str, str] | None, want: object,
+    parameters: Mapping[str, object] | None, fallback: bool,
     threads: int | None = None,
 ) -> Batch:  # fmt: skip
     """Return the states of many orbits from their actions and angles.

@@ -133,7 +133,11 @@ class SumOfHamiltonians(Shown, StartedByMomenta["SumMotion"]):
     def _started(self, begin: Beginning) -> SumMotion:
         from hjsolve.extended.sums_of_hamiltonians import start_sum
 
-        return start_sum(self.parts, begin)
+        in_time = any(
+            part.time is not None if isinstance(part, System) else isinstance(part, HamiltonianInTime)
+            for part in self.parts
+        )
+        return start_sum(self.parts, begin, in_time=in_time)
 
 
 @arguments.with_known_names('from_hamiltonian("p**2/2 + q**4", {"q": "line"})')

@@ -9,9 +9,10 @@ one by one, by whatever solves them. A part may have several coordinates, if H c
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from typing import Protocol
 
 import numpy as np
 import sympy as sp
@@ -20,14 +21,33 @@ from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
-from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, HamiltonianInTime, LinearHamiltonian
 from hjsolve.extended.one_freedom import Beginning
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.mechanics.system import Parameter, System
 from hjsolve.motion.state import AnyMotion, Errors, State
 from hjsolve.solution.quadratures import solve
 
-Part = System | LinearHamiltonian | GeneralHamiltonian | HamiltonianInTime
+
+class StartedPart(Protocol):
+    """A part that starts its motions itself."""
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Those of the part."""
+        ...
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """With their default values."""
+        ...
+
+    @property
+    def motion(self) -> Callable[..., AnyMotion]:
+        """Start a motion of the part, as ``StartedByMomenta.motion`` does."""
+        ...
+
+
+Part = System | StartedPart
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -100,12 +120,13 @@ class SumMotion(Shown):
         return State(t, q, p, velocity, turns, found, errors)
 
 
-def start_sum(parts: Sequence[Part], begin: Beginning) -> SumMotion:
+def start_sum(parts: Sequence[Part], begin: Beginning, *, in_time: bool) -> SumMotion:
     """Start a motion; see ``StartedByMomenta.motion``.
 
     Args:
         parts: of the Hamiltonian.
         begin: in all coordinates.
+        in_time: whether some part holds the time: then the energies have no sum that stays.
 
     Raises:
         InvalidInputError: a name that is not one of the coordinates or parameters.
@@ -123,13 +144,9 @@ def start_sum(parts: Sequence[Part], begin: Beginning) -> SumMotion:
         f"E_{'_'.join(c.name for c in part.coordinates)}": motion.constants["E"]
         for part, motion in zip(parts, motions, strict=True) if "E" in motion.constants
     }  # fmt: skip
-    if any(_holds_time(part) for part in parts):
+    if in_time:
         return SumMotion(motions, energies, t0)
     return SumMotion(motions, {"E": reduce(operator.add, energies.values()), **energies}, t0)
-
-
-def _holds_time(part: Part) -> bool:
-    return part.time is not None if isinstance(part, System) else isinstance(part, HamiltonianInTime)
 
 
 def independent_parts(

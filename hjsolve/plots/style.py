@@ -28,7 +28,7 @@ RING: Style = {**DOT, "color": "white", "markeredgecolor": RED, "markeredgewidth
 GRID: Style = {"color": RULE, "linewidth": 0.5, "rstride": 8, "cstride": 4, "zorder": 1}
 CENTRE: Style = {"color": INK, "marker": "o", "markersize": 5, "linestyle": "none", "zorder": 5}
 
-_SETTINGS: dict[Any, Any] = {
+_SETTINGS: dict[Any, object] = {
     "axes.edgecolor": INK, "axes.labelcolor": INK, "axes.spines.top": False, "axes.spines.right": False,
     "axes.linewidth": 0.8, "axes.labelsize": 12, "xtick.color": SOFT, "ytick.color": SOFT, "xtick.labelsize": 9.5,
     "ytick.labelsize": 9.5, "font.family": "sans-serif", "mathtext.fontset": "stix",

@@ -25,6 +25,7 @@ from hjsolve.mechanics.quantities_given import in_units
 from hjsolve.motion.initial_data import domain_ends, parameter_values, to_bits
 from hjsolve.motion.quantities import FLOAT_DIGITS, rounded
 from hjsolve.motion.tori.from_actions import names_of_actions
+from hjsolve.motion.tori.polish import Torus
 from hjsolve.motion.tori.search import Candidate
 from hjsolve.precision import one_at_a_time
 from hjsolve.semiclassical.frames import ContinuedFrame, FoundTorus, frame_of, interval, overlapping
@@ -375,7 +376,7 @@ class _Counting:
         near = self._ends_nearby(n, candidate)
         return self.search.level(self.frame, self._energy(torus), self.m, self.turns, separated, near)
 
-    def _energy(self, torus: Any) -> Estimate:
+    def _energy(self, torus: Torus) -> Estimate:
         """E, with what the digits of the actions leave open: Σ Ω J times their relative error."""
         digits = self.search.digits
         own = rounded(to_bits(self.frame.energy(torus))(bits_for(digits, 128)), digits)
