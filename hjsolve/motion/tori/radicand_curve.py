@@ -29,6 +29,8 @@ _REACH = np.concatenate([1e-13 * 1.3 ** np.arange(115), 2.0 ** np.arange(0, 100)
 """Distances, relative to the natural length, at which p² is looked at on both sides of a maximum."""
 _SMALL = 1e-10
 """Square of the relative amplitude below which a libration is taken for harmonic."""
+_DEEP = 0.5
+"""The part of the greatest p² so far below which a dip between samples may be a barrier: these lie 30 % apart."""
 _ROUNDS, _TRIED = 4, 256
 """Rounds of bracketing a turning point, and samples of each; the last bracket is interpolated."""
 
@@ -307,7 +309,8 @@ def _thin_barrier(
 
     Next to a separatrix the barrier between two wells is thin: samples lie on both sides of it.
     """
-    dips = np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:])) + 1
+    deep = values[1:-1] < _DEEP * np.fmax.accumulate(values)[1:-1]  # next to the top rounding makes dips of its own
+    dips = np.flatnonzero(deep & (values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:])) + 1
     first = int(np.argmin(values > 0)) if (values <= 0).any() else len(values)
     for dip in dips[dips < first]:
         before, after = float(away[dip - 1]), float(away[dip + 1])
