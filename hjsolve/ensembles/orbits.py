@@ -54,7 +54,8 @@ def ensemble(
 
     A bad orbit (NaN, outside the domain, forbidden, unbounded) gets a status and NaN, and does not stop the batch.
     Every double of the input counts as the number it is; every error bound says how far the result can be from what
-    that input gives. The result depends neither on the number of threads nor on what other orbits are in the ensemble.
+    that input gives. The result depends neither on the number of threads nor on what other orbits are in the ensemble
+    (the last bits of states from actions may).
 
     Args:
         system: a system, its solution, or a catalog id or path of a .toml entry.

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hjsolve.arithmetic.error_free import two_sum
+from hjsolve.arithmetic.error_free import Pair, two_sum
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.ensembles.engine.constants import InitialConstants
@@ -68,11 +68,21 @@ def squares(one: CoordinateOfOrbits, q: Reals) -> Reals:
         one: the coordinate of n orbits.
         q: places, shape (n,).
     """
-    formula = sides(one.coordinate)[0]
-    s, e = two_sum(q, -formula.origin.high)
-    x = np.stack([formula.sign * s, formula.sign * (e - formula.origin.low)])
+    x = offset_in_pairs(sides(one.coordinate)[0], q)
     with np.errstate(all="ignore"):
         return run_rows(one.programs.exact[0].squares, one.parameters, np.stack([*x, *one.constants, *one.low]))[0]
+
+
+def offset_in_pairs(formula: LoweredFormula, q: Reals, rest: Reals | float = 0.0) -> Pair:
+    """Return x of a position in two doubles.
+
+    Args:
+        formula: with its origin.
+        q: positions, shape (n,).
+        rest: what their rounding leaves.
+    """
+    s, e = two_sum(q, -formula.origin.high)
+    return Pair(formula.sign * s, formula.sign * (e - formula.origin.low + rest))
 
 
 def offset(formula: LoweredFormula, q: Reals) -> Reals:

@@ -14,11 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.double_double import DoubleDouble
-from hjsolve.arithmetic.error_free import Pair, two_sum
 from hjsolve.arithmetic.floats import EPS, UNIT
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place
+from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, offset_in_pairs, place
 from hjsolve.ensembles.engine.hidden_barriers import before_barriers
 from hjsolve.ensembles.engine.kernels import types
 from hjsolve.ensembles.engine.kernels.crowding import CLUSTERINGS
@@ -298,12 +297,23 @@ def _resolved(one: CoordinateOfOrbits, motions: Motions, placed: Motions, modes:
 def _integrated(one: CoordinateOfOrbits, motions: Motions, modes: Modes, programs: _Halves) -> Sums:
     tables, m = node_maps().tables, len(one.constants)
     sums = no_sums(m, len(motions.width))
-    below, above = (
-        types.side(p.fill, p.errors, p.relative, tables, one.parameters, half) for half, p in enumerate(programs)
-    )
+    below, above = sides_of(programs, tables, one.parameters)
     work = types.scratch(tables, m if modes.kernels else 0)
     integrals(below, above, motions, tables, modes, sums, work, np.zeros(m))
     return sums
+
+
+def sides_of(programs: _Halves, tables: types.Tables, parameters: tuple[float, ...]) -> tuple[types.Side, types.Side]:
+    """Return what kernels take of the programs of the lower and of the upper half.
+
+    Args:
+        tables: of nodes.
+        parameters: values of the parameters.
+    """
+    below, above = (
+        types.side(p.fill, p.errors, p.relative, tables, parameters, half) for half, p in enumerate(programs)
+    )
+    return below, above
 
 
 def _turning_points(one: CoordinateOfOrbits, lower: Reals, upper: Reals) -> tuple[Reals, Reals]:
@@ -331,9 +341,7 @@ def _exactly(one: CoordinateOfOrbits, modes: Modes) -> tuple[Sums, list[Reals], 
     bases, distances, bends = [], [], ends.bends.copy()
     for k, (formula, x) in enumerate(zip(sides(one.coordinate), (placed.lower, placed.upper), strict=True)):
         base, slope, step = in_two_doubles(one, k, x)
-        s, e = two_sum(one.q, -formula.origin.high)
-        e = e - formula.origin.low + (0.0 if one.rest is None else one.rest)
-        here = Pair(formula.sign * s, formula.sign * e)
+        here = offset_in_pairs(formula, one.q, 0.0 if one.rest is None else one.rest)
         with np.errstate(all="ignore"):
             # the distance of the next zero: F′/(½F″) next to a close one
             scale = np.fmin(placed.width, np.abs(slope / bends[k, 1]))

@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.double_double import DoubleDouble
-from hjsolve.arithmetic.error_free import Pair, two_sum
+from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.machine.over_rows import run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place, squares
+from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, offset_in_pairs, place, squares
 from hjsolve.ensembles.engine.kernels import types
 from hjsolve.ensembles.engine.kernels.crowding import CLUSTERINGS
 from hjsolve.ensembles.engine.kernels.followed_librations import (
@@ -25,10 +25,10 @@ from hjsolve.ensembles.engine.kernels.followed_librations import (
     rough_integrals,
 )
 from hjsolve.ensembles.engine.kernels.types import Motions
-from hjsolve.ensembles.engine.librating import APPROXIMATE_SIZES, home
+from hjsolve.ensembles.engine.librating import APPROXIMATE_SIZES, home, sides_of
 from hjsolve.ensembles.engine.libration_ends import LibrationEnds
 from hjsolve.ensembles.engine.node_maps import COUNTS, node_maps
-from hjsolve.ensembles.engine.programs import ExactPrograms, ViewPrograms, sides
+from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, changed, ends_of, width_of
 from hjsolve.ensembles.to_states.tori import Tori, coordinate_at, kernels
 
@@ -183,9 +183,7 @@ def _about(task: AngleTask, k: int, q: Reals, away: Reals) -> Reals:
     """Return places at a distance on either side of others, as ``ends``."""
     rows, D = [], DoubleDouble()
     for side, formula in enumerate(sides(task.model.separated[k])):
-        s, e = two_sum(q, -formula.origin.high)
-        middle = Pair(formula.sign * s, formula.sign * (e - formula.origin.low))
-        end = D.add(middle, Pair((2.0 * side - 1.0) * formula.sign * away, 0.0 * away))
+        end = D.add(offset_in_pairs(formula, q), Pair((2.0 * side - 1.0) * formula.sign * away, 0.0 * away))
         rows += [end.high, end.low]
     return np.stack(rows)
 
@@ -214,12 +212,8 @@ def _between(one: CoordinateOfOrbits, bases: Reals, W: Reals, *, exactly: bool) 
 def _integrate(
     one: CoordinateOfOrbits, motions: Motions, made: tuple[Reals, Reals, Reals, Mask], *, exactly: bool
 ) -> None:
-    tables, found = node_maps().tables, []
-    for half in (0, 1):
-        programs: ViewPrograms | ExactPrograms = one.programs.exact[half] if exactly else one.programs.views[half]
-        codes = programs.fill, programs.errors, programs.relative
-        found.append(types.side(*codes, tables, one.parameters, half))
-    below, above = found
+    tables, halves = node_maps().tables, one.programs.exact if exactly else one.programs.views
+    below, above = sides_of(halves, tables, one.parameters)
     (action, slopes, coefficients, good), work = made, types.scratch(tables, len(one.constants))
     rough_integrals(below, above, motions, tables, coefficients.shape[2] > 0, action, slopes, coefficients, good, work)
 

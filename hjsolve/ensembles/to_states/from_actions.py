@@ -47,6 +47,8 @@ _CHUNK, _LEAST_CHUNK = 16384, 8192
 """Orbits that one thread treats at a time: half of them, for two threads, but not fewer than the second number."""
 _MANY, _EVERY = 2048, 8
 """Orbits from which on some are solved first, and which of them: every eighth."""
+_LEFT_OVER = 20
+"""The last of so many orbits start again together with others."""
 _AGAIN = 3
 """How often orbits that are left over start again from the nearest that are solved."""
 _NEAR = 0.3
@@ -292,12 +294,13 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: Asked) -> Solved:
     everyone = np.arange(everything.shape[1])
     first = (everyone % _EVERY == 0) | (len(everyone) < _MANY)
     few, rest = everyone[first], everyone[~first]
-    solved = constants_of_tori(task, begun(seeds, few), goals.take(few), SOON)
+    solved = constants_of_tori(task, begun(seeds, few), goals.take(few), SOON, few=len(few) // _LEFT_OVER)
     if len(rest):  # the others begin at these, which lie where the batch does
         good = np.flatnonzero(solved.good)
         found = Seeds(solved.tori.take(good), solved.actions.take(good), everything[:, few[good]])
         seeds = seeds.joined(found)
-        solved = solved.joined(constants_of_tori(task, begun(seeds, rest), goals.take(rest), SOON))
+        left_over = len(rest) // _LEFT_OVER
+        solved = solved.joined(constants_of_tori(task, begun(seeds, rest), goals.take(rest), SOON, few=left_over))
         solved = solved.take(np.argsort(np.concatenate([few, rest])))
     for attempt in range(_AGAIN):
         lost, good = np.flatnonzero(~solved.good), np.flatnonzero(solved.good)

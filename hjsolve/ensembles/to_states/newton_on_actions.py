@@ -24,8 +24,6 @@ from hjsolve.ensembles.to_states.tori import APPROXIMATE, DOUBLES, EXACT, Action
 
 ROUNDS, SOON = 60, 9
 """Evaluations of J; and those of orbits that have another start to try."""
-_MANY, _LEFT_OVER = 1000, 20
-"""Of so many orbits the last twentieth is left to another start, together with others: each round has a price."""
 _SHORT_OF = 0.9
 """The fraction of a step that is tried where the whole one makes nothing better."""
 _LEAST_STEP = 2.0**-12
@@ -140,13 +138,16 @@ class Solved(NamedTuple):
             whole[..., index] = part
 
 
-def constants_of_tori(task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, rounds: int = ROUNDS) -> Solved:
+def constants_of_tori(
+    task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, rounds: int = ROUNDS, *, few: int = 0
+) -> Solved:
     """Find the constants of tori.
 
     Args:
         begin: n tori, and the first step from each, shape (unknown, n).
         goals: what is wanted.
-        rounds: how often J is evaluated.
+        rounds: how often J is evaluated, at most.
+        few: how many orbits may be left over: each round has a price, whatever their number.
     """
     size, n = goals.actions.shape
     zero = goals.actions == 0
@@ -156,7 +157,6 @@ def constants_of_tori(task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, 
     fraction, merit, left = np.ones(n), np.full(n, np.inf), np.full((size, n), np.inf)
     best, how = no_actions(size, len(task.model.constants), n), np.full(n, APPROXIMATE)
     active, done, curve = np.arange(n), np.zeros(n, dtype=bool), np.full(n, np.inf)
-    few = n // _LEFT_OVER if rounds == SOON and n >= _MANY else 0
     for _ in range(rounds):
         if len(active) <= few:
             break
