@@ -57,7 +57,18 @@ def test_a_tilted_double_well_has_two_tori_below_its_crest_and_q_chooses_one():
 
 
 def test_where_no_torus_is_a_hint_finds_none():
-    # the right well holds J up to 0.1776…, by its sample nearest to the crest; the left one up to 0.2483…
+    # J of the lobes of the separatrix, by quadratures through the crest: the right well holds less than 0.2
+    with mp.workdps(30):
+        crest = mp.findroot(lambda x: x**3 - x + mp.mpf(1) / 20, mp.mpf("0.05"))
+
+        def p(x):
+            potential = [y**4 / 4 - y**2 / 2 + y / 20 for y in (x, crest)]
+            return mp.sqrt(2 * max(potential[1] - potential[0], mp.zero))
+
+        ends = [mp.findroot(lambda x: x**4 / 4 - x**2 / 2 + x / 20 - crest**4 / 4 + crest**2 / 2 - crest / 20, x0)
+                for x0 in (mp.mpf("-1.45"), mp.mpf("1.35"))]  # fmt: skip
+        left, right = (abs(mp.quad(p, mp.linspace(crest, end, 9))) / mp.pi for end in ends)
+    assert right < 0.2 < left
     system = hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**4/4 - x**2/2 + x/20")
     batch = hjsolve.ensemble(system, actions={"x": [0.2, 0.2, 0.2]}, q={"x": [-1, 1, np.nan]})
     assert batch.status.tolist() == ["ok", "forbidden", "ok"]
@@ -112,4 +123,4 @@ def test_galaxies_have_one_well():
     actions = {name: dice.uniform(0.05, 0.6, 200) for name in names}
     batch = hjsolve.ensemble(solution, actions=actions, angles={}, want={"state"}, fallback=False)
     assert not (batch.status == "ambiguous").any()
-    assert (batch.status == "ok").mean() > 0.9
+    assert (batch.status == "ok").all()
