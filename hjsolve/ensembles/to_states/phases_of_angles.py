@@ -24,7 +24,7 @@ from hjsolve.ensembles.to_states.short_arcs import (
 )
 from hjsolve.ensembles.to_states.tori import APPROXIMATE, DOUBLES, EXACT, Tori
 
-_ROUNDS, _LEAST_STEP = (10, 30, 8), 2.0**-30
+_ROUNDS, _LEAST_STEP = (24, 60, 16), 2.0**-30
 """Evaluations of θ by integrals of each kind, and the fraction of a step below which an orbit is given up."""
 _LONGEST = 1.0
 """Radians that a phase moves in one step, at most."""
