@@ -15,6 +15,7 @@ from hjsolve.ensembles.to_states.followed_tori import FollowedLibrations, phases
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, blurred, placed
 from hjsolve.ensembles.to_states.short_arcs import (
     Integrals,
+    Passages,
     ShortArcs,
     angles_by_arcs,
     inverses,
@@ -86,8 +87,9 @@ def _close_to_ends(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: R
     own, among, goal = tori.take(some), frames.take(some), θ[:, some]
     begin = np.where(np.abs(goal) < _TINY, np.copysign(_BEGIN, goal), φ[:, some])
     engine = angles_at(task, own, among, placed(task, own, among, begin), DOUBLES)
-    arcs = ShortArcs.of(engine.integrals, engine.inverse, begin, np.abs(goal) < SMALL)
-    moved, known = phases_by_arcs(task, own, among, arcs, (goal, begin), exact=False)
+    passages = Passages.of(task, own, among, exact=False)
+    arcs = ShortArcs.of(engine.integrals, engine.inverse, passages, begin, np.abs(goal) < SMALL)
+    moved, known = phases_by_arcs(task, arcs, (goal, begin), exact=False)
     φ[:, some[known]] = moved[:, known]
     found[some[~known]] = False
     return found
@@ -124,10 +126,11 @@ def _by_arcs(task: AngleTask, tori: Tori, frames: Frames, here: Here, which: tup
         return here
     own, among = tori.take(some), frames.take(some)
     known = Integrals._make(x[..., some] for x in found.integrals)
-    arcs = ShortArcs.of(known, found.inverse[some], seen[:, some], np.abs(θ[:, some]) < SMALL)
+    passages = Passages.of(task, own, among, exact=True)
+    arcs = ShortArcs.of(known, found.inverse[some], passages, seen[:, some], np.abs(θ[:, some]) < SMALL)
     # the engine's steps follow its rounding: where it began is nearer
-    moved, _ = phases_by_arcs(task, own, among, arcs, (θ[:, some], begin[:, some]), exact=True)
-    better = angles_by_arcs(task, own, among, arcs, moved, exact=True, proved=True)
+    moved, _ = phases_by_arcs(task, arcs, (θ[:, some], begin[:, some]), exact=True)
+    better = angles_by_arcs(task, arcs, moved, exact=True, proved=True)
     φ[:, some] = moved
     for whole, part in zip(at, placed(task, own, among, moved, bounds=True), strict=True):
         whole[..., some] = part

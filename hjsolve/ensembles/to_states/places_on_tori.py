@@ -30,7 +30,7 @@ _PAIR_STEPS = 4
 """Steps of Newton's method for turning points in two doubles."""
 _KNOWN, _SURE = 1e-7, 1e-12
 """Last step of a turning point, over the width, with which it is known on the way to a torus, and on it."""
-_TURNING, _NEXT = 1e-60, 1e-17
+_TURNING, NEXT = 1e-60, 1e-17
 """Sine or cosine of φ/2 that stands for 0, and the distance from a turning point, over W and over F′/½F″, below which F
 is linear."""
 
@@ -277,7 +277,7 @@ def _between(task: AngleTask, tori: Tori, frames: Frames, k: int, φ: Reals, *, 
         zero, x = 0.0 * d, bases[2 * side, index] + away * d
         with np.errstate(all="ignore"):
             bend = run_rows(one.programs.views[side].bend, one.parameters, np.stack([x, *one.constants[:, index]]))
-            seen = np.fmax(d, _NEXT * np.fmin(W[index], 2 * np.abs(bend[1] / bend[2])))
+            seen = np.fmax(d, NEXT * np.fmin(W[index], 2 * np.abs(bend[1] / bend[2])))
         if exact:
             code, known = one.programs.exact[side].fill, np.stack([*one.constants, *one.low, *bases])[:, index]
             given = np.stack([away * seen, zero, zero + 1.0, zero, *known])

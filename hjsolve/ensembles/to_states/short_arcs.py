@@ -11,8 +11,8 @@ is small, and the phase at which the engine gave G elsewhere. The difference of 
 a = 0 the integrand changes on the distance a′ = F′/½F″ of another zero or a pole of F from the turning point, which
 both rules would miss if they were in φ: they are in t, φ = φₐ sinh t, W sin²(φₐ/2) = a′.
 
-Of the tori of n orbits none has a coordinate that rotates or rests; ``frames`` are between what they move, ``arcs``
-where integrals begin, and ``exact`` is whether p² is from 32 digits.
+Of the tori of n orbits none has a coordinate that rotates or rests; ``arcs`` are where integrals begin, and ``exact`` is
+whether p² is from 32 digits.
 """
 
 from __future__ import annotations
@@ -22,13 +22,17 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.machine.over_rows import run_rows
+from hjsolve.arithmetic.machine.over_rows import WIDTH, run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, placed
+from hjsolve.ensembles.engine.kernels.arc_integrals import Arcs, arc_integrals, lanes
+from hjsolve.ensembles.engine.programs import sides
+from hjsolve.ensembles.to_states.places_on_tori import NEXT, AngleTask, Frames
 from hjsolve.ensembles.to_states.tori import Tori, coordinate_at
 
-_NODES, _MORE, _FEW = 20, 32, 12
-"""Nodes on an arc, of the second rule, and of searches in doubles."""
+_NODES, _MORE, _FEW = (np.polynomial.legendre.leggauss(n) for n in (20, 32, 12))
+"""Nodes on an arc and their weights, those of the second rule, and of searches in doubles."""
+_MIDDLE = np.zeros(1), np.ones(1)
+"""The middle of an arc alone, half as long as the arc."""
 _LONG = 1.5
 """Half of a piece in t, whose nodes suffice for singularities at a distance of π/2."""
 _ROUNDING = 16 * EPS
@@ -57,37 +61,105 @@ class Integrals(NamedTuple):
     running_errors: Reals
 
 
+class Passages(NamedTuple):
+    """How n orbits pass their turning points; arrays (separated, n).
+
+    Attributes:
+        scales: φₐ, on which integrands change next to lower turning points, at most 1.
+        widths: W.
+        ends, linear: offsets of both turning points, 0 where programs know them, and how far from them p² is linear,
+            shape (separated, 2, n).
+        known: what programs know, shape (separated, n, known).
+    """
+
+    scales: Reals
+    widths: Reals
+    ends: Reals
+    linear: Reals
+    known: Reals
+
+    @classmethod
+    def of(cls, task: AngleTask, tori: Tori, frames: Frames, *, exact: bool) -> Passages:
+        """Look at the turning points of tori."""
+        scales, ends, linear, known = [], [], [], []
+        for k, (W, bases) in enumerate(zip(frames.widths, frames.bases, strict=True)):
+            one, near = coordinate_at(*task, tori, k), []
+            with np.errstate(all="ignore"):
+                for side in (0, 1):
+                    given = np.stack([bases[2 * side], *one.constants])
+                    _, first, second = run_rows(one.programs.views[side].bend, one.parameters, given)
+                    near.append(np.abs(2 * first / second))  # of another zero, or a pole
+                scales.append(2 * np.sqrt(np.fmin(near[0] / W, 0.25)))
+                linear.append([NEXT * np.fmin(W, distance) for distance in near])
+            ends.append(0.0 * bases[::2] if exact else bases[::2])
+            known.append(np.stack([*one.constants, *one.low, *bases] if exact else [*one.constants], axis=1))
+        return cls(np.stack(scales), frames.widths, np.stack(ends), np.array(linear), np.stack(known))
+
+    def take(self, index: Integers | Mask) -> Passages:
+        """Return those of some orbits."""
+        scales, widths, ends, linear = (np.ascontiguousarray(x[..., index]) for x in self[:4])
+        return Passages(scales, widths, ends, linear, np.ascontiguousarray(self.known[:, index]))
+
+    def integrals(
+        self, task: AngleTask, span: tuple[Reals, Reals], rule: tuple[Reals, Reals], *, exact: bool
+    ) -> tuple[Reals, Reals]:
+        """Return ∫ kᵢⱼ/pᵢ dqᵢ over arcs, and that of the sizes; shape (separated, constants, n).
+
+        Args:
+            span: the middle and half the length of each arc in t, shape (separated, n).
+            rule: nodes and weights.
+            exact: whether p² is from 32 digits.
+        """
+        sums, sizes = np.zeros((2, len(self.scales), len(task.model.constants), self.scales.shape[1]))
+        for k, programs in enumerate(task.programs.coordinates):
+            middle, half = (np.ascontiguousarray(x[k]) for x in span)
+            with np.errstate(invalid="ignore"):
+                pieces = np.ceil(np.where(np.abs(half) > _LONG, np.abs(half) / _LONG, 1.0)).astype(np.int64)
+            formulas = sides(task.model.separated[k])
+            away = np.array([formulas[0].sign, -formulas[1].sign], dtype=float)
+            codes = [view.fill for view in (programs.exact if exact else programs.views)]
+            below, above = (code.program(WIDTH, task.programs.parameters, side) for side, code in enumerate(codes))
+            widths, scales, ends, linear, known = (x[k] for x in (self.widths, self.scales, *self[2:]))
+            arcs = Arcs(middle, half, pieces, scales, widths, ends, away, linear, known)
+            arc_integrals(below, above, arcs, *rule, sums[k], sizes[k], lanes(WIDTH))
+        return sums, sizes
+
+
 class ShortArcs(NamedTuple):
     """Where running integrals begin.
 
     Attributes:
-        phases: φ₀, shape (separated, n).
-        known: of the engine; G at φ₀.
+        begin: t₀, shape (separated, n).
+        known: of the engine; G at t₀.
         inverse: (∂J/∂c)⁻¹, shape (n, separated, separated).
+        passages: between what coordinates move.
     """
 
-    phases: Reals
+    begin: Reals
     known: Integrals
     inverse: Reals
+    passages: Passages
 
     @classmethod
-    def of(cls, known: Integrals, inverse: Reals, φ: Reals, ends: Mask) -> ShortArcs:
+    def of(cls, known: Integrals, inverse: Reals, passages: Passages, φ: Reals, ends: Mask) -> ShortArcs:
         """Begin at turning points or where the engine gave G.
 
         Args:
             known: of the engine.
             inverse: (∂J/∂c)⁻¹.
+            passages: between what coordinates move.
             φ: the phases of the engine.
             ends: which coordinates begin at their lower turning point, shape (separated, n).
         """
         begin = np.where(ends[:, None], 0.0, known.running)
         errors = np.where(ends[:, None], 0.0, known.running_errors)
-        return cls(np.where(ends, 0.0, φ), known._replace(running=begin, running_errors=errors), inverse)
+        t = np.where(ends, 0.0, np.arcsinh(φ / passages.scales))
+        return cls(t, known._replace(running=begin, running_errors=errors), inverse, passages)
 
     def take(self, index: Integers | Mask) -> ShortArcs:
         """Return some of them."""
         known = Integrals._make(x[..., index] for x in self.known)
-        return ShortArcs(self.phases[:, index], known, self.inverse[index])
+        return ShortArcs(self.begin[:, index], known, self.inverse[index], self.passages.take(index))
 
 
 class AnglesByArcs(NamedTuple):
@@ -100,21 +172,21 @@ class AnglesByArcs(NamedTuple):
 
 
 def angles_by_arcs(
-    task: AngleTask, tori: Tori, frames: Frames, arcs: ShortArcs, φ: Reals, *, exact: bool, proved: bool = False
-) -> AnglesByArcs:
+    task: AngleTask, arcs: ShortArcs, φ: Reals, *, exact: bool, proved: bool = False
+) -> AnglesByArcs:  # fmt: skip
     """Return angles at phases.
 
     Args:
         φ: phases, shape (separated, n).
         proved: whether a second rule tells the error of the first; else bounds hold rounding only.
     """
-    more, sizes = _integrated(
-        (task, tori, frames), arcs.phases, φ, _MORE if proved else _NODES if exact else _FEW, exact=exact
-    )
+    t = np.arcsinh(φ / arcs.passages.scales)
+    span = 0.5 * (t + arcs.begin), 0.5 * (t - arcs.begin)
+    more, sizes = arcs.passages.integrals(task, span, _MORE if proved else _NODES if exact else _FEW, exact=exact)
     known, size = arcs.known, len(φ)
     errors = known.running_errors + _ROUNDING * (sizes + np.abs(known.running))
     if proved:
-        fewer, _ = _integrated((task, tori, frames), arcs.phases, φ, _NODES, exact=exact)
+        fewer, _ = arcs.passages.integrals(task, span, _NODES, exact=exact)
         errors = errors + np.abs(more - fewer)
     running, errors = (known.running + more).sum(axis=0), errors.sum(axis=0)
     θ = times(arcs.inverse, running[:size])
@@ -127,58 +199,16 @@ def angles_by_arcs(
     return AnglesByArcs(θ, θ_errors, ignorable, own)
 
 
-def _integrated(
-    system: tuple[AngleTask, Tori, Frames], begin: Reals, end: Reals, nodes: int, *, exact: bool
-) -> tuple[Reals, Reals]:
-    """∫ kᵢⱼ/pᵢ dqᵢ from phases to phases, and that of the sizes; shape (separated, constants, n)."""
-    task, tori, frames = system
-    scale = _scales(task, tori, frames)
-    span = np.stack([np.arcsinh(φ / scale) for φ in (begin, end)])
-    with np.errstate(invalid="ignore"):
-        longest = 0.5 * np.abs(span[1] - span[0]).max(axis=0)
-        pieces = 2 ** np.ceil(np.log2(np.where(longest > _LONG, longest / _LONG, 1.0))).astype(int)
-    found = np.empty((2, len(begin), len(tori.values), begin.shape[1]))
-    for count in np.unique(pieces):
-        some = np.flatnonzero(pieces == count)
-        own = (task, tori.take(some), frames.take(some)) if len(some) < len(pieces) else system
-        x, weights = np.polynomial.legendre.leggauss(nodes)
-        x = ((x + 2 * np.arange(count)[:, None] + 1) / count - 1).ravel()
-        rule = x, np.tile(weights / count, count)
-        found[..., some] = _by_one_rule(own, scale[:, some], span[..., some], rule, exact=exact)
-    return found[0], found[1]
-
-
-def _by_one_rule(
-    system: tuple[AngleTask, Tori, Frames], scale: Reals, span: Reals, rule: tuple[Reals, Reals], *, exact: bool
-) -> Reals:
-    """Integrals, and those of the sizes, between the t of ``span``; shape (2, separated, constants, n)."""
-    (task, tori, frames), (x, weights), (size, n) = system, rule, scale.shape
-    half = 0.5 * (span[1] - span[0])
-    t = 0.5 * (span[1] + span[0]) + half * x[:, None, None]
-    φ, stretch = (part.transpose(1, 0, 2) for part in (scale * np.sinh(t), scale * np.cosh(t)))
-    each = np.tile(np.arange(n), len(x))
-    at = placed(task, tori.take(each), frames.take(each), np.ascontiguousarray(φ).reshape(size, -1), exact=exact)
-    with np.errstate(all="ignore"):
-        rates = at.rates.reshape(size, -1, len(x), n) * stretch[:, None]
-        sums = np.stack([np.einsum("k,ijkn->ijn", weights, r) for r in (rates, np.abs(rates))])
-        return np.stack([half, np.abs(half)])[:, :, None] * sums
-
-
-def _scales(task: AngleTask, tori: Tori, frames: Frames) -> Reals:
-    """Return the phases φₐ on which integrands change next to lower turning points, at most 1."""
-    rows = []
-    for k, bases in enumerate(frames.bases):
-        one = coordinate_at(*task, tori, k)
-        with np.errstate(all="ignore"):
-            given = np.stack([bases[0], *one.constants])
-            _, first, second = run_rows(one.programs.views[0].bend, one.parameters, given)
-            rows.append(2 * np.sqrt(np.fmin(np.abs(2 * first / second) / frames.widths[k], 0.25)))
-    return np.stack(rows)
+def _rates(task: AngleTask, passages: Passages, φ: Reals, *, exact: bool) -> Reals:
+    """Return kᵢⱼ/pᵢ dqᵢ/dφ at phases, shape (separated, constants, n)."""
+    t = np.arcsinh(φ / passages.scales)
+    along, _ = passages.integrals(task, (t, np.ones_like(t)), _MIDDLE, exact=exact)
+    return along / np.sqrt(passages.scales**2 + φ**2)[:, None]
 
 
 def phases_by_arcs(
-    task: AngleTask, tori: Tori, frames: Frames, arcs: ShortArcs, given: tuple[Reals, Reals], *, exact: bool
-) -> tuple[Reals, Mask]:
+    task: AngleTask, arcs: ShortArcs, given: tuple[Reals, Reals], *, exact: bool
+) -> tuple[Reals, Mask]:  # fmt: skip
     """Find the phases with given angles from other phases, by Newton's method with steps that have to shrink.
 
     Args:
@@ -194,8 +224,8 @@ def phases_by_arcs(
     for round_ in range(_ROUNDS):
         if not len(active):
             break
-        own, among, mine = tori.take(active), frames.take(active), arcs.take(active)
-        found = angles_by_arcs(task, own, among, mine, trial[:, active], exact=exact)
+        mine = arcs.take(active)
+        found = angles_by_arcs(task, mine, trial[:, active], exact=exact)
         residual = wrapped(θ[:, active] - found.separated)
         with np.errstate(all="ignore"):
             # steps are compared by one matrix: angles of one orbit may differ in size by 1e15
@@ -203,7 +233,7 @@ def phases_by_arcs(
             better = np.asarray(seen < (1 - 0.25 * fraction[active]) * left[active]) if round_ else _finite(residual)
         here = active[better]
         base[:, here] = trial[:, here]
-        rates = placed(task, own.take(better), among.take(better), trial[:, here], exact=exact).rates[:, :size]
+        rates = _rates(task, mine.passages.take(better), trial[:, here], exact=exact)[:, :size]
         matrices[here] = inverses(arcs.inverse[here] @ rates.transpose(2, 1, 0))
         newton = times(matrices[here], residual[:, better])
         with np.errstate(all="ignore"):

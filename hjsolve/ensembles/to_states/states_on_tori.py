@@ -19,7 +19,7 @@ from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at,
 from hjsolve.ensembles.to_states.followed_tori import FollowedLibrations, angles_along, followed, followed_at
 from hjsolve.ensembles.to_states.phases_of_angles import SETTLED, SMALL, phases_of
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, blurred, placed, refined, width_of
-from hjsolve.ensembles.to_states.short_arcs import ShortArcs, angles_by_arcs, inverses, times, wrapped
+from hjsolve.ensembles.to_states.short_arcs import Passages, ShortArcs, angles_by_arcs, inverses, times, wrapped
 from hjsolve.ensembles.to_states.tori import DOUBLES, Tori
 
 _ROUNDING_ERROR = 5.0
@@ -171,8 +171,9 @@ def _by_short_arcs(task: AngleTask, tori: Tori, frames: Frames, found: AnglesFou
     φ, ends = which
     some = np.flatnonzero(ends.any(axis=0) & found.good)
     if len(some):
-        arcs = ShortArcs.of(found.take(some).integrals, found.inverse[some], φ[:, some], ends[:, some])
-        own = angles_by_arcs(task, tori.take(some), frames.take(some), arcs, φ[:, some], exact=True)
+        passages = Passages.of(task, tori.take(some), frames.take(some), exact=True)
+        arcs = ShortArcs.of(found.take(some).integrals, found.inverse[some], passages, φ[:, some], ends[:, some])
+        own = angles_by_arcs(task, arcs, φ[:, some], exact=True)
         found.separated[:, some], found.ignorable[:, some] = own.separated, own.ignorable
 
 
