@@ -14,6 +14,7 @@ from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at,
 from hjsolve.ensembles.to_states.followed_tori import FollowedLibrations, phases_along, series_of
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, blurred, placed
 from hjsolve.ensembles.to_states.short_arcs import (
+    PROVED,
     Integrals,
     Passages,
     ShortArcs,
@@ -62,36 +63,39 @@ def phases_of(
         Phases, angles and states there, and which angles the engine leaves open, so that short arcs gave them.
     """
     (θ, φ), curve = given, np.full(given[0].shape[1], np.inf)
-    close = _close_to_ends(task, tori, frames, θ, φ)
-    some = np.flatnonzero(~close & rough.good)
+    tiny = rough.good & (np.abs(θ) < _TINY).any(axis=0)
+    found = _from_turning_points(task, tori, frames, rough, (θ, φ, np.flatnonzero(tiny)))
+    some = np.flatnonzero(rough.good & ~found)
     if len(some):
         moved = np.ascontiguousarray(φ[:, some])
         curve[some], found_ = phases_along(series_of(rough, some), θ[:, some], moved)
         φ[:, some] = np.where(found_, moved, φ[:, some])
-        close[some[found_]] = True
-    rest = np.flatnonzero(~close)
+        found[some[found_]] = True
+    left = np.flatnonzero(rough.good & ~found & ~tiny)
+    found |= _from_turning_points(task, tori, frames, rough, (θ, φ, left))
+    rest = np.flatnonzero(~found)
     if len(rest):
         φ[:, rest], curve[rest] = _nearly(task, tori.take(rest), frames.take(rest), θ[:, rest], φ[:, rest])
     begin = φ
-    φ, found, at, curve, seen = _phases(task, tori, frames, (θ, φ, curve), EXACT)
-    unresolved = _unresolved(frames, (φ, found, at), θ)
-    return _by_arcs(task, tori, frames, (φ, found, at), (θ, begin, seen, unresolved)), unresolved
+    φ, angles, at, curve, seen = _phases(task, tori, frames, (θ, φ, curve), EXACT)
+    unresolved = _unresolved(frames, (φ, angles, at), np.abs(wrapped(θ - angles.separated)) + angles.errors, θ)
+    return _by_arcs(task, tori, frames, (φ, angles, at), (θ, begin, seen, unresolved)), unresolved
 
 
-def _close_to_ends(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -> Mask:
-    """Write the phases of small angles, by arcs alone; return which were found."""
-    found: Mask = frames.good & ~(frames.rotating | frames.resting).any(axis=0) & (np.abs(θ) < _TINY).any(axis=0)
-    some = np.flatnonzero(found)
+def _from_turning_points(
+    task: AngleTask, tori: Tori, frames: Frames, rough: FollowedLibrations, given: tuple[Reals, Reals, Integers]
+) -> Mask:
+    """Write the phases of some orbits by arcs from their turning points; return which were found."""
+    (θ, φ, some), found = given, np.zeros(given[0].shape[1], dtype=bool)
     if not len(some):
         return found
-    own, among, goal = tori.take(some), frames.take(some), θ[:, some]
+    goal = θ[:, some]
     begin = np.where(np.abs(goal) < _TINY, np.copysign(_BEGIN, goal), φ[:, some])
-    engine = angles_at(task, own, among, placed(task, own, among, begin), DOUBLES)
-    passages = Passages.of(task, own, among, exact=False)
-    arcs = ShortArcs.of(engine.integrals, engine.inverse, passages, begin, np.abs(goal) < SMALL)
+    passages = Passages.of(task, tori.take(some), frames.take(some), exact=False)
+    arcs = ShortArcs.whole(rough.series.means[..., some], passages)
     moved, known = phases_by_arcs(task, arcs, (goal, begin), exact=False)
     φ[:, some[known]] = moved[:, known]
-    found[some[~known]] = False
+    found[some[known]] = True
     return found
 
 
@@ -107,11 +111,10 @@ def _nearly(task: AngleTask, tori: Tori, frames: Frames, θ: Reals, φ: Reals) -
     return φ, curve
 
 
-def _unresolved(frames: Frames, here: Here, θ: Reals) -> Mask:
-    """Tell which phases the engine's angles leave open, of orbits that librate in all coordinates."""
+def _unresolved(frames: Frames, here: Here, loose: Reals, θ: Reals) -> Mask:
+    """Tell which phases the engine's angles leave open, if θ does, of orbits that librate in all coordinates."""
     _, found, at = here
     with np.errstate(all="ignore"):
-        loose = np.abs(wrapped(θ - found.separated)) + found.errors
         known = np.asarray(times(np.abs(inverses(matrix_of(found, at))), loose).max(axis=0) <= _KNOWN)
     moving = ~(frames.rotating | frames.resting).any(axis=0) & found.good
     unresolved: Mask = np.asarray(moving & ~known & (np.abs(θ) < SMALL).any(axis=0), dtype=bool)
@@ -130,7 +133,7 @@ def _by_arcs(task: AngleTask, tori: Tori, frames: Frames, here: Here, which: tup
     arcs = ShortArcs.of(known, found.inverse[some], passages, seen[:, some], np.abs(θ[:, some]) < SMALL)
     # the engine's steps follow its rounding: where it began is nearer
     moved, _ = phases_by_arcs(task, arcs, (θ[:, some], begin[:, some]), exact=True)
-    better = angles_by_arcs(task, arcs, moved, exact=True, proved=True)
+    better = angles_by_arcs(task, arcs, moved, PROVED, exact=True)
     φ[:, some] = moved
     for whole, part in zip(at, placed(task, own, among, moved, bounds=True), strict=True):
         whole[..., some] = part
@@ -177,6 +180,9 @@ def _phases(
             curve[active] = np.where(full, np.fmax(size_ / merit[active] ** 2, 1.0), curve[active])
             after = _FORESEEN * curve[active] * size_**2
         last = better & ~finished & (after <= close) & (how == EXACT)
+        # what the engine's rounding leaves open is left to arcs at once
+        open_ = better & (how == EXACT) & _unresolved(among, (trial[:, active], found, at), found.errors, θ[:, active])
+        last &= ~open_
         here = active[better]
         base[:, here], seen[:, here], merit[here] = trial[:, here], trial[:, here], size_[better]
         for whole, part in zip(kept, at, strict=True):
@@ -193,7 +199,7 @@ def _phases(
             base[:, some] += step[:, some]
             known = some, base[:, some], step[:, some]
             _stepped(task, tori.take(some), frames.take(some), (best, kept), known)
-        active = active[~finished & ~settled & ~last & (fraction[active] >= _LEAST_STEP)]
+        active = active[~finished & ~settled & ~last & ~open_ & (fraction[active] >= _LEAST_STEP)]
         trial[:, active] = base[:, active] + fraction[active] * step[:, active]
     return base, best, kept, curve, seen
 

@@ -11,12 +11,13 @@ is small, and the phase at which the engine gave G elsewhere. The difference of 
 a = 0 the integrand changes on the distance a′ = F′/½F″ of another zero or a pole of F from the turning point, which
 both rules would miss if they were in φ: they are in t, φ = φₐ sinh t, W sin²(φₐ/2) = a′.
 
-Of the tori of n orbits none has a coordinate that rotates or rests; ``arcs`` are where integrals begin, and ``exact`` is
+No coordinate of the tori of n orbits rotates or rests; ``arcs`` are where integrals begin, and ``exact`` is
 whether p² is from 32 digits.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -29,8 +30,10 @@ from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.places_on_tori import NEXT, AngleTask, Frames
 from hjsolve.ensembles.to_states.tori import Tori, coordinate_at
 
-_NODES, _MORE, _FEW = (np.polynomial.legendre.leggauss(n) for n in (20, 32, 12))
-"""Nodes on an arc and their weights, those of the second rule, and of searches in doubles."""
+_FEW, _NODES, _MORE = (np.polynomial.legendre.leggauss(n) for n in (12, 20, 32))
+"""Nodes on an arc and their weights."""
+SEARCHED, FINE, PROVED = (_FEW,), (_NODES,), (_MORE, _NODES)
+"""Rules of searches, of angles, and of angles with an error: its difference from a second one."""
 _MIDDLE = np.zeros(1), np.ones(1)
 """The middle of an arc alone, half as long as the arc."""
 _LONG = 1.5
@@ -141,6 +144,18 @@ class ShortArcs(NamedTuple):
     passages: Passages
 
     @classmethod
+    def whole(cls, means: Reals, passages: Passages) -> ShortArcs:
+        """Begin at the turning points of all coordinates, with nothing but ∂J/∂c; for searches.
+
+        Args:
+            means: ∂J/∂c, shape (separated, constants, n).
+            passages: between what coordinates move.
+        """
+        size, none = len(means), np.zeros_like(means)
+        inverse = inverses(means[:, :size].transpose(2, 1, 0))
+        return cls(np.zeros_like(passages.scales), Integrals(means, none, none, none), inverse, passages)
+
+    @classmethod
     def of(cls, known: Integrals, inverse: Reals, passages: Passages, φ: Reals, ends: Mask) -> ShortArcs:
         """Begin at turning points or where the engine gave G.
 
@@ -172,21 +187,21 @@ class AnglesByArcs(NamedTuple):
 
 
 def angles_by_arcs(
-    task: AngleTask, arcs: ShortArcs, φ: Reals, *, exact: bool, proved: bool = False
+    task: AngleTask, arcs: ShortArcs, φ: Reals, rules: Sequence[tuple[Reals, Reals]], *, exact: bool
 ) -> AnglesByArcs:  # fmt: skip
     """Return angles at phases.
 
     Args:
         φ: phases, shape (separated, n).
-        proved: whether a second rule tells the error of the first; else bounds hold rounding only.
+        rules: nodes and weights; a second rule tells the error of the first, else bounds hold rounding only.
     """
     t = np.arcsinh(φ / arcs.passages.scales)
     span = 0.5 * (t + arcs.begin), 0.5 * (t - arcs.begin)
-    more, sizes = arcs.passages.integrals(task, span, _MORE if proved else _NODES if exact else _FEW, exact=exact)
+    more, sizes = arcs.passages.integrals(task, span, rules[0], exact=exact)
     known, size = arcs.known, len(φ)
     errors = known.running_errors + _ROUNDING * (sizes + np.abs(known.running))
-    if proved:
-        fewer, _ = arcs.passages.integrals(task, span, _NODES, exact=exact)
+    for rule in rules[1:]:
+        fewer, _ = arcs.passages.integrals(task, span, rule, exact=exact)
         errors = errors + np.abs(more - fewer)
     running, errors = (known.running + more).sum(axis=0), errors.sum(axis=0)
     θ = times(arcs.inverse, running[:size])
@@ -220,12 +235,12 @@ def phases_by_arcs(
     θ, base = given[0], given[1].copy()
     size, n = θ.shape
     trial, step, matrices = base.copy(), np.zeros((size, n)), np.full((n, size, size), np.nan)
-    fraction, left, active = np.ones(n), np.full(n, np.inf), np.arange(n)
+    fraction, left, active, known = np.ones(n), np.full(n, np.inf), np.arange(n), np.zeros(n, dtype=bool)
     for round_ in range(_ROUNDS):
         if not len(active):
             break
         mine = arcs.take(active)
-        found = angles_by_arcs(task, mine, trial[:, active], exact=exact)
+        found = angles_by_arcs(task, mine, trial[:, active], FINE if exact else SEARCHED, exact=exact)
         residual = wrapped(θ[:, active] - found.separated)
         with np.errstate(all="ignore"):
             # steps are compared by one matrix: angles of one orbit may differ in size by 1e15
@@ -243,11 +258,12 @@ def phases_by_arcs(
         # what the last step leaves is its square
         last = better & (np.abs(step[:, active]) <= _SETTLED * np.abs(base[:, active])).all(axis=0)
         base[:, active[last]] += step[:, active[last]]
+        known[active[last]] = True
         active = active[
             ~last & (better | (left[active] > _SETTLED)) & (fraction[active] >= _LEAST_STEP) & np.isfinite(left[active])
         ]
         trial[:, active] = base[:, active] + fraction[active] * step[:, active]
-    return base, left <= _SETTLED
+    return base, known | (left <= _SETTLED)
 
 
 def _finite(rows: Reals) -> Mask:

@@ -19,7 +19,7 @@ from hjsolve.ensembles.to_states.angles_of_states import AnglesFound, angles_at,
 from hjsolve.ensembles.to_states.followed_tori import FollowedLibrations, angles_along, followed, followed_at
 from hjsolve.ensembles.to_states.phases_of_angles import SETTLED, SMALL, phases_of
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, Frames, Placed, blurred, placed, refined, width_of
-from hjsolve.ensembles.to_states.short_arcs import Passages, ShortArcs, angles_by_arcs, inverses, times, wrapped
+from hjsolve.ensembles.to_states.short_arcs import FINE, Passages, ShortArcs, angles_by_arcs, inverses, times, wrapped
 from hjsolve.ensembles.to_states.tori import DOUBLES, Tori
 
 _ROUNDING_ERROR = 5.0
@@ -28,6 +28,8 @@ _SHIFT = 2.0**-17
 """Relative change of an action for the difference quotient."""
 _ALIKE = 1e-8
 """Difference of angles by rough and by other integrals, radians, up to which the rough ones do for quotients."""
+_ALIKE_AS_PART = 1e-5
+"""The same of short angles, over the angle."""
 _QUOTIENT_STEPS = 2
 """Steps of Newton's method for turning points that moved by as much."""
 _LEAST_ANGLE = 2.0**-53
@@ -107,10 +109,12 @@ def _quotients(
     """
     (φ, at, found, back), (size, n), (J, spread, short, rough) = here, tori.q.shape, known
     moved = [np.zeros((size, n)), np.zeros((size, n)), np.zeros((len(task.model.angles), n))]
-    plain = angles_along(task, rough.series, φ)
+    plain = _rough_angles(task, tori, frames, rough, (φ, short))
     with np.errstate(all="ignore"):
-        alike = (np.abs(wrapped(plain[0] - found.separated)) <= _ALIKE).all(axis=0)
-        approximate = rough.good & alike & ~short.any(axis=0)
+        apart = np.abs(wrapped(plain[0] - found.separated))
+        approximate = rough.good & (apart <= np.where(short, _ALIKE_AS_PART * np.abs(found.separated), _ALIKE)).all(
+            axis=0
+        )
     for k in range(size):
         left = (spread[k] > 0) & found.good & ~frames.resting[k]
         for roughly in (True, False):
@@ -122,7 +126,7 @@ def _quotients(
             step = times(found.inverse[loose].transpose(0, 2, 1), change)  # ∂c/∂J
             own, among = tori.take(loose).moved(np.arange(size), step), frames.take(loose)
             if roughly:
-                angles, among, fine = _roughly(task, own, among, φ[:, loose])
+                angles, among, fine = _roughly(task, own, among, (φ[:, loose], short[:, loose]))
                 left[loose[fine]] = False
             else:
                 angles, among = _in_doubles(task, own, among, (φ[:, loose], short[:, loose]))
@@ -138,10 +142,29 @@ def _quotients(
     return moved[0], moved[1], moved[2]
 
 
-def _roughly(task: AngleTask, tori: Tori, frames: Frames, φ: Reals) -> tuple[tuple[Reals, Reals], Frames, Mask]:
+def _roughly(
+    task: AngleTask, tori: Tori, frames: Frames, which: tuple[Reals, Mask]
+) -> tuple[tuple[Reals, Reals], Frames, Mask]:
     """Angles by rough integrals at phases on tori next to some, their turning points, and which of them are known."""
     near = followed(task, tori._replace(ends=frames.bases), series=True)
-    return angles_along(task, near.series, φ), frames._replace(bases=near.bases, widths=near.widths), near.good
+    frames = frames._replace(bases=near.bases, widths=near.widths)
+    return _rough_angles(task, tori, frames, near, which), frames, near.good
+
+
+def _rough_angles(
+    task: AngleTask, tori: Tori, frames: Frames, rough: FollowedLibrations, which: tuple[Reals, Mask]
+) -> tuple[Reals, Reals]:
+    """Angles by rough integrals, of the separated and of the ignorable coordinates; short ones by arcs."""
+    φ, short = which
+    separated, ignorable = angles_along(task, rough.series, φ)
+    some = np.flatnonzero(short.any(axis=0) & rough.good)
+    if len(some):
+        passages = Passages.of(task, tori.take(some), frames.take(some), exact=False)
+        own = angles_by_arcs(
+            task, ShortArcs.whole(rough.series.means[..., some], passages), φ[:, some], FINE, exact=False
+        )
+        separated[:, some], ignorable[:, some] = own.separated, own.ignorable
+    return separated, ignorable
 
 
 def _in_doubles(
@@ -173,7 +196,7 @@ def _by_short_arcs(task: AngleTask, tori: Tori, frames: Frames, found: AnglesFou
     if len(some):
         passages = Passages.of(task, tori.take(some), frames.take(some), exact=True)
         arcs = ShortArcs.of(found.take(some).integrals, found.inverse[some], passages, φ[:, some], ends[:, some])
-        own = angles_by_arcs(task, arcs, φ[:, some], exact=True)
+        own = angles_by_arcs(task, arcs, φ[:, some], FINE, exact=True)
         found.separated[:, some], found.ignorable[:, some] = own.separated, own.ignorable
 
 
