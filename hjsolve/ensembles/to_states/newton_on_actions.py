@@ -3,7 +3,8 @@
 It is the method of ``motion.tori.polish`` over arrays. Constants are held in two doubles, since near a circle or the
 energy of escape J depends on digits that one double has not. A step is shortened until the largest relative residual
 falls, first to nine tenths: next to a separatrix J ~ J₀ + δ ln δ, δ the distance of the constants from it, and a step
-goes beyond it by δ/ln δ. Orbits that do not converge are left to the search of single motions.
+goes beyond it by δ/ln δ. Where even half of that goes beyond, again and again, J₀ is not enough, and there is no torus
+on this side. Orbits that do not converge are left to the search of single motions.
 
 Residuals of full steps fall like rₖ₊₁ = κ rₖ² (Kelley, Iterative methods for linear and nonlinear equations (1995),
 §5.3), so that the last step need not be tried: what it leaves is foreseen from those before it, and counted.
@@ -28,6 +29,9 @@ _SHORT_OF = 0.9
 """The fraction of a step that is tried where the whole one makes nothing better."""
 _LEAST_STEP = 2.0**-12
 """The fraction of a step below which an orbit is given up."""
+_SHORT, _BEYOND = 0.5, 2.0
+"""A fraction of a step that should make something better, and the sum of 1/residual over tori in a row from which it did
+not: none of 15 000 orbits about two centres that converged had one with a residual below 1.1."""
 _CLOSE, _FALLS = 8 * EPS, 0.25
 """Relative residual at which an orbit is done, and the part of a step by which it has to fall (Armijo's rule)."""
 _FAR = 0.1
@@ -139,7 +143,7 @@ class Solved(NamedTuple):
 
 
 def constants_of_tori(
-    task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, rounds: int = ROUNDS, *, few: int = 0
+    task: AngleTask, begin: tuple[Tori, Reals], goals: Goals, rounds: int = ROUNDS, *, few: int = 0, rough: bool = False
 ) -> Solved:
     """Find the constants of tori.
 
@@ -148,6 +152,7 @@ def constants_of_tori(
         goals: what is wanted.
         rounds: how often J is evaluated, at most.
         few: how many orbits may be left over: each round has a price, whatever their number.
+        rough: whether constants are wanted to a few digits only.
     """
     size, n = goals.actions.shape
     zero = goals.actions == 0
@@ -157,6 +162,7 @@ def constants_of_tori(
     fraction, merit, left = np.ones(n), np.full(n, np.inf), np.full((size, n), np.inf)
     best, how = no_actions(size, len(task.model.constants), n), np.full(n, APPROXIMATE)
     active, done, curve = np.arange(n), np.zeros(n, dtype=bool), np.full(n, np.inf)
+    beyond = np.zeros(n)
     for _ in range(rounds):
         if len(active) <= few:
             break
@@ -173,7 +179,8 @@ def constants_of_tori(
             after = curve[active] * own**2
             known = (found.errors <= np.array(_KNOWN)[how[active]] * weight[:, active]).all(axis=0)
         # J of the harmonic libration is that of the motion only where it is to be zero
-        finished = sure & found.good & (own <= _CLOSE) & ~(found.harmonic & ~zero[:, active]).any(axis=0)
+        close = own <= (_ROUGHLY if rough else _CLOSE)
+        finished = (sure | rough) & found.good & close & ~(found.harmonic & ~zero[:, active]).any(axis=0)
         falls = 1 - _FALLS * fraction[active]
         better = found.good & ((own < falls * merit[active]) | (far < falls * before) | finished)
         # rounding is reached where a full step from nearby makes nothing better
@@ -186,13 +193,17 @@ def constants_of_tori(
             whole[..., here] = part[..., better]
         merit[here], left[:, here] = own[better], np.abs(residual[:, better])
         step[:, here] = newton_step(found.slopes[:, goals.unknown][:, :, better], residual[:, better])
+        worse, whole_ = active[~better], active[better & (fraction[active] >= _SHORT_OF)]
+        tried = (fraction[worse] < _SHORT) & (fraction[worse] > _SHORT * _SHORT)
+        beyond[worse] += np.where(tried, 1 / merit[worse], 0.0)
+        beyond[whole_] = 0
         fraction[here] = 1.0
-        worse = active[~better]
         fraction[worse] = np.where(fraction[worse] == 1.0, _SHORT_OF, np.minimum(0.5, 0.5 * fraction[worse]))
         done[active[finished | settled | last]] = True
         _stepped(base, best, goals.take(active[last]), (active[last], step[:, active[last]], after[last]))
         _refined(how, merit, active, (fraction, own, after))
-        active = active[~finished & ~settled & ~last & (fraction[active] >= _LEAST_STEP)]
+        going_on = (fraction[active] >= _LEAST_STEP) & (beyond[active] < _BEYOND)
+        active = active[~finished & ~settled & ~last & going_on]
         moved = base.take(active).moved(goals.unknown, fraction[active] * step[:, active])
         for kept, new in zip(trial, moved, strict=True):
             kept[..., active] = new

@@ -47,21 +47,27 @@ def in_the_wells_meant(landscape: Landscape, seeds: Seeds, solved: Solved, wante
     def wells(some: Tori, orbits: Integers) -> list[Wells]:
         return landscape.wells(some, asked.goals.rotating[:, orbits], every=hinted)
 
-    first = wells(tori, np.arange(len(good)))
+    task, first = AngleTask(landscape.model, landscape.programs), wells(tori, np.arange(len(good)))
     solved.good[good] = in_wells(landscape.model, first, hints[:, good])
 
     def from_there(seen: Integers, begin: Tori) -> None:
-        own, step = asked.take(seen), np.zeros((len(asked.goals.unknown), len(seen)))
-        there = constants_of_tori(AngleTask(landscape.model, landscape.programs), (begin, step), own.goals, _ROUNDS)
-        met = np.flatnonzero(there.good)
-        new, seen = there.take(met), seen[met]
-        index, second = good[seen], wells(new.tori, seen)
-        fits = in_wells(landscape.model, second, hints[:, index])
-        for other in (tori.take(seen), solved.tori.take(index)):  # the first one, and what has taken its place
-            known = (second, wells(other, seen))
-            fits &= ~same_tori(landscape.model, new, other, asked.goals.scale[seen], known)
-        several[index[fits & solved.good[index]]] = True
-        solved.put(index[fits], new.take(np.flatnonzero(fits)))
+        # most lead back to the torus that is known: a few digits of the constants tell
+        for rough in (True, False):
+            step = np.zeros((len(asked.goals.unknown), len(seen)))
+            goals = asked.goals.take(seen)
+            there = constants_of_tori(task, (begin, step), goals, _ROUNDS, rough=rough)
+            met = np.flatnonzero(there.good)
+            new, seen = there.take(met), seen[met]
+            index, second = good[seen], wells(new.tori, seen)
+            fits = in_wells(landscape.model, second, hints[:, index])
+            for other in (tori.take(seen), solved.tori.take(index)):  # the first one, and what has taken its place
+                known = (second, wells(other, seen))
+                fits &= ~same_tori(landscape.model, new, other, asked.goals.scale[seen], known)
+            some = np.flatnonzero(fits)
+            new, seen, index = new.take(some), seen[some], index[some]
+            begin = new.tori
+        several[index[solved.good[index]]] = True
+        solved.put(index, new)
 
     for seen, begin in _elsewhere(first, tori):
         from_there(seen, begin)

@@ -146,22 +146,23 @@ def tops(one: CoordinateOfOrbits) -> tuple[Reals, Reals]:
     x = offset(formula, one.q)
     with np.errstate(all="ignore"):
         F, slope, bend = run_rows(code, one.parameters, np.stack([x, *one.constants]))
-        fraction = np.ones(len(x))
+        fraction, left = np.ones(len(x)), np.arange(len(x))
         for _ in range(_TOP_STEPS):
+            y, first, second = x[left], slope[left], bend[left]
             # where F is convex its maximum is farther uphill
             step = np.where(
-                bend < 0, -slope / bend, np.sign(slope) * _STRIDE * np.fmax(np.abs(x), np.abs(slope / bend))
+                second < 0, -first / second, np.sign(first) * _STRIDE * np.fmax(np.abs(y), np.abs(first / second))
             )
-            new = np.clip(x + fraction * step, x - 0.75 * (x - low), x + 0.75 * (high - x))
-            there = run_rows(code, one.parameters, np.stack([new, *one.constants]))
-            still = np.abs(new - x) <= _STILL * np.abs(x)
+            new = np.clip(y + fraction[left] * step, y - 0.75 * (y - low), y + 0.75 * (high - y))
+            there = run_rows(code, one.parameters, np.stack([new, *one.constants[:, left]]))
+            still = np.abs(new - y) <= _STILL * np.abs(y)
             # so near the top F in doubles tells nothing of up and down, which the smallest motions see
-            uphill = (there[0] > F) | (still & (bend < 0) & (fraction == 1.0))
-            x, F, slope, bend = (
-                np.where(uphill, a, b) for a, b in zip((new, *there), (x, F, slope, bend), strict=True)
-            )
-            fraction = np.where(uphill, 1.0, 0.25 * fraction)
-            if still.all():
+            uphill = (there[0] > F[left]) | (still & (second < 0) & (fraction[left] == 1.0))
+            moved = left[uphill]
+            x[moved], (F[moved], slope[moved], bend[moved]) = new[uphill], there[:, uphill]
+            fraction[left] = np.where(uphill, 1.0, 0.25 * fraction[left])
+            left = left[~still]
+            if not len(left):
                 break
     return place(formula, x), bend
 
