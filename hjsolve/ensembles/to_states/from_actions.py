@@ -20,16 +20,14 @@ from hjsolve.arithmetic.block_exponents import NOTHING, Unit, tape_in_units, uni
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.coordinates.chart import Chart
-from hjsolve.ensembles.engine.kernels.neighbours import extrapolated
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated, lowered_model, next_to_poles
 from hjsolve.ensembles.engine.programs import system_programs
 from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.engine.units_of_orbits import LARGE_BITS, UnitsOfOrbits, model_in_units, rounded_exponents
-from hjsolve.ensembles.to_states.newton_on_actions import ROUNDS, SOON, Asked, Solved, constants_of_tori, newton_step
+from hjsolve.ensembles.to_states.newton_on_actions import ROUNDS, SOON, Asked, Solved, constants_of_tori
 from hjsolve.ensembles.to_states.other_wells import in_the_wells_meant
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, frames_of
-from hjsolve.ensembles.to_states.seeds import Scales, Seeds, nearest, seeds_of
-from hjsolve.ensembles.to_states.short_arcs import inverses
+from hjsolve.ensembles.to_states.seeds import Scales, Seeds, begun, nearest, seeds_of, some_first
 from hjsolve.ensembles.to_states.states_on_tori import StatesOnTori, states_at
 from hjsolve.ensembles.to_states.tori import FINER, Tori
 from hjsolve.ensembles.to_states.wells import Landscape
@@ -45,14 +43,10 @@ _FARTHEST_EXPONENT = 1000
 
 _CHUNK, _LEAST_CHUNK = 16384, 8192
 """Orbits that one thread treats at a time: half of them, for two threads, but not fewer than the second number."""
-_MANY, _EVERY = 2048, 8
-"""Orbits from which on some are solved first, and which of them: every eighth."""
 _LEFT_OVER = 20
 """The last of so many orbits start again together with others."""
 _AGAIN = 3
 """How often orbits that are left over start again from the nearest that are solved."""
-_NEAR = 0.3
-"""The relative change of an action up to which constants are extrapolated."""
 _NEAR_UNIT = 2.0**8
 """How far from a length of its own, by what factor, a coordinate is looked for."""
 _TOLERANCE = 1e-6
@@ -287,20 +281,19 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: Asked) -> Solved:
     """Constants of tori, from the nearest seeds; what takes long starts again from the nearest that were solved."""
     goals, everything = wanted.goals, wanted.sizes
 
-    def begun(pool: Seeds, index: Integers, *, again: bool = False) -> tuple[Tori, Reals]:
+    def start(pool: Seeds, index: Integers, *, again: bool = False) -> tuple[Tori, Reals]:
         near = nearest(pool.actions, everything[:, index])[: 1 if again else None]
-        return _begun(pool, near, wanted.take(index))
+        return begun(pool, near, wanted.take(index))
 
     everyone = np.arange(everything.shape[1])
-    first = (everyone % _EVERY == 0) | (len(everyone) < _MANY)
-    few, rest = everyone[first], everyone[~first]
-    solved = constants_of_tori(task, begun(seeds, few), goals.take(few), SOON, few=len(few) // _LEFT_OVER)
+    few, rest = some_first(everyone)
+    solved = constants_of_tori(task, start(seeds, few), goals.take(few), SOON, few=len(few) // _LEFT_OVER)
     if len(rest):  # the others begin at these, which lie where the batch does
         good = np.flatnonzero(solved.good)
         found = Seeds(solved.tori.take(good), solved.actions.take(good), everything[:, few[good]])
         seeds = seeds.joined(found)
         left_over = len(rest) // _LEFT_OVER
-        solved = solved.joined(constants_of_tori(task, begun(seeds, rest), goals.take(rest), SOON, few=left_over))
+        solved = solved.joined(constants_of_tori(task, start(seeds, rest), goals.take(rest), SOON, few=left_over))
         solved = solved.take(np.argsort(np.concatenate([few, rest])))
     for attempt in range(_AGAIN):
         lost, good = np.flatnonzero(~solved.good), np.flatnonzero(solved.good)
@@ -308,45 +301,9 @@ def _solved(task: AngleTask, seeds: Seeds, wanted: Asked) -> Solved:
             break
         rounds = ROUNDS if attempt == _AGAIN - 1 or not len(good) else SOON
         pool = Seeds(solved.tori.take(good), solved.actions.take(good), everything[:, good]) if len(good) else seeds
-        start = begun(pool, lost, again=attempt == _AGAIN - 1)
-        solved.put(lost, constants_of_tori(task, start, goals.take(lost), rounds))
+        begin = start(pool, lost, again=attempt == _AGAIN - 1)
+        solved.put(lost, constants_of_tori(task, begin, goals.take(lost), rounds))
     return solved
-
-
-def _begun(pool: Seeds, near: Integers, wanted: Asked) -> tuple[Tori, Reals]:
-    """Constants of the nearest tori, and the step to those with the actions wanted; none far from them.
-
-    To third order from several neighbours, or to first order from the nearest one.
-    """
-    (goals, momenta, places), first = wanted, near[0]
-    values, there, slopes = pool.tori.values[:, first], pool.shells.values[:, first], pool.shells.slopes[:, :, first]
-    values[places] = momenta
-    with np.errstate(all="ignore"):
-        moved = np.einsum("kcn,cn->kn", slopes, values - pool.tori.values[:, first])
-        step = newton_step(slopes[:, goals.unknown], goals.actions - there - moved)
-        fine = (np.abs(goals.actions - there) <= _NEAR * there).all(axis=0) & np.isfinite(step).all(axis=0)
-        better = (
-            _extrapolated(pool, near, wanted) - values[goals.unknown] if len(near) > 1 else np.full_like(step, np.nan)
-        )
-        known = np.isfinite(better).all(axis=0)
-    step = np.where(known, better, np.where(fine, step, 0.0))
-    return Tori(values, np.zeros_like(values), pool.tori.q[:, first], pool.tori.ends[..., first]), step
-
-
-def _extrapolated(pool: Seeds, near: Integers, wanted: Asked) -> Reals:
-    """Return the unknown constants of tori by those of several neighbours."""
-    goals, momenta, places = wanted
-    inverse = inverses(pool.shells.slopes[:, goals.unknown].transpose(2, 0, 1))  # ∂c/∂J
-    others = -np.einsum("nck,kpn->cpn", inverse, pool.shells.slopes[:, places])
-    slopes = np.concatenate([inverse.transpose(1, 2, 0), others], axis=1)
-    points = np.concatenate([pool.shells.values, pool.tori.values[places]])
-    here = np.concatenate([goals.actions, momenta])
-    found, size = np.empty((len(goals.unknown), here.shape[1])), len(here) + 1
-    extrapolated(
-        points, np.ascontiguousarray(pool.tori.values[goals.unknown]), np.ascontiguousarray(slopes), here, near, found,
-        np.empty((size, size)), np.empty((4, max(size, len(near)))),
-    )  # fmt: skip
-    return found
 
 
 def _written(

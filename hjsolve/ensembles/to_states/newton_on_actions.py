@@ -30,8 +30,8 @@ _SHORT_OF = 0.9
 _LEAST_STEP = 2.0**-12
 """The fraction of a step below which an orbit is given up."""
 _SHORT, _BEYOND = 0.5, 2.0
-"""A fraction of a step that should make something better, and the sum of 1/residual over tori in a row from which it did
-not: none of 15 000 orbits about two centres that converged had one with a residual below 1.1."""
+"""A fraction of a step that should make something better, and the sum of 1/residual over tori in a row where it does
+not: of 15 000 orbits about two centres that converged none had one with a residual below 1.1."""
 _CLOSE, _FALLS = 8 * EPS, 0.25
 """Relative residual at which an orbit is done, and the part of a step by which it has to fall (Armijo's rule)."""
 _FAR = 0.1
@@ -43,6 +43,8 @@ _FORESEEN, _KNOWN = 16.0, (0.0, 1e-13, 1e-11)
 32 digits, up to which it is the last."""
 _ROUGHLY, _APPROXIMATE_FRACTION = 1e-8, 0.5
 """Residual of rough integrals, as it is foreseen, and fraction of a step, below which they are left."""
+_FEW_DIGITS = 1e-7
+"""Residual at which an orbit is done whose constants are wanted to a few digits."""
 _SETTLED = 1e-10
 """Residual below which a step that makes nothing better ends the search."""
 _ACTION_OF_REST = 2.0**-80
@@ -179,7 +181,7 @@ def constants_of_tori(
             after = curve[active] * own**2
             known = (found.errors <= np.array(_KNOWN)[how[active]] * weight[:, active]).all(axis=0)
         # J of the harmonic libration is that of the motion only where it is to be zero
-        close = own <= (_ROUGHLY if rough else _CLOSE)
+        close = own <= (_FEW_DIGITS if rough else _CLOSE)
         finished = (sure | rough) & found.good & close & ~(found.harmonic & ~zero[:, active]).any(axis=0)
         falls = 1 - _FALLS * fraction[active]
         better = found.good & ((own < falls * merit[active]) | (far < falls * before) | finished)
@@ -201,7 +203,7 @@ def constants_of_tori(
         fraction[worse] = np.where(fraction[worse] == 1.0, _SHORT_OF, np.minimum(0.5, 0.5 * fraction[worse]))
         done[active[finished | settled | last]] = True
         _stepped(base, best, goals.take(active[last]), (active[last], step[:, active[last]], after[last]))
-        _refined(how, merit, active, (fraction, own, after))
+        _refined(how, merit, active, (fraction, own, after), DOUBLES if rough else EXACT)
         going_on = (fraction[active] >= _LEAST_STEP) & (beyond[active] < _BEYOND)
         active = active[~finished & ~settled & ~last & going_on]
         moved = base.take(active).moved(goals.unknown, fraction[active] * step[:, active])
@@ -221,14 +223,14 @@ def _stepped(base: Tori, best: Actions, goals: Goals, known: tuple[Integers, Rea
     best.errors[:, index] += _FORESEEN * after * goals.actions + inexact
 
 
-def _refined(how: Integers, merit: Reals, active: Integers, seen: tuple[Reals, Reals, Reals]) -> None:
-    """Choose how J is worked out next: rough integrals as long as they lead on, 32 digits where little is left."""
+def _refined(how: Integers, merit: Reals, active: Integers, seen: tuple[Reals, Reals, Reals], most: int) -> None:
+    """Choose how J is worked out next: rough integrals as long as they lead on, ``most`` where little is left."""
     fraction, own, after = seen
     approximate = how[active] == APPROXIMATE
     near = np.fmin(own, _FORESEEN * after) < _ROUGHLY
     through = active[approximate & (near | (fraction[active] < _APPROXIMATE_FRACTION))]
     how[through], merit[through] = DOUBLES, np.inf
-    how[active[(how[active] > APPROXIMATE) & (np.fmin(own, after) < _NEARLY)]] = EXACT
+    how[active[(how[active] > APPROXIMATE) & (np.fmin(own, after) < _NEARLY)]] = most
 
 
 def _each(task: AngleTask, given: tuple[Tori, Mask, Mask], which: tuple[Integers, Integers]) -> tuple[Actions, Tori]:

@@ -2,7 +2,8 @@
 
 Newton's method begins once more where p², with the constants of the torus that was found, has other maxima (p² may be
 negative there, see ``tori``), and where it has none, from the nearest of those random tori that have another well
-beside their own. Which of several tori is meant actions do not tell: that takes a place in its well.
+beside their own. Of many orbits some do this, and the others begin at the tori that these found. Which of several tori
+is meant actions do not tell: that takes a place in its well.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ import numpy as np
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.to_states.newton_on_actions import SOON, Asked, Solved, constants_of_tori
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask
-from hjsolve.ensembles.to_states.seeds import Seeds, shapes
-from hjsolve.ensembles.to_states.tori import Tori
+from hjsolve.ensembles.to_states.seeds import Seeds, begun, nearest, shapes, some_first
+from hjsolve.ensembles.to_states.tori import Tori, joined
 from hjsolve.ensembles.to_states.wells import Landscape, Wells, in_wells, same_tori
 
 _ROUNDS = 2 * SOON
@@ -42,20 +43,20 @@ def in_the_wells_meant(landscape: Landscape, seeds: Seeds, solved: Solved, wante
     good = np.flatnonzero(solved.good)
     if not len(good) or not (hinted or any(landscape.several)):
         return several
-    tori, asked = solved.tori.take(good), wanted.take(good)
+    before, asked = solved.take(good), wanted.take(good)
+    tori = before.tori
 
     def wells(some: Tori, orbits: Integers) -> list[Wells]:
         return landscape.wells(some, asked.goals.rotating[:, orbits], every=hinted)
 
-    task, first = AngleTask(landscape.model, landscape.programs), wells(tori, np.arange(len(good)))
+    everyone, task = np.arange(len(good)), AngleTask(landscape.model, landscape.programs)
+    first = wells(tori, everyone)
     solved.good[good] = in_wells(landscape.model, first, hints[:, good])
 
-    def from_there(seen: Integers, begin: Tori) -> None:
+    def from_there(seen: Integers, begin: tuple[Tori, Reals]) -> None:
         # most lead back to the torus that is known: a few digits of the constants tell
         for rough in (True, False):
-            step = np.zeros((len(asked.goals.unknown), len(seen)))
-            goals = asked.goals.take(seen)
-            there = constants_of_tori(task, (begin, step), goals, _ROUNDS, rough=rough)
+            there = constants_of_tori(task, begin, asked.goals.take(seen), _ROUNDS, rough=rough)
             met = np.flatnonzero(there.good)
             new, seen = there.take(met), seen[met]
             index, second = good[seen], wells(new.tori, seen)
@@ -65,17 +66,37 @@ def in_the_wells_meant(landscape: Landscape, seeds: Seeds, solved: Solved, wante
                 fits &= ~same_tori(landscape.model, new, other, asked.goals.scale[seen], known)
             some = np.flatnonzero(fits)
             new, seen, index = new.take(some), seen[some], index[some]
-            begin = new.tori
+            begin = new.tori, _no_step(new.tori, asked)
         several[index[solved.good[index]]] = True
         solved.put(index, new)
 
-    for seen, begin in _elsewhere(first, tori):
-        from_there(seen, begin)
-    left = np.flatnonzero(~several[good])
-    seen, begin = _beside(landscape, seeds, asked.take(left), [well.take(left) for well in first])
-    if len(seen):
-        from_there(left[seen], begin)
+    def elsewhere(some: Integers) -> None:
+        for seen, begin in _elsewhere([one.take(some) for one in first], tori.take(some)):
+            from_there(some[seen], (begin, _no_step(begin, asked)))
+
+    few, rest = (everyone, everyone[:0]) if hinted else some_first(everyone)
+    elsewhere(few)
+    left = few[~several[good[few]]]
+    seen, begin = _beside(landscape, seeds, asked.take(left), [one.take(left) for one in first])
+    from_there(left[seen], (begin, _no_step(begin, asked)))
+    # an orbit has a second torus where one of those next to it has; it begins at the nearest that is not in its well
+    known = few[several[good[few]]]
+    if len(rest) and len(known):
+        around = several[good[few]][nearest(asked.sizes[:, few], asked.sizes[:, rest])]
+        some, after = rest[around.any(axis=0)], solved.take(good[known])
+        both = Seeds(
+            joined(tori.take(known), after.tori), joined(before.actions.take(known), after.actions),
+            np.tile(asked.sizes[:, known], 2),
+        )  # fmt: skip
+        their = landscape.wells(both.tori, np.tile(asked.goals.rotating[:, known], 2))
+        near, _ = _nearest_apart([one.take(some) for one in first], their, asked.sizes[:, some], both.actions)
+        from_there(some, begun(both, near[None], asked.take(some)))
+        elsewhere(some[~several[good[some]]])
     return several
+
+
+def _no_step(tori: Tori, asked: Asked) -> Reals:
+    return np.zeros((len(asked.goals.unknown), tori.q.shape[1]))
 
 
 def _elsewhere(wells: Sequence[Wells], tori: Tori) -> Iterator[tuple[Integers, Tori]]:
@@ -94,16 +115,29 @@ def _beside(landscape: Landscape, seeds: Seeds, asked: Asked, wells: Sequence[We
     known = np.flatnonzero(np.any([own.beside for own in around], axis=0))
     if not len(known) or not asked.goals.actions.shape[1]:
         return np.zeros(0, dtype=int), seeds.tori.take(known[:0])
-    apart = np.zeros((asked.goals.actions.shape[1], len(known)), dtype=bool)
-    for own, other in zip(wells, around, strict=True):
-        low, high = own.low[:, None], own.high[:, None]
-        apart |= (other.high[known] <= low) | (high <= other.low[known])
-    here, there = shapes(asked.sizes), shapes(seeds.actions[:, known])
-    square = (here**2).sum(axis=0)[:, None] + (there**2).sum(axis=0) - 2 * here.T @ there
-    square[~apart] = np.inf
-    near = square.argmin(axis=1)
-    seen = np.flatnonzero(square[np.arange(len(near)), near] <= _AS_NEAR**2)
+    there = [one.take(known) for one in around]
+    near, square = _nearest_apart(wells, there, asked.sizes, seeds.actions[:, known])
+    seen = np.flatnonzero(square <= _AS_NEAR**2)
     begin = seeds.tori.take(known[near[seen]])
     begin.values[asked.places] = asked.momenta[:, seen]
     begin.low[asked.places] = 0.0
     return seen, begin
+
+
+def _nearest_apart(
+    here: Sequence[Wells], there: Sequence[Wells], sizes: Reals, known: Reals
+) -> tuple[Integers, Reals]:  # fmt: skip
+    """Return the torus with the nearest actions that lies in another well, and the square of how far off it is.
+
+    Args:
+        here, there: wells of orbits, and of tori that are known.
+        sizes, known: the actions of both.
+    """
+    apart = np.zeros((sizes.shape[1], known.shape[1]), dtype=bool)
+    for own, other in zip(here, there, strict=True):
+        apart |= (other.high <= own.low[:, None]) | (own.high[:, None] <= other.low)
+    x, y = shapes(sizes), shapes(known)
+    square = (x**2).sum(axis=0)[:, None] + (y**2).sum(axis=0) - 2 * x.T @ y
+    square[~apart] = np.inf
+    near = square.argmin(axis=1)
+    return near, square[np.arange(len(near)), near]

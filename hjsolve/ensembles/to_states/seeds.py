@@ -14,12 +14,14 @@ import numpy as np
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.constants import initial_constants
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits
-from hjsolve.ensembles.engine.kernels.neighbours import nearest_points
+from hjsolve.ensembles.engine.kernels.neighbours import extrapolated, nearest_points
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import SystemPrograms
 from hjsolve.ensembles.engine.starts import Starts, given_momenta
+from hjsolve.ensembles.to_states.newton_on_actions import Asked, newton_step
 from hjsolve.ensembles.to_states.places_on_tori import AngleTask, refined
+from hjsolve.ensembles.to_states.short_arcs import inverses
 from hjsolve.ensembles.to_states.tori import ALONE, Actions, Tori, joined
 
 _SEEDS = 1500
@@ -30,6 +32,10 @@ _SMALL = 0.02
 """Actions below this part of the sum of all are distinguished by their differences, larger ones by their ratios."""
 _EQUILIBRIUM = -700.0
 """Logarithm that stands for that of no action at all."""
+_MANY, _EVERY = 2048, 8
+"""Orbits from which on some are solved first, and which of them: every eighth."""
+_NEAR = 0.3
+"""The relative change of an action up to which constants are extrapolated."""
 
 
 class Scales(NamedTuple):
@@ -135,4 +141,51 @@ def shapes(actions: Reals) -> Reals:
     with np.errstate(divide="ignore"):
         logarithms = np.log(sizes + _SMALL * sizes.sum(axis=0))
     found: Reals = np.where(np.isfinite(logarithms), logarithms, _EQUILIBRIUM)
+    return found
+
+
+def some_first(orbits: Integers) -> tuple[Integers, Integers]:
+    """Divide many orbits into some that are solved first, and the others, which begin at these."""
+    first = (np.arange(len(orbits)) % _EVERY == 0) | (len(orbits) < _MANY)
+    return orbits[first], orbits[~first]
+
+
+def begun(pool: Seeds, near: Integers, wanted: Asked) -> tuple[Tori, Reals]:
+    """Return the nearest tori, and the step from each to the one with the actions wanted; no step from far away.
+
+    To third order from several neighbours, or to first order from one.
+
+    Args:
+        pool: tori that are known.
+        near: which of them are neighbours, the nearest one first, shape (neighbours, n).
+        wanted: actions.
+    """
+    (goals, momenta, places), first = wanted, near[0]
+    values, there, slopes = pool.tori.values[:, first], pool.shells.values[:, first], pool.shells.slopes[:, :, first]
+    values[places] = momenta
+    with np.errstate(all="ignore"):
+        moved = np.einsum("kcn,cn->kn", slopes, values - pool.tori.values[:, first])
+        step = newton_step(slopes[:, goals.unknown], goals.actions - there - moved)
+        fine = (np.abs(goals.actions - there) <= _NEAR * there).all(axis=0) & np.isfinite(step).all(axis=0)
+        better = (
+            _extrapolated(pool, near, wanted) - values[goals.unknown] if len(near) > 1 else np.full_like(step, np.nan)
+        )
+        known = np.isfinite(better).all(axis=0)
+    step = np.where(known, better, np.where(fine, step, 0.0))
+    return Tori(values, np.zeros_like(values), pool.tori.q[:, first], pool.tori.ends[..., first]), step
+
+
+def _extrapolated(pool: Seeds, near: Integers, wanted: Asked) -> Reals:
+    """Return the unknown constants of tori by those of several neighbours."""
+    goals, momenta, places = wanted
+    inverse = inverses(pool.shells.slopes[:, goals.unknown].transpose(2, 0, 1))  # ∂c/∂J
+    others = -np.einsum("nck,kpn->cpn", inverse, pool.shells.slopes[:, places])
+    slopes = np.concatenate([inverse.transpose(1, 2, 0), others], axis=1)
+    points = np.concatenate([pool.shells.values, pool.tori.values[places]])
+    here = np.concatenate([goals.actions, momenta])
+    found, size = np.empty((len(goals.unknown), here.shape[1])), len(here) + 1
+    extrapolated(
+        points, np.ascontiguousarray(pool.tori.values[goals.unknown]), np.ascontiguousarray(slopes), here, near, found,
+        np.empty((size, size)), np.empty((4, max(size, len(near)))),
+    )  # fmt: skip
     return found
