@@ -71,9 +71,10 @@ class MachineCode:
             parameters: their values, as many as there are.
             place: another number gives other registers, for programs that are at work together.
         """
-        made, key = _THREAD.made, (self, width, tuple(parameters), place)
-        program = made.pop(key, None) or self._program(width, parameters)
-        made[key] = program  # the last one is the one that was asked for last
+        # by identity, which keeps the code: its hash is that of all it holds
+        made, key = _THREAD.made, (id(self), width, tuple(parameters), place)
+        code, program = made.pop(key, None) or (self, self._program(width, parameters))
+        made[key] = code, program  # the last one is the one that was asked for last
         if len(made) > _KEPT:
             del made[next(iter(made))]
         return program
@@ -92,7 +93,7 @@ class _Programs(local):
     """The programs of a thread, in the order in which they were asked for."""
 
     def __init__(self) -> None:
-        self.made: dict[tuple[MachineCode, int, tuple[float, ...], int], MachineProgram] = {}
+        self.made: dict[tuple[int, int, tuple[float, ...], int], tuple[MachineCode, MachineProgram]] = {}
 
 
 _THREAD = _Programs()

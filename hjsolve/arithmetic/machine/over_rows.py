@@ -51,6 +51,8 @@ def run_rows(code: MachineCode, parameters: Sequence[float], given: Reals) -> Re
     Returns:
         The results, shape (results, n).
     """
-    made = np.empty((len(code.outputs), given.shape[1]))
-    rows(code.program(min(WIDTH, max(given.shape[1], 1)), parameters), np.ascontiguousarray(given, dtype=float), made)
+    made, width = np.empty((len(code.outputs), given.shape[1])), SLOTS
+    while width < min(given.shape[1], WIDTH):  # few widths: each has registers of its own
+        width *= 2
+    rows(code.program(width, parameters), np.ascontiguousarray(given, dtype=float), made)
     return made

@@ -13,19 +13,16 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from hjsolve.arithmetic.error_free import two_sum
-from hjsolve.arithmetic.machine.over_rows import run_rows
+from hjsolve.arithmetic.machine.over_rows import WIDTH, run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.coordinate_of_orbits import CoordinateOfOrbits, offset, place, squares
+from hjsolve.ensembles.engine.kernels.maxima import climbed
 from hjsolve.ensembles.engine.kernels.types import Modes
 from hjsolve.ensembles.engine.librating import Kept
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.passes import integrated
 from hjsolve.ensembles.engine.programs import SystemPrograms, sides
 
-_TOP_STEPS, _STILL = 24, 1e-6
-"""Steps of Newton's method for the maximum of F, and the relative step that ends it: the place need not be the top."""
-_STRIDE = 0.5
-"""Step uphill where F is convex, over the distance from zero, or over that on which its slope changes."""
 FINER = 2.0**-100
 """What two doubles leave open of a constant, relatively."""
 _KEPT = Kept(3e-13, 1e-10)
@@ -141,30 +138,11 @@ def tops(one: CoordinateOfOrbits) -> tuple[Reals, Reals]:
     Returns:
         Places and F″ there, shape (n,); F″ ≥ 0 where no maximum was found next to a place.
     """
-    formula, code = sides(one.coordinate)[0], one.programs.views[0].bend
-    low, high = _ends(one)
-    x = offset(formula, one.q)
-    with np.errstate(all="ignore"):
-        F, slope, bend = run_rows(code, one.parameters, np.stack([x, *one.constants]))
-        fraction, left = np.ones(len(x)), np.arange(len(x))
-        for _ in range(_TOP_STEPS):
-            y, first, second = x[left], slope[left], bend[left]
-            # where F is convex its maximum is farther uphill
-            step = np.where(
-                second < 0, -first / second, np.sign(first) * _STRIDE * np.fmax(np.abs(y), np.abs(first / second))
-            )
-            new = np.clip(y + fraction[left] * step, y - 0.75 * (y - low), y + 0.75 * (high - y))
-            there = run_rows(code, one.parameters, np.stack([new, *one.constants[:, left]]))
-            still = np.abs(new - y) <= _STILL * np.abs(y)
-            # so near the top F in doubles tells nothing of up and down, which the smallest motions see
-            uphill = (there[0] > F[left]) | (still & (second < 0) & (fraction[left] == 1.0))
-            moved = left[uphill]
-            x[moved], (F[moved], slope[moved], bend[moved]) = new[uphill], there[:, uphill]
-            fraction[left] = np.where(uphill, 1.0, 0.25 * fraction[left])
-            left = left[~still]
-            if not len(left):
-                break
-    return place(formula, x), bend
+    formula, x = sides(one.coordinate)[0], np.ascontiguousarray(offset(sides(one.coordinate)[0], one.q))
+    program, bend = one.programs.views[0].bend.program(WIDTH, one.parameters), np.empty(len(x))
+    climbed(program, x, one.constants, *_ends(one), bend, np.empty((4, WIDTH)))
+    with np.errstate(invalid="ignore"):
+        return place(formula, x), bend
 
 
 def _ends(one: CoordinateOfOrbits) -> tuple[float, float]:
