@@ -70,20 +70,20 @@ def in_the_wells_meant(landscape: Landscape, seeds: Seeds, solved: Solved, wante
         several[index[solved.good[index]]] = True
         solved.put(index, new)
 
-    def elsewhere(some: Integers) -> None:
+    def look_around(some: Integers) -> None:
         for seen, begin in _elsewhere([one.take(some) for one in first], tori.take(some)):
             from_there(some[seen], (begin, _no_step(begin, asked)))
+        left = some[~several[good[some]]]
+        seen, begin = _beside(landscape, seeds, asked.take(left), [one.take(left) for one in first])
+        from_there(left[seen], (begin, _no_step(begin, asked)))
 
-    few, rest = (everyone, everyone[:0]) if hinted else some_first(everyone)
-    elsewhere(few)
-    left = few[~several[good[few]]]
-    seen, begin = _beside(landscape, seeds, asked.take(left), [one.take(left) for one in first])
-    from_there(left[seen], (begin, _no_step(begin, asked)))
-    # an orbit has a second torus where one of those next to it has; it begins at the nearest that is not in its well
+    few, _ = some_first(everyone) if not hinted else (everyone, everyone)
+    look_around(few)
     known = few[several[good[few]]]
-    if len(rest) and len(known):
-        around = several[good[few]][nearest(asked.sizes[:, few], asked.sizes[:, rest])]
-        some, after = rest[around.any(axis=0)], solved.take(good[known])
+    if len(few) < len(everyone) and len(known):
+        # an orbit has a second torus where one of those next to it has: it begins at the nearest not in its own well
+        around = several[good[few]][nearest(asked.sizes[:, few], asked.sizes)]
+        some, after = np.flatnonzero(around.any(axis=0) & ~several[good]), solved.take(good[known])
         both = Seeds(
             joined(tori.take(known), after.tori), joined(before.actions.take(known), after.actions),
             np.tile(asked.sizes[:, known], 2),
@@ -91,7 +91,7 @@ def in_the_wells_meant(landscape: Landscape, seeds: Seeds, solved: Solved, wante
         their = landscape.wells(both.tori, np.tile(asked.goals.rotating[:, known], 2))
         near, _ = _nearest_apart([one.take(some) for one in first], their, asked.sizes[:, some], both.actions)
         from_there(some, begun(both, near[None], asked.take(some)))
-        elsewhere(some[~several[good[some]]])
+        look_around(some[~several[good[some]]])
     return several
 
 
