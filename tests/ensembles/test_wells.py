@@ -117,6 +117,23 @@ def test_batches_and_single_motions_count_the_same_wells():
             assert status[k] == expected, (system, J[k])
 
 
+def test_many_orbits_meet_as_many_wells_as_few():
+    """Of many some look for a second torus, and the others begin at the tori these found."""
+    dice = np.random.default_rng(8)
+    actions = {c: np.exp(dice.uniform(np.log(low), 0, 2400)) for c, low in (("xi", 1e-2), ("eta", 1e-2), ("phi", 1e-1))}
+    many = hjsolve.ensemble("two-centres-space", actions=actions, want={"state"}, fallback=False)
+    few = [
+        hjsolve.ensemble(
+            "two-centres-space", actions={c: J[part] for c, J in actions.items()}, want={"state"}, fallback=False
+        )
+        for part in (slice(1200), slice(1200, None))
+    ]
+    ambiguous = np.concatenate([batch.status == "ambiguous" for batch in few])
+    assert 300 < ambiguous.sum() < 1200
+    assert (many.status[ambiguous] == "ambiguous").all()
+    assert (many.status == "ok").sum() + (many.status == "ambiguous").sum() >= sum((b.codes != 7).sum() for b in few)
+
+
 def test_galaxies_have_one_well():
     dice, solution = np.random.default_rng(2), hjsolve.solve("kuzmin-kutuzov")
     names = [c.name for c in solution.system.coordinates]

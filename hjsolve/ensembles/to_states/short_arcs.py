@@ -195,22 +195,27 @@ def angles_by_arcs(
         φ: phases, shape (separated, n).
         rules: nodes and weights; a second rule tells the error of the first, else bounds hold rounding only.
     """
-    t = np.arcsinh(φ / arcs.passages.scales)
-    span = 0.5 * (t + arcs.begin), 0.5 * (t - arcs.begin)
-    more, sizes = arcs.passages.integrals(task, span, rules[0], exact=exact)
-    known, size = arcs.known, len(φ)
-    errors = known.running_errors + _ROUNDING * (sizes + np.abs(known.running))
-    for rule in rules[1:]:
-        fewer, _ = arcs.passages.integrals(task, span, rule, exact=exact)
-        errors = errors + np.abs(more - fewer)
-    running, errors = (known.running + more).sum(axis=0), errors.sum(axis=0)
-    θ = times(arcs.inverse, running[:size])
-    # an error of ∂J/∂c moves Σ ∂J/∂c θ, which G has to equal
-    errors = errors + np.sum((known.mean_errors + 4 * size * EPS * np.abs(known.means)) * np.abs(θ)[:, None], axis=0)
-    θ_errors = times(np.abs(arcs.inverse), errors[:size]) + 2 * EPS * np.abs(θ)
-    places = [task.model.ignorable[name] for name in task.model.angles]
-    ignorable = running[places] - np.sum(known.means[:, places] * θ[:, None], axis=0)
-    own = errors[places] + np.sum(np.abs(known.means[:, places]) * θ_errors[:, None], axis=0)
+    with np.errstate(invalid="ignore"):
+        t = np.arcsinh(φ / arcs.passages.scales)
+        span = 0.5 * (t + arcs.begin), 0.5 * (t - arcs.begin)
+        more, sizes = arcs.passages.integrals(task, span, rules[0], exact=exact)
+        known, size = arcs.known, len(φ)
+        errors = known.running_errors + _ROUNDING * (sizes + np.abs(known.running))
+        for rule in rules[1:]:
+            fewer, _ = arcs.passages.integrals(task, span, rule, exact=exact)
+            errors = errors + np.abs(more - fewer)
+        running, errors = (known.running + more).sum(axis=0), errors.sum(axis=0)
+        θ = times(arcs.inverse, running[:size])
+        # what the rounding of the inverse mixes of large angles into small ones (Skeel, Math. Comp. 35 (1980) 817)
+        θ = θ + times(arcs.inverse, running[:size] - np.sum(known.means[:, :size] * θ[:, None], axis=0))
+        # an error of ∂J/∂c moves Σ ∂J/∂c θ, which G has to equal
+        errors = errors + np.sum(
+            (known.mean_errors + 4 * size * EPS * np.abs(known.means)) * np.abs(θ)[:, None], axis=0
+        )
+        θ_errors = times(np.abs(arcs.inverse), errors[:size]) + 2 * EPS * np.abs(θ)
+        places = [task.model.ignorable[name] for name in task.model.angles]
+        ignorable = running[places] - np.sum(known.means[:, places] * θ[:, None], axis=0)
+        own = errors[places] + np.sum(np.abs(known.means[:, places]) * θ_errors[:, None], axis=0)
     return AnglesByArcs(θ, θ_errors, ignorable, own)
 
 
@@ -241,8 +246,8 @@ def phases_by_arcs(
             break
         mine = arcs.take(active)
         found = angles_by_arcs(task, mine, trial[:, active], FINE if exact else SEARCHED, exact=exact)
-        residual = wrapped(θ[:, active] - found.separated)
         with np.errstate(all="ignore"):
+            residual = wrapped(θ[:, active] - found.separated)
             # steps are compared by one matrix: angles of one orbit may differ in size by 1e15
             seen = np.abs(times(matrices[active], residual)).max(axis=0)
             better = np.asarray(seen < (1 - 0.25 * fraction[active]) * left[active]) if round_ else _finite(residual)

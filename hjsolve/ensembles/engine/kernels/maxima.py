@@ -53,7 +53,11 @@ def climbed(bend: MachineProgram, places: Reals, constants: Reals, low: float, h
                 ratio = first[j] / own[j]
                 step = -ratio if own[j] < 0.0 else np.sign(first[j]) * _STRIDE * max(abs(x[j]), abs(ratio))
                 new = x[j] + fraction[j] * step
-                new = max(x[j] - _NEXT_TO_END * (x[j] - low), min(x[j] + _NEXT_TO_END * (high - x[j]), new))
+                lowest, highest = x[j] - _NEXT_TO_END * (x[j] - low), x[j] + _NEXT_TO_END * (high - x[j])
+                if new < lowest:  # nan stays nan, and is never uphill
+                    new = lowest
+                elif new > highest:
+                    new = highest
                 trial[j] = new if fraction[j] > 0.0 else x[j]
             run(bend, used)
             for j in range(count):
