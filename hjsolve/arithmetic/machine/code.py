@@ -73,11 +73,11 @@ class MachineCode:
         """
         # by identity, which keeps the code: its hash is that of all it holds
         made, key = _THREAD.made, (id(self), width, tuple(parameters), place)
-        code, program = made.pop(key, None) or (self, self._program(width, parameters))
-        made[key] = code, program  # the last one is the one that was asked for last
+        known = made.pop(key) if key in made else (self, self._program(width, parameters))
+        made[key] = known  # the last one is the one that was asked for last
         if len(made) > _KEPT:
             del made[next(iter(made))]
-        return program
+        return known[1]
 
     def _program(self, width: int, parameters: Sequence[float]) -> MachineProgram:
         registers = aligned((self.rows, -(-width // SLOTS) * SLOTS))
