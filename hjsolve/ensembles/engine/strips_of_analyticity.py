@@ -102,14 +102,14 @@ def across(count: int, node_map: tuple[float, float], symmetry: int) -> float:
 
 
 @cache
-def covered_strip(table: Nodes, *, coarse: bool = False) -> CoveredStrip:
+def covered_strip(table: Nodes) -> CoveredStrip:
     """Return the strip over which functions are to be known for a table of nodes between turning points.
 
     Of the three functions f that one is taken whose disks are smallest for typical motions with these nodes.
     """
     # the upper half of the strip over half a period: the rest is its mirror image
     a, length = half_width(len(table.χ), table.symmetry), np.pi / table.symmetry
-    middles, corners = _rectangles(table, a, length, _shape(table, coarse))
+    middles, corners = _rectangles(table, a, length, _shape(table, coarse=False))
     with np.errstate(all="ignore"):
         # at the corners a function that is analytic in the rectangle is farthest from its middle, or nearly
         (w, c), (near_w, near_c) = squares(middles, table), squares(corners, table)
@@ -206,7 +206,7 @@ def _halves(χ: Complexes, table: Nodes) -> tuple[Complexes, Complexes]:
 def covered_turn(table: Nodes, *, coarse: bool = False) -> CoveredTurn:
     """Return the strip over which functions are to be known for a table of nodes of rotations."""
     a = half_width(len(table.χ) // 2, table.symmetry)
-    middles, corners = _rectangles(table, a, 2 * np.pi, _shape(table, coarse))
+    middles, corners = _rectangles(table, a, 2 * np.pi, _shape(table, coarse=coarse))
     place = _turns if table.slow == 1 else _half_turns
     angle, edges = place(middles, table), place(corners, table)
     other = np.inf if table.complement == 1.0 else quarter_period(1 - table.complement, Float64())
@@ -214,7 +214,7 @@ def covered_turn(table: Nodes, *, coarse: bool = False) -> CoveredTurn:
     return CoveredTurn(angle, _CORNER_MARGIN * np.abs(edges - angle[:, None]).max(axis=1), bool(inside))
 
 
-def _shape(table: Nodes, coarse: bool) -> tuple[int, int]:
+def _shape(table: Nodes, *, coarse: bool) -> tuple[int, int]:
     return _PLAIN if table.complement == 1.0 else _COARSE if coarse else _STRETCHED
 
 
