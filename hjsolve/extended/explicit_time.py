@@ -175,7 +175,7 @@ class QuadraticMotion(Shown):
         return rates, sizes
 
     def _named(self, rows: Numbers, shape: tuple[int, ...]) -> Iterator[dict[str, AtTimes]]:
-        columns = rows.astype(float) if self.digits <= 15 else rows
+        columns = (rows.astype(float) if self.digits <= 15 else rows).T
         return by_coordinate([c.name for c in self.system.coordinates], columns, shape)
 
 

@@ -177,7 +177,7 @@ class ModalMotion(Shown):
         return path_of(flow_of(affine(A, b)), [*self.start, sp.S.One], span, max(self.modes.digits, 15))
 
     def _named(self, rows: Numbers, shape: tuple[int, ...]) -> Iterator[dict[str, AtTimes]]:
-        columns = rows.astype(float) if self.modes.digits <= 15 else rows
+        columns = (rows.astype(float) if self.modes.digits <= 15 else rows).T
         return by_coordinate([c.name for c in self.modes.system.coordinates], columns, shape)
 
 

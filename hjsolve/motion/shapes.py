@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import overload
 
 import numpy as np
@@ -32,15 +32,15 @@ def shaped(values: Numbers | Integers | NDArray[np.str_], shape: Shape) -> objec
     return values[0].item() if hasattr(values[0], "item") else values[0]
 
 
-def by_coordinate(names: Sequence[str], rows: Numbers, shape: Shape) -> Iterator[dict[str, AtTimes]]:
-    """Return q, p and velocity by coordinate in the shape of the times, from states worked out in a row.
+def by_coordinate(names: Sequence[str], columns: Iterable[Numbers], shape: Shape) -> Iterator[dict[str, AtTimes]]:
+    """Return q, p and velocity by coordinate in the shape of the times.
 
     Args:
         names: of the coordinates.
-        rows: q, p and velocity of all of them, one row a time.
+        columns: q of all of them, then p, then velocity, each of shape (m,).
         shape: of the times; empty or None for one time.
     """
-    found = [shaped(rows[:, k], shape) for k in range(rows.shape[1])]
+    found = [shaped(column, shape) for column in columns]
     return (dict(zip(names, found[k * len(names) :], strict=False)) for k in range(3))
 
 

@@ -38,8 +38,8 @@ from hjsolve.motion.derivatives.bounded import Bounded, converted, inverse, stac
 from hjsolve.motion.derivatives.formulas import VariedSymbols
 from hjsolve.motion.derivatives.slopes import Slopes
 from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.motion.formulas_at_places import tape_of
 from hjsolve.motion.initial_data import Initial
-from hjsolve.motion.positions import tape_of
 from hjsolve.motion.separated import SeparatedMotion
 from hjsolve.solution.quadratures import Solution
 
