@@ -77,8 +77,9 @@ class RunningError(Generic[N]):
     def mul(self, x: WithErrorBound[N], y: WithErrorBound[N]) -> WithErrorBound[N]:
         """Return x·y; its bound is |y| δx + |x| δy and the rounding of the product."""
         value = self.plain.mul(x.value, y.value)
+        passed = self._part(y.value, x.error), self._part(x.value, y.error)
         own = self._scaled(value, self._units_of_product(x.value, y.value))
-        return WithErrorBound(value, self._sum(self._part(y.value, x.error), self._part(x.value, y.error), own))
+        return WithErrorBound(value, self._sum(*passed, own))
 
     def div(self, x: WithErrorBound[N], y: WithErrorBound[N]) -> WithErrorBound[N]:
         """Return x/y; its bound is (δx + |x/y| δy)/|y| and the rounding of the quotient."""
@@ -93,8 +94,8 @@ class RunningError(Generic[N]):
         a = self.plain
         value = a.power(x.value, n)
         slope = a.mul(a.rational(n, 1), a.power(x.value, n - 1)) if n != 1 else a.rational(1, 1)
-        own = self._scaled(value, self._units_of_power(x.value, n))
-        return WithErrorBound(value, self._sum(self._part(slope, x.error), own))
+        passed, own = self._part(slope, x.error), self._scaled(value, self._units_of_power(x.value, n))
+        return WithErrorBound(value, self._sum(passed, own))
 
     def _units_of_product(self, x: N, y: N) -> int:  # noqa: ARG002  (complex products have more)
         return 1
