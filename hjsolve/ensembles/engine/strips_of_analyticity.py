@@ -17,12 +17,11 @@ from functools import cache
 
 import numpy as np
 
-from hjsolve.arithmetic.elliptic import quarter_period
+from hjsolve.arithmetic.elliptic import jacobi_complex, quarter_period
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Complexes, Mask, Reals
 from hjsolve.ensembles.engine.kernels.crowding import CLUSTERINGS, EVEN
 from hjsolve.ensembles.engine.nodes import Nodes
-from hjsolve.one_coordinate.complex_anomaly import jacobi_complex
 
 EXPONENT = 36.0
 """exp(−36) = 2.3e-16: what is missed of a function is at most 2 M exp(−36), M being ``clearance.GROWTH`` times what the
