@@ -35,7 +35,7 @@ def tape_of(formulas: tuple[sp.Expr, ...], arguments: tuple[sp.Symbol, ...]) -> 
 
 
 def bits_in(array: Numbers) -> int:
-    """Return the binary digits of the numbers of an array; 53 of doubles."""
+    """Return in how many binary digits an array holds its elements; 53 of doubles."""
     if array.dtype != object:
         return 53
     return max((c.prec for x in array.flat if (c := context_of(x)) is not None), default=_BITS_OF_NOTHING)
