@@ -153,10 +153,10 @@ class Filter:
         return total % point.prime
 
 
-def products_vanish(field: Field, products: Iterable[Iterable[Element]], points: int = 2) -> bool | None:
+def products_vanish(field: Field, products: Iterable[Iterable[Element]]) -> bool | None:
     """Whether Σ Π of the elements given vanishes at random points modulo primes; None when no point could be found.
 
     Args:
         products: Σ Π of elements.
     """
-    return Filter(field, points).vanishes([[[x] for x in factors] for factors in products])
+    return Filter(field).vanishes([[[x] for x in factors] for factors in products])

@@ -11,8 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Generic, NamedTuple
 
-from hjsolve.arithmetic.floats import by_squaring
-from hjsolve.arithmetic.function_rules import QUOTIENTS, quotient
+from hjsolve.arithmetic.function_rules import QUOTIENTS, ByOthers, quotient
 from hjsolve.arithmetic.number_types import N
 from hjsolve.arithmetic.tape import Arithmetic
 
@@ -32,7 +31,7 @@ class FirstDifference(NamedTuple, Generic[N]):
 
 
 @dataclass(frozen=True, slots=True)
-class FirstDifferences(Generic[N]):
+class FirstDifferences(ByOthers, Generic[N]):
     """Arithmetic on ``FirstDifference`` values.
 
     Attributes:
@@ -69,10 +68,6 @@ class FirstDifferences(Generic[N]):
         slope = y.slope if x.slope is None else x.slope if y.slope is None else a.add(x.slope, y.slope)
         return self._made(slope, lambda part: a.add(part(x), part(y)))
 
-    def sub(self, x: FirstDifference[N], y: FirstDifference[N]) -> FirstDifference[N]:
-        """Return x − y; slopes are subtracted."""
-        return self.add(x, self.unary("neg", y))
-
     def mul(self, x: FirstDifference[N], y: FirstDifference[N]) -> FirstDifference[N]:
         """Return x·y, by Leibniz' rule (xy)[e, q] = x[e, q] y(q) + x(e) y[e, q]."""
         a = self.plain
@@ -91,13 +86,6 @@ class FirstDifferences(Generic[N]):
         rest = a.unary("neg", a.mul(base, y.slope))
         rest = rest if x.slope is None else a.add(x.slope, rest)
         return FirstDifference(base, a.div(x.value, y.value), a.div(rest, y.value))
-
-    def power(self, x: FirstDifference[N], n: int) -> FirstDifference[N]:
-        """Return xⁿ, by squaring."""
-        if n <= 0:
-            return self.div(self.rational(1, 1), self.power(x, -n)) if n else self.rational(1, 1)
-        result: FirstDifference[N] = by_squaring(self.mul, x, n)
-        return result
 
     def unary(self, name: str, x: FirstDifference[N]) -> FirstDifference[N]:
         """Return Φ(x), its slope by Φ[x(e), x(q)] x[e, q]."""

@@ -15,7 +15,7 @@ from math import factorial
 import numpy as np
 
 from hjsolve.arithmetic.error_free import Pair, exact, quick_two_sum, two_product, two_sum
-from hjsolve.arithmetic.floats import by_squaring
+from hjsolve.arithmetic.function_rules import ByOthers
 from hjsolve.arithmetic.number_types import Elementwise
 
 _LN2 = (0.6931471805599453, 2.3190468138462996e-17)
@@ -31,7 +31,7 @@ def _coefficients(start: int, step: int, count: int, alternate: bool) -> tuple[P
 
 
 @dataclass(frozen=True, slots=True)
-class DoubleDouble:
+class DoubleDouble(ByOthers):
     """Arithmetic on ``Pair`` values, elementwise over arrays."""
 
     def rational(self, numerator: int, denominator: int) -> Pair:
@@ -48,10 +48,6 @@ class DoubleDouble:
         s, e = quick_two_sum(s, e + t)
         return quick_two_sum(s, e + f)
 
-    def sub(self, x: Pair, y: Pair) -> Pair:
-        """Return x − y, by the same sums."""
-        return self.add(x, Pair(-y.high, -y.low))
-
     def mul(self, x: Pair, y: Pair) -> Pair:
         """Return x·y; the product of the low parts is below the rounding."""
         p, e = two_product(x.high, y.high)
@@ -65,13 +61,6 @@ class DoubleDouble:
         rest = self.sub(rest, self.mul(Pair(second, 0.0), y))
         s, e = quick_two_sum(first, second)
         return quick_two_sum(s, e + rest.high / y.high)
-
-    def power(self, x: Pair, n: int) -> Pair:
-        """Return xⁿ, by squaring."""
-        if n < 0:
-            return self.div(Pair(1.0, 0.0), self.power(x, -n))
-        result: Pair = by_squaring(self.mul, x, n)
-        return result
 
     def unary(self, name: str, x: Pair) -> Pair:
         """Return a function of x, good to about 2⁻¹⁰⁰."""

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import overload
+from typing import cast, overload
 
-from hjsolve.arithmetic.floats import Float64, Multi
-from hjsolve.arithmetic.number_types import Mpf, N, Numeric, Reals
+import numpy as np
+
+from hjsolve.arithmetic.floats import ComplexPoints, Float64, Multi
+from hjsolve.arithmetic.number_types import Complexes, Elementwise, Mpf, N, Numeric, Reals
 from hjsolve.arithmetic.tape import Arithmetic
 from hjsolve.errors import InternalError
 
@@ -92,15 +94,17 @@ def jacobi(
     u: Numeric, complement: float | Mpf, quarter: float | Mpf, arithmetic: Float64 | Multi
 ) -> tuple[Numeric, Numeric, Numeric]: ...
 def jacobi(
-    u: Numeric, complement: float | Mpf, quarter: float | Mpf, arithmetic: Float64 | Multi
+    u: Elementwise, complement: Elementwise, quarter: Elementwise, arithmetic: Float64 | Multi
 ) -> tuple[Numeric, Numeric, Numeric]:
     """Return sn u, cn u, dn u for −2K ≤ u ≤ 2K (or just beyond), cn with full relative accuracy near its zeros ±K.
 
     Args:
-        u: argument; scalar, or array for ``Float64``.
+        u: argument; scalar, or array for ``Float64``, of complex numbers for ``ComplexPoints``.
         complement: k′² = 1 − k².
         quarter: K, see ``quarter_period``.
     """
+    if isinstance(arithmetic, ComplexPoints):
+        return cast("tuple[Numeric, Numeric, Numeric]", jacobi_complex(u, complement, quarter))
     size = abs(u)
     reduced = size > quarter
     v = arithmetic.where(reduced, 2 * quarter - size, size)
@@ -118,3 +122,27 @@ def jacobi(
     sn, cn, dn = (arithmetic.where(far, *x) for x in ((cn / dn, sn), (k * sn / dn, cn), (k / dn, dn)))
     sn = arithmetic.copysign(sn, u)
     return arithmetic.where(beyond, -sn, sn), arithmetic.where(reduced, -cn, cn), dn
+
+
+def jacobi_complex(u: Complexes, complement: float, quarter: float) -> tuple[Complexes, Complexes, Complexes]:
+    """Return sn, cn, dn of complex arguments, |Re u| ≤ 2K, by the addition theorem (DLMF 22.8.19-21).
+
+    Args:
+        u: complex array.
+        complement: k′² = 1 − k².
+        quarter: K, the quarter period.
+    """
+    if complement == 1.0:
+        return np.sin(u), np.cos(u), np.ones_like(u)
+    s, c, d = jacobi(np.real(u), complement, quarter, Float64())
+    parameter = 1.0 - complement
+    other = quarter_period(parameter, Float64())
+    # 2iK′ is a period of sn²: no strip goes that far, and the clip keeps the arithmetic finite
+    y = np.clip(np.imag(u), -1.999 * other, 1.999 * other)
+    s1, c1, d1 = jacobi(y, parameter, other, Float64())
+    # a sum of squares: it vanishes at the poles alone
+    below = c1 * c1 + parameter * (s * s1) ** 2
+    sn = (s * d1 + 1j * c * d * s1 * c1) / below
+    cn = (c * c1 - 1j * s * d * s1 * d1) / below
+    dn = (d * c1 * d1 - 1j * parameter * s * c * s1) / below
+    return cast("Complexes", sn), cast("Complexes", cn), cast("Complexes", dn)

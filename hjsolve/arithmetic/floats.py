@@ -169,6 +169,42 @@ def sech(x: Elementwise) -> Elementwise:
     return 2 * decay / (1 + decay * decay)
 
 
+class ComplexPoints(Float64):
+    """Complex doubles, where a few digits are enough; functions are the analytic ones that formulas on the line mean.
+
+    Comparisons are those of numpy, which orders complex numbers by their real parts.
+    """
+
+    __slots__ = ()
+
+    def unary(self, name: str, x: Elementwise) -> Elementwise:
+        """Return a function of one variable."""
+        if name == "turned":
+            return 1j * x
+        if name == "abs":  # the analytic function ±z
+            return np.where(np.real(x) < 0, -x, x)
+        if name == "sech":
+            decay = np.exp(np.where(np.real(x) < 0, x, -x))
+            return 2 * decay / (1 + decay * decay)
+        return Float64().unary(name, np.asarray(x, dtype=complex))
+
+    def power(self, x: Elementwise, n: int) -> Elementwise:
+        """Return xⁿ."""
+        return x**n
+
+    def rint(self, x: Elementwise) -> Elementwise:
+        """Return the whole number nearest to the real part."""
+        return np.rint(np.real(x))
+
+    def atan2(self, y: Elementwise, x: Elementwise) -> Elementwise:
+        """Return the angle φ of x + iy = r e^{iφ} for complex x and y, r² = x² + y²."""
+        return -1j * np.log((x + 1j * y) / np.sqrt(x * x + y * y))
+
+    def copysign(self, size: Elementwise, sign: Elementwise) -> Elementwise:
+        """Return a size with the sign of the real part of another number."""
+        return np.where(np.real(sign) < 0, -size, size)
+
+
 def _small_power(x: Elementwise, n: int) -> Elementwise:
     y = x * x if abs(n) == 2 else x * x * x if abs(n) == 3 else x
     return y if n > 0 else 1.0 / y

@@ -1,4 +1,4 @@
-"""The rules of elementary functions that any arithmetic shares: Φ′, Φ″, quotients of two, and where they rise.
+"""The rules that any arithmetic shares: differences and powers; Φ′, Φ″ of functions, quotients, where they rise.
 
 Jets, disks, intervals, running errors and divided differences all take them from here. Each rule is arranged so that it
 keeps its relative accuracy where the function is flat: 1/cosh² and not 1 − tanh² far out, √(x − 1) √(x + 1) and not
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from math import inf
 
+from hjsolve.arithmetic.floats import by_squaring
 from hjsolve.arithmetic.number_types import N
 from hjsolve.arithmetic.tape import Arithmetic
 
@@ -23,6 +24,22 @@ BY_VALUE = frozenset({"abs", "exp", "sqrt", "tan", "sech"})
 """Functions whose derivative is written by their value."""
 OF_ITSELF = frozenset({"exp", "sin", "cos", "sinh", "cosh"})
 """Functions whose second derivative is ± their value."""
+
+
+class ByOthers:
+    """What an arithmetic makes of its other operations: x − y as x + (−y), and xⁿ as products."""
+
+    __slots__ = ()
+
+    def sub(self: Arithmetic[N], x: N, y: N) -> N:
+        """Return x − y, as x + (−y)."""
+        return self.add(x, self.unary("neg", y))
+
+    def power(self: Arithmetic[N], x: N, n: int) -> N:
+        """Return xⁿ, by squaring."""
+        if n <= 0:
+            return self.rational(1, 1) if n == 0 else self.div(self.rational(1, 1), self.power(x, -n))
+        return by_squaring(self.mul, x, n)
 
 
 def quotient(a: Arithmetic[N], name: str, x: N) -> N:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Generic, NamedTuple
 
-from hjsolve.arithmetic.function_rules import bend, slope
+from hjsolve.arithmetic.function_rules import ByOthers, bend, slope
 from hjsolve.arithmetic.number_types import N
 from hjsolve.arithmetic.tape import Arithmetic
 
@@ -27,7 +27,7 @@ class Derivatives(NamedTuple, Generic[N]):
 
 
 @dataclass(frozen=True, slots=True)
-class Jets(Generic[N]):
+class Jets(ByOthers, Generic[N]):
     """Differentiation by the chain rule over a plain arithmetic or over intervals.
 
     Attributes:
@@ -62,10 +62,6 @@ class Jets(Generic[N]):
     def add(self, x: Jet[N], y: Jet[N]) -> Jet[N]:
         """Return x + y with its derivatives."""
         return Jet(self.plain.add(x.value, y.value), self._plus(x.first, y.first), self._plus(x.second, y.second))
-
-    def sub(self, x: Jet[N], y: Jet[N]) -> Jet[N]:
-        """Return x − y with its derivatives."""
-        return self.add(x, self.unary("neg", y))
 
     def mul(self, x: Jet[N], y: Jet[N]) -> Jet[N]:
         """Return x·y, by (xy)″ = x″y + 2x′y′ + xy″."""

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from hjsolve.arithmetic.floats import Multi
-from hjsolve.arithmetic.function_rules import QUOTIENTS, quotient
+from hjsolve.arithmetic.function_rules import QUOTIENTS, ByOthers, quotient
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError
 
@@ -19,7 +19,7 @@ Series = list[Mpf]
 
 
 @dataclass(frozen=True)
-class PowerSeriesArithmetic:
+class PowerSeriesArithmetic(ByOthers):
     """Arithmetic of series up to an order.
 
     Attributes:
@@ -50,10 +50,6 @@ class PowerSeriesArithmetic:
         """Return x + y."""
         return [a + b for a, b in zip(x, y, strict=True)]
 
-    def sub(self, x: Series, y: Series) -> Series:
-        """Return x − y."""
-        return [a - b for a, b in zip(x, y, strict=True)]
-
     def mul(self, x: Series, y: Series) -> Series:
         """Return x y."""
         return [self._dot(x[: k + 1], y[k::-1]) for k in range(self.order + 1)]
@@ -63,15 +59,6 @@ class PowerSeriesArithmetic:
         found: Series = []
         for k in range(self.order + 1):
             found.append((x[k] - self._dot(found, y[k:0:-1])) / y[0])
-        return found
-
-    def power(self, x: Series, n: int) -> Series:
-        """Return xⁿ for a whole n."""
-        if n < 0:
-            return self.div(self.rational(1, 1), self.power(x, -n))
-        found = self.rational(1, 1)
-        for _ in range(n):
-            found = self.mul(found, x)
         return found
 
     def unary(self, name: str, x: Series) -> Series:

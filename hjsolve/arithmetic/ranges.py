@@ -186,7 +186,7 @@ def _wave(c: Context, name: str, x: Range) -> Range:
     ends = [_wide(c, name, end, None) for end in x]
     low, high = max(min(a for a, _ in ends), -c.one), min(max(b for _, b in ends), c.one)
     # in quarter turns, maxima of the sine lie at 1 + 4k and troughs at 3 + 4k; of the cosine at 4k and 2 + 4k
-    first, last = (divide(c, (end, end), quarter_turns(c, 1)) for end in x)
+    first, last = (divide(c, (end, end), quarter_turn(c)) for end in x)
     barrier_top = 1 if name == "sin" else 0
     return (
         -c.one if _meets(c, first[0], last[1], barrier_top + 2) else low,
@@ -200,19 +200,19 @@ def _meets(c: Context, low: Mpf, high: Mpf, offset: int) -> bool:
     return bool(c.ceil(first - 8 * c.eps * (1 + abs(low))) <= last + 8 * c.eps * (1 + abs(high)))
 
 
-def quarter_turns(c: Context, n: int) -> Range:
-    """Return n π/2, rounded outward; n ≥ 0.
+def quarter_turn(c: Context) -> Range:
+    """Return π/2, rounded outward.
 
     Args:
         c: mpmath's context.
     """
-    half = c.pi * n / 2
+    half = c.pi / 2
     margin = c.ldexp(abs(half), _WIDER - c.prec)
     return c.fsub(half, margin, rounding="f"), c.fadd(half, margin, rounding="c")
 
 
 def _tangent(c: Context, x: Range) -> Range:
-    first, last = (divide(c, (end, end), quarter_turns(c, 1)) for end in x)
+    first, last = (divide(c, (end, end), quarter_turn(c)) for end in x)
     if _meets(c, first[0], last[1], 1) or _meets(c, first[0], last[1], 3):
         raise InvalidInputError(f"tan of {_text(c, x)}: a pole may lie in that, so there is no bound")
     return _wide(c, "tan", x[0], 0)[0], _wide(c, "tan", x[1], 0)[1]
@@ -239,8 +239,8 @@ _OTHERS: dict[str, Function] = {
     "neg": lambda c, x: (c.fneg(x[1], exact=True), c.fneg(x[0], exact=True)),
     "square": lambda c, x: _whole_power(c, x, 2),
     "reciprocal": lambda c, x: divide(c, (c.one, c.one), x),
-    "degrees": lambda c, x: divide(c, multiply(c, x, (c.mpf(90), c.mpf(90))), quarter_turns(c, 1)),
-    "radians": lambda c, x: divide(c, multiply(c, x, quarter_turns(c, 1)), (c.mpf(90), c.mpf(90))),
+    "degrees": lambda c, x: divide(c, multiply(c, x, (c.mpf(90), c.mpf(90))), quarter_turn(c)),
+    "radians": lambda c, x: divide(c, multiply(c, x, quarter_turn(c)), (c.mpf(90), c.mpf(90))),
 }
 FUNCTIONS = frozenset({*_RISING, *_OTHERS})
 """Functions of one variable."""
@@ -256,9 +256,9 @@ def angle_of(c: Context, y: Range, x: Range) -> Range:
     if x[0] > 0:
         return apply(c, "atan", divide(c, y, x))
     if y[0] > 0:
-        return subtract(c, quarter_turns(c, 1), apply(c, "atan", divide(c, x, y)))
+        return subtract(c, quarter_turn(c), apply(c, "atan", divide(c, x, y)))
     if y[1] < 0:
-        right = quarter_turns(c, 1)
+        right = quarter_turn(c)
         return subtract(c, (-right[1], -right[0]), apply(c, "atan", divide(c, x, y)))
     raise InvalidInputError(
         f"the angle of x = {_text(c, x)}, y = {_text(c, y)}: it jumps by a turn there, so there is no bound"

@@ -77,9 +77,9 @@ class RunningError(Generic[N]):
     def mul(self, x: WithErrorBound[N], y: WithErrorBound[N]) -> WithErrorBound[N]:
         """Return x·y; its bound is |y| δx + |x| δy and the rounding of the product."""
         value = self.plain.mul(x.value, y.value)
-        return WithErrorBound(
-            value, self._sum(self._part(y.value, x.error), self._part(x.value, y.error), self._scaled(value))
-        )
+        passed = self._part(y.value, x.error), self._part(x.value, y.error)
+        own = self._scaled(value, self._units_of_product(x.value, y.value))
+        return WithErrorBound(value, self._sum(*passed, own))
 
     def div(self, x: WithErrorBound[N], y: WithErrorBound[N]) -> WithErrorBound[N]:
         """Return x/y; its bound is (δx + |x/y| δy)/|y| and the rounding of the quotient."""
@@ -87,14 +87,24 @@ class RunningError(Generic[N]):
         passed = self._sum(x.error, self._part(value, y.error))
         if passed is not None:
             passed = self.plain.div(passed, self.plain.unary("abs", y.value))
-        return WithErrorBound(value, self._sum(passed, self._scaled(value)))
+        return WithErrorBound(value, self._sum(passed, self._scaled(value, self._units_of_quotient(y.value))))
 
     def power(self, x: WithErrorBound[N], n: int) -> WithErrorBound[N]:
         """Return xⁿ; its bound is |n xⁿ⁻¹| δx and |n| roundings of the power."""
         a = self.plain
         value = a.power(x.value, n)
         slope = a.mul(a.rational(n, 1), a.power(x.value, n - 1)) if n != 1 else a.rational(1, 1)
-        return WithErrorBound(value, self._sum(self._part(slope, x.error), self._scaled(value, abs(n))))
+        passed, own = self._part(slope, x.error), self._scaled(value, self._units_of_power(x.value, n))
+        return WithErrorBound(value, self._sum(passed, own))
+
+    def _units_of_product(self, x: N, y: N) -> int:  # noqa: ARG002  (complex products have more)
+        return 1
+
+    def _units_of_quotient(self, y: N) -> int:  # noqa: ARG002
+        return 1
+
+    def _units_of_power(self, x: N, n: int) -> int:  # noqa: ARG002
+        return abs(n)
 
     def unary(self, name: str, x: WithErrorBound[N]) -> WithErrorBound[N]:
         """Return Φ(x); its bound is |Φ′(x)| δx and ``own`` roundings of the value."""

@@ -15,8 +15,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Generic, NamedTuple
 
-from hjsolve.arithmetic.floats import by_squaring
-from hjsolve.arithmetic.function_rules import QUOTIENTS, quotient
+from hjsolve.arithmetic.function_rules import QUOTIENTS, ByOthers, quotient
 from hjsolve.arithmetic.number_types import N
 from hjsolve.arithmetic.tape import Arithmetic
 
@@ -35,7 +34,7 @@ class SecondDifference(NamedTuple, Generic[N]):
 
 
 @dataclass(frozen=True, slots=True)
-class SecondDifferences(Generic[N]):
+class SecondDifferences(ByOthers, Generic[N]):
     """Arithmetic on ``SecondDifference`` values.
 
     Attributes:
@@ -79,10 +78,6 @@ class SecondDifferences(Generic[N]):
             return SecondDifference(base) if other.first is None else self._made(base, other.first, other.second)
         return self._made(base, a.add(x.first, y.first), a.add(x.second, y.second))
 
-    def sub(self, x: SecondDifference[N], y: SecondDifference[N]) -> SecondDifference[N]:
-        """Return x − y; differences are subtracted."""
-        return self.add(x, self.unary("neg", y))
-
     def mul(self, x: SecondDifference[N], y: SecondDifference[N]) -> SecondDifference[N]:
         """Return x·y, by (xy)[q₀, q₀, q] = x₀ y[q₀, q₀, q] + x′₀ y[q₀, q] + x[q₀, q₀, q] y."""
         a = self.plain
@@ -105,13 +100,6 @@ class SecondDifferences(Generic[N]):
         first = a.div(a.sub(zero if x.first is None else x.first, a.mul(base, y.first)), y.base)
         rest = a.sub(zero if x.second is None else x.second, a.mul(base, y.second))
         return self._made(base, first, a.div(a.sub(rest, a.mul(first, y.slope)), y.value))
-
-    def power(self, x: SecondDifference[N], n: int) -> SecondDifference[N]:
-        """Return xⁿ, by squaring."""
-        if n < 0:
-            return self.div(self.rational(1, 1), self.power(x, -n))
-        result: SecondDifference[N] = by_squaring(self.mul, x, n)
-        return result
 
     def unary(self, name: str, x: SecondDifference[N]) -> SecondDifference[N]:
         """Return Φ(x), by the addition theorem of Φ."""

@@ -79,23 +79,27 @@ def _add(kinds: _Commands, name: str, summary: str, about: str) -> argparse.Argu
     )
 
 
+def _on_a_system(kinds: _Commands, name: str, summary: str, about: str) -> argparse.ArgumentParser:
+    command = _add(kinds, name, summary, f"{about}\n\n{_SYSTEMS}")
+    _system_arguments(command)
+    return command
+
+
 def _add_check(kinds: _Commands) -> None:
     about = (
         "Decide whether a system separates in its coordinates and print the evidence: the reduction, the\n"
-        f"conditions, Stäckel and Liouville forms; or the obstruction with a witness.\n\n{_SYSTEMS}"
+        "conditions, Stäckel and Liouville forms; or the obstruction with a witness."
     )
-    check = _add(kinds, "check", "does the system separate, and why?", about)
-    _system_arguments(check)
+    check = _on_a_system(kinds, "check", "does the system separate, and why?", about)
     _budget_argument(check)
 
 
 def _add_solve(kinds: _Commands) -> None:
     about = (
         "Solve a system by quadratures and print Hamilton's characteristic function W, the momenta, the\n"
-        f"time law and the orbit equations.\n\n{_SYSTEMS}"
+        "time law and the orbit equations."
     )
-    solve = _add(kinds, "solve", "W, momenta, time law and orbit equations", about)
-    _system_arguments(solve)
+    solve = _on_a_system(kinds, "solve", "W, momenta, time law and orbit equations", about)
     _find_argument(solve)
     _budget_argument(solve)
     solve.add_argument(
@@ -108,10 +112,9 @@ def _add_coordinates(kinds: _Commands) -> None:
     about = (
         "Find every orthogonal coordinate system in which a system given in Cartesian coordinates of the plane\n"
         "or of space separates, with centres, axes and foci; and normal modes where T and V are quadratic with\n"
-        f"constant coefficients. Status 1: there are none.\n\n{_SYSTEMS}"
+        "constant coefficients. Status 1: there are none."
     )
-    coordinates = _add(kinds, "coordinates", "in which coordinates does it separate?", about)
-    _system_arguments(coordinates)
+    coordinates = _on_a_system(kinds, "coordinates", "in which coordinates does it separate?", about)
     own = coordinates.add_argument_group("coordinates of your own, in place of a search")
     _many(own, "--place", "EQUATION", 'an old coordinate in the new ones, e.g. "x = r*cos(phi)" (repeat, one for each)')
     _many(own, "--new", '"NAME: DOMAIN"', 'e.g. "r: 0 < r", "phi: angle" (repeat)')
@@ -122,10 +125,9 @@ def _add_verify(kinds: _Commands) -> None:
         "Decide whether Hamilton's characteristic function W(q, constants) or principal function S(q, constants, t)\n"
         "that you type is a complete integral: it solves the Hamilton-Jacobi equation, and its constants are\n"
         "independent. integral(f, q) is an antiderivative, integral(f, q, a) one from a to q. Status 1: it is not,\n"
-        f"with a witness. Status 3: neither was proved.\n\n{_SYSTEMS}"
+        "with a witness. Status 3: neither was proved."
     )
-    verify = _add(kinds, "verify", "is this W or S a complete integral?", about)
-    _system_arguments(verify)
+    verify = _on_a_system(kinds, "verify", "is this W or S a complete integral?", about)
     verify.add_argument("-W", metavar="FORMULA", help="Hamilton's characteristic function W(q, constants)")
     verify.add_argument("-S", metavar="FORMULA", help="Hamilton's principal function S(q, constants, t), in place of W")
     verify.add_argument("--F4", metavar="FORMULA", help="a function of the momenta, F4(p, constants), in place of W")
@@ -139,10 +141,9 @@ def _add_verify(kinds: _Commands) -> None:
 def _add_bracket(kinds: _Commands) -> None:
     about = (
         "Print the Poisson brackets of every two of several functions of coordinates, momenta p_q or velocities,\n"
-        f"and t; H is the Hamiltonian. Status 0: all of them are proved to vanish, or are written down.\n\n{_SYSTEMS}"
+        "and t; H is the Hamiltonian. Status 0: all of them are proved to vanish, or are written down."
     )
-    command = _add(kinds, "bracket", "Poisson brackets of functions", about)
-    _system_arguments(command)
+    command = _on_a_system(kinds, "bracket", "Poisson brackets of functions", about)
     _of_argument(command)
     _budget_argument(command, "for each proof")
     _json_argument(command)
@@ -152,19 +153,17 @@ def _add_integral(kinds: _Commands) -> None:
     about = (
         "Decide whether functions of coordinates, momenta p_q or velocities, and t are constant along every motion,\n"
         "(f, H) + df/dt = 0; of several integrals, whether they are in involution. Status 1: one of them is not, with\n"
-        f"a witness. Status 3: neither was proved.\n\n{_SYSTEMS}"
+        "a witness. Status 3: neither was proved."
     )
-    command = _add(kinds, "integral", "is this an integral of the motion?", about)
-    _system_arguments(command)
+    command = _on_a_system(kinds, "integral", "is this an integral of the motion?", about)
     _of_argument(command)
     _budget_argument(command, "for each proof")
     _json_argument(command)
 
 
 def _add_action(kinds: _Commands) -> None:
-    about = f"Compute Hamilton's integral of L dt along a path that you type; it need not be a motion.\n\n{_SYSTEMS}"
-    command = _add(kinds, "action", "the integral of L dt along a path", about)
-    _system_arguments(command)
+    about = "Compute Hamilton's integral of L dt along a path that you type; it need not be a motion."
+    command = _on_a_system(kinds, "action", "the integral of L dt along a path", about)
     _many(command, "--path", "EQUATION", 'e.g. "x = t**2" (repeat, one for each)')
     command.add_argument("--between", metavar="T:T", help="the first and the last time, e.g. 0:1")
     command.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the value (default 15)")
@@ -174,11 +173,9 @@ def _add_action(kinds: _Commands) -> None:
 def _add_loop(kinds: _Commands) -> None:
     about = (
         "Follow a closed curve of states q(s), p(s), 0 <= s <= 2*pi, and print the integral of p dq along it at\n"
-        "several times: it stays, as Poincare proved. Status 1: the values do not agree within their errors.\n\n"
-        + _SYSTEMS
+        "several times: it stays, as Poincare proved. Status 1: the values do not agree within their errors."
     )
-    command = _add(kinds, "loop", "the integral of p dq along a closed curve as it moves", about)
-    _system_arguments(command)
+    command = _on_a_system(kinds, "loop", "the integral of p dq along a closed curve as it moves", about)
     _find_argument(command)
     for option, what in (("--q", "coordinates"), ("--momentum", "momenta")):
         _many(command, option, "NAME=FORMULA", f"{what} of the curve, e.g. x=cos(s)")
@@ -190,10 +187,9 @@ def _add_impact(kinds: _Commands) -> None:
     about = (
         "Compute an impact: constraints appear suddenly and change the velocities by unknown impulses. Prints the\n"
         "impulses, the velocities, momenta and energies before and after, their balance, and the system if the\n"
-        f"constraints last. All results are exact.\n\n{_SYSTEMS}"
+        "constraints last. All results are exact."
     )
-    command = _add(kinds, "impact", "an impact with an unknown impulse", about)
-    _system_arguments(command)
+    command = _on_a_system(kinds, "impact", "an impact with an unknown impulse", about)
     _motion_arguments(command)
     _many(command, "--meets", "EQUATION", 'what holds just after, e.g. "dot(y) = 0" or "x**2 + y**2 = 1" (repeat)')
     _many(
@@ -208,10 +204,9 @@ def _add_impact(kinds: _Commands) -> None:
 def _add_forces(kinds: _Commands) -> None:
     about = (
         "Write Lagrange's equations with multipliers, and the constraint forces and accelerations as functions of the\n"
-        f"state. The constraints need not be integrable.\n\n{_SYSTEMS}"
+        "state. The constraints need not be integrable."
     )
-    command = _add(kinds, "forces", "constraint forces by Lagrange's multipliers", about)
-    _system_arguments(command)
+    command = _on_a_system(kinds, "forces", "constraint forces by Lagrange's multipliers", about)
     _holds_argument(command, '"dot(x)*cos(theta) + dot(y)*sin(theta) = 0"')
     _json_argument(command)
 
@@ -219,10 +214,9 @@ def _add_forces(kinds: _Commands) -> None:
 def _add_contact(kinds: _Commands) -> None:
     about = (
         "Find when a body leaves a surface that pushes it and cannot pull: the constraint force as a formula, the\n"
-        f"instant at which it changes sign, and the state there.\n\n{_SYSTEMS}"
+        "instant at which it changes sign, and the state there."
     )
-    command = _add(kinds, "contact", "when a body leaves a one-sided constraint", about)
-    _system_arguments(command)
+    command = _on_a_system(kinds, "contact", "when a body leaves a one-sided constraint", about)
     _motion_arguments(command)
     _holds_argument(command, '"x**2 + y**2 >= 1" of the outside of a circle; "=" lasts on both sides')
     command.add_argument("--until", metavar="T", help="the last time of interest (default: no limit)")
@@ -281,10 +275,9 @@ def _add_report(kinds: _Commands) -> None:
     about = (
         "Write a report: the system and its reduction, whether and why it separates, W, time law and orbit, and\n"
         "one motion with figures and results. The suffix of FILE chooses the format: .html .pdf .md .json .txt\n"
-        f".tex\n\n{_SYSTEMS}"
+        ".tex"
     )
-    report = _add(kinds, "report", "all of that in a file, with figures and results", about)
-    _system_arguments(report)
+    report = _on_a_system(kinds, "report", "all of that in a file, with figures and results", about)
     _find_argument(report)
     _budget_argument(report)
     report.add_argument(
@@ -342,11 +335,9 @@ def _motion_arguments(command: argparse.ArgumentParser) -> None:
 def _add_motion(kinds: _Commands) -> None:
     about = (
         "Compute a motion and print its results (periods, actions, turning points, ...), or with --times its\n"
-        "states, as CSV or JSON. Each value has a bound on its error. A scene is computed at its own times.\n\n"
-        + _SYSTEMS
+        "states, as CSV or JSON. Each value has a bound on its error. A scene is computed at its own times."
     )
-    motion = _add(kinds, "motion", "results of a motion, and its state at given times", about)
-    _system_arguments(motion)
+    motion = _on_a_system(kinds, "motion", "results of a motion, and its state at given times", about)
     _find_argument(motion)
     _motion_arguments(motion)
     motion.add_argument("--times", metavar="TIMES", help="start:stop:count, both ends included, or a list: 0,1/2,1e3")
@@ -390,10 +381,9 @@ def _add_cost(kinds: _Commands) -> None:
     about = (
         "Measure accuracy against time: all methods that apply compute the same quantities, hjsolve's own and, for\n"
         "states, numerical integrators. Errors are true errors, measured against a reference with more digits from\n"
-        f"an independent method.\n\n{_SYSTEMS}"
+        "an independent method."
     )
-    cost = _add(kinds, "cost", "measure accuracy against computing time", about)
-    _system_arguments(cost)
+    cost = _on_a_system(kinds, "cost", "measure accuracy against computing time", about)
     _motion_arguments(cost)
     cost.add_argument(
         "--digits", metavar="N,N,…", help="digits beyond double precision (default 20,30,50, with 30 seconds 100 too)"

@@ -81,7 +81,8 @@ def without_constraints(system: System, constraints: Iterable[str]) -> System:
         raise
     for source, f in integrals:
         name = free_name(f"c_{len(constants) + 1}", first.symbols)
-        sign = "positive" if domain_bounds(first).get(f) == (0, None) else "real"  # f is a coordinate that stays
+        # f is a coordinate that stays
+        sign = "positive" if domain_bounds(first.coordinates).get(f) == (0, None) else "real"
         constants.append(parameter(name, assume=sign, meaning=f"constant of integration of {source}"))
         levels.append((source, f - constants[-1].symbol))
     second, later = _reduced(first, levels, constants)
@@ -130,7 +131,7 @@ def _integrals(system: System, forms: list[tuple[str, list[sp.Expr]]]) -> list[t
     moves = any(form[-1] != 0 or any(TIME in a.free_symbols for a in form) for _, form in forms)
     if not moves:
         symbols, forms = symbols[:-1], [(source, form[:-1]) for source, form in forms]
-    region = Region(domain_bounds(system), system.defaults)
+    region = Region(domain_bounds(system.coordinates), system.defaults)
     found = [(source, _exact(symbols, form, region)) for source, form in forms]
     if any(f is None for _, f in found):
         solved = _solved(symbols, forms, region)
@@ -218,8 +219,8 @@ def _eliminate(system: System, left: _Eliminated, source: str, g: sp.Expr) -> No
             f"axes); {_CURE}"
         )
     for q, f in solution.items():
-        domain = next((c for c in system.coordinates if c.name == q.name), None)
-        if domain is not None and not stays_inside(f, domain_bounds(system).get(domain.symbol, (None, None)), bounds):
+        own = next((ends for symbol, ends in domain_bounds(system.coordinates).items() if symbol.name == q.name), None)
+        if own is not None and not stays_inside(f, own, bounds):
             raise InvalidSystemError(f"{source}: {q.name} = {f} was not proved to stay in its domain; {_CURE}")
         left.domains.pop(q.name)
     for q, f in left.formulas.items():
@@ -229,8 +230,7 @@ def _eliminate(system: System, left: _Eliminated, source: str, g: sp.Expr) -> No
 
 
 def _bounds(system: System, left: _Eliminated) -> dict[sp.Symbol, tuple[sp.Expr | None, sp.Expr | None]]:
-    known = {c.symbol: ends for c, ends in zip(system.coordinates, domain_bounds(system).values(), strict=True)}
-    return {q: ends for q, ends in known.items() if q.name in left.domains}
+    return {q: ends for q, ends in domain_bounds(system.coordinates).items() if q.name in left.domains}
 
 
 def _linear(

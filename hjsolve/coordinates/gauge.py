@@ -59,7 +59,7 @@ def find_gauge(system: System, budget: float) -> Gauge | None:
     if not M.free_symbols.isdisjoint(x):
         return None
     a, V = linear_terms(system), system.potential - kinetic_rest(system)
-    reader = Reader([*a, V, *M], domain_bounds(system), Budget.seconds(budget))
+    reader = Reader([*a, V, *M], domain_bounds(system.coordinates), Budget.seconds(budget))
     F = sp.Matrix(len(x), len(x), lambda i, j: sp.simplify(sp.diff(a[j], x[i]) - sp.diff(a[i], x[j])))
     shifts = _shifts([V, *F], x, reader)
     if not shifts:
@@ -119,7 +119,8 @@ def field_in(chart: System, transformation: Mapping[sp.Symbol, sp.Expr], system:
     a = [sp.simplify(e) for e in J.T * sp.Matrix([e.xreplace(dict(transformation)) for e in linear_terms(system)])]
     F = [sp.simplify(sp.diff(a[j], u[i]) - sp.diff(a[i], u[j])) for i in range(len(u)) for j in range(i)]
     ignorable = [s for s in u if not any(e.has(s) for e in (*mass_matrix(chart), chart.potential, *F))]
-    reader = Reader([*a, *F, chart.potential, *mass_matrix(chart)], domain_bounds(chart), Budget.seconds(budget))
+    bounds = domain_bounds(chart.coordinates)
+    reader = Reader([*a, *F, chart.potential, *mass_matrix(chart)], bounds, Budget.seconds(budget))
     free = free_of(reader, a, u, ignorable) if ignorable else None
     if free is None:
         return None

@@ -102,7 +102,7 @@ def constraint_forces(system: System | str | Path, constraints: Sequence[str] = 
         raise InvalidSystemError('constraint_forces: give constraints, such as ["x**2 + y**2 = 1"]')
     free, texts = system.unconstrained, system.constraints
     found = forces_of(free, texts, [read_constraint(free, x, f"constraints[{n}]") for n, x in enumerate(texts, 1)])
-    put, bounds = eliminated_state(system), domain_bounds(system)
+    put, bounds = eliminated_state(system), domain_bounds(system.coordinates)
     return replace(found, reduced=tuple(short_form(λ.subs(put, simultaneous=True), bounds) for λ in found.multipliers))
 
 
@@ -168,7 +168,7 @@ def forces_of(system: System, texts: Sequence[str], forms: Sequence[sp.Expr]) ->
         for q, v in zip(places, speeds, strict=True)
     ])  # fmt: skip
     inverse = inverse_mass_matrix(system)
-    bounds = domain_bounds(system)
+    bounds = domain_bounds(system.coordinates)
 
     def short(x: sp.Expr) -> sp.Expr:
         return short_form(x, bounds)

@@ -87,7 +87,7 @@ def _ends(c: Coordinate) -> Bounds:
 
 
 def _check_domain(system: System, formulas: list[sp.Expr], bounds: Mapping[sp.Symbol, Bounds]) -> None:
-    for (q, ends), f in zip(domain_bounds(system).items(), formulas, strict=True):
+    for (q, ends), f in zip(domain_bounds(system.coordinates).items(), formulas, strict=True):
         if not stays_inside(f, ends, bounds):
             raise InvalidSystemError(
                 f"place.{q.name}: {f} was not proved to stay in the domain of {q.name}; narrow the domains of the new "

@@ -8,9 +8,6 @@ from dataclasses import dataclass
 from hjsolve.display.progress import duration
 from hjsolve.display.shown import Shown
 
-STATUSES = ("ok", "extrapolated", "lost", "claim broken", "not converged", "too slow", "not applicable", "missing")
-"""What may become of a method: ``lost`` where its error is as large as the quantity, ``extrapolated`` where the time
-for all times was worked out from a few of them, ``too slow`` where it would not fit, ``missing`` where an extra is."""
 _HEADER = ("method", "digits", "claimed error", "true error", "count", "time", "")
 
 
@@ -28,7 +25,9 @@ class Row(Shown):
         unit: of ``count``.
         seconds: of the processor; median of ``repeats`` runs, all but the symbolic solution and compilation.
         repeats: number of timed runs.
-        status: one of ``STATUSES``.
+        status: ``ok``, ``claim broken``, ``not converged``, ``not applicable``; ``lost`` where the error is as large as
+            the quantity, ``extrapolated`` where the time for all times was worked out from a few of them, ``too slow``
+            where it would not fit, ``missing`` where an extra is.
         covers: ``all`` that is wanted; ``states`` or ``numbers`` alone; ``part`` of the numbers.
         note: why, or what the row does not cover.
     """

@@ -22,13 +22,14 @@ from hjsolve.display.shown import Shown
 from hjsolve.errors import NotSeparableError, required
 from hjsolve.extended.coefficients_of_action import PrincipalCoefficients, principal_coefficients
 from hjsolve.extended.found_frames import find_frame
+from hjsolve.extended.gyroscopic import equations, phase_space
 from hjsolve.extended.moving_frame import Frame
 from hjsolve.extended.moving_frame_motion import FramedMotion, start_framed_motion
 from hjsolve.extended.quadratic_flow import QuadraticFlow, with_action
 from hjsolve.formulas.read import number
-from hjsolve.mechanics.system import System, hamiltonian, momenta
-from hjsolve.motion.initial_data import complete_numbers, one_of_velocity_and_p, parameter_values
-from hjsolve.motion.shapes import shaped
+from hjsolve.mechanics.system import System, hamiltonian
+from hjsolve.motion.initial_data import read_phase_point
+from hjsolve.motion.shapes import by_coordinate
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
 from hjsolve.solution.quadratures import AS_GIVEN, Solution, solve
@@ -173,11 +174,9 @@ class QuadraticMotion(Shown):
             sizes.append([context.fsum(map(abs, row)) for row in numbers])
         return rates, sizes
 
-    def _named(self, values: Numbers, shape: tuple[int, ...]) -> Iterator[dict[str, AtTimes]]:
-        names = [c.name for c in self.system.coordinates]
-        columns = values.astype(float) if self.digits <= 15 else values
-        found = [shaped(columns[:, k], shape) for k in range(columns.shape[1])]
-        return (dict(zip(names, found[k * len(names) :], strict=False)) for k in range(3))
+    def _named(self, rows: Numbers, shape: tuple[int, ...]) -> Iterator[dict[str, AtTimes]]:
+        columns = (rows.astype(float) if self.digits <= 15 else rows).T
+        return by_coordinate([c.name for c in self.system.coordinates], columns, shape)
 
 
 @lru_cache(maxsize=64)
@@ -217,16 +216,12 @@ def _refusal(tried: tuple[str, ...], refused: NotSeparableError | None) -> str:
 
 def _quadratic(system: System) -> QuadraticFlow | None:
     """Return the linear equations of motion, where H is of second degree in z = (q, p)."""
-    z = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
     if system.relativity is not None or system.kinks or any(c.domain.kind == "angle" for c in system.coordinates):
         return None
-    H, n = sp.expand(hamiltonian(system)), len(system.coordinates)
-    S = sp.hessian(H, z)
-    if S.free_symbols & set(z):
+    A, b = equations(system, {})
+    if A.free_symbols & set(phase_space(system)):
         return None
-    J = sp.Matrix(sp.BlockMatrix([[sp.zeros(n), sp.eye(n)], [-sp.eye(n), sp.zeros(n)]]).as_explicit())
-    slope = sp.Matrix([sp.diff(H, x) for x in z]).subs(dict.fromkeys(z, 0))
-    return QuadraticFlow((J * S).as_immutable(), (J * slope).as_immutable(), required(system.time))
+    return QuadraticFlow(A.as_immutable(), b.as_immutable(), required(system.time))
 
 
 def _quadratic_motion(
@@ -234,17 +229,11 @@ def _quadratic_motion(
     parameters: Mapping[str, object], t0: object, digits: int,
 ) -> QuadraticMotion:  # fmt: skip
     flow, start = required(_quadratic(system)), number(t0, source="t0")
-    values = parameter_values(system, {**parameters, required(system.time).name: start})
-    fixed = {s: v for s, v in values.items() if s != system.time}
-    what, given = one_of_velocity_and_p(velocity, p)
-    places = complete_numbers(system.coordinates, q, "q")
-    rates = complete_numbers(system.coordinates, given, what)
-    if what == "velocity":
-        at = dict(values) | {c.symbol: places[c.name] for c in system.coordinates}
-        at |= {c.velocity: rates[c.name] for c in system.coordinates}
-        rates = {name: formula.subs(at) for name, formula in momenta(system).items()}
-    z = (*places.values(), *(rates[c.name] for c in system.coordinates))
+    values, z = (
+        read_phase_point(system, q, velocity, p, {**parameters, required(system.time).name: start}),
+        phase_space(system),
+    )
+    fixed = {x.symbol: values[x.symbol] for x in system.parameters if x.symbol != system.time}
     numbers = QuadraticFlow(flow.matrix.subs(fixed), flow.force.subs(fixed), flow.time)
-    nowhere = {x: 0 for c in system.coordinates for x in (c.symbol, c.momentum)}
-    rest = hamiltonian(system).subs(nowhere).subs(fixed)
-    return QuadraticMotion(system, numbers, tuple(map(sp.sympify, z)), start, digits, rest)
+    rest = hamiltonian(system).subs(dict.fromkeys(z, 0)).subs(fixed)
+    return QuadraticMotion(system, numbers, tuple(values[x] for x in z), start, digits, rest)

@@ -30,10 +30,10 @@ from hjsolve.extended.linear_flow import Factor, LinearFlow, LinearPath, affine,
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.kinks import refuse_kinks
 from hjsolve.mechanics.subjects import system_of
-from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta
-from hjsolve.motion.initial_data import complete_numbers, one_of_velocity_and_p, parameter_values, to_bits
+from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix
+from hjsolve.motion.initial_data import parameter_values, read_phase_point, to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.motion.shapes import shaped
+from hjsolve.motion.shapes import by_coordinate
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
 from hjsolve.precision import one_at_a_time
@@ -95,7 +95,9 @@ class LinearModes(Shown):
         Raises:
             InvalidInputError: velocity and p are both given or both missing.
         """
-        start = tuple(_canonical(self, q, velocity, p))
+        parameters = {x.name: self.values[x.symbol] for x in self.system.parameters}
+        values = read_phase_point(self.system, q, velocity, p, parameters)
+        start = tuple(values[x] for x in phase_space(self.system))
         if self.normal_form is None or self.matrix is None:
             return ModalMotion(self, start, None)
         context = multiprecision(_bits(self.digits))
@@ -137,7 +139,7 @@ class ModalMotion(Shown):
         """The constants of the motion of the modes; where not all oscillate, the energy."""
         if self.motion is not None:
             return self.motion.constants
-        at = dict(zip(_phase_space(self.modes.system), self.start, strict=True)) | dict(self.modes.values)
+        at = dict(zip(phase_space(self.modes.system), self.start, strict=True)) | dict(self.modes.values)
         bits = _bits(self.modes.digits)
         E = to_bits(hamiltonian(self.modes.system).subs(at))(bits)
         return {"E": Estimate(E, abs(E) * E.context.mpf(10) ** -self.modes.digits)}
@@ -174,12 +176,9 @@ class ModalMotion(Shown):
         A, b = equations(self.modes.system, self.modes.values)
         return path_of(flow_of(affine(A, b)), [*self.start, sp.S.One], span, max(self.modes.digits, 15))
 
-    def _named(self, values: Numbers, shape: tuple[int, ...]) -> Iterator[dict[str, AtTimes]]:
-        """Columns of q, p and velocity by coordinate, as doubles up to 15 digits, in the shape of the times."""
-        names = [c.name for c in self.modes.system.coordinates]
-        columns = values.astype(float) if self.modes.digits <= 15 else values
-        found = [shaped(columns[:, k], shape) for k in range(columns.shape[1])]
-        return (dict(zip(names, found[k * len(names) :], strict=False)) for k in range(3))
+    def _named(self, rows: Numbers, shape: tuple[int, ...]) -> Iterator[dict[str, AtTimes]]:
+        columns = (rows.astype(float) if self.modes.digits <= 15 else rows).T
+        return by_coordinate([c.name for c in self.modes.system.coordinates], columns, shape)
 
 
 def _kind(path: LinearPath, i: int) -> str:
@@ -280,14 +279,15 @@ def equations(system: System, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[sp.M
     Args:
         system: whose H is of second degree in z.
     """
-    z = _phase_space(system)
+    z = phase_space(system)
     H, n = sp.expand(hamiltonian(system).subs(values)), len(system.coordinates)
     J = sp.Matrix(sp.BlockMatrix([[sp.zeros(n), sp.eye(n)], [-sp.eye(n), sp.zeros(n)]]).as_explicit())
     slopes = sp.Matrix([sp.diff(H, x) for x in z])
     return J * sp.hessian(H, z), J * slopes.subs(dict.fromkeys(z, 0))
 
 
-def _phase_space(system: System) -> list[sp.Symbol]:
+def phase_space(system: System) -> list[sp.Symbol]:
+    """Return the symbols of z = (q, p)."""
     return [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
 
 
@@ -444,17 +444,3 @@ def _oscillators(system: System, ω: tuple[Mpf, ...], signs: tuple[int, ...]) ->
         dict.fromkeys(names, "line"), kinetic, potential, {f"omega_{k + 1}": w for k, w in enumerate(ω)},
         signature="definite" if min(signs) > 0 else "indefinite", title=f"{system.title}, normal form",
     )  # fmt: skip
-
-
-def _canonical(
-    modes: LinearModes, q: Mapping[str, object], velocity: Mapping[str, object] | None, p: Mapping[str, object] | None
-) -> list[sp.Expr]:
-    """(q, p) exact."""
-    system = modes.system
-    what, given = one_of_velocity_and_p(velocity, p)
-    places, rates = (complete_numbers(system.coordinates, group, name) for name, group in (("q", q), (what, given)))
-    if what == "velocity":
-        at = dict(modes.values) | {c.symbol: places[c.name] for c in system.coordinates}
-        at |= {c.velocity: rates[c.name] for c in system.coordinates}
-        rates = {name: formula.subs(at) for name, formula in momenta(system).items()}
-    return [*places.values(), *(number(rates[c.name], source=f"p[{c.name}]") for c in system.coordinates)]

@@ -25,9 +25,9 @@ from hjsolve.extended.one_freedom import Beginning, NonlinearInMomentum
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import InBits, complete_numbers, number_is_zero, to_bits, values_of
-from hjsolve.motion.shapes import gathered
-from hjsolve.motion.state import Errors, KnownErrors, State
-from hjsolve.motion.times import exact_numbers, whole_numbers
+from hjsolve.motion.shapes import state_of_one
+from hjsolve.motion.state import State
+from hjsolve.motion.times import whole_numbers
 from hjsolve.one_coordinate.level_curve import Curve, Orbit, followed
 
 _FLOAT_DIGITS, _GUARDS, _SPARE = 15, (96, 192, 384, 768), 64
@@ -73,19 +73,10 @@ class LevelMotion(Shown):
         Raises:
             InvalidInputError: times that are no numbers, or more than 2**60 periods away.
         """
-        shape, times = exact_numbers(t, "t")
-        name = self.problem.coordinate.name
-        rows = [self._state(time) for time in times]
-        columns = list(zip(*rows, strict=True)) or [()] * 7
-        q, p, v, turns, *errors = (gathered(column, shape) for column in columns)
-        bounds = Errors(*({name: error} for error in errors))
-        counts = {name: turns} if self.problem.coordinate.domain.kind == "angle" else {}
-
-        status = np.full(shape, "ok") if shape else "ok"
-        return State(t, {name: q}, {name: p}, {name: v}, counts, status, KnownErrors(bounds))
+        return state_of_one(self.problem.coordinate, t, self._state)
 
     def _state(self, t: sp.Expr) -> tuple[object, ...]:
-        """(q, p, q̇, turns, errors of the first three)."""
+        """(q, p, q̇, their errors, status, turns)."""
         bits = self.rates.arithmetic.bits  # type: ignore[attr-defined]
         context = multiprecision(bits)
         q, p, turns, uncertainty = to_bits(self.q)(bits), to_bits(self.p)(bits), 0, context.zero
@@ -103,9 +94,10 @@ class LevelMotion(Shown):
         errors = self._errors(uncertainty, (rate, falls, *second), context.mpf(2) ** (_SPARE - bits))
         if self.digits > _FLOAT_DIGITS:
             small = context.mpf(10) ** -self.digits
-            return q, p, rate, turns, *(e + small * abs(x) for e, x in zip(errors, (q, p, rate), strict=True))
+            bounds = [e + small * abs(x) for e, x in zip(errors, (q, p, rate), strict=True)]
+            return q, p, rate, *bounds, "ok", turns
         plain = [float(x) for x in (q, p, rate)]
-        return *plain, turns, *(float(e) + EPS * abs(x) for e, x in zip(errors, plain, strict=True))
+        return *plain, *(float(e) + EPS * abs(x) for e, x in zip(errors, plain, strict=True)), "ok", turns
 
     def _errors(self, uncertainty: Mpf, slopes: tuple[Mpf, ...], spacing: Mpf) -> tuple[Mpf, Mpf, Mpf]:
         """Return the errors of q, p and q̇ from that of time, to second order, and from the rounding of the curve."""

@@ -23,9 +23,8 @@ from hjsolve.extended.one_freedom import Beginning, LinearInMomentum
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import complete_numbers, to_bits, values_of
-from hjsolve.motion.shapes import gathered
-from hjsolve.motion.state import Errors, KnownErrors, State
-from hjsolve.motion.times import exact_numbers
+from hjsolve.motion.shapes import state_of_one
+from hjsolve.motion.state import State
 
 _FLOAT_DIGITS, _GUARD_BITS, _LOST_BITS = 15, 96, 48
 _MOST_STEPS, _FIRST_STEPS = 2000, 64
@@ -64,15 +63,7 @@ class LinearMotion(Shown):
         Args:
             t: a time or an array of times.
         """
-        shape, times = exact_numbers(t, "t")
-        rows = [self._state(time) for time in times]
-        name = self.problem.coordinate.name
-        columns = [gathered(column, shape) for column in (zip(*rows, strict=True) if rows else [()] * 8)]
-        q, p, v, turns, status, *errors = columns
-        bounds = Errors(*({name: error} for error in errors))
-        counts = {name: turns} if self.problem.coordinate.domain.kind == "angle" else {}
-
-        return State(t, {name: q}, {name: p}, {name: v}, counts, status, KnownErrors(bounds))
+        return state_of_one(self.problem.coordinate, t, self._state)
 
     def reach(self, t: object) -> tuple[float | Mpf, float | Mpf]:
         """Return (q, p) at one time, angles with all their turns.
@@ -88,23 +79,23 @@ class LinearMotion(Shown):
         return (place, p) if self.digits > _FLOAT_DIGITS else (float(place), float(p))
 
     def _state(self, t: sp.Expr) -> tuple[object, ...]:
-        """(q, p, q̇, turns, status, errors of the first three)."""
+        """(q, p, q̇, their errors, status, turns)."""
         bits = bits_for(self.digits, _GUARD_BITS)
         context = multiprecision(bits)
         try:
             place, p, v, sizes = self._reached(t, bits, context)
         except OutsideMotionError:
             lost = context.nan if self.digits > _FLOAT_DIGITS else float("nan")
-            return (lost, lost, lost, 0, "reaches_boundary", lost, lost, lost)
+            return *[lost] * 6, "reaches_boundary", 0
         turns = 0
         if self.problem.coordinate.domain.kind == "angle":
             turns = int(context.ceil((place - context.pi) / (2 * context.pi)))
             place -= 2 * context.pi * turns
         small = context.mpf(2) ** (_LOST_BITS - bits)
         if self.digits > _FLOAT_DIGITS:
-            return (place, p, v, turns, "ok", *(small * size for size in sizes))
+            return place, p, v, *(small * size for size in sizes), "ok", turns
         errors = (float(small * s) + EPS * abs(float(x)) for s, x in zip(sizes, (place, p, v), strict=True))
-        return (float(place), float(p), float(v), turns, "ok", *errors)
+        return float(place), float(p), float(v), *errors, "ok", turns
 
     def _reached(self, t: sp.Expr, bits: int, context: Context) -> tuple[Mpf, Mpf, Mpf, Sizes]:
         """q, p, q̇ and the sizes of what was added up in them."""

@@ -9,16 +9,16 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import Float64, Multi, bits_for
-from hjsolve.arithmetic.number_types import AtTimes, Numbers
+from hjsolve.arithmetic.floats import bits_for
+from hjsolve.arithmetic.number_types import Numbers
 from hjsolve.display.shown import Shown
 from hjsolve.extended.change_of_frame import ChangeOfFrame, carried_initial_data
 from hjsolve.formulas.read import number
-from hjsolve.lowering import lower
 from hjsolve.mechanics.system import momenta
+from hjsolve.motion.formulas_at_places import bits_in, bounded_at, tape_of, values_at
 from hjsolve.motion.initial_data import parameter_values, to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.motion.shapes import shaped
+from hjsolve.motion.shapes import by_coordinate
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
 from hjsolve.solution.quadratures import Solution
@@ -73,56 +73,28 @@ class CarriedOver:
             state: in Q.
             t: its times.
         """
-        shape = np.shape(state.status)
-        times = _numbers(t, self.digits)
-        old = self.frame.original.coordinates
-        speeds = self.frame.velocity
-        places = {o.symbol: self.frame.place[o.name] for o in old} | {o.velocity: speeds[o.name] for o in old}
-        p = {name: formula.xreplace(places) for name, formula in momenta(self.frame.original).items()}
-        groups = [{c.name: self.frame.place[c.name] for c in old}, p, speeds]
-        found = [{name: self._evaluated(f, state, times) for name, f in group.items()} for group in groups]
-
-        def bounds(k: int) -> dict[str, AtTimes]:
-            rows = {name: self._bound(f, found[k][name], state, times) for name, f in groups[k].items()}
-            return {name: shaped(row, shape) for name, row in rows.items()}
+        shape, frame, speeds = np.shape(state.status), self.frame, self.frame.velocity
+        old, new = frame.original.coordinates, frame.system.coordinates
+        places = {o.symbol: frame.place[o.name] for o in old} | {o.velocity: speeds[o.name] for o in old}
+        p = {name: formula.xreplace(places) for name, formula in momenta(frame.original).items()}
+        variables = [*(c.symbol for c in new), *(c.velocity for c in new), frame.time]
+        fixed = {s: v for s, v in self.values.items() if s not in variables}
+        formulas = tuple(group[o.name] for group in (frame.place, p, speeds) for o in old)
+        tape, numbers = tape_of(formulas, (*variables, *fixed)), list(fixed.values())
+        told = [*(state.unwrapped(c.name) for c in new), *(state.velocity[c.name] for c in new)]
+        arrays = [*(np.ravel(np.asarray(a)) for a in told), _numbers(t, self.digits)]
+        names = [o.name for o in old]
 
         def errors() -> Errors:
-            return Errors(bounds(0), bounds(1), bounds(2))
+            groups = (state.error.q, state.error.velocity)
+            uncertain = [np.ravel(np.asarray(group[c.name], dtype=float)) for group in groups for c in new]
+            bits = bits_in(arrays[0])
+            clock = 2.0**-bits * np.abs(arrays[-1].astype(float))  # times are rounded as well
+            found = bounded_at(tape, arrays, [*uncertain, clock], numbers, bits)
+            return Errors(*by_coordinate(names, [error for _, error in found], shape))
 
-        q, p, velocity = ({name: shaped(row, shape) for name, row in group.items()} for group in found)
-        return State(t, q, p, velocity, {}, state.status, errors)
-
-    def _evaluated(self, formula: sp.Expr, state: State, times: Numbers) -> Numbers:
-        """Return a formula at the times, shape (m,)."""
-        coordinates = self.frame.system.coordinates
-        variables = [c.symbol for c in coordinates] + [c.velocity for c in coordinates] + [self.frame.time]
-        told = [*(state.unwrapped(c.name) for c in coordinates), *(state.velocity[c.name] for c in coordinates), times]
-        arrays = [np.ravel(np.asarray(a)) for a in told]
-        fixed = {s: v for s, v in self.values.items() if s not in variables}
-        tape = lower([formula], [*variables, *fixed])
-        if self.digits <= 15:
-            approximate = [float(to_bits(v)(64)) for v in fixed.values()]
-            return np.broadcast_to(tape.run(Float64(), [*arrays, *approximate])[0], times.shape)
-        bits = bits_for(self.digits, 64)
-        numbers = [to_bits(v)(bits) for v in fixed.values()]
-        rows = zip(*arrays, strict=True)
-        found = [tape.run(Multi(bits), [*(Multi(bits).convert(x) for x in row), *numbers])[0] for row in rows]
-        return np.array(found, dtype=object)
-
-    def _bound(self, formula: sp.Expr, value: Numbers, state: State, times: Numbers) -> Numbers:
-        """Return the errors of Q and Q̇ carried over to first order, doubled, and the rounding of the formula."""
-        total = 16 * 10.0 ** -max(self.digits, 15) * (np.abs(value) + self._size(formula, state, times))
-        for c in self.frame.system.coordinates:
-            for symbol, error in ((c.symbol, state.error.q[c.name]), (c.velocity, state.error.velocity[c.name])):
-                slope = sp.diff(formula, symbol)
-                if slope != 0:
-                    total = total + 2 * np.abs(self._evaluated(slope, state, times)) * np.ravel(np.asarray(error))
-        return total
-
-    def _size(self, formula: sp.Expr, state: State, times: Numbers) -> Numbers:
-        """Return the sum of the sizes of the terms: what cancellation is measured against."""
-        terms = sp.Add.make_args(sp.expand(formula))
-        return sum((np.abs(self._evaluated(term, state, times)) for term in terms), 0 * times)
+        q, p_, velocity = by_coordinate(names, values_at(tape, arrays, numbers), shape)
+        return State(t, q, p_, velocity, {}, state.status, errors)
 
 
 def _numbers(t: object, digits: int) -> Numbers:

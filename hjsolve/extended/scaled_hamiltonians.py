@@ -24,9 +24,8 @@ from hjsolve.extended.one_freedom import Beginning
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter
 from hjsolve.motion.initial_data import complete_numbers, to_bits, values_of
-from hjsolve.motion.shapes import gathered
-from hjsolve.motion.state import AnyMotion, Errors, State
-from hjsolve.motion.times import exact_numbers
+from hjsolve.motion.shapes import state_of_one
+from hjsolve.motion.state import AnyMotion, State
 
 _FLOAT_DIGITS = 15
 _PARTS = (1, sp.Rational(1, 2), sp.Rational(1, 4))
@@ -144,19 +143,10 @@ class ScaledMotion(Shown):
         Args:
             t: a time or an array of times.
         """
-        shape, times = exact_numbers(t, "t")
-        rows = [self._state(time) for time in times]
-        columns = list(zip(*rows, strict=True)) or [()] * 7
-        q, p, v, *errors, status = (gathered(column, shape) for column in columns)
-        name = self.frame.coordinate.name
-
-        def bounds() -> Errors:
-            return Errors(*({name: error} for error in errors))
-
-        return State(t, {name: q}, {name: p}, {name: v}, {}, status if shape else str(status), bounds)
+        return state_of_one(self.frame.coordinate, t, self._state)
 
     def _state(self, t: sp.Expr) -> tuple[object, ...]:
-        """(q, p, q̇, their errors, status): q = X s − v t, p = Y/s, q̇ = s (Ẋ − a X) − v with s = e^{−a t}."""
+        """(q, p, q̇, their errors, status, 0): q = X s − v t, p = Y/s, q̇ = s (Ẋ − a X) − v with s = e^{−a t}."""
         name, bits = self.frame.coordinate.name, bits_for(max(self.digits, _FLOAT_DIGITS), 64)
         a, v = (self._number(x, bits) for x in (self.frame.rate, self.frame.drift))
         now = to_bits(t)(bits)
@@ -170,8 +160,8 @@ class ScaledMotion(Shown):
         small = EPS if self.digits <= _FLOAT_DIGITS else now.context.mpf(10) ** -self.digits
         bounds = [e + small * size for e, size in zip(errors, sizes, strict=True)]
         if self.digits > _FLOAT_DIGITS:
-            return *found, *bounds, str(state.status)
-        return *map(float, found), *map(float, bounds), str(state.status)
+            return *found, *bounds, str(state.status), 0
+        return *map(float, found), *map(float, bounds), str(state.status), 0
 
     def _number(self, x: sp.Expr, bits: int) -> Mpf:
         return to_bits(x.xreplace(dict(self.values)))(bits)

@@ -13,7 +13,7 @@ the system is refused.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
@@ -131,15 +131,14 @@ class _Lagrangian:
         )
 
 
-def domain_bounds(system: System) -> dict[sp.Symbol, Bounds]:
+def domain_bounds(coordinates: Iterable[Coordinate]) -> dict[sp.Symbol, Bounds]:
     """Open interval of each coordinate; angles and lines have no ends.
 
     Returns:
         Symbol of the coordinate → (lower, upper) end.
     """
     return {
-        c.symbol: (None, None) if c.domain.kind == "angle" else (c.domain.lower, c.domain.upper)
-        for c in system.coordinates
+        c.symbol: (None, None) if c.domain.kind == "angle" else (c.domain.lower, c.domain.upper) for c in coordinates
     }
 
 
@@ -180,7 +179,7 @@ def reduce(system: System, budget: Budget | None = None) -> Shell | Irreducible:
     """
     budget = budget or Budget.processor_seconds(20.0)
     lagrangian = _Lagrangian(_mass(system), tuple(linear_terms(system)), kinetic_rest(system), system.potential)
-    reader = Reader(lagrangian.parts(), domain_bounds(system), budget)
+    reader = Reader(lagrangian.parts(), domain_bounds(system.coordinates), budget)
     _refuse_divisions_by_zero(lagrangian, reader)
     ignorable, lagrangian = _find_ignorable(system, lagrangian, reader)
     essential = [i for i, c in enumerate(system.coordinates) if c not in ignorable]

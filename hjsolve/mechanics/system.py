@@ -371,27 +371,20 @@ def with_values(system: System, values: Mapping[str, object]) -> System:
     return other
 
 
-def require_values(system: System, names: Iterable[str] | None = None) -> dict[sp.Symbol, sp.Expr]:
-    """Return the values of the parameters named, of all of them by default, by symbol.
+def require_values(system: System) -> dict[sp.Symbol, sp.Expr]:
+    """Return the values of all parameters, by symbol.
 
     Args:
         system: whose parameters are meant.
-        names: of the parameters needed; all of them by default.
 
     Raises:
         MissingValueError: some have none; the message lists them.
-        InvalidSystemError: a name is not a parameter.
     """
-    known = {p.name: p for p in system.parameters}
-    wanted = list(known) if names is None else list(names)
-    for name in wanted:
-        if name not in known:
-            raise unknown_names(name, known, "parameter")
-    missing = [name for name in wanted if known[name].value is None]
+    missing = [p.name for p in system.parameters if p.value is None]
     if missing:
         example = ", ".join(f'"{name}": …' for name in missing)
         raise MissingValueError(f"no value for {', '.join(missing)}; give parameters={{{example}}}")
-    return {p.symbol: p.value for name in wanted if (p := known[name]).value is not None}
+    return {p.symbol: p.value for p in system.parameters if p.value is not None}
 
 
 def _speeds(system: System) -> list[sp.Symbol]:

@@ -23,7 +23,7 @@ from hjsolve.motion.phases import Phases, coordinate_motions_of, phases_at
 from hjsolve.motion.positions import evaluate_along, positions_at, travelled
 from hjsolve.motion.quantities import FLOAT_DIGITS, rounded
 from hjsolve.motion.separated import SeparatedMotion, separated_motion
-from hjsolve.motion.shapes import shaped
+from hjsolve.motion.shapes import Shape, shaped
 from hjsolve.motion.state_errors import ignorable_error, phase_errors
 from hjsolve.motion.tabulated import needs_table
 from hjsolve.motion.times import read_times
@@ -44,7 +44,18 @@ def waves_along(motion: SeparatedMotion, t: object, *, principal: bool) -> Estim
         value, error = value - term, error + uncertainty + unit_of(source) * (abs(value) + abs(term)).astype(float)
     if phases.ended.any():
         value, error = np.where(phases.ended, np.nan, value), np.where(phases.ended, np.nan, error)
-    if motion.digits <= FLOAT_DIGITS and value.dtype == object:
+    return estimates(value, error, shape, motion.digits)
+
+
+def estimates(value: Numbers, error: Reals, shape: Shape, digits: int) -> Estimate | EstimateArray:
+    """Return numbers with their errors in the shape asked for, as doubles where no more digits are asked.
+
+    Args:
+        value, error: the numbers and bounds on their errors, shape (m,).
+        shape: asked for; empty or None for one number.
+        digits: asked for.
+    """
+    if digits <= FLOAT_DIGITS and value.dtype == object:
         value = value.astype(float)
         error = error.astype(float) + EPS * np.abs(value)
     if shape:

@@ -16,14 +16,15 @@ import sympy as sp
 
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair, split
-from hjsolve.arithmetic.floats import UNIT, Float64
-from hjsolve.arithmetic.number_types import Elementwise, Mask, N, Numbers, Reals
-from hjsolve.arithmetic.running_error import RunningError
+from hjsolve.arithmetic.floats import UNIT
+from hjsolve.arithmetic.number_types import Mask, N, Numbers, Reals
+from hjsolve.arithmetic.running_error import SECOND_ORDER, RunningError
 from hjsolve.arithmetic.running_error import WithErrorBound as Rounded
 from hjsolve.arithmetic.tape import Arithmetic
 from hjsolve.mechanics.system import velocities
+from hjsolve.motion.formulas_at_places import bounded_at, tape_of
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.motion.positions import tape_of
+from hjsolve.motion.positions import known_along
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 
 if TYPE_CHECKING:
@@ -43,15 +44,11 @@ def badly_rounded(motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[
         Array of bools, shape (m,).
     """
     formulas = tuple(velocities(motion.solution.system).values())
-    variables, arrays, fixed = _arguments(motion, q, p)
-    places = len(arrays) - len(p)
-    inputs: list[Rounded[Elementwise]]
-    inputs = [Rounded(x, UNIT * np.abs(x) if k < places else None) for k, x in enumerate(arrays)]
-    inputs += [Rounded(float(x), UNIT * abs(float(x))) for x in (to_bits(value)(64) for value in fixed.values())]
-    with np.errstate(all="ignore"):
-        found = tape_of(formulas, (*variables, *fixed)).run(RunningError(Float64()), inputs)
-        lost = [0.0 if x.error is None else x.error > _LOST * np.abs(x.value) for x in found]
-    return np.any(np.broadcast_arrays(*lost, np.zeros(arrays[0].shape, dtype=bool)), axis=0)
+    varies, fixed = known_along(motion, q, p)
+    arrays, tape = list(varies.values()), tape_of(formulas, (*varies, *fixed))
+    errors = [UNIT * np.abs(x) if k < len(arrays) - len(p) else None for k, x in enumerate(arrays)]
+    found = bounded_at(tape, arrays, errors, list(fixed.values()))
+    return np.any([error > SECOND_ORDER * _LOST * np.abs(value) for value, error in found], axis=0)
 
 
 def roundings(motion: SeparatedMotion, coordinate_motion: CoordinateMotion) -> bool:
@@ -65,16 +62,6 @@ def roundings(motion: SeparatedMotion, coordinate_motion: CoordinateMotion) -> b
             exact = (motion.initial.values[s] for s in (c.symbol, c.momentum))
             q[c.name], p[c.name] = (float(to_bits(value)(64)) + 0 * χ for value in exact)
     return bool(badly_rounded(motion, q, p).any())
-
-
-def _arguments(
-    motion: SeparatedMotion, q: Mapping[str, N], p: Mapping[str, N]
-) -> tuple[list[sp.Symbol], list[N], dict[sp.Symbol, sp.Expr]]:
-    """Symbols and arrays of what varies, places before momenta, and exact values of the rest."""
-    coordinates = motion.solution.system.coordinates
-    variables = [c.symbol for c in coordinates if c.name in q] + [c.momentum for c in coordinates if c.name in p]
-    arrays = [q[c.name] for c in coordinates if c.name in q] + [p[c.name] for c in coordinates if c.name in p]
-    return variables, arrays, {s: v for s, v in motion.initial.values.items() if s not in variables}
 
 
 def places(
@@ -211,10 +198,10 @@ def _run(
     constant: Callable[[sp.Expr], N],
 ) -> list[N]:
     """Return formulas in an arithmetic, their constants brought into it by a rule."""
-    variables, numbers, fixed = _arguments(motion, q, p)
+    varies, fixed = known_along(motion, q, p)
     constants = [constant(value) for value in fixed.values()]
     with np.errstate(all="ignore"):
-        return tape_of(formulas, (*variables, *fixed)).run(arithmetic, [*numbers, *constants])
+        return tape_of(formulas, (*varies, *fixed)).run(arithmetic, [*varies.values(), *constants])
 
 
 def _rounded_constant(value: sp.Expr) -> Rounded[Pair]:

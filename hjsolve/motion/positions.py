@@ -6,20 +6,16 @@ q and p are coordinate → array of shape (m,); phases are those of the separate
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.error_free import split
-from hjsolve.arithmetic.floats import UNIT, Float64, Multi, bits_for, context_of, multiprecision
-from hjsolve.arithmetic.number_types import Counts, Elementwise, Mpf, Numbers, Reals
-from hjsolve.arithmetic.running_error import RunningError
-from hjsolve.arithmetic.running_error import WithErrorBound as Rounded
-from hjsolve.arithmetic.tape import Tape
-from hjsolve.lowering import lower
+from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Counts, Elementwise, Mpf, N, Numbers, Reals
 from hjsolve.mechanics.system import velocities
+from hjsolve.motion.formulas_at_places import bounded_at, tape_of, values_at
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import Phases, coordinate_motions_of
 from hjsolve.one_coordinate.coordinate_motion import arithmetic_of
@@ -125,17 +121,6 @@ def coordinate_velocities(
     return dict(zip(formulas, evaluate_along(motion, tuple(formulas.values()), q, p), strict=True))
 
 
-@lru_cache(maxsize=64)
-def tape_of(formulas: tuple[sp.Expr, ...], arguments: tuple[sp.Symbol, ...]) -> Tape:
-    """Return formulas as a tape, kept.
-
-    Args:
-        formulas: the outputs.
-        arguments: symbols of the inputs, in order.
-    """
-    return lower(formulas, arguments)
-
-
 def evaluate_along(
     motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Numbers], p: Mapping[str, Numbers]
 ) -> list[Numbers]:
@@ -147,45 +132,36 @@ def evaluate_along(
     Returns:
         One array of shape (m,) for each formula.
     """
-    system = motion.solution.system
-    variables = [c.symbol for c in system.coordinates if c.name in q] + [
-        c.momentum for c in system.coordinates if c.name in p
-    ]
-    arrays = [q[c.name] for c in system.coordinates if c.name in q] + [
-        p[c.name] for c in system.coordinates if c.name in p
-    ]
-    fixed = {s: v for s, v in motion.initial.values.items() if s not in variables}
-    tape = tape_of(tuple(formulas), tuple(variables) + tuple(fixed))
-    if arrays[0].dtype == object:
-        known = next((c for x in arrays[0].flat if (c := context_of(x)) is not None), None)
-        if known is None:  # nan in doubles: the motion has ended
-            return [np.full(arrays[0].shape, np.nan, dtype=object) for _ in formulas]
-        constants = [to_bits(v)(known.prec) for v in fixed.values()]
-        rows = [tape.run(Multi(known.prec), [*row, *constants]) for row in zip(*arrays, strict=True)]
-        return [np.array(column, dtype=object) for column in zip(*rows, strict=True)]
-    numbers = [float(to_bits(v)(64)) for v in fixed.values()]
-    with np.errstate(all="ignore"):
-        return [np.broadcast_to(value, arrays[0].shape) for value in tape.run(Float64(), [*arrays, *numbers])]
+    arrays, fixed = known_along(motion, q, p)
+    return values_at(tape_of(tuple(formulas), (*arrays, *fixed)), list(arrays.values()), list(fixed.values()))
+
+
+def known_along(
+    motion: SeparatedMotion, q: Mapping[str, N], p: Mapping[str, N]
+) -> tuple[dict[sp.Symbol, N], dict[sp.Symbol, sp.Expr]]:
+    """Return what varies along a motion by its symbol, places before momenta, and the exact values of the rest.
+
+    Args:
+        q, p: coordinate → what it is.
+    """
+    coordinates = motion.solution.system.coordinates
+    varies = {c.symbol: q[c.name] for c in coordinates if c.name in q}
+    varies |= {c.momentum: p[c.name] for c in coordinates if c.name in p}
+    return varies, {s: v for s, v in motion.initial.values.items() if s not in varies}
 
 
 def rounding(
     motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Numbers], p: Mapping[str, Numbers]
-) -> list[Reals | float]:
+) -> list[Reals]:
     """Bound what evaluating formulas in doubles loses, cancellation included (``arithmetic.running_error``).
 
     Returns:
         One array of absolute bounds, shape (m,), for each formula.
     """
-    system = motion.solution.system
-    places = {c.symbol: q[c.name] for c in system.coordinates if c.name in q}
-    places |= {c.momentum: p[c.name] for c in system.coordinates if c.name in p}
-    fixed = {s: float(to_bits(v)(64)) for s, v in motion.initial.values.items() if s not in places}
-    inputs: list[Rounded[Elementwise]] = [Rounded(np.asarray(x).astype(float)) for x in places.values()]
-    inputs += [Rounded(x, UNIT * abs(x)) for x in fixed.values()]
+    places, fixed = known_along(motion, q, p)
     tape = tape_of(tuple(formulas), (*places, *fixed))
-    with np.errstate(all="ignore"):
-        found = tape.run(RunningError(Float64()), inputs)
-    return [2 * (0.0 if x.error is None else x.error) for x in found]
+    found = bounded_at(tape, list(places.values()), [None] * len(places), list(fixed.values()))
+    return [error for _, error in found]
 
 
 def travelled(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Numbers]) -> Numbers:

@@ -17,10 +17,10 @@ from hjsolve.arithmetic.error_free import Pair, split
 from hjsolve.arithmetic.number_types import Counts, Mask, Numbers, Reals
 from hjsolve.display.by_value import same
 from hjsolve.display.shown import WIDEST, brief
-from hjsolve.errors import NotConvergedError, required
+from hjsolve.errors import NotConvergedError, of_kind, required
 from hjsolve.motion.near_poles import roundings
 from hjsolve.motion.positions import constant_index
-from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Unbounded
 from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.time_law.open_motion import integral_at_start, reaching
 from hjsolve.time_law.phase_reduction import turns_and_rest
@@ -270,7 +270,7 @@ def _scale(motion: SeparatedMotion) -> float:
 @lru_cache(maxsize=8)
 def _open(motion: SeparatedMotion, power: int) -> DenseOutput:
     scheme = required(motion.scheme)
-    coordinate_motion = reaching(scheme.coordinate_motions[0], scheme, 2.0**power, 0)
+    coordinate_motion = of_kind(reaching(scheme.coordinate_motions[0], scheme, 2.0**power, 0), Unbounded)
     reduced = not coordinate_motion.both_directions
     edges = coordinate_motion.edges()
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]

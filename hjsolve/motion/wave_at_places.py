@@ -16,14 +16,13 @@ from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.arithmetic.floats import EPS, Multi, bits_for
-from hjsolve.arithmetic.number_types import Mpf, Numbers, Reals
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import InvalidInputError, OutsideMotionError
-from hjsolve.motion.characteristic import FINER, gauge, swept_from_start, unit_of
+from hjsolve.motion.characteristic import FINER, estimates, gauge, swept_from_start, unit_of
 from hjsolve.motion.crossings import between_turning_points, open_phases
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.separated import SeparatedMotion, separated_motion
-from hjsolve.motion.shapes import shaped
 from hjsolve.motion.times import exact_numbers
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic
 
@@ -59,16 +58,7 @@ def wave_at(motion: SeparatedMotion, q: Mapping[str, object], branch: Mapping[st
     if solution.shift_potential != 0:
         moved, uncertainty = gauge(fine, places, {})
         value, error = value - moved, error + uncertainty
-    return _given(value, error + unit * abs(value).astype(float), shape, motion.digits)
-
-
-def _given(value: Numbers, error: Reals, shape: tuple[int, ...], digits: int) -> Estimate | EstimateArray:
-    if digits <= FLOAT_DIGITS:
-        value = value.astype(float)
-        error = error.astype(float) + EPS * np.abs(value)
-    if shape:
-        return EstimateArray(value.reshape(shape), error.reshape(shape))
-    return Estimate(shaped(value, None), shaped(error, None))
+    return estimates(value, error + unit * abs(value).astype(float), shape, motion.digits)
 
 
 def _check(motion: SeparatedMotion, q: Mapping[str, object], branch: Mapping[str, int]) -> None:

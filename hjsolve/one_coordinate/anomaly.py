@@ -116,8 +116,8 @@ class BarrierAnomaly(Unstretched):
         reduced = χ - 2 * arithmetic.pi() * arithmetic.rint(χ / (2 * arithmetic.pi()))
         sn, cn, dn = jacobi(2 * reduced * self.quarter / arithmetic.pi(), self.complement, self.quarter, arithmetic)
         # sin²(φ/2) = (1 − cos φ)/2 cancels where cos φ is near 1: sin²φ/(2(1 + |cos φ|)) does not
-        small = sn * sn / (1 + abs(cn)) / 2
-        large = (1 + abs(cn)) / 2
+        size = arithmetic.unary("abs", cn)
+        small, large = sn * sn / (1 + size) / 2, (1 + size) / 2
         low, high = _ordered(small, large, cn > 0, arithmetic)  # sin²(φ/2), cos²(φ/2)
         denominator = self.from_lower * low + self.from_upper * high
         mean = arithmetic.unary("sqrt", self.from_lower * self.from_upper)
@@ -205,8 +205,9 @@ class TwoBarrierAnomaly(Unstretched):
         sn, cn, dn = jacobi(2 * self.quarter * ((χ - pi) / pi - 2 * turn), self.complement, self.quarter, arithmetic)
         cosine, sine = cn / dn, root * sn / dn
         # half angles by the root that does not cancel; the other one from sin w = 2 sin(w/2) cos(w/2)
-        large = arithmetic.unary("sqrt", (1 + abs(cosine)) / 2)
-        s, c = _ordered(abs(sine) / (2 * large), large, cosine > 0, arithmetic)  # |sin w/2|, cos w/2
+        large = arithmetic.unary("sqrt", (1 + arithmetic.unary("abs", cosine)) / 2)
+        size = arithmetic.unary("abs", sine)
+        s, c = _ordered(size / (2 * large), large, cosine > 0, arithmetic)  # |sin w/2|, cos w/2
         s = arithmetic.copysign(s, sine)
         beside = self.scale * c + self.direction * self.tilt * s
         angle = arithmetic.atan2(s, beside)
@@ -326,4 +327,4 @@ def _nearer(
     from_lower: Numeric, to_upper: Numeric, ends: Libration | BarrierAnomaly, arithmetic: Float64 | Multi
 ) -> Numeric:
     """Return q, counted from the end that keeps its relative accuracy."""
-    return arithmetic.where(from_lower < to_upper, ends.lower + from_lower, ends.upper - to_upper)
+    return arithmetic.where(abs(from_lower) < abs(to_upper), ends.lower + from_lower, ends.upper - to_upper)

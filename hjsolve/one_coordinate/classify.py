@@ -352,30 +352,30 @@ def _wound(start: CoordinateStart, winding: Winding, digits: int) -> Located | N
 
 def _open(start: CoordinateStart, forward: int, lower: End, upper: End, digits: int) -> Unbounded:
     bits = bits_for(digits, 128)
-    # the ends to more bits than the integrals: distances from them must keep their relative digits far into the branch
-    exact = bits + 512 + start.radicand.guard
     lower, upper = _judged(start, lower), _judged(start, upper)
     kind = _kind_of_open(lower, upper, forward)
-
-    def branch(origin: End, target: End, side: int) -> Branch:
-        first = required(origin.place)(exact)
-        turning = origin.kind == "turning"
-        length = (
-            abs(target.place(exact) - first)
-            if target.place is not None
-            else _length(start, first, bits, turning=turning)
-        )
-        end = "infinity" if target.kind in {"infinity", "round"} else target.kind
-        _refuse_beyond_doubles(start, first + side * length / 2, length)
-        end_map = EndMap(turning, end, first, side, length, max(0, round(-target.power)))
-        return Branch(end_map, start.radicand, start.skipped, digits, bits)
-
     if "turning" in {lower.kind, upper.kind}:
-        out = branch(lower, upper, 1) if lower.kind == "turning" else branch(upper, lower, -1)
+        ways = (lower, upper, 1) if lower.kind == "turning" else (upper, lower, -1)
+        out = _branch(start, *ways, digits)
         return Unbounded(kind, out, out, _open_phase(out.end_map, start, forward, bits))
     here = End("boundary", start.place)
     ahead, behind = (upper, lower) if forward > 0 else (lower, upper)
-    return Unbounded(kind, branch(here, ahead, forward), branch(here, behind, -forward), 0 * start.place(bits))
+    one, other = _branch(start, here, ahead, forward, digits), _branch(start, here, behind, -forward, digits)
+    return Unbounded(kind, one, other, 0 * start.place(bits))
+
+
+def _branch(start: CoordinateStart, origin: End, target: End, side: int, digits: int) -> Branch:
+    bits = bits_for(digits, 128)
+    # the ends to more bits than the integrals: distances from them must keep their relative digits far into the branch
+    exact = bits + 512 + start.radicand.guard
+    first, turning = required(origin.place)(exact), origin.kind == "turning"
+    length = (
+        abs(target.place(exact) - first) if target.place is not None else _length(start, first, bits, turning=turning)
+    )
+    end = "infinity" if target.kind in {"infinity", "round"} else target.kind
+    _refuse_beyond_doubles(start, first + side * length / 2, length)
+    end_map = EndMap(turning, end, first, side, length, max(0, round(-target.power)))
+    return Branch(end_map, start.radicand, start.skipped, digits, bits)
 
 
 def _open_through_kinks(
@@ -387,20 +387,13 @@ def _open_through_kinks(
     low, high = (kinks.Reached(k, _judged(kinks.in_its_cell(start, k), end)) for k, end in (lower, upper))
     kind = _kind_of_open(low.end, high.end, forward)
 
-    def part(origin: End, target: End, side: int, k: int) -> Branch:
-        own = kinks.in_its_cell(start, k)
-        first, turning = required(origin.place)(exact), origin.kind == "turning"
-        length = (
-            abs(target.place(exact) - first) if target.place is not None else _length(own, first, bits, turning=turning)
-        )
-        end = "infinity" if target.kind == "infinity" else target.kind
-        end_map = EndMap(turning, end, first, side, length, max(0, round(-target.power)))
-        return Branch(end_map, own.radicand, start.skipped, digits, bits)
-
     def chain(origin: End, begin: int, target: kinks.Reached, side: int) -> Chain:
         ends = kinks.ends_between(start, begin, target, side)
         origins = [origin, *ends[:-1]]
-        parts = [part(a, b, side, begin + side * k) for k, (a, b) in enumerate(zip(origins, ends, strict=True))]
+        parts = (
+            _branch(kinks.in_its_cell(start, begin + side * k), a, b, side, digits)
+            for k, (a, b) in enumerate(zip(origins, ends, strict=True))
+        )
         return Chain(tuple(parts), origin.kind == "wall")
 
     for near, far, side in ((low, high, 1), (high, low, -1)):

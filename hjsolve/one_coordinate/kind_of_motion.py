@@ -149,18 +149,9 @@ class KindOfMotion(ABC):
         """(1/2π) ∮ P dq, signed like P for a rotation; None where there is no cycle."""
         return None
 
-    @property
-    def both_directions(self) -> bool:
-        """True where the branch ahead is not the one behind."""
-        return False
-
     def limits(self) -> tuple[float, float]:
         """Return the least and greatest phase there is: it goes on for ever."""
         return -np.inf, np.inf
-
-    def edges(self) -> Reals:
-        """Return the phases at all panel ends, increasing; there are none of a motion that is not open."""
-        return np.zeros(0)
 
     def ends(self, side: int) -> str:
         """Return how an open motion ends, ``boundary``, ``fall``, ``asymptote`` or ``infinity``; "" without an end."""
@@ -180,28 +171,6 @@ class KindOfMotion(ABC):
         Args:
             ahead: greatest phase.
             back: greatest −χ where panels behind shall reach elsewhere.
-        """
-        return self
-
-    def with_amount(self, weights: Weights | None, amount: float, *, partly: bool = False) -> Self:  # noqa: ARG002
-        """Return the motion with panels as far as |Σ wⱼ Gⱼ| reaches an amount.
-
-        Args:
-            weights: wⱼ, one a constant; None where the phase itself is meant.
-            amount: how far.
-            partly: True where panels that do not reach so far will do.
-        """
-        return self
-
-    def carries(self, j: int) -> bool:  # noqa: ARG002  (asked of an open motion)
-        """Return False where the integral for a constant is zero all along."""
-        return True
-
-    def on_sides(self, *, ahead: bool, back: bool) -> Self:  # noqa: ARG002
-        """Return the motion with panels on those sides only.
-
-        Args:
-            ahead, back: False where there are no phases.
         """
         return self
 

@@ -20,7 +20,7 @@ from functools import partial
 import numpy as np
 
 from hjsolve.arithmetic.complex_disks import Disk, Disks, single, tighter
-from hjsolve.arithmetic.floats import Float64, by_squaring
+from hjsolve.arithmetic.floats import by_squaring
 from hjsolve.arithmetic.number_types import Complexes, Integers, N
 from hjsolve.arithmetic.tape import Operation, Tape
 from hjsolve.errors import required
@@ -35,25 +35,6 @@ from hjsolve.one_coordinate.difference_rules import (
 
 _DISKS = Disks()
 _ONE = _DISKS.rational(1, 1)
-
-
-class ComplexPoints(Float64):
-    """Complex doubles, where a few digits are enough."""
-
-    def unary(self, name: str, x: Complexes) -> Complexes:
-        """Return a function of one variable."""
-        if name == "turned":
-            return 1j * x
-        if name == "abs":  # the analytic function ±z
-            return np.where(np.real(x) < 0, -x, x)
-        if name == "sech":
-            decay = np.exp(np.where(np.real(x) < 0, x, -x))
-            return 2 * decay / (1 + decay * decay)
-        return Float64().unary(name, np.asarray(x, dtype=complex))
-
-    def power(self, x: Complexes, n: int) -> Complexes:
-        """Return xⁿ."""
-        return x**n
 
 
 @dataclass(frozen=True)

@@ -19,13 +19,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.complex_disks import Disk, Disks
+from hjsolve.arithmetic.floats import ComplexPoints
 from hjsolve.arithmetic.number_types import Complexes, Elementwise, Integers, Mask, Reals
 from hjsolve.arithmetic.reciprocals import without_overflow
 from hjsolve.arithmetic.tape import BoundTape
 from hjsolve.arithmetic.work_counter import count
 from hjsolve.one_coordinate.complex_anomaly import ComplexPlace, PlaceDisks, complex_place, place_disks
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
-from hjsolve.one_coordinate.regular_factor import ComplexPoints, Deflated, deflated
+from hjsolve.one_coordinate.regular_factor import Deflated, deflated
 from hjsolve.one_coordinate.stretched_anomaly import Inner, Stretched
 from hjsolve.one_coordinate.strip_squares import StripSquares, in_a_cone, straight_above
 

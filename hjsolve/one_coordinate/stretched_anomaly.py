@@ -23,9 +23,9 @@ from typing import cast
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import EPS, Float64, Multi
+from hjsolve.arithmetic.floats import EPS, ComplexPoints, Float64, Multi
 from hjsolve.arithmetic.fourier import at_midpoints
-from hjsolve.arithmetic.number_types import Mpf, Numeric, Reals
+from hjsolve.arithmetic.number_types import Complexes, Mpf, Numeric, Reals
 from hjsolve.arithmetic.root_finding import bracketed_root, bracketed_roots
 from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
 from hjsolve.one_coordinate.fourier_series import FourierSeries, midpoints
@@ -39,6 +39,8 @@ _BASE = 3.0
 _LAST = 1e-4
 """Coefficients of dχ/dψ below that part of its least value are left out: they would not make the map a better one."""
 _NARROWEST = 1e-12
+_AT_ONCE, _BLOCK = 256, 64
+"""Places and powers in one product of matrices: few enough to stay in the cache, and for BLAS to use one thread."""
 
 Inner = Libration | BarrierAnomaly | Rotation | TwoBarrierAnomaly
 
@@ -118,11 +120,24 @@ class Stretched:
         Args:
             arithmetic: in which χ is worked out.
         """
+        if isinstance(arithmetic, ComplexPoints):
+            return cast("tuple[Numeric, Numeric]", self._off_axis(cast("Complexes", ψ)))
         return arithmetic.choose(lambda _: self._by_series(ψ), lambda many: self._in_fixed_point(cast("Mpf", ψ), many))
 
     def _by_series(self, ψ: Numeric) -> tuple[Numeric, Numeric]:
         """Return the same in doubles."""
         return ψ + (self.slope.oscillation(ψ) - self._shift), self.slope.value(ψ)
+
+    def _off_axis(self, ψ: Complexes) -> tuple[Complexes, Complexes]:
+        """Return the same at complex ψ: e^{ikψ} falls and e^{−ikψ} grows, two power series in place of sines."""
+        k = np.arange(1, len(self.slope.cosines) + 1)
+        cosines = self.slope.cosines.astype(complex)
+        sines = 0 * cosines if self.slope.sines is None else self.slope.sines.astype(complex)
+        up, down = (cosines - 1j * sines) / 2, (cosines + 1j * sines) / 2  # of e^{ikψ} and e^{−ikψ}
+        wave: Complexes = np.exp(1j * ψ)
+        rising, rising_rate = _power_sums(np.stack([up / (1j * k), up]), wave)
+        falling, falling_rate = _power_sums(np.stack([down / (1j * k), down]), 1 / wave)
+        return ψ + rising - falling + np.sum((-1.0) ** k * sines / k), 1 + rising_rate + falling_rate
 
     def _in_fixed_point(self, ψ: Mpf, arithmetic: Multi) -> tuple[Mpf, Mpf]:
         """χ = ψ + Im Σ (cₖ − i sₖ) e^{ikψ} + Σ (−1)ᵏ sₖ and its derivative by Horner's rule in integers."""
@@ -277,3 +292,26 @@ def _density(χ: Reals, places: list[tuple[float, float]]) -> Reals:
         # sin²((χ − χₖ)/2) + δₖ²/4 is about |χ − (χₖ ± iδₖ)|²/4, with period 2π
         total += (np.sin((χ - place) / 2) ** 2 + width**2 / 4) ** -2
     return total**0.25
+
+
+def _power_sums(coefficients: Complexes, z: Complexes) -> Complexes:
+    """Return the sum cₖ zᵏ over k = 1, 2, … for each row of coefficients, shape (rows, *z.shape).
+
+    A block of powers at a time is a product of matrices; the blocks are joined by Horner's rule in z^64.
+    """
+    rows, count = coefficients.shape
+    blocks = max(-(-count // _BLOCK), 1)
+    padded = np.zeros((rows, blocks * _BLOCK), dtype=complex)
+    padded[:, :count] = coefficients
+    table = np.ascontiguousarray(padded.reshape(rows, blocks, _BLOCK).transpose(1, 0, 2))
+    total = np.empty((rows, z.size), dtype=complex)
+    for first in range(0, z.size, _AT_ONCE):
+        part = z.reshape(-1)[first : first + _AT_ONCE]
+        # z … z⁶⁴ once for all rows of coefficients
+        powers = np.cumprod(np.broadcast_to(part, (_BLOCK, part.size)), axis=0)
+        sums = table @ powers
+        joined = sums[-1]
+        for one in sums[-2::-1]:
+            joined = joined * powers[-1] + one
+        total[:, first : first + _AT_ONCE] = joined
+    return total.reshape(rows, *z.shape)

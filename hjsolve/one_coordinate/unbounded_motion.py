@@ -81,12 +81,25 @@ class Unbounded(KindOfMotion):
         return replace(self, reach=(None, max(least, ahead)), back=behind, partly=False)
 
     def with_amount(self, weights: Weights | None, amount: float, *, partly: bool = False) -> Unbounded:
+        """Return the motion with panels as far as |Σ wⱼ Gⱼ| reaches an amount.
+
+        Args:
+            weights: wⱼ, one a constant; None where the phase itself is meant.
+            amount: how far.
+            partly: True where panels that do not reach so far will do.
+        """
         return replace(self, reach=(weights, amount), back=None, partly=partly)
 
     def carries(self, j: int) -> bool:
+        """Return False where the integral for a constant is zero all along."""
         return self.ahead.carries(j)
 
     def on_sides(self, *, ahead: bool, back: bool) -> Unbounded:
+        """Return the motion with panels on those sides only.
+
+        Args:
+            ahead, back: False where there are no phases.
+        """
         weights, amount = self.reach
         return replace(self, reach=(weights, amount if ahead else 1e-290), back=amount if back else 1e-290)
 

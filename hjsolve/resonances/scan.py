@@ -12,13 +12,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import Float64, multiprecision
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.number_types import Reals
 from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.ensembles.orbits import ensemble
 from hjsolve.errors import HJSolveError
-from hjsolve.lowering import lower
-from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.motion.formulas_at_places import tape_of, values_at
 from hjsolve.motion.tori.radicand_curve import RadicandCurve
 from hjsolve.resonances.equations import Equation
 from hjsolve.resonances.families import OneParameterFamily, Well, Wells, place_in, wells_of
@@ -287,7 +286,6 @@ def _shifts(family: OneParameterFamily, name: str, q: Mapping[str, Reals], p: Ma
     values = {solution.system.symbols[n]: v for n, v in family.parameters.items()}
     values = {x.symbol: values.get(x.symbol, x.value) for x in solution.system.parameters}
     others = [c for c in coordinates if c.name not in solution.coordinates]
-    symbols = [*(c.symbol for c in coordinates), *(c.momentum for c in others), *values]
-    inputs = [*(q[c.name] for c in coordinates), *(p[c.name] for c in others)]
-    inputs += [np.asarray(float(to_bits(v)(64))) for v in values.values()]
-    return np.broadcast_to(lower([A], symbols).run(Float64(), inputs)[0], q[name].shape)
+    symbols = (*(c.symbol for c in coordinates), *(c.momentum for c in others), *values)
+    arrays = [*(q[c.name] for c in coordinates), *(p[c.name] for c in others)]
+    return np.asarray(values_at(tape_of((A,), symbols), arrays, list(values.values()))[0], dtype=float)

@@ -331,7 +331,7 @@ def _in_one_coordinate(motion: Motion, λ: sp.Expr) -> sp.Expr | None:
         if any(n % 2 for (n,), _ in terms):
             return None
         f = sp.Add(*(a * solution.momentum_squared[c.name] ** (n // 2) for (n,), a in terms))
-    f = short_form(f, domain_bounds(system))
+    f = short_form(f, domain_bounds(system.coordinates))
     return f if sum(c.symbol in f.free_symbols for c in system.coordinates) <= 1 else None
 
 

@@ -181,7 +181,7 @@ def _outcome(solution: Solution, residual: sp.Expr, budget: float) -> Outcome:
         return "proved"
     system = solution.system
     parameters = [p.symbol for p in system.parameters]
-    match vanishes(residual, domain_bounds(system), parameters, system.defaults, budget):
+    match vanishes(residual, domain_bounds(system.coordinates), parameters, system.defaults, budget):
         case Zero():
             return "proved"
         case NonZero():

@@ -15,7 +15,7 @@ from hjsolve.extended.linear_hamiltonian import HamiltonianInTime, SumOfHamilton
 from hjsolve.extended.one_freedom import LinearInMomentum, NonlinearInMomentum
 from hjsolve.mechanics.brackets import conjugate_pairs
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
-from hjsolve.mechanics.energy_shell import time_name
+from hjsolve.mechanics.energy_shell import domain_bounds, time_name
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, hamiltonian, velocities
 from hjsolve.separation import Undecided
@@ -162,7 +162,7 @@ def phase_space_of(subject: object, verb: str) -> PhaseSpace:
     return PhaseSpace(
         system, hamiltonian(system), pairs, velocities(system),
         {**momenta, time.name: time, **system.symbols}, tuple(p.symbol for p in system.parameters), time,
-        _bounds(system.coordinates), system.defaults,
+        domain_bounds(system.coordinates), system.defaults,
     )  # fmt: skip
 
 
@@ -176,12 +176,5 @@ def _of_hamiltonian(
     defaults = {p.symbol: p.value for p in subject.parameters if p.value is not None}
     return PhaseSpace(
         subject, H, tuple(conjugate_pairs(coordinates)), {c.name: sp.diff(H, c.momentum) for c in coordinates},
-        symbols, tuple(p.symbol for p in subject.parameters), time, _bounds(subject.coordinates), defaults,
+        symbols, tuple(p.symbol for p in subject.parameters), time, domain_bounds(subject.coordinates), defaults,
     )  # fmt: skip
-
-
-def _bounds(coordinates: tuple[Coordinate, ...]) -> dict[sp.Symbol, Bounds]:
-    """Open interval of each coordinate; angles and lines have no ends."""
-    return {
-        c.symbol: (None, None) if c.domain.kind == "angle" else (c.domain.lower, c.domain.upper) for c in coordinates
-    }

@@ -16,7 +16,7 @@ import numpy as np
 from hjsolve.arithmetic.floats import EPS, multiprecision
 from hjsolve.arithmetic.number_types import Counts, Mask, Mpf, Reals
 from hjsolve.errors import NotConvergedError
-from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
 from hjsolve.one_coordinate.fourier_series import FourierSeries, combine
 from hjsolve.time_law.coupled_pair import CoupledPair, choose_pair, solve_pair
 from hjsolve.time_law.one_phase import solve_alone
@@ -258,7 +258,9 @@ def _one_direction(coordinate_motion: CoordinateMotion, step: DecoupledStep, tim
 
     Its phase has the sign of the time.
     """
-    if not coordinate_motion.both_directions or coordinate_motion.start or not step.weights[0]:
+    if not isinstance(coordinate_motion, Unbounded) or not coordinate_motion.both_directions:
+        return coordinate_motion
+    if coordinate_motion.start or not step.weights[0]:
         return coordinate_motion
     return coordinate_motion.on_sides(
         ahead=bool(np.max(times, initial=0.0) > 0), back=bool(np.min(times, initial=0.0) < 0)
@@ -315,7 +317,7 @@ def reaching(
         i: position of the coordinate.
         attempt: how often panels have been too short.
     """
-    if not coordinate_motion.branches:
+    if not isinstance(coordinate_motion, Unbounded):
         return coordinate_motion
     weights = next(
         (s.weights for s in scheme.steps if s.index == i), tuple(float(j == 0) for j in range(scheme.equations))

@@ -41,7 +41,7 @@ def test_the_books_lagrangian_becomes_ours_under_the_map(name: str) -> None:
         return
     system = described(name).system
     assert system is not None
-    region = Region({**free_region(difference).bounds, **domain_bounds(system)}, system.defaults)
+    region = Region({**free_region(difference).bounds, **domain_bounds(system.coordinates)}, system.defaults)
     known = difference.xreplace({sp.Symbol(n): symbol for n, symbol in system.symbols.items()})
     assert isinstance(is_zero(known, region), Zero)  # exactly
     point = {x: sp.Rational(3 + 2 * i, 7 + i) for i, x in enumerate(sorted(difference.free_symbols, key=str))}

@@ -17,7 +17,6 @@ def _lower_parts(level: int, dice: np.random.Generator) -> np.ndarray:
 
 
 @pytest.mark.rotating(4)
-@pytest.mark.parametrize("coarse", [False, True])
 @pytest.mark.parametrize("count", [16, 24, 80, 320])
 @pytest.mark.parametrize(
     ("level", "node_map"),
@@ -38,11 +37,11 @@ def _lower_parts(level: int, dice: np.random.Generator) -> np.ndarray:
         (40, 4),
     ],
 )
-def test_every_place_of_the_strip_lies_in_a_disk(level: int, node_map: int, count: int, coarse: bool) -> None:
+def test_every_place_of_the_strip_lies_in_a_disk(level: int, node_map: int, count: int) -> None:
     """Where a rectangle may hold q = ∞ or a pole of sn, too: there radii have to be infinite."""
     dice = np.random.default_rng(count + level)
     table = libration_nodes(count, level, node_map)
-    over = covered_strip(table, coarse=coarse)
+    over = covered_strip(table)
     χ = dice.uniform(0, np.pi, _POINTS) + 1j * half_width(count, 1) * dice.uniform(0, 1, _POINTS)
     sn2, cn2 = squares(χ, table)
     for d in _lower_parts(level, dice):

@@ -165,7 +165,7 @@ def test_several_coupled_ignorable_coordinates_leave_half_c_inverse_mass_c():
 )
 def test_bounds_of_every_kind_of_domain(domain, ends):
     system = System({"r": domain}, "dot(r)**2/2", "cos(r)")
-    ((symbol_, bounds),) = domain_bounds(system).items()
+    ((symbol_, bounds),) = domain_bounds(system.coordinates).items()
     assert symbol_ == system.coordinates[0].symbol
     assert bounds == ends
 

@@ -7,10 +7,9 @@ import pytest
 from mpmath import mp
 
 import hjsolve
-from hjsolve.arithmetic.elliptic import means, quarter_period
+from hjsolve.arithmetic.elliptic import jacobi_complex, means, quarter_period
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.one_coordinate.anomaly import libration_anomaly
-from hjsolve.one_coordinate.complex_anomaly import jacobi_complex
 
 ACTIONS = {"xi": 0.2845593688081434, "eta": 0.035586032683447046, "phi": 0.293178260002714}
 

@@ -10,8 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-from hjsolve.arithmetic.floats import by_squaring
-from hjsolve.arithmetic.function_rules import quotient
+from hjsolve.arithmetic.function_rules import ByOthers, quotient
 from hjsolve.arithmetic.machine.elementary import ROUNDINGS
 from hjsolve.arithmetic.machine.writer import InstructionWriter, Value
 from hjsolve.arithmetic.number_types import N
@@ -35,7 +34,7 @@ class ComplexValue(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ComplexWriter:
+class ComplexWriter(ByOthers):
     """Arithmetic on ``ComplexValue``.
 
     Attributes:
@@ -54,9 +53,6 @@ class ComplexWriter:
         a = self.writer
         im = y.im if x.im is None else x.im if y.im is None else a.add(x.im, y.im)
         return ComplexValue(a.add(x.re, y.re), im)
-
-    def sub(self, x: ComplexValue, y: ComplexValue) -> ComplexValue:
-        return self.add(x, self._negative(y))
 
     def mul(self, x: ComplexValue, y: ComplexValue) -> ComplexValue:
         """Write x·y: one product where both are real, two where one is."""
@@ -80,10 +76,7 @@ class ComplexWriter:
         """Write xⁿ as products."""
         if x.im is None:
             return ComplexValue(self.writer.power(x.re, n))
-        if n <= 0:
-            return self.rational(1, 1) if n == 0 else self.div(self.rational(1, 1), self.power(x, -n))
-        result: ComplexValue = by_squaring(self.mul, x, n)
-        return result
+        return ByOthers.power(self, x, n)
 
     def square(self, x: ComplexValue) -> Value:
         """Write |x|²."""
@@ -234,30 +227,14 @@ class ComplexRunningError(RunningError[ComplexValue]):
     plain: ComplexWriter
     own: int = _OF_FUNCTION
 
-    def mul(self, x: WithErrorBound[ComplexValue], y: WithErrorBound[ComplexValue]) -> WithErrorBound[ComplexValue]:
-        """Return x·y."""
-        value, units = self.plain.mul(x.value, y.value), self._units(x, y, _PRODUCT)
-        parts = self._part(y.value, x.error), self._part(x.value, y.error), self._scaled(value, units)
-        return WithErrorBound(value, self._sum(*parts))
+    def _units_of_product(self, x: ComplexValue, y: ComplexValue) -> int:
+        return 1 if x.im is None or y.im is None else _PRODUCT
 
-    def div(self, x: WithErrorBound[ComplexValue], y: WithErrorBound[ComplexValue]) -> WithErrorBound[ComplexValue]:
-        """Return x/y."""
-        value, passed = self.plain.div(x.value, y.value), x.error
-        passed = self._sum(passed, self._part(value, y.error))
-        if passed is not None:
-            passed = self.plain.div(passed, self.plain.unary("abs", y.value))
-        return WithErrorBound(value, self._sum(passed, self._scaled(value, 1 if y.value.im is None else _QUOTIENT)))
+    def _units_of_quotient(self, y: ComplexValue) -> int:
+        return 1 if y.im is None else _QUOTIENT
 
-    def power(self, x: WithErrorBound[ComplexValue], n: int) -> WithErrorBound[ComplexValue]:
-        """Return xⁿ."""
-        a = self.plain
-        value = a.power(x.value, n)
-        slope = a.mul(a.rational(n, 1), a.power(x.value, n - 1)) if n != 1 else a.rational(1, 1)
-        units = abs(n) * (1 if x.value.im is None else _PRODUCT) + (0 if n > 0 else _QUOTIENT)
-        return WithErrorBound(value, self._sum(self._part(slope, x.error), self._scaled(value, units)))
-
-    def _units(self, x: WithErrorBound[ComplexValue], y: WithErrorBound[ComplexValue], both: int) -> int:
-        return 1 if x.value.im is None or y.value.im is None else both
+    def _units_of_power(self, x: ComplexValue, n: int) -> int:
+        return abs(n) * self._units_of_product(x, x) + (0 if n > 0 else _QUOTIENT)
 
     def unary(self, name: str, x: WithErrorBound[ComplexValue]) -> WithErrorBound[ComplexValue]:
         """Return Φ(x); its bound is |Φ′(x)| δx and its roundings."""

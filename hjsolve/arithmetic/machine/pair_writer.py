@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair, exact
-from hjsolve.arithmetic.floats import by_squaring
+from hjsolve.arithmetic.function_rules import ByOthers
 from hjsolve.arithmetic.machine.allocation import Value
 from hjsolve.arithmetic.machine.writer import InstructionWriter
 from hjsolve.arithmetic.tape import UNARY
@@ -29,7 +29,7 @@ class PairOfValues(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class PairWriter:
+class PairWriter(ByOthers):
     """Arithmetic on ``PairOfValues``.
 
     Attributes:
@@ -115,13 +115,6 @@ class PairWriter:
     def div(self, x: PairOfValues, y: PairOfValues) -> PairOfValues:
         """Write x/y."""
         return x if self._is(y, 1.0) else PairOfValues(*self._called("pair_div", x, y))
-
-    def power(self, x: PairOfValues, n: int) -> PairOfValues:
-        """Write xⁿ as products."""
-        if n <= 0:
-            return self.rational(1, 1) if n == 0 else self.div(self.rational(1, 1), self.power(x, -n))
-        result: PairOfValues = by_squaring(self.mul, x, n)
-        return result
 
     def _negative(self, x: PairOfValues) -> PairOfValues:
         if x in self._opposite:

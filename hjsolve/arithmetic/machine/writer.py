@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from hjsolve.arithmetic.floats import by_squaring
+from hjsolve.arithmetic.function_rules import ByOthers
 from hjsolve.arithmetic.machine.allocation import Instruction, allocated
 from hjsolve.arithmetic.machine.allocation import Value as Value
 from hjsolve.arithmetic.machine.code import MachineCode as MachineCode
@@ -23,7 +23,7 @@ _PAIRED = {"sin": ("sincos", 0), "cos": ("sincos", 1), "sinh": ("sinhcosh", 0), 
 
 
 @dataclass(eq=False)
-class InstructionWriter:
+class InstructionWriter(ByOthers):
     """Arithmetic on values of the machine, which are integers.
 
     Attributes:
@@ -155,13 +155,6 @@ class InstructionWriter:
         if y in self._opposite:
             return self._negative(self.div(x, self._opposite[y]))
         return self.called("div", x, y)[0]
-
-    def power(self, x: Value, n: int) -> Value:
-        """Write xⁿ as products."""
-        if n <= 0:
-            return self.number(1.0) if n == 0 else self.div(self.number(1.0), self.power(x, -n))
-        result: Value = by_squaring(self.mul, x, n)
-        return result
 
     def _negative(self, x: Value) -> Value:
         if x in self._numbers:

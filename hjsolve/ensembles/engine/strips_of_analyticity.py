@@ -17,12 +17,11 @@ from functools import cache
 
 import numpy as np
 
-from hjsolve.arithmetic.elliptic import quarter_period
+from hjsolve.arithmetic.elliptic import jacobi_complex, quarter_period
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Complexes, Mask, Reals
 from hjsolve.ensembles.engine.kernels.crowding import CLUSTERINGS, EVEN
 from hjsolve.ensembles.engine.nodes import Nodes
-from hjsolve.one_coordinate.complex_anomaly import jacobi_complex
 
 EXPONENT = 36.0
 """exp(−36) = 2.3e-16: what is missed of a function is at most 2 M exp(−36), M being ``clearance.GROWTH`` times what the
@@ -102,14 +101,14 @@ def across(count: int, node_map: tuple[float, float], symmetry: int) -> float:
 
 
 @cache
-def covered_strip(table: Nodes, *, coarse: bool = False) -> CoveredStrip:
+def covered_strip(table: Nodes) -> CoveredStrip:
     """Return the strip over which functions are to be known for a table of nodes between turning points.
 
     Of the three functions f that one is taken whose disks are smallest for typical motions with these nodes.
     """
     # the upper half of the strip over half a period: the rest is its mirror image
     a, length = half_width(len(table.χ), table.symmetry), np.pi / table.symmetry
-    middles, corners = _rectangles(table, a, length, _shape(table, coarse))
+    middles, corners = _rectangles(table, a, length, _shape(table, coarse=False))
     with np.errstate(all="ignore"):
         # at the corners a function that is analytic in the rectangle is farthest from its middle, or nearly
         (w, c), (near_w, near_c) = squares(middles, table), squares(corners, table)
@@ -206,7 +205,7 @@ def _halves(χ: Complexes, table: Nodes) -> tuple[Complexes, Complexes]:
 def covered_turn(table: Nodes, *, coarse: bool = False) -> CoveredTurn:
     """Return the strip over which functions are to be known for a table of nodes of rotations."""
     a = half_width(len(table.χ) // 2, table.symmetry)
-    middles, corners = _rectangles(table, a, 2 * np.pi, _shape(table, coarse))
+    middles, corners = _rectangles(table, a, 2 * np.pi, _shape(table, coarse=coarse))
     place = _turns if table.slow == 1 else _half_turns
     angle, edges = place(middles, table), place(corners, table)
     other = np.inf if table.complement == 1.0 else quarter_period(1 - table.complement, Float64())
@@ -214,7 +213,7 @@ def covered_turn(table: Nodes, *, coarse: bool = False) -> CoveredTurn:
     return CoveredTurn(angle, _CORNER_MARGIN * np.abs(edges - angle[:, None]).max(axis=1), bool(inside))
 
 
-def _shape(table: Nodes, coarse: bool) -> tuple[int, int]:
+def _shape(table: Nodes, *, coarse: bool) -> tuple[int, int]:
     return _PLAIN if table.complement == 1.0 else _COARSE if coarse else _STRETCHED
 
 

@@ -17,8 +17,8 @@ from hjsolve.arithmetic.number_types import AtTimes, Mpf
 from hjsolve.coordinates.chart import Chart
 from hjsolve.errors import HJSolveError
 from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.motion.formulas_at_places import tape_of
 from hjsolve.motion.motion import Motion
-from hjsolve.motion.positions import tape_of
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
 

@@ -19,8 +19,8 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.motion.charted.inverse_charts import inverse_chart
 from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.motion.formulas_at_places import tape_of
 from hjsolve.motion.initial_data import Initial, all_exact, clean, read_phase_point, with_numbers
-from hjsolve.motion.positions import tape_of
 from hjsolve.solution.quadratures import Solution
 
 BITS = 4800

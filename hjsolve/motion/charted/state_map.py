@@ -17,14 +17,11 @@ from functools import cache
 import numpy as np
 import sympy as sp
 
-from hjsolve.arithmetic.floats import Float64, Multi
-from hjsolve.arithmetic.number_types import AtTimes, Mpf, Numbers, Reals
-from hjsolve.arithmetic.running_error import SECOND_ORDER, RunningError, WithErrorBound
+from hjsolve.arithmetic.number_types import AtTimes, Numbers, Reals
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.coordinates.chart import Chart
 from hjsolve.motion.charted.curvilinear_states import bounds_in_users_coordinates, in_users_coordinates
-from hjsolve.motion.exact_numbers import to_bits
-from hjsolve.motion.positions import tape_of
+from hjsolve.motion.formulas_at_places import bits_in, bounded_at, tape_of, values_at
 from hjsolve.motion.shapes import shaped
 from hjsolve.motion.state import Errors, State
 
@@ -69,7 +66,7 @@ def state_in(chart: Chart, values: Mapping[sp.Symbol, sp.Expr], state: State, re
     names = [q.name for q in chart.original.coordinates]
     shape = np.shape(state.status)
     tape = _tape(chart, resting)
-    found = _evaluated(chart, tape, values, state)
+    found = values_at(tape[0], _inputs(chart, state.q, state.p), [values[s] for s in tape[1]])
     n, q = len(names), in_users_coordinates(chart.outer, found)
 
     def group(columns: Sequence[Numbers], k: int) -> dict[str, AtTimes]:
@@ -88,52 +85,19 @@ def _inputs(chart: Chart, group: Mapping[str, AtTimes], other: Mapping[str, AtTi
     return [np.ravel(np.asarray(g[name])) for g in (group, other) for name in chart.coordinates]
 
 
-def _evaluated(chart: Chart, made: Made, values: Mapping[sp.Symbol, sp.Expr], state: State) -> list[Numbers]:
-    tape, fixed = made
-    arrays = _inputs(chart, state.q, state.p)
-    if arrays[0].dtype != object:
-        approximate = [float(to_bits(values[s])(64)) for s in fixed]
-        with np.errstate(all="ignore"):
-            return [np.broadcast_to(x, arrays[0].shape) for x in tape.run(Float64(), [*arrays, *approximate])]
-    bits = _bits(arrays)
-    numbers = [to_bits(values[s])(bits) for s in fixed]
-    rows = [_in_many_digits(tape, bits, row, numbers) for row in zip(*arrays, strict=True)]
-    return [np.array(column, dtype=object) for column in zip(*rows, strict=True)]
-
-
-def _bits(arrays: list[Numbers]) -> int:
-    return max((x.context.prec for x in arrays[0] if hasattr(x, "context")), default=128)
-
-
-def _in_many_digits(tape: Tape, bits: int, row: tuple[Mpf | float, ...], numbers: list[Mpf]) -> list[Mpf]:
-    """One row; NaN where the motion has ended."""
-    field = Multi(bits)
-    inputs = [field.convert(x) for x in row]
-    if any(x != x for x in inputs):
-        return [field.context.nan] * len(tape.outputs)
-    return list(tape.run(field, [*inputs, *numbers]))
-
-
 def _bounds(
     chart: Chart, made: Made, values: Mapping[sp.Symbol, sp.Expr], state: State, found: list[Numbers]
 ) -> list[Reals]:
     """Error bounds of the formulas, each of the shape of its values."""
     tape, fixed = made
-    places = [np.asarray(x, dtype=float) for x in _inputs(chart, state.q, state.p)]
+    places, bits = _inputs(chart, state.q, state.p), bits_in(found[0])
     uncertainties = [np.asarray(x, dtype=float) for x in _inputs(chart, state.error.q, state.error.p)]
-    many = found[0].dtype == object
-    bits = _bits([found[0]]) if many else 53
-    field, unit = RunningError(Float64(), bits=bits), 2.0**-bits
-    inputs = [WithErrorBound(x, e) for x, e in zip(places, uncertainties, strict=True)]
-    numbers = (np.asarray(float(to_bits(values[s])(64))) for s in fixed)
-    inputs += [WithErrorBound(x, unit * np.abs(x)) for x in numbers]
+    outputs = bounded_at(tape, places, uncertainties, [values[s] for s in fixed], bits)
+    result, n, k = [error for _, error in outputs], len(chart.original.coordinates), len(chart.outer.place)
     with np.errstate(all="ignore"):
-        outputs = tape.run(field, inputs)
-        result = [np.broadcast_to(0.0 if x.error is None else SECOND_ORDER * x.error, places[0].shape) for x in outputs]
-        n, k = len(chart.original.coordinates), len(chart.outer.place)
         lost = np.zeros(places[0].shape, dtype=bool)
-        for h, error in zip(outputs[k + 2 * n :], result[k + 2 * n :], strict=True):
-            lost |= ~(_LOST * error < h.value)
+        for h, error in outputs[k + 2 * n :]:
+            lost |= ~(_LOST * error < h)
         velocities = [np.where(lost & (places[0] == places[0]), np.inf, e) for e in result[k : k + 2 * n]]
         points = [np.asarray(x, dtype=float) for x in found[:k]]
         return bounds_in_users_coordinates(chart.outer, points, [*result[:k], *velocities], bits)

@@ -17,7 +17,7 @@ from hjsolve.motion.angles_along import phase_of_zero
 from hjsolve.motion.derivatives.along_cycle import CycleVariations
 from hjsolve.motion.derivatives.at_rest import RestVariations
 from hjsolve.motion.derivatives.bounded import Bounded, converted, stacked, zeros
-from hjsolve.motion.derivatives.canonical import ConstantsToState
+from hjsolve.motion.derivatives.canonical import ConstantsToState, outer
 from hjsolve.motion.derivatives.integrals import MeanMatrix
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.one_coordinate.anomaly import TwoBarrierAnomaly
@@ -27,7 +27,7 @@ def angles_by(map_: ConstantsToState, means: MeanMatrix) -> dict[str, Bounded]:
     """Return the derivatives of the angles at t₀ by (B, x, a, y) and the parameters, coordinate → one row."""
     solution, n, nf = map_.source.solution, map_.freedoms, len(map_.free)
     columns = 2 * n + len(map_.variables.parameters)
-    Z = variations(map_, columns)
+    Z = map_.variations(columns)
     B, dB = _laws(map_, Z)
     others = [c.name for c in solution.system.coordinates if c.name not in solution.coordinates]
     result = {}
@@ -58,19 +58,6 @@ def differentiable_angles(map_: ConstantsToState) -> bool:
     )
 
 
-def variations(map_: ConstantsToState, columns: int) -> Bounded:
-    """Return how constants and parameters change with (B, x, a, y) and the parameters.
-
-    Args:
-        columns: how many they are.
-    """
-    n, nf = map_.freedoms, len(map_.free)
-    Z = zeros((map_.variables.count, columns), map_.context)
-    Z.value[:, n : n + nf] = map_.tangent.value[:, :nf]
-    Z.value[:, 2 * n :] = map_.tangent.value[:, nf:]
-    return Z
-
-
 def _laws(map_: ConstantsToState, Z: Bounded) -> tuple[Bounded, Bounded]:
     """B_j, and what the places of angle zero add to its differential, by all columns."""
     c, solution, n = map_.context, map_.source.solution, len(map_.variables.constants)
@@ -93,12 +80,7 @@ def _laws(map_: ConstantsToState, Z: Bounded) -> tuple[Bounded, Bounded]:
                 np.array([x / slopes.q.value[0] for x in moved.value], dtype=object),
                 moved.error / abs(float(slopes.q.value[0])),
             )
-            dB = dB - slopes.integrals[:, :, 0] @ Z
-            rates = slopes.rates[:, 0]
-            dB = dB - Bounded(
-                np.multiply.outer(rates.value, phase.value),
-                np.multiply.outer(rates.error, phase.size) + np.multiply.outer(rates.size, phase.error),
-            )
+            dB = dB - slopes.integrals[:, :, 0] @ Z - outer(slopes.rates[:, 0], phase)
     for q in solution.system.coordinates:
         if q.name not in solution.coordinates:
             j = map_.variables.constants.index(q.momentum.name)

@@ -38,8 +38,8 @@ from hjsolve.motion.derivatives.bounded import Bounded, converted, inverse, stac
 from hjsolve.motion.derivatives.formulas import VariedSymbols
 from hjsolve.motion.derivatives.slopes import Slopes
 from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.motion.formulas_at_places import tape_of
 from hjsolve.motion.initial_data import Initial
-from hjsolve.motion.positions import tape_of
 from hjsolve.motion.separated import SeparatedMotion
 from hjsolve.solution.quadratures import Solution
 
@@ -115,6 +115,18 @@ class ConstantsToState:
         small = [np.array([10.0**-self.source.digits]) for _ in self.parts]
         return self.frames(start, none, small)[0]
 
+    def variations(self, columns: int) -> Bounded:
+        """Return how constants and parameters change with (B, x, a, y) and the parameters.
+
+        Args:
+            columns: how many these are.
+        """
+        n, nf = self.freedoms, len(self.free)
+        Z = zeros((self.variables.count, columns), self.context)
+        Z.value[:, n : n + nf] = self.tangent.value[:, :nf]
+        Z.value[:, 2 * n :] = self.tangent.value[:, nf:]
+        return Z
+
     def _frame(
         self, slopes: Sequence[Slopes | None], χ: Sequence[Numbers], whole: Sequence[Counts],
         errors: Sequence[Numbers], m: int,
@@ -123,9 +135,7 @@ class ConstantsToState:
         names, n = list(solution.coordinates), self.freedoms
         nf, rest = len(self.free), self.resting
         columns = 2 * n + len(self.variables.parameters)
-        Z = zeros((self.variables.count, columns), c)
-        Z.value[:, n : n + nf] = self.tangent.value[:, :nf]
-        Z.value[:, 2 * n :] = self.tangent.value[:, nf:]
+        Z = self.variations(columns)
         law = zeros((nf, columns), c)
         for f in range(nf):
             law.value[f, f] = c.mpf(1)
@@ -138,7 +148,7 @@ class ConstantsToState:
             moved = Bounded.exact(np.array(part.place_by(), dtype=object))  # type: ignore[union-attr]
             dq[i], dP[i] = x + moved @ Z, y
             law = law - Bounded(T.value @ self._tops(part) @ Z.value, np.zeros(law.error.shape)) * _scaled(τ, law)
-            law = law + _outer(T @ moved[: T.value.shape[1]], y)
+            law = law + outer(T @ moved[: T.value.shape[1]], y)
         rates = []
         for own in slopes:
             if own is not None:
@@ -152,8 +162,8 @@ class ConstantsToState:
             law = law - G @ dχ
             for row, i in enumerate(moving):
                 own = slopes[i]
-                dq[i] = _outer(own.q[m], dχ[row]) + own.q_by[:, m] @ Z  # type: ignore[union-attr]
-                dP[i] = _outer(own.p[m], dχ[row]) + own.p_by[:, m] @ Z  # type: ignore[union-attr]
+                dq[i] = outer(own.q[m], dχ[row]) + own.q_by[:, m] @ Z  # type: ignore[union-attr]
+                dP[i] = outer(own.p[m], dχ[row]) + own.p_by[:, m] @ Z  # type: ignore[union-attr]
         return self._in_order(dq, dP, law, ignored, Z, self._places(χ, m))
 
     def _beside_rest(
@@ -296,8 +306,12 @@ def _solved(G: Bounded, right: Bounded, context: Context) -> Bounded:
     return inverse(G, context) @ right
 
 
-def _outer(column: Bounded, row: Bounded) -> Bounded:
-    """Return a number, or a column, times a row."""
+def outer(column: Bounded, row: Bounded) -> Bounded:
+    """Return a number, or a column, times a row.
+
+    Args:
+        column, row: shapes () or (k,), and (m,).
+    """
     return Bounded(
         np.multiply.outer(column.value, row.value),
         np.multiply.outer(column.error, row.size) + np.multiply.outer(column.size, row.error),

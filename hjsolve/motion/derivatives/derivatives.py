@@ -15,7 +15,7 @@ from hjsolve.errors import InvalidInputError, required
 from hjsolve.motion.derivative_values import DEPENDENT, NOT_ALONE, OK, REMARKS, SQUARE_ROOT, MotionDerivatives
 from hjsolve.motion.derivatives.along_branch import OpenVariations
 from hjsolve.motion.derivatives.along_cycle import CycleVariations
-from hjsolve.motion.derivatives.angle_slopes import angles_by, differentiable_angles, variations
+from hjsolve.motion.derivatives.angle_slopes import angles_by, differentiable_angles
 from hjsolve.motion.derivatives.at_rest import RestVariations
 from hjsolve.motion.derivatives.bounded import Bounded, stacked, zeros
 from hjsolve.motion.derivatives.canonical import ConstantsToState
@@ -26,6 +26,7 @@ from hjsolve.motion.derivatives.transition import exactly, matrices, start_in_us
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.shapes import Shape
 from hjsolve.motion.times import read_times
 
 OF = ("actions", "frequencies", "periods", "turning_points", "constants", "angles", "state")
@@ -47,6 +48,10 @@ class Inputs:
     names: tuple[str, ...]
     by_frame: Bounded | None
     by: Bounded
+
+
+_Columns = list[tuple[Inputs, Bounded | None]]
+"""By what, and the derivatives of all q and p by it, shape (times, 2n, inputs); None where there are none."""
 
 
 @dataclass
@@ -158,16 +163,27 @@ def _even_state(motion: Motion, wanted: frozenset[str], varied: frozenset[str], 
     main, by, _ = matrices(motion, floats, exact, parameters="parameters" in varied)
     system = motion.solution.system
     names = [q.name for q in system.coordinates]
+    groups = _of_the_start(names, tuple(p.name for p in system.parameters), varied, main, by)
+    _put_states(found, names, groups, shape)
+
+
+def _of_the_start(
+    names: Sequence[str], parameters: tuple[str, ...], varied: frozenset[str], main: Bounded, by: Bounded
+) -> _Columns:
+    own = tuple([f"q.{name}" for name in names] + [f"p.{name}" for name in names])
     empty = Bounded.exact(np.zeros((0, 0), dtype=object))
-    groups = []
-    if "initial" in varied:
-        own = tuple([f"q.{name}" for name in names] + [f"p.{name}" for name in names])
-        groups.append((Inputs(own, None, empty), main))
-    if "parameters" in varied:
-        groups.append((Inputs(tuple(p.name for p in system.parameters), None, empty), by))
-    for group, rows in groups:
-        for k in range(2 * len(names)):
-            found.put("qp"[k >= len(names)], names[k % len(names)], group, [rows[:, k]], shape)
+    groups = {"initial": (own, main), "parameters": (parameters, by)}
+    return [(Inputs(what, None, empty), rows) for key, (what, rows) in groups.items() if key in varied]
+
+
+def _put_states(found: _Collected, names: Sequence[str], columns: _Columns, shape: Shape) -> None:
+    n = len(names)
+    for group, rows in columns:
+        for k in range(2 * n):
+            if rows is None:
+                found.refuse("qp"[k >= n], names[k % n], group, DEPENDENT)
+            else:
+                found.put("qp"[k >= n], names[k % n], group, [rows[:, k]], shape)
 
 
 def _words(given: Iterable[str], what: str, known: Sequence[str]) -> frozenset[str]:
@@ -183,7 +199,7 @@ def _groups(
     """Return what is varied, in terms of the constants of the motion."""
     solution, n = map_.source.solution, map_.freedoms
     system, c, m = solution.system, map_.context, len(map_.variables.parameters)
-    (inverse, by_parameters), Z = start_in_users_coordinates(map_, users), variations(map_, 2 * n + m)
+    (inverse, by_parameters), Z = start_in_users_coordinates(map_, users), map_.variations(2 * n + m)
     names = users.names if users is not None else [q.name for q in system.coordinates]
     groups = []
 
@@ -355,27 +371,15 @@ def _state(
     shape, floats, exact = _times(motion, t)
     main, by, frames = matrices(motion, floats, exact, parameters="parameters" in varied)
     names = users.names if users is not None else [q.name for q in map_.source.solution.system.coordinates]
-    n = len(names)
-    columns: list[tuple[Inputs, Bounded | None]] = []
-    empty = zeros((0, 0), map_.context)
-    if "initial" in varied:
-        own = tuple([f"q.{name}" for name in names] + [f"p.{name}" for name in names])
-        columns.append((Inputs(own, None, empty), main))
-    if "parameters" in varied:
-        columns.append((Inputs(map_.variables.parameters, None, empty), by))
+    columns = _of_the_start(names, map_.variables.parameters, varied, main, by)
     if "constants" in varied:
         group = _constants(map_)
         known = [frame for frame in frames if frame is not None]
         rows = None
         if group.by_frame is not None and len(known) == len(frames):
-            rows = stacked([frame.state @ group.by_frame[: 2 * n] for frame in known])
+            rows = stacked([frame.state @ group.by_frame[: 2 * len(names)] for frame in known])
         columns.append((group, rows))
-    for group, rows in columns:
-        for k in range(2 * n):
-            if rows is None:
-                found.refuse("qp"[k >= n], names[k % n], group, DEPENDENT)
-            else:
-                found.put("qp"[k >= n], names[k % n], group, [rows[:, k]], shape)
+    _put_states(found, names, columns, shape)
 
 
 __all__ = ["derivatives_of", "transition_matrix"]

@@ -23,8 +23,8 @@ from hjsolve.motion.charted.charted_motion import ChartedMotion
 from hjsolve.motion.charted.state_map import formulas_of
 from hjsolve.motion.derivatives.bounded import Bounded
 from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.motion.formulas_at_places import tape_of
 from hjsolve.motion.motion import Motion
-from hjsolve.motion.positions import tape_of
 from hjsolve.motion.separated import SeparatedMotion
 from hjsolve.motion.through_poles.continued_motion import ContinuedMotion
 

@@ -19,7 +19,7 @@ from hjsolve.motion.derivatives.at_rest import RestVariations
 from hjsolve.motion.derivatives.bounded import Bounded, inverse, stacked, zeros
 from hjsolve.motion.derivatives.canonical import ConstantsToState
 from hjsolve.motion.exact_numbers import to_bits
-from hjsolve.motion.positions import tape_of
+from hjsolve.motion.formulas_at_places import tape_of
 
 _NODES = 8
 """Nodes a digit of the mean of a shift over a turn, as many as the action takes."""

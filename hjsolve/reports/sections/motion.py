@@ -13,11 +13,10 @@ import sympy as sp
 
 from hjsolve._version import __version__
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import Float64
 from hjsolve.display.progress import duration
-from hjsolve.lowering import lower
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.mechanics.system import hamiltonian
+from hjsolve.motion.formulas_at_places import tape_of, values_at
 from hjsolve.motion.motion import Motion
 from hjsolve.precision import mp
 from hjsolve.reports.document import Block, Figure, Figures, Inline, Mathematics, Note, Paragraph, Section, Table, Text
@@ -252,8 +251,7 @@ def energy_drift(motion: Motion, trace: orbit_paths.Trace) -> float | None:
     arrays += [np.asarray(trace.state.p[c.name], float) for c in system.coordinates]
     exact = exact_values_of(motion)
     rest = sorted(H.free_symbols - set(symbols), key=str)
-    with np.errstate(all="ignore"):
-        values = lower([H], [*symbols, *rest]).run(Float64(), [*arrays, *(float(sp.N(exact[s], 30)) for s in rest)])[0]
+    (values,) = values_at(tape_of((H,), (*symbols, *rest)), arrays, [exact[s] for s in rest])
     drift = np.abs(np.asarray(values, float) - float(motion.constants["E"].value))
     return float(np.nanmax(drift)) if np.isfinite(drift).any() else None
 

@@ -64,7 +64,7 @@ def _sign_of_time(shell: Shell, coordinate: Coordinate) -> int:
     if system.signature != "indefinite" or system.potential != 0 or angle or n < 3 or any(linear_terms(system)):
         return 0
     mass, own = mass_matrix(system), system.coordinates.index(coordinate)
-    region = Region(domain_bounds(system), dict(system.defaults))
+    region = Region(domain_bounds(system.coordinates), dict(system.defaults))
     for _, point in zip(range(_PLACES), region.points(sp.Tuple(*mass), seed=3)):
         numbers = mp.matrix([[mp.mpmathify(sp.N(mass[i, j].xreplace(point), 20)) for j in range(n)] for i in range(n)])
         if any(mp.im(number) != 0 for number in numbers):

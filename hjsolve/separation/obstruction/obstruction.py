@@ -58,7 +58,7 @@ def region_of(system: System) -> Region:
     Args:
         system: whose domains and default values are meant.
     """
-    return Region(domain_bounds(system), dict(system.defaults))
+    return Region(domain_bounds(system.coordinates), dict(system.defaults))
 
 
 def of_shell(shell: Shell, work: Budget, *, whole: bool = False) -> Setting:
@@ -70,7 +70,7 @@ def of_shell(shell: Shell, work: Budget, *, whole: bool = False) -> Setting:
         whole: as in ``Reader``.
     """
     parts = [*shell.inverse_metric, shell.potential, *shell.shift]
-    reader = Reader(parts, domain_bounds(shell.system), work, whole=whole)
+    reader = Reader(parts, domain_bounds(shell.system.coordinates), work, whole=whole)
     metric = [reader.element(g) for g in shell.inverse_metric]
     symbols = [c.symbol for c in shell.coordinates]
     return Setting(shell, region_of(shell.system), reader, symbols, metric, reader.element(shell.potential))
@@ -232,7 +232,7 @@ def refuse_without_shell(system: System, found: Irreducible, work: Budget) -> Ob
         work: budget of the exact computation.
     """
     H, region = hamiltonian(system), region_of(system)
-    reader = Reader([H, found.residual], domain_bounds(system), work)
+    reader = Reader([H, found.residual], domain_bounds(system.coordinates), work)
     sieve = Filter(reader.field)
     h = reader.element(H)
     q, p = [c.symbol for c in found.essential], [c.momentum for c in found.essential]
