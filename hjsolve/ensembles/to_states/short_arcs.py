@@ -25,7 +25,7 @@ import numpy as np
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.machine.over_rows import WIDTH, run_rows
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
-from hjsolve.ensembles.engine.kernels.arc_integrals import Arcs, arc_integrals, lanes
+from hjsolve.ensembles.engine.kernels.short_arcs import ArcsOfLibrations, arc_integrals, lanes
 from hjsolve.ensembles.engine.programs import sides
 from hjsolve.ensembles.to_states.places_on_tori import NEXT, AngleTask, Frames
 from hjsolve.ensembles.to_states.tori import Tori, coordinate_at
@@ -123,7 +123,7 @@ class Passages(NamedTuple):
             codes = [view.fill for view in (programs.exact if exact else programs.views)]
             below, above = (code.program(WIDTH, task.programs.parameters, side) for side, code in enumerate(codes))
             widths, scales, ends, linear, known = (x[k] for x in (self.widths, self.scales, *self[2:]))
-            arcs = Arcs(middle, half, pieces, scales, widths, ends, away, linear, known)
+            arcs = ArcsOfLibrations(middle, half, pieces, scales, widths, ends, away, linear, known)
             arc_integrals(below, above, arcs, *rule, sums[k], sizes[k], lanes(WIDTH))
         return sums, sizes
 

@@ -12,7 +12,7 @@ from hjsolve.arithmetic.machine.compiling import kernel
 from hjsolve.arithmetic.machine.run import MachineProgram, run
 from hjsolve.arithmetic.number_types import Reals
 
-_STEPS, _STILL = 24, 1e-6  # the relative step that ends the search: the place need not be the top
+_NEWTON_STEPS, _STILL = 24, 1e-6  # the relative step that ends the search: the place need not be the top
 _STRIDE = 0.5  # step uphill where F is convex, over the distance from zero, or over that on which its slope changes
 _NEXT_TO_END = 0.75  # the part of the distance from an end of the domain that a step may go
 
@@ -47,7 +47,7 @@ def climbed(bend: MachineProgram, places: Reals, constants: Reals, low: float, h
         run(bend, used)
         for j in range(count):
             x[j], best[j], first[j], own[j], fraction[j] = trial[j], F[j], F1[j], F2[j], 1.0
-        for _ in range(_STEPS):
+        for _ in range(_NEWTON_STEPS):
             moving = False
             for j in range(count):
                 ratio = first[j] / own[j]

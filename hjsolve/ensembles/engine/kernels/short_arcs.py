@@ -23,8 +23,8 @@ from hjsolve.arithmetic.number_types import Integers, Reals
 _TURNING = 1e-60  # sine or cosine of φ/2 that stands for 0: F is linear there, and kⱼ/√F · sin φ finite
 
 
-class Arcs(NamedTuple):
-    """Arcs of one coordinate of n orbits.
+class ArcsOfLibrations(NamedTuple):
+    """ArcsOfLibrations of one coordinate of n orbits.
 
     Attributes:
         middle, half: of the arc in t: (t₀ + t₁)/2 and (t₁ − t₀)/2, shape (n,).
@@ -79,7 +79,7 @@ def _emptied(program: MachineProgram, half: int, count: int, sums: Reals, sizes:
 
 @kernel
 def arc_integrals(
-    below: MachineProgram, above: MachineProgram, arcs: Arcs, nodes: Reals, weights: Reals, sums: Reals, sizes: Reals,
+    below: MachineProgram, above: MachineProgram, arcs: ArcsOfLibrations, nodes: Reals, weights: Reals, sums: Reals, sizes: Reals,
     work: Lanes,
 ) -> None:  # fmt: skip
     """Integrate one coordinate of many orbits over arcs.
