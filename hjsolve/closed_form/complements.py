@@ -34,6 +34,7 @@ class ForDoubles:
     def __init__(self, where: Where, example: Mapping[sp.Symbol, mpmath.mpf]):
         self.where, self._integrals = where, CompleteIntegrals(where, example)
         self._roots = {s: value for s, value in example.items() if isinstance(where.get(s), tuple)}
+        self._known = dict[sp.Expr, sp.Expr]()  # definitions that several forms rest on are arranged once
 
     def form(self, expression: sp.Expr) -> sp.Expr:
         """Return an equal expression that loses fewer digits.
@@ -41,6 +42,11 @@ class ForDoubles:
         Args:
             expression: of a form, or a definition.
         """
+        if expression not in self._known:
+            self._known[expression] = self._arranged(expression)
+        return self._known[expression]
+
+    def _arranged(self, expression: sp.Expr) -> sp.Expr:
         made = self._integrals.arranged(expression)
         conditions = {c: sp.Dummy() for c in made.atoms(Relational)}  # any digits decide them, and no quotient within
         plain = arcs_by_tangents(made.xreplace(conditions), self.where)

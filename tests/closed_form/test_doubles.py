@@ -11,7 +11,7 @@ import sympy as sp
 
 import hjsolve
 from hjsolve.closed_form.closed_forms import own_form
-from hjsolve.closed_form.doubles import region_test
+from hjsolve.closed_form.doubles import CurveForArrays
 from tests.support.entries import forms
 
 ENTRIES = ["pendulum", "double-well", "spherical-pendulum", "bead-on-turning-wire", "cone", "ladder"]
@@ -69,16 +69,15 @@ def test_arrays_of_constants_are_sorted_as_by_fifty_digits(name: str) -> None:
 def test_a_polynomial_without_doubt_is_decided_in_doubles() -> None:
     """The test of a region settles nearly all of a spread of energies; the separatrix itself is not certain."""
     form = next(f for f in forms("pendulum") if f.regime.kinds["theta"] == "libration")
-    symbols = sorted(form.regime.example, key=str)
     ((curve, region),) = form.regime.regions
-    test = region_test(curve, region, symbols)
-    assert test is not None
     (top,) = (float(r.lhs.subs(form.regime.example)) for r in form.regime.relations[1:])
-    energies = np.array([-0.9, -0.1, 0.4, 0.999, 1.0, 1.001, 2.0]) * top
-    places = [energies if s.name == "E" else np.full(7, float(form.regime.example[s])) for s in symbols]
-    exists, unsure = test(places, (7,))
-    assert unsure.tolist() == [False] * 4 + [True] + [False] * 2
-    assert (exists & ~unsure).tolist() == [True] * 4 + [False] * 3
+    energies = np.array([-0.9, -0.1, 0.4, 0.999, 1 - 1e-13, 1.0, 1 + 1e-13, 1.001, 2.0]) * top
+    table = {s: energies if s.name == "E" else np.full(9, float(v)) for s, v in form.regime.example.items()}
+    found = CurveForArrays(curve).at(table, (9,))
+    assert found is not None
+    exists, unsure = found.has(region)
+    assert unsure.tolist() == [False] * 5 + [True] + [False] * 3
+    assert (exists & ~unsure).tolist() == [True] * 5 + [False] * 4
 
 
 @pytest.mark.parametrize(("name", "inside", "outside"), [
