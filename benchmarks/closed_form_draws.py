@@ -25,6 +25,8 @@ Table = dict[str, Reals]
 
 DECADES = 3.0
 """Decades to either side of 1 that momenta and parameters are drawn from; places from half as many."""
+_GREATEST = 1e75
+"""A constant beyond it is not drawn (V = e^{ax} with ax = 700): its fourth power, in a discriminant, is no double."""
 _IGNORED = 0.02
 """Of the motions, those with p_θ = 0."""
 
@@ -98,7 +100,8 @@ def motions_of(solution: Solution, dice: np.random.Generator, turn: int, drawn: 
         made = sp.lambdify(symbols, constant.expression, modules="numpy")
         with np.errstate(all="ignore"):  # those of motions that the engine hands back, by their formula
             own = np.broadcast_to(made(*(phase[s.name] for s in symbols)), (drawn,))
-        table[constant.symbol.name] = np.where(refused, np.nan, np.where(np.isnan(column), own, column))
+        known = np.where(refused, np.nan, np.where(np.isnan(column), own, column))
+        table[constant.symbol.name] = np.where(abs(known) < _GREATEST, known, np.nan)
     return table, columns | {f"p.{name}": p for name, p in momenta.items()} | {f"q.{n}": q for n, q in places.items()}
 
 

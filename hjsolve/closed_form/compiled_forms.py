@@ -24,6 +24,8 @@ from hjsolve.precision import for_the_user, mp, users_precision
 
 _SPECIAL = 1e-12
 """How far a constant may be off what it is in a special case: it is a double."""
+_DIGITS_BEYOND_DOUBLES = 30
+"""Of numbers that overflow in doubles."""
 _Compiled = Callable[..., Any]
 """A function of numbers or arrays."""
 
@@ -69,6 +71,11 @@ class CompiledRegime:
     def arrange(self) -> ForDoubles | None:
         """How forms are arranged for doubles; None for mpmath's numbers."""
         return ForDoubles(self.form.where, at_example(self.form, self.form.where)) if self.numpy else None
+
+    @cached_property
+    def many_digits(self) -> CompiledRegime:
+        """The same for numbers of mpmath."""
+        return CompiledRegime(self.form, numpy=False)
 
     def function(self, expression: sp.Expr) -> Callable[..., Mpf | Reals | float]:
         """Return a form as a function of keyword arguments; its attribute ``names`` are those that it needs.
@@ -192,6 +199,7 @@ class CompiledForm:
 
     def __init__(self, regime: CompiledRegime, expression: sp.Expr):
         self.regime, self.form, where = regime, regime.form, regime.form.where
+        self.as_derived = expression
         if regime.arrange is not None:
             expression = regime.arrange.form(expression)
         self.expression, self.roots = expression, [s for s in expression.free_symbols if s in where]
@@ -214,6 +222,11 @@ class CompiledForm:
         """What the form rests on, in order."""
         where = self.regime.arrange.definitions(self.roots) if self.regime.arrange else self.form.where
         return needed_names(self.roots, where)[0] if self.roots else {}
+
+    @cached_property
+    def in_many_digits(self) -> CompiledForm:
+        """The same for numbers of mpmath, which do not overflow."""
+        return CompiledForm(self.regime.many_digits, self.as_derived)
 
     def values(self, given: Mapping[str, object]) -> list[object]:
         """Return the arguments in order."""
@@ -251,11 +264,25 @@ class CompiledForm:
         table = dict(zip(self.symbols, places, strict=True))
         with np.errstate(all="ignore"):
             good, unsure = self.regime.inside(table, shape, self.placed)
+        overflows = list[str]()
+        with np.errstate(all="ignore", over="call", call=lambda what, _: overflows.append(what)):
             named, doubtful = self._names(table, shape)
             result = np.where(good & ~unsure & ~doubtful, self.plain(*places, *(named[s] for s in self.roots)), np.nan)
             for place in np.argwhere(good & (unsure | doubtful)):
                 result[tuple(place)] = float(self.one([float(a[tuple(place)]) for a in places]))
+        if overflows:
+            self._without_overflow(result, good, places)
         return result[()]
+
+    def _without_overflow(self, result: Reals, good: Mask, places: Sequence[Reals]) -> None:
+        """Work out again what is not finite: log cosh 800 is, and cosh 800 is not, in doubles."""
+        import numpy as np
+
+        for place in np.argwhere(good & ~np.isfinite(result)):
+            given = dict(zip(self.symbols, (mp.mpf(float(a[tuple(place)])) for a in places), strict=True))
+            with mp.workdps(_DIGITS_BEYOND_DOUBLES):
+                value = self.in_many_digits.one([given[s] for s in self.in_many_digits.symbols])
+            result[tuple(place)] = float(value) if mp.im(value) == 0 else np.nan
 
     def _names(self, table: Mapping[sp.Symbol, Reals], shape: tuple[int, ...]) -> tuple[dict[sp.Symbol, Reals], Mask]:
         """Return the values of what the form rests on, and where a root is not certain in doubles."""

@@ -182,3 +182,19 @@ def test_the_half_turn_of_a_pole_beside_a_root_is_apart_where_others_are_complex
         values = {n: given[n] for n in function.names}
         exact = form.evaluate(name, {n: repr(v) for n, v in values.items()}, 40).value
         assert abs(float(function(**values)) - exact) <= 20 * np.spacing(float(abs(exact))), name
+
+
+@pytest.mark.parametrize(("name", "at"), [
+    ("morse", {"m": 0.0208852685945782, "D": 14.53523211418916, "a": 82.657106134117, "E": 14.536077387323346, "t_0": 0,
+               "x_0": 2.2823271477440934, "t": 148.7491876399679}),
+    ("poeschl-teller", {"m": 1.0, "V0": 2.0, "a": 3.0, "E": 0.5, "t_0": 0, "x_0": 1.0, "t": 400.0}),
+])  # fmt: skip
+def test_a_form_whose_parts_overflow_is_worked_out_in_many_digits(name: str, at: dict[str, float]) -> None:
+    """The logarithm of cosh 3500 is a double, and cosh 3500 is not."""
+    form = next(f for f in forms(name) if f.regime.kinds["x"] == "escape" and not f.regime.special)
+    inverse = form.lambdify("numpy")["inverse.x"]
+    near = dict(at) | {"t": at["t"] / 1000}
+    arrays = {n: np.array([near[n], v]) for n, v in at.items() if n in inverse.names}
+    for value, own in zip(inverse(**arrays), (near, at), strict=True):
+        right = form.evaluate("inverse.x", {n: sp.Rational(own[n]) for n in arrays}).value
+        assert abs(value - right) <= 1e-13 * abs(right)
