@@ -74,6 +74,11 @@ class Formulas:
         return np.where(np.isnan(found), np.inf, found)
 
 
+def _half_angle(y: sp.Expr, x: sp.Expr) -> sp.Expr:
+    """Return atan2(y, x) by the tangent of its half, 2 arctan y/(r + x): where r + x cancels, its bound is wide."""
+    return 2 * sp.atan(y / (sp.sqrt(x**2 + y**2) + x))
+
+
 def formulas_of(expressions: Sequence[sp.Expr]) -> Formulas | None:
     """Prepare formulas; None where one has no numbers in two doubles.
 
@@ -81,7 +86,7 @@ def formulas_of(expressions: Sequence[sp.Expr]) -> Formulas | None:
         expressions: the formulas.
     """
     try:
-        return Formulas(expressions)
+        return Formulas([e.replace(sp.atan2, _half_angle) for e in expressions])
     except InvalidInputError:
         return None
 
