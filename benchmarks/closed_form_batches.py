@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 import hjsolve
 from benchmarks.closed_form_comparisons import FAR, Met, compare, condition, in_many_digits, taken
-from benchmarks.closed_form_draws import Reals, Table, constants_of, exact, ignorable, motions_of
+from benchmarks.closed_form_draws import Reals, Seeds, Table, constants_of, exact, ignorable, motions_of
 from benchmarks.closed_form_quadratures import ULP, Quadratures
 from hjsolve.closed_form.closed_forms import closed_forms
 from hjsolve.closed_form.curves import W
@@ -38,8 +38,8 @@ from hjsolve.solution.quadratures import Solution
 
 DRAWN = 1024
 """Motions drawn with the same parameters."""
-DRAWS = 60
-"""Sets of parameters that are drawn at most."""
+DRAWS = 200
+"""Draws at most."""
 IDLE = 4
 """Sets of parameters without a motion that is wanted, after which the rest are not drawn."""
 MOST = 24
@@ -82,7 +82,7 @@ def campaign(solution: Solution, forms: Sequence[RegimeForms], motions: int, see
         over = time.process_time() - begin > seconds or all(own.motions >= motions for own in met)
         if k and (over or idle >= IDLE):
             break
-        drawn = motions_of(solution, dice, k, DRAWN)
+        drawn = motions_of(solution, dice, k, DRAWN, _wanted(met, motions) if k % 2 else None)
         if drawn is None:
             continue
         table, others = drawn
@@ -96,11 +96,19 @@ def campaign(solution: Solution, forms: Sequence[RegimeForms], motions: int, see
                 own.motions += len(kept)
                 if len(kept):
                     there, columns = taken(there, kept), {n: v[kept] for n, v in columns.items()}
+                    special = frozenset(constant.name for constant in own.form.regime.special)
+                    own.seeds = Seeds.of(solution, columns, there, special)
                     _cycles(own, there, columns)
                     if solution.coordinates:
                         _antiderivatives(own, there, columns, quadrature, dice)
         idle = 0 if sum(own.motions for own in met) > known else idle + 1
     return met
+
+
+def _wanted(met: Sequence[Met], motions: int) -> Seeds | None:
+    """Motions of the regime that fewest are known of, if one is known at all."""
+    few = [own for own in met if own.seeds is not None and own.motions < motions]
+    return min(few, key=lambda own: own.motions).seeds if few else None
 
 
 def _turns(solution: Solution, table: Table, others: Table) -> Iterator[tuple[Table, Table]]:

@@ -12,7 +12,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from benchmarks.closed_form_campaign import FAULTS
-from benchmarks.closed_form_draws import Reals, Table, exact
+from benchmarks.closed_form_draws import Reals, Seeds, Table, exact
 from benchmarks.closed_form_quadratures import ULP
 from hjsolve.closed_form.compiled_forms import CompiledRegime
 from hjsolve.closed_form.form_context import FormContext
@@ -61,6 +61,7 @@ class Met:
     form: RegimeForms
     context: FormContext
     motions: int = 0
+    seeds: Seeds | None = None
     rows: dict[str, Row] = field(default_factory=dict)
 
     @cached_property
