@@ -70,7 +70,10 @@ class CompiledRegime:
     @cached_property
     def arrange(self) -> ForDoubles | None:
         """How forms are arranged for doubles; None for mpmath's numbers."""
-        return ForDoubles(self.form.where, at_example(self.form, self.form.where)) if self.numpy else None
+        if not self.numpy:
+            return None
+        form = self.form
+        return ForDoubles(form.where, at_example(form, form.where), form.named().values())
 
     @cached_property
     def many_digits(self) -> CompiledRegime:
