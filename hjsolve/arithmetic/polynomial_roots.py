@@ -30,8 +30,8 @@ from hjsolve.arithmetic.number_types import Complexes, Mask, Reals
 
 _ROUNDS = 16
 """Corrections at most: from starts with half of their digits three are enough, roots that nearly meet take ten."""
-_SETTLED = EPS
-"""A correction by the size of its root, below which it is the rounding of the root."""
+_SETTLED = 0.75 * EPS
+"""A correction of a real root by its size, below which it is the rounding of the root, half a unit at most."""
 _ALONE = 1e-3
 """An imaginary part below this part of the distance to the next root is none: a conjugate would be nearer than that."""
 _PAIRED = 0.125
@@ -85,8 +85,8 @@ def _proved(coefficients: Sequence[Pair], errors: Sequence[Reals]) -> RealRoots:
     unit = np.where(np.arange(degree + 1) == 0, 1.0, 0.0)[:, None]
     unit[-1] = -1.0  # any polynomial with simple roots, where there is none
     P = _Polynomials(np.where(known, high, unit), np.where(known, low, 0.0), np.where(known, off, 0.0))
-    z = _corrected(P, _starts(P))
-    radius, error = _disks(P, z)
+    z, above = _corrected(P, _on_axis_where_alone(_starts(P)))
+    radius, error = _disks(P, z, above)
     distance = _differences(z, np.inf)
     real = z.imag == 0
     apart = (abs(distance) > (radius[:, None] + radius[None]) * _OF_BOUNDS).all(axis=1)
@@ -168,24 +168,31 @@ def _starts(P: _Polynomials) -> Complexes:
     return z
 
 
-def _corrected(P: _Polynomials, z: Complexes) -> Complexes:
-    """Correct starts until corrections are roundings."""
-    waiting = np.ones(z.shape[1], dtype=bool)
-    for turn in range(_ROUNDS):
+def _on_axis_where_alone(z: Complexes) -> Complexes:
+    """Return the roots, real where no conjugate can be as near as its imaginary part says."""
+    nearest = abs(_differences(z, np.inf)).min(axis=1)
+    return np.where(abs(z.imag) <= _ALONE * nearest, z.real.astype(complex), z)
+
+
+def _corrected(P: _Polynomials, z: Complexes) -> tuple[Complexes, Reals]:
+    """Correct starts until corrections are roundings; return the roots, and bounds on abs(P) there."""
+    waiting, above = np.ones(z.shape[1], dtype=bool), np.full(z.shape, np.inf)
+    for turn in range(_ROUNDS + 1):
         own, there = P.of(waiting), z[:, waiting]
-        value, _ = own(there)
+        value, off = own(there)
+        above[:, waiting] = (abs(value) + off) * _OF_BOUNDS
         step = value / (own.high[0] * np.prod(_differences(there, 1.0), axis=1))
+        settled = (abs(step) <= np.where(there.imag == 0, _SETTLED, 4 * EPS) * abs(there)).all(axis=0)
+        left = ~settled & (turn < _ROUNDS)
+        if not left.any():
+            break
+        waiting[waiting] = left
+        there, step = there[:, left], step[:, left]
         moved = there - np.where(np.isfinite(step), step, 0.0)
         if turn:
             moved = _nearest_pair(there, moved, step)
-        nearest = abs(_differences(moved, np.inf)).min(axis=1)
-        moved = np.where(abs(moved.imag) <= _ALONE * nearest, moved.real, moved)
-        settled = (abs(moved - there) <= _SETTLED * abs(moved)).all(axis=0)
-        z[:, waiting] = moved
-        waiting[waiting] = ~settled
-        if not waiting.any():
-            break
-    return z
+        z[:, waiting] = _on_axis_where_alone(moved)
+    return z, above
 
 
 def _nearest_pair(z: Complexes, moved: Complexes, step: Complexes) -> Complexes:
@@ -205,19 +212,17 @@ def _nearest_pair(z: Complexes, moved: Complexes, step: Complexes) -> Complexes:
     mirrored = (z[i, m].imag == -z[j, m].imag) & (abs(z[i, m].real - z[j, m].real) <= abs(d) * (z[i, m].imag == 0) * 2)
     fits = mirrored & np.isfinite(inside) & (abs(half) < abs(middle)) & (abs(d) < _PAIRED * abs(middle))
     root = np.sqrt(inside.real.astype(complex))
-    middle = middle.real - half.real
-    moved[i, m] = np.where(fits, middle + root, moved[i, m])
-    moved[j, m] = np.where(fits, middle - root, moved[j, m])
+    between = middle.real - half.real
+    moved[i, m] = np.where(fits, between + root, moved[i, m])
+    moved[j, m] = np.where(fits, between - root, moved[j, m])
     return moved
 
 
-def _disks(P: _Polynomials, z: Complexes) -> tuple[Reals, Reals]:
+def _disks(P: _Polynomials, z: Complexes, above: Reals) -> tuple[Reals, Reals]:
     """Return the radii of Smith's disks; and how far a root is from the middle of its own where disks do not meet.
 
-    There P(zᵢ) = a ∏ (zᵢ − ζⱼ), and |zᵢ − ζⱼ| ≥ |zᵢ − zⱼ| − rⱼ for the other roots ζⱼ.
+    ``above`` bounds abs(P(zᵢ)). There P(zᵢ) = a ∏ (zᵢ − ζⱼ), and |zᵢ − ζⱼ| ≥ |zᵢ − zⱼ| − rⱼ for the other roots ζⱼ.
     """
-    value, off = P(z)
-    above = (abs(value) + off) * _OF_BOUNDS
     leading = abs(P.high[0]) * (1 - EPS) - P.off[0]
     distance = abs(_differences(z, np.inf))
     distance[range(len(z)), range(len(z))] = 1.0

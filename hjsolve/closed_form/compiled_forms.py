@@ -11,7 +11,7 @@ import sympy as sp
 from hjsolve.arithmetic.number_types import Mask, Mpf, Reals
 from hjsolve.closed_form.complements import ForDoubles
 from hjsolve.closed_form.curves import MomentumCurve
-from hjsolve.closed_form.doubles import CurveForArrays, Formulas, RootsOfPolynomial, roots_of
+from hjsolve.closed_form.doubles import CurveForArrays, Formulas, RootsOfPolynomial, Solved, roots_of
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.numbers import at_example, curves_held, root_values
@@ -133,7 +133,10 @@ class CompiledRegime:
     def root(self, polynomial: sp.Poly) -> RootsOfPolynomial | None:
         """Return the roots of a polynomial, made ready for arrays."""
         if polynomial not in self._polynomials:
-            self._polynomials[polynomial] = roots_of(polynomial)
+            curves = (self.for_arrays(c).roots_like(polynomial) for c, _ in self.curves)
+            self._polynomials[polynomial] = next((own for own in curves if own is not None), None) or roots_of(
+                polynomial
+            )
         return self._polynomials[polynomial]
 
     def definition(self, symbol: sp.Symbol, meaning: sp.Expr) -> tuple[list[sp.Symbol], _Compiled]:
@@ -164,7 +167,7 @@ class CompiledRegime:
 
     def inside(
         self, table: Mapping[sp.Symbol, Reals], shape: tuple[int, ...],
-        placed: Sequence[tuple[MomentumCurve, RootInterval, sp.Symbol]],
+        placed: Sequence[tuple[MomentumCurve, RootInterval, sp.Symbol]], solved: Solved,
     ) -> tuple[Mask, Mask]:  # fmt: skip
         """Return where motions are of the regime and places of the motions, or may be; and where that is not certain.
 
@@ -172,6 +175,7 @@ class CompiledRegime:
             table: symbol → its values.
             shape: of the arrays.
             placed: curves with symbols of places.
+            solved: roots that were found for these arrays, and are kept there.
         """
         import numpy as np
 
@@ -181,7 +185,8 @@ class CompiledRegime:
             good &= np.asarray(test(*arrays)) > 0
         for test in self.equal:
             good &= np.abs(test(*arrays)) <= _SPECIAL
-        wanted = {id(c): self.for_arrays(c).at(table, shape) for c, *_ in (*self.curves, *placed)}
+        curves = [*(c for c, _ in self.curves), *(c for c, *_ in placed)]
+        wanted = {id(c): self.for_arrays(c).at(table, shape, solved) for c in curves}
         places = [(c, r, self.place(c, symbol)) for c, r, symbol in placed]
         if any(found is None for found in (*wanted.values(), *(p for *_, p in places))):
             return good, np.ones(shape, dtype=bool)
@@ -264,12 +269,12 @@ class CompiledForm:
         listed = [np.asarray(v, dtype=float) for v in self.values(given)]
         places = np.broadcast_arrays(*listed) if listed else []
         shape = places[0].shape if places else ()
-        table = dict(zip(self.symbols, places, strict=True))
+        table, solved = dict(zip(self.symbols, places, strict=True)), Solved()
         with np.errstate(all="ignore"):
-            good, unsure = self.regime.inside(table, shape, self.placed)
+            good, unsure = self.regime.inside(table, shape, self.placed, solved)
         overflows = list[str]()
         with np.errstate(all="ignore", over="call", call=lambda what, _: overflows.append(what)):
-            named, doubtful = self._names(table, shape)
+            named, doubtful = self._names(table, shape, solved)
             result = np.where(good & ~unsure & ~doubtful, self.plain(*places, *(named[s] for s in self.roots)), np.nan)
             for place in np.argwhere(good & (unsure | doubtful)):
                 result[tuple(place)] = float(self.one([float(a[tuple(place)]) for a in places]))
@@ -287,12 +292,13 @@ class CompiledForm:
                 value = self.in_many_digits.one([given[s] for s in self.in_many_digits.symbols])
             result[tuple(place)] = float(value) if mp.im(value) == 0 else np.nan
 
-    def _names(self, table: Mapping[sp.Symbol, Reals], shape: tuple[int, ...]) -> tuple[dict[sp.Symbol, Reals], Mask]:
+    def _names(
+        self, table: Mapping[sp.Symbol, Reals], shape: tuple[int, ...], solved: Solved
+    ) -> tuple[dict[sp.Symbol, Reals], Mask]:  # fmt: skip
         """Return the values of what the form rests on, and where a root is not certain in doubles."""
         import numpy as np
 
         known, unsure = dict(table), np.zeros(shape, dtype=bool)
-        solved = dict[sp.Poly, tuple[Reals, Mask]]()
         for symbol, meaning in self.where.items():
             definition, index = meaning if isinstance(meaning, tuple) else (meaning, 0)
             held = definition.free_symbols - ({definition.gen} if isinstance(definition, sp.Poly) else set())
@@ -302,11 +308,11 @@ class CompiledForm:
                 symbols, value = self.regime.definition(symbol, definition)
                 known[symbol] = np.broadcast_to(value(*(known[s] for s in symbols)), shape)
                 continue
-            if definition not in solved:
-                root = self.regime.root(definition)
-                nothing = np.full((definition.degree(), *shape), np.nan), np.ones(shape, dtype=bool)
-                solved[definition] = nothing if root is None else root.rounded(known, shape)
-            roots, doubtful = solved[definition]
+            root = self.regime.root(definition)
+            if root is None:  # its coefficients have no numbers in two doubles
+                known[symbol], unsure = np.full(shape, np.nan), np.ones(shape, dtype=bool)
+                continue
+            roots, doubtful = root.rounded(known, shape, solved)
             known[symbol] = roots[index]
             unsure = unsure | doubtful | np.isinf(roots[index])
         return known, unsure

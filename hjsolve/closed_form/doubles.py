@@ -91,7 +91,7 @@ def formulas_of(expressions: Sequence[sp.Expr]) -> Formulas | None:
         return None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RootsOfPolynomial:
     """The real roots of a polynomial for arrays of constants.
 
@@ -119,15 +119,32 @@ class RootsOfPolynomial:
         leading = np.asarray(found[0][0].high)
         return RealRoots(roots.roots, roots.errors, roots.unsure | close | few), leading
 
-    def rounded(self, table: Table, shape: tuple[int, ...]) -> tuple[Reals, Mask]:
+    def once(self, table: Table, shape: tuple[int, ...], solved: Solved) -> tuple[RealRoots, Reals]:
+        """Return the same, from ``solved`` where it is there.
+
+        Args:
+            table: values of the symbols.
+            shape: of the arrays.
+            solved: roots that were found for these arrays.
+        """
+        if self not in solved:
+            solved[self] = self(table, shape)
+        return solved[self]
+
+    def rounded(self, table: Table, shape: tuple[int, ...], solved: Solved) -> tuple[Reals, Mask]:
         """Return the real roots, ascending, inf after the last; and where they do not have all their digits.
 
         Args:
             table: values of the symbols.
             shape: of the arrays.
+            solved: roots that were found for these arrays.
         """
-        found, _ = self(table, shape)
+        found, _ = self.once(table, shape, solved)
         return found.roots, found.unsure | (found.errors > _ROUNDED * abs(found.roots)).any(axis=0)
+
+
+Solved = dict[RootsOfPolynomial, tuple[RealRoots, Reals]]
+"""Roots that were found for some arrays: regimes and forms ask for the same ones."""
 
 
 def roots_of(polynomial: sp.Poly) -> RootsOfPolynomial | None:
@@ -176,12 +193,25 @@ class CurveForArrays:
         s = self.curve.substitution
         return formulas_of([end for end in (s.lower, s.upper) if end.is_finite])
 
-    def at(self, table: Table, shape: tuple[int, ...]) -> RootsInDomain | None:
+    def roots_like(self, polynomial: sp.Poly) -> RootsOfPolynomial | None:
+        """Return the roots of what is left of P, if it is a multiple of a polynomial; else None.
+
+        Args:
+            polynomial: any.
+        """
+        own, _ = self.without_ends
+        if self.roots is None or own.degree() != polynomial.degree():
+            return None
+        there = polynomial.as_expr().subs(polynomial.gen, own.gen)
+        return self.roots if sp.expand(there * own.LC() - own.as_expr() * polynomial.LC()) == 0 else None
+
+    def at(self, table: Table, shape: tuple[int, ...], solved: Solved) -> RootsInDomain | None:
         """Return how the roots lie in the domain; None where it is left to 50 digits.
 
         Args:
             table: values of the symbols.
             shape: of the arrays.
+            solved: roots that were found for these arrays.
         """
         if self.roots is None or self.ends is None:
             return None
@@ -193,7 +223,7 @@ class CurveForArrays:
                 ends.append((np.asarray(value.high), off + abs(value.low)))
             else:
                 ends.append((np.full(shape, far), np.zeros(shape)))
-        roots, leading = self.roots(table, shape)
+        roots, leading = self.roots.once(table, shape, solved)
         return RootsInDomain(roots, leading, (ends[0], ends[1]), self.without_ends[1])
 
     def place(self, symbol: sp.Symbol) -> Formulas | None:
@@ -253,7 +283,7 @@ class RootsInDomain:
         apart = np.where(known, self.roots.roots, 0.0) - there
         spacing = 2 * _SPARE * (1 + abs(np.where(known, self.roots.roots, 0.0)))
         doubt = known & (abs(apart) <= self.roots.errors + off + spacing)
-        return (known & (apart < 0)).sum(axis=0), doubt.any(axis=0)
+        return (known & (apart < 0)).sum(axis=0), np.asarray(doubt.any(axis=0))
 
     def holds(self, region: RootInterval, place: list[tuple[Pair, Reals]]) -> tuple[Mask, Mask]:
         """Return where a place is in a region that exists, turning points among it, and where that is not certain.

@@ -73,7 +73,7 @@ def test_a_polynomial_without_doubt_is_decided_in_doubles() -> None:
     (top,) = (float(r.lhs.subs(form.regime.example)) for r in form.regime.relations[1:])
     energies = np.array([-0.9, -0.1, 0.4, 0.999, 1 - 1e-13, 1.0, 1 + 1e-13, 1.001, 2.0]) * top
     table = {s: energies if s.name == "E" else np.full(9, float(v)) for s, v in form.regime.example.items()}
-    found = CurveForArrays(curve).at(table, (9,))
+    found = CurveForArrays(curve).at(table, (9,), {})
     assert found is not None
     exists, unsure = found.has(region)
     assert unsure.tolist() == [False] * 5 + [True] + [False] * 3

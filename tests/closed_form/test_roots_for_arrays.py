@@ -71,7 +71,7 @@ def _compare(
     """Return how many were compared, and how many are not proved."""
     q = curve.coordinate.symbol
     prepared, table = CurveForArrays(curve), _table(constants)
-    found = prepared.at(table, (len(constants),))
+    found = prepared.at(table, (len(constants),), {})
     if found is None:
         return 0, 0
     (region,) = (r for c, r in form.regime.regions if c is curve)
@@ -141,7 +141,7 @@ def test_named_roots_have_all_their_digits(name: str) -> None:
         for polynomial in polynomials:
             prepared = roots_of(polynomial)
             assert prepared is not None
-            roots, unsure = prepared.rounded(_table(constants), (len(constants),))
+            roots, unsure = prepared.rounded(_table(constants), (len(constants),), {})
             for k, own in enumerate(constants):
                 if unsure[k]:
                     continue
