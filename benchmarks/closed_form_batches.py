@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 import hjsolve
 from benchmarks.closed_form_comparisons import FAR, Met, compare, condition, in_many_digits, taken
-from benchmarks.closed_form_draws import Reals, Seeds, Table, constants_of, exact, ignorable, motions_of
+from benchmarks.closed_form_draws import Reals, Seeds, Table, constants_of, ends_of, exact, ignorable, motions_of
 from benchmarks.closed_form_quadratures import ULP, Quadratures
 from hjsolve.closed_form.closed_forms import closed_forms
 from hjsolve.closed_form.curves import W
@@ -205,18 +205,24 @@ def _ends(own: Met, name: str, table: Table, others: Table, dice: np.random.Gene
     low, high = (
         np.where(np.isnan(others[n]), own.at(n, table) if n in own.functions else np.nan, others[n]) for n in sides
     )
+    coordinate = own.form.solution.system.coordinate(name)
+    at = {p.symbol: sp.Float(table[p.name][0], 17) for p in own.form.solution.system.parameters}
+    least, greatest = (None, None) if coordinate.domain.kind == "angle" else ends_of(coordinate, at)
+    if least is not None:  # the engine goes on through a pole, and forms end there: q turns back beyond it
+        low = np.where(low < least, np.nan, low)
+    if greatest is not None:
+        high = np.where(high > greatest, np.nan, high)
     start, stop = np.sort(dice.uniform(0.05, 0.95, (2, len(q))), axis=0)
     both, lower, upper = np.isfinite(low) & np.isfinite(high), np.isfinite(low), np.isfinite(high)
     first, second = q, q + (1 + abs(q)) * stop
-    domain = own.form.solution.system.coordinate(name).domain
-    if domain.kind == "angle":
+    if coordinate.domain.kind == "angle":
         second = q + (np.pi - q) * stop
-    elif domain.upper is not None:
-        at = {p.symbol: sp.Float(table[p.name][0], 17) for p in own.form.solution.system.parameters}
-        second = q + (float(sp.N(domain.upper.xreplace(at))) - q) * stop
+    elif greatest is not None:
+        second = q + (greatest - q) * stop
     with np.errstate(all="ignore"):
         first = np.where(lower, low + (q - low) * start, np.where(upper, q, first))
-        second = np.where(lower, q + (q - low) * stop, np.where(upper, q + (high - q) * stop, second))
+        beyond = np.where(lower, q + (q - low) * stop, np.where(upper, q + (high - q) * stop, second))
+        second = beyond if greatest is None else np.where(beyond < greatest, beyond, second)
         return np.where(both, low + (high - low) * start, first), np.where(both, low + (high - low) * stop, second)
 
 
