@@ -11,7 +11,7 @@ import sympy as sp
 from hjsolve.arithmetic.number_types import Mask, Mpf, Reals
 from hjsolve.closed_form.complements import ForDoubles
 from hjsolve.closed_form.curves import MomentumCurve
-from hjsolve.closed_form.doubles import CurveForArrays, Formulas, RootsOfPolynomial, Solved, roots_of
+from hjsolve.closed_form.doubles import CurveForArrays, FormulasForArrays, RootsOfPolynomial, Solved, roots_of
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.named_quantities import needed_names
 from hjsolve.closed_form.numbers import at_example, curves_held, root_values
@@ -63,7 +63,7 @@ class CompiledRegime:
         self.symbols = sorted(held, key=str)
         self.defaults = {p.name: p.value for p in form.solution.system.parameters if p.value is not None}
         self._arrays = dict[int, CurveForArrays]()  # by id: the form keeps its curves
-        self._places = dict[tuple[int, sp.Symbol], Formulas | None]()
+        self._places = dict[tuple[int, sp.Symbol], FormulasForArrays | None]()
         self._definitions = dict[sp.Symbol, tuple[list[sp.Symbol], _Compiled]]()
         self._polynomials = dict[sp.Poly, RootsOfPolynomial | None]()
 
@@ -123,7 +123,7 @@ class CompiledRegime:
             self._arrays[id(curve)] = CurveForArrays(curve)
         return self._arrays[id(curve)]
 
-    def place(self, curve: MomentumCurve, symbol: sp.Symbol) -> Formulas | None:
+    def place(self, curve: MomentumCurve, symbol: sp.Symbol) -> FormulasForArrays | None:
         """Return what is asked of a place, made ready for arrays."""
         key = id(curve), symbol
         if key not in self._places:

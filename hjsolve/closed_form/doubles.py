@@ -41,8 +41,8 @@ _SPARE = 1e-25
 """Leading coefficients below this part of the greatest, and roots as near, are none in ``regions``: it decides."""
 
 
-class Formulas:
-    """Formulas of constants and places for arrays, in two doubles with bounds on their errors.
+class FormulasForArrays:
+    """FormulasForArrays of constants and places for arrays, in two doubles with bounds on their errors.
 
     Args:
         formulas: in order.
@@ -79,14 +79,14 @@ def _half_angle(y: sp.Expr, x: sp.Expr) -> sp.Expr:
     return 2 * sp.atan(y / (sp.sqrt(x**2 + y**2) + x))
 
 
-def formulas_of(expressions: Sequence[sp.Expr]) -> Formulas | None:
+def formulas_of(expressions: Sequence[sp.Expr]) -> FormulasForArrays | None:
     """Prepare formulas; None where one has no numbers in two doubles.
 
     Args:
         expressions: the formulas.
     """
     try:
-        return Formulas([e.replace(sp.atan2, _half_angle) for e in expressions])
+        return FormulasForArrays([e.replace(sp.atan2, _half_angle) for e in expressions])
     except InvalidInputError:
         return None
 
@@ -99,7 +99,7 @@ class RootsOfPolynomial:
         coefficients: of the highest power first.
     """
 
-    coefficients: Formulas
+    coefficients: FormulasForArrays
 
     def __call__(self, table: Table, shape: tuple[int, ...]) -> tuple[RealRoots, Reals]:
         """Return the real roots, and the coefficient of the highest power, whose sign is certain where roots are.
@@ -188,7 +188,7 @@ class CurveForArrays:
         return None if rests else roots_of(self.without_ends[0])
 
     @cached_property
-    def ends(self) -> Formulas | None:
+    def ends(self) -> FormulasForArrays | None:
         """The finite ends of the domain; None where one has no number in two doubles."""
         s = self.curve.substitution
         return formulas_of([end for end in (s.lower, s.upper) if end.is_finite])
@@ -226,7 +226,7 @@ class CurveForArrays:
         roots, leading = self.roots.once(table, shape, solved)
         return RootsInDomain(roots, leading, (ends[0], ends[1]), self.without_ends[1])
 
-    def place(self, symbol: sp.Symbol) -> Formulas | None:
+    def place(self, symbol: sp.Symbol) -> FormulasForArrays | None:
         """Return a place, its x, and how far it is inside the ends of the domain, or of the turn.
 
         Args:
